@@ -1,0 +1,1 @@
+"""Turns BML text into behaviours with times."""

@@ -1,0 +1,269 @@
+"""What was asked (Block) and when (Timeline): the types that the line passes on from BML text."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Literal
+
+from kinesic.body.utterance import Script
+
+Mode = Literal["left", "right", "both", "unspecified"]
+
+GESTURE_SYNCS = ("start", "ready", "strokeStart", "stroke", "strokeEnd", "relax", "end")
+GAZE_SYNCS = ("start", "ready", "relax", "end")
+FACE_SYNCS = ("start", "attackPeak", "relax", "end")
+SHIFT_SYNCS = ("start", "end")
+
+
+class BmlError(ValueError):
+    """A document is refused: names file, line, column, what is wrong and what would have worked."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where something stands in its document, from 1."""
+
+    line: int
+    column: int
+
+
+class Composition(Enum):
+    """How a block meets those that play already."""
+
+    MERGE = "MERGE"
+    APPEND = "APPEND"
+    REPLACE = "REPLACE"
+
+
+class NoticeType(Enum):
+    """Types of warningFeedback, as BML 1.0 spells them."""
+
+    PARSING_FAILURE = "PARSING_FAILURE"
+    NO_SUCH_TARGET = "NO_SUCH_TARGET"
+    IMPOSSIBLE_TO_SCHEDULE = "IMPOSSIBLE_TO_SCHEDULE"
+    BEHAVIOR_TYPE_NOT_SUPPORTED = "BEHAVIOR_TYPE_NOT_SUPPORTED"
+    CUSTOM_BEHAVIOUR_NOT_SUPPORTED = "CUSTOM_BEHAVIOUR_NOT_SUPPORTED"
+    CUSTOM_ATTRIBUTE_NOT_SUPPORTED = "CUSTOM_ATTRIBUTE_NOT_SUPPORTED"
+    CANNOT_CREATE_BEHAVIOR = "CANNOT_CREATE_BEHAVIOR"
+
+
+@dataclass(frozen=True)
+class Notice:
+    """One warning to the sender."""
+
+    type: NoticeType
+    id: str  # "block" or "block:behaviour"
+    text: str
+
+
+@dataclass(frozen=True)
+class SyncRef:
+    """A sync point of a behaviour plus an offset; behaviour `bml` is the block itself (facts: BML 1.0, 2.4)."""
+
+    block: str
+    behaviour: str
+    sync: str
+    iteration: int | None = None
+    offset: float = 0.0  # [s]
+
+
+@dataclass(frozen=True)
+class Manner:
+    """Expressivity that a document carries; None where it says nothing."""
+
+    spatial: float | None = None  # -1..1
+    temporal: float | None = None  # -1..1
+    fluidity: float | None = None  # -1..1
+    power: float | None = None  # -1..1
+    repetition: float | None = None  # -1..1
+    openness: float | None = None
+    tension: float | None = None  # -1..1
+    intensity: float | None = None  # 0..1
+
+
+@dataclass(frozen=True)
+class Gesture:
+    """A gesture of the lexicon."""
+
+    lexeme: str
+    mode: Mode = "unspecified"
+    target: str | None = None
+
+
+@dataclass(frozen=True)
+class Pointing:
+    """Pointing at a target: a name, or "x y z" in the world [m]."""
+
+    target: str
+    mode: Mode = "unspecified"
+
+
+@dataclass(frozen=True)
+class Head:
+    """A head movement that returns: NOD, SHAKE, or a direction of Greta's lexicon."""
+
+    lexeme: str
+    repetition: int = 1
+    amount: float = 0.5
+
+
+@dataclass(frozen=True)
+class HeadDirectionShift:
+    """A head direction that stays: a target, or a lexeme of Greta's."""
+
+    target: str
+
+
+@dataclass(frozen=True)
+class Gaze:
+    """Looking at a target, or in a direction off the present one."""
+
+    target: str | None = None
+    influence: str | None = None
+    offset_angle: float = 0.0  # [deg]
+    offset_direction: str | None = None
+    shift: bool = False  # gazeShift: it stays
+
+
+@dataclass(frozen=True)
+class Face:
+    """Facial expression: lexemes, or one action unit."""
+
+    lexemes: tuple[str, ...] = ()
+    action_unit: int | None = None
+    side: Literal["left", "right", "both"] = "both"
+    amount: float = 0.5
+    shift: bool = False  # faceShift: it stays
+
+
+@dataclass(frozen=True)
+class Posture:
+    """Body posture by stance and poses."""
+
+    stance: str | None = None
+    poses: tuple[tuple[str, str], ...] = ()  # (part, lexeme)
+    shift: bool = False  # postureShift: it stays
+
+
+@dataclass(frozen=True)
+class Torso:
+    """Greta's torso movement: a lexeme such as BodyLean."""
+
+    lexeme: str
+    amount: float = 0.5
+
+
+@dataclass(frozen=True)
+class Locomotion:
+    """Going somewhere."""
+
+    target: str
+    manner: str = "WALK"
+
+
+@dataclass(frozen=True)
+class Speech:
+    """Something said; its sync points are start, end and the marks of the script."""
+
+    script: Script
+
+
+@dataclass(frozen=True)
+class Wait:
+    """Nothing, for a while."""
+
+    duration: float | None = None  # [s]
+
+
+@dataclass(frozen=True)
+class Custom:
+    """A behaviour of an extension, by its name with prefix."""
+
+    name: str
+
+
+Action = (
+    Gesture | Pointing | Head | HeadDirectionShift | Gaze | Face | Posture | Torso | Locomotion | Speech | Wait | Custom
+)
+
+
+@dataclass(frozen=True)
+class Behaviour:
+    """One thing that the body is asked to do."""
+
+    id: str  # unique in its block (duplicates of a dialect get a suffix, and a notice)
+    type: str  # element name as written, for reports
+    action: Action
+    place: Place
+    syncs: Mapping[str, SyncRef] = field(default_factory=dict)  # sync point -> what it must coincide with
+    manner: Manner = Manner()
+    required: bool = False
+
+
+@dataclass(frozen=True)
+class Synchronize:
+    """All these points coincide."""
+
+    refs: tuple[SyncRef, ...]
+    place: Place
+    required: bool = False
+
+
+@dataclass(frozen=True)
+class Order:
+    """`earlier` is not after any of `later` (BML's `after`; `before` is turned round into this form)."""
+
+    earlier: SyncRef
+    later: tuple[SyncRef, ...]
+    place: Place
+    required: bool = False
+
+
+@dataclass(frozen=True)
+class Block:
+    """One <bml> element."""
+
+    id: str
+    behaviours: tuple[Behaviour, ...]
+    constraints: tuple[Synchronize | Order, ...] = ()
+    composition: Composition = Composition.MERGE
+    character: str | None = None
+    dialect: Literal["bml-1.0", "draft", "none", "fml-apml"] = "bml-1.0"
+    notices: tuple[Notice, ...] = ()
+    source: str = "<text>"  # file name, for messages
+
+
+@dataclass(frozen=True)
+class Drop:
+    """A behaviour that will not be performed, and why."""
+
+    behaviour: Behaviour
+    why: str
+
+
+@dataclass(frozen=True)
+class Timed:
+    """A behaviour with all its sync points in seconds of block time, in the order of its type."""
+
+    behaviour: Behaviour
+    times: Mapping[str, float]  # sync point -> [s]; may be negative
+
+
+@dataclass(frozen=True)
+class Timeline:
+    """Every behaviour that will be performed, with its times."""
+
+    block: Block
+    timed: tuple[Timed, ...]
+    dropped: tuple[Drop, ...] = ()
+    notices: tuple[Notice, ...] = ()  # those of the block included
+
+    @property
+    def start(self) -> float:
+        """Earliest time of any behaviour, at most 0 [s]."""
+        return min([0.0, *(time for timed in self.timed for time in timed.times.values())])
+
+    @property
+    def end(self) -> float:
+        """Latest time of any behaviour, at least 0 [s]."""
+        return max([0.0, *(time for timed in self.timed for time in timed.times.values())])

@@ -1,0 +1,1 @@
+"""What the robot is and what it can be told."""

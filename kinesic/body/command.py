@@ -1,0 +1,38 @@
+"""What a robot is told at each tick, what it is doing, and who listens."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from kinesic.body.arrays import Floats
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Motion at one instant, in joint order; interruption is re-planning from here."""
+
+    angles: Floats  # (n,) [rad]
+    speeds: Floats  # (n,) [rad/s]
+    accelerations: Floats  # (n,) [rad/s^2]
+
+
+@dataclass(frozen=True, eq=False)
+class Command:
+    """One tick: the reference that limits and reports judge, and the goals that servos follow."""
+
+    time: float  # [s] performance time
+    angles: Floats  # (n,) [rad] reference
+    speeds: Floats  # (n,) [rad/s] reference
+    accelerations: Floats  # (n,) [rad/s^2] reference
+    goals: Floats  # (n,) [rad] reference plus feed-forward, clipped to range
+    face: Mapping[str, float] = field(default_factory=dict)  # action unit -> 0..1
+
+
+class Sink(Protocol):
+    """Anything that follows commands. It is told the time and never sleeps."""
+
+    def write(self, command: Command, /) -> None:
+        """Follows one command; times never decrease."""
+
+    def close(self) -> None:
+        """Ends the performance; called once, in `finally`."""

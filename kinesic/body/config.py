@@ -1,0 +1,86 @@
+"""Reads TOML strictly: unknown keys, wrong types and numbers that are not finite are errors that teach."""
+
+import difflib
+import math
+import re
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TypeVar, get_args
+
+import msgspec
+
+CONFIGS = Path(__file__).resolve().parent.parent / "configs"
+
+T = TypeVar("T")
+
+
+class ConfigError(ValueError):
+    """A file of facts is missing or wrong: names the file, the place, the value and what would have worked."""
+
+
+def read(path: Path, schema: type[T]) -> T:
+    """Reads a TOML file into a msgspec schema.
+
+    Args:
+        path: of the file.
+        schema: a `msgspec.Struct` with `forbid_unknown_fields`.
+
+    Raises:
+        ConfigError: the file is missing, not TOML, or does not fit the schema.
+    """
+    try:
+        data = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise ConfigError(f"{path}: no such file") from None
+    except OSError as error:
+        raise ConfigError(f"{path}: {error.strerror}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{path}: not TOML: {error}") from None
+    for place, value in _numbers(data, "$"):
+        if not math.isfinite(value):
+            raise ConfigError(f"{path}: {place} is {value}, must be a finite number")
+    try:
+        return msgspec.convert(data, schema)
+    except msgspec.ValidationError as error:
+        raise ConfigError(f"{path}: {error}{_suggestion(str(error), schema)}") from None
+
+
+def closest(word: str, known: Iterator[str] | list[str] | tuple[str, ...]) -> str:
+    """'; did you mean X?' for the known word nearest to a wrong one, or '; known: ...' when none is near."""
+    names = sorted(known)
+    near = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
+    if near:
+        return f"; did you mean {near[0]}?"
+    return f"; known: {', '.join(names)}" if names else ""
+
+
+def _numbers(data: object, place: str) -> Iterator[tuple[str, float]]:
+    """Every float in a TOML tree, with its place."""
+    if isinstance(data, dict):
+        for key, value in data.items():
+            yield from _numbers(value, f"{place}.{key}")
+    elif isinstance(data, list):
+        for k, value in enumerate(data):
+            yield from _numbers(value, f"{place}[{k}]")
+    elif isinstance(data, float):
+        yield place, data
+
+
+def _suggestion(message: str, schema: object) -> str:
+    """What would have worked, for an unknown field."""
+    unknown = re.search(r"unknown field `([^`]+)`", message)
+    return closest(unknown.group(1), list(_fields(schema, set()))) if unknown else ""
+
+
+def _fields(schema: object, seen: set[object]) -> Iterator[str]:
+    """Names of all fields of a schema and of the schemas inside it."""
+    if schema in seen:
+        return
+    seen.add(schema)
+    for inner in get_args(schema):
+        yield from _fields(inner, seen)
+    if isinstance(schema, type) and issubclass(schema, msgspec.Struct):
+        for field in msgspec.structs.fields(schema):
+            yield field.encode_name
+            yield from _fields(field.type, seen)

@@ -1,0 +1,46 @@
+"""What planning must know of the body's physics; implemented by `sim`, joined by `controller`."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from kinesic.body.arrays import Floats
+
+
+class Dynamics(Protocol):
+    """Inverse dynamics of a robot, in joint order."""
+
+    def torques(self, angles: Floats, speeds: Floats, accelerations: Floats) -> Floats:
+        """Torque that each motion needs, gravity, inertia, armature and friction included.
+
+        Args:
+            angles: (m, n) [rad].
+            speeds: (m, n) [rad/s].
+            accelerations: (m, n) [rad/s^2].
+
+        Returns:
+            (m, n) [Nm].
+        """
+
+    def acceleration_limits(self) -> Floats:
+        """(n,) [rad/s^2] that each drive can give in its worst posture: (0.8 stall - gravity - friction) / M_jj."""
+
+
+@dataclass(frozen=True, eq=False)
+class Clearance:
+    """Closest approach of two segments along a motion."""
+
+    distances: Floats  # (m,) [m] smallest distance over all counted pairs, negative when they overlap
+    pairs: Sequence[tuple[str, str]]  # (m,) the segments that are closest
+
+    @property
+    def worst(self) -> int:
+        """Index of the closest approach."""
+        return int(self.distances.argmin())
+
+
+class Distances(Protocol):
+    """Self-distance of a robot."""
+
+    def clearance(self, angles: Floats) -> Clearance:
+        """Smallest distance between the capsules of counted pairs, for (m, n) [rad]."""

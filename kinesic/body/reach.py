@@ -1,0 +1,19 @@
+"""What a hand is asked to do: the word that expressivity says and ik hears."""
+
+from dataclasses import dataclass
+
+from kinesic.body.arrays import Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Reach:
+    """Where the hand (the wrist's centre) goes, and how it is held there.
+
+    The frame of positions and directions is named by whoever holds the Reach; ik is asked in the frame of
+    the chain's base.
+    """
+
+    position: Floats  # (3,) [m] of the wrist's centre
+    pointing: Floats | None = None  # (3,) unit: direction from the wrist along the hand
+    palm: Floats | None = None  # (3,) unit: direction that the palm faces
+    swivel: float | None = None  # [rad] elbow about the line shoulder-wrist, 0 = hanging, + = away from the body

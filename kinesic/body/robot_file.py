@@ -1,0 +1,205 @@
+"""From a robot's TOML to a Robot: the mirrored half is made, and every name is checked."""
+
+from collections.abc import Callable
+from math import radians
+from pathlib import Path
+from typing import TypeVar
+
+import msgspec
+import numpy as np
+
+from kinesic.body.arrays import sealed
+from kinesic.body.config import CONFIGS, ConfigError, closest, read
+from kinesic.body.robot import Exclusion, Mount, Robot, Site
+from kinesic.body.robot_schema import (
+    BodyTable,
+    CapsuleTable,
+    HingeTable,
+    MirrorTable,
+    MountTable,
+    RobotFile,
+    ServoTable,
+    SiteTable,
+    Triple,
+)
+from kinesic.body.servo import Drive, ServoModel
+from kinesic.body.skeleton import Capsule, Hinge, Segment, Skeleton
+
+Table = TypeVar("Table", BodyTable, HingeTable)
+Value = TypeVar("Value")
+
+
+def servo_models() -> dict[str, ServoModel]:
+    """All servo models of `configs/servos.toml`, by name."""
+    tables = read(CONFIGS / "servos.toml", dict[str, ServoTable])
+    return {name: ServoModel(name=name, **msgspec.structs.asdict(table)) for name, table in tables.items()}
+
+
+def read_robot(path: Path) -> Robot:
+    """Reads a robot.
+
+    Raises:
+        ConfigError: the file is missing or wrong.
+    """
+    file = _with_both_sides(read(path, RobotFile))
+    _check(path, file)
+    models = servo_models()
+    order = [body.name for body in file.body]
+    hinges = sorted(file.hinge, key=lambda hinge: order.index(hinge.body))
+    return Robot(
+        name=file.robot.name,
+        path=path,
+        skeleton=Skeleton(
+            segments=tuple(_segment(body) for body in file.body),
+            hinges=tuple(_hinge(hinge, radians(file.rest.get(hinge.name, 0.0))) for hinge in hinges),
+        ),
+        mounts=tuple(
+            Mount(Drive(models[hinge.servo], hinge.count, hinge.reduction), hinge.mount.body, sealed(hinge.mount.at))
+            for hinge in hinges
+        ),
+        chains={name: tuple(bodies) for name, bodies in file.chains.items()},
+        sites={name: Site(site.body, sealed(site.at), sealed(site.facing)) for name, site in file.sites.items()},
+        exclusions=tuple(Exclusion(frozenset(entry.pair), entry.why) for entry in file.collision.exclude),
+        least_clearance=file.collision.clearance,
+        targets={name: sealed(position) for name, position in file.targets.items()},
+    )
+
+
+def _segment(body: BodyTable) -> Segment:
+    capsules = tuple(Capsule(sealed(c.start), sealed(c.end), c.radius) for c in body.capsules)
+    parent = None if body.parent == "world" else body.parent
+    return Segment(body.name, parent, sealed(body.pos), body.mass, capsules)
+
+
+def _hinge(hinge: HingeTable, rest: float) -> Hinge:
+    axis = np.array(hinge.axis) / np.linalg.norm(hinge.axis)
+    lower, upper = (radians(limit) for limit in hinge.range_deg)
+    return Hinge(hinge.name, hinge.body, sealed(axis), lower, upper, rest)
+
+
+def _with_both_sides(file: RobotFile) -> RobotFile:
+    """The same file with the mirrored half written out."""
+    mirror = file.robot.mirror
+    if mirror is None:
+        return file
+    return msgspec.structs.replace(
+        file,
+        body=_doubled(file.body, mirror, _mirrored_body),
+        hinge=_doubled(file.hinge, mirror, _mirrored_hinge),
+        chains=_both(file.chains, mirror, lambda names: [_renamed(name, mirror) for name in names]),
+        sites=_both(file.sites, mirror, lambda site: _mirrored_site(site, mirror)),
+        rest=_both(file.rest, mirror, lambda degrees: degrees),
+        collision=msgspec.structs.replace(
+            file.collision,
+            exclude=[
+                msgspec.structs.replace(entry, pair=pair)
+                for entry in file.collision.exclude
+                for pair in {entry.pair, (_swapped(entry.pair[0], mirror), _swapped(entry.pair[1], mirror))}
+            ],
+        ),
+    )
+
+
+def _doubled(tables: list[Table], mirror: MirrorTable, mirrored: Callable[[Table, MirrorTable], Table]) -> list[Table]:
+    """The tables, then the mirror images of those on the described side."""
+    return tables + [mirrored(table, mirror) for table in tables if table.name.startswith(mirror.source)]
+
+
+def _both(table: dict[str, Value], mirror: MirrorTable, mirrored: Callable[[Value], Value]) -> dict[str, Value]:
+    images = {_renamed(key, mirror): mirrored(value) for key, value in table.items() if key.startswith(mirror.source)}
+    return images | table
+
+
+def _mirrored_body(body: BodyTable, mirror: MirrorTable) -> BodyTable:
+    return BodyTable(
+        name=_renamed(body.name, mirror),
+        parent=_renamed(body.parent, mirror),
+        pos=_flipped(body.pos),
+        mass=body.mass,
+        capsules=[CapsuleTable(_flipped(c.start), _flipped(c.end), c.radius) for c in body.capsules],
+    )
+
+
+def _mirrored_hinge(hinge: HingeTable, mirror: MirrorTable) -> HingeTable:
+    x, y, z = hinge.axis
+    return msgspec.structs.replace(
+        hinge,
+        name=_renamed(hinge.name, mirror),
+        body=_renamed(hinge.body, mirror),
+        axis=(-x, y, -z),  # so that equal angles are mirror postures
+        mount=MountTable(_renamed(hinge.mount.body, mirror), _flipped(hinge.mount.at)),
+    )
+
+
+def _mirrored_site(site: SiteTable, mirror: MirrorTable) -> SiteTable:
+    return SiteTable(_renamed(site.body, mirror), _flipped(site.at), _flipped(site.facing))
+
+
+def _flipped(point: Triple) -> Triple:
+    return (point[0], -point[1], point[2])
+
+
+def _renamed(name: str, mirror: MirrorTable) -> str:
+    return mirror.target + name.removeprefix(mirror.source) if name.startswith(mirror.source) else name
+
+
+def _swapped(name: str, mirror: MirrorTable) -> str:
+    """The name on the other side, whichever side it is on."""
+    if name.startswith(mirror.target):
+        return mirror.source + name.removeprefix(mirror.target)
+    return _renamed(name, mirror)
+
+
+def _check(path: Path, file: RobotFile) -> None:
+    """Refuses what the schema cannot: names that exist nowhere, twice, or in the wrong order, and empty ranges."""
+    bodies: list[str] = []
+    for body in file.body:
+        _unique(path, "body", body.name, bodies)
+        if body.parent != "world":
+            _known(path, f"parent of body {body.name}", body.parent, bodies)
+        bodies.append(body.name)
+    hinges: list[str] = []
+    models = servo_models()
+    for hinge in file.hinge:
+        _unique(path, "hinge", hinge.name, hinges)
+        _known(path, f"body of hinge {hinge.name}", hinge.body, bodies)
+        _known(path, f"mount of hinge {hinge.name}", hinge.mount.body, bodies)
+        _known(path, f"servo of hinge {hinge.name}", hinge.servo, list(models))
+        _check_figures(path, hinge, file.rest.get(hinge.name, 0.0))
+        hinges.append(hinge.name)
+    for name, members in file.chains.items():
+        for body_name in members:
+            _known(path, f"chain {name}", body_name, bodies)
+    for name, site in file.sites.items():
+        _known(path, f"site {name}", site.body, bodies)
+    for name in file.rest:
+        _known(path, "[rest]", name, hinges)
+    for entry in file.collision.exclude:
+        for body_name in entry.pair:
+            _known(path, "[collision] exclude", body_name, bodies)
+    for chain in ("l_arm", "r_arm"):
+        _known(path, "[chains] needs", chain, list(file.chains))
+    for site_name in ("l_palm", "r_palm"):
+        _known(path, "[sites] needs", site_name, list(file.sites))
+
+
+def _check_figures(path: Path, hinge: HingeTable, rest: float) -> None:
+    lower, upper = hinge.range_deg
+    if not lower < upper:
+        raise ConfigError(f"{path}: hinge {hinge.name}: range_deg is [{lower}, {upper}], must be [low, high]")
+    if not lower <= rest <= upper:
+        raise ConfigError(f"{path}: [rest] {hinge.name} is {rest} deg, outside [{lower}, {upper}]")
+    if not any(hinge.axis):
+        raise ConfigError(f"{path}: hinge {hinge.name}: axis is zero, must be a direction")
+    if hinge.count < 1 or hinge.reduction <= 0:
+        raise ConfigError(f"{path}: hinge {hinge.name}: count must be at least 1 and reduction above 0")
+
+
+def _unique(path: Path, kind: str, name: str, known: list[str]) -> None:
+    if name in known:
+        raise ConfigError(f"{path}: {kind} {name} is described twice")
+
+
+def _known(path: Path, where: str, name: str, known: list[str]) -> None:
+    if name not in known:
+        raise ConfigError(f"{path}: {where}: no {name}{closest(name, known)}")

@@ -1,0 +1,82 @@
+"""Servos as data: a model's figures at 12 V, and a drive, the servo as its hinge feels it."""
+
+from dataclasses import dataclass
+from math import pi
+
+TICKS_PER_TURN = 4096
+DUTY_FULL = 885  # PWM register value of full duty
+TICKS_PER_RADIAN = TICKS_PER_TURN / (2 * pi)
+
+
+@dataclass(frozen=True)
+class ServoModel:
+    """One row of `configs/servos.toml`, at the servo's own output shaft."""
+
+    name: str
+    model: int  # model number on the wire
+    volt: float
+    stall_nm: float
+    stall_a: float
+    no_load_rpm: float
+    gear: float
+    mass: float  # [kg]
+    size: tuple[float, float, float]  # [m]
+    p_gain: float  # factory position P gain
+    d_gain: float
+    kp_divisor: float
+    armature: float  # [kg m^2]
+    frictionloss: float  # [Nm]
+    damping: float  # [Nm s/rad]
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Servo, tandem count and reduction together, at the hinge.
+
+    The servo is a PWM position controller: duty = clip(gain * error, -1, 1) and
+    torque = stall * duty - (stall / no_load) * speed.
+    """
+
+    servo: ServoModel
+    count: int
+    reduction: float  # servo turns per hinge turn
+
+    @property
+    def stall(self) -> float:
+        """Stall torque [Nm]."""
+        return self.servo.stall_nm * self.count * self.reduction
+
+    @property
+    def no_load(self) -> float:
+        """No-load speed [rad/s]."""
+        return self.servo.no_load_rpm * 2 * pi / 60 / self.reduction
+
+    @property
+    def gain(self) -> float:
+        """Duty per radian of hinge error, g = P / divisor * (4096 / 2 pi) / 885 [1/rad]."""
+        return self.servo.p_gain / self.servo.kp_divisor * TICKS_PER_RADIAN / DUTY_FULL * self.reduction
+
+    @property
+    def rate_gain(self) -> float:
+        """Torque of the D term per hinge speed, at a 1 kHz loop [Nm s/rad]."""
+        return self.stall * self.servo.d_gain / 16 * TICKS_PER_RADIAN / DUTY_FULL / 1000 * self.reduction
+
+    @property
+    def armature(self) -> float:
+        """Reflected rotor inertia [kg m^2]."""
+        return self.servo.armature * self.count * self.reduction**2
+
+    @property
+    def frictionloss(self) -> float:
+        """Coulomb friction [Nm]."""
+        return self.servo.frictionloss * self.count * self.reduction
+
+    @property
+    def damping(self) -> float:
+        """Viscous friction [Nm s/rad]."""
+        return self.servo.damping * self.count * self.reduction**2
+
+    @property
+    def tick(self) -> float:
+        """Smallest step of the hinge's goal [rad]."""
+        return 2 * pi / TICKS_PER_TURN / self.reduction

@@ -1,0 +1,138 @@
+"""The robot as a tree of segments joined by hinges; its hinge order is the one joint order of the project.
+
+x points forward, y left, z up. Every length is in metres, every angle in radians.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.rotation import about
+
+
+@dataclass(frozen=True, eq=False)
+class Capsule:
+    """A cylinder with round ends, fixed to a segment: its shape for collisions, and where its mass lies."""
+
+    start: Floats  # (3,) [m] in the segment
+    end: Floats  # (3,) [m] in the segment
+    radius: float  # [m]
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """One rigid part, named after its H-Anim 1.1 joint; its hinges turn about its origin."""
+
+    name: str
+    parent: str | None  # None: fixed to the world
+    origin_in_parent: Floats  # (3,) [m]
+    mass: float  # [kg] structure only, servos add their own
+    capsules: tuple[Capsule, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Hinge:
+    """One degree of freedom, with an MPEG-4 BAP name; hinges of one segment share its origin."""
+
+    name: str
+    segment: str
+    axis: Floats  # (3,) unit vector in the segment, before later hinges of the same segment turn
+    lower: float  # [rad]
+    upper: float  # [rad]
+    rest: float  # [rad]
+
+
+@dataclass(frozen=True, eq=False)
+class Frames:
+    """Where every segment is, in the world."""
+
+    rotations: Floats  # (s, 3, 3)
+    origins: Floats  # (s, 3) [m]
+
+
+@dataclass(frozen=True, eq=False)
+class Skeleton:
+    """Segments with parents first, hinges from root to tip."""
+
+    segments: tuple[Segment, ...]
+    hinges: tuple[Hinge, ...]
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Hinge names in joint order."""
+        return tuple(hinge.name for hinge in self.hinges)
+
+    @cached_property
+    def lower(self) -> Floats:
+        """(n,) [rad]."""
+        return sealed([hinge.lower for hinge in self.hinges])
+
+    @cached_property
+    def upper(self) -> Floats:
+        """(n,) [rad]."""
+        return sealed([hinge.upper for hinge in self.hinges])
+
+    @cached_property
+    def rest(self) -> Floats:
+        """(n,) [rad]."""
+        return sealed([hinge.rest for hinge in self.hinges])
+
+    @cached_property
+    def _joint_of(self) -> dict[str, int]:
+        return {name: k for k, name in enumerate(self.names)}
+
+    @cached_property
+    def _segment_of(self) -> dict[str, int]:
+        return {segment.name: k for k, segment in enumerate(self.segments)}
+
+    @cached_property
+    def _steps(self) -> tuple[tuple[int, Floats, tuple[tuple[int, Floats], ...]], ...]:
+        """Per segment: index of its parent (-1: world), origin in the parent, (joint, axis) of its hinges."""
+        return tuple(
+            (
+                -1 if segment.parent is None else self._segment_of[segment.parent],
+                segment.origin_in_parent,
+                tuple((k, hinge.axis) for k, hinge in enumerate(self.hinges) if hinge.segment == segment.name),
+            )
+            for segment in self.segments
+        )
+
+    def joint(self, name: str) -> int:
+        """Index of a hinge in joint order."""
+        return self._joint_of[name]
+
+    def joints_of(self, segments: tuple[str, ...]) -> tuple[int, ...]:
+        """Indices of the hinges that move these segments, in joint order."""
+        return tuple(k for k, hinge in enumerate(self.hinges) if hinge.segment in segments)
+
+    def segment(self, name: str) -> int:
+        """Index of a segment."""
+        return self._segment_of[name]
+
+    def clamp(self, angles: Floats) -> Floats:
+        """The nearest angles inside the ranges, (n,) [rad]."""
+        return np.clip(angles, self.lower, self.upper)
+
+    def frames(self, angles: Floats) -> Frames:
+        """Forward kinematics.
+
+        Args:
+            angles: (n,) [rad] in joint order.
+
+        Returns:
+            Rotation and origin of each segment in the world.
+        """
+        rotations = np.empty((len(self.segments), 3, 3))
+        origins = np.empty((len(self.segments), 3))
+        for k, (parent, origin, hinges) in enumerate(self._steps):
+            if parent < 0:
+                rotation, origins[k] = np.eye(3), origin
+            else:
+                rotation = rotations[parent]
+                origins[k] = origins[parent] + rotation @ origin
+            for joint, axis in hinges:
+                rotation = rotation @ about(axis, angles[joint])
+            rotations[k] = rotation
+        return Frames(sealed(rotations), sealed(origins))

@@ -1,0 +1,1 @@
+"""Facts in TOML, robots, servos, gestures, styles, and example BML."""

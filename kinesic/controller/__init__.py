@@ -1,0 +1,1 @@
+"""The straight line from BML to the sinks, and the one loop."""

@@ -1,0 +1,1 @@
+"""What `kinesic bench` measures: one file per part."""

@@ -1,0 +1,1 @@
+"""Decides where hands, gaze, torso and face go, and in which manner."""

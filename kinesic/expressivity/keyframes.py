@@ -1,0 +1,59 @@
+"""Key frames: where hands, head and torso are at key times (thesis 8.5: the full body at each key)."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from kinesic.bml.block import Notice, Timeline
+from kinesic.body.reach import Reach
+from kinesic.body.robot import Side
+
+PartName = Literal["torso", "head", "l_hand", "r_hand"]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a behaviour."""
+
+    kind: Literal["realised", "substituted", "dropped"]
+    why: str = ""
+
+
+@dataclass(frozen=True)
+class Turn:
+    """A rotation of head or torso away from upright: torsion first, then tilt, then roll."""
+
+    torsion: float = 0.0  # [rad] + left
+    tilt: float = 0.0  # [rad] + down, forward
+    roll: float = 0.0  # [rad] + to the right
+
+
+@dataclass(frozen=True, eq=False)
+class Hand:
+    """Where one hand is."""
+
+    reach: Reach | None = None  # in the world as if the torso stood upright; None: at rest
+    turns_with_torso: bool = True  # the gesture box does, a target in the world does not
+
+
+@dataclass(frozen=True, eq=False)
+class KeyFrame:
+    """The whole upper body at one key time."""
+
+    time: float  # [s] block time
+    torso: Turn
+    head: Turn
+    hands: Mapping[Side, Hand]
+    given: frozenset[PartName]  # parts that a behaviour asks for here; the others are filled by interpolation
+    syncs: tuple[tuple[str, str], ...] = ()  # (behaviour id, sync point) that fall on this key
+
+
+@dataclass(frozen=True, eq=False)
+class KeyFrames:
+    """One block as key frames, in strictly increasing time, at rest before the first and after the last."""
+
+    timeline: Timeline
+    frames: tuple[KeyFrame, ...]
+    outcomes: Mapping[str, Outcome]  # behaviour id -> what became of it, dropped ones included
+    uses: Mapping[str, frozenset[PartName]] = field(default_factory=dict)  # behaviour id -> the parts it moves
+    notices: tuple[Notice, ...] = ()  # those of the timeline included

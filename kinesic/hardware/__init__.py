@@ -1,0 +1,1 @@
+"""Servos on a wire."""

@@ -1,0 +1,1 @@
+"""Finds joint angles for a reach."""

@@ -1,0 +1,1 @@
+"""The virtual robot: a MuJoCo twin of the same skeleton."""

@@ -1,0 +1,1 @@
+"""Says the text and tells when each mark, word and phoneme falls."""
