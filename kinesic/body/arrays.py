@@ -1,9 +1,10 @@
-"""The one array type of the project, and how an array becomes read-only."""
+"""The array types of the project, and how an array becomes read-only."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 
 def sealed(values: ArrayLike) -> Floats:

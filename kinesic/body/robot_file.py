@@ -94,7 +94,7 @@ def _with_both_sides(file: RobotFile) -> RobotFile:
             exclude=[
                 msgspec.structs.replace(entry, pair=pair)
                 for entry in file.collision.exclude
-                for pair in {entry.pair, (_swapped(entry.pair[0], mirror), _swapped(entry.pair[1], mirror))}
+                for pair in _both_pairs(entry.pair, mirror)
             ],
         ),
     )
@@ -107,7 +107,12 @@ def _doubled(tables: list[Table], mirror: MirrorTable, mirrored: Callable[[Table
 
 def _both(table: dict[str, Value], mirror: MirrorTable, mirrored: Callable[[Value], Value]) -> dict[str, Value]:
     images = {_renamed(key, mirror): mirrored(value) for key, value in table.items() if key.startswith(mirror.source)}
-    return images | table
+    return table | images | table  # the described side first; what is written out wins
+
+
+def _both_pairs(pair: tuple[str, str], mirror: MirrorTable) -> list[tuple[str, str]]:
+    image = (_swapped(pair[0], mirror), _swapped(pair[1], mirror))
+    return [pair] if set(image) == set(pair) else [pair, image]
 
 
 def _mirrored_body(body: BodyTable, mirror: MirrorTable) -> BodyTable:

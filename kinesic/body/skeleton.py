@@ -48,8 +48,8 @@ class Hinge:
 class Frames:
     """Where every segment is, in the world."""
 
-    rotations: Floats  # (s, 3, 3)
-    origins: Floats  # (s, 3) [m]
+    rotations: Floats  # (..., s, 3, 3)
+    origins: Floats  # (..., s, 3) [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,27 +112,29 @@ class Skeleton:
         return self._segment_of[name]
 
     def clamp(self, angles: Floats) -> Floats:
-        """The nearest angles inside the ranges, (n,) [rad]."""
-        return np.clip(angles, self.lower, self.upper)
+        """The nearest angles inside the ranges, for (..., n) [rad]."""
+        clamped: Floats = np.clip(angles, self.lower, self.upper)
+        return clamped
 
     def frames(self, angles: Floats) -> Frames:
         """Forward kinematics.
 
         Args:
-            angles: (n,) [rad] in joint order.
+            angles: (..., n) [rad] in joint order, one posture or any shape of them.
 
         Returns:
-            Rotation and origin of each segment in the world.
+            Rotation and origin of each segment in the world, with the leading shape of `angles`.
         """
-        rotations = np.empty((len(self.segments), 3, 3))
-        origins = np.empty((len(self.segments), 3))
+        shape = (*np.shape(angles)[:-1], len(self.segments))
+        rotations, origins = np.empty((*shape, 3, 3)), np.empty((*shape, 3))
         for k, (parent, origin, hinges) in enumerate(self._steps):
             if parent < 0:
-                rotation, origins[k] = np.eye(3), origin
+                rotation = np.broadcast_to(np.eye(3), (*shape[:-1], 3, 3))
+                origins[..., k, :] = origin
             else:
-                rotation = rotations[parent]
-                origins[k] = origins[parent] + rotation @ origin
+                rotation = rotations[..., parent, :, :]
+                origins[..., k, :] = origins[..., parent, :] + rotation @ origin
             for joint, axis in hinges:
-                rotation = rotation @ about(axis, angles[joint])
-            rotations[k] = rotation
+                rotation = rotation @ about(axis, angles[..., joint])
+            rotations[..., k, :, :] = rotation
         return Frames(sealed(rotations), sealed(origins))

@@ -1,1 +1,1 @@
-"""Shows the face."""
+"""Shows the face: action units to a picture, in a window or a file."""

@@ -1,0 +1,55 @@
+# make demo   performs a block of BML in the virtual robot
+# make test   runs the tests
+# Both set up .venv first; nothing but python3 (with venv) and make is needed, and no root.
+
+PYTHON ?= python3
+BIN := .venv/bin
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+SOURCES := pyproject.toml $(wildcard setup.py kinesic/ik/*.cpp kinesic/ik/*.h)
+EXTRAS := speech face studio
+OPENGL := libegl1 libgl1-mesa-dri libopengl0 libgl1
+
+.DELETE_ON_ERROR:
+.PHONY: demo test check bench system-deps clean
+
+demo: .venv/.stamp-demo
+	@$(BIN)/kinesic perform kinesic/configs/bml/welcome.bml --out out/demo --force
+
+test: .venv/.stamp-test
+	@$(BIN)/python -m pytest
+
+check: .venv/.stamp-test
+	@$(BIN)/ruff check
+	@$(BIN)/ruff format --check
+	@$(BIN)/mypy
+	@$(BIN)/lint-imports
+
+bench: .venv/.stamp-demo
+	@$(BIN)/kinesic bench all
+
+# The core must install; an extra that the machine does not allow is a warning. The second install finds the project
+# in place and adds only what the extra needs.
+.venv/.stamp-demo: $(SOURCES)
+	@echo "setting up .venv ..."
+	@test -x $(BIN)/pip || $(PYTHON) -m venv --clear .venv
+	@$(INSTALL) --editable .
+	@for extra in $(EXTRAS); do \
+		$(INSTALL) "kinesic[$$extra]" >.venv/$$extra.log 2>&1 || \
+		echo "warn: extra $$extra is not installed, kinesic runs without it (why: .venv/$$extra.log)"; \
+	done
+	@touch $@
+
+.venv/.stamp-test: .venv/.stamp-demo
+	@$(INSTALL) "kinesic[dev]"
+	@touch $@
+
+# OpenGL for films and for the face; everything else works without it.
+system-deps:
+	@if [ "$$(id -u)" = 0 ]; then apt-get install -y -qq $(OPENGL); \
+	elif command -v sudo >/dev/null; then sudo apt-get install -y -qq $(OPENGL); \
+	else echo "as root: apt-get install -y $(OPENGL)"; fi
+
+clean:
+	rm -rf .venv build dist out *.egg-info .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -f kinesic/ik/*.so
+	find kinesic tests examples -type d -name __pycache__ -prune -exec rm -rf {} +

@@ -1,0 +1,23 @@
+"""kinesic performs BML on humanoids with servos."""
+
+from typing import TYPE_CHECKING
+
+__version__ = "0.1.0"
+__all__ = ["Robot", "__version__", "perform", "plan"]
+
+if TYPE_CHECKING:
+    from kinesic.body.robot import Robot
+    from kinesic.controller.perform import perform, plan
+
+
+def __getattr__(name: str) -> object:
+    """Imports the public functions when they are first asked for: `import kinesic` stays fast."""
+    if name == "Robot":
+        from kinesic.body.robot import Robot
+
+        return Robot
+    if name in ("plan", "perform"):
+        from kinesic.controller import perform as module
+
+        return getattr(module, name)
+    raise AttributeError(f"module kinesic has no attribute {name}")

@@ -1,0 +1,55 @@
+"""Which names belong to BML: the namespace decides where there is one, the name where there is none."""
+
+from kinesic.bml.tree import Element
+
+BML_1_0 = "http://www.bml-initiative.org/bml/bml-1.0"
+EXTENSIONS = "http://www.bml-initiative.org/bml/coreextensions-1.0"
+DRAFTS = ("http://www.mindmakers.org/projects/BML", "org.mindmakers.bml")
+GRETA = "VIBNameSpace"
+
+CORE = frozenset({"", BML_1_0, EXTENSIONS, GRETA, *DRAFTS})
+CORE_PREFIXES = frozenset({"bml", "ext", "greta"})  # meant when nobody declares them
+NEUTRAL_PREFIXES = frozenset({"xml", "xmlns", "xsi"})
+
+
+def namespace(element: Element) -> str | None:
+    """Namespace of an element; None when its prefix is declared nowhere."""
+    return element.scope.get(element.name.rpartition(":")[0])
+
+
+def is_core(element: Element, *, home: str | None) -> bool:
+    """Whether an element belongs to BML or to an extension that is understood.
+
+    Args:
+        element: to be judged.
+        home: namespace of its <bml>, whatever that is.
+    """
+    prefix = element.name.rpartition(":")[0]
+    return _is_core(prefix, namespace(element), home)
+
+
+def core_attributes(element: Element, *, home: str | None) -> dict[str, str]:
+    """Attributes that are BML's, by local name; those without prefix always are."""
+    attributes: dict[str, str] = {}
+    for name, value in element.attributes.items():
+        prefix, _, local = name.rpartition(":")
+        if not prefix or (prefix not in NEUTRAL_PREFIXES and _is_core(prefix, element.scope.get(prefix), home)):
+            attributes.setdefault(local, value)
+    return attributes
+
+
+def foreign_attributes(element: Element, *, home: str | None) -> list[str]:
+    """Names, with prefix, of attributes of unknown extensions."""
+    prefixed = [name for name in element.attributes if ":" in name]
+    return [
+        name
+        for name in prefixed
+        if (prefix := name.rpartition(":")[0]) not in NEUTRAL_PREFIXES
+        and not _is_core(prefix, element.scope.get(prefix), home)
+    ]
+
+
+def _is_core(prefix: str, uri: str | None, home: str | None) -> bool:
+    if uri is None:
+        return prefix in CORE_PREFIXES
+    return uri in CORE or uri == home

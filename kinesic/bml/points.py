@@ -1,0 +1,77 @@
+"""Sync points of each type of behaviour in their order, and how long it takes by nature from one to the next."""
+
+from collections.abc import Mapping
+
+from kinesic.bml.block import (
+    FACE_SYNCS,
+    GAZE_SYNCS,
+    GESTURE_SYNCS,
+    SHIFT_SYNCS,
+    Action,
+    Face,
+    Gaze,
+    Head,
+    Locomotion,
+    Posture,
+    Speech,
+    Wait,
+)
+from kinesic.bml.reading import Dialect
+
+HOLDS = frozenset({"strokeStart", "relax"})  # sync points that end a hold
+
+_DRAFT_FACE_SYNCS = (GESTURE_SYNCS[0], "attackPeak", *GESTURE_SYNCS[1:])  # the draft's seven, and BML 1.0's
+_NATURAL: Mapping[type, Mapping[str, float]] = {
+    Gaze: {"ready": 0.4, "relax": 1.0, "end": 0.4},
+    Face: {"attackPeak": 0.3, "relax": 0.8, "end": 0.4},
+    Head: {"ready": 0.2, "stroke": 0.2, "strokeEnd": 0.2, "end": 0.3},
+    Posture: {"ready": 1.0, "relax": 2.0, "end": 1.0},
+    Locomotion: {"ready": 0.5, "relax": 2.0, "end": 0.5},
+}
+_GESTURE = {"ready": 0.6, "stroke": 0.25, "strokeEnd": 0.25, "relax": 0.2, "end": 0.7}
+_REPEATED_STROKE = 0.4  # [s] from one stroke of a head movement to the next
+_SHIFT = 0.8  # [s]
+_WAIT = 1.0  # [s] when nothing says how long
+
+
+def sync_points(action: Action, dialect: Dialect) -> tuple[str, ...]:
+    """Sync points of a behaviour in order; those of a speech are start, its marks as written, end.
+
+    Gaze, face and posture have the gesture's seven points in the drafts: outside BML 1.0 they get both sets.
+    """
+    is_draft = dialect != "bml-1.0"
+    match action:
+        case Speech(script):
+            return ("start", *(mark.name for mark in script.marks), "end")
+        case Gaze(shift=True) | Face(shift=True) | Posture(shift=True) | Wait():
+            return SHIFT_SYNCS
+        case Face():
+            return _DRAFT_FACE_SYNCS if is_draft else FACE_SYNCS
+        case Gaze() | Posture():
+            return GESTURE_SYNCS if is_draft else GAZE_SYNCS
+        case Locomotion():
+            return GAZE_SYNCS
+        case Head(repetition=count) if count > 1:
+            after = GESTURE_SYNCS.index("strokeEnd")
+            more = (f"stroke:{k}" for k in range(2, count + 1))
+            return (*GESTURE_SYNCS[:after], *more, *GESTURE_SYNCS[after:])
+    return GESTURE_SYNCS
+
+
+def natural_spans(action: Action, given: Mapping[str, float]) -> dict[str, float]:
+    """Natural seconds from the previous sync point to each one; a point that is missing takes no time.
+
+    Args:
+        action: what is done.
+        given: what is known better, by sync point.
+    """
+    match action:
+        case Gaze(shift=True) | Face(shift=True) | Posture(shift=True):
+            usual: Mapping[str, float] = {"end": _SHIFT}
+        case Wait(duration):
+            usual = {"end": _WAIT if duration is None else duration}
+        case Head(repetition=count):
+            usual = {**_NATURAL[Head], **{f"stroke:{k}": _REPEATED_STROKE for k in range(2, count + 1)}}
+        case _:
+            usual = _NATURAL.get(type(action), _GESTURE)
+    return {**usual, **given}

@@ -1,0 +1,42 @@
+"""The command line: one file per verb. It prints results, one line per error, and exits with the promised code."""
+
+import sys
+
+import click
+
+from kinesic import __version__
+from kinesic.bml.block import BmlError
+from kinesic.body.config import ConfigError
+from kinesic.controller.cli.bench import bench
+from kinesic.controller.cli.doctor import doctor
+from kinesic.controller.cli.gestures import gestures
+from kinesic.controller.cli.perform import perform
+from kinesic.controller.cli.plan import plan
+from kinesic.controller.cli.robots import robots
+from kinesic.controller.cli.validate import validate
+
+BAD_INPUT = 2
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__)
+def kinesic() -> None:
+    """Performs BML (Behavior Markup Language) on humanoids with servos."""
+
+
+for verb in (perform, validate, plan, robots, gestures, bench, doctor):
+    kinesic.add_command(verb)
+
+
+def main() -> None:
+    """Runs the command line; errors of input and configuration are one line on standard error."""
+    try:
+        sys.exit(kinesic(standalone_mode=False) or 0)
+    except (BmlError, ConfigError) as error:
+        click.echo(f"kinesic: {error}", err=True)
+        sys.exit(BAD_INPUT)
+    except click.ClickException as error:
+        error.show()
+        sys.exit(BAD_INPUT)
+    except click.Abort:
+        sys.exit(130)

@@ -1,0 +1,33 @@
+"""`kinesic bench`: measures a part and prints each figure beside its goal."""
+
+import json
+from dataclasses import asdict
+
+import click
+from rich.console import Console
+from rich.table import Table
+
+from kinesic.controller.bench import plan, twin
+
+PARTS = {"plan": plan.bench, "twin": twin.bench}
+
+
+@click.command()
+@click.argument("part", type=click.Choice([*PARTS, "all"]))
+@click.option("--json", "as_json", is_flag=True, help="Prints a list of figures as JSON.")
+def bench(part: str, as_json: bool) -> int:
+    """Measures PART; timings are medians in a warm process."""
+    names = list(PARTS) if part == "all" else [part]
+    figures = [figure for name in names for figure in PARTS[name]()]
+    if as_json:
+        click.echo(json.dumps([asdict(figure) | {"ok": figure.ok} for figure in figures], indent=1))
+        return 0
+    table = Table("name", "value", "unit", "goal", "", box=None)
+    marks = {True: "[green]met[/]", False: "[red]missed[/]", None: ""}
+    for figure in figures:
+        value = figure.why if figure.value is None else f"{figure.value:.4g}"
+        sign = ">=" if figure.better == "higher" else "<="
+        goal = "" if figure.goal is None else f"{sign} {figure.goal:g}"
+        table.add_row(figure.name, value, figure.unit, goal, marks[figure.ok])
+    Console().print(table)
+    return 0

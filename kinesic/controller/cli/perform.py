@@ -1,0 +1,94 @@
+"""`kinesic perform`: one document, in the twin, with a report."""
+
+import json
+import sys
+from pathlib import Path
+
+import click
+from rich.console import Console
+from rich.table import Table
+
+from kinesic.bml.block import BmlError
+from kinesic.controller.checks import Check, checks
+from kinesic.controller.cli.options import Settings, planning
+from kinesic.controller.cli.twins import read_twin
+from kinesic.controller.output import Written, fresh_folder, write
+from kinesic.controller.page import verdict
+from kinesic.controller.perform import perform as perform_document
+from kinesic.controller.report import report
+
+COLOURS = {"pass": "green", "warn": "yellow", "fail": "red"}
+
+
+@click.command()
+@click.argument("file")
+@planning
+@click.option("--on", "sinks", type=click.Choice(["twin"]), default="twin", show_default=True, help="Who performs.")
+@click.option("--twin", default="nominal", show_default=True, help="nominal, pessimistic, or a TOML file of factors.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Of everything random.")
+@click.option("--out", type=click.Path(path_type=Path), help="Folder of the report (default: out/NAME-TIME).")
+@click.option("--force", is_flag=True, help="Replaces an existing folder.")
+@click.option("--film/--no-film", default=True, help="A film of the twin, where OpenGL works.")
+@click.option("--json", "as_json", is_flag=True, help="Prints the report as JSON.")
+def perform(
+    file: str,
+    robot: str,
+    style: str,
+    changes: tuple[str, ...],
+    lexicon: Path | None,
+    targets: Path | None,
+    sinks: str,
+    twin: str,
+    seed: int,
+    out: Path | None,
+    force: bool,
+    film: bool,
+    as_json: bool,
+) -> int:
+    """Performs FILE (- for standard input) and writes a report."""
+    text = read_document(file)
+    known = Settings(robot, style, changes, lexicon, targets).facts()
+    source = "stdin" if file == "-" else file
+    performance = perform_document(text, known, source=source, twin=read_twin(twin))
+    data = report(performance, source=source, seed=seed)
+    folder = fresh_folder(out, source, force=force)
+    written = write(performance, data, folder, film=film)
+    if as_json:
+        click.echo(json.dumps(data, indent=1))
+    else:
+        console = Console()
+        console.print(_table(checks(performance)))
+        console.print(verdict(data), highlight=False)
+    _print_paths(written, on_error=as_json)
+    return 0 if data["ok"] else 1
+
+
+def read_document(file: str) -> bytes:
+    """The bytes of a file, or of standard input for `-`.
+
+    Raises:
+        BmlError: there is no such file, or it cannot be read.
+    """
+    if file == "-":
+        return sys.stdin.buffer.read()
+    try:
+        return Path(file).read_bytes()
+    except OSError as error:
+        raise BmlError(f"{file}: {error.strerror}") from None
+
+
+def _table(verdicts: tuple[Check, ...]) -> Table:
+    table = Table("check", "status", "value", "limit", "unit", "where", box=None, header_style="bold")
+    for check in verdicts:
+        status = f"[{COLOURS[check.status]}]{check.status}[/]"
+        table.add_row(check.name, status, f"{check.value:.4g}", f"{check.limit:.4g}", check.unit, check.where)
+    return table
+
+
+def _print_paths(written: Written, *, on_error: bool) -> None:
+    if written.film is None:
+        click.echo(f"film: none ({written.why_no_film})", err=on_error)
+    else:
+        click.echo(f"film: {written.film}", err=on_error)
+    click.echo(f"report: {written.report}", err=on_error)
+    click.echo(f"page: {written.page}", err=on_error)

@@ -1,0 +1,35 @@
+"""`kinesic plan`: from BML to a motion in a file; nothing moves."""
+
+from pathlib import Path
+
+import click
+
+from kinesic.controller.cli.options import Settings, planning
+from kinesic.controller.cli.perform import read_document
+from kinesic.controller.motion_file import write_motion
+from kinesic.controller.perform import plan as plan_document
+
+
+@click.command()
+@click.argument("file")
+@planning
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="motion.npz, motion.csv or motion.bap.")
+def plan(
+    file: str,
+    robot: str,
+    style: str,
+    changes: tuple[str, ...],
+    lexicon: Path | None,
+    targets: Path | None,
+    out: Path,
+) -> int:
+    """Plans FILE (- for standard input) and writes the motion."""
+    text = read_document(file)
+    known = Settings(robot, style, changes, lexicon, targets).facts()
+    planned = plan_document(text, known, source="stdin" if file == "-" else file)
+    write_motion(planned.trajectory, known.robot, out)
+    for notice in planned.notices:
+        click.echo(f"{notice.type.value} {notice.id}: {notice.text}", err=True)
+    click.echo(f"{planned.trajectory.duration:.2f} s, {len(planned.postures.postures)} keys")
+    click.echo(f"motion: {out}")
+    return 0

@@ -1,0 +1,38 @@
+"""What planning knows beside the text."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from kinesic.body.arrays import Floats
+from kinesic.body.dynamics import Distances, Dynamics
+from kinesic.body.limits import Limits
+from kinesic.body.robot import Robot
+from kinesic.body.utterance import Voice
+from kinesic.controller.trajectory import Manner
+from kinesic.expressivity.lexicon import Lexicon
+from kinesic.expressivity.style import Style
+
+
+@dataclass(frozen=True, eq=False)
+class Facts:
+    """What planning must know beside the text; nothing of it is changed by planning."""
+
+    robot: Robot
+    style: Style
+    lexicon: Lexicon
+    voice: Voice
+    dynamics: Dynamics
+    distances: Distances
+    targets: Mapping[str, Floats] = field(default_factory=dict)  # named points (3,) [m] beside the robot's own
+
+    @cached_property
+    def limits(self) -> Limits:
+        """Of every hinge of the robot."""
+        skeleton = self.robot.skeleton
+        return Limits(skeleton.lower, skeleton.upper, self.robot.speed_limits, self.dynamics.acceleration_limits())
+
+    @property
+    def manner(self) -> Manner:
+        """How keys are passed: fluidity f as continuity c = (f - 1) / 2, tension as tension (thesis 8.7)."""
+        return Manner(tension=self.style.tension, continuity=(self.style.fluidity - 1.0) / 2.0)

@@ -1,0 +1,37 @@
+"""Inverts the servo model: goals that make the hinges arrive where the reference is, when it is there."""
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.body.dynamics import Dynamics
+from kinesic.body.robot import Robot
+from kinesic.controller.trajectory import Trajectory
+
+
+def goals(
+    trajectory: Trajectory, times: Floats, robot: Robot, dynamics: Dynamics, *, period: float, delay: float = 0.0
+) -> Floats:
+    """Set points for the servos.
+
+    A servo gives torque = stall (gain e) - (stall / no_load) speed - rate_gain speed for an error e = goal - angle,
+    so the error that yields a wished torque and speed is ((stall / no_load + rate_gain) speed + torque) / (gain stall).
+    Goals are held for a period and arrive after a delay: the reference is read half a period plus the delay ahead.
+
+    Args:
+        trajectory: the reference.
+        times: (m,) [s] performance times at which goals are sent.
+        robot: its drives and ranges.
+        dynamics: inverse dynamics.
+        period: [s] between goals.
+        delay: [s] of the bus.
+
+    Returns:
+        (m, n) [rad], clipped to the ranges.
+    """
+    angles, speeds, accelerations = trajectory.sample(times + period / 2 + delay)
+    torques = dynamics.torques(angles, speeds, accelerations)
+    stall = np.array([drive.stall for drive in robot.drives])
+    gain = np.array([drive.gain for drive in robot.drives])
+    back = np.array([drive.stall / drive.no_load + drive.rate_gain for drive in robot.drives])
+    lead = (back * speeds + torques) / (gain * stall)
+    return robot.skeleton.clamp(angles + lead)

@@ -1,0 +1,106 @@
+"""The dry-run report as one page that needs nothing beside itself."""
+
+import base64
+from collections.abc import Mapping
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from kinesic.controller.performance import Performance
+from kinesic.controller.plots_hands import hands
+from kinesic.controller.plots_joints import joints, still
+from kinesic.controller.plots_margins import margins
+from kinesic.controller.plots_score import score
+from kinesic.controller.report import Json
+
+FILM_TYPES = {".webp": "image/webp", ".png": "image/png", ".gif": "image/gif"}
+SEVERITY = {"fail": 0, "warn": 1, "pass": 2}
+TEMPLATE = "page.jinja"
+
+
+def write_page(
+    performance: Performance,
+    data: Mapping[str, Json],
+    *,
+    film: Path | None,
+    path: Path,
+    no_film: str = "not recorded",
+) -> None:
+    """Writes the report for people.
+
+    Args:
+        performance: what was planned and performed, for the figures.
+        data: what `report` says of it, for the words and tables.
+        film: animated picture of the performance (.webp, .png or .gif), which becomes a part of the page.
+        path: of the page.
+        no_film: why there is none.
+
+    Raises:
+        ValueError: the film is of another type.
+    """
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["figure"] = figure
+    text = environment.get_template(TEMPLATE).render(
+        data=data,
+        verdict=verdict(data),
+        checks=sorted(_rows(data, "checks"), key=lambda row: SEVERITY[str(row["status"])]),
+        film=None if film is None else _embedded(film),
+        no_film=no_film,
+        zero=performance.plan.trajectory.zero,
+        score=score(performance),
+        joints=list(joints(performance)),
+        still=still(performance),
+        hands=hands(performance),
+        margins=margins(performance),
+    )
+    path.write_bytes(text.encode("utf-8", errors="replace"))
+
+
+def verdict(data: Mapping[str, Json]) -> str:
+    """The report in one line: whether all is well, of what, and what is not.
+
+    Args:
+        data: what `report` says.
+    """
+    checks = _rows(data, "checks")
+    failed = [row for row in checks if row["status"] == "fail"]
+    dropped = [row for row in _rows(data, "behaviours") if row["outcome"] == "dropped"]
+    timing = data["timing"]
+    duration = figure(timing["duration_s"]) if isinstance(timing, dict) else "?"
+    counts = (
+        (sum(row["status"] == "warn" for row in checks), "missed goal"),
+        (len(dropped), "dropped behaviour"),
+        (len(_rows(data, "warnings")), "warning"),
+    )
+    notes = ", ".join(f"{count} {noun}{'s' if count > 1 else ''}" for count, noun in counts if count)
+    fails = ", ".join(f"{row['name']} {figure(row['value'])} (limit {figure(row['limit'])})" for row in failed)
+    what = f"{data['input']} on {data['robot']}, {duration} s"
+    return f"{'fail' if failed else 'ok'}: {what}, {fails or 'nothing fails'}{'; ' if notes else ''}{notes}"
+
+
+def figure(value: Json) -> str:
+    """A number with three digits that count; other values as they are, none as a dash."""
+    if value is None:
+        return "\u2013"
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return str(value)
+    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
+
+
+def _rows(data: Mapping[str, Json], name: str) -> list[dict[str, Json]]:
+    """A table of the report."""
+    table = data[name]
+    return [row for row in table if isinstance(row, dict)] if isinstance(table, list) else []
+
+
+def _embedded(film: Path) -> str:
+    """A film as a data URI."""
+    if film.suffix not in FILM_TYPES:
+        raise ValueError(f"{film} cannot be shown in a page; known: {', '.join(FILM_TYPES)}")
+    return f"data:{FILM_TYPES[film.suffix]};base64,{base64.b64encode(film.read_bytes()).decode()}"

@@ -1,0 +1,112 @@
+"""The straight line, from a block of BML to a motion that the servos can follow; pure."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+
+from kinesic.bml.block import Block, Notice, Speech, Timeline
+from kinesic.bml.schedule import schedule
+from kinesic.body.arrays import Floats
+from kinesic.body.dynamics import Clearance
+from kinesic.body.utterance import Utterance
+from kinesic.controller.clear import cleared, culprits
+from kinesic.controller.condition import Conditioned
+from kinesic.controller.facts import Facts
+from kinesic.controller.postures import Postures, postures
+from kinesic.controller.syncs import SyncTime, shifts, sync_times
+from kinesic.controller.trajectory import Trajectory, spline
+from kinesic.expressivity.durations import spans
+from kinesic.expressivity.keyframes import KeyFrames
+from kinesic.expressivity.realise import keyframes
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """Everything that is known before anything moves."""
+
+    facts: Facts
+    timeline: Timeline
+    utterances: Mapping[str, Utterance]
+    keyframes: KeyFrames
+    postures: Postures
+    wished: Trajectory
+    motion: Conditioned
+    clearance: Clearance  # of the reference, at 100 Hz
+    clearance_times: Floats  # (m,) [s] performance time
+    syncs: tuple[SyncTime, ...]
+    notices: tuple[Notice, ...]
+    seconds: float  # [s] that planning took
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """The motion that will be performed."""
+        return self.motion.trajectory
+
+    @property
+    def duration(self) -> float:
+        """[s] of the performance, speech included."""
+        return max(self.trajectory.duration, self.trajectory.zero + self.timeline.end)
+
+
+def plan(block: Block, facts: Facts) -> Plan:
+    """Plans a whole block.
+
+    A behaviour whose motion cannot be kept clear of the body is dropped by name, and the rest is planned again.
+
+    Raises:
+        BmlError: something `required` cannot be performed.
+    """
+    began = perf_counter()
+    utterances = {
+        behaviour.id: facts.voice.say(behaviour.action.script)
+        for behaviour in block.behaviours
+        if isinstance(behaviour.action, Speech)
+    }
+    natural = spans(block, style=facts.style, lexicon=facts.lexicon, robot=facts.robot)
+    timeline = schedule(block, utterances, natural)
+    without: dict[str, str] = {}
+    while True:
+        frames = _frames(timeline, facts, without)
+        solved, motion, times, clearance = cleared(postures(frames, facts.robot, facts.distances), facts)
+        dropped = culprits(frames, motion, times, clearance, facts.robot)
+        if not dropped:
+            break
+        without |= dropped
+    syncs = sync_times(frames, motion)
+    return Plan(
+        facts=facts,
+        timeline=timeline,
+        utterances=utterances,
+        keyframes=frames,
+        postures=solved,
+        wished=_wished(solved, motion, facts),
+        motion=motion,
+        clearance=clearance,
+        clearance_times=times,
+        syncs=syncs,
+        notices=(*frames.notices, *shifts(block, syncs, motion, facts.robot)),
+        seconds=perf_counter() - began,
+    )
+
+
+def _frames(timeline: Timeline, facts: Facts, without: Mapping[str, str]) -> KeyFrames:
+    return keyframes(
+        timeline,
+        style=facts.style,
+        lexicon=facts.lexicon,
+        robot=facts.robot,
+        targets=facts.targets,
+        without=without,
+    )
+
+
+def _wished(solved: Postures, motion: Conditioned, facts: Facts) -> Trajectory:
+    """The motion as asked, before limits."""
+    keys = solved.postures
+    if len(keys) < 2:
+        return motion.trajectory
+    angles = np.stack([posture.angles for posture in keys])
+    keyed = np.array([posture.keyed for posture in keys])
+    return spline(motion.asked, angles, keyed, facts.manner, np.ones_like(angles), zero=0.0)

@@ -1,0 +1,127 @@
+"""How the figures of the report are drawn: deterministic SVG in the colours of the page, light or dark."""
+
+import io
+import re
+import warnings
+from collections.abc import Iterable
+
+import numpy as np
+from markupsafe import Markup
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from kinesic.body.arrays import Floats
+from kinesic.controller.syncs import SyncTime
+
+# Stand-ins that become variables of the page's style sheet, so that one figure suits light and dark.
+INK, FAINT, GRID, OUTSIDE = "#010101", "#020202", "#030303", "#040404"
+ASKED, PLANNED, PERFORMED, SPEECH, LIMIT = "#050505", "#060606", "#070707", "#080808", "#090909"
+_VARIABLES = {
+    INK: "--ink",
+    FAINT: "--faint",
+    GRID: "--grid",
+    OUTSIDE: "--outside",
+    ASKED: "--asked",
+    PLANNED: "--planned",
+    PERFORMED: "--performed",
+    SPEECH: "--speech",
+    LIMIT: "--fail",
+}
+_SETTINGS = {"svg.fonttype": "none", "svg.hashsalt": "kinesic"}  # text stays text, ids do not change between runs
+_UNNEEDED_ID = re.compile(r' id="(?:figure|axes|patch|line2d|text|matplotlib\.axis|xtick|ytick|legend)\w*"')
+_PATH = re.compile(r' d="[^"]*"')
+_LONG_NUMBER = re.compile(r"(\.\d\d)\d+")
+
+WIDTH = 11.0  # [in] of every figure; the page scales it
+SMALL = 7.5  # [pt]
+POINTS = 1400  # of one line; more cannot be seen
+_LETTER = 0.58 * SMALL / 72  # [in] mean width
+
+
+def figure(height: float) -> Figure:
+    """An empty figure, `height` [in] high."""
+    return Figure(figsize=(WIDTH, height))
+
+
+def svg(drawn: Figure) -> Markup:
+    """A figure as an element of the page."""
+    text = io.StringIO()
+    with rc_context(_SETTINGS), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph", category=UserWarning)  # the browser has fonts of its own
+        drawn.savefig(text, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
+    body = text.getvalue()
+    body = body[body.index("<svg") :]
+    body = re.sub(r'(<svg[^>]*?) (?:width|height)="[^"]*"', r"\1", body, count=1)
+    body = re.sub(r'(<svg[^>]*?) (?:width|height)="[^"]*"', r"\1", body, count=1)
+    body = _PATH.sub(lambda found: _LONG_NUMBER.sub(r"\1", found.group()), _UNNEEDED_ID.sub("", body))
+    for colour, variable in _VARIABLES.items():
+        body = body.replace(colour, f"var({variable})")
+    return Markup(body)  # noqa: S704 - Matplotlib escapes every text in it
+
+
+def plain(axes: Axes, *, end: float, ticks: int = 3) -> None:
+    """Takes away what does not inform, and spans the time axis over 0..end [s]."""
+    axes.set_xlim(0.0, end)
+    axes.yaxis.set_major_locator(MaxNLocator(ticks))
+    axes.tick_params(length=2, width=0.5, labelsize=SMALL, color=FAINT, labelcolor=FAINT)
+    axes.grid(visible=True, color=GRID, linewidth=0.5)
+    axes.set_axisbelow(True)
+    for spine in axes.spines.values():
+        spine.set(color=GRID, linewidth=0.5)
+
+
+def write(
+    axes: Axes, x: float, y: float, words: str, *, colour: str = INK, place: str = "axes", align: str = "left"
+) -> None:
+    """Writes a text as it stands, without mathematics.
+
+    Args:
+        axes: where.
+        x: of the text's side that `align` names.
+        y: of its base line.
+        words: may come from strangers.
+        colour: of the text.
+        place: "axes": x and y are shares of the axes; "time": x is a time; "data": both are data.
+        align: left, center or right.
+    """
+    transform = {"axes": axes.transAxes, "time": axes.get_xaxis_transform(), "data": axes.transData}[place]
+    printable = "".join(letter if letter.isprintable() else " " for letter in words)
+    axes.text(x, y, printable, fontsize=SMALL, color=colour, ha=align, transform=transform, parse_math=False)
+
+
+def shortened(words: str, width: float) -> str:
+    """What of a text fits into a width [in]."""
+    letters = int(width / _LETTER)
+    return words if len(words) <= letters else words[: letters - 1] + "\u2026" if letters > 1 else ""
+
+
+def is_stroke(sync: SyncTime) -> bool:
+    """Whether a sync point is a stroke, the first or a repeated one."""
+    return sync.sync == "stroke" or sync.sync.startswith("stroke:")
+
+
+def apart(times: Iterable[float], least: float) -> list[int]:
+    """Indices of times, in increasing order, that leave at least `least` [s] between them."""
+    kept: list[int] = []
+    last = -np.inf
+    for k, time in enumerate(times):
+        if time - last >= least:
+            kept.append(k)
+            last = time
+    return kept
+
+
+def thinned(times: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """A line with at most about `POINTS` points that shows the same extremes, for (m,) times and values."""
+    size = int(np.ceil(2 * len(times) / POINTS))
+    if size < 3:
+        return times, values
+    starts = np.arange(0, len(times), size)
+    pieces = np.split(values, starts[1:])
+    extremes = [
+        sorted({start + int(p.argmin()), start + int(p.argmax())}) for start, p in zip(starts, pieces, strict=True)
+    ]
+    kept = np.unique([0, len(times) - 1, *(k for pair in extremes for k in pair)])
+    return times[kept], values[kept]

@@ -1,0 +1,91 @@
+"""The block as a score: one row per behaviour over performance time, with its strokes and its words."""
+
+from itertools import pairwise
+
+from markupsafe import Markup
+from matplotlib.axes import Axes
+
+from kinesic.bml.block import Behaviour, Speech
+from kinesic.controller.performance import Performance
+from kinesic.controller.plots import (
+    ASKED,
+    FAINT,
+    INK,
+    PLANNED,
+    SPEECH,
+    WIDTH,
+    figure,
+    is_stroke,
+    plain,
+    shortened,
+    svg,
+    write,
+)
+
+ROW, TOP, BOTTOM = 0.21, 0.06, 0.3  # [in]
+LEFT, RIGHT = 1.6, 0.1  # [in]
+ROWS = 80  # a longer score is cut, and says so
+
+
+def score(performance: Performance) -> Markup | None:
+    """Who does what when; None when nothing is performed."""
+    timed = {timed.behaviour.id for timed in performance.plan.timeline.timed}
+    outcomes = performance.plan.keyframes.outcomes
+    behaviours = [b for b in performance.plan.timeline.block.behaviours if b.id in timed]
+    behaviours = [b for b in behaviours if outcomes[b.id].kind != "dropped"]
+    if not behaviours:
+        return None
+    rows = behaviours[:ROWS]
+    height = TOP + ROW * (len(rows) + (len(behaviours) > ROWS)) + BOTTOM
+    drawn = figure(height)
+    width = WIDTH - LEFT - RIGHT
+    axes = drawn.add_axes((LEFT / WIDTH, BOTTOM / height, width / WIDTH, 1 - (TOP + BOTTOM) / height))
+    end = float(performance.measured.times[-1])
+    plain(axes, end=end)
+    axes.set_ylim((height - TOP - BOTTOM) / ROW, 0)
+    axes.set_yticks([])
+    for row, behaviour in enumerate(rows):
+        write(axes, -0.008 * end, row + 0.7, shortened(behaviour.id, LEFT), place="data", align="right")
+        draw = _words if isinstance(behaviour.action, Speech) else _phases
+        draw(axes, row, behaviour, performance, width / end)
+    if len(behaviours) > ROWS:
+        write(axes, 0.0, ROWS + 0.7, f"and {len(behaviours) - ROWS} more behaviours", colour=FAINT, place="data")
+    return svg(drawn)
+
+
+def _phases(axes: Axes, row: int, behaviour: Behaviour, performance: Performance, per_second: float) -> None:
+    """From start to end, the stroke in full colour; below it what was asked; beside it the type."""
+    zero = performance.plan.trajectory.zero
+    syncs = [sync for sync in performance.plan.syncs if sync.behaviour == behaviour.id]
+    if not syncs:
+        return
+    at = {sync.sync: zero + sync.planned for sync in syncs}
+    begin, end = min(at.values()), max(at.values())
+    axes.broken_barh([(begin, end - begin)], (row + 0.2, 0.5), color=PLANNED, alpha=0.3, linewidth=0)
+    if "strokeStart" in at and "strokeEnd" in at:
+        stroke = (at["strokeStart"], at["strokeEnd"] - at["strokeStart"])
+        axes.broken_barh([stroke], (row + 0.2, 0.5), color=PLANNED, linewidth=0)
+    strokes = [sync for sync in syncs if is_stroke(sync)]
+    axes.vlines([zero + sync.planned for sync in strokes], row + 0.08, row + 0.82, colors=INK, linewidth=1.2)
+    asked = [zero + sync.asked for sync in syncs]
+    axes.hlines(row + 0.86, min(asked), max(asked), colors=ASKED, linewidth=1.8)
+    axes.vlines([zero + sync.asked for sync in strokes], row + 0.74, row + 0.98, colors=ASKED, linewidth=1.8)
+    room = (performance.measured.times[-1] - end) * per_second
+    write(axes, end + 0.05 / per_second, row + 0.7, shortened(behaviour.type, room), colour=FAINT, place="data")
+
+
+def _words(axes: Axes, row: int, behaviour: Behaviour, performance: Performance, per_second: float) -> None:
+    """The text between its marks, each piece where it is said."""
+    plan = performance.plan
+    if not isinstance(behaviour.action, Speech):
+        return
+    script, utterance = behaviour.action.script, plan.utterances[behaviour.id]
+    start = next(timed.times["start"] for timed in plan.timeline.timed if timed.behaviour.id == behaviour.id)
+    marks = sorted((mark.position, utterance.marks[mark.name]) for mark in script.marks if mark.name in utterance.marks)
+    cuts = [(0, 0.0), *marks, (len(script.text), utterance.duration)]
+    for (first, begin), (last, end) in pairwise(cuts):
+        left = plan.trajectory.zero + start + begin
+        axes.broken_barh([(left, end - begin)], (row + 0.1, 0.8), facecolor=SPEECH, alpha=0.25, linewidth=0)
+        axes.vlines(left, row + 0.1, row + 0.9, colors=SPEECH, linewidth=1.0)
+        words = shortened(" ".join(script.text[first:last].split()), (end - begin) * per_second - 0.06)
+        write(axes, left + 0.03 / per_second, row + 0.7, words, place="data")

@@ -1,0 +1,140 @@
+"""Gaze and head direction: where the head looks, for a while or for good, and when the trunk turns along."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import atan2, copysign, hypot, radians, sqrt
+from typing import Literal
+
+import numpy as np
+
+from kinesic.bml.block import Block, Gaze, HeadDirectionShift
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import Robot
+from kinesic.expressivity.head import direction, named, words
+from kinesic.expressivity.keyframes import Turn
+from kinesic.expressivity.pace import turn_time
+from kinesic.expressivity.places import find_target, unknown
+from kinesic.expressivity.turns import UPRIGHT, Hold, clipped, excess, held, plus, room, scaled
+
+AUDIENCE = "audience"  # who is looked at when the one that was meant is unknown
+HEAD_ALONE = radians(45)  # torsion beyond which the trunk turns along
+SHARE = 50.0  # [deg] of a whole offset in Greta's documents, which write it as a share of 1
+
+_WITH_TRUNK = ("SHOULDER", "TORSO", "WAIST", "WHOLE")
+_OFFSETS = {"UP": (0, -1), "DOWN": (0, 1), "LEFT": (1, 0), "RIGHT": (-1, 0)}  # torsion, tilt
+
+
+Part = Literal["head", "torso"]
+
+
+@dataclass(frozen=True)
+class Aim:
+    """Rotations that look at something."""
+
+    head: Turn  # away from upright, the torso's part included
+    torso: Turn = UPRIGHT
+    substitute: str = ""  # why it is not what was asked
+    missing: str = ""  # what is wrong with the target
+    clipped: str = ""  # what the ranges took away
+
+
+def aim(
+    action: Gaze | HeadDirectionShift,
+    *,
+    block: Block,
+    robot: Robot,
+    targets: Mapping[str, Floats],
+    base: Turn = UPRIGHT,
+) -> Aim | None:
+    """Where a gaze or a head direction shift looks.
+
+    An unknown target is substituted by the audience. Robots have no moving eyes, so the head does their part.
+
+    Args:
+        action: the behaviour.
+        block: whose dialect says how offsets are written.
+        robot: whose eyes look.
+        targets: (3,) [m] in the world, by name.
+        base: direction of the head that an offset without a target starts from.
+
+    Returns:
+        None when neither the target nor an audience is known.
+    """
+    if isinstance(action, HeadDirectionShift):
+        found = words(action.target)
+        place = find_target(action.target, targets)
+        if place is None and named(found, "up", "down", "left", "right", "aside", "neutral", "tilt"):
+            return _limited(scaled(direction(found), 0.5), influence=None, robot=robot)
+        return _looking(action.target, place, UPRIGHT, None, robot, targets)
+    offset = _offset(action, block)
+    if action.target is None:
+        return _limited(plus(base, offset), influence=action.influence, robot=robot)
+    return _looking(action.target, find_target(action.target, targets), offset, action.influence, robot, targets)
+
+
+def hold(look: Aim, times: Mapping[str, float], *, part: Part, stays: bool, robot: Robot) -> Hold:
+    """When a part goes there and, unless it stays, back."""
+    return held(look.head if part == "head" else look.torso, times, natural=look_time(look, robot), stays=stays)
+
+
+def look_time(look: Aim, robot: Robot, temporal: float = 0.0) -> float:
+    """Natural time of turning there [s]."""
+    neck = plus(look.head, scaled(look.torso, -1.0))
+    return max(0.2, turn_time(robot, "neck", neck, temporal), turn_time(robot, "torso", look.torso, temporal))
+
+
+def _looking(
+    name: str, place: Floats | None, offset: Turn, influence: str | None, robot: Robot, targets: Mapping[str, Floats]
+) -> Aim | None:
+    """Towards a named target, or the audience in its place."""
+    if place is not None:
+        return _limited(plus(_towards(place, robot), offset), influence=influence, robot=robot)
+    if AUDIENCE not in targets:
+        return None
+    turn = plus(_towards(targets[AUDIENCE], robot), offset)
+    return _limited(turn, influence=influence, robot=robot, missing=unknown(name, targets))
+
+
+def _towards(place: Floats, robot: Robot) -> Turn:
+    """Torsion and tilt from the eyes at rest to a place."""
+    frames = robot.skeleton.frames(robot.skeleton.rest)
+    k = robot.skeleton.segment(robot.chains["neck"][-1])
+    eyes = robot.sites.get("eyes")
+    inside = np.zeros(3) if eyes is None else eyes.position
+    x, y, z = place - (frames.origins[k] + frames.rotations[k] @ inside)
+    return Turn(torsion=atan2(y, x), tilt=atan2(-z, hypot(x, y)))
+
+
+def _offset(gaze: Gaze, block: Block) -> Turn:
+    """The offset of a gaze; of drafts and of Greta's dialect, an angle up to 1 is a share of `SHARE`."""
+    angle = gaze.offset_angle
+    if block.dialect != "bml-1.0" and abs(angle) <= 1:
+        angle *= SHARE
+    text = (gaze.offset_direction or "").upper()
+    sides = np.array([_OFFSETS[word] for word in _OFFSETS if word in text])
+    if not len(sides):
+        return UPRIGHT
+    torsion, tilt = sides.sum(axis=0) * radians(angle) / sqrt(len(sides))
+    return Turn(torsion=float(torsion), tilt=float(tilt))
+
+
+def _limited(turn: Turn, *, influence: str | None, robot: Robot, missing: str = "") -> Aim:
+    """The rotation shared between head and trunk, inside their ranges."""
+    parts = (influence or "").upper()
+    trunk = 0.0
+    if not parts or any(part in parts for part in _WITH_TRUNK):
+        trunk = copysign(max(0.0, abs(turn.torsion) - HEAD_ALONE), turn.torsion)
+    torso = clipped(Turn(torsion=trunk), room(robot, "torso"))
+    neck = plus(turn, scaled(torso, -1.0))
+    lost = excess(neck, room(robot, "neck"))
+    return Aim(
+        head=plus(torso, clipped(neck, room(robot, "neck"))),
+        torso=torso,
+        substitute=f"looks at the {AUDIENCE}: {missing}" if missing else _without_eyes(parts),
+        missing=missing,
+        clipped=f"{lost:.0f} deg beyond the neck's range are left out" if lost > 0.5 else "",
+    )
+
+
+def _without_eyes(influence: str) -> str:
+    return "the head looks, as the eyes do not move" if influence == "EYES" else ""

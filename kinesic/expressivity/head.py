@@ -1,0 +1,171 @@
+"""Head movements that return: nods, shakes, and the directions that a lexeme's words name."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import radians
+from typing import Literal
+
+import numpy as np
+
+from kinesic.bml.block import Head
+from kinesic.body.robot import Robot
+from kinesic.expressivity.keyframes import Turn
+from kinesic.expressivity.pace import turn_time
+from kinesic.expressivity.turns import (
+    MERGE,
+    UPRIGHT,
+    Layer,
+    TurnKey,
+    arrival,
+    clipped,
+    departure,
+    excess,
+    room,
+    scaled,
+)
+
+NOD = radians(20)  # peak of a nod of amount 1
+SHAKE = radians(25)  # of a shake of amount 1, to each side
+DIRECTION = radians(30)  # of a direction of amount 1, on each axis that it names
+
+_AHEAD = 0.85  # of a direction: where the head is when ready
+_DIRECTIONS = ("up", "down", "left", "right", "forward", "back")
+_SHAKES = ("shake", "spin", "swing", "wiggle", "lateral", "negat", "deny")
+_SCALES = {"big": 1.5, "large": 1.5, "strong": 1.5, "small": 0.5, "subtle": 0.5, "tiny": 0.5}
+
+
+@dataclass(frozen=True)
+class HeadForm:
+    """What a head does in one stroke."""
+
+    kind: Literal["nod", "shake", "direction"]
+    peak: Turn
+    repetition: int = 1
+    substitute: str = ""  # why it is not the lexeme itself
+    clipped: str = ""  # what the neck's range took away
+
+    @property
+    def swings(self) -> tuple[float, ...]:
+        """Shares of the peak from `stroke` to `strokeEnd`: a nod goes down and back, a shake to both sides."""
+        if self.kind == "direction":
+            return (1.0,)
+        if self.kind == "nod":
+            return (1.0, 0.0) * self.repetition
+        return (1.0, -1.0) * self.repetition + (1.0, 0.0)
+
+
+def words(lexeme: str) -> tuple[str, ...]:
+    """The words of a lexeme, lower-case: `Down_Aside_Right`, `ShakeLeft`."""
+    return tuple(word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])", lexeme))
+
+
+def size(found: tuple[str, ...]) -> float:
+    """Factor on amplitude that words such as big and small ask for."""
+    return next((_SCALES[word] for word in found if word in _SCALES), 1.0)
+
+
+def named(found: tuple[str, ...], *stems: str) -> bool:
+    """Whether a word begins with one of some stems."""
+    return any(word.startswith(stems) for word in found)
+
+
+def head_form(head: Head, robot: Robot, spatial: float) -> HeadForm:
+    """The form of a head movement, inside the range of the neck.
+
+    A nod of amount a peaks at a x 20 deg, a shake at a x 25 deg to each side, a direction at a x 30 deg on each
+    axis that its words name: up and down tilt, left and right turn, and roll when the word is aside or tilt.
+    Spatial extent from -1 to 1 makes all of them up to half smaller or larger.
+
+    Args:
+        head: the behaviour.
+        robot: whose neck moves.
+        spatial: extent, -1 tight .. 1 wide.
+    """
+    found = words(head.lexeme)
+    kind, peak, substitute = _meaning(head.lexeme, found)
+    peak = scaled(peak, head.amount * size(found) * (1 + 0.5 * spatial))
+    within = room(robot, "neck")
+    lost = excess(peak, within)
+    why = f"{lost:.1f} deg beyond the neck's range are left out" if lost > 0.05 else ""
+    return HeadForm(kind, clipped(peak, within), max(1, head.repetition), substitute, why)
+
+
+def direction(found: tuple[str, ...]) -> Turn:
+    """The rotation that words such as up, left and aside name, one `DIRECTION` on each axis."""
+    tilt = DIRECTION * (named(found, "down", "forward") - named(found, "up", "back", "toss"))
+    side = DIRECTION * (named(found, "left") - named(found, "right"))
+    if named(found, "aside", "tilt", "lean", "roll", "inclin"):
+        return Turn(tilt=tilt, roll=-side if side or tilt else DIRECTION)
+    return Turn(torsion=side, tilt=tilt)
+
+
+def head_layer(form: HeadForm, times: Mapping[str, float], robot: Robot) -> Layer:
+    """The head movement in time.
+
+    A nod or shake swings between `strokeStart` and `strokeEnd`, first at its peak at `stroke`. A direction is
+    nearly there at `ready`, there at `stroke`, and held until `relax`.
+
+    Args:
+        form: of the movement.
+        times: the seven sync points of a gesture [s].
+        robot: whose neck moves.
+    """
+    natural = turn_time(robot, "neck", form.peak)
+    if form.kind == "direction":
+        return _held(form, times, natural)
+    return _swung(form, times, natural)
+
+
+def _held(form: HeadForm, times: Mapping[str, float], natural: float) -> Layer:
+    start = departure(times["start"], times["stroke"], natural)
+    leave = max(times["relax"], times["stroke"])
+    keys = [TurnKey(start, UPRIGHT)]
+    if times["ready"] - start >= MERGE and times["stroke"] - times["ready"] >= MERGE:
+        keys.append(TurnKey(times["ready"], scaled(form.peak, _AHEAD)))
+    keys.append(TurnKey(times["stroke"], form.peak))
+    if leave - times["stroke"] >= MERGE:
+        keys.append(TurnKey(leave, form.peak))
+    keys.append(TurnKey(arrival(keys[-1].time, times["end"], natural), UPRIGHT))
+    return tuple(keys)
+
+
+def _swung(form: HeadForm, times: Mapping[str, float], natural: float) -> Layer:
+    swings = form.swings
+    pinned = _pinned(times, len(swings) - 1, natural)
+    moments = [float(time) for time in np.interp(range(len(swings)), list(pinned), list(pinned.values()))]
+    start = departure(times["strokeStart"], moments[0], natural)
+    early = [TurnKey(times["start"], UPRIGHT)] if start - times["start"] >= MERGE else []
+    peaks = [TurnKey(time, scaled(form.peak, swing)) for time, swing in zip(moments, swings, strict=True)]
+    late = [TurnKey(times["end"], UPRIGHT)] if times["end"] - moments[-1] >= MERGE else []
+    return (*early, TurnKey(start, UPRIGHT), *peaks, *late)
+
+
+def _pinned(times: Mapping[str, float], last: int, natural: float) -> dict[int, float]:
+    """Times of the swings that sync points name [s]: every second one is a stroke, the last ends the stroke."""
+    pinned = {0: times["stroke"]}
+    for k in range(2, last, 2):
+        time = times.get(f"stroke:{k // 2 + 1}")
+        before = max(pinned)
+        if time is not None and time - pinned[before] >= MERGE * (k - before):
+            pinned[k] = time
+    before = max(pinned)
+    least = pinned[before] + MERGE * (last - before)
+    ends = [times[sync] for sync in ("strokeEnd", "relax", "end") if times[sync] >= least]
+    pinned[last] = ends[0] if ends else pinned[before] + natural * (last - before)
+    return pinned
+
+
+def _meaning(lexeme: str, found: tuple[str, ...]) -> tuple[Literal["nod", "shake", "direction"], Turn, str]:
+    """Kind, peak at amount 1, and why it is a substitute."""
+    if named(found, "nod"):
+        return "nod", Turn(tilt=NOD), ""
+    if named(found, "shake"):
+        return "shake", Turn(torsion=SHAKE), ""
+    if named(found, "neutral"):
+        return "direction", UPRIGHT, ""
+    if named(found, "tilt", "aside", "toss", "roll", *_DIRECTIONS):
+        return "direction", direction(found), ""
+    if named(found, *_SHAKES):
+        return "shake", Turn(torsion=SHAKE), f"a shake stands for {lexeme}"
+    return "nod", Turn(tilt=NOD), f"a nod stands for {lexeme or 'a head movement without lexeme'}"

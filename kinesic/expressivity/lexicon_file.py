@@ -1,0 +1,144 @@
+"""The tables of `configs/gestures/*.toml`, and how they become entries of the lexicon."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Literal
+
+import msgspec
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.config import ConfigError, closest, read
+from kinesic.body.robot import Side
+from kinesic.expressivity.form import GestureForm, HandPose, StrokeKey
+from kinesic.expressivity.meaning import Sense
+from kinesic.expressivity.space import position
+
+Category = Literal["beat", "deictic", "iconic", "metaphoric", "emblem", "adaptor", "rest"]
+HandShape = Literal["open", "flat", "relaxed", "fist", "index", "pinch", "curved", "thumb", "two", "three", "four"]
+AxisName = Literal["forward", "outward", "up"]
+
+_AXES: tuple[AxisName, ...] = ("forward", "outward", "up")
+_DIRECTIONS: Mapping[str, tuple[int, int, int]] = {
+    "forward": (1, 0, 0),
+    "back": (-1, 0, 0),
+    "out": (0, 1, 0),
+    "in": (0, -1, 0),
+    "up": (0, 0, 1),
+    "down": (0, 0, -1),
+}
+
+
+class Strict(msgspec.Struct, forbid_unknown_fields=True):
+    """A table whose unknown keys are errors."""
+
+
+class HandTable(Strict):
+    """One hand in one key."""
+
+    at: tuple[str | float, str | float, str | float]  # outward, up, forward: sectors or [arm lengths]
+    palm: str | None = None  # direction words such as "up" or "forward in"
+    pointing: str | None = None  # direction words
+    shape: HandShape | None = None
+    openness: float = 0.0  # 0..1
+    fixed: list[AxisName] = []  # axes that spatial extent leaves alone
+
+
+class KeyTable(Strict):
+    """One stroke key: either `both`, or a hand for itself."""
+
+    left: HandTable | None = None
+    right: HandTable | None = None
+    both: HandTable | None = None
+
+
+class GestureTable(Strict):
+    """One gesture."""
+
+    id: str
+    keys: list[KeyTable]
+    meanings: list[str] = []  # words that speak of it, the most characteristic first
+
+
+class GestureFile(Strict):
+    """One file: the gestures of a category."""
+
+    category: Category
+    gesture: list[GestureTable]
+
+
+def read_gestures(path: Path) -> list[tuple[GestureForm, Sense]]:
+    """Reads the gestures of a TOML file, or of all TOML files in a folder in the order of their names.
+
+    Raises:
+        ConfigError: a file is missing or wrong, or a folder holds none.
+    """
+    if not path.is_dir():
+        return _entries(path)
+    files = sorted(path.glob("*.toml"))
+    if not files:
+        raise ConfigError(f"{path}: a folder without .toml files")
+    return [entry for file in files for entry in _entries(file)]
+
+
+def _entries(path: Path) -> list[tuple[GestureForm, Sense]]:
+    """The gestures of one file."""
+    file = read(path, GestureFile)
+    entries = []
+    for table in file.gesture:
+        try:
+            keys = tuple(_key(key) for key in table.keys)
+            if not keys:
+                raise ValueError("has no keys, needs at least one")
+        except ValueError as error:
+            raise ConfigError(f"{path}: gesture {table.id}: {error}") from None
+        form = GestureForm(table.id, file.category, keys, rest=file.category == "rest")
+        own_words = [word for word in table.id.split("_") if word not in table.meanings]
+        entries.append((form, Sense((*table.meanings, *own_words), file.category)))
+    return entries
+
+
+def _key(table: KeyTable) -> StrokeKey:
+    """One stroke key."""
+    hands: dict[Side, HandPose] = {}
+    if table.both is not None:
+        if table.left is not None or table.right is not None:
+            raise ValueError("a key has both and a single hand; write left and right, or both alone")
+        hands["l"] = hands["r"] = _pose(table.both)
+    if table.left is not None:
+        hands["l"] = _pose(table.left)
+    if table.right is not None:
+        hands["r"] = _pose(table.right)
+    if not hands:
+        raise ValueError("a key without hands; give left, right or both")
+    return StrokeKey(hands)
+
+
+def _pose(table: HandTable) -> HandPose:
+    """One hand."""
+    if not 0.0 <= table.openness <= 1.0:
+        raise ValueError(f"openness is {table.openness:g}, outside [0, 1]")
+    forward, outward, up = (axis in table.fixed for axis in _AXES)
+    return HandPose(
+        position(*table.at),
+        (forward, outward, up),
+        _direction(table.palm),
+        _direction(table.pointing),
+        table.shape,
+        table.openness,
+    )
+
+
+def _direction(words: str | None) -> Floats | None:
+    """(3,) unit, forward, outward, up: the mean of direction words."""
+    if words is None:
+        return None
+    total = np.zeros(3)
+    for word in words.split():
+        if word not in _DIRECTIONS:
+            raise ValueError(f"{word} is no direction{closest(word, list(_DIRECTIONS))}")
+        total += _DIRECTIONS[word]
+    length = float(np.linalg.norm(total))
+    if length == 0:
+        raise ValueError(f"{words!r} points nowhere; such as 'up' or 'forward in'")
+    return sealed(total / length)

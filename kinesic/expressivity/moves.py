@@ -1,0 +1,249 @@
+"""What each behaviour makes of itself: turns of head and torso, work for the hands, and what became of the wish."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from kinesic.bml.block import (
+    Block,
+    Gaze,
+    Gesture,
+    Head,
+    HeadDirectionShift,
+    NoticeType,
+    Pointing,
+    Posture,
+    Timed,
+    Torso,
+)
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.expressivity import gaze, torso
+from kinesic.expressivity.form import GestureForm
+from kinesic.expressivity.hands import REST, Poses, pointing_poses, poses
+from kinesic.expressivity.head import head_form, head_layer
+from kinesic.expressivity.keyframes import Outcome
+from kinesic.expressivity.lexicon import Lexicon, mirrored
+from kinesic.expressivity.phases import Stroke
+from kinesic.expressivity.places import find_target, unknown
+from kinesic.expressivity.style import Style
+from kinesic.expressivity.turns import UPRIGHT, Hold, Layer, exclusive
+
+REALISED = Outcome("realised")
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What behaviours are performed with."""
+
+    block: Block
+    style: Style
+    lexicon: Lexicon
+    robot: Robot
+    targets: Mapping[str, Floats]  # (3,) [m] in the world
+
+    def style_of(self, timed: Timed) -> Style:
+        """The style of one behaviour."""
+        return self.style.under(timed.behaviour.manner)
+
+
+@dataclass(frozen=True)
+class Warned:
+    """Something that the sender should know of."""
+
+    type: NoticeType
+    text: str
+
+
+@dataclass(frozen=True, eq=False)
+class Move:
+    """One behaviour, ready to be gathered."""
+
+    outcome: Outcome = REALISED
+    head: tuple[Layer, ...] = ()
+    torso: tuple[Layer, ...] = ()
+    strokes: tuple[Stroke, ...] = ()
+    warnings: tuple[Warned, ...] = ()
+
+
+def dropped(why: str, type: NoticeType = NoticeType.CANNOT_CREATE_BEHAVIOR) -> Move:
+    """A behaviour that is left out."""
+    return Move(Outcome("dropped", why), warnings=(Warned(type, f"left out: {why}"),))
+
+
+def gesture_move(timed: Timed, action: Gesture, scene: Scene) -> Move:
+    """A gesture of the lexicon; a one-handed one whose mode is open may take either hand."""
+    match = scene.lexicon.find(action.lexeme, action.mode)
+    if match is None:
+        return dropped(f"the lexicon has no gesture for {action.lexeme}; `kinesic gestures list` shows what it has")
+    form = match.form
+    if not form.keys and not form.rest:
+        return dropped(f"gesture {form.id} has no stroke")
+    style = scene.style_of(timed)
+    options = [form]
+    if action.mode == "unspecified" and len(form.sides) == 1 and not form.rest:
+        options.append(mirrored(form))
+    works = tuple(poses(option, scene.robot, style) if option.keys else _hanging(SIDES) for option in options)
+    outcome, warnings = _substituted(match.substitute)
+    return Move(outcome, strokes=(Stroke(timed.behaviour.id, timed.times, works, form.rest),), warnings=warnings)
+
+
+def pointing_move(timed: Timed, action: Pointing, scene: Scene) -> Move:
+    """Pointing at a place, with the hand on its side unless the mode says which."""
+    place = find_target(action.target, scene.targets)
+    if place is None:
+        return dropped(unknown(action.target, scene.targets), NoticeType.NO_SUCH_TARGET)
+    work: dict[Side, Poses] = {side: pointing_poses(place, side, scene.robot) for side in SIDES}
+    both = Poses({side: work[side].hands[side] for side in SIDES}, work["l"].stroke)
+    nearer = (work["l"], work["r"]) if place[1] > 0 else (work["r"], work["l"])
+    options = {"left": (work["l"],), "right": (work["r"],), "both": (both,), "unspecified": nearer}
+    return Move(strokes=(Stroke(timed.behaviour.id, timed.times, options[action.mode]),))
+
+
+def head_move(timed: Timed, action: Head, scene: Scene) -> Move:
+    """A nod, a shake or a direction."""
+    if not scene.robot.joints("neck"):
+        return _lacking("neck", scene)
+    form = head_form(action, scene.robot, scene.style_of(timed).spatial)
+    outcome, warnings = _substituted(form.substitute, form.clipped)
+    return Move(outcome, head=(head_layer(form, timed.times, scene.robot),), warnings=warnings)
+
+
+def torso_move(timed: Timed, action: Torso, scene: Scene) -> Move:
+    """A lean or a turn of the trunk that returns."""
+    if not scene.robot.joints("torso"):
+        return _lacking("torso", scene)
+    lean = torso.lean(action, scene.robot, scene.style_of(timed).spatial)
+    if lean is None:
+        return dropped(f"torso movement {action.lexeme} is unknown; lean, recline, turn, left and right are known")
+    hold = torso.hold(lean.turn, timed.times, stays=False, robot=scene.robot)
+    return Move(torso=exclusive([hold]), warnings=_clipped(lean.clipped))
+
+
+def look_moves(looks: Sequence[Timed], scene: Scene) -> Mapping[str, Move]:
+    """Gazes and head directions, of which the later wins from its start; what stays is where others return to.
+
+    Args:
+        looks: behaviours with a Gaze or HeadDirectionShift, in any order.
+        scene: what they are performed with.
+    """
+    if not scene.robot.joints("neck"):
+        return {timed.behaviour.id: _lacking("neck", scene) for timed in looks}
+    moves: dict[str, Move] = {}
+    aims: list[gaze.Aim] = []
+    performed: list[Timed] = []
+    base = UPRIGHT
+    for timed in sorted(looks, key=lambda timed: timed.times["start"]):
+        action = timed.behaviour.action
+        if not isinstance(action, Gaze | HeadDirectionShift):
+            raise TypeError(f"{timed.behaviour.id} is a {type(action).__name__}, no gaze and no head direction")
+        aim = gaze.aim(action, block=scene.block, robot=scene.robot, targets=scene.targets, base=base)
+        if aim is None:
+            why = unknown(_target(action), scene.targets)
+            moves[timed.behaviour.id] = dropped(why, NoticeType.NO_SUCH_TARGET)
+            continue
+        base = aim.head if stays(action) else base
+        aims.append(aim)
+        performed.append(timed)
+    return moves | _looked(performed, aims, scene)
+
+
+def stays(action: object) -> bool:
+    """Whether a behaviour changes what others return to."""
+    return isinstance(action, HeadDirectionShift) or (isinstance(action, Gaze | Posture) and action.shift)
+
+
+def posture_moves(postures: Sequence[Timed], scene: Scene) -> Mapping[str, Move]:
+    """Postures, of which the later wins from its start: the trunk leans, the arms take rest poses."""
+    moves: dict[str, Move] = {}
+    holds: list[Hold] = []
+    found: list[tuple[Timed, Move]] = []
+    for timed in sorted(postures, key=lambda timed: timed.times["start"]):
+        action = timed.behaviour.action
+        if not isinstance(action, Posture):
+            raise TypeError(f"{timed.behaviour.id} is a {type(action).__name__}, no posture")
+        pose = torso.pose(action, scene.lexicon, scene.robot)
+        if pose is None:
+            names = ", ".join(f"{lexeme} of {part}" for part, lexeme in action.poses)
+            moves[timed.behaviour.id] = dropped(f"no pose {names}; leaning, and rest poses of the arms, are known")
+            continue
+        outcome, warnings = _substituted(pose.left_out, pose.lean.clipped)
+        strokes = tuple(stroke for arms in pose.arms for stroke in _posed(timed, arms, action.shift, scene))
+        holds.append(torso.hold(pose.lean.turn, timed.times, stays=action.shift, robot=scene.robot))
+        found.append((timed, Move(outcome, strokes=strokes, warnings=warnings)))
+    for (timed, move), layer in zip(found, exclusive(holds), strict=True):
+        moves[timed.behaviour.id] = Move(
+            move.outcome, torso=_moving(layer), strokes=move.strokes, warnings=move.warnings
+        )
+    return moves
+
+
+def _looked(looks: Sequence[Timed], aims: Sequence[gaze.Aim], scene: Scene) -> dict[str, Move]:
+    """Looks with their layers, in the order of their starts."""
+    layers: dict[Literal["head", "torso"], tuple[Layer, ...]] = {}
+    parts: tuple[Literal["head", "torso"], ...] = ("head", "torso")
+    holds: list[Hold] = []
+    for part in parts:
+        holds = [
+            gaze.hold(aim, timed.times, part=part, stays=stays(timed.behaviour.action), robot=scene.robot)
+            for aim, timed in zip(aims, looks, strict=True)
+        ]
+        layers[part] = exclusive(holds)
+    moves: dict[str, Move] = {}
+    for k, (timed, aim) in enumerate(zip(looks, aims, strict=True)):
+        outcome, warnings = _substituted(aim.substitute, aim.clipped, aim.missing)
+        if k + 1 < len(holds) and (leave := holds[k].leave) is not None and holds[k + 1].start < leave:
+            text = f"gives way to {looks[k + 1].behaviour.id} at {holds[k + 1].start:.2f} s"
+            warnings += (Warned(NoticeType.IMPOSSIBLE_TO_SCHEDULE, text),)
+        moves[timed.behaviour.id] = Move(
+            outcome, head=(layers["head"][k],), torso=_moving(layers["torso"][k]), warnings=warnings
+        )
+    return moves
+
+
+def _posed(timed: Timed, arms: GestureForm | str, shift: bool, scene: Scene) -> tuple[Stroke, ...]:
+    """Work that brings the arms into a rest pose, and back unless the posture stays."""
+    times = timed.times
+    if isinstance(arms, GestureForm):
+        work = poses(arms, scene.robot, scene.style_of(timed))
+    else:
+        work = _hanging(SIDES if arms == "both" else ("l",) if arms == "left" else ("r",))
+    there = times["end"] if shift else times["ready"]
+    back = times["end"] if shift else times["relax"]
+    taken = Stroke(timed.behaviour.id, _at_once(times["start"], there), (work,), rest=True)
+    left = Stroke(timed.behaviour.id, _at_once(back, times["end"]), (_hanging(tuple(work.hands)),), rest=True)
+    return (taken,) if shift else (taken, left)
+
+
+def _at_once(start: float, arrive: float) -> dict[str, float]:
+    """Sync points of work that is done when it arrives."""
+    return {"start": start} | dict.fromkeys(("ready", "strokeStart", "stroke", "strokeEnd", "relax", "end"), arrive)
+
+
+def _hanging(sides: Sequence[Side]) -> Poses:
+    """Arms that hang."""
+    return Poses({side: (REST,) for side in sides}, stroke=0)
+
+
+def _moving(layer: Layer) -> tuple[Layer, ...]:
+    """The layer, unless it is upright all the time."""
+    return (layer,) if any(key.turn != UPRIGHT for key in layer) else ()
+
+
+def _target(action: Gaze | HeadDirectionShift) -> str:
+    return action.target or "(none)"
+
+
+def _lacking(part: str, scene: Scene) -> Move:
+    return dropped(f"robot {scene.robot.name} has no {part}", NoticeType.BEHAVIOR_TYPE_NOT_SUPPORTED)
+
+
+def _clipped(text: str) -> tuple[Warned, ...]:
+    return (Warned(NoticeType.CANNOT_CREATE_BEHAVIOR, text),) if text else ()
+
+
+def _substituted(why: str, clipped: str = "", missing: str = "") -> tuple[Outcome, tuple[Warned, ...]]:
+    """The outcome of a behaviour that is performed, by something else if there is a reason, and its warnings."""
+    type = NoticeType.NO_SUCH_TARGET if missing else NoticeType.CANNOT_CREATE_BEHAVIOR
+    warnings = (Warned(type, why),) if why else ()
+    return Outcome("substituted", why) if why else REALISED, warnings + _clipped(clipped)

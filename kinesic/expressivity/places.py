@@ -1,0 +1,29 @@
+"""Targets of gaze and pointing: a name that the robot or the user knows, or three coordinates."""
+
+from collections.abc import Mapping
+from math import isfinite
+from types import MappingProxyType
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.config import closest
+
+NO_TARGETS: Mapping[str, Floats] = MappingProxyType({})
+
+
+def find_target(text: str, targets: Mapping[str, Floats]) -> Floats | None:
+    """(3,) [m] in the world of a target: its name in any case, or "x y z" in metres; None when it is neither."""
+    if text in targets:
+        return targets[text]
+    folded = {name.lower(): place for name, place in targets.items()}
+    if text.strip().lower() in folded:
+        return folded[text.strip().lower()]
+    try:
+        numbers = [float(part) for part in text.replace(",", " ").split()]
+    except ValueError:
+        return None
+    return sealed(numbers) if len(numbers) == 3 and all(map(isfinite, numbers)) else None
+
+
+def unknown(text: str, targets: Mapping[str, Floats]) -> str:
+    """What is wrong with a target, and what would have worked."""
+    return f'there is no target {text}{closest(text, list(targets))}, or "x y z" in metres'

@@ -1,0 +1,166 @@
+"""The stage: from behaviours with times to key frames of the whole upper body."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from types import MappingProxyType
+
+from kinesic.bml.block import (
+    Behaviour,
+    Block,
+    BmlError,
+    Custom,
+    Gaze,
+    Gesture,
+    Head,
+    HeadDirectionShift,
+    Notice,
+    NoticeType,
+    Pointing,
+    Posture,
+    Speech,
+    Timed,
+    Timeline,
+    Torso,
+    Wait,
+)
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import Robot
+from kinesic.expressivity.gather import HANDS, Sequences, SyncPoint, gathered
+from kinesic.expressivity.keyframes import KeyFrames, Outcome, PartName
+from kinesic.expressivity.lexicon import Lexicon
+from kinesic.expressivity.moves import (
+    Move,
+    Scene,
+    Warned,
+    dropped,
+    gesture_move,
+    head_move,
+    look_moves,
+    pointing_move,
+    posture_moves,
+    torso_move,
+)
+from kinesic.expressivity.phases import Arranged, arranged
+from kinesic.expressivity.places import NO_TARGETS
+from kinesic.expressivity.style import Style
+
+ALL: Mapping[str, str] = MappingProxyType({})  # nothing is left out
+
+
+def keyframes(
+    timeline: Timeline,
+    *,
+    style: Style,
+    lexicon: Lexicon,
+    robot: Robot,
+    targets: Mapping[str, Floats] = NO_TARGETS,
+    without: Mapping[str, str] = ALL,
+) -> KeyFrames:
+    """Key frames of a block, and what became of each of its behaviours.
+
+    Args:
+        timeline: behaviours with times.
+        style: of the performance; a behaviour's own manner goes over it.
+        lexicon: of gestures.
+        robot: that performs.
+        targets: (3,) [m] in the world, over those of the robot.
+        without: ids of behaviours to leave out, and why.
+
+    Raises:
+        BmlError: a behaviour inside `required` cannot be performed.
+    """
+    scene = Scene(timeline.block, style, lexicon, robot, {**robot.targets, **targets})
+    moves = _moves([timed for timed in timeline.timed if timed.behaviour.id not in without], scene)
+    moves |= {id: dropped(why) for id, why in without.items()}
+    hands = arranged([stroke for move in moves.values() for stroke in move.strokes], robot)
+    moves = {id: _with_hands(move, hands.outcomes.get(id)) for id, move in moves.items()}
+    outcomes = {drop.behaviour.id: Outcome("dropped", drop.why) for drop in timeline.dropped}
+    outcomes |= {id: move.outcome for id, move in moves.items()}
+    _check_required(timeline.block, outcomes)
+    uses = {id: _uses(id, move, hands) for id, move in moves.items()}
+    syncs = [
+        SyncPoint(time, timed.behaviour.id, sync)
+        for timed in timeline.timed
+        if uses[timed.behaviour.id]
+        for sync, time in timed.times.items()
+    ]
+    sequences = Sequences(
+        torso=tuple(layer for move in moves.values() for layer in move.torso),
+        head=tuple(layer for move in moves.values() for layer in move.head),
+        hands=hands.hands,
+    )
+    return KeyFrames(
+        timeline,
+        gathered(sequences, syncs, robot),
+        outcomes,
+        uses,
+        (*timeline.notices, *(notice for id, move in moves.items() for notice in _notices(scene.block, id, move))),
+    )
+
+
+def _moves(timed: list[Timed], scene: Scene) -> dict[str, Move]:
+    """What each behaviour makes of itself, by id in the order of the document."""
+    looks = [one for one in timed if isinstance(one.behaviour.action, Gaze | HeadDirectionShift)]
+    postures = [one for one in timed if isinstance(one.behaviour.action, Posture)]
+    together = {**look_moves(looks, scene), **posture_moves(postures, scene)}
+    return {one.behaviour.id: together.get(one.behaviour.id) or _move(one, scene) for one in timed}
+
+
+def _move(timed: Timed, scene: Scene) -> Move:
+    """What a behaviour makes of itself that does not depend on others of its kind."""
+    match timed.behaviour.action:
+        case Gesture() as action:
+            return gesture_move(timed, action, scene)
+        case Pointing() as action:
+            return pointing_move(timed, action, scene)
+        case Head() as action:
+            return head_move(timed, action, scene)
+        case Torso() as action:
+            return torso_move(timed, action, scene)
+        case Speech() | Wait():
+            return Move()
+        case Custom(name):
+            return dropped(f"nothing is known of {name}", NoticeType.CUSTOM_BEHAVIOUR_NOT_SUPPORTED)
+    why = f"robot {scene.robot.name} has nothing to do {timed.behaviour.type} with"
+    return dropped(why, NoticeType.BEHAVIOR_TYPE_NOT_SUPPORTED)
+
+
+def _with_hands(move: Move, outcome: Outcome | None) -> Move:
+    """The move after the hands were given out."""
+    if outcome is None:
+        return move
+    if outcome.kind == "dropped":
+        return dropped(outcome.why, NoticeType.IMPOSSIBLE_TO_SCHEDULE)
+    why = "; ".join(filter(None, [move.outcome.why, outcome.why]))
+    warned = Warned(NoticeType.IMPOSSIBLE_TO_SCHEDULE, outcome.why)
+    return replace(move, outcome=Outcome("substituted", why), warnings=(*move.warnings, warned))
+
+
+def _uses(id: str, move: Move, hands: Arranged) -> frozenset[PartName]:
+    """The parts that a behaviour moves."""
+    parts: set[PartName] = {HANDS[side] for side in hands.sides.get(id, ())}
+    if move.torso:
+        parts.add("torso")
+    if move.head:
+        parts.add("head")
+    return frozenset(parts)
+
+
+def _notices(block: Block, id: str, move: Move) -> list[Notice]:
+    return [Notice(warned.type, f"{block.id}:{id}", warned.text) for warned in move.warnings]
+
+
+def _check_required(block: Block, outcomes: Mapping[str, Outcome]) -> None:
+    """Refuses the block when a behaviour inside `required` is dropped."""
+    for behaviour in block.behaviours:
+        outcome = outcomes.get(behaviour.id)
+        if behaviour.required and outcome is not None and outcome.kind == "dropped":
+            raise BmlError(_refusal(block, behaviour, outcome.why))
+
+
+def _refusal(block: Block, behaviour: Behaviour, why: str) -> str:
+    place = f"{block.source}:{behaviour.place.line}:{behaviour.place.column}"
+    return (
+        f"{place}: {behaviour.type} {behaviour.id} is required and cannot be performed: {why}; "
+        "outside <required> the rest would be performed without it"
+    )

@@ -1,0 +1,150 @@
+"""Rotations of head and torso in time: keys, layers that add up, and the range that holds them."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import astuple, dataclass
+from math import degrees
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import Robot
+from kinesic.expressivity.keyframes import Turn
+
+AXES = ("torsion", "tilt", "roll")  # in the order of Turn; hinges of neck and torso are named after them
+UPRIGHT = Turn()
+MERGE = 0.02  # [s] keys nearer than this are one key
+
+
+@dataclass(frozen=True)
+class TurnKey:
+    """A rotation at one time."""
+
+    time: float  # [s] block time
+    turn: Turn
+
+
+Layer = tuple[TurnKey, ...]  # in time order; straight between its keys, constant outside them
+
+
+@dataclass(frozen=True)
+class Hold:
+    """Going to a rotation and staying there: for a while, or for good."""
+
+    start: float  # [s] leaves the present rotation
+    arrive: float  # [s]
+    turn: Turn
+    leave: float | None = None  # [s]; None: it stays
+    back: float | None = None  # [s]; None: it stays
+
+
+def held(turn: Turn, times: Mapping[str, float], *, natural: float, stays: bool) -> Hold:
+    """A hold from sync points: there at `ready` (or `end`, if there is no other), back from `relax` to `end`.
+
+    Args:
+        turn: where it goes.
+        times: sync points [s].
+        natural: time for the way where the sync points leave none [s].
+        stays: whether it never goes back.
+    """
+    start = times["start"]
+    arrive = arrival(start, times.get("ready", times["end"]), natural)
+    if stays:
+        return Hold(start, arrive, turn)
+    leave = max(times["relax"], arrive)
+    return Hold(start, arrive, turn, leave, arrival(leave, times["end"], natural))
+
+
+def scaled(turn: Turn, factor: float) -> Turn:
+    """A share or a multiple of a rotation, axis by axis."""
+    return Turn(turn.torsion * factor, turn.tilt * factor, turn.roll * factor)
+
+
+def plus(a: Turn, b: Turn) -> Turn:
+    """Sum of two rotations, axis by axis."""
+    return Turn(a.torsion + b.torsion, a.tilt + b.tilt, a.roll + b.roll)
+
+
+def room(robot: Robot, chain: str) -> tuple[Turn, Turn]:
+    """Least and greatest rotation that the hinges of a chain allow; zero where it has no hinge for an axis."""
+    skeleton = robot.skeleton
+    hinges = [skeleton.hinges[k] for k in robot.joints(chain)]
+    lower = [sum(h.lower for h in hinges if h.name.endswith(axis)) for axis in AXES]
+    upper = [sum(h.upper for h in hinges if h.name.endswith(axis)) for axis in AXES]
+    return Turn(*lower), Turn(*upper)
+
+
+def clipped(turn: Turn, within: tuple[Turn, Turn]) -> Turn:
+    """The nearest rotation inside a range."""
+    return Turn(*(float(v) for v in np.clip(astuple(turn), astuple(within[0]), astuple(within[1]))))
+
+
+def excess(turn: Turn, within: tuple[Turn, Turn]) -> float:
+    """How far a rotation lies outside a range, on its worst axis [deg]."""
+    inside = clipped(turn, within)
+    return degrees(max(abs(a - b) for a, b in zip(astuple(turn), astuple(inside), strict=True)))
+
+
+def at(layer: Layer, time: float) -> Turn:
+    """The rotation of a layer at a time."""
+    return Turn(*(float(v) for v in total([layer], np.array([time]))[0]))
+
+
+def total(layers: Iterable[Layer], times: Floats) -> Floats:
+    """The sum of layers at (m,) times [s]: (m, 3) torsion, tilt, roll [rad]."""
+    turns = np.zeros((len(times), 3))
+    for layer in layers:
+        knots = [key.time for key in layer]
+        values = np.array([astuple(key.turn) for key in layer])
+        for axis in range(3):
+            turns[:, axis] += np.interp(times, knots, values[:, axis])
+    return turns
+
+
+def bump(hold: Hold, base: Turn = UPRIGHT) -> Layer:
+    """The layer of one hold, relative to the rotation that it leaves."""
+    change = plus(hold.turn, scaled(base, -1.0))
+    keys = [TurnKey(hold.start, UPRIGHT), TurnKey(hold.arrive, change)]
+    if hold.leave is not None and hold.back is not None:
+        if hold.leave > hold.arrive:
+            keys.append(TurnKey(hold.leave, change))
+        keys.append(TurnKey(hold.back, UPRIGHT))
+    return tuple(keys)
+
+
+def exclusive(holds: Sequence[Hold]) -> tuple[Layer, ...]:
+    """Layers of holds of which only one is in force: the later wins from its start.
+
+    A hold that stays becomes the rotation that later ones return to.
+
+    Args:
+        holds: in the order of their starts.
+
+    Returns:
+        One layer for each hold; their sum is the motion.
+    """
+    layers: list[Layer] = []
+    base = UPRIGHT
+    for k, hold in enumerate(holds):
+        layer = bump(hold, base)
+        if hold.leave is None:
+            base = hold.turn
+        elif k + 1 < len(holds) and holds[k + 1].start < hold.leave:
+            layer = _yielding(layer, holds[k + 1])
+        layers.append(layer)
+    return tuple(layers)
+
+
+def _yielding(layer: Layer, other: Hold) -> Layer:
+    """A layer that goes back to zero while another hold goes to its own rotation."""
+    before = tuple(key for key in layer if key.time < other.start)
+    return (*before, TurnKey(other.start, at(layer, other.start)), TurnKey(other.arrive, UPRIGHT))
+
+
+def departure(wanted: float, arrival: float, natural: float) -> float:
+    """When to leave [s]: as wanted, or early enough when no time was given for the way."""
+    return wanted if arrival - wanted >= MERGE else arrival - natural
+
+
+def arrival(leave: float, wanted: float, natural: float) -> float:
+    """When to be back [s]: as wanted, or late enough when no time was given for the way."""
+    return wanted if wanted - leave >= MERGE else leave + natural

@@ -1,0 +1,107 @@
+"""Turns forearm and wrist so that the hand points, and its palm faces, as nearly as the ranges allow.
+
+How well directions agree is, in each single hinge, A cos q + B sin q: its best angle is known in closed form, and
+so is its best angle inside a range. Taking the hinges in turn climbs to the best posture of all.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import atan2, cos, sin
+
+from kinesic.ik.linkage import Link, Pivot
+from kinesic.ik.vectors import Rotation, Vector, cross, dot, turned, within
+
+ROUNDS = 40
+TOLERANCE = 1e-6  # [rad] the largest change of a round at rest
+PERFECT = 1e-4  # short of full agreement: higher needs no search
+POSTURE = 2e-4  # pull to the rest angles, beside 1 for each direction: decides only what directions leave open
+
+
+@dataclass(frozen=True)
+class Wish:
+    """A direction of the hand and where it should look."""
+
+    name: str
+    own: Vector  # unit, in the last segment
+    wanted: Vector  # unit, in the base
+
+
+def orient(link: Link, frame: Rotation, wishes: Sequence[Wish], rest: Sequence[float]) -> tuple[float, ...]:
+    """The angles of the hand's own hinges.
+
+    Args:
+        link: the last link.
+        frame: of the segment that its first hinge turns in, in the base.
+        wishes: directions; without any the hinges rest.
+        rest: [rad] of these hinges.
+
+    Returns:
+        [rad] inside the ranges.
+    """
+    if not wishes:
+        return tuple(rest)
+    best, height = _climbed(link, frame, wishes, rest, rest)
+    for start in _spread(link, rest):
+        if height > len(wishes) - PERFECT:
+            break
+        found, agreement = _climbed(link, frame, wishes, rest, start)
+        if agreement > height:
+            best, height = found, agreement
+    return best
+
+
+def _spread(link: Link, rest: Sequence[float]) -> list[tuple[float, ...]]:
+    """More beginnings, where stops make several peaks: each hinge half way to either stop, the others at rest."""
+    return [
+        (*rest[:k], 0.5 * (rest[k] + stop), *rest[k + 1 :])
+        for k, pivot in enumerate(link.pivots)
+        for stop in (pivot.lower, pivot.upper)
+    ]
+
+
+def _climbed(
+    link: Link, frame: Rotation, wishes: Sequence[Wish], rest: Sequence[float], start: Sequence[float]
+) -> tuple[tuple[float, ...], float]:
+    """Hinge after hinge to its best angle until none moves; the angles and how well they agree."""
+    angles, height = list(start), 0.0
+    wanted = [within(frame, wish.wanted) for wish in wishes]
+    for _ in range(ROUNDS):
+        change = 0.0
+        for k, pivot in enumerate(link.pivots):
+            pairs = [
+                (_inward(link, angles, k, look), _outward(link, angles, k, wish.own))
+                for look, wish in zip(wanted, wishes, strict=True)
+            ]
+            best, height = _best(pivot, pairs, rest[k])
+            change, angles[k] = max(change, abs(best - angles[k])), best
+        if change < TOLERANCE:
+            break
+    return tuple(angles), height
+
+
+def _inward(link: Link, angles: Sequence[float], k: int, look: Vector) -> Vector:
+    """A direction of the first hinge's frame, seen where hinge k turns."""
+    for pivot, angle in zip(link.pivots[:k], angles, strict=False):
+        look = turned(look, pivot.axis, -angle)
+    return look
+
+
+def _outward(link: Link, angles: Sequence[float], k: int, own: Vector) -> Vector:
+    """A direction of the hand, seen just behind hinge k."""
+    for j in range(len(link.pivots) - 1, k, -1):
+        own = turned(own, link.pivots[j].axis, angles[j])
+    return own
+
+
+def _best(pivot: Pivot, pairs: Sequence[tuple[Vector, Vector]], rest: float) -> tuple[float, float]:
+    """The best angle inside the range, and the agreement there."""
+    a, b, level = POSTURE * cos(rest), POSTURE * sin(rest), 0.0
+    for look, own in pairs:
+        along = dot(pivot.axis, look) * dot(pivot.axis, own)
+        level += along
+        a += dot(look, own) - along
+        b += dot(look, cross(pivot.axis, own))
+    peak = atan2(b, a)
+    if not pivot.lower <= peak <= pivot.upper:
+        peak = max((pivot.lower, pivot.upper), key=lambda stop: a * cos(stop) + b * sin(stop))
+    return peak, level + a * cos(peak) + b * sin(peak)

@@ -1,0 +1,110 @@
+"""What torque a motion needs, and what acceleration each drive can give."""
+
+from functools import cached_property
+
+import mujoco
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.robot import Robot
+from kinesic.sim.model import build, joint_order
+from kinesic.sim.sampling import Extremes, extremes
+
+STALL_SHARE = 0.8  # of the stall torque that a plan may use
+FRICTION_SPEED = 0.05  # [rad/s] within which Coulomb friction fades, so that a plan's torque has no jumps
+LEAST_ACCELERATION = 1.0  # [rad/s^2] what a hinge is granted that can hardly hold itself
+
+
+class MujocoDynamics:
+    """Implements `body.dynamics.Dynamics` with MuJoCo's inverse dynamics."""
+
+    def __init__(self, robot: Robot) -> None:
+        """Builds the robot's model, free of contacts and stops.
+
+        Args:
+            robot: whose masses and drives.
+        """
+        self._robot = robot
+        self._model = build(robot)
+        # contacts and stops would hold the robot; friction is added smoothly below
+        self._model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+        self._data = mujoco.MjData(self._model)
+        self._order = joint_order(robot, self._model)
+        self._friction = np.array([drive.frictionloss for drive in robot.drives])
+        self._stall = np.array([drive.stall for drive in robot.drives])
+
+    def torques(self, angles: Floats, speeds: Floats, accelerations: Floats) -> Floats:
+        """Torque that each motion needs: gravity, inertia, armature, damping and friction.
+
+        Args:
+            angles: (m, n) [rad].
+            speeds: (m, n) [rad/s].
+            accelerations: (m, n) [rad/s^2].
+
+        Returns:
+            (m, n) [Nm].
+        """
+        model, data, order = self._model, self._data, self._order
+        needed = np.empty(angles.shape)
+        for k in range(len(angles)):
+            data.qpos[order] = angles[k]
+            data.qvel[order] = speeds[k]
+            data.qacc[order] = accelerations[k]
+            mujoco.mj_inverse(model, data)
+            needed[k] = data.qfrc_inverse[order]
+        needed += self._friction * np.tanh(speeds / FRICTION_SPEED)
+        return needed
+
+    def holding(self, angles: Floats) -> Floats:
+        """Torque (m, n) [Nm] that holds postures (m, n) [rad] against gravity, without help from friction."""
+        still = np.zeros(angles.shape)
+        return self.torques(angles, still, still)
+
+    def static_ratios(self, angles: Floats) -> Floats:
+        """Share (m, n) of the stall torque that holds each hinge in postures (m, n) [rad]."""
+        ratios: Floats = np.abs(self.holding(angles)) / self._stall
+        return ratios
+
+    def inertias(self, angles: Floats) -> Floats:
+        """Diagonal (m, n) [kg m^2] of the joint-space inertia, armature included, for (m, n) [rad]."""
+        model, data = self._model, self._data
+        full = np.empty((model.nv, model.nv))
+        inertias = np.empty(angles.shape)
+        for k in range(len(angles)):
+            data.qpos[self._order] = angles[k]
+            mujoco.mj_kinematics(model, data)
+            mujoco.mj_comPos(model, data)
+            mujoco.mj_makeM(model, data)
+            mujoco.mj_fullM(model, data, full)
+            inertias[k] = full.diagonal()[self._order]
+        return inertias
+
+    @cached_property
+    def worst_static(self) -> Extremes:
+        """The largest share of its stall torque that each hinge needs to hold any posture, and that posture."""
+        return extremes(self._robot.skeleton, self.static_ratios)
+
+    def acceleration_limits(self) -> Floats:
+        """What each drive can give in its worst posture: (0.8 stall - gravity - friction) / inertia.
+
+        Gravity and inertia are each the largest found in any posture, and the larger of both sides, so that left
+        and right are equal.
+
+        Returns:
+            (n,) [rad/s^2], at least LEAST_ACCELERATION.
+        """
+        gravity = self._of_both_sides(self.worst_static.values * self._stall)
+        spare = STALL_SHARE * self._stall - gravity - self._friction
+        return sealed(np.maximum(spare / self._of_both_sides(self._worst_inertia.values), LEAST_ACCELERATION))
+
+    @cached_property
+    def _worst_inertia(self) -> Extremes:
+        return extremes(self._robot.skeleton, self.inertias)
+
+    def _of_both_sides(self, worst: Floats) -> Floats:
+        """The larger of each hinge and its mirror image, (n,)."""
+        names = self._robot.skeleton.names
+        swapped = {f"l_{name[2:]}": f"r_{name[2:]}" for name in names if name.startswith("l_")}
+        swapped |= {image: name for name, image in swapped.items()}
+        partners = [names.index(image) if (image := swapped.get(n, n)) in names else k for k, n in enumerate(names)]
+        return np.maximum(worst, worst[partners])

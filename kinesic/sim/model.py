@@ -1,0 +1,152 @@
+"""The robot as a MuJoCo model, built from the one description that inverse kinematics and limits also read.
+
+Each servo is a `dcmotor` whose on-board controller is the servo's own position loop: with the data sheet's stall
+torque s, no-load speed w and volt V the motor has K = V / w and R = K V / s, and a torque gain of g s with the rate
+gain s / w (which undoes MuJoCo's compensation of the back-EMF) gives
+
+    torque = s clip(g error, -1, 1) - (s / w) speed,
+
+clamped exactly where the servo clamps its duty.
+"""
+
+from itertools import combinations
+from math import pi
+
+import mujoco
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import Mount, Robot
+from kinesic.body.servo import Drive
+from kinesic.body.skeleton import Capsule, Hinge, Segment
+from kinesic.sim.factors import NOMINAL, Factors
+
+POSITION_INPUT = 1  # ctrlspec of a dcmotor that is told a position
+SHORTEST_AXIS = 1e-6  # [m] a capsule whose ends are nearer is a ball
+BALL_RADIUS = 0.02  # [m] of the mass of a segment without capsules
+LEAST_MASS = 1e-4  # [kg] MuJoCo refuses moving bodies without mass
+LEAST_INERTIA = 1e-7  # [kg m^2]
+
+
+def build(robot: Robot, *, servos: Factors = NOMINAL) -> mujoco.MjModel:
+    """The compiled model of a robot.
+
+    Args:
+        robot: the description.
+        servos: how far servos and masses are from it.
+
+    Returns:
+        A model whose bodies, joints and actuators are named after segments and hinges.
+    """
+    spec = describe(servos.applied(robot))
+    spec.compiler.discardvisual = True  # the servos' boxes leave only their weight
+    return spec.compile()
+
+
+def describe(robot: Robot) -> mujoco.MjSpec:
+    """The same model before it is compiled, for whoever adds scenery."""
+    spec = mujoco.MjSpec()
+    spec.modelname = robot.name
+    spec.compiler.degree = False  # MjSpec reads degrees by default, and would shrink every range 57 times
+    spec.compiler.boundmass = LEAST_MASS
+    spec.compiler.boundinertia = LEAST_INERTIA
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE  # the sparse solver of 4.0.0 gives wrong accelerations
+    spec.option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_ISLAND)  # one tree has no islands to find
+    for segment in robot.skeleton.segments:
+        _add_body(spec, segment)
+    for hinge, mount in zip(robot.skeleton.hinges, robot.mounts, strict=True):
+        _add_hinge(spec, hinge, mount.drive)
+        _add_servo(spec, hinge, mount)
+    for name, site in robot.sites.items():
+        spec.body(site.segment).add_site(name=name, pos=site.position, size=[0.005] * 3, group=4)
+    _add_exclusions(spec, robot)
+    return spec
+
+
+def joint_order(robot: Robot, model: mujoco.MjModel) -> list[int]:
+    """Positions of the skeleton's hinges in MuJoCo's `qpos`, `qvel` and `ctrl`, found by name."""
+    return [int(model.joint(name).qposadr[0]) for name in robot.skeleton.names]
+
+
+def capsule_name(segment: str, index: int) -> str:
+    """The geom's name of a segment's capsule."""
+    return f"{segment}_{index}"
+
+
+def _add_body(spec: mujoco.MjSpec, segment: Segment) -> None:
+    parent = spec.worldbody if segment.parent is None else spec.body(segment.parent)
+    body = parent.add_body(name=segment.name, pos=segment.origin_in_parent)
+    volumes = np.array([_volume(capsule) for capsule in segment.capsules])
+    for k, capsule in enumerate(segment.capsules):
+        _add_capsule(body, capsule, capsule_name(segment.name, k), segment.mass * volumes[k] / volumes.sum())
+    if not segment.capsules and segment.mass:
+        ball = body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[BALL_RADIUS, 0, 0], mass=segment.mass)
+        _make_ghost(ball)
+
+
+def _add_capsule(body: mujoco.MjsBody, capsule: Capsule, name: str, mass: float) -> None:
+    if np.linalg.norm(capsule.end - capsule.start) < SHORTEST_AXIS:
+        size = [capsule.radius, 0, 0]
+        body.add_geom(name=name, type=mujoco.mjtGeom.mjGEOM_SPHERE, pos=capsule.start, size=size, mass=mass)
+        return
+    ends: Floats = np.concatenate([capsule.start, capsule.end])
+    size = [capsule.radius, 0, 0]
+    body.add_geom(name=name, type=mujoco.mjtGeom.mjGEOM_CAPSULE, fromto=ends, size=size, mass=mass)
+
+
+def _volume(capsule: Capsule) -> float:
+    length = float(np.linalg.norm(capsule.end - capsule.start))
+    return pi * capsule.radius**2 * (length + 4 / 3 * capsule.radius)
+
+
+def _add_hinge(spec: mujoco.MjSpec, hinge: Hinge, drive: Drive) -> None:
+    spec.body(hinge.segment).add_joint(
+        name=hinge.name,
+        type=mujoco.mjtJoint.mjJNT_HINGE,
+        axis=hinge.axis,
+        range=[hinge.lower, hinge.upper],
+        armature=drive.armature,
+        frictionloss=drive.frictionloss,
+        damping=[drive.damping, 0, 0],
+    )
+    volt = drive.servo.volt
+    constant = volt / drive.no_load
+    spec.add_actuator(
+        name=hinge.name,
+        target=hinge.name,
+        trntype=mujoco.mjtTrn.mjTRN_JOINT,
+    ).set_to_dcmotor(
+        motorconst=[constant, constant],
+        resistance=constant * volt / drive.stall,
+        controller=[drive.gain * drive.stall, 0, drive.stall / drive.no_load + drive.rate_gain, 0, 0, volt],
+        ctrlspec=POSITION_INPUT,
+    )
+
+
+def _add_servo(spec: mujoco.MjSpec, hinge: Hinge, mount: Mount) -> None:
+    """The servos of a hinge as one box: those of a tandem stand side by side."""
+    drive = mount.drive
+    width, length, height = drive.servo.size
+    box = spec.body(mount.segment).add_geom(
+        name=f"{hinge.name}_servo",
+        type=mujoco.mjtGeom.mjGEOM_BOX,
+        pos=mount.position,
+        size=[drive.count * width / 2, length / 2, height / 2],
+        mass=drive.count * drive.servo.mass,
+    )
+    _make_ghost(box)
+
+
+def _make_ghost(geom: mujoco.MjsGeom) -> None:
+    """It has weight but touches nothing."""
+    geom.contype = 0
+    geom.conaffinity = 0
+
+
+def _add_exclusions(spec: mujoco.MjSpec, robot: Robot) -> None:
+    """Only counted pairs collide; MuJoCo's own filter misses the first moving link of a fixed base."""
+    counted = {frozenset(pair) for pair in robot.counted_pairs}
+    for a, b in combinations(robot.skeleton.segments, 2):
+        if frozenset((a.name, b.name)) not in counted:
+            spec.add_exclude(bodyname1=a.name, bodyname2=b.name)

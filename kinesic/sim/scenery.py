@@ -1,0 +1,125 @@
+"""What makes a picture of the robot pleasant: colours, eyes, ground, lights and a camera. None of it has weight."""
+
+import mujoco
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.sim.model import capsule_name, describe
+
+CAMERA = "audience"
+SHELL = (0.93, 0.92, 0.89, 1.0)
+TRUNK = (0.34, 0.42, 0.52, 1.0)
+SERVO = (0.17, 0.18, 0.21, 1.0)
+HANDS: dict[Side, tuple[float, ...]] = {"l": (0.95, 0.55, 0.22, 1.0), "r": (0.16, 0.56, 0.66, 1.0)}
+SKY = (0.62, 0.74, 0.84)
+HORIZON = (0.90, 0.93, 0.95)
+WHITE = (1.0, 1.0, 1.0, 1.0)
+BLACK = (0.06, 0.07, 0.10, 1.0)
+EYE_RADIUS = 0.018  # [m]
+EYE_SPACING = 0.027  # [m] from the face's midline
+EYE_DEPTH = 0.006  # [m] of the whites' centres behind the site
+PUPIL_RADIUS = 0.0105  # [m]
+PUPIL_AHEAD = 0.0095  # [m] of the pupils' centres before those of the whites
+VIEW_ANGLE = 28.0  # [deg] of the camera, vertical
+VIEW_FROM = (0.92, 0.36, 0.16)  # direction from the robot to the camera: in front, slightly to its left and above
+VIEW_RISE = 0.55  # of the picture's middle above gesture space's origin, in arm lengths
+VIEW_HEIGHT = 3.0  # of the picture at the robot, in arm lengths
+
+
+def staged(robot: Robot, *, width: int, height: int) -> mujoco.MjModel:
+    """The robot's model with colours and scenery, for pictures of a size in pixels."""
+    spec = describe(robot)
+    _paint(spec, robot)
+    _add_eyes(spec, robot)
+    _add_room(spec, robot)
+    spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
+    spec.visual.quality.offsamples = 4
+    spec.visual.quality.shadowsize = 1024
+    spec.visual.quality.numslices, spec.visual.quality.numstacks = 20, 10
+    spec.visual.headlight.ambient = [0.38, 0.38, 0.40]
+    spec.visual.headlight.diffuse = [0.20, 0.20, 0.20]
+    spec.visual.headlight.specular = [0.05, 0.05, 0.05]
+    spec.visual.rgba.haze = [*HORIZON, 1.0]
+    return spec.compile()
+
+
+def _paint(spec: mujoco.MjSpec, robot: Robot) -> None:
+    limbs = {segment for side in SIDES for segment in robot.chains[f"{side}_arm"]}
+    limbs |= set(robot.chains.get("neck", ()))
+    hands = {robot.chains[f"{side}_arm"][-1]: HANDS[side] for side in SIDES}
+    for segment in robot.skeleton.segments:
+        colour = hands.get(segment.name, SHELL if segment.name in limbs else TRUNK)
+        for k in range(len(segment.capsules)):
+            spec.geom(capsule_name(segment.name, k)).rgba = colour
+    for name in robot.skeleton.names:
+        spec.geom(f"{name}_servo").rgba = SERVO
+
+
+def _add_eyes(spec: mujoco.MjSpec, robot: Robot) -> None:
+    """Two white balls with pupils beside the site between the eyes, looking where it faces."""
+    eyes = robot.sites.get("eyes")
+    if eyes is None:
+        return
+    sideways = np.cross([0.0, 0.0, 1.0], eyes.facing)
+    if not sideways.any():
+        return
+    sideways /= np.linalg.norm(sideways)
+    for side in (-1, 1):
+        white = eyes.position + side * EYE_SPACING * sideways - EYE_DEPTH * eyes.facing
+        _add_ball(spec.body(eyes.segment), white, EYE_RADIUS, WHITE)
+        _add_ball(spec.body(eyes.segment), white + PUPIL_AHEAD * eyes.facing, PUPIL_RADIUS, BLACK)
+
+
+def _add_ball(body: mujoco.MjsBody, centre: Floats, radius: float, colour: tuple[float, ...]) -> None:
+    body.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_SPHERE,
+        pos=centre,
+        size=[radius, 0, 0],
+        rgba=colour,
+        mass=0,
+        contype=0,
+        conaffinity=0,
+    )
+
+
+def _add_room(spec: mujoco.MjSpec, robot: Robot) -> None:
+    """A sky, a floor, lights and a camera."""
+    spec.add_texture(
+        name="sky",
+        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
+        rgb1=SKY,
+        rgb2=HORIZON,
+        width=256,
+        height=256,
+    )
+    spec.add_material(name="floor", rgba=[0.70, 0.73, 0.74, 1], specular=0.1, shininess=0.1)
+    spec.worldbody.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 0.05], material="floor", contype=0, conaffinity=0
+    )
+    _add_lights(spec)
+    _add_camera(spec, robot)
+
+
+def _add_lights(spec: mujoco.MjSpec) -> None:
+    """A sun with shadows from the robot's left, and a cool light without from its right."""
+    sun = {"pos": [1.5, 1.5, 3.0], "dir": [-0.5, -0.45, -0.8], "diffuse": [0.55, 0.54, 0.52], "castshadow": True}
+    fill = {"pos": [1.0, -2.0, 2.0], "dir": [-0.6, 0.7, -0.4], "diffuse": [0.22, 0.24, 0.27], "castshadow": False}
+    for light in (sun, fill):
+        spec.worldbody.add_light(type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, **light)
+
+
+def _add_camera(spec: mujoco.MjSpec, robot: Robot) -> None:
+    """In front of the robot, so far that the hands stay in the picture wherever they reach."""
+    middle = robot.gesture_origin + np.array([0.0, 0.0, VIEW_RISE * robot.arm_length])
+    towards = np.array(VIEW_FROM) / np.linalg.norm(VIEW_FROM)
+    distance = VIEW_HEIGHT * robot.arm_length / 2 / np.tan(np.radians(VIEW_ANGLE) / 2)
+    right = np.cross([0.0, 0.0, 1.0], towards)
+    right /= np.linalg.norm(right)
+    spec.worldbody.add_camera(
+        name=CAMERA,
+        pos=middle + distance * towards,
+        xyaxes=[*right, *np.cross(towards, right)],
+        fovy=VIEW_ANGLE,
+    )

@@ -1,0 +1,55 @@
+import numpy as np
+import pytest
+
+from kinesic.body.chain import Chain
+from kinesic.body.robot import Robot, Side
+
+
+@pytest.fixture(scope="module", params=["l", "r"])
+def side(request: pytest.FixtureRequest) -> Side:
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def robot() -> Robot:
+    return Robot.load()
+
+
+def test_an_arm_runs_from_collar_bone_to_wrist(robot: Robot, side: Side):
+    arm = robot.arms[side]
+    assert arm.base == "vt1"
+    assert [joint.name for joint in arm.joints] == [
+        f"{side}_{part}" for part in ("sternoclavicular", "shoulder", "elbow", "wrist")
+    ]
+    assert [len(joint.hinges) for joint in arm.joints] == [1, 3, 2, 2]
+
+
+def test_bones_have_the_lengths_of_the_file(robot: Robot, side: Side):
+    np.testing.assert_allclose(robot.arms[side].lengths, (0.115, 0.22, 0.20, 0.06), atol=1e-15)
+
+
+def test_limits_are_those_of_the_skeleton(robot: Robot, side: Side):
+    arm, skeleton = robot.arms[side], robot.skeleton
+    indices = list(arm.indices)
+    np.testing.assert_array_equal(arm.lower, skeleton.lower[indices])
+    np.testing.assert_array_equal(arm.upper, skeleton.upper[indices])
+    np.testing.assert_array_equal(arm.rest, skeleton.rest[indices])
+
+
+def test_the_hand_is_the_wrist_and_the_palm_is_beyond(robot: Robot):
+    arm = robot.arms["l"]
+    _, centres = arm.frames(np.zeros(8))
+    np.testing.assert_allclose(arm.hand(np.zeros(8)), (0, 0.155, -0.455), atol=1e-12)
+    np.testing.assert_allclose(centres[-1], (0, 0.155, -0.515), atol=1e-12)
+
+
+def test_palms_face_the_thighs_at_zero(robot: Robot):
+    assert robot.arms["l"].palm.tolist() == [0, -1, 0]
+    assert robot.arms["r"].palm.tolist() == [0, 1, 0]
+
+
+def test_a_chain_without_a_parent_hangs_on_the_world(robot: Robot):
+    palm = robot.sites["l_palm"]
+    chain = Chain.of(robot.skeleton, "trunk", ("humanoid_root", "vl5"), along=palm.position, palm=palm.facing)
+    assert chain.base == ""
+    assert chain.indices == (0, 1, 2)

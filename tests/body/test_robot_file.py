@@ -1,0 +1,83 @@
+from pathlib import Path
+
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.body.robot import Robot
+from kinesic.body.robot_file import servo_models
+
+UPPER22 = Robot.load().path.read_text(encoding="utf-8")
+ELBOW = '[[hinge]]\nname = "l_elbow_flexion"'
+ROLL = '[[hinge]]\nname = "vl5_roll"                   # + leans right; belt 2.5:1'
+ROLL_AXIS = f'{ROLL}\nbody = "vl5"\naxis = [1, 0, 0]'
+
+
+@pytest.fixture
+def changed(tmp_path: Path):
+    """Loads the default robot with one piece of its file replaced."""
+
+    def load(old: str, new: str) -> Robot:
+        assert UPPER22.count(old) == 1, old
+        path = tmp_path / "robot.toml"
+        path.write_text(UPPER22.replace(old, new), encoding="utf-8")
+        return Robot.load(path)
+
+    return load
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("[collision]\nclearance", "[collision]\nclearence", r"`clearence`.*did you mean clearance\?"),
+        ("range_deg = [0, 135]", "range = [0, 135]", r"`range`.*did you mean range_deg\?"),
+        ("range_deg = [0, 135]", "range_deg = [135, 0]", r"l_elbow_flexion: range_deg is \[135\.0, 0\.0\]"),
+        ("range_deg = [0, 135]", "range_deg = [0, nan]", r"hinge\[10\]\.range_deg\[1\] is nan, must be a finite"),
+        ("range_deg = [0, 135]", "range_deg = [0]", "length 2, got 1"),
+        ("l_elbow_flexion = 25", "l_elbow_flexion = 140", r"\[rest\] l_elbow_flexion is 140\.0 deg, outside \[0\.0"),
+        ("l_elbow_flexion = 25", "l_elbo_flexion = 25", r"\[rest\]: no l_elbo_flexion; did you mean l_elbow_flexion"),
+        ('servo = "xm540_w150"\nmount = { body = "humanoid_root"', 'servo = "xm540"\nmount = { body = "humanoid_root"',
+         r"servo of hinge vl5_torsion: no xm540; did you mean xm540_w"),
+        (ELBOW, '[[hinge]]\nname = "l_shoulder_twisting"', "hinge l_shoulder_twisting is described twice"),
+        ('[[body]]\nname = "skullbase"', '[[body]]\nname = "vt1"', "body vt1 is described twice"),
+        ('parent = "humanoid_root"', 'parent = "root"', r"parent of body vl5: no root"),
+        (ROLL_AXIS, ROLL_AXIS.replace("[1, 0, 0]", "[0, 0, 0]"), "vl5_roll: axis is zero, must be a direction"),
+        ("count = 2", "count = 0", "vl5_tilt: count must be at least 1"),
+        ("reduction = 2.5", "reduction = -2.5", "vl5_roll: .*reduction above 0"),
+        ('torso = ["vl5"]', 'torso = ["vl6"]', r"chain torso: no vl6; did you mean vl5\?"),
+        ('l_arm = ["l_s', 'left_arm = ["l_s', r"\[chains\] needs: no l_arm"),
+        ("l_palm = {", "l_hand = {", r"\[sites\] needs: no l_palm"),
+        ('eyes = { body = "skullbase"', 'eyes = { body = "skull"', r"site eyes: no skull; did you mean skullbase\?"),
+        ('pair = ["vl5", "skullbase"]', 'pair = ["vl5", "head"]', r"\[collision\] exclude: no head"),
+    ],
+)  # fmt: skip
+def test_a_wrong_file_teaches(changed, old: str, new: str, message: str):
+    with pytest.raises(ConfigError, match=message) as caught:
+        changed(old, new)
+    assert "robot.toml" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_robot_without_a_mirror_is_as_written(changed):
+    with pytest.raises(ConfigError, match="no r_sternoclavicular"):
+        changed('mirror = { from = "l_", to = "r_" }\n', "")
+
+
+def test_hinges_follow_the_bodies_whatever_their_order_in_the_file(tmp_path: Path):
+    head, *hinges = UPPER22.split("[[hinge]]")
+    last, tail = hinges[-1].split("# Bodies from the root outward")
+    path = tmp_path / "robot.toml"
+    arms_first = [*hinges[6:-1], last, *hinges[:6]]
+    path.write_text("[[hinge]]".join([head, *arms_first]) + "\n# Bodies from the root outward" + tail, encoding="utf-8")
+    assert Robot.load(path).skeleton.names == Robot.load().skeleton.names
+
+
+def test_an_axis_is_made_a_unit_vector(changed):
+    robot = changed(ROLL_AXIS, ROLL_AXIS.replace("[1, 0, 0]", "[2, 0, 0]"))
+    assert robot.skeleton.hinges[2].axis.tolist() == [1, 0, 0]
+
+
+def test_servo_models_carry_their_name():
+    models = servo_models()
+    assert set(models) == {"xm540_w270", "xm540_w150", "xm430_w210", "xc430_w240", "xc330_t288"}
+    assert all(model.name == name for name, model in models.items())
+    assert len({model.model for model in models.values()}) == len(models)

@@ -1,0 +1,64 @@
+from math import pi
+
+import pytest
+
+from kinesic.body.robot_file import servo_models
+from kinesic.body.servo import Drive
+
+
+@pytest.fixture(scope="module")
+def xm540() -> Drive:
+    return Drive(servo_models()["xm540_w270"], count=1, reduction=1.0)
+
+
+def test_stiffness_and_back_emf_of_the_xm540(xm540: Drive):
+    """P 800, divisor 128: 10.6 Nm x 4.60 duty/rad, and 10.6 Nm over 30 rpm."""
+    assert xm540.gain * xm540.stall == pytest.approx(48.8, abs=0.05)
+    assert xm540.stall / xm540.no_load == pytest.approx(3.37, abs=0.005)
+
+
+@pytest.mark.parametrize(
+    ("name", "lag_ms"),
+    [("xm540_w270", 69.1), ("xm540_w150", 39.1), ("xm430_w210", 26.9), ("xc430_w240", 33.9), ("xc330_t288", 26.0)],
+)
+def test_lag_at_constant_speed(name: str, lag_ms: float):
+    """At speed w the duty is w / no_load, so the error is w / (gain no_load): a delay of 1 / (gain no_load)."""
+    drive = Drive(servo_models()[name], count=1, reduction=1.0)
+    assert 1000 / (drive.gain * drive.no_load) == pytest.approx(lag_ms, abs=0.1)
+
+
+def test_a_tandem_doubles_torque_and_inertia_but_not_speed(xm540: Drive):
+    pair = Drive(xm540.servo, count=2, reduction=1.0)
+    assert (pair.stall, pair.armature) == (2 * xm540.stall, 2 * xm540.armature)
+    assert (pair.frictionloss, pair.damping) == (2 * xm540.frictionloss, 2 * xm540.damping)
+    assert (pair.no_load, pair.gain) == (xm540.no_load, xm540.gain)
+
+
+def test_a_belt_trades_speed_for_torque(xm540: Drive):
+    belt = Drive(xm540.servo, count=1, reduction=2.5)
+    assert belt.stall == pytest.approx(26.5)
+    assert belt.no_load == pytest.approx(pi / 2.5)
+    assert belt.stall * belt.no_load == pytest.approx(xm540.stall * xm540.no_load)
+    assert belt.armature == pytest.approx(0.10 * 6.25)
+    assert belt.gain == pytest.approx(2.5 * xm540.gain)
+    assert belt.tick == pytest.approx(xm540.tick / 2.5)
+    assert 1 / (belt.gain * belt.no_load) == pytest.approx(1 / (xm540.gain * xm540.no_load))
+
+
+def test_a_tick_is_a_4096th_of_a_turn(xm540: Drive):
+    assert xm540.tick * 4096 == pytest.approx(2 * pi)
+
+
+def test_the_factory_d_gain_damps_nothing(xm540: Drive):
+    assert xm540.servo.d_gain == 0
+    assert xm540.rate_gain == 0.0
+
+
+@pytest.mark.parametrize("name", servo_models())
+def test_figures_of_a_model_are_plausible(name: str):
+    model = servo_models()[name]
+    assert 11.0 <= model.volt <= 14.8
+    mechanical = model.stall_nm * model.no_load_rpm * 2 * pi / 60 / 4  # [W] at half speed
+    assert 0.1 < mechanical / (model.volt * model.stall_a) < 0.5
+    assert 0 < model.frictionloss < 0.1 * model.stall_nm
+    assert all(0.01 < side < 0.1 for side in model.size)
