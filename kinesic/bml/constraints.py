@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from kinesic.bml.block import Block, Order, Place, Synchronize, SyncRef
+from kinesic.bml.block import Behaviour, Block, Order, Place, Synchronize, SyncRef
 from kinesic.bml.potentials import Potentials
 
 
@@ -51,12 +51,17 @@ def point_of(ref: SyncRef) -> Point:
 def ties(block: Block) -> Iterator[Tie]:
     """All equalities that a block asks for, in document order."""
     for behaviour in block.behaviours:
-        for sync, ref in behaviour.syncs.items():
-            own = SyncRef(block.id, behaviour.id, sync)
-            yield Tie(own, ref, behaviour.id, behaviour.place, behaviour.required)
+        yield from own_ties(behaviour, block.id)
     for constraint in block.constraints:
         if isinstance(constraint, Synchronize):
             yield from synchronized(constraint)
+
+
+def own_ties(behaviour: Behaviour, block: str) -> Iterator[Tie]:
+    """Equalities that the sync attributes of a behaviour ask for."""
+    for sync, ref in behaviour.syncs.items():
+        own = SyncRef(block, behaviour.id, sync)
+        yield Tie(own, ref, behaviour.id, behaviour.place, behaviour.required)
 
 
 def synchronized(constraint: Synchronize) -> Iterator[Tie]:

@@ -15,11 +15,11 @@ class Potentials(Generic[P]):
     def find(self, point: P) -> tuple[P, float]:
         """Root of a point's class, and the point's gap to it [s]; an unknown point starts a class."""
         path: list[P] = []
-        above, gap = self._above.setdefault(point, (point, 0.0))
+        above = self._above.setdefault(point, (point, 0.0))[0]
         while above != point:
             path.append(point)
             point = above
-            above, gap = self._above[point]
+            above = self._above[point][0]
         total = 0.0
         for below in reversed(path):
             total += self._above[below][1]

@@ -11,7 +11,9 @@ from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.controller.arrival import paths
 from kinesic.controller.performance import Performance
 from kinesic.controller.plots import ASKED, FAINT, GRID, INK, PERFORMED, PLANNED, WIDTH, figure, plain, svg, write
+from kinesic.expressivity.keyframes import PartName
 
+HANDS: dict[Side, PartName] = {"l": "l_hand", "r": "r_hand"}
 GAP, TOP, BOTTOM = 0.5, 0.3, 0.3  # [in]
 TALLEST = 4.6  # [in] of the views
 ROOM = 0.06  # [m] about what is drawn
@@ -38,7 +40,7 @@ def hands(performance: Performance) -> Markup:
     """Planned and performed paths of both hands, keys as dots, over the robot at rest."""
     robot = performance.plan.facts.robot
     planned = paths(performance.reference[0], robot)
-    reference = {side: planned[f"{side}_hand"] for side in SIDES}
+    reference = {side: planned[HANDS[side]] for side in SIDES}
     keys = {side: _keys(performance, side) for side in SIDES}
     bones = _bones(robot)
     everything = np.concatenate([*reference.values(), *performance.measured.hands.values(), *keys.values(), *bones])
@@ -46,11 +48,11 @@ def hands(performance: Performance) -> Markup:
     spans = [float((high - low)[view.across]) for view in VIEWS]
     scale = min((WIDTH - GAP * len(VIEWS)) / sum(spans), TALLEST / float((high - low)[2]))  # [in/m]
     tall = scale * float((high - low)[2])
-    drawn = figure(tall + TOP + BOTTOM)
+    height = tall + TOP + BOTTOM
+    drawn = figure(height)
     left = (WIDTH - scale * sum(spans) - GAP * (len(VIEWS) - 1)) / 2 + GAP / 4
     for view, span in zip(VIEWS, spans, strict=True):
-        box = (left / WIDTH, BOTTOM, scale * span / WIDTH, tall)
-        axes = drawn.add_axes((box[0], BOTTOM / (tall + TOP + BOTTOM), box[2], tall / (tall + TOP + BOTTOM)))
+        axes = drawn.add_axes((left / WIDTH, BOTTOM / height, scale * span / WIDTH, tall / height))
         left += scale * span + GAP
         _frame(axes, view, low, high)
         for bone in bones:
@@ -72,7 +74,7 @@ def _frame(axes: Axes, view: View, low: Floats, high: Floats) -> None:
 def _path(axes: Axes, view: View, planned: Floats, performed: Floats, keys: Floats) -> None:
     axes.plot(planned[:, view.across], planned[:, 2], color=PLANNED, linewidth=1.2)
     axes.plot(performed[:, view.across], performed[:, 2], color=PERFORMED, linewidth=1.0, linestyle=(0, (4, 2)))
-    axes.scatter(keys[:, view.across], keys[:, 2], s=14, facecolor=ASKED, edgecolor=PLANNED, linewidth=0.8, zorder=3)
+    axes.scatter(keys[:, view.across], keys[:, 2], s=8, facecolor=ASKED, edgecolor=PLANNED, linewidth=0.8, zorder=3)
 
 
 def _keys(performance: Performance, side: Side) -> Floats:
@@ -82,7 +84,7 @@ def _keys(performance: Performance, side: Side) -> Floats:
     keyed = [posture.angles for posture in plan.postures.postures if any(posture.keyed[joint] for joint in arm)]
     if not keyed:
         return np.zeros((0, 3))
-    return paths(np.stack(keyed), plan.facts.robot)["l_hand" if side == "l" else "r_hand"]
+    return paths(np.stack(keyed), plan.facts.robot)[HANDS[side]]
 
 
 def _bones(robot: Robot) -> list[Floats]:

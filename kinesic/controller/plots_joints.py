@@ -36,12 +36,12 @@ NAMES = {"l_arm": "left arm", "r_arm": "right arm"}
 STILL = 0.5  # [deg] a hinge that moves less is not drawn
 LEAST_SPAN = 10.0  # [deg] of a panel, so that noise does not look like motion
 LEFT, RIGHT, GAP = 0.45, 0.1, 0.55  # [in]
-TOP, PANEL, HEAD, BOTTOM = 0.32, 0.95, 0.2, 0.3  # [in]; the head of a panel holds its name
+TOP, PANEL, HEAD, BOTTOM = 0.46, 0.95, 0.2, 0.3  # [in]; the head of a panel holds its name
 LABEL = 0.9  # [in] of a sync point
 
 
 def joints(performance: Performance) -> Iterator[Markup]:
-    """One figure for torso and neck, one for the arms, one for hinges outside any chain; those where something moves."""
+    """One figure for torso and neck, one for the arms, one for hinges outside any chain, if they move."""
     robot = performance.plan.facts.robot
     curves = _curves(performance)
     moving = np.max([np.ptp(curve, axis=0) for curve in curves], axis=0) >= STILL
@@ -79,8 +79,8 @@ def _figure(
     height = TOP + PANEL * len(rows) + BOTTOM
     drawn = figure(height)
     width = (WIDTH - LEFT - RIGHT - GAP) / 2
+    left = LEFT / WIDTH
     for column, name in enumerate(names):
-        left = (LEFT + column * (width + GAP)) / WIDTH
         shown = [(row, joint) for row, pair in enumerate(rows) if (joint := pair[column]) is not None and moving[joint]]
         syncs = _syncs(performance, name)
         for row, joint in shown:
@@ -89,8 +89,9 @@ def _figure(
             _panel(axes, performance, joint, curves, syncs)
             axes.tick_params(labelbottom=row == shown[-1][0])
             if row == shown[0][0]:
-                drawn.text(left, bottom + (PANEL + 0.08) / height, NAMES.get(name, name), fontsize=9, color=INK)
+                drawn.text(left, bottom + (PANEL + 0.2) / height, NAMES.get(name, name), fontsize=9, color=INK)
                 _label(axes, performance, syncs, width)
+        left += (width + GAP) / WIDTH if shown else 0.0
     return svg(drawn)
 
 

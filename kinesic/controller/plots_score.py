@@ -5,7 +5,8 @@ from itertools import pairwise
 from markupsafe import Markup
 from matplotlib.axes import Axes
 
-from kinesic.bml.block import Behaviour, Speech
+from kinesic.bml.block import Speech
+from kinesic.body.utterance import Script
 from kinesic.controller.performance import Performance
 from kinesic.controller.plots import (
     ASKED,
@@ -46,17 +47,19 @@ def score(performance: Performance) -> Markup | None:
     axes.set_yticks([])
     for row, behaviour in enumerate(rows):
         write(axes, -0.008 * end, row + 0.7, shortened(behaviour.id, LEFT), place="data", align="right")
-        draw = _words if isinstance(behaviour.action, Speech) else _phases
-        draw(axes, row, behaviour, performance, width / end)
+        if isinstance(behaviour.action, Speech):
+            _words(axes, row, behaviour.id, behaviour.action.script, performance, width / end)
+        else:
+            _phases(axes, row, behaviour.id, performance)
     if len(behaviours) > ROWS:
         write(axes, 0.0, ROWS + 0.7, f"and {len(behaviours) - ROWS} more behaviours", colour=FAINT, place="data")
     return svg(drawn)
 
 
-def _phases(axes: Axes, row: int, behaviour: Behaviour, performance: Performance, per_second: float) -> None:
-    """From start to end, the stroke in full colour; below it what was asked; beside it the type."""
+def _phases(axes: Axes, row: int, name: str, performance: Performance) -> None:
+    """From start to end, the stroke in full colour; below it what was asked."""
     zero = performance.plan.trajectory.zero
-    syncs = [sync for sync in performance.plan.syncs if sync.behaviour == behaviour.id]
+    syncs = [sync for sync in performance.plan.syncs if sync.behaviour == name]
     if not syncs:
         return
     at = {sync.sync: zero + sync.planned for sync in syncs}
@@ -70,17 +73,13 @@ def _phases(axes: Axes, row: int, behaviour: Behaviour, performance: Performance
     asked = [zero + sync.asked for sync in syncs]
     axes.hlines(row + 0.86, min(asked), max(asked), colors=ASKED, linewidth=1.8)
     axes.vlines([zero + sync.asked for sync in strokes], row + 0.74, row + 0.98, colors=ASKED, linewidth=1.8)
-    room = (performance.measured.times[-1] - end) * per_second
-    write(axes, end + 0.05 / per_second, row + 0.7, shortened(behaviour.type, room), colour=FAINT, place="data")
 
 
-def _words(axes: Axes, row: int, behaviour: Behaviour, performance: Performance, per_second: float) -> None:
+def _words(axes: Axes, row: int, name: str, script: Script, performance: Performance, per_second: float) -> None:
     """The text between its marks, each piece where it is said."""
     plan = performance.plan
-    if not isinstance(behaviour.action, Speech):
-        return
-    script, utterance = behaviour.action.script, plan.utterances[behaviour.id]
-    start = next(timed.times["start"] for timed in plan.timeline.timed if timed.behaviour.id == behaviour.id)
+    utterance = plan.utterances[name]
+    start = next(timed.times["start"] for timed in plan.timeline.timed if timed.behaviour.id == name)
     marks = sorted((mark.position, utterance.marks[mark.name]) for mark in script.marks if mark.name in utterance.marks)
     cuts = [(0, 0.0), *marks, (len(script.text), utterance.duration)]
     for (first, begin), (last, end) in pairwise(cuts):

@@ -56,7 +56,7 @@ def postures(keyframes: KeyFrames, robot: Robot, distances: Distances) -> Postur
         else:
             angles = _arms(angles, wanted, robot)
             angles = clear_hands(angles, wanted, robot, distances, _arms)
-        _note_misses(misses, frame, wanted, angles, robot)
+        _note_misses(misses, keyframes, k, wanted, angles, robot)
         solved.append(Posture(frame.time, sealed(robot.skeleton.clamp(angles)), tuple(keyed), frame.syncs))
     return Postures(tuple(solved), misses)
 
@@ -172,14 +172,17 @@ def hand_in_world(angles: Floats, robot: Robot, side: Side) -> Floats:
 
 def _note_misses(
     misses: dict[str, float],
-    frame: KeyFrame,
+    keyframes: KeyFrames,
+    k: int,
     wanted: Mapping[Side, Reach | None],
     angles: Floats,
     robot: Robot,
 ) -> None:
+    """Credits what is left of each reach to the behaviours that move this hand."""
     for side, reach in wanted.items():
-        if reach is None or f"{side}_hand" not in frame.given:
+        if reach is None:
             continue
         miss = float(np.linalg.norm(hand_in_world(angles, robot, side) - reach.position))
-        for behaviour, _ in frame.syncs:
-            misses[behaviour] = max(miss, misses.get(behaviour, 0.0))
+        for behaviour, _ in keyframes.frames[k].syncs:
+            if f"{side}_hand" in keyframes.uses[behaviour]:
+                misses[behaviour] = max(miss, misses.get(behaviour, 0.0))

@@ -68,7 +68,7 @@ def stroke_spans(work: Poses, rest: Mapping[Side, Reach], temporal: float, *, he
         held: whether a post-stroke hold follows.
     """
     ways = [hand_time(way, temporal) for way in paths(work, rest)]
-    first, second = sum(ways[: work.stroke]), sum(ways[work.stroke :])
+    first, second = sum(ways[: work.stroke], 0.0), sum(ways[work.stroke :], 0.0)
     return {
         "ready": _way(work, 0, rest, temporal),
         "strokeStart": 0.0,

@@ -54,7 +54,7 @@ def resting(robot: Robot) -> Mapping[Side, Reach]:
 def shoulder(robot: Robot, side: Side) -> Floats:
     """(3,) [m] centre of a shoulder in the world, at rest."""
     frames = robot.skeleton.frames(robot.skeleton.rest)
-    return frames.origins[robot.skeleton.segment(robot.chains[f"{side}_arm"][-3])]
+    return sealed(frames.origins[robot.skeleton.segment(robot.chains[f"{side}_arm"][-3])])
 
 
 def poses(form: GestureForm, robot: Robot, style: Style) -> Poses:

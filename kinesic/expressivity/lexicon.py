@@ -9,7 +9,7 @@ from kinesic.body.robot import Side
 from kinesic.expressivity.form import GestureForm, Match, StrokeKey
 from kinesic.expressivity.gestuary import enabled, read_gestuary
 from kinesic.expressivity.lexicon_file import read_gestures
-from kinesic.expressivity.meaning import Reading, Sense, nearest, read_lexeme
+from kinesic.expressivity.meaning import Sense, nearest, read_lexeme
 from kinesic.expressivity.space import apart
 
 _NAMELESS = "beat"  # what a gesture without a lexeme most likely is
@@ -44,7 +44,7 @@ class Lexicon:
         Args:
             lexeme: a name, in any case, or `category=name`; empty: a beat.
             mode: which hands; unspecified: those of the entry, or those that a substituted lexeme names.
-            category: preferred among entries of one name, and a word of the meaning.
+            category: preferred among entries of one name; what a lexeme without meaning falls back to.
 
         Returns:
             The match, which says why when it is a substitute; None when the lexeme means nothing here.
@@ -54,7 +54,7 @@ class Lexicon:
         form = self._entry(lexeme, category)
         if form is not None:
             return Match(in_mode(form, mode))
-        return self._substitute(read_lexeme(lexeme), mode, category)
+        return self._substitute(lexeme, mode, category)
 
     def _entry(self, lexeme: str, category: str | None) -> GestureForm | None:
         """The entry of this very name."""
@@ -62,19 +62,18 @@ class Lexicon:
         wanted = (category or "").lower()
         return next((form for form in named if form.category.lower() == wanted), named[0] if named else None)
 
-    def _substitute(self, reading: Reading, mode: Mode, category: str | None) -> Match | None:
-        """The gesture that the words of a lexeme speak of."""
-        hint = reading.mode if mode == "unspecified" else mode
-        kind = read_lexeme(category or "").words
-        if reading.words:
-            found = nearest(reading.words, self.senses) or nearest(kind, self.senses)
-        else:
-            found = nearest(kind or (_NAMELESS,), self.senses)
+    def _substitute(self, lexeme: str, mode: Mode, category: str | None) -> Match | None:
+        """The gesture that the words of a lexeme speak of, else those of its category."""
+        reading, kind = read_lexeme(lexeme), read_lexeme(category or "").words
+        found = nearest(reading.words, self.senses) or nearest(kind, self.senses)
+        why = f'"{" ".join(found[1])}"' if found is not None else "no lexeme"
+        if found is None and not lexeme.strip():
+            found = nearest((_NAMELESS,), self.senses)
         if found is None:
             return None
         form = self.forms[found[0]]
-        why = f'"{" ".join(found[1])}"' if reading.words or kind else "no lexeme"
-        return Match(in_mode(form, hint), f"substituted by {form.id}: {why}")
+        side = reading.mode if mode == "unspecified" else mode
+        return Match(in_mode(form, side), f"substituted by {form.id}: {why}")
 
 
 def in_mode(form: GestureForm, mode: Mode) -> GestureForm:
@@ -88,8 +87,8 @@ def in_mode(form: GestureForm, mode: Mode) -> GestureForm:
     if mode == "both":
         return replace(form, keys=tuple(_doubled(key) for key in form.keys))
     side: Side = "l" if mode == "left" else "r"
-    source = side if side in form.sides else _OTHER[side]
-    keys = tuple(StrokeKey({side: key.hands[source]}) for key in form.keys if source in key.hands)
+    source = form if side in form.sides else mirrored(form)
+    keys = tuple(StrokeKey({side: key.hands[side]}) for key in source.keys if side in key.hands)
     return replace(form, keys=keys)
 
 

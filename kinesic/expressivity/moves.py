@@ -222,7 +222,7 @@ def _at_once(start: float, arrive: float) -> dict[str, float]:
 
 def _hanging(sides: Sequence[Side]) -> Poses:
     """Arms that hang."""
-    return Poses({side: (REST,) for side in sides}, stroke=0)
+    return Poses(dict.fromkeys(sides, (REST,)), stroke=0)
 
 
 def _moving(layer: Layer) -> tuple[Layer, ...]:

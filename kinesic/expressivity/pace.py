@@ -50,4 +50,4 @@ def turn_time(robot: Robot, chain: str, turn: Turn, temporal: float = 0.0) -> fl
             if robot.skeleton.names[k].endswith(axis):
                 times.append(_PEAK_SPEED * abs(angle) / robot.speed_limits[k])
                 times.append(sqrt(_PEAK_ACCELERATION * abs(angle) / _ACCELERATIONS[chain]))
-    return COMFORT * max(times) / quickness(temporal)
+    return float(COMFORT * max(times) / quickness(temporal))

@@ -9,10 +9,10 @@ import numpy as np
 
 from kinesic.body.chain import Chain
 from kinesic.body.skeleton import Hinge
-from kinesic.ik.vectors import IDENTITY, Rotation, Vector, after, distance, norm, plus, rotated, unit, vector
+from kinesic.ik.vectors import IDENTITY, Rotation, Vector, after, norm, plus, rotated, turned, unit, vector
 
 PARALLEL = 1e-9  # sine of the angle below which a hinge lies along its bone
-ELBOW_SAMPLES = 65  # of the elbow's range, to find how near and how far the hand can be
+ELBOW_SAMPLES = 65  # of the elbow's range, to find how far the hand can be
 
 
 @dataclass(frozen=True)
@@ -54,8 +54,7 @@ class Linkage:
     origin: Vector  # [m] in the base
     links: tuple[Link, ...]
     side: float  # +1: an arm on the left; -1: on the right
-    nearest: float  # [m] shoulder to hand with the elbow bent as far as it goes
-    farthest: float  # [m] with the elbow as straight as it goes
+    farthest: float  # [m] shoulder to hand with the elbow as straight as it goes
 
     @cached_property
     def pivots(self) -> tuple[Pivot, ...]:
@@ -114,24 +113,18 @@ def linkage_of(chain: Chain) -> Linkage:
         links.append(Link(pivots, bone, unit(bone), norm(bone), first))
         first += len(hinges)
     origin = vector(chain.origin_in_base)
-    near, far = _span(links[-3], links[-2])
-    draft = Linkage(origin, tuple(links), 1.0, near, far)
-    shoulder = draft.walk([0.0] * first, len(links) - 3)[1][-1]
-    return Linkage(origin, tuple(links), -1.0 if shoulder[1] < 0.0 else 1.0, near, far)
+    aside = origin[1] + sum(link.bone[1] for link in links[:-3])
+    return Linkage(origin, tuple(links), -1.0 if aside < 0.0 else 1.0, _reach(links[-3], links[-2]))
 
 
 def _parallel(hinge: Hinge, bone: Vector) -> bool:
     return float(np.linalg.norm(np.cross(hinge.axis, unit(bone)))) < PARALLEL
 
 
-def _span(upper: Link, fore: Link) -> tuple[float, float]:
-    """How near to the shoulder and how far from it the elbow's last hinge can hold the hand [m]."""
+def _reach(upper: Link, fore: Link) -> float:
+    """The longest distance from shoulder to hand that the elbow's last hinge allows [m]."""
     if not fore.pivots:
-        reach = norm(plus(upper.bone, fore.bone))
-        return reach, reach
+        return norm(plus(upper.bone, fore.bone))
     elbow = fore.pivots[-1]
-    reaches = [
-        distance(plus(upper.bone, rotated(after(IDENTITY, elbow.axis, float(angle)), fore.bone)), (0.0, 0.0, 0.0))
-        for angle in np.linspace(elbow.lower, elbow.upper, ELBOW_SAMPLES)
-    ]
-    return min(reaches), max(reaches)
+    turns = np.linspace(elbow.lower, elbow.upper, ELBOW_SAMPLES).tolist()
+    return max(norm(plus(upper.bone, turned(fore.bone, elbow.axis, turn))) for turn in turns)

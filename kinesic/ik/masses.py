@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from math import cos, pi, sqrt
 
-from kinesic.ik.vectors import Vector, cross, distance, dot, minus, norm, plus, scaled, unit
+from kinesic.ik.vectors import Vector, across, cross, distance, minus, norm, plus, scaled, unit
 
 TOLERANCE = 1e-6  # total spring force at rest, in units of stiffness x chain length
 ROUNDS = 300
@@ -96,10 +96,6 @@ def _bent(masses: list[Vector]) -> list[Vector]:
         line = unit(minus(masses[1], masses[0]))
     if any(norm(cross(line, minus(mass, masses[0]))) > STRAIGHT for mass in masses[1:-1]):
         return masses
-    down = minus((0.0, 0.0, -1.0), scaled(line, -line[2]))
-    aside = (
-        unit(down)
-        if norm(down) > STRAIGHT
-        else unit(minus((-1.0, 0.0, 0.0), scaled(line, dot(line, (-1.0, 0.0, 0.0)))))
-    )
+    sag = across((0.0, 0.0, -1.0), line)
+    aside = unit(sag if norm(sag) > STRAIGHT else across((-1.0, 0.0, 0.0), line))
     return [masses[0], *(plus(mass, scaled(aside, NUDGE)) for mass in masses[1:-1]), masses[-1]]

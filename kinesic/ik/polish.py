@@ -14,7 +14,8 @@ ROUNDS = 24
 TOLERANCE = 1e-7  # of the arm's length
 DAMPING = 0.3  # lambda^2 = DAMPING e^2 + LEAST_DAMPING size^2 (after Sugihara)
 LEAST_DAMPING = 1e-7
-POSTURE = 0.3  # share of the way back to the posture per round, as far as the hand does not notice
+POSTURE = 0.4  # share of the way back to the posture in a round, as far as the hand does not notice ...
+FADING = 0.7  # ... less from round to round: the last ones belong to the target
 STALL = 0.98  # a round that leaves more than this share of the error ...
 PATIENCE = 6  # ... so many times in a row has come to a rest
 CAUTION = 8.0  # times the damping after a round that lost ground
@@ -57,7 +58,7 @@ def polish(
     while norm(error) > TOLERANCE * size and stalled < PATIENCE and rounds < ROUNDS:
         rounds += 1
         damping = caution * (DAMPING * dot(error, error) + LEAST_DAMPING * size * size)
-        pulls = [POSTURE / caution * (home - angle) for home, angle in zip(posture, now, strict=False)]
+        pulls = [POSTURE * FADING**rounds / caution * (home - angle) for home, angle in zip(posture, now, strict=False)]
         tried = _stepped(linkage, now, error, columns, pulls, mobility, damping)
         hand, tried_columns = _columns(linkage, tried)
         tried_error = minus(target, hand)

@@ -1,11 +1,13 @@
 """Turns forearm and wrist so that the hand points, and its palm faces, as nearly as the ranges allow.
 
 How well directions agree is, in each single hinge, A cos q + B sin q: its best angle is known in closed form, and
-so is its best angle inside a range. Taking the hinges in turn climbs to the best posture of all.
+so is its best angle inside a range. Taking the hinges in turn climbs to a peak; where the stops make several peaks,
+the climb begins again at each corner of the ranges.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 from math import atan2, cos, sin
 
 from kinesic.ik.linkage import Link, Pivot
@@ -41,22 +43,13 @@ def orient(link: Link, frame: Rotation, wishes: Sequence[Wish], rest: Sequence[f
     if not wishes:
         return tuple(rest)
     best, height = _climbed(link, frame, wishes, rest, rest)
-    for start in _spread(link, rest):
+    for start in product(*((pivot.lower, pivot.upper) for pivot in link.pivots)):
         if height > len(wishes) - PERFECT:
             break
         found, agreement = _climbed(link, frame, wishes, rest, start)
         if agreement > height:
             best, height = found, agreement
     return best
-
-
-def _spread(link: Link, rest: Sequence[float]) -> list[tuple[float, ...]]:
-    """More beginnings, where stops make several peaks: each hinge half way to either stop, the others at rest."""
-    return [
-        (*rest[:k], 0.5 * (rest[k] + stop), *rest[k + 1 :])
-        for k, pivot in enumerate(link.pivots)
-        for stop in (pivot.lower, pivot.upper)
-    ]
 
 
 def _climbed(

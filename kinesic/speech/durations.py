@@ -12,7 +12,7 @@ from kinesic.speech.spelling import VOWELS, mora_sounds, number_sounds, syllable
 SYLLABLE = 0.18  # [s]
 WORD = 0.06  # [s] of a word, on top of its syllables
 MORA = 0.14  # [s] of a Chinese, Japanese or Korean character
-PHRASE_PAUSE = 0.2  # [s] at a comma, and where a line ends
+PHRASE_PAUSE = 0.2  # [s] at a comma
 SENTENCE_PAUSE = 0.45  # [s]
 VOWEL_SHARE = 2.0  # length of a vowel, in consonants
 
@@ -21,7 +21,7 @@ _CJK = "\u3041-\u30fa\u30fc-\u30ff\u3400-\u4dbf\u4e00-\u9fff\uac00-\ud7a3"
 _TOKEN = re.compile(
     rf"""
     (?P<sentence>[.?!\u2026\u3002\uff01\uff1f])
-    | (?P<phrase>[,;:\n\u3001\uff0c\uff1b\uff1a])
+    | (?P<phrase>[,;:\u3001\uff0c\uff1b\uff1a])
     | (?P<number>\d+(?:[.,:]\d+)*)
     | (?P<mora>[{_CJK}])
     | (?P<word>[^\W\d_{_CJK}](?:[{_APOSTROPHE}\u0300-\u036f]|[^\W\d_{_CJK}])*)

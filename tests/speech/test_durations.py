@@ -30,7 +30,7 @@ def test_more_syllables_take_longer():
 def test_punctuation_between_words_is_a_pause():
     plain = duration("one two")
     assert duration("one, two") == pytest.approx(plain + PHRASE_PAUSE)
-    assert duration("one\ntwo") == pytest.approx(plain + PHRASE_PAUSE)
+    assert duration("one\ntwo") == pytest.approx(plain)
     assert duration("one. two") == pytest.approx(plain + SENTENCE_PAUSE)
 
 

@@ -55,7 +55,9 @@ def check(robot: str) -> int:
         mark = "[red]fail[/]" if worst > FAIL_TORQUE else "[yellow]warn[/]" if worst > WARN_TORQUE else "pass"
         table.add_row(name, f"{rest:.3f}", f"{worst:.3f}", mark)
     Console().print(table)
-    click.echo(f"mass {physics.mass:.2f} kg, {physics.moving_mass:.2f} kg of it moving; arm length {body.arm_length:.3f} m")
+    click.echo(
+        f"mass {physics.mass:.2f} kg, {physics.moving_mass:.2f} kg of it moving; arm length {body.arm_length:.3f} m"
+    )
     for name, gap in (("at rest", physics.rest_gap), ("at zero", physics.zero_gap)):
         click.echo(f"clearance {name}: {1000 * gap.distance:.0f} mm, {gap.pair[0]} and {gap.pair[1]}")
     least = 1000 * body.least_clearance

@@ -1,0 +1,89 @@
+"""BML 1.0 feedback, written as XML: what will happen, what happened, and what cannot.
+
+Elements and attributes: facts, BML 1.0 section 2.7. Times in seconds, to the microsecond.
+"""
+
+from collections.abc import Mapping
+from typing import Literal
+from xml.etree.ElementTree import Element, SubElement, tostring
+
+from kinesic.bml.block import Notice
+from kinesic.bml.namespaces import BML_1_0
+
+
+def prediction(
+    block: str,
+    start: float,
+    end: float,
+    times: Mapping[str, Mapping[str, float]],
+    *,
+    zero: float = 0.0,
+    character: str | None = None,
+) -> str:
+    """Writes a predictionFeedback.
+
+    Args:
+        block: id of the block.
+        start: of the block [s], block time.
+        end: of the block [s], block time.
+        times: behaviour id -> {sync point: time [s], block time}.
+        zero: global time of the block's time 0 [s].
+        character: id of the character, if there are several.
+    """
+    root = _root("predictionFeedback", character)
+    SubElement(root, "bml", id=block, globalStart=_seconds(zero + start), globalEnd=_seconds(zero + end))
+    for behaviour, points in times.items():
+        element = SubElement(root, "behavior", id=f"{block}:{behaviour}")
+        for sync, time in points.items():
+            SubElement(element, "sync", id=f"{block}:{behaviour}:{sync}", time=_seconds(time))
+    return _written(root)
+
+
+def block_progress(
+    block: str, point: Literal["start", "relax", "end"], global_time: float, *, character: str | None = None
+) -> str:
+    """Writes a blockProgress: a block has reached a point at a global time [s]."""
+    root = _root("blockProgress", character)
+    root.attrib.update(id=f"{block}:{point}", globalTime=_seconds(global_time))
+    return _written(root)
+
+
+def sync_point_progress(
+    block: str, behaviour: str, sync: str, time: float, global_time: float, *, character: str | None = None
+) -> str:
+    """Writes a syncPointProgress: a sync point was reached.
+
+    Args:
+        block: id of the block.
+        behaviour: id of the behaviour.
+        sync: sync point.
+        time: since the start of the block [s].
+        global_time: [s].
+        character: id of the character, if there are several.
+    """
+    root = _root("syncPointProgress", character)
+    root.attrib.update(id=f"{block}:{behaviour}:{sync}", time=_seconds(time), globalTime=_seconds(global_time))
+    return _written(root)
+
+
+def warning(notice: Notice, *, character: str | None = None) -> str:
+    """Writes a warningFeedback."""
+    root = _root("warningFeedback", character)
+    root.attrib.update(id=notice.id, type=notice.type.value)
+    root.text = notice.text
+    return _written(root)
+
+
+def _root(name: str, character: str | None) -> Element:
+    root = Element(name, xmlns=BML_1_0)
+    if character is not None:
+        root.set("characterId", character)
+    return root
+
+
+def _seconds(time: float) -> str:
+    return repr(round(float(time), 6) + 0.0)  # adding 0 turns -0.0 into 0.0
+
+
+def _written(root: Element) -> str:
+    return tostring(root, encoding="unicode")

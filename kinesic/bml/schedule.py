@@ -1,0 +1,205 @@
+"""A number for every sync point: what cannot be timed is dropped with a notice, the rest performs."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+
+from kinesic.bml.block import (
+    Behaviour,
+    Block,
+    Drop,
+    Notice,
+    NoticeType,
+    Order,
+    Speech,
+    Synchronize,
+    SyncRef,
+    Timed,
+    Timeline,
+)
+from kinesic.bml.constraints import Tie, own_ties
+from kinesic.bml.loops import Edge, contradictions
+from kinesic.bml.network import Elsewhere, Network, Surroundings
+from kinesic.bml.points import natural_spans
+from kinesic.bml.refusal import refusal
+from kinesic.bml.settle import settle
+from kinesic.bml.syncref import LONGEST
+from kinesic.body.utterance import Utterance
+
+Constraint = Synchronize | Order
+
+
+def schedule(
+    block: Block,
+    utterances: Mapping[str, Utterance],
+    spans: Mapping[str, Mapping[str, float]],
+    *,
+    elsewhere: Elsewhere | None = None,
+) -> Timeline:
+    """Finds the times of all behaviours.
+
+    Equalities hold exactly, sync points of a behaviour never go back, `after` and `before` hold; within this, phases
+    are as near to their natural lengths as they can be (strokes first). A behaviour that cannot be timed is dropped.
+    One that referred to it keeps its other references; when none is left it is dropped as well, unless it is a speech,
+    which is then free.
+
+    Args:
+        block: what was asked.
+        utterances: by id, what each speech will sound like.
+        spans: behaviour id -> {sync point: natural seconds from the previous one of its type}; usual values else.
+        elsewhere: (block, behaviour, sync point) of other blocks -> seconds of this block's time.
+
+    Returns:
+        The behaviours in document order with all their times, those that are dropped, and the notices.
+
+    Raises:
+        BmlError: a part that is required cannot be timed, or a time is beyond `LONGEST`.
+    """
+    cast = _Cast.of(block)
+    for behaviour in block.behaviours:
+        if isinstance(behaviour.action, Speech) and behaviour.id not in utterances:
+            cast.drop(behaviour.id, NoticeType.CANNOT_CREATE_BEHAVIOR, "nobody says its text")
+    while True:
+        around = Surroundings(block, cast.behaviours, utterances, elsewhere or {})
+        network = around.network(cast.ties(), cast.constraints)
+        for unresolved in around.unresolved:
+            cast.give_up(unresolved.culprit, unresolved.kind, unresolved.why)
+        if not around.unresolved and not cast.resolve(contradictions(network.edges())):
+            return _timeline(cast, network, spans)
+
+
+@dataclass
+class _Cast:
+    """Behaviours and constraints that are still in, and what became of the others."""
+
+    block: Block
+    behaviours: dict[str, Behaviour]
+    constraints: list[Constraint]
+    dropped: list[Drop] = field(default_factory=list)
+    notices: list[Notice] = field(default_factory=list)
+
+    @classmethod
+    def of(cls, block: Block) -> "_Cast":
+        return cls(block, {b.id: b for b in block.behaviours}, list(block.constraints), [], list(block.notices))
+
+    def ties(self) -> list[Tie]:
+        """Equalities of attributes."""
+        return [tie for behaviour in self.behaviours.values() for tie in own_ties(behaviour, self.block.id)]
+
+    def note(self, kind: NoticeType, text: str, behaviour: str | None = None) -> None:
+        self.notices.append(Notice(kind, ":".join(filter(None, (self.block.id, behaviour))), text))
+
+    def give_up(self, culprit: str | Constraint, kind: NoticeType, why: str) -> None:
+        """Drops a behaviour or passes over a constraint, unless that happened already."""
+        if isinstance(culprit, str):
+            if culprit in self.behaviours:
+                self.drop(culprit, kind, why)
+        elif culprit in self.constraints:
+            if culprit.required:
+                raise refusal(self.block.source, culprit.place, f"a required constraint fails: {why}", _REMEDY)
+            self.constraints.remove(culprit)
+            self.note(kind, f"a constraint (line {culprit.place.line}) is passed over: {why}")
+
+    def drop(self, name: str, kind: NoticeType, why: str) -> None:
+        """Drops a behaviour, and what hangs on it alone."""
+        going = [(name, kind, why)]
+        for gone, kind, why in going:  # grows while it is walked
+            behaviour = self.behaviours.pop(gone, None)
+            if behaviour is None:
+                continue
+            if behaviour.required:
+                what = f"the required {behaviour.type} '{gone}' cannot be performed: {why}"
+                raise refusal(self.block.source, behaviour.place, what, _REMEDY)
+            self.dropped.append(Drop(behaviour, why))
+            self.note(kind, f"{behaviour.type} '{gone}' is dropped: {why}", gone)
+            self.constraints = [kept for old in self.constraints for kept in self._without(old, gone)]
+            for other in list(self.behaviours.values()):
+                if any(self._is_of(ref, gone) for ref in _refs(other)) and not self._untied(other, gone):
+                    reason = f"its times refer to '{gone}', which is dropped"
+                    going.append((other.id, NoticeType.IMPOSSIBLE_TO_SCHEDULE, reason))
+
+    def _is_of(self, ref: SyncRef, name: str) -> bool:
+        return (ref.block, ref.behaviour) == (self.block.id, name)
+
+    def _untied(self, behaviour: Behaviour, gone: str) -> bool:
+        """Takes the references to a dropped behaviour away; False: nothing would be left."""
+        left = {sync: ref for sync, ref in behaviour.syncs.items() if not self._is_of(ref, gone)}
+        in_constraints = any(self._is_of(ref, behaviour.id) for c in self.constraints for ref in _refs(c))
+        if behaviour.required or not (left or in_constraints or isinstance(behaviour.action, Speech)):
+            return False
+        self.behaviours[behaviour.id] = replace(behaviour, syncs=left)
+        lost = ", ".join(sync for sync in behaviour.syncs if sync not in left)
+        what = f"'{behaviour.id}' is performed without its {lost}: '{gone}' is dropped"
+        self.note(NoticeType.IMPOSSIBLE_TO_SCHEDULE, what, behaviour.id)
+        return True
+
+    def _without(self, constraint: Constraint, gone: str) -> Iterable[Constraint]:
+        """A constraint without its references to a dropped behaviour, if anything is left."""
+        if not any(self._is_of(ref, gone) for ref in _refs(constraint)):
+            return [constraint]
+        if constraint.required:
+            what = f"a required constraint fails: '{gone}' is dropped"
+            raise refusal(self.block.source, constraint.place, what, _REMEDY)
+        if isinstance(constraint, Synchronize):
+            refs = tuple(ref for ref in constraint.refs if not self._is_of(ref, gone))
+            return [replace(constraint, refs=refs)] if len(refs) > 1 else []
+        later = tuple(ref for ref in constraint.later if not self._is_of(ref, gone))
+        return [replace(constraint, later=later)] if later and not self._is_of(constraint.earlier, gone) else []
+
+    def resolve(self, loops: list[list[Edge]]) -> bool:
+        """Drops one behaviour of each contradiction; False: there is none."""
+        for loop in loops:
+            names = {point.behaviour for edge in loop for point in (edge.tail, edge.head)} - {"bml"}
+            if names <= self.behaviours.keys() and (candidates := [n for n in self.behaviours if n in names]):
+                weakest = max(candidates, key=lambda name: (self._weakness(name), candidates.index(name)))
+                self.drop(weakest, NoticeType.IMPOSSIBLE_TO_SCHEDULE, _told(loop, self.block.id))
+            elif not names:
+                self._give_up_constraint(loop)
+        return bool(loops)
+
+    def _weakness(self, name: str) -> int:
+        """Speech stays longer than the rest, what is required longer than speech."""
+        behaviour = self.behaviours[name]
+        return 0 if behaviour.required else 1 if isinstance(behaviour.action, Speech) else 2
+
+    def _give_up_constraint(self, loop: list[Edge]) -> None:
+        for constraint in list(self.constraints):
+            if all(ref.behaviour == "bml" for ref in _refs(constraint)):
+                self.give_up(constraint, NoticeType.IMPOSSIBLE_TO_SCHEDULE, _told(loop, self.block.id))
+
+
+_REMEDY = "take it out of <required>, or give it times that can be met"
+
+
+def _refs(item: Behaviour | Constraint) -> tuple[SyncRef, ...]:
+    if isinstance(item, Behaviour):
+        return tuple(item.syncs.values())
+    return item.refs if isinstance(item, Synchronize) else (item.earlier, *item.later)
+
+
+def _told(loop: list[Edge], block: str) -> str:
+    """A contradiction in words."""
+    points = [edge.tail for edge in loop]
+    names = [f"{point.behaviour}:{point.sync}" for point in points]
+    if len(set(names)) == 1:
+        return f"{names[0]} would have to differ from itself by {loop[0].gap:g} s"
+    behaviours = list(dict.fromkeys(point.behaviour for point in points))
+    total = sum(edge.gap for edge in loop)
+    if len(set(behaviours) - {"bml"}) == 1:
+        return f"its times contradict one another by {total:g} s ({' -> '.join(names)})"
+    return f"a loop of times cannot be met, by {total:g} s: {' -> '.join([*names, names[0]])}"
+
+
+def _timeline(cast: _Cast, network: Network, spans: Mapping[str, Mapping[str, float]]) -> Timeline:
+    natural = {name: natural_spans(b.action, spans.get(name, {})) for name, b in cast.behaviours.items()}
+    times = settle(network, natural)
+    timed = []
+    for chain in network.chains:
+        own = {point.sync: times[point] for point in chain.points}
+        worst = max(own.values(), key=abs)
+        if abs(worst) > LONGEST:
+            what = f"'{chain.behaviour.id}' would be at {worst:g} s"
+            raise refusal(
+                cast.block.source, chain.behaviour.place, what, f"a block lasts at most {LONGEST:g} s: split it"
+            )
+        timed.append(Timed(chain.behaviour, own))
+    return Timeline(cast.block, tuple(timed), tuple(cast.dropped), tuple(cast.notices))

@@ -1,0 +1,59 @@
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import Robot
+from kinesic.controller.feedforward import goals
+from kinesic.controller.trajectory import Manner, held, spline
+
+ROBOT = Robot.load()
+COUNT = len(ROBOT.skeleton.hinges)
+
+
+class Weightless:
+    """A body without gravity, inertia and friction."""
+
+    def torques(self, angles: Floats, speeds: Floats, accelerations: Floats) -> Floats:
+        return np.zeros_like(angles)
+
+    def acceleration_limits(self) -> Floats:
+        return np.ones(COUNT)
+
+
+class Loaded(Weightless):
+    """A body on which the same torque rests always."""
+
+    def torques(self, angles: Floats, speeds: Floats, accelerations: Floats) -> Floats:
+        return np.full_like(angles, 0.5)
+
+
+def test_a_weightless_body_at_rest_is_sent_where_it_is():
+    posture = ROBOT.skeleton.rest
+    sent = goals(held(posture), np.array([0.0, 0.05]), ROBOT, Weightless(), period=0.01)
+    np.testing.assert_allclose(sent, [posture, posture], atol=1e-12)
+
+
+def test_a_load_is_met_by_the_error_that_yields_its_torque():
+    posture = ROBOT.skeleton.clamp(np.full(COUNT, 0.1))
+    sent = goals(held(posture), np.array([0.05]), ROBOT, Loaded(), period=0.01)
+    for k, drive in enumerate(ROBOT.drives):
+        assert np.isclose((sent[0, k] - posture[k]) * drive.gain * drive.stall, 0.5)
+
+
+def test_a_moving_hinge_is_led_by_its_lag():
+    angles = np.stack([ROBOT.skeleton.rest, ROBOT.skeleton.rest])
+    hinge = ROBOT.skeleton.joint("l_shoulder_flexion")
+    angles[1, hinge] += 0.5
+    move = spline(
+        np.array([0.0, 1.0]), angles, np.ones_like(angles, dtype=bool), Manner(), np.ones_like(angles), zero=0.0
+    )
+    sent = goals(move, np.array([0.495]), ROBOT, Weightless(), period=0.01)
+    drive = ROBOT.drives[hinge]
+    lag = 1 / (drive.gain * drive.no_load)
+    middle = move.at(0.5)
+    assert np.isclose(sent[0, hinge], middle.angles[hinge] + lag * middle.speeds[hinge])
+
+
+def test_goals_stay_in_range():
+    posture = ROBOT.skeleton.upper
+    sent = goals(held(posture), np.array([0.0]), ROBOT, Loaded(), period=0.01)
+    assert np.all(sent <= ROBOT.skeleton.upper)

@@ -1,0 +1,56 @@
+"""A robot, a lexicon, and blocks performed from actions and their sync points."""
+
+from collections.abc import Callable, Mapping
+
+import pytest
+
+from kinesic.bml.block import GESTURE_SYNCS, Action, Behaviour, Block, Place, Timed, Timeline
+from kinesic.body.robot import Robot
+from kinesic.expressivity.keyframes import KeyFrames
+from kinesic.expressivity.lexicon import Lexicon
+from kinesic.expressivity.realise import keyframes
+from kinesic.expressivity.style import Style
+
+Asked = tuple[str, Action, Mapping[str, float]]
+
+
+@pytest.fixture(scope="session")
+def robot() -> Robot:
+    return Robot.load()
+
+
+@pytest.fixture(scope="session")
+def lexicon() -> Lexicon:
+    return Lexicon.load()
+
+
+@pytest.fixture(scope="session")
+def phases() -> Callable[..., dict[str, float]]:
+    """The seven sync points of a gesture from their times."""
+    return lambda *times: dict(zip(GESTURE_SYNCS, map(float, times), strict=True))
+
+
+@pytest.fixture(scope="session")
+def timeline() -> Callable[..., Timeline]:
+    """A timeline from (id, action, times), ids in `required` being required."""
+
+    def build(*asked: Asked, required: tuple[str, ...] = (), dialect: str = "bml-1.0") -> Timeline:
+        timed = tuple(
+            Timed(Behaviour(id, type(action).__name__, action, Place(1, 1), required=id in required), times)
+            for id, action, times in asked
+        )
+        return Timeline(Block("bml1", tuple(one.behaviour for one in timed), dialect=dialect), timed)
+
+    return build
+
+
+@pytest.fixture(scope="session")
+def perform(timeline, robot, lexicon) -> Callable[..., KeyFrames]:
+    """Key frames of a timeline from (id, action, times)."""
+
+    def run(*asked: Asked, style: Style | None = None, **options) -> KeyFrames:
+        without = options.pop("without", {})
+        built = timeline(*asked, **options)
+        return keyframes(built, style=style or Style(), lexicon=lexicon, robot=robot, without=without)
+
+    return run

@@ -1,0 +1,93 @@
+from dataclasses import replace
+from math import log2
+
+import pytest
+
+from kinesic.bml.block import Behaviour, Block, Custom, Gaze, Gesture, Head, Manner, Place, Pointing, Posture, Torso
+from kinesic.expressivity.durations import spans
+from kinesic.expressivity.keyframes import Turn
+from kinesic.expressivity.pace import FLOOR, hand_time, turn_time
+from kinesic.expressivity.style import Style
+
+
+@pytest.fixture
+def natural(robot, lexicon):
+    def of(action, manner=Manner(), style=Style()):
+        behaviour = Behaviour("b", "x", action, Place(1, 1), manner=manner)
+        return spans(Block("bml1", (behaviour,)), style=style, lexicon=lexicon, robot=robot).get("b", {})
+
+    return of
+
+
+def test_a_long_way_takes_fitts_time():
+    assert hand_time(0.10) == pytest.approx(0.1 + 0.15 * log2(3))
+
+
+def test_a_way_of_40_cm_is_at_ease_for_servos():
+    assert 0.55 <= hand_time(0.40) <= 0.80
+
+
+def test_time_grows_with_the_way_and_shrinks_with_temporal_extent():
+    assert hand_time(0.1) < hand_time(0.2) < hand_time(0.4)
+    assert hand_time(0.4, 1.0) < hand_time(0.4, 0.0) < hand_time(0.4, -1.0)
+
+
+def test_turns_leave_the_servos_room(robot):
+    shortest = {
+        ("torso", Turn(tilt=0.349)): 0.52,
+        ("neck", Turn(tilt=0.262)): 0.15,
+        ("neck", Turn(torsion=0.698)): 0.26,
+    }
+    for (chain, turn), least in shortest.items():
+        assert 1.2 * least <= turn_time(robot, chain, turn) <= 1.5 * least
+
+
+def test_a_gesture_has_all_phases(natural):
+    of = natural(Gesture("beat"))
+    assert of["ready"] >= FLOOR
+    assert of["end"] >= FLOOR
+    assert of["strokeStart"] == 0
+    assert of["relax"] == pytest.approx(0.5 * (of["stroke"] + of["strokeEnd"]))
+
+
+def test_a_rest_pose_is_not_held_before_it_is_left(natural):
+    assert natural(Gesture("arms_crossed"))["relax"] == 0
+
+
+def test_temporal_extent_of_the_document_makes_a_gesture_quicker(natural):
+    usual, quick = natural(Gesture("large")), natural(Gesture("large"), manner=Manner(temporal=1.0))
+    assert all(quick[sync] < usual[sync] for sync in ("ready", "stroke", "end"))
+
+
+def test_repetition_lengthens_the_stroke(natural):
+    once, thrice = natural(Gesture("beat")), natural(Gesture("beat"), style=replace(Style(), repetition=1.0))
+    assert thrice["stroke"] == pytest.approx(once["stroke"])
+    assert thrice["strokeEnd"] > 3 * once["stroke"]
+
+
+def test_a_nod_takes_a_span_for_each_stroke(natural):
+    of = natural(Head("NOD", repetition=3))
+    assert of["stroke:2"] == of["stroke:3"] == pytest.approx(2 * of["stroke"])
+    assert 0.3 <= of["stroke"] + of["strokeEnd"] <= 0.5
+
+
+@pytest.mark.parametrize(
+    ("action", "syncs"),
+    [
+        (Gaze("left"), {"ready", "relax", "end"}),
+        (Gaze("left", shift=True), {"end"}),
+        (Posture("STANDING"), {"ready", "relax", "end"}),
+        (Posture(poses=(("ARMS", "ARMS_CROSSED"),), shift=True), {"end"}),
+        (Torso("BodyLean"), {"ready", "relax", "end"}),
+    ],
+)
+def test_what_moves_head_or_torso_has_spans(natural, action, syncs):
+    of = natural(action)
+    assert set(of) == syncs
+    assert all(span > 0 for span in of.values())
+
+
+def test_what_moves_nothing_has_no_spans(natural):
+    assert natural(Custom("x:y")) == {}
+    assert natural(Pointing("nowhere")) == {}
+    assert natural(Gesture("xyzzy")) == {}

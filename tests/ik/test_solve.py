@@ -1,0 +1,186 @@
+import numpy as np
+import pytest
+from numpy.random import default_rng
+
+from kinesic.body.arrays import Floats
+from kinesic.body.reach import Reach
+from kinesic.body.robot import Robot
+from kinesic.ik.elbow import swivel
+from kinesic.ik.solve import Solution, solve
+
+ROBOT = Robot.load()
+LEFT, RIGHT = ROBOT.arms["l"], ROBOT.arms["r"]
+FLIP = np.array([1.0, -1.0, 1.0])
+
+# gesture space in arm lengths: forward, outward, up
+DEPTHS = {"near": 0.4, "middle": 0.65, "far": 0.95}
+SIDEWAYS = (0.8, 0.5, 0.25, 0.0, -0.25)
+HEIGHTS = (1.2, 0.9, 0.6, 0.25, 0.0, -0.3, -0.5)
+UPRIGHT = {  # rows as HEIGHTS, columns as SIDEWAYS: sectors that need no torso
+    "near": ("#####", "#####", "#####", "#####", "#### ", "#### ", "     "),
+    "middle": ("#####", "#####", "#####", "#####", "#### ", " ##  ", "     "),
+    "far": ("     ", " ### ", "#### ", " ### ", "     ", "     ", "     "),
+}
+
+
+def _in_base(point: Floats) -> Floats:
+    frames = ROBOT.skeleton.frames(np.zeros(len(ROBOT.skeleton.hinges)))
+    return point - frames.origins[ROBOT.skeleton.segment(LEFT.base)]
+
+
+def _check(solution: Solution, position: Floats) -> None:
+    assert np.all(LEFT.lower <= solution.angles)
+    assert np.all(solution.angles <= LEFT.upper)
+    assert solution.residual == pytest.approx(np.linalg.norm(LEFT.hand(solution.angles) - position), abs=1e-12)
+    assert solution.reached == (solution.residual <= 1e-3)
+
+
+def test_targets_of_random_postures_are_reached_from_rest() -> None:
+    random, reached, precise = default_rng(12), 0, 0
+    for _ in range(400):
+        position = LEFT.hand(random.uniform(LEFT.lower, LEFT.upper))
+        solution = solve(LEFT, Reach(position), start=LEFT.rest)
+        _check(solution, position)
+        reached += solution.reached
+        precise += solution.residual < 1e-4
+    assert reached >= 0.995 * 400
+    assert precise >= 0.99 * 400
+
+
+def test_a_straight_or_cornered_start_reaches_too() -> None:
+    random = default_rng(13)
+    for start in (np.zeros(8), LEFT.lower, LEFT.upper):
+        for _ in range(40):
+            position = LEFT.hand(random.uniform(LEFT.lower, LEFT.upper))
+            assert solve(LEFT, Reach(position), start=start).reached
+
+
+@pytest.mark.parametrize("depth", list(DEPTHS))
+def test_sectors_of_gesture_space_need_no_torso(depth: str) -> None:
+    for row, up in zip(UPRIGHT[depth], HEIGHTS, strict=True):
+        for mark, out in zip(row, SIDEWAYS, strict=True):
+            point = ROBOT.gesture_origin + ROBOT.arm_length * np.array([DEPTHS[depth], out, up])
+            solution = solve(LEFT, Reach(_in_base(point)), start=LEFT.rest)
+            assert mark != "#" or solution.residual < 0.02, (depth, up, out)
+
+
+def test_the_same_question_gets_the_same_answer() -> None:
+    reach = Reach(np.array([-0.1, 0.3, 0.2]), pointing=np.array([0.0, 1.0, 0.0]), palm=np.array([0.0, 0.0, 1.0]))
+    one, two = (solve(LEFT, reach, start=LEFT.rest) for _ in range(2))
+    assert one.angles.tobytes() == two.angles.tobytes()
+    assert one.iterations == two.iterations
+
+
+def test_an_unreachable_target_is_pointed_at_with_a_straight_arm() -> None:
+    position = np.array([3.0, 1.0, 0.5])
+    solution = solve(LEFT, Reach(position), start=LEFT.rest)
+    _check(solution, position)
+    shoulder, elbow, hand = LEFT.frames(solution.angles)[1][1:4]
+    upper, fore = elbow - shoulder, hand - elbow
+    aim = (position - shoulder) / np.linalg.norm(position - shoulder)
+    assert not solution.reached
+    assert aim @ (hand - shoulder) / np.linalg.norm(hand - shoulder) > 1 - 1e-6
+    assert upper @ fore / np.linalg.norm(upper) / np.linalg.norm(fore) > 0.99
+    assert np.linalg.norm(hand - solution.target) < 1e-3
+
+
+@pytest.mark.parametrize("position", [[0, 0.155, -0.035], [0, 0, 0], [1e6, -1e6, 1e6], [-2, -2, 0], [0, 0.155, 0.38]])
+def test_odd_targets_have_answers(position: list[float]) -> None:
+    solution = solve(LEFT, Reach(np.array(position, dtype=float)), start=LEFT.rest)
+    _check(solution, np.array(position))
+    assert np.isfinite(solution.residual)
+
+
+def test_the_collar_bone_stays_at_rest_in_easy_reach() -> None:
+    for out in (0.0, 0.25, 0.5):
+        point = ROBOT.gesture_origin + ROBOT.arm_length * np.array([0.65, out, 0.25])
+        assert solve(LEFT, Reach(_in_base(point)), start=LEFT.rest).angles[0] == pytest.approx(LEFT.rest[0], abs=1e-9)
+
+
+def test_swivel_is_met_and_clipped_by_the_ranges() -> None:
+    position, found = np.array([0.25, 0.15, -0.05]), []
+    for wished in (-0.5, 0.0, 0.5, 1.0, 1.5, 3.0):
+        solution = solve(LEFT, Reach(position, swivel=wished), start=LEFT.rest)
+        assert solution.residual < 1e-6
+        found.append(swivel(LEFT, solution.angles))
+    assert found[:5] == pytest.approx([-0.5, 0.0, 0.5, 1.0, 1.5], abs=1e-6)
+    assert found[5] is not None
+    assert 1.5 < found[5] < 3.0
+
+
+def test_an_unasked_swivel_is_natural() -> None:
+    for out in (0.0, 0.25, 0.5):
+        point = ROBOT.gesture_origin + ROBOT.arm_length * np.array([0.5, out, 0.25])
+        solution = solve(LEFT, Reach(_in_base(point)), start=LEFT.rest)
+        shoulder, elbow, hand = LEFT.frames(solution.angles)[1][1:4]
+        assert elbow[2] < min(shoulder[2], hand[2])
+        assert 0.0 < (swivel(LEFT, solution.angles) or 0.0) < 0.8
+
+
+def test_pointing_and_palm_come_as_near_as_the_wrist_allows() -> None:
+    random = default_rng(14)
+    for _ in range(30):
+        angles = random.uniform(LEFT.lower, LEFT.upper)
+        rotations, centres = LEFT.frames(angles)
+        pointing = (centres[-1] - centres[-2]) / np.linalg.norm(centres[-1] - centres[-2])
+        reach = Reach(centres[-2], pointing=pointing, palm=rotations[-1] @ LEFT.palm)
+        solution = solve(LEFT, reach, start=angles)
+        frames, points = LEFT.frames(solution.angles)
+        along = (points[-1] - points[-2]) / np.linalg.norm(points[-1] - points[-2])
+        assert solution.pointing_error == pytest.approx(np.arccos(min(1.0, along @ pointing)), abs=1e-6)
+        assert solution.palm_error == pytest.approx(
+            np.arccos(np.clip((frames[-1] @ LEFT.palm) @ reach.palm, -1, 1)), abs=1e-6
+        )
+
+
+def test_errors_of_directions_are_absent_when_not_asked_and_the_hand_rests() -> None:
+    solution = solve(LEFT, Reach(np.array([0.25, 0.15, -0.05])), start=LEFT.upper)
+    assert solution.pointing_error is None
+    assert solution.palm_error is None
+    assert np.array_equal(solution.angles[5:], LEFT.rest[5:])
+
+
+def test_a_walk_of_close_targets_makes_no_jump() -> None:
+    angles, laps = LEFT.rest, []
+    for step in range(160):
+        turn = 2 * np.pi * step / 80
+        before = angles
+        position = np.array([0.25, 0.1 + 0.18 * np.cos(turn), -0.05 + 0.15 * np.sin(turn)])
+        angles = solve(LEFT, Reach(position), start=angles).angles
+        assert step == 0 or np.abs(angles - before).max() < 0.2
+        laps.append(angles)
+    assert np.abs(laps[79] - laps[159]).max() < 0.01
+
+
+def test_the_right_arm_mirrors_the_left() -> None:
+    random = default_rng(15)
+    for _ in range(60):
+        position, pointing, palm = random.uniform(-0.5, 0.5, 3), random.normal(size=3), random.normal(size=3)
+        left = solve(LEFT, Reach(position, pointing=pointing, palm=palm, swivel=0.5), start=LEFT.rest)
+        mirrored = Reach(position * FLIP, pointing=pointing * FLIP, palm=palm * FLIP, swivel=0.5)
+        right = solve(RIGHT, mirrored, start=RIGHT.rest)
+        assert np.abs(left.angles - right.angles).max() < 1e-9
+
+
+def test_rest_and_mobility_can_be_given() -> None:
+    rest = LEFT.rest.copy()
+    rest[5] = 0.4
+    reach = Reach(np.array([0.25, 0.15, -0.05]))
+    assert solve(LEFT, reach, start=LEFT.rest, rest=rest).angles[5] == 0.4
+    still = np.array([0.0, *[1.0] * 7])
+    far = Reach(LEFT.hand(np.array([0.4, 1.5, 0.3, 0.2, 0.01, 0, 0, 0])))
+    assert np.all(np.isfinite(solve(LEFT, far, start=LEFT.rest, mobility=still).angles))
+
+
+def test_a_wrong_question_is_refused_and_explained() -> None:
+    good = np.array([0.3, 0.2, 0.0])
+    with pytest.raises(ValueError, match=r"reach.position is .*nan.*finite"):
+        solve(LEFT, Reach(np.array([np.nan, 0, 0])), start=LEFT.rest)
+    with pytest.raises(ValueError, match=r"reach.position has shape \(2,\).*\(3,\)"):
+        solve(LEFT, Reach(np.zeros(2)), start=LEFT.rest)
+    with pytest.raises(ValueError, match=r"start has shape \(7,\).*\(8,\)"):
+        solve(LEFT, Reach(good), start=np.zeros(7))
+    with pytest.raises(ValueError, match=r"reach\.palm is the null vector"):
+        solve(LEFT, Reach(good, palm=np.zeros(3)), start=LEFT.rest)
+    with pytest.raises(ValueError, match=r"reach\.swivel is"):
+        solve(LEFT, Reach(good, swivel=np.inf), start=LEFT.rest)

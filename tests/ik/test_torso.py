@@ -1,0 +1,72 @@
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import Floats
+from kinesic.body.reach import Reach
+from kinesic.body.robot import Robot
+from kinesic.ik.solve import solve
+from kinesic.ik.torso import MOST, lean
+
+ROBOT = Robot.load()
+FLIP = np.array([1.0, -1.0, 1.0])
+
+
+def _sector(forward: float, outward: float, up: float) -> Floats:
+    return ROBOT.gesture_origin + ROBOT.arm_length * np.array([forward, outward, up])
+
+
+def _residual(turn: tuple[float, float, float], point: Floats) -> float:
+    angles = np.zeros(len(ROBOT.skeleton.hinges))
+    angles[list(ROBOT.joints("torso"))] = turn
+    frames, arm = ROBOT.skeleton.frames(angles), ROBOT.arms["l"]
+    base = ROBOT.skeleton.segment(arm.base)
+    reach = Reach(frames.rotations[base].T @ (point - frames.origins[base]))
+    return solve(arm, reach, start=arm.rest).residual
+
+
+def test_the_torso_stays_upright_for_targets_in_easy_reach() -> None:
+    hands = {"l": _sector(0.65, 0.25, 0.25), "r": _sector(0.65, -0.25, 0.25)}
+    assert lean(ROBOT, hands) == (0.0, 0.0, 0.0)
+    assert lean(ROBOT, {}) == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("sector", [(0.95, 0.25, 0.0), (0.65, 0.0, -0.3), (0.95, -0.25, 0.6), (0.4, 0.8, -0.5)])
+def test_a_far_target_comes_into_reach(sector: tuple[float, float, float]) -> None:
+    turn = lean(ROBOT, {"l": _sector(*sector)})
+    assert _residual((0.0, 0.0, 0.0), _sector(*sector)) > 0.005
+    assert _residual(turn, _sector(*sector)) < 1e-3
+    assert 0.0 < max(abs(angle) for angle in turn) < MOST
+
+
+def test_two_hands_in_front_lean_forward_without_a_turn() -> None:
+    point = _sector(0.95, 0.4, -0.1)
+    torsion, tilt, roll = lean(ROBOT, {"l": point, "r": point * FLIP})
+    assert torsion == pytest.approx(0.0, abs=1e-9)
+    assert roll == pytest.approx(0.0, abs=1e-9)
+    assert tilt > 0.02
+
+
+def test_the_mirror_image_turns_the_other_way() -> None:
+    point = _sector(0.95, -0.1, 0.0)
+    left, right = lean(ROBOT, {"l": point}), lean(ROBOT, {"r": point * FLIP})
+    assert right == pytest.approx((-left[0], left[1], -left[2]), abs=1e-12)
+    assert left[0] < -0.01
+
+
+def test_a_further_target_asks_for_more_up_to_the_bound() -> None:
+    leans = [lean(ROBOT, {"l": _sector(forward, 0.3, 0.2)})[1] for forward in (0.9, 1.0, 1.1, 1.2)]
+    assert leans == sorted(leans)
+    assert max(abs(angle) for angle in lean(ROBOT, {"l": _sector(9.0, 0.3, -4.0)})) == pytest.approx(MOST)
+    assert max(abs(angle) for angle in lean(ROBOT, {"l": _sector(9.0, 0.3, -4.0)}, most=0.1)) == pytest.approx(0.1)
+
+
+def test_the_ranges_hold() -> None:
+    joints = list(ROBOT.joints("torso"))
+    turn = np.array(lean(ROBOT, {"l": _sector(-5.0, 3.0, 2.0)}, most=3.0))
+    assert np.all(ROBOT.skeleton.lower[joints] <= turn)
+    assert np.all(turn <= ROBOT.skeleton.upper[joints])
+
+
+def test_a_target_that_is_no_point_is_refused() -> None:
+    with pytest.raises(ValueError, match="hand l"):
+        lean(ROBOT, {"l": np.array([np.nan, 0.0, 0.0])})

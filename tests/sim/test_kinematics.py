@@ -1,0 +1,40 @@
+import mujoco
+import numpy as np
+
+from kinesic.body.robot import Robot
+from kinesic.sim.kinematics import motion_frames
+from kinesic.sim.model import build
+from kinesic.sim.sampling import random_postures
+
+ROBOT = Robot.load()
+POSTURES = random_postures(ROBOT.skeleton, 60, seed=5)
+
+
+def test_a_motion_is_the_skeletons_kinematics_posture_by_posture():
+    frames = motion_frames(ROBOT.skeleton, POSTURES)
+    for k, posture in enumerate(POSTURES):
+        one = ROBOT.skeleton.frames(posture)
+        assert np.abs(frames.rotations[:, k] - one.rotations).max() < 1e-12
+        assert np.abs(frames.origins[:, k] - one.origins).max() < 1e-12
+
+
+def test_mujoco_has_the_same_skeleton():
+    model = build(ROBOT)
+    data = mujoco.MjData(model)
+    ids = [model.body(segment.name).id for segment in ROBOT.skeleton.segments]
+    for posture in POSTURES:
+        data.qpos[:] = posture
+        mujoco.mj_kinematics(model, data)
+        frames = ROBOT.skeleton.frames(posture)
+        assert np.abs(data.xpos[ids] - frames.origins).max() < 1e-12
+        assert np.abs(data.xmat[ids].reshape(-1, 3, 3) - frames.rotations).max() < 1e-12
+
+
+def test_points_move_with_their_segment():
+    frames = motion_frames(ROBOT.skeleton, POSTURES)
+    palm = ROBOT.sites["l_palm"]
+    k = ROBOT.skeleton.segment(palm.segment)
+    points = frames.points(k, palm.position)
+    one = ROBOT.skeleton.frames(POSTURES[7])
+    assert np.allclose(points[7], one.origins[k] + one.rotations[k] @ palm.position, atol=1e-12)
+    assert points.shape == (60, 3)
