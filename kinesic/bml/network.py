@@ -7,7 +7,7 @@ from itertools import pairwise
 
 from kinesic.bml.block import Behaviour, Block, NoticeType, Order, Speech, Synchronize, SyncRef
 from kinesic.bml.constraints import Point, Tie, point_of, synchronized
-from kinesic.bml.loops import Edge
+from kinesic.bml.loops import EQUAL, Edge
 from kinesic.bml.points import sync_points
 from kinesic.bml.potentials import Potentials
 from kinesic.body.utterance import Utterance
@@ -71,6 +71,22 @@ class Network:
             edges.append(Edge(distance.early, distance.late, distance.gap, distance.owner))
             edges.append(Edge(distance.late, distance.early, -distance.gap, distance.owner))
         return edges
+
+    def clashes(self) -> list[list[Edge]]:
+        """Loops of behaviours that are given times in the wrong order: the plain contradictions, all at once."""
+        loops = []
+        for chain in self.chains:
+            last: dict[Point, tuple[Point, float]] = {}  # root -> the latest point of its class so far
+            for point in chain.points:
+                root, gap = self.potentials.find(point)
+                before, before_gap = last.get(root, (point, gap))
+                if gap < before_gap - EQUAL:
+                    owner = chain.behaviour.id
+                    back = Edge(point, before, before_gap - gap, owner)
+                    loops.append([Edge(before, point, 0.0, owner), back])
+                    break
+                last[root] = (point, gap)
+        return loops
 
 
 @dataclass(frozen=True)

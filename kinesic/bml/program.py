@@ -21,8 +21,8 @@ from kinesic.bml.potentials import Potentials
 
 _LONGER = {"relax": 1.0, "strokeStart": 1.5, "end": 4.0, "ready": 5.0}
 _STROKE_LONGER = 40.0
-_SHORTER_HOLD = 0.5
-_SHORTER = 2.0
+_SHORTER_HOLD = 2.0
+_SHORTER = 3.0
 _STROKE_SHORTER = 20.0
 _SHRINK = 10.0  # of one behaviour, per natural second
 _SHRINK_ALL = 5.0  # of the one that shrinks most, per natural second of all

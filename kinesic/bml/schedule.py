@@ -18,7 +18,7 @@ from kinesic.bml.block import (
 )
 from kinesic.bml.constraints import Tie, own_ties
 from kinesic.bml.loops import Edge, contradictions
-from kinesic.bml.network import Elsewhere, Network, Surroundings
+from kinesic.bml.network import SHORTEST, Elsewhere, Network, Surroundings
 from kinesic.bml.points import natural_spans
 from kinesic.bml.refusal import refusal
 from kinesic.bml.settle import settle
@@ -63,7 +63,11 @@ def schedule(
         network = around.network(cast.ties(), cast.constraints)
         for unresolved in around.unresolved:
             cast.give_up(unresolved.culprit, unresolved.kind, unresolved.why)
-        if not around.unresolved and not cast.resolve(contradictions(network.edges())):
+        if around.unresolved:
+            continue
+        loops = network.clashes() or contradictions(network.edges())
+        cast.resolve(loops)
+        if not loops:
             return _timeline(cast, network, spans)
 
 
@@ -145,8 +149,8 @@ class _Cast:
         later = tuple(ref for ref in constraint.later if not self._is_of(ref, gone))
         return [replace(constraint, later=later)] if later and not self._is_of(constraint.earlier, gone) else []
 
-    def resolve(self, loops: list[list[Edge]]) -> bool:
-        """Drops one behaviour of each contradiction; False: there is none."""
+    def resolve(self, loops: list[list[Edge]]) -> None:
+        """Drops one behaviour of each contradiction."""
         for loop in loops:
             names = {point.behaviour for edge in loop for point in (edge.tail, edge.head)} - {"bml"}
             if names <= self.behaviours.keys() and (candidates := [n for n in self.behaviours if n in names]):
@@ -154,7 +158,6 @@ class _Cast:
                 self.drop(weakest, NoticeType.IMPOSSIBLE_TO_SCHEDULE, _told(loop, self.block.id))
             elif not names:
                 self._give_up_constraint(loop)
-        return bool(loops)
 
     def _weakness(self, name: str) -> int:
         """Speech stays longer than the rest, what is required longer than speech."""
@@ -177,16 +180,18 @@ def _refs(item: Behaviour | Constraint) -> tuple[SyncRef, ...]:
 
 
 def _told(loop: list[Edge], block: str) -> str:
-    """A contradiction in words."""
-    points = [edge.tail for edge in loop]
-    names = [f"{point.behaviour}:{point.sync}" for point in points]
-    if len(set(names)) == 1:
-        return f"{names[0]} would have to differ from itself by {loop[0].gap:g} s"
-    behaviours = list(dict.fromkeys(point.behaviour for point in points))
+    """A contradiction in words; points between which only the order counts are left out."""
+    turns = [
+        edge.tail
+        for before, edge in zip([loop[-1], *loop[:-1]], loop, strict=True)
+        if edge.gap or before.gap or len({before.tail.behaviour, edge.tail.behaviour, edge.head.behaviour}) > 1
+    ]
+    names = [":".join(point[1:] if point.block == block else point) for point in turns]
     total = sum(edge.gap for edge in loop)
-    if len(set(behaviours) - {"bml"}) == 1:
-        return f"its times contradict one another by {total:g} s ({' -> '.join(names)})"
-    return f"a loop of times cannot be met, by {total:g} s: {' -> '.join([*names, names[0]])}"
+    excess = f" by {total:g} s" if total > len(loop) * SHORTEST else ", they leave no time to perform it"
+    if len({point.behaviour for point in turns} - {"bml"}) == 1:
+        return f"its times contradict one another{excess}: {', '.join(names)}"
+    return f"its times go round in a loop that cannot be met{excess}: {' -> '.join([*names, names[0]])}"
 
 
 def _timeline(cast: _Cast, network: Network, spans: Mapping[str, Mapping[str, float]]) -> Timeline:

@@ -1,31 +1,24 @@
 """Makes a motion one that the servos can follow: first as asked, then with sync points moved as little as needed.
 
 Position, speed and acceleration limits hold for what is returned; the remedies come in the order of the line:
-softer passing of keys, then the times (a linear program on closed-form minimum durations, bisected towards the
-asked times), where strokes weigh most and preparations, holds and retractions give.
+softer passing of keys, then the times, gap by gap where a limit is exceeded, until none is (`retime`).
 """
 
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.optimize import linprog
 
 from kinesic.body.arrays import Flags, Floats
 from kinesic.body.limits import Limits
 from kinesic.controller.postures import Posture
+from kinesic.controller.retime import LEAST_GAP, Keys, Pair, relaxed, rest_to_rest
 from kinesic.controller.trajectory import Manner, Trajectory, spline
 
-PEAK_SPEED = 1.875  # of a rest-to-rest quintic, in distance / duration
-PEAK_ACCELERATION = 5.7735  # in distance / duration^2
-RESERVE = 1.02  # on minimum durations
 LEAD_IN = 0.6  # [s] by which the motion may begin before it is asked to
-LEAST_GAP = 0.02  # [s] between keys
-BISECTIONS = 5
+ROUNDS = 12  # of retiming before every key is passed at rest
+GROWTH = 1.01  # on what a gap lacks, so that few rounds suffice
 SOFTENINGS = (0.6, 0.3, 0.0, 0.0)  # share of its speed that a key beside a piece over its limit keeps
-WEIGHTS = {"strokeStart": 5.0, "stroke": 5.0, "strokeEnd": 5.0, "ready": 0.3, "relax": 0.3}
-WEIGHT_ELSE = 0.05
-LATENESS = 3.0  # weight of being late over being early
 SAMPLES = np.linspace(0.0, 1.0, 65)
 SAMPLING_RESERVE = 1.0006  # a quartic's peak over its largest of 65 samples
 FLAT = 1e-12
@@ -61,28 +54,20 @@ def condition(
         manner: how keys are passed.
         lead_in: [s] by which the first key may come earlier.
     """
-    asked = np.array([posture.time for posture in postures])
-    angles = np.stack([posture.angles for posture in postures])
-    keyed = np.array([posture.keyed for posture in postures])
-    wished = _softened(asked, angles, keyed, limits, manner)
-    if wished is not None:
-        return Conditioned(wished, asked, asked, None)
-    first = bottleneck(spline(asked, angles, keyed, manner, np.ones_like(angles), zero=0.0), limits)
-    slow = _relaxed(asked, angles, keyed, limits, [posture.syncs for posture in postures], lead_in)
-    found, times = _softened(slow, angles, keyed, limits, manner), slow
-    if found is None:
-        still = np.zeros_like(angles)
-        found = spline(slow, angles, keyed, manner, still, zero=0.0)
-    low, high = 0.0, 1.0  # share of the way from the asked to the relaxed times
-    for _ in range(BISECTIONS):
-        share = (low + high) / 2
-        between = asked + share * (slow - asked)
-        candidate = _softened(between, angles, keyed, limits, manner)
-        if candidate is None:
-            low = share
-        else:
-            high, found, times = share, candidate, between
-    return Conditioned(found, asked, times, first)
+    keys = Keys.of(postures)
+    gaps = {(k, k + 1): min(LEAST_GAP, float(step)) for k, step in enumerate(np.diff(keys.asked))}
+    times, first = keys.asked, None
+    for _ in range(ROUNDS):
+        trajectory, excess = _softened(times, keys, limits, manner)
+        if not excess:
+            return Conditioned(trajectory, keys.asked, times, first)
+        first = first or bottleneck(trajectory, limits)
+        for (i, j), factor in excess.items():
+            gaps[i, j] = max(gaps.get((i, j), 0.0), GROWTH * factor * float(times[j] - times[i]))
+        times = relaxed(keys, gaps, lead_in)
+    times = relaxed(keys, rest_to_rest(keys, limits), lead_in)
+    still = spline(times, keys.angles, keys.keyed, manner, np.zeros_like(keys.angles), zero=0.0)
+    return Conditioned(still, keys.asked, times, first)
 
 
 def bottleneck(trajectory: Trajectory, limits: Limits) -> Bottleneck:
@@ -96,17 +81,32 @@ def bottleneck(trajectory: Trajectory, limits: Limits) -> Bottleneck:
     return Bottleneck(hinge, quantity, float(peaks[quantity][hinge]))
 
 
-def _softened(times: Floats, angles: Floats, keyed: Flags, limits: Limits, manner: Manner) -> Trajectory | None:
-    """The motion at these times, keys passed more slowly where that keeps the limits; None if nothing does."""
-    flow = np.ones_like(angles)
+def _softened(times: Floats, keys: Keys, limits: Limits, manner: Manner) -> tuple[Trajectory, dict[Pair, float]]:
+    """The motion at these times, keys passed more slowly where that keeps the limits.
+
+    Returns:
+        The motion, and by what factor the time between two keys of a hinge is too short; empty when none is.
+    """
+    flow = np.ones_like(keys.angles)
     for softness in SOFTENINGS:
-        trajectory = spline(times, angles, keyed, manner, flow, zero=0.0)
+        trajectory = spline(times, keys.angles, keys.keyed, manner, flow, zero=0.0)
         speed, acceleration = _ratios(trajectory, limits)
-        over = np.maximum(speed, acceleration) > 1.0
-        if not over.any():
-            return trajectory
-        flow = np.where(_beside(over, keyed), softness, flow)
-    return None
+        over = np.maximum(speed, np.sqrt(acceleration))
+        if over.max() <= 1.0:
+            return trajectory, {}
+        flow = np.where(_beside(over > 1.0, keys.keyed), softness, flow)
+    return trajectory, _excess(over, keys.keyed)
+
+
+def _excess(over: Floats, keyed: Flags) -> dict[Pair, float]:
+    """The largest factor per pair of keys that follow one another in some hinge."""
+    found: dict[Pair, float] = {}
+    for row, hinge in np.argwhere(over > 1.0):
+        rows = np.flatnonzero(keyed[:, hinge])
+        end = int(np.searchsorted(rows, row, side="right"))
+        pair = (int(rows[end - 1]), int(rows[end]))
+        found[pair] = max(found.get(pair, 1.0), float(over[row, hinge]))
+    return found
 
 
 def _beside(over: Flags, keyed: Flags) -> Flags:
@@ -140,58 +140,3 @@ def _peak_acceleration(c: Floats, steps: Floats) -> Floats:
     inside = [np.clip(place, 0.0, ends) for place in places]
     peaks = [np.abs(((20 * c[0] * s + 12 * c[1]) * s + 6 * c[2]) * s + 2 * c[3]) for s in inside]
     return np.asarray(np.max(peaks, axis=0))
-
-
-def minimum_duration(distance: Floats, limits: Limits) -> Floats:
-    """Shortest rest-to-rest quintic within speed and acceleration, (n,) [s] for (n,) [rad]."""
-    size = np.abs(distance)
-    return RESERVE * np.maximum(
-        PEAK_SPEED * size / limits.speed, np.sqrt(PEAK_ACCELERATION * size / limits.acceleration)
-    )
-
-
-def _relaxed(
-    asked: Floats,
-    angles: Floats,
-    keyed: Flags,
-    limits: Limits,
-    syncs: list[tuple[tuple[str, str], ...]],
-    lead_in: float,
-) -> Floats:
-    """Key times, as near to the asked ones as minimum durations allow (linear program).
-
-    Variables are t (m,), earliness e- and lateness e+ (m,): t - asked = e+ - e-.
-    """
-    count = len(asked)
-    weight = np.array([max([WEIGHT_ELSE, *(WEIGHTS.get(sync, WEIGHT_ELSE) for _, sync in at)]) for at in syncs])
-    gaps = _least_gaps(asked, angles, keyed, limits)
-    rows = np.zeros((len(gaps), 3 * count))
-    least = np.zeros(len(gaps))
-    for row, ((i, j), gap) in enumerate(gaps.items()):
-        rows[row, i], rows[row, j] = 1.0, -1.0
-        least[row] = -gap
-    identity = np.eye(count)
-    result = linprog(
-        np.concatenate([np.zeros(count), weight, LATENESS * weight]),
-        A_ub=rows,
-        b_ub=least,
-        A_eq=np.hstack([identity, identity, -identity]),
-        b_eq=asked,
-        bounds=[(asked[0] - lead_in, None)] * count + [(0.0, None)] * (2 * count),
-        method="highs",
-    )
-    return np.array(result.x[:count])
-
-
-def _least_gaps(asked: Floats, angles: Floats, keyed: Flags, limits: Limits) -> dict[tuple[int, int], float]:
-    """Least time between keys i < j: minimum durations of hinges that have a key in both and none between."""
-    gaps = {(k, k + 1): min(LEAST_GAP, float(asked[k + 1] - asked[k])) for k in range(len(asked) - 1)}
-    last = np.zeros(angles.shape[1], dtype=int)
-    for k in range(1, len(asked)):
-        for before in np.unique(last[keyed[k]]):
-            moved = keyed[k] & (last == before)
-            duration = minimum_duration(np.where(moved, angles[k] - angles[before], 0.0), limits).max()
-            pair = (int(before), k)
-            gaps[pair] = max(float(duration), gaps.get(pair, 0.0))
-        last[keyed[k]] = k
-    return gaps

@@ -15,6 +15,7 @@ from kinesic.controller.report import Json
 
 FILM_TYPES = {".webp": "image/webp", ".png": "image/png", ".gif": "image/gif"}
 SEVERITY = {"fail": 0, "warn": 1, "pass": 2}
+OUTCOMES = {"dropped": 0, "substituted": 1, "realised": 2}
 TEMPLATE = "page.jinja"
 
 
@@ -45,11 +46,12 @@ def write_page(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["figure"] = figure
+    environment.filters["number"] = number
     text = environment.get_template(TEMPLATE).render(
         data=data,
         verdict=verdict(data),
         checks=sorted(_rows(data, "checks"), key=lambda row: SEVERITY[str(row["status"])]),
+        behaviours=sorted(_rows(data, "behaviours"), key=lambda row: OUTCOMES[str(row["outcome"])]),
         film=None if film is None else _embedded(film),
         no_film=no_film,
         zero=performance.plan.trajectory.zero,
@@ -72,19 +74,19 @@ def verdict(data: Mapping[str, Json]) -> str:
     failed = [row for row in checks if row["status"] == "fail"]
     dropped = [row for row in _rows(data, "behaviours") if row["outcome"] == "dropped"]
     timing = data["timing"]
-    duration = figure(timing["duration_s"]) if isinstance(timing, dict) else "?"
+    duration = number(timing["duration_s"]) if isinstance(timing, dict) else "?"
     counts = (
         (sum(row["status"] == "warn" for row in checks), "missed goal"),
         (len(dropped), "dropped behaviour"),
         (len(_rows(data, "warnings")), "warning"),
     )
     notes = ", ".join(f"{count} {noun}{'s' if count > 1 else ''}" for count, noun in counts if count)
-    fails = ", ".join(f"{row['name']} {figure(row['value'])} (limit {figure(row['limit'])})" for row in failed)
+    fails = ", ".join(f"{row['name']} {number(row['value'])} (limit {number(row['limit'])})" for row in failed)
     what = f"{data['input']} on {data['robot']}, {duration} s"
     return f"{'fail' if failed else 'ok'}: {what}, {fails or 'nothing fails'}{'; ' if notes else ''}{notes}"
 
 
-def figure(value: Json) -> str:
+def number(value: Json) -> str:
     """A number with three digits that count; other values as they are, none as a dash."""
     if value is None:
         return "\u2013"

@@ -38,7 +38,7 @@ _LONG_NUMBER = re.compile(r"(\.\d\d)\d+")
 WIDTH = 11.0  # [in] of every figure; the page scales it
 SMALL = 7.5  # [pt]
 POINTS = 1400  # of one line; more cannot be seen
-_LETTER = 0.58 * SMALL / 72  # [in] mean width
+_LETTER = 0.55 * SMALL / 72  # [in] mean width
 
 
 def figure(height: float) -> Figure:

@@ -37,7 +37,7 @@ STILL = 0.5  # [deg] a hinge that moves less is not drawn
 LEAST_SPAN = 10.0  # [deg] of a panel, so that noise does not look like motion
 LEFT, RIGHT, GAP = 0.45, 0.1, 0.55  # [in]
 TOP, PANEL, HEAD, BOTTOM = 0.46, 0.95, 0.2, 0.3  # [in]; the head of a panel holds its name
-LABEL = 0.9  # [in] of a sync point
+LABEL = 0.62  # [in] of a sync point
 
 
 def joints(performance: Performance) -> Iterator[Markup]:

@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from kinesic.body.arrays import Floats
 from kinesic.controller.performance import Performance
 from kinesic.controller.plots import (
+    ASKED,
     FAINT,
     INK,
     LIMIT,
@@ -81,11 +82,14 @@ def _shares(axes: Axes, performance: Performance) -> None:
 
 
 def _tracking(axes: Axes, performance: Performance) -> None:
-    """Measured minus planned angle of the hinge that is furthest off."""
-    errors = np.degrees(np.abs(performance.measured.angles - performance.reference[0]))
-    axes.plot(*thinned(performance.measured.times, errors.max(axis=1)), color=PERFORMED, linewidth=1.1)
+    """Measured minus planned angle of the hinge that is furthest off; in grey also those that hardly move."""
+    everything = np.degrees(np.abs(performance.measured.angles - performance.reference[0]))
+    counted = np.degrees(np.abs(np.nan_to_num(performance.errors)))
+    for errors, colour in ((everything, ASKED), (counted, PERFORMED)):
+        axes.plot(*thinned(performance.measured.times, errors.max(axis=1)), color=colour, linewidth=1.1)
     axes.set_ylim(0.0, None)
-    _title(axes, "tracking error of the twin, worst hinge [deg]", _peak("most", errors, performance))
+    title = "tracking error of the twin, worst hinge [deg]; grey: with hinges that hardly move"
+    _title(axes, title, _peak("while moving", counted, performance))
 
 
 def _peak(name: str, values: Floats, performance: Performance) -> str:

@@ -25,6 +25,7 @@ from kinesic.controller.plots import (
 
 ROW, TOP, BOTTOM = 0.21, 0.06, 0.3  # [in]
 LEFT, RIGHT = 1.6, 0.1  # [in]
+CORES = (("strokeStart", "strokeEnd"), ("ready", "relax"), ("attackPeak", "relax"))  # of gestures, gaze, faces
 ROWS = 80  # a longer score is cut, and says so
 
 
@@ -57,7 +58,7 @@ def score(performance: Performance) -> Markup | None:
 
 
 def _phases(axes: Axes, row: int, name: str, performance: Performance) -> None:
-    """From start to end, the stroke in full colour; below it what was asked."""
+    """From start to end, the stroke or hold in full colour; below it what was asked."""
     zero = performance.plan.trajectory.zero
     syncs = [sync for sync in performance.plan.syncs if sync.behaviour == name]
     if not syncs:
@@ -65,9 +66,10 @@ def _phases(axes: Axes, row: int, name: str, performance: Performance) -> None:
     at = {sync.sync: zero + sync.planned for sync in syncs}
     begin, end = min(at.values()), max(at.values())
     axes.broken_barh([(begin, end - begin)], (row + 0.2, 0.5), color=PLANNED, alpha=0.3, linewidth=0)
-    if "strokeStart" in at and "strokeEnd" in at:
-        stroke = (at["strokeStart"], at["strokeEnd"] - at["strokeStart"])
-        axes.broken_barh([stroke], (row + 0.2, 0.5), color=PLANNED, linewidth=0)
+    for first, last in CORES:
+        if first in at and last in at:
+            axes.broken_barh([(at[first], at[last] - at[first])], (row + 0.2, 0.5), color=PLANNED, linewidth=0)
+            break
     strokes = [sync for sync in syncs if is_stroke(sync)]
     axes.vlines([zero + sync.planned for sync in strokes], row + 0.08, row + 0.82, colors=INK, linewidth=1.2)
     asked = [zero + sync.asked for sync in syncs]

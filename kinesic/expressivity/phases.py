@@ -202,14 +202,16 @@ def _way(a: Hand, b: Hand, rest: Reach) -> float:
 
 
 def _own(work: _Work, hands: Sequence[Hand]) -> list[HandKey]:
-    """Ready, the stroke keys (of two that are too near the later) and the end of the stroke."""
-    keys: list[HandKey] = []
-    stroke = work.at("stroke")
-    for time, hand in zip(work.moments, hands, strict=True):
-        if not keys or time - keys[-1].time >= MERGE:
-            keys.append(HandKey(time, hand))
-        elif keys[-1].time != stroke:
-            keys[-1] = HandKey(time, hand)
+    """Ready, the stroke keys (of two that are too near the later, but always the stroke) and the end of the stroke."""
+    moments = work.moments
+    stroke = max(k for k, time in enumerate(moments) if time == work.at("stroke"))
+    kept: list[int] = []
+    for k, time in enumerate(moments):
+        if not kept or time - moments[kept[-1]] >= MERGE:
+            kept.append(k)
+        elif kept[-1] != stroke:
+            kept[-1] = k
+    keys = [HandKey(moments[k], hands[k]) for k in kept]
     if keys[0].time - work.at("ready") >= MERGE:
         keys.insert(0, HandKey(work.at("ready"), hands[0]))
     if work.at("strokeEnd") - keys[-1].time >= MERGE:

@@ -65,8 +65,13 @@ def describe(robot: Robot) -> mujoco.MjSpec:
 
 
 def joint_order(robot: Robot, model: mujoco.MjModel) -> list[int]:
-    """Positions of the skeleton's hinges in MuJoCo's `qpos`, `qvel` and `ctrl`, found by name."""
+    """Positions of the skeleton's hinges in MuJoCo's `qpos` and `qvel`, found by name."""
     return [int(model.joint(name).qposadr[0]) for name in robot.skeleton.names]
+
+
+def actuator_order(robot: Robot, model: mujoco.MjModel) -> list[int]:
+    """Positions of the skeleton's hinges in MuJoCo's `ctrl`, found by name."""
+    return [int(model.actuator(name).id) for name in robot.skeleton.names]
 
 
 def capsule_name(segment: str, index: int) -> str:

@@ -15,7 +15,7 @@ from kinesic.body.robot import SIDES, Robot
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.factors import NOMINAL, Factors
 from kinesic.sim.kinematics import motion_frames
-from kinesic.sim.model import build, joint_order
+from kinesic.sim.model import actuator_order, build, joint_order
 
 STEP = 0.004  # [s] longest physics step: angles stay within 0.05 deg of those with steps of 1 ms
 SAME_TIME = 1e-9  # [s] below which two times are one
@@ -57,10 +57,11 @@ class Twin:
         self._model = build(robot, servos=factors)
         self._data = mujoco.MjData(self._model)
         self._order = joint_order(robot, self._model)
+        self._actuators = actuator_order(robot, self._model)
         self._ticks = np.array([drive.tick for drive in robot.drives])
         self._goals = self._rounded(robot.skeleton.rest if start is None else start)
         self._data.qpos[self._order] = robot.skeleton.rest if start is None else start
-        self._data.ctrl[self._order] = self._goals
+        self._data.ctrl[self._actuators] = self._goals
         self._time = -inf  # [s] of the performance, before the first command
         self._waiting: deque[tuple[float, Floats]] = deque()  # goals under way, with the time they arrive
         self._steps: list[Floats] = [self._data.qpos.copy()]  # every posture of the physics
@@ -80,7 +81,7 @@ class Twin:
             arrival, goals = self._waiting.popleft()
             self._advance(arrival)
             self._goals = goals
-            self._data.ctrl[self._order] = goals
+            self._data.ctrl[self._actuators] = goals
         self._advance(command.time)
         self._samples.append((command.time, len(self._steps), self._data.qvel.copy(), self._goals))
         self._waiting.append((command.time + self._latency, self._rounded(command.goals)))

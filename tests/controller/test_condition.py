@@ -3,8 +3,9 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
-from kinesic.controller.condition import LEAD_IN, bottleneck, condition, minimum_duration
+from kinesic.controller.condition import LEAD_IN, bottleneck, condition
 from kinesic.controller.postures import Posture
+from kinesic.controller.retime import minimum_duration
 from kinesic.controller.trajectory import Manner, spline
 
 LIMITS = Limits(sealed([-2.0, -2.0]), sealed([2.0, 2.0]), sealed([4.0, 6.0]), sealed([40.0, 60.0]))

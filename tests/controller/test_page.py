@@ -18,7 +18,7 @@ from kinesic.body.robot import SIDES, Robot
 from kinesic.body.utterance import Mark, Script, Utterance
 from kinesic.controller.condition import Conditioned
 from kinesic.controller.facts import Facts
-from kinesic.controller.page import figure, verdict, write_page
+from kinesic.controller.page import number, verdict, write_page
 from kinesic.controller.performance import Performance
 from kinesic.controller.plan import Plan
 from kinesic.controller.plots import POINTS, apart, shortened, thinned
@@ -169,9 +169,17 @@ def test_page_says_the_verdict_first_and_holds_every_table(
     assert words.index(verdict(data), words.index("}")) < words.index("collision.plan")
     for row in (*data["checks"], *data["behaviours"], *data["warnings"]):
         for value in row.values():
-            assert figure(value) in words
+            assert number(value) in words
     assert "hello is late" in words
     assert "No film: not recorded" in words
+
+
+def test_what_needs_attention_comes_first(performance: Performance, data: dict[str, Json], tmp_path: Path) -> None:
+    words = Outline(page(performance, data, tmp_path)).words
+    statuses = [word for word in words if word in ("fail", "warn", "pass")]
+    outcomes = [word for word in words if word in ("dropped", "substituted", "realised")]
+    assert statuses == sorted(statuses, key=("fail", "warn", "pass").index)
+    assert outcomes == ["substituted", "realised", "realised", "realised"]
 
 
 def test_page_needs_nothing_beside_itself(performance: Performance, data: dict[str, Json], tmp_path: Path) -> None:
@@ -252,8 +260,8 @@ def test_verdict_names_what_fails(data: dict[str, Json]) -> None:
 @pytest.mark.parametrize(
     ("value", "text"), [(None, "\u2013"), (0.012345, "0.0123"), (12345.6, "12346"), (True, "True"), ("a", "a")]
 )
-def test_figure(value: Json, text: str) -> None:
-    assert figure(value) == text
+def test_number(value: Json, text: str) -> None:
+    assert number(value) == text
 
 
 def test_thinned_keeps_the_extremes() -> None:

@@ -12,9 +12,9 @@ from kinesic.expressivity.style import Style
 
 @pytest.fixture
 def natural(robot, lexicon):
-    def of(action, manner=Manner(), style=Style()):
-        behaviour = Behaviour("b", "x", action, Place(1, 1), manner=manner)
-        return spans(Block("bml1", (behaviour,)), style=style, lexicon=lexicon, robot=robot).get("b", {})
+    def of(action, manner=None, style=None):
+        behaviour = Behaviour("b", "x", action, Place(1, 1), manner=manner or Manner())
+        return spans(Block("bml1", (behaviour,)), style=style or Style(), lexicon=lexicon, robot=robot).get("b", {})
 
     return of
 

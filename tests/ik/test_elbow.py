@@ -6,7 +6,7 @@ import pytest
 from kinesic.body.robot import Robot
 from kinesic.ik.elbow import elbow_at, hanging, swivel, swivel_of
 from kinesic.ik.linkage import linkage_of
-from kinesic.ik.vectors import distance, dot, unit
+from kinesic.ik.vectors import Vector, distance, dot, unit
 
 ROBOT = Robot.load()
 ARM = linkage_of(ROBOT.arms["l"])
@@ -21,7 +21,7 @@ ARM = linkage_of(ROBOT.arms["l"])
         ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0)),
     ],
 )
-def test_an_elbow_hangs_below_a_raised_arm_and_behind_a_hanging_one(line: tuple, expected: tuple) -> None:
+def test_an_elbow_hangs_below_a_raised_arm_and_behind_a_hanging_one(line: Vector, expected: Vector) -> None:
     assert hanging(line) == pytest.approx(expected)
 
 

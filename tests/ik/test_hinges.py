@@ -36,7 +36,7 @@ def _round_trips(chain: Chain, count: int) -> float:
         assert all(p.lower <= a <= p.upper for p, a in zip(linkage.pivots, found.angles, strict=False))
         miss = sum(np.linalg.norm(np.subtract(a, b)) for a, b in zip(points, back, strict=True))
         assert found.miss == pytest.approx(miss, abs=1e-12)
-        met += miss < 1e-6
+        met += int(miss < 1e-6)
     return met / count
 
 

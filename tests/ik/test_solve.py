@@ -25,7 +25,7 @@ UPRIGHT = {  # rows as HEIGHTS, columns as SIDEWAYS: sectors that need no torso
 
 def _in_base(point: Floats) -> Floats:
     frames = ROBOT.skeleton.frames(np.zeros(len(ROBOT.skeleton.hinges)))
-    return point - frames.origins[ROBOT.skeleton.segment(LEFT.base)]
+    return np.subtract(point, frames.origins[ROBOT.skeleton.segment(LEFT.base)])
 
 
 def _check(solution: Solution, position: Floats) -> None:

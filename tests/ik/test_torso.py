@@ -3,7 +3,7 @@ import pytest
 
 from kinesic.body.arrays import Floats
 from kinesic.body.reach import Reach
-from kinesic.body.robot import Robot
+from kinesic.body.robot import Robot, Side
 from kinesic.ik.solve import solve
 from kinesic.ik.torso import MOST, lean
 
@@ -25,7 +25,7 @@ def _residual(turn: tuple[float, float, float], point: Floats) -> float:
 
 
 def test_the_torso_stays_upright_for_targets_in_easy_reach() -> None:
-    hands = {"l": _sector(0.65, 0.25, 0.25), "r": _sector(0.65, -0.25, 0.25)}
+    hands: dict[Side, Floats] = {"l": _sector(0.65, 0.25, 0.25), "r": _sector(0.65, -0.25, 0.25)}
     assert lean(ROBOT, hands) == (0.0, 0.0, 0.0)
     assert lean(ROBOT, {}) == (0.0, 0.0, 0.0)
 

@@ -1,0 +1,96 @@
+"""Moves key times as little as needed: a linear program in which strokes weigh most and preparations give."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import linprog
+
+from kinesic.body.arrays import Flags, Floats, sealed
+from kinesic.body.limits import Limits
+from kinesic.controller.postures import Posture
+
+Pair = tuple[int, int]  # two keys, the earlier first
+
+PEAK_SPEED = 1.875  # of a rest-to-rest quintic, in distance / duration
+PEAK_ACCELERATION = 5.7735  # in distance / duration^2
+LEAST_GAP = 0.02  # [s] between keys
+RESERVE = 1.02  # on minimum durations
+WEIGHTS = {"strokeStart": 5.0, "stroke": 5.0, "strokeEnd": 5.0, "ready": 0.3, "relax": 0.3}
+WEIGHT_ELSE = 0.05
+LATENESS = 3.0  # weight of being late over being early
+
+
+@dataclass(frozen=True, eq=False)
+class Keys:
+    """Postures as arrays."""
+
+    asked: Floats  # (m,) [s] block time
+    angles: Floats  # (m, n) [rad]
+    keyed: Flags  # (m, n)
+    weights: Floats  # (m,) of moving a key, per second
+
+    @classmethod
+    def of(cls, postures: tuple[Posture, ...]) -> "Keys":
+        """Keys weigh as their heaviest sync point."""
+        return cls(
+            sealed([posture.time for posture in postures]),
+            sealed([posture.angles for posture in postures]),
+            np.array([posture.keyed for posture in postures], dtype=np.bool_),
+            sealed([_weight(posture) for posture in postures]),
+        )
+
+
+def _weight(posture: Posture) -> float:
+    return max([WEIGHT_ELSE, *(WEIGHTS.get(sync.partition(":")[0], WEIGHT_ELSE) for _, sync in posture.syncs)])
+
+
+def relaxed(keys: Keys, gaps: Mapping[Pair, float], lead_in: float) -> Floats:
+    """Key times as near to the asked ones as gaps allow.
+
+    Variables are t (m,), lateness e+ and earliness e- (m,) with t - asked = e+ - e-.
+
+    Args:
+        keys: what was asked.
+        gaps: least time [s] from one key to another.
+        lead_in: [s] by which the first key may come earlier.
+
+    Returns:
+        (m,) [s] block time.
+    """
+    count = len(keys.asked)
+    rows = np.zeros((len(gaps), 3 * count))
+    for row, (i, j) in enumerate(gaps):
+        rows[row, i], rows[row, j] = 1.0, -1.0
+    one = np.eye(count)
+    result = linprog(
+        np.concatenate([np.zeros(count), LATENESS * keys.weights, keys.weights]),
+        A_ub=rows,
+        b_ub=-np.array(list(gaps.values())),
+        A_eq=np.hstack([one, -one, one]),
+        b_eq=keys.asked,
+        bounds=[(keys.asked[0] - lead_in, None)] * count + [(0.0, None)] * (2 * count),
+        method="highs",
+    )
+    return np.array(result.x[:count])
+
+
+def minimum_duration(distance: Floats, limits: Limits) -> Floats:
+    """Shortest rest-to-rest quintic within speed and acceleration, (n,) [s] for (n,) [rad]."""
+    size = np.abs(distance)
+    speed, acceleration = PEAK_SPEED * size / limits.speed, np.sqrt(PEAK_ACCELERATION * size / limits.acceleration)
+    return np.asarray(RESERVE * np.maximum(speed, acceleration))
+
+
+def rest_to_rest(keys: Keys, limits: Limits) -> dict[Pair, float]:
+    """Gaps in which every hinge can stop at every one of its keys: always enough."""
+    gaps: dict[Pair, float] = {(k, k + 1): LEAST_GAP for k in range(len(keys.asked) - 1)}
+    last = np.zeros(keys.angles.shape[1], dtype=int)
+    for k in range(1, len(keys.asked)):
+        for before in np.unique(last[keys.keyed[k]]):
+            moved = keys.keyed[k] & (last == before)
+            distance = np.where(moved, keys.angles[k] - keys.angles[before], 0.0)
+            pair = (int(before), k)
+            gaps[pair] = max(float(minimum_duration(distance, limits).max()), gaps.get(pair, 0.0))
+        last[keys.keyed[k]] = k
+    return gaps

@@ -1,0 +1,205 @@
+from math import degrees, radians
+
+import pytest
+
+from kinesic.bml.block import GAZE_SYNCS, SHIFT_SYNCS, Block, Gaze, Head, HeadDirectionShift, NoticeType
+from kinesic.expressivity.gaze import aim
+from kinesic.expressivity.head import head_form, head_layer
+from kinesic.expressivity.turns import at, room
+
+
+@pytest.fixture
+def nod_times(phases):
+    return phases(0.0, 0.1, 0.2, 0.5, 0.8, 0.9, 1.0)
+
+
+@pytest.fixture
+def looks(robot):
+    def of(action, dialect="bml-1.0", targets=None):
+        places = robot.targets if targets is None else targets
+        return aim(action, block=Block("bml1", (), dialect=dialect), robot=robot, targets=places)
+
+    return of
+
+
+def gaze_times(*times):
+    return dict(zip(GAZE_SYNCS, times, strict=True))
+
+
+def frame_at(frames, time):
+    return next(frame for frame in frames.frames if frame.time == time)
+
+
+@pytest.mark.parametrize("amount", [0.25, 0.5, 1.0])
+def test_a_nod_peaks_at_the_stroke(robot, nod_times, amount):
+    layer = head_layer(head_form(Head("NOD", amount=amount), robot, 0.0), nod_times, robot)
+    assert degrees(at(layer, 0.5).tilt) == pytest.approx(20 * amount)
+    assert max(key.turn.tilt for key in layer) == at(layer, 0.5).tilt
+    assert at(layer, 0.2).tilt == at(layer, 0.8).tilt == 0
+
+
+def test_a_nod_beyond_the_neck_is_clipped_and_warned(perform, robot, nod_times):
+    frames = perform(("h", Head("NOD", amount=5.0), nod_times))
+    assert frame_at(frames, 0.5).head.tilt == room(robot, "neck")[1].tilt
+    assert frames.outcomes["h"].kind == "realised"
+    assert any(notice.id == "bml1:h" and "60.0 deg" in notice.text for notice in frames.notices)
+
+
+def test_repeated_nods_peak_at_each_stroke(robot, nod_times):
+    times = {**nod_times, "stroke:2": 0.9, "stroke:3": 1.5, "strokeEnd": 2.0, "relax": 2.0, "end": 2.0}
+    layer = head_layer(head_form(Head("NOD", repetition=3, amount=1.0), robot, 0.0), times, robot)
+    for time in (0.5, 0.9, 1.5):
+        assert degrees(at(layer, time).tilt) == pytest.approx(20)
+    assert at(layer, 0.7).tilt == at(layer, 2.0).tilt == 0
+
+
+def test_a_nod_without_room_after_its_stroke_still_returns(robot, phases):
+    layer = head_layer(head_form(Head("NOD"), robot, 0.0), phases(1, 1, 1, 1, 1, 1, 1), robot)
+    assert layer[0].time < 1 < layer[-1].time
+    assert layer[0].turn.tilt == layer[-1].turn.tilt == 0
+    assert at(layer, 1.0).tilt > 0
+
+
+def test_a_shake_goes_to_both_sides(robot, nod_times):
+    layer = head_layer(head_form(Head("SHAKE", amount=0.4), robot, 0.0), nod_times, robot)
+    turns = [round(degrees(key.turn.torsion), 6) for key in layer]
+    assert max(turns) == 10
+    assert min(turns) == -10
+    assert degrees(at(layer, 0.5).torsion) == pytest.approx(10)
+
+
+@pytest.mark.parametrize(
+    ("lexeme", "torsion", "tilt", "roll"),
+    [
+        ("Down_Aside_Right", 0, 15, 15),
+        ("Aside_Left", 0, 0, -15),
+        ("Up_Left", 15, -15, 0),
+        ("Right", -15, 0, 0),
+        ("DOWN", 0, 15, 0),
+        ("Rightward", -15, 0, 0),
+        ("TILT", 0, 0, 15),
+        ("TURN_LEFT_SMALL", 7.5, 0, 0),
+        ("TOSS", 0, -15, 0),
+        ("Neutral", 0, 0, 0),
+    ],
+)
+def test_words_of_a_lexeme_name_directions(robot, lexeme, torsion, tilt, roll):
+    form = head_form(Head(lexeme), robot, 0.0)
+    assert form.substitute == ""
+    peak = form.peak
+    assert [degrees(angle) for angle in (peak.torsion, peak.tilt, peak.roll)] == pytest.approx([torsion, tilt, roll])
+
+
+def test_a_direction_is_held_until_relax(robot, nod_times):
+    layer = head_layer(head_form(Head("Left"), robot, 0.0), nod_times, robot)
+    assert at(layer, 0.5) == at(layer, 0.9) == head_form(Head("Left"), robot, 0.0).peak
+    assert 0 < at(layer, 0.1).torsion < at(layer, 0.5).torsion
+    assert at(layer, 1.0).torsion == 0
+
+
+@pytest.mark.parametrize(("lexeme", "kind"), [("SPIN", "shake"), ("", "nod"), ("Y", "nod"), ("JOY_SIGNAL", "nod")])
+def test_other_lexemes_are_substituted(perform, nod_times, lexeme, kind, robot):
+    assert head_form(Head(lexeme), robot, 0.0).kind == kind
+    frames = perform(("h", Head(lexeme), nod_times))
+    assert frames.outcomes["h"].kind == "substituted"
+    assert kind in frames.outcomes["h"].why
+    assert [notice.id for notice in frames.notices] == ["bml1:h"]
+
+
+def test_sizes(robot):
+    big, middle = (head_form(Head(lexeme), robot, 0.0).peak.tilt for lexeme in ("Nod_Big", "Nod_Middle"))
+    assert big == pytest.approx(1.5 * middle)
+
+
+def test_spatial_extent_widens_head_movements(robot):
+    peaks = [head_form(Head("NOD"), robot, spatial).peak.tilt for spatial in (-1.0, 0.0, 1.0)]
+    assert peaks == sorted(peaks)
+    assert peaks[0] > 0
+
+
+def test_a_gaze_turns_to_its_target_and_back(perform):
+    frames = perform(("g", Gaze("0.07 0.5 1.13", influence="HEAD"), gaze_times(0.0, 1.0, 2.0, 3.0)))
+    assert degrees(frame_at(frames, 1.0).head.torsion) == pytest.approx(75)  # 90 deg is beyond the neck
+    assert frame_at(frames, 2.0).head == frame_at(frames, 1.0).head
+    assert frames.frames[0].head.torsion == frames.frames[-1].head.torsion == 0
+    assert frames.uses["g"] == {"head"}
+
+
+def test_a_gaze_meets_the_eyes_line(looks):
+    look = looks(Gaze("1.07 1.0 1.13", influence="HEAD"))
+    assert degrees(look.head.torsion) == pytest.approx(45)
+    assert look.head.tilt == pytest.approx(0, abs=1e-12)
+    assert looks(Gaze("1.07 0 0.13", influence="HEAD")).head.tilt == pytest.approx(radians(40))
+
+
+def test_the_trunk_helps_beyond_45_degrees(looks):
+    look = looks(Gaze("0.07 1.0 1.13"))
+    assert degrees(look.torso.torsion) == pytest.approx(45)
+    assert degrees(look.head.torsion) == pytest.approx(90)
+    assert looks(Gaze("0.07 1.0 1.13", influence="NECK")).torso.torsion == 0
+    assert looks(Gaze("0.5 0.1 1.13", influence="WAIST")).torso.torsion == 0
+
+
+def test_eyes_are_done_by_the_head(perform):
+    frames = perform(("g", Gaze("left", influence="EYES"), gaze_times(0.0, 1.0, 2.0, 3.0)))
+    assert frames.outcomes["g"].kind == "substituted"
+    assert "eyes" in frames.outcomes["g"].why
+
+
+def test_an_unknown_target_is_the_audience(perform, looks):
+    frames = perform(("g", Gaze("bluebox"), gaze_times(0.0, 1.0, 2.0, 3.0)))
+    assert frames.outcomes["g"].kind == "substituted"
+    assert [notice.type for notice in frames.notices] == [NoticeType.NO_SUCH_TARGET]
+    assert looks(Gaze("bluebox")).head == looks(Gaze("audience")).head
+    assert looks(Gaze("bluebox"), targets={}) is None
+
+
+def test_offsets(looks):
+    up = looks(Gaze("1.07 0 1.13", offset_angle=10, offset_direction="UP")).head
+    assert degrees(up.tilt) == pytest.approx(-10)
+    diagonal = looks(Gaze(offset_angle=20, offset_direction="DOWNLEFT")).head
+    assert degrees(diagonal.tilt) == degrees(diagonal.torsion) == pytest.approx(20 / 2**0.5)
+    assert looks(Gaze(offset_angle=20)).head.torsion == 0
+
+
+def test_offsets_of_drafts_are_shares(looks):
+    assert degrees(looks(Gaze(offset_angle=0.2, offset_direction="DOWN"), dialect="none").head.tilt) == pytest.approx(
+        10
+    )
+    assert degrees(looks(Gaze(offset_angle=0.2, offset_direction="DOWN")).head.tilt) == pytest.approx(0.2)
+
+
+def test_a_shift_stays_and_gazes_return_to_it(perform):
+    frames = perform(
+        ("s", Gaze("1.07 0.5 1.13", shift=True), dict(zip(SHIFT_SYNCS, (0.0, 1.0), strict=True))),
+        ("g", Gaze("audience"), gaze_times(2.0, 3.0, 4.0, 5.0)),
+    )
+    shifted = frame_at(frames, 1.0).head
+    assert shifted.torsion > 0.4
+    assert frame_at(frames, 3.0).head.torsion == pytest.approx(0, abs=1e-9)
+    assert frames.frames[-1].head.torsion == pytest.approx(shifted.torsion)
+
+
+def test_a_head_direction_stays(perform, phases):
+    frames = perform(("s", HeadDirectionShift("Left"), phases(0, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5)))
+    assert degrees(frames.frames[-1].head.torsion) == pytest.approx(15)
+
+
+def test_the_later_gaze_wins_and_the_earlier_says_so(perform):
+    frames = perform(
+        ("g1", Gaze("1.07 0.5 1.13"), gaze_times(0.0, 1.0, 3.0, 4.0)),
+        ("g2", Gaze("1.07 -0.5 1.13"), gaze_times(2.0, 2.5, 4.5, 5.0)),
+    )
+    assert frame_at(frames, 2.5).head.torsion == frame_at(frames, 4.5).head.torsion < -0.4
+    assert [(notice.id, "g2" in notice.text) for notice in frames.notices] == [("bml1:g1", True)]
+    assert {outcome.kind for outcome in frames.outcomes.values()} == {"realised"}
+
+
+def test_a_nod_adds_to_a_gaze(perform, nod_times):
+    frames = perform(
+        ("g", Gaze("1.07 0.5 1.13"), gaze_times(-1.0, 0.0, 2.0, 3.0)),
+        ("h", Head("NOD", amount=1.0), nod_times),
+    )
+    head = frame_at(frames, 0.5).head
+    assert degrees(head.tilt) == pytest.approx(20)
+    assert head.torsion > 0.4

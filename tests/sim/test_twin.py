@@ -1,0 +1,231 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.interpolate import make_interp_spline
+
+from kinesic.body.command import Command
+from kinesic.body.robot import Robot
+from kinesic.body.skeleton import Skeleton
+from kinesic.sim.distances import CapsuleDistances
+from kinesic.sim.dynamics import MujocoDynamics
+from kinesic.sim.factors import NOMINAL, PESSIMISTIC
+from kinesic.sim.twin import STEP, Twin
+
+ROBOT = Robot.load()
+SKELETON = ROBOT.skeleton
+REST = SKELETON.rest
+ZERO = np.zeros(22)
+DYNAMICS = MujocoDynamics(ROBOT)
+PERIOD = 0.01  # [s]
+
+
+def still(time, goals=REST):
+    return Command(time=time, angles=REST, speeds=ZERO, accelerations=ZERO, goals=goals)
+
+
+def motion(seed=0, *, seconds=2.0):
+    """Commands of a smooth motion from rest to rest through random postures, with the servos' law inverted."""
+    random = np.random.default_rng(seed)
+    low, high = np.maximum(SKELETON.lower, REST - 0.3), np.minimum(SKELETON.upper, REST + 0.6)
+    keys = random.uniform(REST + 0.4 * (low - REST), REST + 0.6 * (high - REST), (4, 22))
+    for side in "lr":
+        keys[:, SKELETON.joint(f"{side}_shoulder_abduct")] += 0.3
+    keys[0] = keys[-1] = REST
+    ends = [(1, ZERO), (2, ZERO)]
+    path = make_interp_spline(np.linspace(0, seconds, 4), keys, k=5, bc_type=(ends, ends))
+    times = PERIOD * np.arange(round(seconds / PERIOD) + 1)
+    ahead = np.minimum(times + PERIOD / 2, seconds)  # goals are held for a period
+    angles, speeds, accelerations = path(ahead), path(ahead, 1), path(ahead, 2)
+    torques = DYNAMICS.torques(angles, speeds, accelerations)
+    stall = np.array([drive.stall for drive in ROBOT.drives])
+    gain = np.array([drive.gain for drive in ROBOT.drives])
+    no_load = np.array([drive.no_load for drive in ROBOT.drives])
+    goals = np.clip(angles + (torques / stall + speeds / no_load) / gain, SKELETON.lower, SKELETON.upper)
+    return [Command(t, path(t), path(t, 1), path(t, 2), goal) for t, goal in zip(times, goals, strict=True)]
+
+
+def performed(commands, robot=ROBOT, **options):
+    twin = Twin(robot, **options)
+    for command in commands:
+        twin.write(command)
+    twin.close()
+    return twin.measurements()
+
+
+COMMANDS = motion()
+REFERENCE = np.array([command.angles for command in COMMANDS])
+
+
+def test_the_same_commands_give_the_same_bytes():
+    one, two = performed(COMMANDS), performed(COMMANDS)
+    for name in ("times", "angles", "speeds", "torques", "duties"):
+        assert getattr(one, name).tobytes() == getattr(two, name).tobytes()
+    assert one.clearance.distances.tobytes() == two.clearance.distances.tobytes()
+    assert list(one.clearance.pairs) == list(two.clearance.pairs)
+
+
+@pytest.mark.parametrize("factors", [NOMINAL, PESSIMISTIC])
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_the_longest_step_is_as_good_as_a_millisecond(seed, factors):
+    commands = motion(seed)
+    long, short = (performed(commands, factors=factors, step=step) for step in (STEP, 0.001))
+    assert short.clearance.distances.min() > 0.0, "the motion must not touch"
+    assert np.degrees(np.abs(long.angles - short.angles).max()) <= 0.05
+
+
+def test_with_the_law_inverted_the_twin_follows_and_a_weak_one_follows_less():
+    nominal, weak = performed(COMMANDS), performed(COMMANDS, factors=PESSIMISTIC)
+    errors = [np.degrees(np.sqrt(np.mean((m.angles - REFERENCE) ** 2))) for m in (nominal, weak)]
+    assert errors[0] < 0.1
+    assert errors[0] < errors[1] < 2.0
+
+
+def test_samples_are_taken_at_the_commands_times_before_their_goals_act():
+    lifted = REST.copy()
+    lifted[SKELETON.joint("l_elbow_flexion")] += 0.4
+    seen = performed([still(5.0), still(5.1, lifted), still(5.2, lifted)])
+    assert list(seen.times) == [5.0, 5.1, 5.2]
+    elbow = seen.angles[:, SKELETON.joint("l_elbow_flexion")]
+    assert abs(elbow[1] - elbow[0]) < 0.02
+    assert elbow[2] - elbow[1] > 0.2
+
+
+def test_the_first_command_sets_time_zero():
+    early, late = performed([still(0.0), still(0.05)]), performed([still(7.0), still(7.05)])
+    assert early.angles == pytest.approx(late.angles, abs=1e-12)
+    assert early.angles[0] == pytest.approx(REST)
+
+
+def test_the_twin_starts_where_it_is_told():
+    start = REST + 0.1
+    assert performed([still(0.0)], start=start).angles[0] == pytest.approx(start)
+
+
+def test_uneven_times_are_met_exactly():
+    times = [0.0, 0.003, 0.003, 0.0171, 0.05]
+    seen = performed([still(t) for t in times])
+    assert list(seen.times) == times
+    assert np.array_equal(seen.angles[1], seen.angles[2])
+    assert len(seen.clearance.distances) == len(seen.clearance.pairs) == 5
+
+
+def test_latency_delays_the_motion():
+    waiting = [replace(COMMANDS[0], time=-0.5), *COMMANDS]  # the late one sags before its first goals arrive
+    prompt, late = performed(waiting), performed(waiting, latency=0.02)
+    assert late.angles[3:] == pytest.approx(prompt.angles[1:-2], abs=np.radians(0.2))
+    assert np.abs(late.angles - prompt.angles).max() > np.radians(1.0)
+
+
+def test_goals_are_rounded_to_ticks():
+    tick = ROBOT.drives[0].tick
+    turned = REST.copy()
+    turned[0] = 100.4 * tick
+    exact = REST.copy()
+    exact[0] = 100 * tick
+    one, two = (performed([still(0.0, goals), still(0.5, goals)]) for goals in (turned, exact))
+    assert np.array_equal(one.angles, two.angles)
+
+
+def test_torques_and_duties_follow_the_servos_law():
+    seen = performed(COMMANDS, factors=PESSIMISTIC)
+    weak = PESSIMISTIC.applied(ROBOT).drives
+    held = [REST, *[command.goals for command in COMMANDS[:-1]]]
+    ticks = np.array([drive.tick for drive in weak])
+    goals = np.round(np.array(held) / ticks) * ticks
+    for j, drive in enumerate(weak):
+        duty = drive.gain * (goals[:, j] - seen.angles[:, j]) - drive.rate_gain / drive.stall * seen.speeds[:, j]
+        assert seen.duties[:, j] == pytest.approx(duty, abs=1e-12)
+        torque = drive.stall * np.clip(duty, -1, 1) - drive.stall / drive.no_load * seen.speeds[:, j]
+        assert seen.torques[:, j] == pytest.approx(torque, abs=1e-9)
+
+
+def test_a_servo_that_is_asked_too_much_demands_more_than_full_duty():
+    far = REST.copy()
+    far[SKELETON.joint("l_shoulder_flexion")] = 2.0
+    seen = performed([still(0.0, far), still(0.01, far)])
+    j = SKELETON.joint("l_shoulder_flexion")
+    assert seen.duties[1, j] > 1.0
+    assert seen.torques[1, j] < ROBOT.drives[j].stall
+
+
+def test_hands_are_the_wrists_centres():
+    seen = performed(COMMANDS)
+    for k in (0, 70, 150):
+        frames = SKELETON.frames(seen.angles[k])
+        for side in "lr":
+            wrist = frames.origins[SKELETON.segment(ROBOT.chains[f"{side}_arm"][-1])]
+            assert seen.hands[side][k] == pytest.approx(wrist, abs=1e-12)
+
+
+def test_clearance_is_the_smallest_of_each_interval():
+    seen = performed(COMMANDS)
+    at_samples = CapsuleDistances(ROBOT).clearance(seen.angles).distances
+    assert (seen.clearance.distances <= at_samples + 1e-12).all()
+    assert seen.clearance.distances == pytest.approx(at_samples, abs=0.03)
+
+
+def test_a_blow_between_two_commands_is_seen():
+    flung = REST.copy()
+    flung[SKELETON.joint("l_shoulder_twisting")] = -1.5
+    flung[SKELETON.joint("l_elbow_flexion")] = 2.3
+    seen = performed([still(0.0, flung), still(1.0, REST), still(2.5, REST)])
+    assert seen.clearance.distances[1] < 0.0 < seen.clearance.distances[0]
+    assert "l_elbow" in seen.clearance.pairs[1] or "l_wrist" in seen.clearance.pairs[1]
+
+
+def test_measurements_can_be_forgotten_while_the_robot_moves_on():
+    whole = performed(COMMANDS)
+    twin = Twin(ROBOT)
+    for k, command in enumerate(COMMANDS):
+        if k == 100:
+            twin.forget()
+        twin.write(command)
+    rest = twin.measurements()
+    assert np.array_equal(rest.times, whole.times[100:])
+    assert np.array_equal(rest.angles, whole.angles[100:])
+    assert np.array_equal(rest.duties, whole.duties[100:])
+    assert np.array_equal(twin.state().angles, whole.angles[-1])
+    assert np.array_equal(twin.state().speeds, whole.speeds[-1])
+
+
+def test_results_do_not_depend_on_the_order_of_segments():
+    """MuJoCo orders joints depth first; a robot whose file lists both arms level by level does not."""
+    level = {None: -1}
+    for segment in SKELETON.segments:
+        level[segment.name] = level[segment.parent] + 1
+    segments = sorted(SKELETON.segments, key=lambda segment: level[segment.name])
+    names = [segment.name for segment in segments]
+    order = sorted(range(22), key=lambda j: names.index(SKELETON.hinges[j].segment))
+    assert order != list(range(22))
+    shuffled = replace(
+        ROBOT,
+        skeleton=Skeleton(tuple(segments), tuple(SKELETON.hinges[j] for j in order)),
+        mounts=tuple(ROBOT.mounts[j] for j in order),
+    )
+    commands = [
+        replace(
+            c,
+            angles=c.angles[order],
+            speeds=c.speeds[order],
+            accelerations=c.accelerations[order],
+            goals=c.goals[order],
+        )
+        for c in COMMANDS[:80]
+    ]
+    seen, expected = performed(commands, shuffled), performed(COMMANDS[:80])
+    assert seen.angles == pytest.approx(expected.angles[:, order], abs=1e-9)
+    assert seen.duties == pytest.approx(expected.duties[:, order], abs=1e-7)
+
+
+def test_wrong_settings_and_times_are_refused():
+    with pytest.raises(ValueError, match="step is 0"):
+        Twin(ROBOT, step=0.0)
+    with pytest.raises(ValueError, match="latency is -1"):
+        Twin(ROBOT, latency=-1.0)
+    with pytest.raises(ValueError, match="no command was written"):
+        Twin(ROBOT).measurements()
+    twin = Twin(ROBOT)
+    twin.write(still(1.0))
+    with pytest.raises(ValueError, match="time must not decrease"):
+        twin.write(still(0.5))
