@@ -13,11 +13,11 @@ if TYPE_CHECKING:
 def __getattr__(name: str) -> object:
     """Imports the public functions when they are first asked for: `import kinesic` stays fast."""
     if name == "Robot":
-        from kinesic.body.robot import Robot
+        from kinesic.body.robot import Robot  # noqa: PLC0415 - only when asked for
 
         return Robot
     if name in ("plan", "perform"):
-        from kinesic.controller import perform as module
+        from kinesic.controller import perform as module  # noqa: PLC0415 - only when asked for
 
         return getattr(module, name)
     raise AttributeError(f"module kinesic has no attribute {name}")

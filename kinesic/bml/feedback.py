@@ -4,11 +4,14 @@ Elements and attributes: facts, BML 1.0 section 2.7. Times in seconds, to the mi
 """
 
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Literal
 from xml.etree.ElementTree import Element, SubElement, tostring
 
-from kinesic.bml.block import Notice
+from kinesic.bml.block import FACE_SYNCS, GESTURE_SYNCS, Notice
 from kinesic.bml.namespaces import BML_1_0
+
+_NAMED = frozenset({*GESTURE_SYNCS, *FACE_SYNCS})
 
 
 def prediction(
@@ -17,25 +20,32 @@ def prediction(
     end: float,
     times: Mapping[str, Mapping[str, float]],
     *,
+    types: Mapping[str, str] = MappingProxyType({}),
     zero: float = 0.0,
     character: str | None = None,
 ) -> str:
-    """Writes a predictionFeedback.
+    """Writes a predictionFeedback: the block, and each behaviour with its predicted sync points.
+
+    Sync points that BML names are attributes; marks of a speech and repeated strokes are <sync> elements inside.
 
     Args:
         block: id of the block.
         start: of the block [s], block time.
         end: of the block [s], block time.
         times: behaviour id -> {sync point: time [s], block time}.
+        types: behaviour id -> name of its element.
         zero: global time of the block's time 0 [s].
         character: id of the character, if there are several.
     """
     root = _root("predictionFeedback", character)
     SubElement(root, "bml", id=block, globalStart=_seconds(zero + start), globalEnd=_seconds(zero + end))
     for behaviour, points in times.items():
-        element = SubElement(root, "behavior", id=f"{block}:{behaviour}")
+        element = SubElement(root, types.get(behaviour, "behavior"), id=f"{block}:{behaviour}")
         for sync, time in points.items():
-            SubElement(element, "sync", id=f"{block}:{behaviour}:{sync}", time=_seconds(time))
+            if sync in _NAMED:
+                element.set(sync, _seconds(time))
+            else:
+                SubElement(element, "sync", id=sync, time=_seconds(time))
     return _written(root)
 
 

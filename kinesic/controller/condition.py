@@ -11,8 +11,8 @@ import numpy as np
 
 from kinesic.body.arrays import Flags, Floats
 from kinesic.body.limits import Limits
-from kinesic.controller.postures import Posture
-from kinesic.controller.retime import LEAST_GAP, Keys, Pair, relaxed, rest_to_rest
+from kinesic.controller.postures import LEAST_GAP, Posture
+from kinesic.controller.retime import Keys, Pair, relaxed, rest_to_rest
 from kinesic.controller.trajectory import Manner, Trajectory, spline
 
 LEAD_IN = 0.6  # [s] by which the motion may begin before it is asked to

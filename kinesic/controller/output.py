@@ -47,7 +47,7 @@ def write(performance: Performance, data: dict[str, Json], folder: Path, *, film
     report.write_text(json.dumps(data, indent=1), encoding="utf-8")
     picture, why = _filmed(performance, folder / "film.webp") if film else (None, "not asked for")
     page = folder / "report.html"
-    write_page(performance, data, film=picture, path=page)
+    write_page(performance, data, film=picture, path=page, no_film=why)
     return Written(report, page, picture, why)
 
 

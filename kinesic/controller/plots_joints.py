@@ -7,7 +7,7 @@ import numpy as np
 from markupsafe import Markup
 from matplotlib.axes import Axes
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Flags, Floats
 from kinesic.body.robot import Robot
 from kinesic.controller.performance import Performance
 from kinesic.controller.plots import (
@@ -32,6 +32,7 @@ from kinesic.controller.syncs import SyncTime
 
 PAIRS = (("torso", "neck"), ("r_arm", "l_arm"))  # side by side
 PARTS = {"torso": "torso", "neck": "head", "l_arm": "l_hand", "r_arm": "r_hand"}  # of key frames
+OTHERS = "other hinges"  # outside any chain
 NAMES = {"l_arm": "left arm", "r_arm": "right arm"}
 STILL = 0.5  # [deg] a hinge that moves less is not drawn
 LEAST_SPAN = 10.0  # [deg] of a panel, so that noise does not look like motion
@@ -44,22 +45,27 @@ def joints(performance: Performance) -> Iterator[Markup]:
     """One figure for torso and neck, one for the arms, one for hinges outside any chain, if they move."""
     robot = performance.plan.facts.robot
     curves = _curves(performance)
-    moving = np.max([np.ptp(curve, axis=0) for curve in curves], axis=0) >= STILL
-    columns = [(name, robot.joints(name)) for pair in PAIRS for name in pair]
-    known = {joint for _, column in columns for joint in column}
-    others = tuple(joint for joint in range(len(moving)) if joint not in known)
-    for left, right in ((columns[0], columns[1]), (columns[2], columns[3]), (("other hinges", others), ("", ()))):
-        rows = [
-            row for row in zip_longest(left[1], right[1]) if any(joint is not None and moving[joint] for joint in row)
-        ]
-        if rows:
-            yield _figure(performance, (left[0], right[0]), rows, curves, moving)
+    moving = _moving(curves)
+    columns = {name: robot.joints(name) for pair in PAIRS for name in pair}
+    columns[OTHERS] = tuple(
+        sorted(set(range(len(moving))) - {joint for column in columns.values() for joint in column})
+    )
+    for left, right in (*PAIRS, (OTHERS, "")):
+        rows = zip_longest(columns[left], columns.get(right, ()))
+        shown = [row for row in rows if any(joint is not None and moving[joint] for joint in row)]
+        if shown:
+            yield _figure(performance, (left, right), shown, curves)
 
 
 def still(performance: Performance) -> list[str]:
     """Names of the hinges that are not drawn."""
-    moving = np.max([np.ptp(curve, axis=0) for curve in _curves(performance)], axis=0) >= STILL
+    moving = _moving(_curves(performance))
     return [name for name, moves in zip(performance.plan.facts.robot.skeleton.names, moving, strict=True) if not moves]
+
+
+def _moving(curves: tuple[Floats, Floats, Floats]) -> Flags:
+    """(n,) whether the curves of a hinge leave one place, or one another."""
+    return np.asarray(np.ptp(np.concatenate(curves), axis=0) >= STILL)
 
 
 def _curves(performance: Performance) -> tuple[Floats, Floats, Floats]:
@@ -74,12 +80,11 @@ def _figure(
     names: tuple[str, str],
     rows: list[tuple[int | None, int | None]],
     curves: tuple[Floats, Floats, Floats],
-    moving: Floats,
 ) -> Markup:
     height = TOP + PANEL * len(rows) + BOTTOM
     drawn = figure(height)
     width = (WIDTH - LEFT - RIGHT - GAP) / 2
-    left = LEFT / WIDTH
+    left, moving = LEFT / WIDTH, _moving(curves)
     for column, name in enumerate(names):
         shown = [(row, joint) for row, pair in enumerate(rows) if (joint := pair[column]) is not None and moving[joint]]
         syncs = _syncs(performance, name)

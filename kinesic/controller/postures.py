@@ -15,6 +15,8 @@ from kinesic.expressivity.keyframes import Hand, KeyFrame, KeyFrames
 from kinesic.ik.solve import solve
 from kinesic.ik.torso import lean
 
+LEAST_GAP = 0.02  # [s] between keys
+
 
 @dataclass(frozen=True, eq=False)
 class Posture:
@@ -58,7 +60,14 @@ def postures(keyframes: KeyFrames, robot: Robot, distances: Distances) -> Postur
             angles = clear_hands(angles, wanted, robot, distances, _arms)
         _note_misses(misses, keyframes, k, wanted, angles, robot)
         solved.append(Posture(frame.time, sealed(robot.skeleton.clamp(angles)), tuple(keyed), frame.syncs))
-    return Postures(tuple(solved), misses)
+    return Postures((*_beginning(solved, keyframes.timeline.start, robot), *solved), misses)
+
+
+def _beginning(solved: list[Posture], start: float, robot: Robot) -> list[Posture]:
+    """The robot at rest at the block's start, when nothing moves so early."""
+    if not solved or solved[0].time <= start + LEAST_GAP:
+        return []
+    return [Posture(start, robot.skeleton.rest, (True,) * len(robot.skeleton.hinges))]
 
 
 def _lean(frame: KeyFrame, robot: Robot) -> Floats:

@@ -8,13 +8,12 @@ from scipy.optimize import linprog
 
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.limits import Limits
-from kinesic.controller.postures import Posture
+from kinesic.controller.postures import LEAST_GAP, Posture
 
 Pair = tuple[int, int]  # two keys, the earlier first
 
 PEAK_SPEED = 1.875  # of a rest-to-rest quintic, in distance / duration
 PEAK_ACCELERATION = 5.7735  # in distance / duration^2
-LEAST_GAP = 0.02  # [s] between keys
 RESERVE = 1.02  # on minimum durations
 WEIGHTS = {"strokeStart": 5.0, "stroke": 5.0, "strokeEnd": 5.0, "ready": 0.3, "relax": 0.3}
 WEIGHT_ELSE = 0.05

@@ -26,6 +26,8 @@ _OFFSETS = {"UP": (0, -1), "DOWN": (0, 1), "LEFT": (1, 0), "RIGHT": (-1, 0)}  # 
 
 Part = Literal["head", "torso"]
 
+PARTS: tuple[Part, Part] = ("head", "torso")
+
 
 @dataclass(frozen=True)
 class Aim:

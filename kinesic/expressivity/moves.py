@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 from kinesic.bml.block import (
     Block,
@@ -139,7 +138,7 @@ def look_moves(looks: Sequence[Timed], scene: Scene) -> Mapping[str, Move]:
             raise TypeError(f"{timed.behaviour.id} is a {type(action).__name__}, no gaze and no head direction")
         aim = gaze.aim(action, block=scene.block, robot=scene.robot, targets=scene.targets, base=base)
         if aim is None:
-            why = unknown(_target(action), scene.targets)
+            why = unknown(action.target or "", scene.targets)
             moves[timed.behaviour.id] = dropped(why, NoticeType.NO_SUCH_TARGET)
             continue
         base = aim.head if stays(action) else base
@@ -180,24 +179,21 @@ def posture_moves(postures: Sequence[Timed], scene: Scene) -> Mapping[str, Move]
 
 def _looked(looks: Sequence[Timed], aims: Sequence[gaze.Aim], scene: Scene) -> dict[str, Move]:
     """Looks with their layers, in the order of their starts."""
-    layers: dict[Literal["head", "torso"], tuple[Layer, ...]] = {}
-    parts: tuple[Literal["head", "torso"], ...] = ("head", "torso")
-    holds: list[Hold] = []
-    for part in parts:
-        holds = [
+    heads, trunks = (
+        [
             gaze.hold(aim, timed.times, part=part, stays=stays(timed.behaviour.action), robot=scene.robot)
             for aim, timed in zip(aims, looks, strict=True)
         ]
-        layers[part] = exclusive(holds)
+        for part in gaze.PARTS
+    )
+    head, trunk = exclusive(heads), exclusive(trunks)
     moves: dict[str, Move] = {}
     for k, (timed, aim) in enumerate(zip(looks, aims, strict=True)):
         outcome, warnings = _substituted(aim.substitute, aim.clipped, aim.missing)
-        if k + 1 < len(holds) and (leave := holds[k].leave) is not None and holds[k + 1].start < leave:
-            text = f"gives way to {looks[k + 1].behaviour.id} at {holds[k + 1].start:.2f} s"
+        if k + 1 < len(heads) and (leave := heads[k].leave) is not None and heads[k + 1].start < leave:
+            text = f"gives way to {looks[k + 1].behaviour.id} at {heads[k + 1].start:.2f} s"
             warnings += (Warned(NoticeType.IMPOSSIBLE_TO_SCHEDULE, text),)
-        moves[timed.behaviour.id] = Move(
-            outcome, head=(layers["head"][k],), torso=_moving(layers["torso"][k]), warnings=warnings
-        )
+        moves[timed.behaviour.id] = Move(outcome, head=(head[k],), torso=_moving(trunk[k]), warnings=warnings)
     return moves
 
 
@@ -228,10 +224,6 @@ def _hanging(sides: Sequence[Side]) -> Poses:
 def _moving(layer: Layer) -> tuple[Layer, ...]:
     """The layer, unless it is upright all the time."""
     return (layer,) if any(key.turn != UPRIGHT for key in layer) else ()
-
-
-def _target(action: Gaze | HeadDirectionShift) -> str:
-    return action.target or "(none)"
 
 
 def _lacking(part: str, scene: Scene) -> Move:

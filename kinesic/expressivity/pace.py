@@ -1,11 +1,10 @@
 """How long a movement takes when nobody says how long: at ease for hands and for servos."""
 
-from dataclasses import astuple
 from math import log2, sqrt
 
 from kinesic.body.robot import Robot
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.turns import AXES
+from kinesic.expressivity.turns import AXES, axes
 
 COMFORT = 1.3  # natural time over the shortest that the servos can do
 FLOOR = 0.25  # [s] of a preparation or retraction
@@ -45,7 +44,7 @@ def turn_time(robot: Robot, chain: str, turn: Turn, temporal: float = 0.0) -> fl
         temporal: extent, -1 slow .. 1 fast.
     """
     times = [0.0]
-    for axis, angle in zip(AXES, astuple(turn), strict=True):
+    for axis, angle in zip(AXES, axes(turn), strict=True):
         for k in robot.joints(chain):
             if robot.skeleton.names[k].endswith(axis):
                 times.append(_PEAK_SPEED * abs(angle) / robot.speed_limits[k])

@@ -121,7 +121,7 @@ def _move(timed: Timed, scene: Scene) -> Move:
             return Move()
         case Custom(name):
             return dropped(f"nothing is known of {name}", NoticeType.CUSTOM_BEHAVIOUR_NOT_SUPPORTED)
-    why = f"robot {scene.robot.name} has nothing to do {timed.behaviour.type} with"
+    why = f"no part of robot {scene.robot.name} does {timed.behaviour.type}"
     return dropped(why, NoticeType.BEHAVIOR_TYPE_NOT_SUPPORTED)
 
 

@@ -1,7 +1,7 @@
 """Rotations of head and torso in time: keys, layers that add up, and the range that holds them."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from math import degrees
 
 import numpy as np
@@ -64,6 +64,11 @@ def plus(a: Turn, b: Turn) -> Turn:
     return Turn(a.torsion + b.torsion, a.tilt + b.tilt, a.roll + b.roll)
 
 
+def axes(turn: Turn) -> tuple[float, float, float]:
+    """Torsion, tilt and roll [rad], in the order of `AXES`."""
+    return turn.torsion, turn.tilt, turn.roll
+
+
 def room(robot: Robot, chain: str) -> tuple[Turn, Turn]:
     """Least and greatest rotation that the hinges of a chain allow; zero where it has no hinge for an axis."""
     skeleton = robot.skeleton
@@ -75,13 +80,14 @@ def room(robot: Robot, chain: str) -> tuple[Turn, Turn]:
 
 def clipped(turn: Turn, within: tuple[Turn, Turn]) -> Turn:
     """The nearest rotation inside a range."""
-    return Turn(*(float(v) for v in np.clip(astuple(turn), astuple(within[0]), astuple(within[1]))))
+    least, most = within
+    return Turn(*(min(max(v, a), b) for v, a, b in zip(axes(turn), axes(least), axes(most), strict=True)))
 
 
 def excess(turn: Turn, within: tuple[Turn, Turn]) -> float:
     """How far a rotation lies outside a range, on its worst axis [deg]."""
     inside = clipped(turn, within)
-    return degrees(max(abs(a - b) for a, b in zip(astuple(turn), astuple(inside), strict=True)))
+    return degrees(max(abs(a - b) for a, b in zip(axes(turn), axes(inside), strict=True)))
 
 
 def at(layer: Layer, time: float) -> Turn:
@@ -94,7 +100,7 @@ def total(layers: Iterable[Layer], times: Floats) -> Floats:
     turns = np.zeros((len(times), 3))
     for layer in layers:
         knots = [key.time for key in layer]
-        values = np.array([astuple(key.turn) for key in layer])
+        values = np.array([axes(key.turn) for key in layer])
         for axis in range(3):
             turns[:, axis] += np.interp(times, knots, values[:, axis])
     return turns

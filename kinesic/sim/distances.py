@@ -55,11 +55,11 @@ class CapsuleDistances:
         starts, ends = self._axes(motion_frames(self._skeleton, angles))
         middles = (starts + ends) / 2
         between = middles[self._first] - middles[self._second]
-        above = np.sqrt(np.einsum("pmk,pmk->pm", between, between)) - self._radii[:, None]
+        above = np.sqrt(np.einsum("pkm,pkm->pm", between, between)) - self._radii[:, None]
         # the axes' middles bound the distance from above, less their half lengths from below
         pairs, postures = np.nonzero(above - self._halves[:, None] <= above.min(axis=0))
         i, j = self._first[pairs], self._second[pairs]
-        axes = (starts[i, postures], ends[i, postures], starts[j, postures], ends[j, postures])
+        axes = (starts[i, :, postures], ends[i, :, postures], starts[j, :, postures], ends[j, :, postures])
         exact = segment_distances(*axes) - self._radii[pairs]
         distances = np.full(above.shape, np.inf)
         distances[pairs, postures] = exact
@@ -67,7 +67,7 @@ class CapsuleDistances:
         return distances[closest, np.arange(len(angles))], closest
 
     def _axes(self, frames: MotionFrames) -> tuple[Floats, Floats]:
-        """(c, m, 3) [m] starts and ends of the capsules' axes in the world."""
+        """(c, 3, m) [m] starts and ends of the capsules' axes in the world."""
         starts = np.array([frames.points(k, capsule.start) for k, capsule in self._capsules])
         ends = np.array([frames.points(k, capsule.end) for k, capsule in self._capsules])
         return starts, ends

@@ -30,6 +30,7 @@ class MujocoDynamics:
         self._model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
         self._data = mujoco.MjData(self._model)
         self._order = joint_order(robot, self._model)
+        self._hinges = np.argsort(self._order)  # MuJoCo's order, as positions of the skeleton's hinges
         self._friction = np.array([drive.frictionloss for drive in robot.drives])
         self._stall = np.array([drive.stall for drive in robot.drives])
 
@@ -44,16 +45,16 @@ class MujocoDynamics:
         Returns:
             (m, n) [Nm].
         """
-        model, data, order = self._model, self._data, self._order
+        model, data = self._model, self._data
+        qpos, qvel, qacc, inverse = data.qpos, data.qvel, data.qacc, data.qfrc_inverse
         needed = np.empty(angles.shape)
-        for k in range(len(angles)):
-            data.qpos[order] = angles[k]
-            data.qvel[order] = speeds[k]
-            data.qacc[order] = accelerations[k]
+        for k, (angle, speed, acceleration) in enumerate(
+            zip(angles[:, self._hinges], speeds[:, self._hinges], accelerations[:, self._hinges], strict=True)
+        ):
+            qpos[:], qvel[:], qacc[:] = angle, speed, acceleration
             mujoco.mj_inverse(model, data)
-            needed[k] = data.qfrc_inverse[order]
-        needed += self._friction * np.tanh(speeds / FRICTION_SPEED)
-        return needed
+            needed[k] = inverse
+        return needed[:, self._order] + self._friction * np.tanh(speeds / FRICTION_SPEED)
 
     def holding(self, angles: Floats) -> Floats:
         """Torque (m, n) [Nm] that holds postures (m, n) [rad] against gravity, without help from friction."""

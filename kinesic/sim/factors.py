@@ -40,6 +40,8 @@ class Factors(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     def applied(self, robot: Robot) -> Robot:
         """The same robot with these factors on its drives and masses."""
+        if self == NOMINAL:
+            return robot
         skeleton = robot.skeleton
         segments = tuple(replace(segment, mass=segment.mass * self.mass) for segment in skeleton.segments)
         mounts = tuple(replace(mount, drive=self._drive(mount.drive)) for mount in robot.mounts)

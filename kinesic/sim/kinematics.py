@@ -1,4 +1,4 @@
-"""Forward kinematics of a whole motion at once: `Skeleton.frames` for many postures."""
+"""Forward kinematics of a whole motion at once: `Skeleton.frames`, laid out so that postures are contiguous."""
 
 from dataclasses import dataclass
 
@@ -12,12 +12,12 @@ from kinesic.body.skeleton import Skeleton
 class MotionFrames:
     """Where every segment is, in the world, in each posture of a motion."""
 
-    rotations: Floats  # (s, m, 3, 3)
-    origins: Floats  # (s, m, 3) [m]
+    rotations: Floats  # (s, 3, 3, m)
+    origins: Floats  # (s, 3, m) [m]
 
     def points(self, segment: int, point: Floats) -> Floats:
-        """(m, 3) [m] in the world of a point (3,) [m] on a segment."""
-        points: Floats = self.origins[segment] + self.rotations[segment] @ point
+        """(3, m) [m] in the world of a point (3,) [m] on a segment."""
+        points: Floats = self.origins[segment] + point @ self.rotations[segment]
         return points
 
 
@@ -32,16 +32,16 @@ def motion_frames(skeleton: Skeleton, angles: Floats) -> MotionFrames:
         Rotation and origin of each segment in the world.
     """
     count = len(angles)
-    rotations = np.empty((len(skeleton.segments), count, 3, 3))
-    origins = np.empty((len(skeleton.segments), count, 3))
+    rotations = np.empty((len(skeleton.segments), 3, 3, count))
+    origins = np.empty((len(skeleton.segments), 3, count))
     for k, segment in enumerate(skeleton.segments):
         if segment.parent is None:
-            rotation = np.broadcast_to(np.eye(3), (count, 3, 3))
-            origins[k] = segment.origin_in_parent
+            rotation = np.repeat(np.eye(3)[:, :, None], count, axis=2)
+            origins[k] = segment.origin_in_parent[:, None]
         else:
             parent = skeleton.segment(segment.parent)
             rotation = rotations[parent]
-            origins[k] = origins[parent] + rotation @ segment.origin_in_parent
+            origins[k] = origins[parent] + segment.origin_in_parent @ rotation
         for joint in skeleton.joints_of((segment.name,)):
             rotation = _turned(rotation, skeleton.hinges[joint].axis, angles[:, joint])
         rotations[k] = rotation
@@ -51,8 +51,7 @@ def motion_frames(skeleton: Skeleton, angles: Floats) -> MotionFrames:
 def _turned(rotations: Floats, axis: Floats, angles: Floats) -> Floats:
     """R (I + sin K + (1 - cos) K^2) with the axis' cross product matrix K: Rodrigues' formula."""
     x, y, z = axis
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    once = (rotations.reshape(-1, 3) @ cross).reshape(rotations.shape)
-    twice = (once.reshape(-1, 3) @ cross).reshape(rotations.shape)
-    turned: Floats = rotations + np.sin(angles)[:, None, None] * once + (1 - np.cos(angles))[:, None, None] * twice
+    crossed = np.array([[0, z, -y], [-z, 0, x], [y, -x, 0]])  # K transposed, as it acts from the left on the columns
+    once = crossed @ rotations
+    turned: Floats = rotations + np.sin(angles) * once + (1 - np.cos(angles)) * (crossed @ once)
     return turned

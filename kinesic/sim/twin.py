@@ -54,7 +54,7 @@ class Twin:
             raise ValueError(f"latency is {latency} s, must be at least 0")
         self._robot = factors.applied(robot)
         self._step, self._latency = step, latency
-        self._model = build(robot, servos=factors)
+        self._model = build(self._robot)
         self._data = mujoco.MjData(self._model)
         self._order = joint_order(robot, self._model)
         self._actuators = actuator_order(robot, self._model)
@@ -137,15 +137,16 @@ class Twin:
         count = ceil(span / self._step - SAME_TIME)
         model.opt.timestep = span / count
         half = span / count / 2
+        qpos, qvel = data.qpos, data.qvel
         for _ in range(count):
             mujoco.mj_step(model, data)
             # MuJoCo's semi-implicit steps run half a step ahead of the held goals; its speeds lie on time
-            self._steps.append(data.qpos - half * data.qvel)
+            self._steps.append(qpos - half * qvel)
         self._time = time
 
     def _rounded(self, goals: Floats) -> Floats:
         """(n,) [rad] as the servos' registers hold them."""
-        rounded: Floats = np.round(goals / self._ticks) * self._ticks
+        rounded: Floats = np.rint(goals / self._ticks) * self._ticks
         return rounded
 
     def _drive(self, errors: Floats, speeds: Floats) -> tuple[Floats, Floats]:
@@ -162,7 +163,9 @@ class Twin:
         """Side -> (m, 3) [m] the wrist's centre in the world."""
         skeleton = self._robot.skeleton
         frames = motion_frames(skeleton, angles)
-        return {side: sealed(frames.origins[skeleton.segment(self._robot.chains[f"{side}_arm"][-1])]) for side in SIDES}
+        return {
+            side: sealed(frames.origins[skeleton.segment(self._robot.chains[f"{side}_arm"][-1])].T) for side in SIDES
+        }
 
     def _clearance(self, postures: Floats, counts: list[int]) -> Clearance:
         """The closest approach on all steps since the command before, for each command."""

@@ -9,7 +9,10 @@ ALL = np.ones_like(ANGLES, dtype=bool)
 FULL = np.ones_like(ANGLES)
 
 
-def joined(manner: Manner = Manner(), keyed=ALL, zero: float = 0.0):
+PLAIN = Manner()
+
+
+def joined(manner: Manner = PLAIN, keyed=ALL, zero: float = 0.0):
     return spline(TIMES, ANGLES, keyed, manner, FULL, zero=zero)
 
 

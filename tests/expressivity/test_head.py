@@ -181,8 +181,8 @@ def test_a_shift_stays_and_gazes_return_to_it(perform):
 
 
 def test_a_head_direction_stays(perform, phases):
-    frames = perform(("s", HeadDirectionShift("Left"), phases(0, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5)))
-    assert degrees(frames.frames[-1].head.torsion) == pytest.approx(15)
+    frames = perform(("s", HeadDirectionShift("Aside_Left"), phases(0, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5)))
+    assert degrees(frames.frames[-1].head.roll) == pytest.approx(-15)
 
 
 def test_the_later_gaze_wins_and_the_earlier_says_so(perform):

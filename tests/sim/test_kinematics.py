@@ -14,8 +14,8 @@ def test_a_motion_is_the_skeletons_kinematics_posture_by_posture():
     frames = motion_frames(ROBOT.skeleton, POSTURES)
     for k, posture in enumerate(POSTURES):
         one = ROBOT.skeleton.frames(posture)
-        assert np.abs(frames.rotations[:, k] - one.rotations).max() < 1e-12
-        assert np.abs(frames.origins[:, k] - one.origins).max() < 1e-12
+        assert np.abs(frames.rotations[..., k] - one.rotations).max() < 1e-12
+        assert np.abs(frames.origins[..., k] - one.origins).max() < 1e-12
 
 
 def test_mujoco_has_the_same_skeleton():
@@ -36,5 +36,5 @@ def test_points_move_with_their_segment():
     k = ROBOT.skeleton.segment(palm.segment)
     points = frames.points(k, palm.position)
     one = ROBOT.skeleton.frames(POSTURES[7])
-    assert np.allclose(points[7], one.origins[k] + one.rotations[k] @ palm.position, atol=1e-12)
-    assert points.shape == (60, 3)
+    assert np.allclose(points[:, 7], one.origins[k] + one.rotations[k] @ palm.position, atol=1e-12)
+    assert points.shape == (3, 60)

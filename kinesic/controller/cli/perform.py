@@ -58,7 +58,7 @@ def perform(
     else:
         console = Console()
         console.print(_table(checks(performance)))
-        console.print(verdict(data), highlight=False)
+        console.print(verdict(data), highlight=False, markup=False, soft_wrap=True)
     _print_paths(written, on_error=as_json)
     return 0 if data["ok"] else 1
 

@@ -1,0 +1,191 @@
+"""What holds for the key frames of every timeline."""
+
+from itertools import accumulate, pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kinesic.bml.block import (
+    GAZE_SYNCS,
+    GESTURE_SYNCS,
+    SHIFT_SYNCS,
+    Behaviour,
+    Block,
+    Gaze,
+    Gesture,
+    Head,
+    HeadDirectionShift,
+    Place,
+    Pointing,
+    Posture,
+    Timed,
+    Timeline,
+    Torso,
+    Wait,
+)
+from kinesic.body.robot import SIDES, Robot
+from kinesic.expressivity.hands import poses, resting
+from kinesic.expressivity.keyframes import Hand, KeyFrames
+from kinesic.expressivity.lexicon import Lexicon, in_mode, mirrored
+from kinesic.expressivity.realise import keyframes
+from kinesic.expressivity.style import Style
+from kinesic.expressivity.turns import MERGE
+
+ROBOT = Robot.load()
+LEXICON = Lexicon.load()
+PARTS = {"head", "torso", "l_hand", "r_hand"}
+
+modes = st.sampled_from(("left", "right", "both", "unspecified"))
+targets = st.sampled_from(("left", "right", "audience", "bluebox", "1 0.2 0.9"))
+lexemes = st.sampled_from([form.id for form in LEXICON.forms] + ["xyzzy"])
+arms = st.sampled_from((("ARMS", "ARMS_CROSSED"), ("LEFT_ARM", "ARMS_NEUTRAL"), ("WHOLEBODY", "LEANING_FORWARD")))
+unit = st.floats(-1.0, 1.0)
+styles = st.builds(Style, spatial=unit, temporal=unit, repetition=unit, openness=st.floats(0.0, 1.0))
+actions = st.one_of(
+    st.builds(Gesture, lexemes, modes),
+    st.builds(Pointing, targets, modes),
+    st.builds(Head, st.sampled_from(("NOD", "SHAKE", "Down_Aside_Right", "SPIN")), st.integers(1, 4), st.floats(0, 3)),
+    st.builds(HeadDirectionShift, targets),
+    st.builds(Gaze, targets, st.sampled_from((None, "EYES", "WAIST")), shift=st.booleans()),
+    st.builds(Torso, st.sampled_from(("BodyLean", "TurnLeft", "jingtry")), st.floats(0, 2)),
+    st.builds(Posture, st.none(), st.tuples(arms), shift=st.booleans()),
+    st.builds(Wait),
+)
+
+
+def names(action) -> tuple[str, ...]:
+    if isinstance(action, Wait) or getattr(action, "shift", False):
+        return SHIFT_SYNCS
+    if isinstance(action, Gaze | Posture):
+        return GAZE_SYNCS
+    if isinstance(action, Head):
+        more = tuple(f"stroke:{k}" for k in range(2, action.repetition + 1))
+        return (*GESTURE_SYNCS[:4], *more, *GESTURE_SYNCS[4:])
+    return GESTURE_SYNCS
+
+
+@st.composite
+def timelines(draw) -> Timeline:
+    timed = []
+    for k in range(draw(st.integers(0, 6))):
+        action = draw(actions)
+        syncs = names(action)
+        spans = draw(st.lists(st.one_of(st.just(0.0), st.floats(0, 1.5)), min_size=len(syncs), max_size=len(syncs)))
+        start = draw(st.floats(-1.0, 5.0))
+        times = accumulate([start, *spans[1:]])
+        timed.append(Timed(Behaviour(f"b{k}", "x", action, Place(1, 1)), dict(zip(syncs, times, strict=True))))
+    return Timeline(Block("bml1", tuple(one.behaviour for one in timed)), tuple(timed))
+
+
+def stays(behaviour: Behaviour) -> bool:
+    action = behaviour.action
+    rest = isinstance(action, Gesture) and (match := LEXICON.find(action.lexeme)) is not None and match.form.rest
+    return rest or isinstance(action, HeadDirectionShift) or getattr(action, "shift", False)
+
+
+def performed(timeline: Timeline, style: Style) -> KeyFrames:
+    return keyframes(timeline, style=style, lexicon=LEXICON, robot=ROBOT)
+
+
+def same(a: Hand, b: Hand) -> bool:
+    if a.reach is None or b.reach is None:
+        return a.reach is b.reach
+    return np.array_equal(a.reach.position, b.reach.position)
+
+
+@settings(max_examples=150, deadline=None)
+@given(timelines(), styles)
+def test_every_sync_point_of_what_moves_is_on_a_key(timeline, style):
+    found = performed(timeline, style)
+    on = {sync: frame.time for frame in found.frames for sync in frame.syncs}
+    asked = {
+        (timed.behaviour.id, sync): time
+        for timed in timeline.timed
+        if found.uses[timed.behaviour.id]
+        for sync, time in timed.times.items()
+    }
+    assert set(on) == set(asked)
+    assert sum(len(frame.syncs) for frame in found.frames) == len(asked)
+    strokes = sorted(time for (_, sync), time in asked.items() if sync.partition(":")[0] == "stroke")
+    for (behaviour, sync), time in asked.items():
+        assert abs(on[behaviour, sync] - time) < MERGE
+        if sync == "stroke" and not any(0 < abs(other - time) < 2 * MERGE for other in strokes):
+            assert on[behaviour, sync] == time
+
+
+@settings(max_examples=100, deadline=None)
+@given(timelines(), styles)
+def test_frames_are_whole_apart_and_between_rests(timeline, style):
+    found = performed(timeline, style)
+    assert set(found.outcomes) == {behaviour.id for behaviour in timeline.block.behaviours}
+    assert set(found.uses) == set(found.outcomes)
+    for frame in found.frames:
+        assert set(frame.hands) == set(SIDES)
+        assert frame.given <= PARTS
+    assert all(b.time - a.time >= MERGE - 1e-9 for a, b in pairwise(found.frames))
+    if found.frames:
+        first = found.frames[0]
+        assert all(first.hands[side].reach is None for side in SIDES)
+        assert vars(first.head) == vars(first.torso) == {"torsion": 0, "tilt": 0, "roll": 0}
+        if not any(stays(behaviour) for behaviour in timeline.block.behaviours):
+            last = found.frames[-1]
+            assert all(last.hands[side].reach is None for side in SIDES)
+            assert max(map(abs, (*vars(last.head).values(), *vars(last.torso).values()))) < 1e-9
+    for id, outcome in found.outcomes.items():
+        if outcome.kind == "dropped":
+            assert outcome.why
+            assert not found.uses[id]
+            assert any(notice.id == f"bml1:{id}" for notice in found.notices)
+
+
+@settings(max_examples=50, deadline=None)
+@given(timelines(), styles)
+def test_realising_twice_gives_the_same(timeline, style):
+    first, second = performed(timeline, style), performed(timeline, style)
+    assert [frame.time for frame in first.frames] == [frame.time for frame in second.frames]
+    for a, b in zip(first.frames, second.frames, strict=True):
+        assert (a.torso, a.head, a.given, a.syncs) == (b.torso, b.head, b.given, b.syncs)
+        assert all(same(a.hands[side], b.hands[side]) for side in SIDES)
+    assert first.outcomes == second.outcomes
+    assert first.notices == second.notices
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.sampled_from([form for form in LEXICON.forms if len(form.sides) == 1]), styles)
+def test_left_mirrors_right(form, style):
+    flip = np.array([1.0, -1.0, 1.0])
+    left = poses(in_mode(form, "left"), ROBOT, style).hands["l"]
+    right = poses(in_mode(form, "right"), ROBOT, style).hands["r"]
+    for here, there in zip(left, right, strict=True):
+        np.testing.assert_allclose(here.reach.position, there.reach.position * flip, atol=1e-12)
+        assert here.reach.swivel == there.reach.swivel
+        for a, b in ((here.reach.palm, there.reach.palm), (here.reach.pointing, there.reach.pointing)):
+            assert (a is None) == (b is None)
+            if a is not None:
+                np.testing.assert_allclose(a, b * flip, atol=1e-12)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.sampled_from([form.id for form in LEXICON.forms if not form.rest]), styles)
+def test_a_gesture_of_the_other_mode_is_the_mirror_image(lexeme, style):
+    times = dict(zip(GESTURE_SYNCS, (0.0, 0.6, 0.6, 1.0, 1.2, 1.4, 2.0), strict=True))
+    rows = []
+    for mode in ("left", "right"):
+        behaviour = Behaviour("g", "gesture", Gesture(lexeme, mode), Place(1, 1))
+        rows.append(performed(Timeline(Block("bml1", (behaviour,)), (Timed(behaviour, times),)), style).frames)
+    if len(LEXICON.find(lexeme).form.sides) == 2:
+        return  # the two hands of a form may do different things
+    for left, right in zip(*rows, strict=True):
+        assert left.time == right.time
+        a, b = left.hands["l"].reach, right.hands["r"].reach
+        assert (a is None) == (b is None)
+        if a is not None:
+            assert a.position == pytest.approx(b.position * [1, -1, 1], abs=1e-12)
+
+
+def test_hanging_hands_mirror():
+    rest = resting(ROBOT)
+    assert rest["l"].position == pytest.approx(rest["r"].position * [1, -1, 1])
+    assert mirrored(mirrored(LEXICON.forms[0])).sides == LEXICON.forms[0].sides
