@@ -8,6 +8,7 @@ from typing import Literal
 from kinesic.body.utterance import Script
 
 Mode = Literal["left", "right", "both", "unspecified"]
+Dialect = Literal["bml-1.0", "draft", "none", "fml-apml"]
 
 GESTURE_SYNCS = ("start", "ready", "strokeStart", "stroke", "strokeEnd", "relax", "end")
 GAZE_SYNCS = ("start", "ready", "relax", "end")
@@ -228,7 +229,7 @@ class Block:
     constraints: tuple[Synchronize | Order, ...] = ()
     composition: Composition = Composition.MERGE
     character: str | None = None
-    dialect: Literal["bml-1.0", "draft", "none", "fml-apml"] = "bml-1.0"
+    dialect: Dialect = "bml-1.0"
     notices: tuple[Notice, ...] = ()
     source: str = "<text>"  # file name, for messages
 

@@ -3,11 +3,11 @@
 from collections.abc import Collection, Iterator
 from typing import Literal
 
-from kinesic.bml.block import Action, Behaviour, Block, Composition, Custom, NoticeType, Speech
+from kinesic.bml.block import Action, Behaviour, Block, Composition, Custom, Dialect, NoticeType, Speech
 from kinesic.bml.elements import ACTIONS
 from kinesic.bml.manner import manner_of
 from kinesic.bml.namespaces import BML_1_0, DRAFTS, core_attributes, foreign_attributes, is_core, namespace
-from kinesic.bml.reading import Dialect, Named, Reading
+from kinesic.bml.reading import Named, Reading
 from kinesic.bml.references import Constraint, References, check_references
 from kinesic.bml.refusal import refusal
 from kinesic.bml.script import PROSODY

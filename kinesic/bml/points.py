@@ -8,6 +8,7 @@ from kinesic.bml.block import (
     GESTURE_SYNCS,
     SHIFT_SYNCS,
     Action,
+    Dialect,
     Face,
     Gaze,
     Head,
@@ -16,7 +17,6 @@ from kinesic.bml.block import (
     Speech,
     Wait,
 )
-from kinesic.bml.reading import Dialect
 
 HOLDS = frozenset({"strokeStart", "relax"})  # sync points that end a hold
 

@@ -3,13 +3,10 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
 
-from kinesic.bml.block import BmlError, Notice, NoticeType, Place
+from kinesic.bml.block import BmlError, Dialect, Notice, NoticeType, Place
 from kinesic.bml.refusal import refusal
 from kinesic.bml.tree import Element
-
-Dialect = Literal["bml-1.0", "draft", "none", "fml-apml"]
 
 LARGEST = 1e4  # no number of BML but a time, which has its own limit, is larger
 

@@ -64,7 +64,10 @@ def parse_ref(text: str, names: Names) -> SyncRef:
     split = _OFFSET.fullmatch(trimmed)
     if split is None:
         return _resolved(trimmed, as_name, 0.0, names)
-    return _resolved(trimmed, _parts(split["path"]), _seconds(split["sign"] + split["number"]), names)
+    path = _parts(split["path"])
+    if not all(_is_plain(part) or names.knows(part) for part in path):
+        raise _unreadable(text)
+    return _resolved(trimmed, path, _seconds(split["sign"] + split["number"]), names)
 
 
 def written(ref: SyncRef, *, relative_to: str | None = None) -> str:
@@ -93,10 +96,11 @@ def _is_plain(part: str) -> bool:
 
 
 def _resolved(text: str, parts: list[str], offset: float, names: Names) -> SyncRef:
-    for part in parts:
-        # a sign with nothing behind it stays in the name, as the reference parser has it
-        if not part or not (names.knows(part) or _is_plain(part) or _is_plain(part[:-1])):
-            raise _unreadable(text)
+    *owners, last = parts
+    # a sign with nothing behind it stays in the name, as the reference parser has it
+    plain = [*owners, last[:-1]]
+    if not all(parts) or not all(_is_plain(part) or names.knows(part) for part in plain):
+        raise _unreadable(text)
     match parts:
         case [mark] if mark in names.marks:
             return SyncRef(names.block, names.marks[mark], mark, offset=offset)

@@ -13,7 +13,6 @@ from kinesic.controller.syncs import SHIFT_TO_WARN
 Status = Literal["pass", "warn", "fail"]
 
 TOLERANCE = 1.001  # on ratios to limits
-CHECK_RATE = 1000  # [Hz]
 STROKE_P95 = 0.030  # [s]
 STROKE_MEDIAN = 0.015  # [s]
 TRACKING_RMSE = np.radians(0.2)  # [rad] nominal twin
@@ -34,20 +33,6 @@ class Check:
     where: str = ""
 
 
-def limit_ratios(performance: Performance) -> dict[str, Floats]:
-    """Peak ratio (n,) of position, speed and acceleration to their limits, at 1 kHz on the reference."""
-    plan = performance.plan
-    times = np.arange(0.0, plan.trajectory.duration + 1 / CHECK_RATE, 1 / CHECK_RATE)
-    angles, speeds, accelerations = plan.trajectory.sample(times)
-    limits = plan.facts.limits
-    middle, half = (limits.upper + limits.lower) / 2, (limits.upper - limits.lower) / 2
-    return {
-        "position": (np.abs(angles - middle) / half).max(axis=0),
-        "speed": (np.abs(speeds) / limits.speed).max(axis=0),
-        "acceleration": (np.abs(accelerations) / limits.acceleration).max(axis=0),
-    }
-
-
 def checks(performance: Performance) -> tuple[Check, ...]:
     """All verdicts on one performance.
 
@@ -59,7 +44,7 @@ def checks(performance: Performance) -> tuple[Check, ...]:
 def _limits(performance: Performance) -> list[Check]:
     names = performance.plan.facts.robot.skeleton.names
     found = []
-    for quantity, ratios in limit_ratios(performance).items():
+    for quantity, ratios in performance.ratios.items():
         worst = int(ratios.argmax())
         status: Status = "pass" if ratios[worst] <= TOLERANCE else "fail"
         found.append(Check(f"limits.{quantity}", status, float(ratios[worst]), 1.0, "ratio", names[worst]))

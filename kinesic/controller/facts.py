@@ -3,7 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Literal
 
+from kinesic.bml.block import Dialect
 from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Distances, Dynamics
 from kinesic.body.limits import Limits
@@ -25,6 +27,7 @@ class Facts:
     dynamics: Dynamics
     distances: Distances
     targets: Mapping[str, Floats] = field(default_factory=dict)  # named points (3,) [m] beside the robot's own
+    dialect: Dialect | Literal["auto"] = "auto"  # how documents are read
 
     @cached_property
     def limits(self) -> Limits:

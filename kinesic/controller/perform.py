@@ -3,7 +3,9 @@
 from collections.abc import Mapping
 from pathlib import Path
 from time import perf_counter
+from typing import Literal
 
+from kinesic.bml.block import Dialect
 from kinesic.bml.parse import parse
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
@@ -27,6 +29,7 @@ def facts(
     style: Style | str = "neutral",
     lexicon: Path | None = None,
     targets: Mapping[str, Floats] | None = None,
+    dialect: Dialect | Literal["auto"] = "auto",
 ) -> Facts:
     """What planning needs, with MuJoCo's dynamics and the built-in voice.
 
@@ -42,6 +45,7 @@ def facts(
         dynamics=MujocoDynamics(body),
         distances=CapsuleDistances(body),
         targets=dict(targets or {}),
+        dialect=dialect,
     )
 
 
@@ -51,7 +55,8 @@ def plan(text: str | bytes, known: Facts | None = None, *, source: str = "<text>
     Raises:
         BmlError: the document is refused.
     """
-    return plan_block(parse(text, source=source), known or facts())
+    known = known or facts()
+    return plan_block(parse(text, source=source, dialect=known.dialect), known)
 
 
 def perform(
@@ -64,7 +69,7 @@ def perform(
     """
     known = known or facts()
     began = perf_counter()
-    block = parse(text, source=source)
+    block = parse(text, source=source, dialect=known.dialect)
     parsed = perf_counter() - began
     planned = plan_block(block, known)
     return dry_run(planned, twin=twin, parse_seconds=parsed)

@@ -11,6 +11,7 @@ from kinesic.controller.arrival import lags, paths
 from kinesic.controller.plan import Plan
 from kinesic.controller.syncs import SyncTime
 
+CHECK_RATE = 1000  # [Hz] at which limits are judged
 MOVING = 0.05  # share of its speed limit above which a hinge counts as moving
 
 
@@ -28,6 +29,19 @@ class Performance:
     def reference(self) -> tuple[Floats, Floats, Floats]:
         """Planned angles, speeds and accelerations (m, n) at the measured times."""
         return self.plan.trajectory.sample(self.measured.times)
+
+    @cached_property
+    def ratios(self) -> dict[str, Floats]:
+        """Peak ratio (n,) of position, speed and acceleration to their limits, at 1 kHz on the plan."""
+        trajectory, limits = self.plan.trajectory, self.plan.facts.limits
+        times = np.arange(0.0, trajectory.duration + 1 / CHECK_RATE, 1 / CHECK_RATE)
+        angles, speeds, accelerations = trajectory.sample(times)
+        middle, half = (limits.upper + limits.lower) / 2, (limits.upper - limits.lower) / 2
+        return {
+            "position": (np.abs(angles - middle) / half).max(axis=0),
+            "speed": (np.abs(speeds) / limits.speed).max(axis=0),
+            "acceleration": (np.abs(accelerations) / limits.acceleration).max(axis=0),
+        }
 
     @cached_property
     def lags(self) -> dict[SyncTime, float | None]:

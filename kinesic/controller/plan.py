@@ -64,7 +64,7 @@ def plan(block: Block, facts: Facts) -> Plan:
         for behaviour in block.behaviours
         if isinstance(behaviour.action, Speech)
     }
-    natural = spans(block, style=facts.style, lexicon=facts.lexicon, robot=facts.robot)
+    natural = spans(block, style=facts.style, lexicon=facts.lexicon, robot=facts.robot, targets=facts.targets)
     timeline = schedule(block, utterances, natural)
     without: dict[str, str] = {}
     while True:

@@ -5,7 +5,7 @@ from dataclasses import asdict
 import numpy as np
 
 from kinesic import __version__
-from kinesic.controller.checks import TOLERANCE, Check, checks, limit_ratios
+from kinesic.controller.checks import TOLERANCE, Check, checks
 from kinesic.controller.messages import feedback
 from kinesic.controller.performance import Performance
 from kinesic.ik import KERNEL
@@ -107,7 +107,7 @@ def _tracking(performance: Performance) -> dict[str, Json]:
 
 def _limits(performance: Performance) -> dict[str, Json]:
     names = performance.plan.facts.robot.skeleton.names
-    ratios = limit_ratios(performance)
+    ratios = performance.ratios
     quantity = max(ratios, key=lambda name: float(ratios[name].max()))
     hinge = int(ratios[quantity].argmax())
     return {

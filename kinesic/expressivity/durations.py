@@ -105,7 +105,7 @@ def _spans(
         case Head() as head:
             return _head_spans(head, robot, style)
         case Gaze() | HeadDirectionShift() as look:
-            aimed = aim(look, block=block, robot=robot, targets=places)
+            aimed = aim(look, block=block, robot=robot, targets=places) if robot.joints("neck") else None
             return {} if aimed is None else _look_spans(look, look_time(aimed, robot, style.temporal))
         case Torso() as torso:
             leaned = lean(torso, robot, style.spatial)

@@ -23,9 +23,7 @@ SHARE = 50.0  # [deg] of a whole offset in Greta's documents, which write it as 
 _WITH_TRUNK = ("SHOULDER", "TORSO", "WAIST", "WHOLE")
 _OFFSETS = {"UP": (0, -1), "DOWN": (0, 1), "LEFT": (1, 0), "RIGHT": (-1, 0)}  # torsion, tilt
 
-
 Part = Literal["head", "torso"]
-
 PARTS: tuple[Part, Part] = ("head", "torso")
 
 
@@ -55,7 +53,7 @@ def aim(
     Args:
         action: the behaviour.
         block: whose dialect says how offsets are written.
-        robot: whose eyes look.
+        robot: whose eyes look; it has a neck.
         targets: (3,) [m] in the world, by name.
         base: direction of the head that an offset without a target starts from.
 

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 from kinesic.bml.block import Mode
 
@@ -86,9 +87,10 @@ def _near(word: str, known: str) -> bool:
     return len(word) >= _SHORTEST_ABBREVIATION and known.startswith(word)
 
 
-def _inflections(word: str) -> set[str]:
+@cache
+def _inflections(word: str) -> frozenset[str]:
     """A word with the usual endings, a silent e dropped; words of one or two letters have none."""
     if len(word) < _SHORTEST_STEM:
-        return set()
+        return frozenset()
     stem = word.removesuffix("e")
-    return {word + ending for ending in _ENDINGS} | {stem + ending for ending in ("ing", "er", "est", "ed")}
+    return frozenset(word + ending for ending in _ENDINGS) | {stem + ending for ending in ("ing", "er", "est", "ed")}

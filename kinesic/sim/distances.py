@@ -11,6 +11,7 @@ from kinesic.body.robot import Robot
 from kinesic.sim.kinematics import MotionFrames, motion_frames
 
 Indices = NDArray[np.intp]
+
 BLOCK = 512  # postures at once, so that the arrays stay in the cache
 
 
@@ -42,11 +43,11 @@ class CapsuleDistances:
             angles: (m, n) [rad] in joint order.
 
         Returns:
-            Distance and pair of segments for each posture.
+            Distance and pair of segments for each posture; infinite for a robot without counted pairs.
         """
+        if not self._names or not len(angles):
+            return Clearance(sealed(np.full(len(angles), np.inf)), [("", "")] * len(angles))
         blocks = [self._closest(angles[k : k + BLOCK]) for k in range(0, len(angles), BLOCK)]
-        if not blocks:
-            return Clearance(sealed([]), [])
         closest = np.concatenate([pair for _, pair in blocks])
         return Clearance(sealed(np.concatenate([d for d, _ in blocks])), [self._names[k] for k in closest])
 

@@ -54,7 +54,8 @@ class MujocoDynamics:
             qpos[:], qvel[:], qacc[:] = angle, speed, acceleration
             mujoco.mj_inverse(model, data)
             needed[k] = inverse
-        return needed[:, self._order] + self._friction * np.tanh(speeds / FRICTION_SPEED)
+        torques: Floats = needed[:, self._order] + self._friction * np.tanh(speeds / FRICTION_SPEED)
+        return torques
 
     def holding(self, angles: Floats) -> Floats:
         """Torque (m, n) [Nm] that holds postures (m, n) [rad] against gravity, without help from friction."""

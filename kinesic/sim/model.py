@@ -14,6 +14,7 @@ from math import pi
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Mount, Robot
@@ -64,14 +65,14 @@ def describe(robot: Robot) -> mujoco.MjSpec:
     return spec
 
 
-def joint_order(robot: Robot, model: mujoco.MjModel) -> list[int]:
-    """Positions of the skeleton's hinges in MuJoCo's `qpos` and `qvel`, found by name."""
-    return [int(model.joint(name).qposadr[0]) for name in robot.skeleton.names]
+def joint_order(robot: Robot, model: mujoco.MjModel) -> NDArray[np.intp]:
+    """Positions (n,) of the skeleton's hinges in MuJoCo's `qpos` and `qvel`, found by name."""
+    return np.array([model.joint(name).qposadr[0] for name in robot.skeleton.names], dtype=np.intp)
 
 
-def actuator_order(robot: Robot, model: mujoco.MjModel) -> list[int]:
-    """Positions of the skeleton's hinges in MuJoCo's `ctrl`, found by name."""
-    return [int(model.actuator(name).id) for name in robot.skeleton.names]
+def actuator_order(robot: Robot, model: mujoco.MjModel) -> NDArray[np.intp]:
+    """Positions (n,) of the skeleton's hinges in MuJoCo's `ctrl`, found by name."""
+    return np.array([model.actuator(name).id for name in robot.skeleton.names], dtype=np.intp)
 
 
 def capsule_name(segment: str, index: int) -> str:

@@ -59,8 +59,9 @@ class Twin:
         self._order = joint_order(robot, self._model)
         self._actuators = actuator_order(robot, self._model)
         self._ticks = np.array([drive.tick for drive in robot.drives])
-        self._goals = self._rounded(robot.skeleton.rest if start is None else start)
-        self._data.qpos[self._order] = robot.skeleton.rest if start is None else start
+        posture = robot.skeleton.rest if start is None else start
+        self._data.qpos[self._order] = posture
+        self._goals = self._rounded(posture)
         self._data.ctrl[self._actuators] = self._goals
         self._time = -inf  # [s] of the performance, before the first command
         self._waiting: deque[tuple[float, Floats]] = deque()  # goals under way, with the time they arrive

@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 
 from kinesic.bml.block import Block, BmlError
-from kinesic.bml.constraints import Constraints, Equals, Point, constraints_of
+from kinesic.bml.constraints import After, Constraints, Equals, Point, constraints_of
 from kinesic.bml.parse import parse
 
-CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[2] / ".." / "shared" / "corpus"))
+CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
 EXPECTED = CORPUS / "expectations" / "openbmlparser.json"
 if not EXPECTED.exists():
     pytest.skip(f"no corpus at {CORPUS}", allow_module_level=True)
@@ -39,7 +39,7 @@ def _same_classes(found: tuple[Equals, ...], wanted: list[list[dict[str, Any]]],
     )
 
 
-def _same_afters(found: Any, wanted: list[dict[str, Any]], block: str) -> bool:
+def _same_afters(found: tuple[After, ...], wanted: list[dict[str, Any]], block: str) -> bool:
     expected = {}
     for after in wanted:
         ref, targets = after["ref"], after["targets"]
@@ -89,9 +89,9 @@ def _fact(found: Constraints, fact: dict[str, Any]) -> object:
     return getattr(found, fact["fact"])(*fact["behaviours"])
 
 
-def _normal(value: Any) -> Any:
+def _normal(value: object) -> object:
     if isinstance(value, list):
-        return sorted((sorted(v) if isinstance(v, list) else v for v in value))
+        return sorted(sorted(v) if isinstance(v, list) else v for v in value)
     return value
 
 

@@ -20,6 +20,7 @@ from kinesic.bml.block import (
     Wait,
 )
 from kinesic.body.utterance import Script
+from kinesic.expressivity.durations import spans
 from kinesic.expressivity.realise import keyframes
 from kinesic.expressivity.style import Style
 
@@ -172,3 +173,22 @@ def test_all_parts_at_once(perform, beat):
     assert frames.notices == ()
     assert {part for parts in frames.uses.values() for part in parts} == {"head", "torso", "l_hand", "r_hand"}
     assert at(frames, 1.0).given == {"head", "l_hand", "r_hand"}
+
+
+def test_a_robot_without_neck_and_torso_says_so(timeline, robot, lexicon, beat):
+    arms = replace(robot, chains={name: robot.chains[name] for name in ("l_arm", "r_arm")})
+    built = timeline(
+        ("g", Gesture("beat"), beat),
+        ("h", Head("NOD"), beat),
+        ("t", Torso("BodyLean"), beat),
+        ("z", Gaze("left"), {"start": 0.0, "ready": 0.5, "relax": 1.5, "end": 2.0}),
+    )
+    assert set(spans(built.block, style=Style(), lexicon=lexicon, robot=arms)) >= {"g"}
+    frames = keyframes(built, style=Style(), lexicon=lexicon, robot=arms)
+    assert {id: outcome.kind for id, outcome in frames.outcomes.items()} == {
+        "g": "realised",
+        "h": "dropped",
+        "t": "dropped",
+        "z": "dropped",
+    }
+    assert {notice.type for notice in frames.notices} == {NoticeType.BEHAVIOR_TYPE_NOT_SUPPORTED}

@@ -1,9 +1,11 @@
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 import pytest
 
 from kinesic.body.arrays import sealed
-from kinesic.body.robot import Robot
+from kinesic.body.robot import Exclusion, Robot
 from kinesic.sim.distances import BLOCK, CapsuleDistances, segment_distances
 from kinesic.sim.model import build, capsule_name
 from kinesic.sim.sampling import random_postures
@@ -60,6 +62,15 @@ def test_no_posture_has_no_distance():
     found = DISTANCES.clearance(np.empty((0, 22)))
     assert found.distances.shape == (0,)
     assert list(found.pairs) == []
+
+
+def test_a_robot_that_counts_no_pair_is_never_near_itself():
+    names = [segment.name for segment in ROBOT.skeleton.segments]
+    everything = tuple(Exclusion(frozenset((a, b)), "test") for a in names for b in names)
+    alone = CapsuleDistances(replace(ROBOT, exclusions=everything))
+    found = alone.clearance(np.zeros((3, 22)))
+    assert np.isinf(found.distances).all()
+    assert len(found.pairs) == 3
 
 
 def row(*points):

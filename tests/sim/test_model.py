@@ -38,7 +38,7 @@ def side_free(name):
 
 
 def test_the_orders_of_joints_are_the_same_by_name():
-    assert joint_order(ROBOT, MODEL) == list(range(22))
+    assert list(joint_order(ROBOT, MODEL)) == list(range(22))
     assert [MODEL.actuator(k).name for k in range(MODEL.nu)] == list(ROBOT.skeleton.names)
     assert (MODEL.nq, MODEL.nv, MODEL.nu, MODEL.na) == (22, 22, 22, 0)
 

@@ -4,10 +4,10 @@ import json
 from dataclasses import asdict
 
 import click
-from rich.console import Console
 from rich.table import Table
 
 from kinesic.controller.bench import plan, twin
+from kinesic.controller.cli.console import console
 
 PARTS = {"plan": plan.bench, "twin": twin.bench}
 
@@ -29,5 +29,5 @@ def bench(part: str, as_json: bool) -> int:
         sign = ">=" if figure.better == "higher" else "<="
         goal = "" if figure.goal is None else f"{sign} {figure.goal:g}"
         table.add_row(figure.name, value, figure.unit, goal, marks[figure.ok])
-    Console().print(table)
+    console().print(table)
     return 0

@@ -4,11 +4,11 @@ import json
 from pathlib import Path
 
 import click
-from rich.console import Console
 from rich.table import Table
 
 from kinesic.bml.block import BmlError
 from kinesic.body.config import closest
+from kinesic.controller.cli.console import console
 from kinesic.expressivity.lexicon import Lexicon
 
 lexicon_option = click.option("--lexicon", type=click.Path(path_type=Path), help="TOML, or Greta's gestuary XML.")
@@ -32,7 +32,7 @@ def list_gestures(lexicon: Path | None, as_json: bool) -> int:
     table = Table("gesture", "category", "hands", "keys", box=None)
     for form in forms:
         table.add_row(form.id, form.category, " ".join(sorted(form.sides)), str(len(form.keys)))
-    Console().print(table)
+    console().print(table)
     return 0
 
 
@@ -52,5 +52,5 @@ def show(lexeme: str, lexicon: Path | None) -> int:
             position = [f"{value:.2f}" for value in pose.position]
             palm = "" if pose.palm is None else " ".join(f"{value:.1f}" for value in pose.palm)
             table.add_row(str(number), side, *position, palm, f"{pose.openness:.2f}")
-    Console().print(table)
+    console().print(table)
     return 0

@@ -3,16 +3,18 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
+from typing import Literal, TypeVar, get_args
 
 import click
 
+from kinesic.bml.block import Dialect
 from kinesic.controller.facts import Facts
 from kinesic.controller.perform import facts
 from kinesic.controller.robots import load_robot
 from kinesic.controller.targets import read_targets
 from kinesic.expressivity.style import Style
 
+DIALECTS = ["auto", *get_args(Dialect)]
 Verb = TypeVar("Verb", bound=Callable[..., object])
 
 
@@ -25,6 +27,7 @@ class Settings:
     changes: tuple[str, ...]
     lexicon: Path | None
     targets: Path | None
+    dialect: Dialect | Literal["auto"]
 
     def facts(self) -> Facts:
         """Reads everything that the options name.
@@ -37,6 +40,7 @@ class Settings:
             style=Style.load(self.style).changed(self.changes),
             lexicon=self.lexicon,
             targets=read_targets(self.targets) if self.targets else None,
+            dialect=self.dialect,
         )
 
 
@@ -47,6 +51,7 @@ def planning(verb: Verb) -> Verb:
         click.option("--style", default="neutral", show_default=True, help="Preset of expressivity."),
         click.option("--set", "changes", multiple=True, metavar="NAME=VALUE", help="Changes a style, e.g. power=0.8."),
         click.option("--lexicon", type=click.Path(path_type=Path), help="Gestures: TOML, or Greta's gestuary XML."),
+        click.option("--dialect", type=click.Choice(DIALECTS), default="auto", help="How documents are read."),
         click.option("--targets", type=click.Path(path_type=Path), help="TOML of named points in the world [m]."),
     )
     for option in reversed(options):

@@ -3,13 +3,14 @@
 import json
 import sys
 from pathlib import Path
+from typing import Literal
 
 import click
-from rich.console import Console
 from rich.table import Table
 
-from kinesic.bml.block import BmlError
+from kinesic.bml.block import BmlError, Dialect
 from kinesic.controller.checks import Check, checks
+from kinesic.controller.cli.console import console
 from kinesic.controller.cli.options import Settings, planning
 from kinesic.controller.cli.twins import read_twin
 from kinesic.controller.output import Written, fresh_folder, write
@@ -37,6 +38,7 @@ def perform(
     changes: tuple[str, ...],
     lexicon: Path | None,
     targets: Path | None,
+    dialect: Dialect | Literal["auto"],
     sinks: str,
     twin: str,
     seed: int,
@@ -47,7 +49,7 @@ def perform(
 ) -> int:
     """Performs FILE (- for standard input) and writes a report."""
     text = read_document(file)
-    known = Settings(robot, style, changes, lexicon, targets).facts()
+    known = Settings(robot, style, changes, lexicon, targets, dialect).facts()
     source = "stdin" if file == "-" else file
     performance = perform_document(text, known, source=source, twin=read_twin(twin))
     data = report(performance, source=source, seed=seed)
@@ -56,9 +58,9 @@ def perform(
     if as_json:
         click.echo(json.dumps(data, indent=1))
     else:
-        console = Console()
-        console.print(_table(checks(performance)))
-        console.print(verdict(data), highlight=False, markup=False, soft_wrap=True)
+        screen = console()
+        screen.print(_table(checks(performance)))
+        screen.print(verdict(data), highlight=False, markup=False, soft_wrap=True)
     _print_paths(written, on_error=as_json)
     return 0 if data["ok"] else 1
 

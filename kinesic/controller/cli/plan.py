@@ -1,9 +1,11 @@
 """`kinesic plan`: from BML to a motion in a file; nothing moves."""
 
 from pathlib import Path
+from typing import Literal
 
 import click
 
+from kinesic.bml.block import Dialect
 from kinesic.controller.cli.options import Settings, planning
 from kinesic.controller.cli.perform import read_document
 from kinesic.controller.motion_file import write_motion
@@ -21,11 +23,12 @@ def plan(
     changes: tuple[str, ...],
     lexicon: Path | None,
     targets: Path | None,
+    dialect: Dialect | Literal["auto"],
     out: Path,
 ) -> int:
     """Plans FILE (- for standard input) and writes the motion."""
     text = read_document(file)
-    known = Settings(robot, style, changes, lexicon, targets).facts()
+    known = Settings(robot, style, changes, lexicon, targets, dialect).facts()
     planned = plan_document(text, known, source="stdin" if file == "-" else file)
     write_motion(planned.trajectory, known.robot, out)
     for notice in planned.notices:

@@ -2,10 +2,10 @@
 
 import click
 import numpy as np
-from rich.console import Console
 from rich.table import Table
 
 from kinesic.body.config import CONFIGS
+from kinesic.controller.cli.console import console
 from kinesic.controller.robots import load_robot
 from kinesic.controller.workspace import workspace
 from kinesic.sim.check import check as check_physics
@@ -38,7 +38,7 @@ def show(robot: str) -> int:
         servo = drive.servo.name if drive.count == 1 else f"{drive.count} x {drive.servo.name}"
         figures = f"{low:.0f}..{high:.0f}", f"{rest:.0f}", servo, f"{drive.reduction:g}", f"{drive.stall:.1f}"
         table.add_row(hinge.name, *figures, f"{speed:.2f}")
-    Console().print(table)
+    console().print(table)
     return 0
 
 
@@ -54,7 +54,7 @@ def check(robot: str) -> int:
         failed |= bool(worst > FAIL_TORQUE)
         mark = "[red]fail[/]" if worst > FAIL_TORQUE else "[yellow]warn[/]" if worst > WARN_TORQUE else "pass"
         table.add_row(name, f"{rest:.3f}", f"{worst:.3f}", mark)
-    Console().print(table)
+    console().print(table)
     click.echo(
         f"mass {physics.mass:.2f} kg, {physics.moving_mass:.2f} kg of it moving; arm length {body.arm_length:.3f} m"
     )

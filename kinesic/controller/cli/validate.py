@@ -2,12 +2,15 @@
 
 import json
 from pathlib import Path
+from typing import Literal
 
 import click
 from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
+from kinesic.bml.block import Dialect
+from kinesic.controller.cli.console import console
 from kinesic.controller.cli.options import Settings, planning
 from kinesic.controller.output import fresh_folder
 from kinesic.controller.report import Json
@@ -29,13 +32,14 @@ def validate(
     changes: tuple[str, ...],
     lexicon: Path | None,
     targets: Path | None,
+    dialect: Dialect | Literal["auto"],
     jobs: int | None,
     out: Path | None,
     force: bool,
     as_json: bool,
 ) -> int:
     """Performs every document of PATHS (folders are searched) in the twin."""
-    settings = Settings(robot, style, changes, lexicon, targets)
+    settings = Settings(robot, style, changes, lexicon, targets, dialect)
     settings.facts()  # a wrong option is one line here, not one in each process
     files = documents(paths)
     folder = fresh_folder(out, "validate", force=force) if out else None
@@ -80,20 +84,20 @@ def _checks(verdict: Verdict) -> list[dict[str, Json]]:
 
 
 def _print(verdicts: list[Verdict]) -> None:
-    console = Console()
+    screen = console()
     for verdict in verdicts:
         if verdict.error:
-            console.print(f"refused  {verdict.error}", highlight=False, markup=False, soft_wrap=True)
+            screen.print(f"refused  {verdict.error}", highlight=False, markup=False, soft_wrap=True)
         for check in _checks(verdict) if not verdict.error else []:
             if check["status"] == "fail":
                 figures = f"{check['name']} {check['value']} (limit {check['limit']}) {check['where']}"
-                console.print(f"failed   {verdict.file}: {figures}", highlight=False, markup=False, soft_wrap=True)
+                screen.print(f"failed   {verdict.file}: {figures}", highlight=False, markup=False, soft_wrap=True)
     table = Table("folder", "documents", "performed", "refused", "realised", "substituted", "dropped", box=None)
     for folder in sorted({str(Path(verdict.file).parent) for verdict in verdicts}):
         here = [verdict for verdict in verdicts if str(Path(verdict.file).parent) == folder]
         _add_row(table, folder, here)
     _add_row(table, "all", verdicts)
-    console.print(table)
+    screen.print(table)
 
 
 def _add_row(table: Table, name: str, verdicts: list[Verdict]) -> None:

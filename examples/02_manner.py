@@ -1,0 +1,20 @@
+"""The same gesture in two manners: a document's style changes how far and how fast the hand goes."""
+
+import numpy as np
+
+from kinesic.controller.arrival import paths
+from kinesic.controller.perform import facts, plan
+from kinesic.expressivity.style import Style
+
+BML = """
+<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">
+  <gesture id="g" lexeme="large" mode="BOTH_HANDS" start="0"/>
+</bml>
+"""
+
+for style in (Style("small and slow", spatial=-0.8, temporal=-0.8), Style("large and fast", spatial=0.8, temporal=0.8)):
+    planned = plan(BML, facts(style=style))
+    times = np.arange(0.0, planned.trajectory.duration, 0.01)
+    hand = paths(planned.trajectory.sample(times)[0], planned.facts.robot)["l_hand"]
+    speed = np.linalg.norm(np.diff(hand, axis=0), axis=1) / 0.01
+    print(f"{style.name}: {np.ptp(hand[:, 1]):.2f} m wide, at most {speed.max():.2f} m/s")

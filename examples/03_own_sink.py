@@ -1,0 +1,31 @@
+"""A sink of one's own: anything with `write` and `close` follows the commands of the loop."""
+
+from kinesic.body.command import Command
+from kinesic.body.config import CONFIGS
+from kinesic.controller.perform import facts, plan
+from kinesic.controller.play import commands, play, ticks
+
+
+class Ticker:
+    """Prints where the right elbow is sent, four times a second."""
+
+    def __init__(self, joint: int) -> None:
+        self.joint = joint
+
+    def write(self, command: Command, /) -> None:
+        if round(100 * command.time) % 25 == 0:
+            print(
+                f"{command.time:5.2f} s  elbow {command.angles[self.joint]:5.2f} rad, goal {command.goals[self.joint]:5.2f}"
+            )
+
+    def close(self) -> None:
+        print("done")
+
+
+known = facts()
+planned = plan((CONFIGS / "bml" / "welcome.bml").read_bytes(), known)
+times = ticks(planned.duration)
+play(
+    commands(planned.trajectory, times, known.robot, known.dynamics),
+    Ticker(known.robot.skeleton.joint("r_elbow_flexion")),
+)

@@ -1,0 +1,34 @@
+"""Feedback is well-formed BML 1.0 and says what it was told."""
+
+from xml.etree import ElementTree
+
+from kinesic.bml.block import Notice, NoticeType
+from kinesic.bml.feedback import block_progress, prediction, sync_point_progress, warning
+
+NAMESPACE = "{http://www.bml-initiative.org/bml/bml-1.0}"
+
+
+def test_prediction() -> None:
+    times = {"g": {"start": -0.5, "stroke": 0.1 + 0.2, "stroke:2": 1.0}, "s": {"start": 0.0, "m": 1.0, "end": 2.0}}
+    text = prediction("b", -0.5, 2.0, times, types={"g": "head", "s": "speech"}, zero=10.0, character="c")
+    root = ElementTree.fromstring(text)
+    block, head, speech = root
+    assert (root.tag, root.attrib) == (f"{NAMESPACE}predictionFeedback", {"characterId": "c"})
+    assert block.attrib == {"id": "b", "globalStart": "9.5", "globalEnd": "12.0"}
+    assert (head.tag, head.attrib) == (f"{NAMESPACE}head", {"id": "b:g", "start": "-0.5", "stroke": "0.3"})
+    assert head[0].attrib == {"id": "stroke:2", "time": "1.0"}
+    assert speech[0].attrib == {"id": "m", "time": "1.0"}
+
+
+def test_progress() -> None:
+    root = ElementTree.fromstring(block_progress("b", "start", -0.0))
+    assert (root.tag, root.attrib) == (f"{NAMESPACE}blockProgress", {"id": "b:start", "globalTime": "0.0"})
+    root = ElementTree.fromstring(sync_point_progress("b", "h", "stroke:2", 1.25, 7.5))
+    assert root.attrib == {"id": "b:h:stroke:2", "time": "1.25", "globalTime": "7.5"}
+
+
+def test_warnings_are_escaped() -> None:
+    notice = Notice(NoticeType.CUSTOM_BEHAVIOUR_NOT_SUPPORTED, 'b:"<&>', "a < b & c > 'd' \"e\"")
+    root = ElementTree.fromstring(warning(notice))
+    assert root.attrib == {"id": 'b:"<&>', "type": "CUSTOM_BEHAVIOUR_NOT_SUPPORTED"}
+    assert root.text == notice.text

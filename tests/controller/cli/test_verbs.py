@@ -1,0 +1,90 @@
+import json
+
+import numpy as np
+
+NOD = b'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" start="0.2"/></bml>'
+FACE = b'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><faceLexeme id="f" lexeme="OPEN_MOUTH"/></bml>'
+
+
+def test_plan_writes_a_motion(kinesic, tmp_path):
+    ended = kinesic("plan", "-", "--out", "nod.npz", stdin=NOD)
+    assert ended.code == 0
+    assert ended.out.splitlines()[-1] == "motion: nod.npz"
+    with np.load(tmp_path / "nod.npz") as data:
+        tilt = data["angles"][:, list(data["names"]).index("skullbase_tilt")]
+    assert np.isclose(np.degrees(tilt.max()), 10.0, atol=0.1)  # amount 0.5 x 20 deg
+
+
+def test_validate_searches_folders_and_ends_with_totals(kinesic, tmp_path):
+    folder = tmp_path / "documents"
+    folder.mkdir()
+    (folder / "nod.bml").write_bytes(NOD)
+    (folder / "face.xml").write_bytes(FACE)
+    (folder / "broken.xml").write_bytes(b"<bml>")
+    (folder / "notes.txt").write_bytes(b"not a document")
+    ended = kinesic("validate", folder, "--json", "--jobs", "2", "--out", "reports")
+    found = json.loads(ended.out)
+    outcomes = {entry["file"].split("/")[-1]: entry for entry in found["documents"]}
+    assert {name: entry["outcome"] for name, entry in outcomes.items()} == {
+        "nod.bml": "performed",
+        "face.xml": "refused",
+        "broken.xml": "refused",
+    }
+    assert ":1:" in outcomes["broken.xml"]["error"]
+    assert "can perform none of its behaviours" in outcomes["face.xml"]["error"]
+    assert json.loads((tmp_path / outcomes["nod.bml"]["report"]).read_text())["ok"]
+    assert found["totals"]["documents"] == 3
+    assert found["totals"]["performed"] == 1
+    assert ended.code == 0
+
+
+def test_validate_prints_a_table(kinesic, tmp_path):
+    (tmp_path / "nod.bml").write_bytes(NOD)
+    ended = kinesic("validate", tmp_path / "nod.bml")
+    assert ended.code == 0
+    assert "substituted" in ended.out
+
+
+def test_validate_names_a_path_that_is_not_there(kinesic):
+    ended = kinesic("validate", "nowhere")
+    assert ended.code == 2
+    assert ended.err == "kinesic: nowhere: no such file or folder\n"
+
+
+def test_robots(kinesic):
+    assert "upper22" in kinesic("robots", "list").out
+    assert "l_elbow_flexion" in kinesic("robots", "show").out
+    checked = kinesic("robots", "check")
+    assert checked.code == 0
+    assert "66 of 105 sectors" in checked.out
+
+
+def test_gestures(kinesic):
+    entries = json.loads(kinesic("gestures", "list", "--json").out)
+    assert len(entries) >= 40
+    assert "offer" in kinesic("gestures", "show", "offer").out
+    unknown = kinesic("gestures", "show", "xyzzy")
+    assert unknown.code == 2
+    assert unknown.err.startswith("kinesic: no gesture xyzzy")
+
+
+def test_doctor_names_every_piece(kinesic):
+    ended = kinesic("doctor")
+    assert ended.code == 0
+    for piece in ("ik kernel", "film", "face", "speech"):
+        assert piece in ended.out
+
+
+def test_targets_from_a_file(kinesic, tmp_path):
+    (tmp_path / "targets.toml").write_text("bluebox = [1.0, 0.6, 0.9]\n")
+    point = NOD.replace(b'<head id="h" lexeme="NOD" start="0.2"/>', b'<pointing id="p" target="bluebox"/>')
+    without = json.loads(kinesic("perform", "-", "--no-film", "--json", "--out", "a", stdin=point).out)
+    assert without["behaviours"][0]["outcome"] == "dropped"
+    assert without["warnings"][0]["type"] == "NO_SUCH_TARGET"
+    options = ("--targets", "targets.toml", "--no-film", "--json", "--out", "b")
+    assert json.loads(kinesic("perform", "-", *options, stdin=point).out)["behaviours"][0]["outcome"] == "realised"
+
+
+def test_an_unknown_verb_or_option_is_bad_input(kinesic):
+    assert kinesic("dance").code == 2
+    assert kinesic("perform", "x.bml", "--nonsense").code == 2

@@ -1,0 +1,51 @@
+"""Documents that others wrote: nearly all their gestures, heads and gazes are performed."""
+
+import os
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from kinesic.bml.block import BmlError, Gaze, Gesture, Head, Speech
+from kinesic.bml.parse import parse
+from kinesic.bml.schedule import schedule
+from kinesic.body.utterance import Utterance
+from kinesic.expressivity.durations import spans
+from kinesic.expressivity.realise import keyframes
+from kinesic.expressivity.style import Style
+
+CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
+LETTER = 0.06  # [s] that a letter takes to say
+
+
+def performed(path: Path, robot, lexicon) -> Counter:
+    """How often behaviours of this document were realised, substituted or dropped."""
+    try:
+        block = parse(path.read_text(encoding="utf-8", errors="replace"), source=path.name)
+    except BmlError:
+        return Counter()
+    utterances = {
+        behaviour.id: Utterance(
+            LETTER * max(1, len(behaviour.action.script.text)),
+            {mark.name: LETTER * mark.position for mark in behaviour.action.script.marks},
+        )
+        for behaviour in block.behaviours
+        if isinstance(behaviour.action, Speech)
+    }
+    natural = spans(block, style=Style(), lexicon=lexicon, robot=robot)
+    frames = keyframes(schedule(block, utterances, natural), style=Style(), lexicon=lexicon, robot=robot)
+    assert set(frames.outcomes) == {behaviour.id for behaviour in block.behaviours}
+    return Counter(
+        frames.outcomes[behaviour.id].kind
+        for behaviour in block.behaviours
+        if isinstance(behaviour.action, Gesture | Head | Gaze)
+    )
+
+
+def test_nearly_all_gestures_heads_and_gazes_are_performed(robot, lexicon):
+    folder = CORPUS / "greta" / "bml"
+    if not folder.is_dir():
+        pytest.skip(f"no corpus at {CORPUS}; KINESIC_CORPUS names another place")
+    counts = sum((performed(path, robot, lexicon) for path in sorted(folder.rglob("*.xml"))), Counter())
+    assert counts.total() > 100
+    assert counts["dropped"] <= 0.05 * counts.total()

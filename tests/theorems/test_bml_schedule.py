@@ -1,0 +1,194 @@
+"""What holds for every block: equalities, order within a behaviour, and that names and the origin of time are free."""
+
+import os
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kinesic.bml.block import Behaviour, Block, Order, Speech, Synchronize, SyncRef, Timeline
+from kinesic.bml.constraints import point_of, ties
+from kinesic.bml.parse import parse
+from kinesic.bml.schedule import schedule
+from kinesic.body.utterance import Utterance
+
+CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
+FILES = sorted(path for folder in ("greta/bml", "openbmlparser", "asap") for path in (CORPUS / folder).rglob("*.xml"))
+SECONDS_PER_LETTER = 0.1
+EXACT = 1e-9  # [s]
+POINTS = ("start", "ready", "strokeStart", "stroke", "strokeEnd", "relax", "end")
+
+
+def _spoken(block: Block) -> dict[str, Utterance]:
+    return {
+        b.id: Utterance(
+            SECONDS_PER_LETTER * len(b.action.script.text),
+            {mark.name: SECONDS_PER_LETTER * mark.position for mark in b.action.script.marks},
+        )
+        for b in block.behaviours
+        if isinstance(b.action, Speech)
+    }
+
+
+def _scheduled(block: Block) -> Timeline:
+    return schedule(block, _spoken(block), {})
+
+
+def _times(timeline: Timeline) -> dict[tuple[str, str], float]:
+    return {(timed.behaviour.id, sync): time for timed in timeline.timed for sync, time in timed.times.items()}
+
+
+offsets = st.integers(-8, 8).map(lambda quarter: quarter / 4)
+
+
+@st.composite
+def documents(draw: st.DrawFn) -> str:
+    """Small blocks of speeches and gestures that refer to one another, to the block and in constraints."""
+    count = draw(st.integers(1, 5))
+    names = [f"x{i}" for i in range(count)]
+
+    def ref() -> str:
+        kind = draw(st.integers(0, 3))
+        offset = draw(offsets)
+        if kind == 0:
+            return str(20 + 4 * offset)
+        point = draw(st.sampled_from((*POINTS[:1], "end", "stroke" if kind == 1 else "start")))
+        return f"{draw(st.sampled_from(names))}:{point}{offset:+}"
+
+    parts = []
+    for name in names:
+        if draw(st.integers(0, 3)) == 0:
+            when = f'start="{ref()}"' if draw(st.booleans()) else ""
+            parts.append(f'<speech id="{name}" {when}><text>one <sync id="stroke"/>two three</text></speech>')
+            continue
+        points = draw(st.lists(st.sampled_from(POINTS), max_size=2, unique=True))
+        syncs = " ".join(f'{point}="{ref()}"' for point in points)
+        parts.append(f'<gesture id="{name}" lexeme="BEAT" {syncs}/>')
+    kind = draw(st.sampled_from(("", "synchronize", "after", "before")))
+    if kind:
+        own = "" if kind == "synchronize" else f' ref="{ref()}"'
+        parts.append(f'<constraint><{kind}{own}><sync ref="{ref()}"/><sync ref="{ref()}"/></{kind}></constraint>')
+    return f'<bml id="b" xmlns="http://www.bml-initiative.org/bml/bml-1.0">{"".join(parts)}</bml>'
+
+
+@settings(max_examples=300, deadline=None)
+@given(documents())
+def test_equalities_are_exact_and_points_never_go_back(text: str) -> None:
+    block = parse(text)
+    timeline = _scheduled(block)
+    times = _times(timeline)
+    assert {d.behaviour.id for d in timeline.dropped} | {t.behaviour.id for t in timeline.timed} == {
+        b.id for b in block.behaviours
+    }
+    for timed in timeline.timed:
+        own = list(timed.times.values())
+        assert own == sorted(own)
+    performed = replace(block, behaviours=tuple(timed.behaviour for timed in timeline.timed), constraints=())
+    for tie in ties(performed):
+        left, right = (_time(ref, times) for ref in (tie.left, tie.right))
+        assert left == pytest.approx(right, abs=EXACT)
+
+
+@settings(max_examples=200, deadline=None)
+@given(documents())
+def test_constraints_hold_when_nothing_is_dropped(text: str) -> None:
+    block = parse(text)
+    timeline = _scheduled(block)
+    if timeline.notices:
+        return
+    times = _times(timeline)
+    for constraint in block.constraints:
+        if isinstance(constraint, Synchronize):
+            first, *others = (_time(ref, times) for ref in constraint.refs)
+            if any(ref.behaviour != "bml" for ref in constraint.refs):
+                assert others == pytest.approx([first] * len(others), abs=EXACT)
+        else:
+            assert all(_time(constraint.earlier, times) <= _time(ref, times) + EXACT for ref in constraint.later)
+
+
+@settings(max_examples=150, deadline=None)
+@given(documents(), st.permutations([f"n{i}" for i in range(5)]))
+def test_names_do_not_matter(text: str, names: list[str]) -> None:
+    block = parse(text)
+    new = {b.id: names[i] for i, b in enumerate(block.behaviours)}
+    _assert_same(_scheduled(block), _scheduled(_renamed(block, new)), new, shift=0.0)
+
+
+@settings(max_examples=150, deadline=None)
+@given(documents(), st.integers(0, 400).map(lambda quarter: quarter / 4))
+def test_the_origin_of_time_does_not_matter(text: str, shift: float) -> None:
+    """Behaviours that hang on an absolute time move with it; the others stay."""
+    block = parse(text)
+    before, after = _scheduled(block), _scheduled(_shifted(block, shift))
+    assert [d.behaviour.id for d in before.dropped] == [d.behaviour.id for d in after.dropped]
+    moved, stayed = _times(after), _times(before)
+    for timed in before.timed:
+        gaps = {round(moved[timed.behaviour.id, s] - stayed[timed.behaviour.id, s], 6) for s in timed.times}
+        if not block.constraints:
+            assert gaps in ({0.0}, {round(shift, 6)}), timed.behaviour.id
+
+
+@pytest.mark.parametrize("path", FILES or [pytest.param(None, marks=pytest.mark.skip(f"no corpus at {CORPUS}"))])
+def test_names_and_origin_do_not_matter_in_documents(path: Path) -> None:
+    if path.name in ("testinvalidxml.xml", "testspeech_unknownbehavior.xml"):
+        pytest.skip("is refused")
+    block = _shifted(_grounded(parse(path.read_bytes(), source=path.name)), 50.0)
+    new = {behaviour.id: f"n{index}" for index, behaviour in enumerate(block.behaviours)}
+    _assert_same(_scheduled(block), _scheduled(_shifted(_renamed(block, new), 30.0)), new, shift=30.0)
+
+
+def _grounded(block: Block) -> Block:
+    """Gives what says nothing about its time a start, so that all of it can be moved."""
+    free = {b.id for b in block.behaviours if not b.syncs}
+    anchor = {"start": SyncRef(block.id, "bml", "start")}
+    tied = {ref.behaviour for b in block.behaviours for ref in b.syncs.values()}
+    return replace(
+        block,
+        behaviours=tuple(
+            replace(b, syncs=anchor) if b.id in free and (b.id not in tied or isinstance(b.action, Speech)) else b
+            for b in block.behaviours
+        ),
+        constraints=(),
+    )
+
+
+def _assert_same(one: Timeline, other: Timeline, new: Mapping[str, str], *, shift: float) -> None:
+    assert [new[d.behaviour.id] for d in one.dropped] == [d.behaviour.id for d in other.dropped]
+    expected = {(new[name], sync): time + shift for (name, sync), time in _times(one).items()}
+    assert _times(other) == pytest.approx(expected, abs=1e-6)
+
+
+def _time(ref: SyncRef, times: Mapping[tuple[str, str], float]) -> float:
+    return (0.0 if ref.behaviour == "bml" else times[ref.behaviour, point_of(ref).sync]) + ref.offset
+
+
+def _changed(block: Block, ref_of: dict[SyncRef, SyncRef]) -> Block:
+    behaviours = tuple(replace(b, syncs={s: ref_of[r] for s, r in b.syncs.items()}) for b in block.behaviours)
+    constraints = tuple(
+        replace(c, refs=tuple(ref_of[r] for r in c.refs))
+        if isinstance(c, Synchronize)
+        else replace(c, earlier=ref_of[c.earlier], later=tuple(ref_of[r] for r in c.later))
+        for c in block.constraints
+    )
+    return replace(block, behaviours=behaviours, constraints=constraints)
+
+
+def _refs(block: Block) -> list[SyncRef]:
+    refs = [ref for b in block.behaviours for ref in b.syncs.values()]
+    for c in block.constraints:
+        refs += [c.earlier, *c.later] if isinstance(c, Order) else c.refs
+    return refs
+
+
+def _renamed(block: Block, new: Mapping[str, str]) -> Block:
+    renamed: list[Behaviour] = [replace(b, id=new[b.id]) for b in block.behaviours]
+    refs = {r: replace(r, behaviour=new.get(r.behaviour, r.behaviour)) for r in _refs(block)}
+    return _changed(replace(block, behaviours=tuple(renamed)), refs)
+
+
+def _shifted(block: Block, shift: float) -> Block:
+    refs = {r: replace(r, offset=r.offset + shift) if r.behaviour == "bml" else r for r in _refs(block)}
+    return _changed(block, refs)

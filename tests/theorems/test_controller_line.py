@@ -1,0 +1,60 @@
+"""What holds for the whole line, whatever it is asked."""
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from kinesic.controller.perform import facts, plan
+
+ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+LEXEMES = ("beat", "offer", "large", "greet_wave", "arms_crossed", "this_index", "belly", "refuse_sweep", "up")
+MODES = ("LEFT_HAND", "RIGHT_HAND", "BOTH_HANDS")
+
+
+times = st.floats(0, 6).map(lambda time: round(time, 3))
+gestures = st.lists(st.tuples(st.sampled_from(LEXEMES), st.sampled_from(MODES), times), min_size=1, max_size=4)
+nods = st.lists(times, max_size=2)
+
+
+@pytest.fixture(scope="module")
+def known():
+    return facts()
+
+
+def document(asked, nodding) -> str:
+    lines = [
+        f'<gesture id="g{k}" lexeme="{lexeme}" mode="{mode}" stroke="{time}"/>'
+        for k, (lexeme, mode, time) in enumerate(asked)
+    ]
+    lines += [f'<head id="h{k}" lexeme="NOD" stroke="{time}"/>' for k, time in enumerate(nodding)]
+    return ROOT.format("".join(lines))
+
+
+line = settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+
+
+@line
+@given(gestures, nods)
+def test_every_plan_keeps_limits_distances_and_order(known, asked, nodding):
+    planned = plan(document(asked, nodding), known)
+    at = np.arange(0.0, planned.trajectory.duration, 1e-3)
+    angles, speeds, accelerations = planned.trajectory.sample(at)
+    limits = known.limits
+    assert np.all(angles >= limits.lower - 1e-9)
+    assert np.all(angles <= limits.upper + 1e-9)
+    assert np.all(np.abs(speeds) <= 1.001 * limits.speed)
+    assert np.all(np.abs(accelerations) <= 1.001 * limits.acceleration)
+    assert planned.clearance.distances.min() >= known.robot.least_clearance
+    for behaviour in {sync.behaviour for sync in planned.syncs}:
+        own = [sync.planned for sync in planned.syncs if sync.behaviour == behaviour]
+        assert own == sorted(own)
+    assert set(planned.keyframes.outcomes) == {b.id for b in planned.timeline.block.behaviours}
+
+
+@line
+@given(gestures, nods)
+def test_planning_twice_gives_the_same_bytes(known, asked, nodding):
+    first, second = (plan(document(asked, nodding), known).trajectory for _ in range(2))
+    assert first.coefficients.tobytes() == second.coefficients.tobytes()
+    assert first.breaks.tobytes() == second.breaks.tobytes()
