@@ -38,7 +38,7 @@ def cleared(solved: Postures, facts: Facts) -> tuple[Postures, Conditioned, Floa
 def _condition(keys: tuple[Posture, ...], facts: Facts) -> Conditioned:
     if len(keys) < 2:
         still = held(facts.robot.skeleton.rest)
-        return Conditioned(still, np.zeros(0), np.zeros(0), None)
+        return Conditioned(still, np.zeros(0), np.zeros(0), {})
     return condition(keys, facts.limits, facts.manner)
 
 

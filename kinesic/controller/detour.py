@@ -53,7 +53,8 @@ def detour(
     if clear is None:
         return None
     keyed = tuple(joint in joints for joint in range(len(angles)))
-    asked = float(np.interp(time, motion.planned, motion.asked))
+    order = np.argsort(motion.planned)
+    asked = float(np.interp(time, motion.planned[order], motion.asked[order]))
     return tuple(sorted((*postures, Posture(asked, sealed(clear), keyed)), key=lambda posture: posture.time))
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import linprog
@@ -28,16 +29,33 @@ class Keys:
     angles: Floats  # (m, n) [rad]
     keyed: Flags  # (m, n)
     weights: Floats  # (m,) of moving a key, per second
+    gaps: Mapping[Pair, float]  # [s] least time between keys that follow one another in a hinge or a behaviour
 
     @classmethod
     def of(cls, postures: tuple[Posture, ...]) -> "Keys":
         """Keys weigh as their heaviest sync point."""
+        keyed = np.array([posture.keyed for posture in postures], dtype=np.bool_)
         return cls(
             sealed([posture.time for posture in postures]),
             sealed([posture.angles for posture in postures]),
-            np.array([posture.keyed for posture in postures], dtype=np.bool_),
+            keyed,
             sealed([_weight(posture) for posture in postures]),
+            dict.fromkeys(_followers(postures, keyed), LEAST_GAP),
         )
+
+    def rows(self, hinge: int) -> list[int]:
+        """Keys of one hinge, in order."""
+        return [int(row) for row in np.flatnonzero(self.keyed[:, hinge])]
+
+
+def _followers(postures: tuple[Posture, ...], keyed: Flags) -> set[Pair]:
+    """Keys that follow one another in some hinge or in some behaviour."""
+    chains = [[int(row) for row in np.flatnonzero(column)] for column in keyed.T]
+    behaviours: dict[str, list[int]] = {}
+    for row, posture in enumerate(postures):
+        for behaviour in sorted({behaviour for behaviour, _ in posture.syncs}):
+            behaviours.setdefault(behaviour, []).append(row)
+    return {pair for chain in [*chains, *behaviours.values()] for pair in pairwise(chain)}
 
 
 def _weight(posture: Posture) -> float:
@@ -83,13 +101,10 @@ def minimum_duration(distance: Floats, limits: Limits) -> Floats:
 
 def rest_to_rest(keys: Keys, limits: Limits) -> dict[Pair, float]:
     """Gaps in which every hinge can stop at every one of its keys: always enough."""
-    gaps: dict[Pair, float] = {(k, k + 1): LEAST_GAP for k in range(len(keys.asked) - 1)}
-    last = np.zeros(keys.angles.shape[1], dtype=int)
-    for k in range(1, len(keys.asked)):
-        for before in np.unique(last[keys.keyed[k]]):
-            moved = keys.keyed[k] & (last == before)
-            distance = np.where(moved, keys.angles[k] - keys.angles[before], 0.0)
-            pair = (int(before), k)
-            gaps[pair] = max(float(minimum_duration(distance, limits).max()), gaps.get(pair, 0.0))
-        last[keys.keyed[k]] = k
+    gaps = dict(keys.gaps)
+    for hinge in range(keys.angles.shape[1]):
+        for before, after in pairwise(keys.rows(hinge)):
+            moved = np.zeros(keys.angles.shape[1])
+            moved[hinge] = keys.angles[after, hinge] - keys.angles[before, hinge]
+            gaps[before, after] = max(gaps[before, after], float(minimum_duration(moved, limits)[hinge]))
     return gaps

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from kinesic.bml.block import Block, Notice, NoticeType
 from kinesic.body.robot import Robot
 from kinesic.controller.condition import Conditioned
+from kinesic.controller.retime import Pair
 from kinesic.expressivity.keyframes import KeyFrames
 
 SHIFT_TO_WARN = 0.010  # [s]
@@ -46,14 +47,25 @@ def sync_times(frames: KeyFrames, motion: Conditioned) -> tuple[SyncTime, ...]:
 
 def shifts(block: Block, syncs: tuple[SyncTime, ...], motion: Conditioned, robot: Robot) -> list[Notice]:
     """A warning for each sync point that had to move."""
-    first = motion.bottleneck
-    why = "" if first is None else f", first limit: {first.quantity} of {robot.skeleton.names[first.hinge]}"
     return [
         Notice(
             NoticeType.IMPOSSIBLE_TO_SCHEDULE,
             f"{block.id}:{sync.behaviour}",
-            f"{sync.sync} asked at {sync.asked:.3f} s is planned at {sync.planned:.3f} s{why}",
+            f"{sync.sync} asked at {sync.asked:.3f} s is planned at {sync.planned:.3f} s{_why(sync, motion, robot)}",
         )
         for sync in syncs
         if abs(sync.planned - sync.asked) > SHIFT_TO_WARN
     ]
+
+
+def _why(sync: SyncTime, motion: Conditioned, robot: Robot) -> str:
+    """The limit that was met nearest to a sync point."""
+
+    def away(pair: Pair) -> float:
+        begin, end = motion.asked[list(pair)]
+        return float(max(begin - sync.asked, sync.asked - end, 0.0))
+
+    if not motion.bottlenecks:
+        return ""
+    nearest = motion.bottlenecks[min(motion.bottlenecks, key=away)]
+    return f": {nearest.quantity} of {robot.skeleton.names[nearest.hinge]}"

@@ -1,7 +1,6 @@
 """Motion as a function of time: one quintic spline per hinge through its own keys."""
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from scipy.interpolate import PPoly
@@ -25,25 +24,21 @@ class Manner:
 class Trajectory:
     """Angles over performance time; at rest before its start and after its end."""
 
-    breaks: Floats  # (m + 1,) [s] performance time, from 0
-    coefficients: Floats  # (6, m, n) of the quintics, highest power first, on time since the break before
+    curves: tuple[PPoly, ...]  # (n,) quintics of each hinge over performance time, all from 0 to the same end
     zero: float  # [s] performance time of the block's zero
 
     @property
     def duration(self) -> float:
         """[s]."""
-        return float(self.breaks[-1])
-
-    @cached_property
-    def _splines(self) -> tuple[PPoly, PPoly, PPoly]:
-        angles = PPoly(np.array(self.coefficients), np.array(self.breaks))
-        return angles, angles.derivative(1), angles.derivative(2)
+        return float(self.curves[0].x[-1])
 
     def sample(self, times: Floats) -> tuple[Floats, Floats, Floats]:
         """Angles, speeds and accelerations, each (k, n), at (k,) performance times."""
         inside = np.clip(times, 0.0, self.duration)
         still = (times < 0.0) | (times > self.duration)
-        angles, speeds, accelerations = (np.asarray(spline(inside)) for spline in self._splines)
+        angles, speeds, accelerations = (
+            np.stack([curve(inside, nu=order) for curve in self.curves], axis=1) for order in range(3)
+        )
         speeds[still] = 0.0
         accelerations[still] = 0.0
         return angles, speeds, accelerations
@@ -55,16 +50,15 @@ class Trajectory:
 
 
 def spline(times: Floats, angles: Floats, keyed: Flags, manner: Manner, flow: Floats, *, zero: float) -> Trajectory:
-    """Joins keys by quintics that are smooth up to the acceleration.
+    """Joins the keys of each hinge by quintics that are smooth up to the acceleration.
 
-    Speeds at keys are the tangents of a non-uniform Kochanek-Bartels spline, zero at the ends and beside holds,
-    and never so large that a hinge could leave the range between its neighbouring keys by more than the
-    spline's own overshoot; accelerations at keys are zero.
+    Speeds at keys are the tangents of a non-uniform Kochanek-Bartels spline, zero at the ends, beside holds and where
+    the hinge turns back, and so bounded that the hinge stays between its keys; accelerations at keys are zero.
 
     Args:
-        times: (m,) [s] of the keys, strictly increasing.
+        times: (m,) [s] of the keys, increasing from key to key of each hinge.
         angles: (m, n) [rad].
-        keyed: (m, n) bool, which hinges have a key where; all have one in the first and the last row.
+        keyed: (m, n), which hinges have a key where; all have one in the first and the last row.
         manner: tension, continuity and bias.
         flow: (m, n) 0..1, how much of its tangent each key keeps.
         zero: [s] the time among `times` that is the block's zero.
@@ -72,18 +66,13 @@ def spline(times: Floats, angles: Floats, keyed: Flags, manner: Manner, flow: Fl
     Returns:
         The trajectory; performance time starts at the first key.
     """
-    derivatives = np.zeros((len(times), 3, angles.shape[1]))
+    curves = []
     for hinge in range(angles.shape[1]):
         rows = np.flatnonzero(keyed[:, hinge])
-        own = np.zeros((len(rows), 3, 1))
-        own[:, 0, 0] = angles[rows, hinge]
-        own[:, 1, 0] = _tangents(times[rows], own[:, 0, 0], manner) * flow[rows, hinge]
-        curve = PPoly(_quintics(np.diff(times[rows]), own), times[rows])
-        for order in range(3):
-            derivatives[:, order, hinge] = curve(times, nu=order)[:, 0]
-        derivatives[rows, :, hinge] = own[:, :, 0]
-    breaks = times - times[0]
-    return Trajectory(sealed(breaks), sealed(_quintics(np.diff(breaks), derivatives)), zero - float(times[0]))
+        at, value = times[rows] - times[0], angles[rows, hinge]
+        speed = _tangents(at, value, manner) * flow[rows, hinge]
+        curves.append(PPoly(_quintics(np.diff(at), value, speed), at))
+    return Trajectory(tuple(curves), zero - float(times[0]))
 
 
 def _tangents(times: Floats, values: Floats, manner: Manner) -> Floats:
@@ -101,28 +90,15 @@ def _tangents(times: Floats, values: Floats, manner: Manner) -> Floats:
     return speeds
 
 
-def _quintics(steps: Floats, derivatives: Floats) -> Floats:
-    """(6, m, n) coefficients from angle, speed and acceleration (m + 1, 3, n) at the breaks."""
-    h = steps[:, None]
-    p0, v0, a0 = derivatives[:-1, 0], derivatives[:-1, 1], derivatives[:-1, 2]
-    p1, v1, a1 = derivatives[1:, 0], derivatives[1:, 1], derivatives[1:, 2]
-    d = p1 - p0 - v0 * h - a0 * h**2 / 2
-    v = (v1 - v0 - a0 * h) * h
-    a = (a1 - a0) * h**2
-    return np.stack(
-        [
-            (6 * d - 3 * v + a / 2) / h**5,
-            (-15 * d + 7 * v - a) / h**4,
-            (10 * d - 4 * v + a / 2) / h**3,
-            a0 / 2,
-            v0,
-            p0,
-        ]
-    )
+def _quintics(steps: Floats, angles: Floats, speeds: Floats) -> Floats:
+    """(6, k) coefficients, highest power first, between (k + 1,) keys with zero acceleration."""
+    h, v0 = steps, speeds[:-1]
+    d = angles[1:] - angles[:-1] - v0 * h
+    v = (speeds[1:] - v0) * h
+    none = np.zeros_like(h)
+    return np.stack([(6 * d - 3 * v) / h**5, (-15 * d + 7 * v) / h**4, (10 * d - 4 * v) / h**3, none, v0, angles[:-1]])
 
 
 def held(angles: Floats, duration: float = 0.1) -> Trajectory:
     """Staying in one posture, (n,) [rad]."""
-    coefficients = np.zeros((6, 1, len(angles)))
-    coefficients[5, 0] = angles
-    return Trajectory(sealed([0.0, duration]), sealed(coefficients), 0.0)
+    return Trajectory(tuple(PPoly(np.array([[angle]]), np.array([0.0, duration])) for angle in angles), 0.0)
