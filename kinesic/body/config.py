@@ -46,6 +46,23 @@ def read(path: Path, schema: type[T]) -> T:
         raise ConfigError(f"{path}: {error}{_suggestion(str(error), schema)}") from None
 
 
+def locate(kind: str, name: str | Path) -> Path:
+    """The file of a robot or a style: a path to a TOML file, or a name in `configs/KINDs/`.
+
+    Raises:
+        ConfigError: there is nothing of this name.
+    """
+    path = Path(name)
+    if path.suffix == ".toml":
+        return path
+    folder = CONFIGS / f"{kind}s"
+    path = folder / f"{name}.toml"
+    if not path.exists():
+        known = [file.stem for file in folder.glob("*.toml")]
+        raise ConfigError(f"no {kind} {name}{closest(str(name), known)} (or give a .toml file)")
+    return path
+
+
 def closest(word: str, known: Iterator[str] | list[str] | tuple[str, ...]) -> str:
     """'; did you mean X?' for the known word nearest to a wrong one, or '; known: ...' when none is near."""
     names = sorted(known)

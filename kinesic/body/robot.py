@@ -10,7 +10,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
-from kinesic.body.config import CONFIGS, ConfigError, closest
+from kinesic.body.config import locate
 from kinesic.body.servo import Drive
 from kinesic.body.skeleton import Skeleton
 
@@ -68,13 +68,7 @@ class Robot:
         """
         from kinesic.body.robot_file import read_robot  # noqa: PLC0415 - the file's schema builds a Robot
 
-        path = Path(name)
-        if path.suffix != ".toml":
-            path = CONFIGS / "robots" / f"{name}.toml"
-            if not path.exists():
-                known = [file.stem for file in (CONFIGS / "robots").glob("*.toml")]
-                raise ConfigError(f"no robot {name}{closest(str(name), known)} (or give a .toml file)")
-        return read_robot(path)
+        return read_robot(locate("robot", name))
 
     @cached_property
     def drives(self) -> tuple[Drive, ...]:

@@ -26,16 +26,21 @@ class Written:
     why_no_film: str = ""
 
 
-def fresh_folder(asked: Path | None, source: str, *, force: bool = False) -> Path:
-    """Makes the folder `asked`, or `out/NAME-TIME`.
+def free_folder(asked: Path | None, source: str, *, force: bool = False) -> Path:
+    """The folder `asked`, or `out/NAME-TIME`; it is made when something is written.
 
     Raises:
         ConfigError: it exists already and `force` is not given.
     """
     folder = asked or Path("out") / f"{Path(source).stem or 'stdin'}-{datetime.now():%Y%m%d-%H%M%S}"
+    if folder.exists() and not force:
+        raise ConfigError(f"{folder} exists already; --force replaces it, --out names another")
+    return folder
+
+
+def emptied(folder: Path) -> Path:
+    """Makes a folder, and removes what was there before."""
     if folder.exists():
-        if not force:
-            raise ConfigError(f"{folder} exists already; --force replaces it, --out names another")
         shutil.rmtree(folder)
     folder.mkdir(parents=True)
     return folder
@@ -43,7 +48,7 @@ def fresh_folder(asked: Path | None, source: str, *, force: bool = False) -> Pat
 
 def write(performance: Performance, data: dict[str, Json], folder: Path, *, film: bool = True) -> Written:
     """Writes report.json, report.html and, where OpenGL works, the film of the twin."""
-    report = folder / "report.json"
+    report = emptied(folder) / "report.json"
     report.write_text(json.dumps(data, indent=1), encoding="utf-8")
     picture, why = _filmed(performance, folder / "film.webp") if film else (None, "not asked for")
     page = folder / "report.html"

@@ -7,7 +7,7 @@ from pathlib import Path
 import msgspec
 
 from kinesic.bml.block import Manner
-from kinesic.body.config import CONFIGS, ConfigError, closest, read
+from kinesic.body.config import ConfigError, closest, locate, read
 
 RANGES: Mapping[str, tuple[float, float]] = {
     "spatial": (-1.0, 1.0),
@@ -58,12 +58,7 @@ class Style:
         Raises:
             ConfigError: there is no such style, or its file is wrong.
         """
-        path = Path(name)
-        if path.suffix != ".toml":
-            path = CONFIGS / "styles" / f"{name}.toml"
-            if not path.exists():
-                known = [file.stem for file in (CONFIGS / "styles").glob("*.toml")]
-                raise ConfigError(f"no style {name}{closest(str(name), known)} (or give a .toml file)")
+        path = locate("style", name)
         try:
             return cls(path.stem, **msgspec.structs.asdict(read(path, StyleTable)))
         except ValueError as error:

@@ -2,8 +2,9 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import wraps
 from pathlib import Path
-from typing import Literal, TypeVar, get_args
+from typing import Literal, get_args
 
 import click
 
@@ -15,7 +16,6 @@ from kinesic.controller.targets import read_targets
 from kinesic.expressivity.style import Style
 
 DIALECTS = ["auto", *get_args(Dialect)]
-Verb = TypeVar("Verb", bound=Callable[..., object])
 
 
 @dataclass(frozen=True)
@@ -44,8 +44,22 @@ class Settings:
         )
 
 
-def planning(verb: Verb) -> Verb:
-    """Adds the options that say how a document is planned."""
+def planning(verb: Callable[..., int]) -> Callable[..., int]:
+    """Adds the options that say how a document is planned, and hands them on as `settings`."""
+
+    @wraps(verb)
+    def with_settings(
+        *,
+        robot: str,
+        style: str,
+        changes: tuple[str, ...],
+        lexicon: Path | None,
+        targets: Path | None,
+        dialect: Dialect | Literal["auto"],
+        **own: object,
+    ) -> int:
+        return verb(settings=Settings(robot, style, changes, lexicon, targets, dialect), **own)
+
     options = (
         click.option("--robot", default="upper22", show_default=True, help="Name, or a robot's TOML file."),
         click.option("--style", default="neutral", show_default=True, help="Preset of expressivity."),
@@ -54,6 +68,7 @@ def planning(verb: Verb) -> Verb:
         click.option("--dialect", type=click.Choice(DIALECTS), default="auto", help="How documents are read."),
         click.option("--targets", type=click.Path(path_type=Path), help="TOML of named points in the world [m]."),
     )
+    decorated: Callable[..., int] = with_settings
     for option in reversed(options):
-        verb = option(verb)
-    return verb
+        decorated = option(decorated)
+    return decorated

@@ -3,17 +3,16 @@
 import json
 import sys
 from pathlib import Path
-from typing import Literal
 
 import click
 from rich.table import Table
 
-from kinesic.bml.block import BmlError, Dialect
+from kinesic.bml.block import BmlError
 from kinesic.controller.checks import Check, checks
 from kinesic.controller.cli.console import console
 from kinesic.controller.cli.options import Settings, planning
 from kinesic.controller.cli.twins import read_twin
-from kinesic.controller.output import Written, fresh_folder, write
+from kinesic.controller.output import Written, free_folder, write
 from kinesic.controller.page import verdict
 from kinesic.controller.perform import perform as perform_document
 from kinesic.controller.report import report
@@ -33,12 +32,7 @@ COLOURS = {"pass": "green", "warn": "yellow", "fail": "red"}
 @click.option("--json", "as_json", is_flag=True, help="Prints the report as JSON.")
 def perform(
     file: str,
-    robot: str,
-    style: str,
-    changes: tuple[str, ...],
-    lexicon: Path | None,
-    targets: Path | None,
-    dialect: Dialect | Literal["auto"],
+    settings: Settings,
     sinks: str,
     twin: str,
     seed: int,
@@ -49,11 +43,10 @@ def perform(
 ) -> int:
     """Performs FILE (- for standard input) and writes a report."""
     text = read_document(file)
-    known = Settings(robot, style, changes, lexicon, targets, dialect).facts()
     source = "stdin" if file == "-" else file
-    performance = perform_document(text, known, source=source, twin=read_twin(twin))
+    folder = free_folder(out, source, force=force)
+    performance = perform_document(text, settings.facts(), source=source, twin=read_twin(twin))
     data = report(performance, source=source, seed=seed)
-    folder = fresh_folder(out, source, force=force)
     written = write(performance, data, folder, film=film)
     if as_json:
         click.echo(json.dumps(data, indent=1))

@@ -1,11 +1,9 @@
 """`kinesic plan`: from BML to a motion in a file; nothing moves."""
 
 from pathlib import Path
-from typing import Literal
 
 import click
 
-from kinesic.bml.block import Dialect
 from kinesic.controller.cli.options import Settings, planning
 from kinesic.controller.cli.perform import read_document
 from kinesic.controller.motion_file import write_motion
@@ -18,17 +16,12 @@ from kinesic.controller.perform import plan as plan_document
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="motion.npz, motion.csv or motion.bap.")
 def plan(
     file: str,
-    robot: str,
-    style: str,
-    changes: tuple[str, ...],
-    lexicon: Path | None,
-    targets: Path | None,
-    dialect: Dialect | Literal["auto"],
+    settings: Settings,
     out: Path,
 ) -> int:
     """Plans FILE (- for standard input) and writes the motion."""
     text = read_document(file)
-    known = Settings(robot, style, changes, lexicon, targets, dialect).facts()
+    known = settings.facts()
     planned = plan_document(text, known, source="stdin" if file == "-" else file)
     write_motion(planned.trajectory, known.robot, out)
     for notice in planned.notices:

@@ -2,17 +2,15 @@
 
 import json
 from pathlib import Path
-from typing import Literal
 
 import click
 from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from kinesic.bml.block import Dialect
 from kinesic.controller.cli.console import console
 from kinesic.controller.cli.options import Settings, planning
-from kinesic.controller.output import fresh_folder
+from kinesic.controller.output import emptied, free_folder
 from kinesic.controller.report import Json
 from kinesic.controller.validate import Verdict, documents, totals
 from kinesic.controller.validate import validate as validate_documents
@@ -27,22 +25,16 @@ from kinesic.controller.validate import validate as validate_documents
 @click.option("--json", "as_json", is_flag=True, help="Prints verdicts and totals as JSON.")
 def validate(
     paths: tuple[Path, ...],
-    robot: str,
-    style: str,
-    changes: tuple[str, ...],
-    lexicon: Path | None,
-    targets: Path | None,
-    dialect: Dialect | Literal["auto"],
+    settings: Settings,
     jobs: int | None,
     out: Path | None,
     force: bool,
     as_json: bool,
 ) -> int:
     """Performs every document of PATHS (folders are searched) in the twin."""
-    settings = Settings(robot, style, changes, lexicon, targets, dialect)
     settings.facts()  # a wrong option is one line here, not one in each process
     files = documents(paths)
-    folder = fresh_folder(out, "validate", force=force) if out else None
+    folder = emptied(free_folder(out, "validate", force=force)) if out else None
     found = validate_documents(files, settings.facts, jobs=jobs)
     progress = track(found, "dry-running", total=len(files), console=Console(stderr=True), transient=True)
     verdicts = sorted(progress, key=lambda verdict: verdict.file)
