@@ -165,9 +165,11 @@ class _Cast:
         return 0 if behaviour.required else 1 if isinstance(behaviour.action, Speech) else 2
 
     def _give_up_constraint(self, loop: list[Edge]) -> None:
+        """Passes over the orders between times of the block itself, which alone can contradict without a behaviour."""
         for constraint in list(self.constraints):
-            if all(ref.behaviour == "bml" for ref in _refs(constraint)):
-                self.give_up(constraint, NoticeType.IMPOSSIBLE_TO_SCHEDULE, _told(loop, self.block.id))
+            if isinstance(constraint, Order) and constraint.earlier.behaviour == "bml":
+                if any(ref.behaviour == "bml" for ref in constraint.later):
+                    self.give_up(constraint, NoticeType.IMPOSSIBLE_TO_SCHEDULE, _told(loop, self.block.id))
 
 
 _REMEDY = "take it out of <required>, or give it times that can be met"

@@ -119,9 +119,9 @@ def _resolved(text: str, parts: list[str], offset: float, names: Names) -> SyncR
 
 def _is_iterated(parts: list[str], names: Names) -> bool:
     """Whether three parts can only be meant as behaviour, sync and a (here impossible) iteration."""
-    block, _, last = parts
+    block, sync, last = parts
     is_own = block in names.behaviours and block != names.block and block not in names.blocks
-    return last.isdecimal() or is_own
+    return last.isdecimal() or (is_own and sync == "stroke")
 
 
 def _iteration(text: str, count: str) -> int:

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.dynamics import Distances
@@ -51,7 +52,7 @@ def postures(keyframes: KeyFrames, robot: Robot, distances: Distances) -> Postur
         keyed = _keyed(frame, robot, leaning, ends=k in (0, len(leans) - 1))
         angles = angles.copy()
         _set_torso(angles, frame, leans[k], robot)
-        asked = {side: _in_world(hand, frame, robot) for side, hand in frame.hands.items()}
+        asked = {side: _in_world(hand, side, frame, angles, robot) for side, hand in frame.hands.items()}
         wanted = {side: reach for side, reach in asked.items() if keyed[robot.joints(f"{side}_arm")[0]]}
         if k and _same(frame, keyframes.frames[k - 1], leans[k], leans[k - 1]):
             angles = np.array(solved[-1].angles)
@@ -72,7 +73,9 @@ def _beginning(solved: list[Posture], start: float, robot: Robot) -> list[Postur
 
 def _lean(frame: KeyFrame, robot: Robot) -> Floats:
     """(3,) [rad] torsion, tilt and roll that the hands need on top of the torso's own key."""
-    targets = {side: hand.reach.position for side, hand in frame.hands.items() if hand.reach is not None}
+    targets = {
+        side: hand.reach.position for side, hand in frame.hands.items() if hand.reach is not None and hand.aim is None
+    }
     return np.array(lean(robot, targets)) if targets else np.zeros(3)
 
 
@@ -109,7 +112,8 @@ def _keyed(frame: KeyFrame, robot: Robot, leaning: bool, *, ends: bool) -> list[
     if torso or "head" in frame.given:
         keyed[list(robot.joints("neck"))] = True
     for side in SIDES:
-        held = leaning and frame.hands[side].reach is not None
+        hand = frame.hands[side]
+        held = hand.reach is not None and (leaning or (torso and hand.aim is not None))
         if ends or held or f"{side}_hand" in frame.given:
             keyed[list(robot.joints(f"{side}_arm"))] = True
     return [bool(key) for key in keyed]
@@ -129,19 +133,40 @@ def _set_torso(angles: Floats, frame: KeyFrame, lean_angles: Floats, robot: Robo
         angles[neck] = np.clip(head - back, lower[neck], upper[neck])
 
 
-def _in_world(hand: Hand, frame: KeyFrame, robot: Robot) -> Reach | None:
-    """The reach with the gesture box turned by the torso's own key (thesis 8.7), never by the lean."""
-    reach = hand.reach
-    joints = robot.joints("torso")
-    if reach is None or not hand.turns_with_torso or not joints or not any(vars(frame.torso).values()):
-        return reach
-    turned = np.array(robot.skeleton.rest)
-    turned[list(joints)] = np.array([frame.torso.torsion, frame.torso.tilt, frame.torso.roll])[: len(joints)]
-    pivot = robot.skeleton.segment(robot.chains["torso"][0])
-    frames = robot.skeleton.frames(robot.skeleton.clamp(turned))
-    rotation, origin = frames.rotations[robot.skeleton.segment(robot.chains["torso"][-1])], frames.origins[pivot]
+def _in_world(hand: Hand, side: Side, frame: KeyFrame, angles: Floats, robot: Robot) -> Reach | None:
+    """The reach in the world, with the torso as it then is.
+
+    The gesture box turns with the torso's own key (thesis 8.7), never with the lean; an arm that points does so
+    from where its shoulder has come to.
+    """
+    if hand.reach is None:
+        return None
+    if hand.aim is not None:
+        return _aimed(hand.reach, hand.aim, side, angles, robot)
+    joints = list(robot.joints("torso"))
+    if not joints or not any(vars(frame.torso).values()):
+        return hand.reach
+    upright = np.array(robot.skeleton.rest)
+    upright[joints] = np.array([frame.torso.torsion, frame.torso.tilt, frame.torso.roll])[: len(joints)]
+    frames = robot.skeleton.frames(robot.skeleton.clamp(upright))
+    pivot = frames.origins[robot.skeleton.segment(robot.chains["torso"][0])]
+    rotation = frames.rotations[robot.skeleton.segment(robot.chains["torso"][-1])]
+    return _turned(hand.reach, rotation, pivot, pivot)
+
+
+def _aimed(reach: Reach, aim: Floats, side: Side, angles: Floats, robot: Robot) -> Reach:
+    """The same reach seen from the shoulder as it is: turned so that what pointed at the aim still does."""
+    shoulder = robot.skeleton.segment(robot.chains[f"{side}_arm"][-3])
+    resting = robot.skeleton.frames(robot.skeleton.rest).origins[shoulder]
+    centre = robot.skeleton.frames(angles).origins[shoulder]
+    rotation = Rotation.align_vectors((aim - centre)[None], (aim - resting)[None])[0].as_matrix()
+    return _turned(reach, rotation, resting, centre)
+
+
+def _turned(reach: Reach, rotation: Floats, pivot: Floats, moved: Floats) -> Reach:
+    """A reach turned about a pivot, which itself moves."""
     return Reach(
-        sealed(origin + rotation @ (reach.position - origin)),
+        sealed(moved + rotation @ (reach.position - pivot)),
         None if reach.pointing is None else sealed(rotation @ reach.pointing),
         None if reach.palm is None else sealed(rotation @ reach.palm),
         reach.swivel,
@@ -164,13 +189,7 @@ def _arms(angles: Floats, wanted: Mapping[Side, Reach | None], robot: Robot) -> 
 
 
 def _in_base(reach: Reach, frames: Frames, base: int) -> Reach:
-    rotation, origin = frames.rotations[base], frames.origins[base]
-    return Reach(
-        sealed(rotation.T @ (reach.position - origin)),
-        None if reach.pointing is None else sealed(rotation.T @ reach.pointing),
-        None if reach.palm is None else sealed(rotation.T @ reach.palm),
-        reach.swivel,
-    )
+    return _turned(reach, frames.rotations[base].T, frames.origins[base], np.zeros(3))
 
 
 def hand_in_world(angles: Floats, robot: Robot, side: Side) -> Floats:

@@ -16,7 +16,7 @@ from kinesic.expressivity.style import Style
 
 REST = Hand()
 _WITHDRAWN = 0.15  # of the way to rest: where the stroke of a form with one key begins
-_POINTING_REACH = 0.92  # of the arm's length
+_POINTING_REACH = 0.98  # of the arm's length
 _TARGET_REACH = 0.8  # of the way to a target that is nearer than that
 _LEAST_SWIVEL, _SWIVEL_RANGE = radians(15), radians(60)
 
@@ -92,7 +92,7 @@ def pointing_poses(target: Floats, side: Side, robot: Robot) -> Poses:
     distance = float(np.linalg.norm(target - centre))
     line = (target - centre) / distance if distance > 0 else np.array([1.0, 0.0, 0.0])
     reach = min(_POINTING_REACH * robot.arm_length, _TARGET_REACH * distance)
-    hand = Hand(Reach(sealed(centre + reach * line), pointing=sealed(line)), turns_with_torso=False)
+    hand = Hand(Reach(sealed(centre + reach * line), pointing=sealed(line)), aim=sealed(target))
     return Poses({side: (withdrawn(hand, robot, side), hand)}, stroke=1)
 
 
@@ -135,7 +135,7 @@ def between(a: Hand, b: Hand, share: float, rest: Reach) -> Hand:
             palm=_turned(start.palm, end.palm, share, reach.palm),
             swivel=_mixed(start.swivel, end.swivel, share, reach.swivel),
         ),
-        nearest.turns_with_torso,
+        nearest.aim,
     )
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from kinesic.bml.block import Notice, Timeline
+from kinesic.body.arrays import Floats
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Side
 
@@ -33,7 +34,7 @@ class Hand:
     """Where one hand is."""
 
     reach: Reach | None = None  # in the world as if the torso stood upright; None: at rest
-    turns_with_torso: bool = True  # the gesture box does, a target in the world does not
+    aim: Floats | None = None  # (3,) [m] in the world: what the arm points at from wherever its shoulder then is
 
 
 @dataclass(frozen=True, eq=False)

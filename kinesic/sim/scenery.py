@@ -23,8 +23,8 @@ PUPIL_RADIUS = 0.0105  # [m]
 PUPIL_AHEAD = 0.0095  # [m] of the pupils' centres before those of the whites
 VIEW_ANGLE = 28.0  # [deg] of the camera, vertical
 VIEW_FROM = (0.92, 0.36, 0.16)  # direction from the robot to the camera: in front, slightly to its left and above
-VIEW_RISE = 0.55  # of the picture's middle above gesture space's origin, in arm lengths
-VIEW_HEIGHT = 3.0  # of the picture at the robot, in arm lengths
+VIEW_RISE = 0.45  # of the picture's middle above gesture space's origin, in arm lengths
+VIEW_HEIGHT = 2.6  # of the picture at the robot, in arm lengths
 
 
 def staged(robot: Robot, *, width: int, height: int) -> mujoco.MjModel:

@@ -171,6 +171,8 @@ def test_constraints_lose_what_is_dropped(timed: Timing) -> None:
 
 
 def test_impossible_constraints_are_passed_over_with_a_notice(timed: Timing) -> None:
+    mixed = '<constraint><after ref="5"><sync ref="3"/><sync ref="g:end"/></after></constraint>'
+    assert [n.id for n in timed(gesture("g") + mixed).notices] == ["b"]
     found = timed(gesture("g") + '<constraint><after ref="5"><sync ref="3"/></after></constraint>')
     assert [n.id for n in found.notices] == ["b"]
     found = timed(gesture("g") + '<constraint><after ref="g:nope"><sync ref="g:end"/></after></constraint>')
