@@ -166,10 +166,10 @@ class _Cast:
 
     def _give_up_constraint(self, loop: list[Edge]) -> None:
         """Passes over the orders between times of the block itself, which alone can contradict without a behaviour."""
-        for constraint in list(self.constraints):
-            if isinstance(constraint, Order) and constraint.earlier.behaviour == "bml":
-                if any(ref.behaviour == "bml" for ref in constraint.later):
-                    self.give_up(constraint, NoticeType.IMPOSSIBLE_TO_SCHEDULE, _told(loop, self.block.id))
+        orders = [constraint for constraint in self.constraints if isinstance(constraint, Order)]
+        for order in orders:
+            if order.earlier.behaviour == "bml" and any(ref.behaviour == "bml" for ref in order.later):
+                self.give_up(order, NoticeType.IMPOSSIBLE_TO_SCHEDULE, _told(loop, self.block.id))
 
 
 _REMEDY = "take it out of <required>, or give it times that can be met"

@@ -98,8 +98,8 @@ def _is_plain(part: str) -> bool:
 def _resolved(text: str, parts: list[str], offset: float, names: Names) -> SyncRef:
     *owners, last = parts
     # a sign with nothing behind it stays in the name, as the reference parser has it
-    plain = [*owners, last[:-1]]
-    if not all(parts) or not all(_is_plain(part) or names.knows(part) for part in plain):
+    name = last if names.knows(last) else last[:1] + last[1:].removesuffix("+").removesuffix("-")
+    if not all(parts) or not all(_is_plain(part) or names.knows(part) for part in (*owners, name)):
         raise _unreadable(text)
     match parts:
         case [mark] if mark in names.marks:

@@ -4,7 +4,7 @@ An unreachable target is a result with a residual: the arm points at it.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import acos
 
 import numpy as np
@@ -13,6 +13,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
 from kinesic.ik.linkage import Linkage, linkage_of
+from kinesic.ik.mirror import is_right, mirrored_chain, mirrored_place, mirrored_reach
 from kinesic.ik.place import Bend, Place, bent, place_of, placed
 from kinesic.ik.polish import polish
 from kinesic.ik.seeds import nearest
@@ -56,11 +57,21 @@ def solve(
     Raises:
         ValueError: a shape is wrong or a number is not finite.
     """
+    _finite("reach.position", reach.position, 3)
+    _check(reach)
+    if is_right(chain):
+        chain, reach = mirrored_chain(chain), mirrored_reach(reach)
+        solution = _solved(chain, reach, start, rest, mobility)
+        return replace(solution, target=mirrored_place(solution.target))
+    return _solved(chain, reach, start, rest, mobility)
+
+
+def _solved(chain: Chain, reach: Reach, start: Floats, rest: Floats | None, mobility: Floats | None) -> Solution:
+    """`solve` for an arm on the left or in the middle."""
     linkage = linkage_of(chain)
     near = _posture(chain, "start", start)
     home = _posture(chain, "rest", chain.rest if rest is None else rest)
-    asked = vector(_finite("reach.position", reach.position, 3))
-    _check(reach)
+    asked = vector(reach.position)
     ease = _mobility(linkage, chain, mobility)
     place = placed(linkage, asked, near=near, rest=home)
     bend = _found(linkage, place, near=near, home=home, ease=ease, swivel=reach.swivel)
