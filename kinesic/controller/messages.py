@@ -13,7 +13,8 @@ def feedback(plan: Plan) -> Iterator[str]:
     for sync in plan.syncs:
         times.setdefault(sync.behaviour, {})[sync.sync] = sync.planned
     start, end = plan.timeline.start, plan.timeline.end
-    yield prediction(block.id, start, end, times)
+    types = {behaviour.id: behaviour.type for behaviour in block.behaviours}
+    yield prediction(block.id, start, end, times, types=types)
     for notice in plan.notices:
         yield warning(notice)
     yield block_progress(block.id, "start", start)

@@ -38,7 +38,7 @@ def spans(
     """Natural seconds after the previous sync point of its type, for the behaviours that move head, torso or hands.
 
     Ways of the hands take Fitts' time, no less than servos do at ease; a post-stroke hold takes half the stroke
-    (bml.md 3.7); temporal extent divides all of them. Sync points that a mapping leaves out take no time.
+    (Greta's rule); temporal extent divides all of them. Sync points that a mapping leaves out take no time.
 
     Args:
         block: whose behaviours are asked.

@@ -1,4 +1,4 @@
-"""Reads Greta's gestuaries: gestures as XML (thesis 8.7; bml.md 3.4)."""
+"""Reads Greta's gestuaries: gestures as XML (thesis 8.7)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

@@ -59,7 +59,7 @@ def arranged(strokes: Sequence[Stroke], robot: Robot) -> Arranged:
     """Gives every stroke its hands and joins the strokes of each hand.
 
     A gesture whose stroke would begin before the earlier one of the same hand has ended is dropped, unless one of
-    its options finds its hands free (bml.md 3.7, co-articulation). A rest pose never stands in the way: it is
+    its options finds its hands free (co-articulation). A rest pose never stands in the way: it is
     taken when the hand is free.
 
     Args:

@@ -16,7 +16,7 @@ from kinesic.expressivity.form import HandPose, StrokeKey
 
 Axis = Literal["x", "y", "z"]
 
-# Centres of McNeill's sectors [arm lengths], after Greta's `SymbolicPosition` (thesis 8.7; bml.md 3.5, first column).
+# Centres of McNeill's sectors [arm lengths], after Greta's `SymbolicPosition` (thesis 8.7).
 SECTORS: Mapping[Axis, Mapping[str, float]] = {
     "x": {"XEP": 0.8, "XP": 0.5, "XC": 0.25, "XCC": 0.0, "XOppC": -0.25},
     "y": {
@@ -85,7 +85,7 @@ def to_world(robot: Robot, side: Side, position: Floats) -> Floats:
 
 
 def extended(position: Floats, spatial: float, fixed: tuple[bool, bool, bool] = (False, False, False)) -> Floats:
-    """A position under spatial extent (bml.md 3.7; thesis 8.7 "Gesture Volume").
+    """A position under spatial extent (Greta's factors; thesis 8.7, Gesture Volume).
 
     Args:
         position: (3,) forward, outward, up [arm lengths].
