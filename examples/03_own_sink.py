@@ -14,9 +14,8 @@ class Ticker:
 
     def write(self, command: Command, /) -> None:
         if round(100 * command.time) % 25 == 0:
-            print(
-                f"{command.time:5.2f} s  elbow {command.angles[self.joint]:5.2f} rad, goal {command.goals[self.joint]:5.2f}"
-            )
+            angle, goal = command.angles[self.joint], command.goals[self.joint]
+            print(f"{command.time:5.2f} s  elbow {angle:5.2f} rad, goal {goal:5.2f}")
 
     def close(self) -> None:
         print("done")

@@ -35,7 +35,7 @@ class Sense:
 
 
 def read_lexeme(lexeme: str) -> Reading:
-    """Takes a lexeme apart at underscores, capitals and digits: `Tiny_Ges_R2` is ("tiny",) on the right.
+    """Takes a lexeme apart at underscores, capitals and digits: `Rise_Arm_R2` is ("rise", "arm") on the right.
 
     Articles, digits and words such as `Ges` say nothing about the meaning. A single letter L, R or B names the
     side; the words left, right and both do so too, if other words are there to carry the meaning.
