@@ -2,8 +2,9 @@
 
 from kinesic.body.command import Command
 from kinesic.body.config import CONFIGS
+from kinesic.controller.feedforward import lead
 from kinesic.controller.perform import facts, plan
-from kinesic.controller.play import commands, play, ticks
+from kinesic.controller.play import RATE, commands, play, ticks
 
 
 class Ticker:
@@ -24,7 +25,6 @@ class Ticker:
 known = facts()
 planned = plan((CONFIGS / "bml" / "welcome.bml").read_bytes(), known)
 times = ticks(planned.duration)
-play(
-    commands(planned.trajectory, times, known.robot, known.dynamics),
-    Ticker(known.robot.skeleton.joint("r_elbow_flexion")),
-)
+setpoints = lead(planned.trajectory, times, known.robot, known.dynamics, period=1 / RATE)
+elbow = known.robot.skeleton.joint("r_elbow_flexion")
+play(commands(planned.trajectory, times, setpoints), Ticker(elbow))

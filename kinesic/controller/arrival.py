@@ -4,28 +4,39 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from kinesic.body.arrays import Flags, Floats
+from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES, Robot
 from kinesic.controller.plan import Plan
 from kinesic.controller.syncs import SyncTime
 from kinesic.expressivity.keyframes import PartName
 
+HANDS: tuple[PartName, PartName] = ("l_hand", "r_hand")
 WINDOW = 0.3  # [s] before and after the planned time
 LEAST_BALL = 0.005  # [m]
 LEAST_CONE = np.radians(0.5)  # [rad] the ball's like for head and torso
 SHARE = 0.05  # of the path
 
 
-def paths(angles: Floats, robot: Robot) -> Mapping[PartName, Floats]:
-    """Where each part is along a motion: hands (m, 3) [m] in the world, head and torso (m, 3) [rad]."""
-    origins = robot.skeleton.frames(angles).origins
-    wrists = {side: robot.skeleton.segment(robot.chains[f"{side}_arm"][-1]) for side in SIDES}
+def paths(angles: Floats, robot: Robot, hands: Mapping[str, Floats] | None = None) -> Mapping[PartName, Floats]:
+    """Where each part is along a motion: hands (m, 3) [m] in the world, head and torso (m, 3) [rad].
+
+    Args:
+        angles: (m, n) [rad].
+        robot: the robot.
+        hands: "l", "r" -> (m, 3) [m], when they are known already.
+    """
+    known = hands or _hands(angles, robot)
     return {
-        "l_hand": origins[:, wrists["l"]],
-        "r_hand": origins[:, wrists["r"]],
+        "l_hand": known["l"],
+        "r_hand": known["r"],
         "head": angles[:, list(robot.joints("neck"))],
         "torso": angles[:, list(robot.joints("torso"))],
     }
+
+
+def _hands(angles: Floats, robot: Robot) -> dict[str, Floats]:
+    origins = robot.skeleton.frames(angles).origins
+    return {side: origins[:, robot.skeleton.segment(robot.chains[f"{side}_arm"][-1])] for side in SIDES}
 
 
 def lags(
@@ -47,17 +58,19 @@ def lags(
         Seconds per sync point of a moving behaviour; None where the part never arrives.
     """
     found: dict[SyncTime, float | None] = {}
-    spans = _spans(plan.syncs)
+    spans, zero = _spans(plan.syncs), plan.trajectory.zero
+    ways = {part: _way(path) for part, path in reference.items()}
     for sync in plan.syncs:
-        parts = plan.keyframes.uses.get(sync.behaviour, frozenset())
-        begin, end = (plan.trajectory.zero + time for time in spans[sync.behaviour])
-        inside = (times >= begin) & (times <= end)
-        moving = [part for part in sorted(parts) if _length(reference[part][inside]) > 0.0]
-        if not moving:
-            continue
-        late = [_lag(part, plan.trajectory.zero + sync.planned, times, inside, reference, performed) for part in moving]
-        known = [lag for lag in late if lag is not None]
-        found[sync] = max(known, key=abs) if len(known) == len(late) else None
+        begin, end = np.searchsorted(times, [zero + time for time in spans[sync.behaviour]])
+        late = []
+        for part in sorted(plan.keyframes.uses.get(sync.behaviour, frozenset())):
+            length = float(ways[part][min(end, len(times) - 1)] - ways[part][begin])
+            if length > 0.0:
+                radius = max(LEAST_BALL if part in HANDS else LEAST_CONE, SHARE * length)
+                late.append(_lag(zero + sync.planned, times, reference[part], performed[part], radius))
+        if late:
+            known = [lag for lag in late if lag is not None]
+            found[sync] = max(known, key=abs) if len(known) == len(late) else None
     return found
 
 
@@ -70,35 +83,29 @@ def _spans(syncs: tuple[SyncTime, ...]) -> dict[str, tuple[float, float]]:
     return spans
 
 
-def _lag(
-    part: PartName,
-    at: float,
-    times: Floats,
-    inside: Flags,
-    reference: Mapping[PartName, Floats],
-    performed: Mapping[PartName, Floats],
-) -> float | None:
-    least = LEAST_BALL if part in ("l_hand", "r_hand") else LEAST_CONE
-    radius = max(least, SHARE * _length(reference[part][inside]))
-    centre = np.array([np.interp(at, times, column) for column in reference[part].T])
-    planned = _entry(at, times, reference[part], centre, radius)
-    arrived = _entry(at, times, performed[part], centre, radius)
+def _lag(at: float, times: Floats, reference: Floats, performed: Floats, radius: float) -> float | None:
+    """How much later a path enters the ball around the planned position at a time [s]."""
+    centre = np.array([np.interp(at, times, column) for column in reference.T])
+    planned = _entry(at, times, reference, centre, radius)
+    arrived = _entry(at, times, performed, centre, radius)
     return None if planned is None or arrived is None else arrived - planned
 
 
 def _entry(at: float, times: Floats, path: Floats, centre: Floats, radius: float) -> float | None:
     """First time [s] within the window that a path is inside a ball, between samples by linear interpolation."""
-    near = np.flatnonzero((times >= at - WINDOW) & (times <= at + WINDOW))
-    distance = np.linalg.norm(path[near] - centre, axis=1)
+    begin, end = np.searchsorted(times, [at - WINDOW, at + WINDOW])
+    distance = np.linalg.norm(path[begin:end] - centre, axis=1)
     inside = np.flatnonzero(distance <= radius)
     if not len(inside):
         return None
     first = int(inside[0])
     if first == 0:
-        return float(times[near[0]])
+        return float(times[begin])
     share = (distance[first - 1] - radius) / (distance[first - 1] - distance[first])
-    return float(times[near[first - 1]] + share * (times[near[first]] - times[near[first - 1]]))
+    before, after = times[begin + first - 1], times[begin + first]
+    return float(before + share * (after - before))
 
 
-def _length(path: Floats) -> float:
-    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+def _way(path: Floats) -> Floats:
+    """(m,) how far a path has come."""
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])

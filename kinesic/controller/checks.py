@@ -48,7 +48,7 @@ def _limits(performance: Performance) -> list[Check]:
         worst = int(ratios.argmax())
         status: Status = "pass" if ratios[worst] <= TOLERANCE else "fail"
         found.append(Check(f"limits.{quantity}", status, float(ratios[worst]), 1.0, "ratio", names[worst]))
-    duty = np.abs(performance.duty)
+    duty = np.abs(performance.duties)
     row, hinge = np.unravel_index(int(duty.argmax()), duty.shape)
     where = f"{names[hinge]} at {performance.measured.times[row]:.2f} s"
     found.append(_goal("limits.duty", float(duty[row, hinge]), DUTY, "ratio", where))

@@ -60,7 +60,7 @@ def condition(
     """
     keys = Keys.of(postures)
     gaps, met = dict(keys.gaps), dict[Pair, Bottleneck]()
-    times = keys.asked
+    times = keys.asked if keys.spaced else relaxed(keys, gaps, lead_in)
     for _ in range(ROUNDS):
         trajectory, excess = _softened(times, keys, limits, manner)
         if not excess:

@@ -1,16 +1,26 @@
 """Inverts the servo model: goals that make the hinges arrive where the reference is, when it is there."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, sealed
 from kinesic.body.dynamics import Dynamics
 from kinesic.body.robot import Robot
 from kinesic.controller.trajectory import Trajectory
 
 
-def goals(
+@dataclass(frozen=True, eq=False)
+class Lead:
+    """Set points, and what the servos have to give for them."""
+
+    goals: Floats  # (m, n) [rad] clipped to the ranges
+    duties: Floats  # (m, n) torque / stall + speed / no-load of the reference, may exceed 1
+
+
+def lead(
     trajectory: Trajectory, times: Floats, robot: Robot, dynamics: Dynamics, *, period: float, delay: float = 0.0
-) -> Floats:
+) -> Lead:
     """Set points for the servos.
 
     A servo gives torque = stall (gain e) - (stall / no_load) speed - rate_gain speed for an error e = goal - angle,
@@ -24,14 +34,13 @@ def goals(
         dynamics: inverse dynamics.
         period: [s] between goals.
         delay: [s] of the bus.
-
-    Returns:
-        (m, n) [rad], clipped to the ranges.
     """
     angles, speeds, accelerations = trajectory.sample(times + period / 2 + delay)
     torques = dynamics.torques(angles, speeds, accelerations)
     stall = np.array([drive.stall for drive in robot.drives])
+    no_load = np.array([drive.no_load for drive in robot.drives])
     gain = np.array([drive.gain for drive in robot.drives])
-    back = np.array([drive.stall / drive.no_load + drive.rate_gain for drive in robot.drives])
-    lead = (back * speeds + torques) / (gain * stall)
-    return robot.skeleton.clamp(angles + lead)
+    rate = np.array([drive.rate_gain for drive in robot.drives])
+    duties = torques / stall + speeds / no_load
+    errors = (duties + rate * speeds / stall) / gain
+    return Lead(sealed(robot.skeleton.clamp(angles + errors)), sealed(duties))

@@ -10,10 +10,11 @@ from kinesic.bml.parse import parse
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.controller.facts import Facts
+from kinesic.controller.feedforward import lead
 from kinesic.controller.performance import Performance
 from kinesic.controller.plan import Plan
 from kinesic.controller.plan import plan as plan_block
-from kinesic.controller.play import commands, play, ticks
+from kinesic.controller.play import RATE, commands, play, ticks
 from kinesic.expressivity.lexicon import Lexicon
 from kinesic.expressivity.style import Style
 from kinesic.sim.distances import CapsuleDistances
@@ -78,10 +79,9 @@ def perform(
 def dry_run(planned: Plan, *, twin: Factors = NOMINAL, parse_seconds: float = 0.0) -> Performance:
     """Performs a plan in the twin."""
     known, trajectory = planned.facts, planned.trajectory
-    times = ticks(planned.duration)
     began = perf_counter()
+    times = ticks(planned.duration)
+    setpoints = lead(trajectory, times, known.robot, known.dynamics, period=1 / RATE)
     body = Twin(known.robot, factors=twin, start=trajectory.at(0.0).angles)
-    play(commands(trajectory, times, known.robot, known.dynamics), body)
-    measured = body.measurements()
-    torques = known.dynamics.torques(*trajectory.sample(measured.times))
-    return Performance(planned, measured, torques, parse_seconds, perf_counter() - began)
+    play(commands(trajectory, times, setpoints), body)
+    return Performance(planned, body.measurements(), setpoints.duties, parse_seconds, perf_counter() - began)

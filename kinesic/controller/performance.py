@@ -22,7 +22,7 @@ class Performance:
 
     plan: Plan
     measured: Measurements
-    torques: Floats  # (m, n) [Nm] that the reference needs
+    duties: Floats  # (m, n) that the reference needs at each command
     parse_seconds: float
     dry_run_seconds: float  # of twin and checks
 
@@ -48,7 +48,7 @@ class Performance:
         """How much later than planned each sync point was met in the twin [s]; None: never."""
         robot = self.plan.facts.robot
         planned = paths(self.reference[0], robot)
-        performed = {**paths(self.measured.angles, robot)}
+        performed = paths(self.measured.angles, robot, self.measured.hands)
         return lags(self.plan, self.measured.times, planned, performed)
 
     @cached_property
@@ -57,15 +57,6 @@ class Performance:
         angles, speeds, _ = self.reference
         moving = np.abs(speeds) > MOVING * self.plan.facts.limits.speed
         return np.where(moving, self.measured.angles - angles, np.nan)
-
-    @cached_property
-    def duty(self) -> Floats:
-        """(m, n) duty that the reference needs: torque / stall + speed / no-load."""
-        drives = self.plan.facts.robot.drives
-        stall = np.array([drive.stall for drive in drives])
-        no_load = np.array([drive.no_load for drive in drives])
-        duty: Floats = self.torques / stall + self.reference[1] / no_load
-        return duty
 
 
 def _peaks(curve: PPoly, middle: float) -> tuple[float, float, float]:

@@ -15,8 +15,9 @@ from kinesic.controller.clear import cleared, culprits
 from kinesic.controller.condition import Conditioned
 from kinesic.controller.facts import Facts
 from kinesic.controller.postures import Postures, postures
+from kinesic.controller.retime import Keys
 from kinesic.controller.syncs import SyncTime, shifts, sync_times
-from kinesic.controller.trajectory import Trajectory, spline
+from kinesic.controller.trajectory import Trajectory, held, spline
 from kinesic.expressivity.durations import spans
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.expressivity.realise import keyframes
@@ -69,7 +70,8 @@ def plan(block: Block, facts: Facts) -> Plan:
     without: dict[str, str] = {}
     while True:
         frames = _frames(timeline, facts, without)
-        solved, motion, times, clearance = cleared(postures(frames, facts.robot, facts.distances), facts)
+        asked = postures(frames, facts.robot, facts.distances)
+        solved, motion, times, clearance = cleared(asked, facts)
         dropped = culprits(frames, motion, times, clearance, facts.robot)
         if not dropped:
             break
@@ -81,7 +83,7 @@ def plan(block: Block, facts: Facts) -> Plan:
         utterances=utterances,
         keyframes=frames,
         postures=solved,
-        wished=_wished(solved, motion, facts),
+        wished=_wished(asked, facts),
         motion=motion,
         clearance=clearance,
         clearance_times=times,
@@ -102,11 +104,9 @@ def _frames(timeline: Timeline, facts: Facts, without: Mapping[str, str]) -> Key
     )
 
 
-def _wished(solved: Postures, motion: Conditioned, facts: Facts) -> Trajectory:
-    """The motion as asked, before limits."""
-    keys = solved.postures
-    if len(keys) < 2:
-        return motion.trajectory
-    angles = np.stack([posture.angles for posture in keys])
-    keyed = np.array([posture.keyed for posture in keys])
-    return spline(motion.asked, angles, keyed, facts.manner, np.ones_like(angles), zero=0.0)
+def _wished(asked: Postures, facts: Facts) -> Trajectory:
+    """The motion as asked: without limits and detours."""
+    keys = Keys.of(asked.postures)
+    if len(keys.asked) < 2:
+        return held(facts.robot.skeleton.rest)
+    return spline(keys.asked, keys.angles, keys.keyed, facts.manner, np.ones_like(keys.angles), zero=0.0)

@@ -6,9 +6,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import Command, Sink
-from kinesic.body.dynamics import Dynamics
-from kinesic.body.robot import Robot
-from kinesic.controller.feedforward import goals
+from kinesic.controller.feedforward import Lead
 from kinesic.controller.trajectory import Trajectory
 
 RATE = 100  # [Hz] of commands
@@ -20,13 +18,11 @@ def ticks(duration: float, *, rate: int = RATE, settle: float = SETTLE) -> Float
     return np.arange(int(np.ceil((duration + settle) * rate)) + 1) / rate
 
 
-def commands(trajectory: Trajectory, times: Floats, robot: Robot, dynamics: Dynamics) -> Iterator[Command]:
-    """One command per tick, with feed-forward."""
+def commands(trajectory: Trajectory, times: Floats, setpoints: Lead) -> Iterator[Command]:
+    """One command per tick, at (m,) performance times."""
     angles, speeds, accelerations = (sealed(values) for values in trajectory.sample(times))
-    period = float(times[1] - times[0]) if len(times) > 1 else 1 / RATE
-    setpoints = sealed(goals(trajectory, times, robot, dynamics, period=period))
     for k, time in enumerate(times):
-        yield Command(float(time), angles[k], speeds[k], accelerations[k], setpoints[k])
+        yield Command(float(time), angles[k], speeds[k], accelerations[k], setpoints.goals[k])
 
 
 def play(stream: Iterable[Command], sink: Sink) -> None:

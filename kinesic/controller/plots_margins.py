@@ -68,7 +68,7 @@ def _shares(axes: Axes, performance: Performance) -> None:
     shares = (
         ("speed", np.abs(speeds) / limits.speed, PLANNED),
         ("acceleration", np.abs(accelerations) / limits.acceleration, FAINT),
-        ("duty", np.abs(performance.duty), SPEECH),
+        ("duty", np.abs(performance.duties), SPEECH),
     )
     for _, share, colour in shares:
         axes.plot(*thinned(times, share.max(axis=1)), color=colour, linewidth=1.1)

@@ -15,6 +15,7 @@ Pair = tuple[int, int]  # two keys, the earlier first
 
 PEAK_SPEED = 1.875  # of a rest-to-rest quintic, in distance / duration
 PEAK_ACCELERATION = 5.7735  # in distance / duration^2
+SAME = 1e-6  # [s]
 RESERVE = 1.02  # on minimum durations
 WEIGHTS = {"strokeStart": 5.0, "stroke": 5.0, "strokeEnd": 5.0, "ready": 0.3, "relax": 0.3}
 WEIGHT_ELSE = 0.05
@@ -42,6 +43,11 @@ class Keys:
             sealed([_weight(posture) for posture in postures]),
             dict.fromkeys(_followers(postures, keyed), LEAST_GAP),
         )
+
+    @property
+    def spaced(self) -> bool:
+        """Whether the asked times leave a gap between keys of the same hinge or behaviour."""
+        return all(self.asked[j] - self.asked[i] >= gap - SAME for (i, j), gap in self.gaps.items())
 
     def rows(self, hinge: int) -> list[int]:
         """Keys of one hinge, in order."""

@@ -9,6 +9,8 @@ gain s / w (which undoes MuJoCo's compensation of the back-EMF) gives
 clamped exactly where the servo clamps its duty.
 """
 
+from copy import copy
+from functools import lru_cache
 from itertools import combinations
 from math import pi
 
@@ -37,8 +39,13 @@ def build(robot: Robot, *, servos: Factors = NOMINAL) -> mujoco.MjModel:
         servos: how far servos and masses are from it.
 
     Returns:
-        A model whose bodies, joints and actuators are named after segments and hinges.
+        A model whose bodies, joints and actuators are named after segments and hinges; the caller's own.
     """
+    return copy(_compiled(robot, servos))
+
+
+@lru_cache(maxsize=8)
+def _compiled(robot: Robot, servos: Factors) -> mujoco.MjModel:
     spec = describe(servos.applied(robot))
     spec.compiler.discardvisual = True  # the servos' boxes leave only their weight
     return spec.compile()

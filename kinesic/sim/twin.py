@@ -54,7 +54,7 @@ class Twin:
             raise ValueError(f"latency is {latency} s, must be at least 0")
         self._robot = factors.applied(robot)
         self._step, self._latency = step, latency
-        self._model = build(self._robot)
+        self._model = build(robot, servos=factors)
         self._data = mujoco.MjData(self._model)
         self._order = joint_order(robot, self._model)
         self._actuators = actuator_order(robot, self._model)

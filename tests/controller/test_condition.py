@@ -63,3 +63,15 @@ def test_order_of_keys_is_kept():
     keys = tuple(posture(0.1 * k, tuple(rng.uniform(-1.5, 1.5, 2)), "stroke") for k in range(8))
     motion = condition(keys, LIMITS, Manner())
     assert np.all(np.diff(motion.planned) > 0)
+
+
+def test_keys_that_were_asked_for_at_the_same_time_are_moved_apart():
+    keys = (
+        posture(0.0, (0, 0), "start"),
+        posture(1.0, (0.3, 0), "stroke"),
+        posture(1.0, (0.2, 0.1)),
+        posture(2.0, (0, 0), "end"),
+    )
+    motion = condition(keys, LIMITS, Manner())
+    assert np.all(np.diff(motion.planned) > 0.019)
+    assert np.all(np.isfinite(motion.trajectory.sample(np.linspace(0, 2, 50))[2]))

@@ -2,7 +2,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
-from kinesic.controller.feedforward import goals
+from kinesic.controller.feedforward import lead
 from kinesic.controller.trajectory import Manner, held, spline
 
 ROBOT = Robot.load()
@@ -28,13 +28,13 @@ class Loaded(Weightless):
 
 def test_a_weightless_body_at_rest_is_sent_where_it_is():
     posture = ROBOT.skeleton.rest
-    sent = goals(held(posture), np.array([0.0, 0.05]), ROBOT, Weightless(), period=0.01)
+    sent = lead(held(posture), np.array([0.0, 0.05]), ROBOT, Weightless(), period=0.01).goals
     np.testing.assert_allclose(sent, [posture, posture], atol=1e-12)
 
 
 def test_a_load_is_met_by_the_error_that_yields_its_torque():
     posture = ROBOT.skeleton.clamp(np.full(COUNT, 0.1))
-    sent = goals(held(posture), np.array([0.05]), ROBOT, Loaded(), period=0.01)
+    sent = lead(held(posture), np.array([0.05]), ROBOT, Loaded(), period=0.01).goals
     for k, drive in enumerate(ROBOT.drives):
         assert np.isclose((sent[0, k] - posture[k]) * drive.gain * drive.stall, 0.5)
 
@@ -46,7 +46,7 @@ def test_a_moving_hinge_is_led_by_its_lag():
     move = spline(
         np.array([0.0, 1.0]), angles, np.ones_like(angles, dtype=bool), Manner(), np.ones_like(angles), zero=0.0
     )
-    sent = goals(move, np.array([0.495]), ROBOT, Weightless(), period=0.01)
+    sent = lead(move, np.array([0.495]), ROBOT, Weightless(), period=0.01).goals
     drive = ROBOT.drives[hinge]
     lag = 1 / (drive.gain * drive.no_load)
     middle = move.at(0.5)
@@ -55,5 +55,5 @@ def test_a_moving_hinge_is_led_by_its_lag():
 
 def test_goals_stay_in_range():
     posture = ROBOT.skeleton.upper
-    sent = goals(held(posture), np.array([0.0]), ROBOT, Loaded(), period=0.01)
+    sent = lead(held(posture), np.array([0.0]), ROBOT, Loaded(), period=0.01).goals
     assert np.all(sent <= ROBOT.skeleton.upper)
