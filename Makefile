@@ -10,7 +10,7 @@ EXTRAS := speech face studio
 OPENGL := libegl1 libgl1-mesa-dri libopengl0 libgl1
 
 .DELETE_ON_ERROR:
-.PHONY: demo test check bench system-deps clean
+.PHONY: demo test check soak bench system-deps clean
 
 demo: .venv/.stamp-demo
 	@$(BIN)/kinesic perform kinesic/configs/bml/welcome.bml --out out/demo --force
@@ -23,6 +23,10 @@ check: .venv/.stamp-test
 	@$(BIN)/ruff format --check
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports
+
+# Longer runs: a thousand random blocks in extreme styles, and the whole corpus.
+soak: .venv/.stamp-test
+	@$(BIN)/python -m pytest -m soak
 
 bench: .venv/.stamp-demo
 	@$(BIN)/kinesic bench all

@@ -1,0 +1,60 @@
+"""Random blocks of all gestures in extreme styles: nothing crashes, touches or exceeds a limit (`make soak`)."""
+
+import random
+from dataclasses import replace
+
+import pytest
+
+from kinesic.controller.checks import checks
+from kinesic.controller.perform import facts, perform
+from kinesic.expressivity.style import RANGES, Style
+
+ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+MODES = ("LEFT_HAND", "RIGHT_HAND", "BOTH_HANDS")
+BLOCKS = 100  # for each seed
+
+pytestmark = pytest.mark.soak
+
+
+@pytest.fixture(scope="module")
+def known():
+    return facts()
+
+
+def random_style(chance: random.Random) -> Style:
+    values = {name: chance.choice([low, (low + high) / 2, high]) for name, (low, high) in RANGES.items()}
+    return Style("random", **values)
+
+
+def random_block(chance: random.Random, lexemes: list[str]) -> str:
+    lines = [
+        f'<gesture id="g{k}" lexeme="{chance.choice(lexemes)}" mode="{chance.choice(MODES)}" '
+        f'stroke="{chance.uniform(0, 8):.3f}"/>'
+        for k in range(chance.randint(1, 6))
+    ]
+    lines += [
+        f'<head id="h{k}" lexeme="{chance.choice(["NOD", "SHAKE"])}" amount="{chance.random():.2f}" '
+        f'start="{chance.uniform(0, 6):.3f}"/>'
+        for k in range(chance.randint(0, 2))
+    ]
+    if chance.random() < 0.5:
+        lean = chance.choice(["LEANING_FORWARD", "LEANING_BACKWARD"])
+        lines.append(f'<posture id="p" start="1" end="6"><pose part="WHOLEBODY" lexeme="{lean}"/></posture>')
+    if chance.random() < 0.5:
+        lines.append(
+            f'<pointing id="q" target="{chance.choice(["left", "right"])}" stroke="{chance.uniform(0, 8):.3f}"/>'
+        )
+    return ROOT.format("".join(lines))
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_random_blocks(seed, known):
+    chance = random.Random(seed)
+    lexemes = [form.id for form in known.lexicon.forms]
+    for _ in range(BLOCKS):
+        text, style = random_block(chance, lexemes), random_style(chance)
+        performance = perform(text, replace(known, style=style))
+        failed = [check for check in checks(performance) if check.status == "fail"]
+        assert not failed, f"{failed}\n{text}\n{style}"
+        outcomes = performance.plan.keyframes.outcomes
+        assert all(outcome.why for outcome in outcomes.values() if outcome.kind == "dropped")

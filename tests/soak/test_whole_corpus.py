@@ -1,0 +1,36 @@
+"""Every document of the corpus (`make soak`)."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from kinesic.controller.perform import facts
+from kinesic.controller.validate import documents, validate
+
+CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
+
+pytestmark = [
+    pytest.mark.soak,
+    pytest.mark.skipif(not CORPUS.exists(), reason=f"no corpus of BML documents at {CORPUS} (KINESIC_CORPUS)"),
+]
+
+
+@pytest.mark.parametrize(
+    "folder", ["greta/bml", "greta/fml", "greta/malformed", "openbmlparser", "realizertester", "asap"]
+)
+def test_performed_or_refused_with_a_place(folder):
+    files = documents((CORPUS / folder,))
+    verdicts = list(validate(files, facts))
+    assert len(verdicts) == len(files)
+    assert [verdict.file for verdict in verdicts if verdict.exit] == []
+    for verdict in verdicts:
+        assert verdict.outcome == "performed" or verdict.error.startswith(f"{verdict.file}:")
+
+
+def test_gestures_heads_and_gazes_of_greta_are_performed():
+    verdicts = validate(documents((CORPUS / "greta" / "bml",)), facts)
+    outcomes = [
+        o for verdict in verdicts for kind, o in verdict.behaviours if kind in ("gesture", "head", "gaze", "gazeShift")
+    ]
+    assert len([outcome for outcome in outcomes if outcome != "dropped"]) >= 0.95 * len(outcomes)
