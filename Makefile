@@ -5,7 +5,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
-SOURCES := pyproject.toml $(wildcard setup.py kinesic/ik/*.cpp kinesic/ik/*.h)
+SOURCES := pyproject.toml $(wildcard setup.py kinesic/ik/kernel/*.cpp kinesic/ik/kernel/*.h)
 EXTRAS := speech face studio
 OPENGL := libegl1 libgl1-mesa-dri libopengl0 libgl1
 

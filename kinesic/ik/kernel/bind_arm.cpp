@@ -1,0 +1,3 @@
+#include <nanobind/nanobind.h>
+
+void bind_arm(nanobind::module_& module) { (void)module; }

@@ -1,0 +1,3 @@
+#include <nanobind/nanobind.h>
+
+void bind_chains(nanobind::module_& module) { (void)module; }
