@@ -13,6 +13,7 @@ from kinesic.controller.syncs import on_keys
 from kinesic.controller.trajectory import held
 from kinesic.expressivity.keyframes import KeyFrames
 
+LAG_RESERVE = 0.006  # [m] kept in the plan for what the servos lag behind it
 DETOURS = 6  # tried before a behaviour is dropped
 
 
@@ -23,7 +24,7 @@ def cleared(solved: Postures, facts: Facts) -> tuple[Postures, Conditioned, Floa
     times, clearance = scan(motion.trajectory, facts.distances)
     for _ in range(DETOURS):
         worst = clearance.worst
-        if clearance.distances[worst] >= facts.robot.least_clearance:
+        if clearance.distances[worst] >= facts.robot.least_clearance + LAG_RESERVE:
             break
         at = float(times[worst] - motion.trajectory.zero)
         around = detour(keys, motion, at, clearance.pairs[worst], facts.robot, facts.distances)
@@ -48,7 +49,7 @@ def culprits(
     """The behaviour that brings two segments too near, and why; empty when the motion is clear."""
     worst = clearance.worst
     distance = float(clearance.distances[worst])
-    if distance >= robot.least_clearance or not frames.frames:
+    if distance >= robot.least_clearance + LAG_RESERVE or not frames.frames:
         return {}
     at = float(times[worst] - motion.trajectory.zero)
     pair = clearance.pairs[worst]

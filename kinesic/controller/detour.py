@@ -11,6 +11,7 @@ from kinesic.controller.trajectory import Trajectory
 
 SCAN_RATE = 100  # [Hz]
 ROOM = 0.025  # [m] clearance that a detour aims at
+ENOUGH = 0.018  # [m] with which it is content
 PROBE = 1e-3  # [rad] for the gradient
 STRIDE = 0.06  # [rad] of one step of the ascent
 STRIDES = 15
@@ -79,4 +80,4 @@ def _ascent(angles: Floats, joints: list[int], robot: Robot, distances: Distance
             return None
         posture[joints] += STRIDE * gradient / size
         posture = robot.skeleton.clamp(posture)
-    return posture if found[0] >= robot.least_clearance * 1.5 else None
+    return posture if found[0] >= ENOUGH else None
