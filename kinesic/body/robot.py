@@ -1,7 +1,7 @@
 """The robot: one description from which IK chains, the MuJoCo model, limits and the servo map all come."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Literal
@@ -11,8 +11,9 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
 from kinesic.body.config import locate
+from kinesic.body.description import Description
+from kinesic.body.robot_file import read_description
 from kinesic.body.servo import Drive
-from kinesic.body.skeleton import Skeleton
 
 Side = Literal["l", "r"]
 SIDES: tuple[Side, Side] = ("l", "r")
@@ -20,44 +21,8 @@ SPEED_SHARE = 0.8  # of the no-load speed that a plan may use
 
 
 @dataclass(frozen=True, eq=False)
-class Mount:
-    """A drive and where its servos sit (they carry weight)."""
-
-    drive: Drive
-    segment: str
-    position: Floats  # (3,) [m] in the segment
-
-
-@dataclass(frozen=True)
-class Exclusion:
-    """Two segments whose distance does not count, and why."""
-
-    pair: frozenset[str]
-    why: str
-
-
-@dataclass(frozen=True, eq=False)
-class Site:
-    """A named point on a segment."""
-
-    segment: str
-    position: Floats  # (3,) [m] in the segment
-    facing: Floats  # (3,) unit, in the segment
-
-
-@dataclass(frozen=True, eq=False)
-class Robot:
-    """A humanoid upper body with servos."""
-
-    name: str
-    path: Path
-    skeleton: Skeleton
-    mounts: tuple[Mount, ...]  # one per hinge, in joint order
-    chains: Mapping[str, tuple[str, ...]]  # "torso", "neck", "l_arm", "r_arm" -> segments from the base outward
-    sites: Mapping[str, Site]  # at least "l_palm", "r_palm", "eyes"
-    exclusions: tuple[Exclusion, ...]
-    least_clearance: float  # [m]
-    targets: Mapping[str, Floats]  # named points (3,) [m] in the world
+class Robot(Description):
+    """A humanoid upper body with servos: what is written about it, and what follows."""
 
     @classmethod
     def load(cls, name: str | Path = "upper22") -> "Robot":
@@ -66,9 +31,8 @@ class Robot:
         Raises:
             ConfigError: there is no such robot, or its file is wrong.
         """
-        from kinesic.body.robot_file import read_robot  # noqa: PLC0415 - the file's schema builds a Robot
-
-        return read_robot(locate("robot", name))
+        found = read_description(locate("robot", name))
+        return cls(**{field.name: getattr(found, field.name) for field in fields(found)})
 
     @cached_property
     def drives(self) -> tuple[Drive, ...]:

@@ -1,4 +1,4 @@
-"""From a robot's TOML to a Robot: the mirrored half is made, and every name is checked."""
+"""From a robot's TOML to its description: the mirrored half is made, and every name is checked."""
 
 from collections.abc import Callable
 from math import radians
@@ -10,7 +10,7 @@ import numpy as np
 
 from kinesic.body.arrays import sealed
 from kinesic.body.config import CONFIGS, ConfigError, closest, read
-from kinesic.body.robot import Exclusion, Mount, Robot, Site
+from kinesic.body.description import Description, Exclusion, Mount, Site
 from kinesic.body.robot_schema import (
     BodyTable,
     CapsuleTable,
@@ -35,7 +35,7 @@ def servo_models() -> dict[str, ServoModel]:
     return {name: ServoModel(name=name, **msgspec.structs.asdict(table)) for name, table in tables.items()}
 
 
-def read_robot(path: Path) -> Robot:
+def read_description(path: Path) -> Description:
     """Reads a robot.
 
     Raises:
@@ -46,7 +46,7 @@ def read_robot(path: Path) -> Robot:
     models = servo_models()
     order = [body.name for body in file.body]
     hinges = sorted(file.hinge, key=lambda hinge: order.index(hinge.body))
-    return Robot(
+    return Description(
         name=file.robot.name,
         path=path,
         skeleton=Skeleton(

@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats
-from kinesic.body.robot import Mount, Robot
+from kinesic.body.description import Mount
+from kinesic.body.robot import Robot
 from kinesic.body.servo import Drive
 from kinesic.body.skeleton import Capsule, Hinge, Segment
 from kinesic.sim.factors import NOMINAL, Factors

@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from kinesic.body.arrays import sealed
-from kinesic.body.robot import Exclusion, Robot
+from kinesic.body.description import Exclusion
+from kinesic.body.robot import Robot
 from kinesic.sim.distances import BLOCK, CapsuleDistances, segment_distances
 from kinesic.sim.model import build, capsule_name
 from kinesic.sim.sampling import random_postures

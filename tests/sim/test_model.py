@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from kinesic.body.arrays import sealed
-from kinesic.body.robot import Mount, Robot
+from kinesic.body.description import Mount
+from kinesic.body.robot import Robot
 from kinesic.body.servo import Drive, ServoModel
 from kinesic.body.skeleton import Capsule, Hinge, Segment, Skeleton
 from kinesic.sim.factors import PESSIMISTIC
