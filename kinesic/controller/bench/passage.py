@@ -9,7 +9,7 @@ PASSAGE = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="passage"
   <gaze id="z1" target="left" start="{8:.3f}" end="{9:.3f}"/>
 </bml>
 """
-TIMES = (0.2, 1.0, 2.2, 2.7, 3.9, 5.0, 0.4, 2.5, 3.3, 4.6)  # [s]
+TIMES = (0.2, 1.0, 2.2, 2.7, 3.9, 5.0, 0.4, 2.0, 3.4, 4.7)  # [s]
 
 
 def passage(repetition: int) -> str:
