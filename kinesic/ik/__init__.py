@@ -1,5 +1,21 @@
 """Finds joint angles for a reach."""
 
+from importlib import import_module
+from os import environ
 from typing import Literal
 
-KERNEL: Literal["compiled", "numpy"] = "numpy"  # which implementation runs
+Kernel = Literal["compiled", "numpy"]
+
+
+def _present() -> Kernel:
+    """Compiled, unless set-up found no compiler or KINESIC_KERNEL=numpy asks for the specification."""
+    if environ.get("KINESIC_KERNEL") == "numpy":
+        return "numpy"
+    try:
+        import_module("kinesic.ik._kernel")
+    except ImportError:
+        return "numpy"
+    return "compiled"
+
+
+KERNEL: Kernel = _present()  # which implementation runs

@@ -9,10 +9,12 @@ import numpy as np
 
 from kinesic.body.chain import Chain
 from kinesic.body.skeleton import Hinge
+from kinesic.ik.refusal import checked
 from kinesic.ik.vectors import IDENTITY, Rotation, Vector, after, norm, plus, rotated, turned, unit, vector
 
 PARALLEL = 1e-9  # sine of the angle below which a hinge lies along its bone
 ELBOW_SAMPLES = 65  # of the elbow's range, to find how far the hand can be
+GIRDLE_MOBILITY = 0.1  # the collar bone moves late
 
 
 @dataclass(frozen=True)
@@ -66,6 +68,12 @@ class Linkage:
         """What carries the shoulder; empty for an arm without collar bone."""
         return self.links[:-3]
 
+    @cached_property
+    def mobility(self) -> tuple[float, ...]:
+        """How readily each hinge moves unless something else is asked."""
+        girdle = self.links[-3].first
+        return tuple(GIRDLE_MOBILITY if k < girdle else 1.0 for k in range(len(self.pivots)))
+
     def walk(self, angles: Sequence[float], links: int) -> tuple[Rotation, list[Vector]]:
         """Forward kinematics of the first links.
 
@@ -96,12 +104,9 @@ def linkage_of(chain: Chain) -> Linkage:
     hinges of the next bone. So an elbow's plane (twist of the upper arm, flexion) is solved like a shoulder.
 
     Raises:
-        ValueError: the chain has fewer than three joints.
+        ConfigError: the chain is no arm that can be solved; says which rule it breaks.
     """
-    if len(chain.joints) < 3:
-        raise ValueError(
-            f"chain {chain.name} has {len(chain.joints)} joints; an arm has at least shoulder, elbow, wrist"
-        )
+    chain = checked(chain)
     links: list[Link] = []
     carried: list[Hinge] = []
     first = 0

@@ -75,8 +75,8 @@ def settle(points: Sequence[Vector], lengths: Sequence[float], target: Vector) -
 def _tuned(bones: int) -> tuple[float, float]:
     """Stiffness x dt^2, and the share of its speed that a mass keeps per step (heavy-ball optimum)."""
     slow, fast = sqrt(2.0 - 2.0 * cos(pi / bones)), sqrt(2.0 - 2.0 * cos(pi * (bones - 1) / bones))
-    damping = 1.0 - ((fast - slow) / (fast + slow)) ** 2
-    return 4.0 / (fast + slow) ** 2, 1.0 - DAMPING_SHARE * damping
+    share = (fast - slow) / (fast + slow)
+    return 4.0 / ((fast + slow) * (fast + slow)), 1.0 - DAMPING_SHARE * (1.0 - share * share)
 
 
 def _forces(masses: Sequence[Vector], rests: Sequence[float]) -> list[Vector]:

@@ -45,9 +45,9 @@ def placed(linkage: Linkage, target: Vector, *, near: Sequence[float], rest: Seq
     resting = linkage.walk(rest, len(linkage.girdle))[1]
     if distance(resting[-1], target) <= TAUT * reach:
         return _place(resting, target, 0)
-    helpful = _helpful(linkage, target, near)
-    if distance(helpful[-1], target) > STRETCH * reach:
-        return _place(helpful, clamp(target, helpful[-1], STRETCH * reach), 0)
+    nearer = helpful(linkage, target, near)
+    if distance(nearer[-1], target) > STRETCH * reach:
+        return _place(nearer, clamp(target, nearer[-1], STRETCH * reach), 0)
     upper, fore = TAUT * linkage.links[-3].length, TAUT * linkage.links[-2].length
     elbow = plus(resting[-1], scaled(unit(minus(target, resting[-1])), upper))
     lengths = (*(link.length for link in linkage.girdle), upper, fore)
@@ -63,10 +63,10 @@ def place_of(linkage: Linkage, angles: Sequence[float], target: Vector) -> Place
 
 def gap(linkage: Linkage, target: Vector) -> float:
     """Distance [m] of a target from the shoulder, when the girdle does what it can."""
-    return distance(_helpful(linkage, target, [pivot.rest for pivot in linkage.pivots])[-1], target)
+    return distance(helpful(linkage, target, [pivot.rest for pivot in linkage.pivots])[-1], target)
 
 
-def _helpful(linkage: Linkage, target: Vector, near: Sequence[float]) -> list[Vector]:
+def helpful(linkage: Linkage, target: Vector, near: Sequence[float]) -> list[Vector]:
     """The girdle's joints [m] when the shoulder comes as near to a target as it can."""
     line = unit(minus(target, linkage.origin))
     ends = [linkage.origin]

@@ -37,6 +37,7 @@ def polish(
     *,
     posture: Sequence[float],
     mobility: Sequence[float],
+    rounds: int = ROUNDS,
 ) -> Polished:
     """Moves the hand to a target.
 
@@ -46,32 +47,35 @@ def polish(
         angles: [rad] to begin with, inside the ranges.
         posture: [rad] to which springs pull what the hand does not need.
         mobility: how readily each hinge moves; 1 for an ordinary one, 0 for one that is fixed.
+        rounds: at most.
 
     Returns:
         The best angles met.
     """
     size = linkage.farthest
     now = list(angles[: linkage.links[-1].first])
-    hand, columns = _columns(linkage, now)
+    hand, moves = columns(linkage, now)
     error = minus(target, hand)
-    caution, stalled, rounds = 1.0, 0, 0
-    while norm(error) > TOLERANCE * size and stalled < PATIENCE and rounds < ROUNDS:
-        rounds += 1
+    caution, fading, stalled, done = 1.0, 1.0, 0, 0
+    while norm(error) > TOLERANCE * size and stalled < PATIENCE and done < rounds:
+        done += 1
+        fading *= FADING
         damping = caution * (DAMPING * dot(error, error) + LEAST_DAMPING * size * size)
-        pulls = [POSTURE * FADING**rounds / caution * (home - angle) for home, angle in zip(posture, now, strict=False)]
-        tried = _stepped(linkage, now, error, columns, pulls, mobility, damping)
-        hand, tried_columns = _columns(linkage, tried)
+        share = POSTURE * fading / caution
+        pulls = [share * (home - angle) for home, angle in zip(posture, now, strict=False)]
+        tried = stepped(linkage, now, error, moves, pulls, mobility, damping)
+        hand, tried_moves = columns(linkage, tried)
         tried_error = minus(target, hand)
         gain = norm(tried_error) / norm(error)
         stalled = stalled + 1 if gain > STALL else 0
         caution = CAUTION * caution if gain >= 1.0 else max(1.0, caution / CAUTION)
         if gain < 1.0:
-            now, error, columns = tried, tried_error, tried_columns
-    return Polished(tuple(now), norm(error), rounds)
+            now, error, moves = tried, tried_error, tried_moves
+    return Polished(tuple(now), norm(error), done)
 
 
-def _columns(linkage: Linkage, angles: Sequence[float]) -> tuple[Vector, list[Vector]]:
-    """The hand [m], and how it moves per radian of each hinge [m]."""
+def columns(linkage: Linkage, angles: Sequence[float]) -> tuple[Vector, list[Vector]]:
+    """The hand [m], and how it moves per radian of each hinge [m]: the columns of its Jacobian."""
     rotation, centre = IDENTITY, linkage.origin
     axes: list[tuple[Vector, Vector]] = []
     for link in linkage.links[:-1]:
@@ -82,30 +86,30 @@ def _columns(linkage: Linkage, angles: Sequence[float]) -> tuple[Vector, list[Ve
     return centre, [cross(axis, minus(centre, pole)) for axis, pole in axes]
 
 
-def _stepped(
+def stepped(
     linkage: Linkage,
     angles: Sequence[float],
     error: Vector,
-    columns: Sequence[Vector],
+    moves: Sequence[Vector],
     pulls: Sequence[float],
     mobility: Sequence[float],
     damping: float,
 ) -> list[float]:
     """The angles after one step; what a stopped hinge cannot give is solved again on those that are free."""
-    stepped, pivots = list(angles), linkage.pivots
-    free = [k for k in range(len(stepped)) if mobility[k] > 0.0]
+    moved, pivots = list(angles), linkage.pivots
+    free = [k for k in range(len(moved)) if mobility[k] > 0.0]
     while free:
         left = error
         for k in free:
-            left = minus(left, scaled(columns[k], pulls[k]))
-        push = _solved([columns[k] for k in free], [mobility[k] for k in free], damping, left)
-        wanted = {k: angles[k] + pulls[k] + mobility[k] * dot(columns[k], push) for k in free}
+            left = minus(left, scaled(moves[k], pulls[k]))
+        push = _solved([moves[k] for k in free], [mobility[k] for k in free], damping, left)
+        wanted = {k: angles[k] + pulls[k] + mobility[k] * dot(moves[k], push) for k in free}
         stopped = [k for k in free if not pivots[k].lower <= wanted[k] <= pivots[k].upper]
         for k in stopped or list(free):
-            stepped[k] = min(max(wanted[k], pivots[k].lower), pivots[k].upper)
-            error = minus(error, scaled(columns[k], stepped[k] - angles[k]))
+            moved[k] = min(max(wanted[k], pivots[k].lower), pivots[k].upper)
+            error = minus(error, scaled(moves[k], moved[k] - angles[k]))
             free.remove(k)
-    return stepped
+    return moved
 
 
 def _solved(columns: Sequence[Vector], mobility: Sequence[float], damping: float, error: Vector) -> Vector:

@@ -1,6 +1,7 @@
 """Joint angles for a reach: clamp, masses, hinges, polish, wrist (thesis 7.3).
 
-An unreachable target is a result with a residual: the arm points at it.
+An unreachable target is a result with a residual: the arm points at it. The compiled kernel answers where there is
+one; what stands here is its specification, and the answer where there is none.
 """
 
 from collections.abc import Sequence
@@ -12,18 +13,17 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
+from kinesic.ik import KERNEL, Kernel
+from kinesic.ik.approach import STALLED, approach
+from kinesic.ik.compiled import arm_of
+from kinesic.ik.finish import finish
 from kinesic.ik.linkage import Linkage, linkage_of
 from kinesic.ik.mirror import is_right, mirrored_chain, mirrored_place, mirrored_reach
 from kinesic.ik.place import Bend, Place, bent, place_of, placed
-from kinesic.ik.polish import polish
-from kinesic.ik.seeds import nearest
-from kinesic.ik.vectors import distance, dot, rotated, unit, vector
+from kinesic.ik.vectors import Vector, distance, dot, rotated, unit, vector
 from kinesic.ik.wrist import Wish, orient
 
 REACHED = 1e-3  # [m] residual at which the hand is there
-STALLED = 2e-5  # [m] from the clamped target: further away the arm begins again elsewhere
-RESTARTS = 8
-GIRDLE_MOBILITY = 0.1  # the collar bone moves late
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +40,13 @@ class Solution:
 
 
 def solve(
-    chain: Chain, reach: Reach, *, start: Floats, rest: Floats | None = None, mobility: Floats | None = None
+    chain: Chain,
+    reach: Reach,
+    *,
+    start: Floats,
+    rest: Floats | None = None,
+    mobility: Floats | None = None,
+    kernel: Kernel = KERNEL,
 ) -> Solution:
     """Finds the posture of an arm for a hand.
 
@@ -50,46 +56,90 @@ def solve(
         start: (k,) [rad] posture to stay close to; clipped to the ranges.
         rest: (k,) [rad] of whatever the reach leaves open; the chain's own by default.
         mobility: (k,) how readily each hinge helps where closed forms do not suffice; the girdle 0.1, others 1.
+        kernel: which implementation answers; "numpy" is the specification of the other.
 
     Returns:
         Angles inside the ranges and what is left of the reach, measured on these angles.
 
     Raises:
-        ValueError: a shape is wrong or a number is not finite.
+        ValueError: a shape is wrong or a number is not finite; or the chain is no arm.
     """
-    _finite("reach.position", reach.position, 3)
-    _check(reach)
+    answer = _answered(chain, reach, start, rest, mobility, kernel)
+    return answer if answer.reached else _finished(chain, reach, rest, answer)
+
+
+def _answered(
+    chain: Chain, reach: Reach, start: Floats, rest: Floats | None, mobility: Floats | None, kernel: Kernel
+) -> Solution:
+    if kernel == "compiled":
+        answer = _compiled(chain, reach, start, rest, mobility)
+        if answer is not None:
+            return answer
+    reach = _checked(reach)
+    start = _finite("start", start, len(chain.rest))
+    rest = chain.rest if rest is None else _finite("rest", rest, len(chain.rest))
+    mobility = None if mobility is None else _finite("mobility", mobility, len(chain.rest))
+    if kernel == "compiled":
+        answer = _compiled(chain, reach, start, rest, mobility)
+        if answer is not None:
+            return answer
     if is_right(chain):
-        chain, reach = mirrored_chain(chain), mirrored_reach(reach)
-        solution = _solved(chain, reach, start, rest, mobility)
+        solution = _solved(mirrored_chain(chain), mirrored_reach(reach), start, rest, mobility)
         return replace(solution, target=mirrored_place(solution.target))
     return _solved(chain, reach, start, rest, mobility)
 
 
-def _solved(chain: Chain, reach: Reach, start: Floats, rest: Floats | None, mobility: Floats | None) -> Solution:
-    """`solve` for an arm on the left or in the middle."""
+def _compiled(
+    chain: Chain, reach: Reach, start: Floats, rest: Floats | None, mobility: Floats | None
+) -> Solution | None:
+    """The kernel's answer; None where the question is not made of finite float64 arrays of the right size."""
+    arm = arm_of(chain)
+    out = np.empty(arm.hinges + 3)
+    told = arm.solve(reach.position, reach.pointing, reach.palm, reach.swivel, start, rest, mobility, out)
+    if told is None:
+        return None
+    out.setflags(write=False)
+    residual, pointing_error, palm_error, iterations = told
+    return Solution(out[:-3], residual, pointing_error, palm_error, residual <= REACHED, iterations, out[-3:])
+
+
+def _solved(chain: Chain, reach: Reach, start: Floats, rest: Floats, mobility: Floats | None) -> Solution:
+    """The specification, for an arm on the left or in the middle."""
     linkage = linkage_of(chain)
-    near = _posture(chain, "start", start)
-    home = _posture(chain, "rest", chain.rest if rest is None else rest)
-    asked = vector(reach.position)
-    ease = _mobility(linkage, chain, mobility)
-    place = placed(linkage, asked, near=near, rest=home)
+    near, home = (tuple(np.clip(angles, chain.lower, chain.upper).tolist()) for angles in (start, rest))
+    ease = linkage.mobility if mobility is None else mobility.tolist()
+    place = placed(linkage, vector(reach.position), near=near, rest=home)
     bend = _found(linkage, place, near=near, home=home, ease=ease, swivel=reach.swivel)
-    frame, points = linkage.walk(bend.angles, len(linkage.links) - 1)
+    return _with_wrist(chain, reach, bend.angles, home, place.iterations + bend.iterations, place.target)
+
+
+def _with_wrist(
+    chain: Chain, reach: Reach, bent_angles: Sequence[float], rest: Sequence[float], iterations: int, target: Vector
+) -> Solution:
+    """An arm bent to its place [rad], its hand turned, and what is left of the reach."""
+    linkage, asked = linkage_of(chain), vector(reach.position)
+    frame, points = linkage.walk(bent_angles, len(linkage.links) - 1)
     wishes = _wishes(chain, linkage, reach)
-    angles = bend.angles + orient(linkage.links[-1], frame, wishes, home[len(bend.angles) :])
+    angles = (*bent_angles, *orient(linkage.links[-1], frame, wishes, rest[len(bent_angles) :]))
     hand = linkage.walk(angles, len(linkage.links))[0]
     residual = distance(points[-1], asked)
     errors = {wish.name: acos(max(-1.0, min(1.0, dot(rotated(hand, wish.own), wish.wanted)))) for wish in wishes}
-    return Solution(
-        sealed(angles),
-        residual,
-        errors.get("pointing"),
-        errors.get("palm"),
-        residual <= REACHED,
-        place.iterations + bend.iterations,
-        sealed(place.target),
-    )
+    pointing_error, palm_error = errors.get("pointing"), errors.get("palm")
+    reached = residual <= REACHED
+    return Solution(sealed(angles), residual, pointing_error, palm_error, reached, iterations, sealed(target))
+
+
+def _finished(chain: Chain, reach: Reach, rest: Floats | None, answer: Solution) -> Solution:
+    """Out of reach: the last steps to the nearest that the hand can come, where they win something."""
+    if is_right(chain):
+        solution = _finished(mirrored_chain(chain), mirrored_reach(reach), rest, answer)
+        return solution if solution is answer else replace(solution, target=answer.target)
+    linkage = linkage_of(chain)
+    best = finish(linkage, vector(reach.position), answer.angles.tolist())
+    if best.angles == tuple(answer.angles.tolist()[: len(best.angles)]):
+        return answer
+    home = np.clip(chain.rest if rest is None else rest, chain.lower, chain.upper).tolist()
+    return _with_wrist(chain, reach, best.angles, home, answer.iterations + best.rounds, vector(answer.target))
 
 
 def _found(
@@ -105,16 +155,9 @@ def _found(
     first = bent(linkage, place, near=near, swivel=swivel)
     if first.exact:
         return first
-    beginnings = [first.angles, *(seed.angles for seed in nearest(linkage, place.target, RESTARTS))]
-    best, least, iterations = first, float("inf"), first.iterations
-    for beginning in beginnings:
-        polished = polish(linkage, place.target, beginning, posture=home, mobility=ease)
-        iterations += polished.rounds
-        if polished.miss < least:
-            best, least = Bend(polished.angles, False, iterations), polished.miss
-        if least < STALLED:
-            break
-    if least >= STALLED:
+    best = approach(linkage, place.target, first.angles, posture=home, mobility=ease)
+    iterations = first.iterations + best.rounds
+    if best.miss >= STALLED:
         return Bend(best.angles, False, iterations)
     again = place_of(linkage, best.angles, linkage.hand(best.angles))
     second = bent(linkage, again, near=best.angles, swivel=swivel)
@@ -131,25 +174,26 @@ def _wishes(chain: Chain, linkage: Linkage, reach: Reach) -> list[Wish]:
     return wishes
 
 
-def _mobility(linkage: Linkage, chain: Chain, given: Floats | None) -> Sequence[float]:
-    if given is not None:
-        return [float(ease) for ease in _finite("mobility", given, len(chain.rest))]
-    girdle = linkage.links[-3].first
-    return [GIRDLE_MOBILITY if k < girdle else 1.0 for k in range(len(chain.rest))]
+def _checked(reach: Reach) -> Reach:
+    """The reach in float64 arrays.
+
+    Raises:
+        ValueError: it is none.
+    """
+    position = _finite("reach.position", reach.position, 3)
+    pointing, palm = (
+        None if direction is None else _direction(name, direction)
+        for name, direction in (("reach.pointing", reach.pointing), ("reach.palm", reach.palm))
+    )
+    swivel = None if reach.swivel is None else float(_finite("reach.swivel", np.array([reach.swivel]), 1)[0])
+    return Reach(position, pointing, palm, swivel)
 
 
-def _posture(chain: Chain, name: str, angles: Floats) -> tuple[float, ...]:
-    """Plain angles inside the ranges."""
-    return tuple(np.clip(_finite(name, angles, len(chain.rest)), chain.lower, chain.upper).tolist())
-
-
-def _check(reach: Reach) -> None:
-    """Refuses directions that are none."""
-    for name, direction in (("pointing", reach.pointing), ("palm", reach.palm)):
-        if direction is not None and not np.linalg.norm(_finite(f"reach.{name}", direction, 3)) > 0.0:
-            raise ValueError(f"reach.{name} is the null vector; give a direction such as [1, 0, 0], or None")
-    if reach.swivel is not None:
-        _finite("reach.swivel", np.array([reach.swivel]), 1)
+def _direction(name: str, values: Floats) -> Floats:
+    direction = _finite(name, values, 3)
+    if not np.linalg.norm(direction) > 0.0:
+        raise ValueError(f"{name} is the null vector; give a direction such as [1, 0, 0], or None")
+    return direction
 
 
 def _finite(name: str, values: Floats, size: int) -> Floats:
@@ -158,4 +202,4 @@ def _finite(name: str, values: Floats, size: int) -> Floats:
         raise ValueError(f"{name} has shape {array.shape}; it needs {size} numbers, shape ({size},)")
     if not np.isfinite(array).all():
         raise ValueError(f"{name} is {array.tolist()}; every number must be finite")
-    return array
+    return np.ascontiguousarray(array)

@@ -1,6 +1,6 @@
 """The closed forms of Paden and Kahan: angles of one or two hinges that aim a bone."""
 
-from math import acos, atan2, hypot
+from math import acos, atan2, pi, sqrt
 
 from kinesic.ik.vectors import Vector, cross, dot
 
@@ -20,7 +20,7 @@ def turn_towards(axis: Vector, rest: Vector, wanted: Vector) -> float | None:
     """
     s = dot(axis, cross(rest, wanted))
     c = dot(rest, wanted) - dot(axis, rest) * dot(axis, wanted)
-    return None if hypot(s, c) < UNDEFINED else atan2(s, c)
+    return None if sqrt(s * s + c * c) < UNDEFINED else atan2(s, c)
 
 
 def first_of_two(first: Vector, second: Vector, rest: Vector, wanted: Vector) -> tuple[float, ...]:
@@ -37,11 +37,11 @@ def first_of_two(first: Vector, second: Vector, rest: Vector, wanted: Vector) ->
     a = dot(second, wanted) - dot(second, first) * along
     b = -dot(second, cross(first, wanted))
     c = dot(second, rest) - dot(second, first) * along
-    rho = hypot(a, b)
+    rho = sqrt(a * a + b * b)
     if rho < UNDEFINED:
         return ()
     middle = atan2(b, a)
     if abs(c) >= rho:
-        return (middle if c > 0.0 else middle + acos(-1.0),)
+        return (middle if c > 0.0 else middle + pi,)
     spread = acos(c / rho)
     return middle + spread, middle - spread

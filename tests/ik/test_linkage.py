@@ -1,9 +1,11 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.random import default_rng
 
+from kinesic.body.arrays import sealed
 from kinesic.body.chain import Chain, ChainJoint
 from kinesic.body.robot import Robot
 from kinesic.ik.linkage import Pivot, linkage_of
@@ -50,3 +52,23 @@ def test_a_chain_without_an_elbow_is_refused(arm: Chain) -> None:
     joints: tuple[ChainJoint, ...] = arm.joints[:2]
     with pytest.raises(ValueError, match="2 joints"):
         linkage_of(Chain("stub", arm.base, arm.origin_in_base, joints, arm.indices[:4], arm.palm))
+
+
+def test_a_bone_without_length_is_refused(arm: Chain) -> None:
+    joints = (arm.joints[0], replace(arm.joints[1], bone=sealed([0, 0, 0])), *arm.joints[2:])
+    with pytest.raises(ValueError, match=f"joint {arm.joints[1].name}: its bone is 0 m long"):
+        linkage_of(replace(arm, joints=joints))
+
+
+@pytest.mark.parametrize(("lower", "upper"), [(1.0, -1.0), (math.nan, 1.0), (0.0, math.inf)])
+def test_a_hinge_without_a_range_is_refused(arm: Chain, lower: float, upper: float) -> None:
+    first, *others = arm.joints[1].hinges
+    joint = replace(arm.joints[1], hinges=(replace(first, lower=lower, upper=upper), *others))
+    with pytest.raises(ValueError, match=f"hinge {first.name}: range"):
+        linkage_of(replace(arm, joints=(arm.joints[0], joint, *arm.joints[2:])))
+
+
+def test_a_hinge_may_be_fixed_by_its_range(arm: Chain) -> None:
+    first, *others = arm.joints[0].hinges
+    joint = replace(arm.joints[0], hinges=(replace(first, lower=0.1, upper=0.1), *others))
+    assert linkage_of(replace(arm, joints=(joint, *arm.joints[1:]))).pivots[0].held(1.0, 0.1) == 0.1

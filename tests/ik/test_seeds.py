@@ -19,7 +19,8 @@ def test_seeds_lie_inside_the_ranges_and_fill_them() -> None:
 
 
 def test_seeds_are_made_once_and_the_nearest_come_first() -> None:
-    assert seeds(ARM) is seeds(linkage_of(CHAIN))
+    arm = linkage_of(CHAIN)
+    assert seeds(arm) is seeds(arm)
     found = nearest(ARM, (0.2, 0.1, 0.0), 5)
     spans = [distance(seed.hand, (0.2, 0.1, 0.0)) for seed in found]
     assert spans == sorted(spans)

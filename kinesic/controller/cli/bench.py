@@ -2,32 +2,38 @@
 
 import json
 from dataclasses import asdict
+from pathlib import Path
 
 import click
 from rich.table import Table
 
-from kinesic.controller.bench import plan, twin
+from kinesic.controller.bench import ik, plan, twin
 from kinesic.controller.cli.console import console
 
-PARTS = {"plan": plan.bench, "twin": twin.bench}
+PARTS = {"ik": ik.bench, "plan": plan.bench, "twin": twin.bench}
 
 
 @click.command()
 @click.argument("part", type=click.Choice([*PARTS, "all"]))
 @click.option("--json", "as_json", is_flag=True, help="Prints a list of figures as JSON.")
-def bench(part: str, as_json: bool) -> int:
+@click.option("--plots", type=click.Path(file_okay=False, path_type=Path), help="Draws into this folder, too.")
+def bench(part: str, as_json: bool, plots: Path | None) -> int:
     """Measures PART; timings are medians in a warm process."""
     names = list(PARTS) if part == "all" else [part]
     figures = [figure for name in names for figure in PARTS[name]()]
+    if plots is not None:
+        plots.mkdir(parents=True, exist_ok=True)
+        ik.draw(figures, plots)
     if as_json:
         click.echo(json.dumps([asdict(figure) | {"ok": figure.ok} for figure in figures], indent=1))
         return 0
-    table = Table("name", "value", "unit", "goal", "", box=None)
+    table = Table("name", "value", "unit", "goal", "", "", box=None)
     marks = {True: "[green]met[/]", False: "[red]missed[/]", None: ""}
     for figure in figures:
         value = figure.why if figure.value is None else f"{figure.value:.4g}"
+        note = "" if figure.value is None else figure.why
         sign = ">=" if figure.better == "higher" else "<="
         goal = "" if figure.goal is None else f"{sign} {figure.goal:g}"
-        table.add_row(figure.name, value, figure.unit, goal, marks[figure.ok])
+        table.add_row(figure.name, value, figure.unit, goal, marks[figure.ok], note)
     console().print(table)
     return 0

@@ -1,3 +1,190 @@
-#include <nanobind/nanobind.h>
+// The solver of arms for Python. Buffers are the caller's; anything but finite float64 of the right size is refused,
+// and kinesic/ik explains why.
 
-void bind_arm(nanobind::module_& module) { (void)module; }
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/vector.h>
+
+#include <numeric>
+#include <vector>
+
+#include "arm_batch.h"
+#include "arm_class.h"
+#include "arm_track.h"
+
+namespace nb = nanobind;
+
+namespace kinesic::arm {
+
+namespace {
+
+using Triple = std::array<double, 3>;
+using Triples = std::vector<Triple>;
+using Numbers = std::vector<double>;
+template <typename... Shape>
+using Array = nb::ndarray<double, Shape..., nb::c_contig, nb::device::cpu>;
+
+Vector vector(const Triple& p) { return {p[0], p[1], p[2]}; }
+
+// Hinges are given in a row; `counts` says how many aim each bone.
+void pack(Arm* self, const Triple& origin, const std::vector<int>& counts, const Triples& bones, const Triples& axes,
+          const Numbers& lower, const Numbers& upper, const Numbers& rest, const Numbers& mobility, const Triple& palm,
+          double side, double farthest, const std::vector<Numbers>& seeds, bool mirrored) {
+    const size_t hinges = axes.size(), aiming = size_t(std::accumulate(counts.begin(), counts.end(), 0));
+    if (aiming != hinges || counts.size() < 3 || counts.size() > MOST_LINKS || bones.size() != counts.size() || hinges > MOST_HINGES ||
+        lower.size() != hinges || upper.size() != hinges || rest.size() != hinges ||
+        mobility.size() != hinges || seeds.size() > MOST_SEEDS)
+        throw std::invalid_argument("an arm has 3 to 6 bones, at most 12 hinges and 64 seeds, and each its numbers");
+    Arm* arm = new (self) Arm();
+    Linkage& linkage = arm->linkage;
+    linkage.origin = vector(origin);
+    linkage.palm = unit(vector(palm));
+    linkage.side = side;
+    linkage.farthest = farthest;
+    linkage.links = int(counts.size());
+    linkage.hinges = int(hinges);
+    arm->mirrored = mirrored;
+    for (int j = 0, first = 0; j < linkage.links; first += counts[j++]) {
+        const Vector bone = vector(bones[j]);
+        linkage.link[j] = {first, counts[j], bone, unit(bone), norm(bone)};
+    }
+    for (int k = 0; k < linkage.hinges; ++k) {
+        linkage.pivot[k] = Pivot(vector(axes[k]), lower[k], upper[k], rest[k]);
+        arm->rest[k] = linkage.pivot[k].clipped(rest[k]);
+        arm->mobility[k] = mobility[k];
+    }
+    Vector points[MOST_LINKS + 1];
+    walk(linkage, arm->rest, linkage.girdle(), points);
+    linkage.resting = points[linkage.girdle()];
+    linkage.seeds = int(seeds.size());
+    for (int n = 0; n < linkage.seeds; ++n) {
+        if (int(seeds[n].size()) != linkage.own()) throw std::invalid_argument("a seed has an angle for each hinge");
+        std::copy(seeds[n].begin(), seeds[n].end(), linkage.seed[n].angles);
+        linkage.seed[n].hand = hand(linkage, linkage.seed[n].angles);
+    }
+}
+
+bool read_posture(const Arm& arm, nb::handle source, double* into) {
+    if (!read(source, into, arm.linkage.hinges)) return false;
+    for (int k = 0; k < arm.linkage.hinges; ++k) into[k] = arm.linkage.pivot[k].clipped(into[k]);
+    return true;
+}
+
+bool read_wish(const Arm& arm, nb::handle source, const Vector& own, Question& question) {
+    if (source.is_none()) return true;
+    double wanted[3];
+    if (!read(source, wanted, 3)) return false;
+    Wish& wish = question.wishes[question.wish_count++];
+    wish = {own, unit(arm.seen(wanted))};
+    return !null(wish.wanted);
+}
+
+// Writes angles and clamped target; returns residual, errors of pointing and palm, iterations. None: refused.
+nb::object ask(const Arm& arm, nb::handle position, nb::handle pointing, nb::handle palm, nb::handle swivel,
+               nb::handle start, nb::handle rest, nb::handle mobility, nb::handle out) {
+    const int n = arm.linkage.hinges;
+    Question question;
+    double place[3], turn;
+    if (!read(position, place, 3) || !read_posture(arm, start, question.near)) return nb::none();
+    question.position = arm.seen(place);
+    if (!read_wish(arm, pointing, arm.linkage.last().along, question)) return nb::none();
+    if (!read_wish(arm, palm, arm.linkage.palm, question)) return nb::none();
+    if (!swivel.is_none()) {
+        turn = PyFloat_AsDouble(swivel.ptr());
+        if (PyErr_Occurred()) PyErr_Clear(), turn = NAN;
+        if (!std::isfinite(turn)) return nb::none();
+        question.swivel = &turn;
+    }
+    if (rest.is_none())
+        std::copy_n(arm.rest, n, question.home);
+    else if (!read_posture(arm, rest, question.home))
+        return nb::none();
+    if (mobility.is_none())
+        std::copy_n(arm.mobility, n, question.mobility);
+    else if (!read(mobility, question.mobility, n))
+        return nb::none();
+    Answer answer;
+    {
+        nb::gil_scoped_release free;
+        answer = solve(arm.linkage, question);
+    }
+    double written[MOST_HINGES + 3];
+    std::copy_n(answer.angles, n, written);
+    const Vector target = arm.mirrored ? Vector{answer.target.x, 0.0 - answer.target.y, answer.target.z} : answer.target;
+    written[n] = target.x, written[n + 1] = target.y, written[n + 2] = target.z;
+    if (!write(out, written, n + 3)) return nb::none();
+    const nb::object first = pointing.is_none() ? nb::none() : nb::cast(answer.errors[0]);
+    const nb::object second = palm.is_none() ? nb::none() : nb::cast(answer.errors[pointing.is_none() ? 0 : 1]);
+    return nb::make_tuple(answer.residual, first, second, answer.iterations);
+}
+
+// Polish from the angles, in place; from other postures where it stalls. Returns the residual [m].
+double reach(const Arm& arm, nb::handle target, nb::handle angles) {
+    double place[3], now[MOST_HINGES];
+    if (!read(target, place, 3) || !read_posture(arm, angles, now))
+        throw nb::value_error("reach needs finite float64 arrays: a target of 3 numbers and an angle for each hinge");
+    Polished best;
+    {
+        nb::gil_scoped_release free;
+        best = approach(arm.linkage, arm.seen(place), now, arm.rest, arm.mobility);
+    }
+    std::copy_n(best.angles, arm.linkage.own(), now);
+    if (!write(angles, now, arm.linkage.hinges)) throw nb::value_error("the angles' array is read-only");
+    return best.miss;
+}
+
+// Each target from the same start by polish alone, at most `rounds` of it.
+void reach_many(const Arm& arm, Array<const double, nb::shape<-1, 3>> targets, Array<const double, nb::shape<-1>> start,
+                int rounds, Array<double, nb::shape<-1, -1>> angles, Array<double, nb::shape<-1>> residuals) {
+    const int n = arm.linkage.hinges;
+    const size_t count = targets.shape(0);
+    if (int(start.shape(0)) != n || int(angles.shape(1)) != n || angles.shape(0) != count || residuals.shape(0) != count)
+        throw nb::value_error("shapes are targets (m, 3), start (k,), angles (m, k), residuals (m,)");
+    nb::gil_scoped_release free;
+    double now[MOST_HINGES];
+    for (int k = 0; k < n; ++k) now[k] = arm.linkage.pivot[k].clipped(start.data()[k]);
+    for (size_t i = 0; i < count; i += LANES) {
+        Vectors target = all(Vector{});
+        for (size_t lane = 0; lane < LANES; ++lane) {  // the last target fills the lanes that are left over
+            const Vector seen = arm.seen(targets.data() + 3 * std::min(i + lane, count - 1));
+            target.x[lane] = seen.x, target.y[lane] = seen.y, target.z[lane] = seen.z;
+        }
+        const Polishing best = polish(arm.linkage, target, now, arm.rest, arm.mobility, rounds);
+        for (size_t lane = 0; lane < LANES && i + lane < count; ++lane) {
+            double* row = angles.data() + n * (i + lane);
+            std::copy_n(now, n, row);
+            for (int k = 0; k < arm.linkage.own(); ++k) row[k] = best.angles[k][lane];
+            residuals.data()[i + lane] = best.miss[lane];
+        }
+    }
+}
+
+// One tick of tracking, in place, too short to let others run meanwhile. Returns the residual [m].
+double track(const Arm& arm, nb::handle target, double pull, int parts, nb::handle angles) {
+    double place[3], now[MOST_HINGES];
+    if (!read(target, place, 3) || !read(angles, now, arm.linkage.hinges))
+        throw nb::value_error("the target needs three finite numbers in a float64 array");
+    const double residual = follow(arm.linkage, arm.seen(place), pull, parts, arm.rest, arm.mobility, now);
+    if (!write(angles, now, arm.linkage.hinges)) throw nb::value_error("the angles' array is read-only");
+    return residual;
+}
+
+}  // namespace
+
+}  // namespace kinesic::arm
+
+void bind_arm(nb::module_& module) {
+    using namespace kinesic::arm;
+    nb::class_<Arm> arm(module, "Arm");
+    arm.def("__init__", &pack, nb::kw_only(), nb::arg("origin"), nb::arg("counts"), nb::arg("bones"), nb::arg("axes"),
+            nb::arg("lower"), nb::arg("upper"), nb::arg("rest"), nb::arg("mobility"), nb::arg("palm"), nb::arg("side"),
+            nb::arg("farthest"), nb::arg("seeds"), nb::arg("mirrored"))
+        .def_prop_ro("hinges", [](const Arm& self) { return self.linkage.hinges; })
+        .def("solve", &ask, nb::arg("position").none(), nb::arg("pointing").none(), nb::arg("palm").none(),
+             nb::arg("swivel").none(), nb::arg("start").none(), nb::arg("rest").none(), nb::arg("mobility").none(),
+             nb::arg("out"))
+        .def("reach", &reach)
+        .def("reach_many", &reach_many)
+        .def("track", &track);
+    bind_stages(arm);
+}

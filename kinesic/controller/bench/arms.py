@@ -1,0 +1,48 @@
+"""Arms and targets for the benches: upper22's, and random ones of every shape."""
+
+import numpy as np
+from numpy.random import Generator
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.chain import Chain, ChainJoint
+from kinesic.body.skeleton import Hinge
+
+AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+SHOULDERS = ("yxz", "xyz", "zxz", "yx")
+ELBOWS = ("x", "y")
+WRISTS = ("yx", "xy", "y")
+
+
+def random_arm(chance: Generator) -> Chain:
+    """A hanging arm with some hinge order, ranges and lengths."""
+    shoulder, elbow, wrist = (str(chance.choice(names)) for names in (SHOULDERS, ELBOWS, WRISTS))
+    bend = chance.uniform(1.8, 2.6)
+    bends = ((-bend, bend), (-bend, 0.0), (0.0, bend))[chance.integers(3)]
+    parts = (
+        ("shoulder", shoulder, [_around(chance, 0.6, 2.8) for _ in shoulder], chance.uniform(0.15, 0.4)),
+        ("elbow", elbow + "z", [bends, _around(chance, 0.6, 2.8)], chance.uniform(0.15, 0.4)),
+        ("wrist", wrist, [_around(chance, 0.4, 1.2) for _ in wrist], 0.08),
+    )
+    joints = tuple(
+        ChainJoint(name, _hinges(name, axes, ranges), sealed([0.0, 0.0, -length]))
+        for name, axes, ranges, length in parts
+    )
+    count = sum(len(joint.hinges) for joint in joints)
+    origin = sealed([0.0, 0.2 if chance.random() < 0.5 else -0.2, 0.0])
+    return Chain(f"{shoulder} {elbow} {wrist}", "trunk", origin, joints, tuple(range(count)), sealed([0.0, 1.0, 0.0]))
+
+
+def targets(chance: Generator, chain: Chain, count: int) -> Floats:
+    """(count, 3) [m] where the hand is in random postures inside the ranges."""
+    return np.array([chain.hand(chance.uniform(chain.lower, chain.upper)) for _ in range(count)])
+
+
+def _around(chance: Generator, least: float, most: float) -> tuple[float, float]:
+    return -chance.uniform(least, most), chance.uniform(least, most)
+
+
+def _hinges(name: str, axes: str, ranges: list[tuple[float, float]]) -> tuple[Hinge, ...]:
+    return tuple(
+        Hinge(f"{name}{k}", name, sealed(AXES[axis]), lower, upper, 0.0)
+        for k, (axis, (lower, upper)) in enumerate(zip(axes, ranges, strict=True))
+    )

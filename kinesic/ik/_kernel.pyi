@@ -1,0 +1,87 @@
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesic.body.arrays import Floats
+from kinesic.ik.vectors import Rotation, Vector
+
+# -- arms (bind_arm.cpp, bind_stages.cpp)
+
+class Arm:
+    def __init__(
+        self,
+        *,
+        origin: Vector,
+        counts: Sequence[int],
+        bones: Sequence[Vector],
+        axes: Sequence[Vector],
+        lower: Sequence[float],
+        upper: Sequence[float],
+        rest: Sequence[float],
+        mobility: Sequence[float],
+        palm: Vector,
+        side: float,
+        farthest: float,
+        seeds: Sequence[Sequence[float]],
+        mirrored: bool,
+    ) -> None: ...
+    @property
+    def hinges(self) -> int: ...
+    def solve(
+        self,
+        position: Floats,
+        pointing: Floats | None,
+        palm: Floats | None,
+        swivel: float | None,
+        start: Floats,
+        rest: Floats | None,
+        mobility: Floats | None,
+        out: Floats,
+    ) -> tuple[float, float | None, float | None, int] | None: ...
+    def reach(self, target: Floats, angles: Floats) -> float: ...
+    def reach_many(self, targets: Floats, start: Floats, rounds: int, angles: Floats, residuals: Floats) -> None: ...
+    def track(self, target: Floats, pull: float, parts: int, angles: Floats) -> float: ...
+    def walk(self, angles: Sequence[float], links: int) -> tuple[list[float], list[list[float]]]: ...
+    @staticmethod
+    def settle(
+        points: Sequence[Vector], lengths: Sequence[float], target: Vector
+    ) -> tuple[list[list[float]], int, float]: ...
+    @staticmethod
+    def turn_towards(axis: Vector, rest: Vector, wanted: Vector) -> float | None: ...
+    @staticmethod
+    def first_of_two(first: Vector, second: Vector, rest: Vector, wanted: Vector) -> list[float]: ...
+    def extract(self, points: Sequence[Vector], near: Sequence[float]) -> tuple[list[float], float]: ...
+    def swivel_of(self, points: Sequence[Vector]) -> float | None: ...
+    def elbow_at(self, shoulder: Vector, hand: Vector, swivel: float) -> list[float]: ...
+    def placed(
+        self, target: Vector, near: Sequence[float], rest: Sequence[float]
+    ) -> tuple[list[list[float]], list[float], list[float], int]: ...
+    def bent(
+        self, ends: Sequence[Vector], shoulder: Vector, target: Vector, near: Sequence[float], swivel: float | None
+    ) -> tuple[list[float], bool, int]: ...
+    def polish(
+        self, target: Vector, angles: Sequence[float], posture: Sequence[float], mobility: Sequence[float]
+    ) -> tuple[list[float], float, int]: ...
+    def nearest(self, target: Vector) -> list[int]: ...
+    def orient(
+        self, frame: Rotation, own: Sequence[Vector], wanted: Sequence[Vector], rest: Sequence[float]
+    ) -> list[float]: ...
+    def softened(self, target: Vector) -> list[float]: ...
+
+# -- ball chains (bind_chains.cpp); arrays are contiguous, results are written into the caller's
+
+def chain_methods() -> list[str]: ...
+def solve_chain(
+    method: str, rest: Floats, target: Floats, out: Floats, rotations: Floats, tolerance: float, most: int
+) -> tuple[int, float]: ...
+def run_chain(
+    method: str,
+    rest: Floats,
+    targets: Floats,
+    tolerance: float,
+    most: int,
+    iterations: NDArray[np.int64],
+    residuals: Floats,
+    nanoseconds: Floats,
+) -> None: ...

@@ -1,0 +1,100 @@
+// A chain as the solver walks it (kinesic/ik/linkage.py), in arrays of fixed size.
+
+#pragma once
+
+#include "arm_vectors.h"
+
+namespace kinesic::arm {
+
+constexpr int MOST_LINKS = 6;
+constexpr int MOST_HINGES = 12;
+constexpr int MOST_SEEDS = 64;
+
+enum class Kind { x, y, z, oblique };  // along which axis of its frame a hinge lies
+
+struct Pivot {  // one hinge
+    Vector axis;
+    double lower = 0.0, upper = 0.0, rest = 0.0;  // [rad]
+    Kind kind = Kind::oblique;
+
+    Pivot() = default;
+    Pivot(const Vector& axis, double lower, double upper, double rest)
+        : axis(axis), lower(lower), upper(upper), rest(rest) {
+        if (axis.y == 0.0 && axis.z == 0.0) kind = Kind::x;
+        if (axis.x == 0.0 && axis.z == 0.0) kind = Kind::y;
+        if (axis.x == 0.0 && axis.y == 0.0) kind = Kind::z;
+    }
+
+    // The angle inside the range that stands for `angle`, whole turns aside: nearest to `near`, or a stop.
+    double held(double angle, double near) const {
+        const double same = near + wrapped(angle - near);
+        if (lower <= same && same <= upper) return same;
+        if (lower <= same - TAU && same - TAU <= upper) return same - TAU;
+        if (lower <= same + TAU && same + TAU <= upper) return same + TAU;
+        return std::abs(wrapped(same - lower)) < std::abs(wrapped(same - upper)) ? lower : upper;
+    }
+
+    double clipped(double angle) const { return angle < lower ? lower : angle > upper ? upper : angle; }
+};
+
+struct Link {  // a bone and the hinges that aim it
+    int first = 0, count = 0;  // its hinges in the chain
+    Vector bone, along;        // [m], and its direction
+    double length = 0.0;       // [m]
+};
+
+struct Seed {  // a posture to begin again from, and where it holds the hand
+    double angles[MOST_HINGES];
+    Vector hand;
+};
+
+struct Linkage {
+    Vector origin;  // [m] in the base
+    int links = 0, hinges = 0, seeds = 0;
+    Link link[MOST_LINKS];  // from the base outward; the last bone runs along the hand and moves no position
+    Pivot pivot[MOST_HINGES];
+    Seed seed[MOST_SEEDS];
+    double side = 1.0;      // +1: an arm on the left; -1: on the right
+    double farthest = 0.0;  // [m] shoulder to hand with the elbow as straight as it goes
+    Vector palm;            // unit, in the last segment
+    Vector resting;         // [m] the shoulder with the girdle at rest
+
+    int girdle() const { return links - 3; }                   // links that carry the shoulder
+    int own() const { return link[links - 1].first; }          // hinges before the hand's own
+    const Link& upper() const { return link[links - 3]; }      // from shoulder to elbow
+    const Link& fore() const { return link[links - 2]; }       // from elbow to hand
+    const Link& last() const { return link[links - 1]; }       // along the hand
+};
+
+// The frame behind a hinge: `after`, without the products with zeros that most axes have.
+inline Rotation behind(const Rotation& r, const Pivot& pivot, double angle) {
+    const double c = std::cos(angle), s = std::sin(angle), one = c + (1.0 - c);
+    const Vector& a = pivot.axis;
+    switch (pivot.kind) {
+        case Kind::x: return {r.x * one, r.y * c + r.z * (a.x * s), r.y * -(a.x * s) + r.z * c};
+        case Kind::y: return {r.x * c + r.z * -(a.y * s), r.y * one, r.x * (a.y * s) + r.z * c};
+        case Kind::z: return {r.x * c + r.y * (a.z * s), r.x * -(a.z * s) + r.y * c, r.z * one};
+        default: return after(r, a, c, s);
+    }
+}
+
+// Forward kinematics: the frame after `count` links, and their joints' centres, one more than links.
+inline Rotation walk(const Linkage& arm, const double* angles, int count, Vector* points) {
+    Rotation rotation;
+    points[0] = arm.origin;
+    for (int j = 0; j < count; ++j) {
+        const Link& link = arm.link[j];
+        for (int k = link.first; k < link.first + link.count; ++k)
+            rotation = behind(rotation, arm.pivot[k], angles[k]);
+        points[j + 1] = points[j] + rotated(rotation, link.bone);
+    }
+    return rotation;
+}
+
+inline Vector hand(const Linkage& arm, const double* angles) {
+    Vector points[MOST_LINKS + 1];
+    walk(arm, angles, arm.links - 1, points);
+    return points[arm.links - 1];
+}
+
+}  // namespace kinesic::arm

@@ -1,0 +1,196 @@
+// Where shoulder and elbow go for a target (kinesic/ik/place.py, elbow.py).
+
+#pragma once
+
+#include "arm_hinges.h"
+#include "arm_masses.h"
+
+namespace kinesic::arm {
+
+constexpr double STRETCH = 0.9999;
+constexpr double TAUT = 0.97;
+constexpr double EXACT = 1e-6;
+constexpr double NATURAL_SWIVEL = 0.35;
+constexpr double NATURE = 0.5;
+constexpr int STEPS = 12;
+constexpr int BISECTIONS = 6;
+constexpr double BACKWARD = -1.0 + 1e-9;
+
+struct Place {  // a shoulder that can serve a target, and the target within its reach
+    Vector ends[MOST_LINKS];  // [m] of the girdle's bones; the elbow and the target follow when the arm is bent
+    Vector shoulder, target;  // [m]
+    int iterations = 0;
+};
+
+struct Bend {
+    double angles[MOST_HINGES];  // [rad] of the hinges before the hand's own
+    bool exact = false;
+    int iterations = 0;
+};
+
+// The direction of a hanging elbow, off the unit line from shoulder to hand.
+inline Vector hanging(const Vector& line) {
+    if (line.x < BACKWARD) return {0.0, 0.0, 1.0};
+    const double share = line.z / (1.0 + line.x);
+    return unit({share * (line.x + 1.0), share * line.y, share * line.z - 1.0});
+}
+
+// The swivel of shoulder, elbow, hand; false for a straight arm.
+inline bool swivel_of(const Linkage& arm, const Vector* points, double& swivel) {
+    const Vector line = unit(points[2] - points[0]);
+    const Vector off = across(points[1] - points[0], line);
+    if (norm(off) < 1e-6 * arm.farthest || null(line)) return false;
+    const Vector zero = hanging(line);
+    swivel = arm.side * std::atan2(dot(off, cross(line, zero)), dot(off, zero));
+    return true;
+}
+
+struct Circle {  // on which the elbow can be while shoulder and hand stay
+    Vector shoulder, axial;  // [m], and from there to the centre
+    Vector zero, quarter;    // directions of swivel 0 and 90 degrees
+    double radius;           // [m]
+
+    Circle(const Linkage& arm, const Vector& shoulder, const Vector& hand) : shoulder(shoulder) {
+        const double upper = arm.upper().length, fore = arm.fore().length;
+        const Vector between = hand - shoulder;
+        const double span = std::max(norm(between), 1e-9 * arm.farthest);
+        const Vector line = norm(between) > 0.0 ? unit(between) : Vector{1.0, 0.0, 0.0};
+        double along = (upper * upper - fore * fore + span * span) / (2.0 * span);
+        along = std::max(-upper, std::min(upper, along));
+        zero = hanging(line);
+        quarter = cross(line, zero);
+        axial = line * along;
+        radius = std::sqrt(upper * upper - along * along);
+    }
+
+    Vector at(double side, double swivel) const {
+        return shoulder + (axial + (zero * std::cos(swivel) + quarter * (side * std::sin(swivel))) * radius);
+    }
+};
+
+namespace places {
+
+// The girdle's joints when it aims at these ends.
+inline void girdle(const Linkage& arm, const Vector* ends, const double* near, Vector* points) {
+    walk(arm, extract(arm, ends, arm.girdle(), near).angles, arm.girdle(), points);
+}
+
+// The girdle's joints when the shoulder comes as near to a target as it can.
+inline void helpful(const Linkage& arm, const Vector& target, const double* near, Vector* points) {
+    const Vector line = unit(target - arm.origin);
+    Vector ends[MOST_LINKS + 1] = {arm.origin};
+    for (int j = 0; j < arm.girdle(); ++j) ends[j + 1] = ends[j] + line * arm.link[j].length;
+    girdle(arm, ends + 1, near, points);
+}
+
+inline Place made(const Linkage& arm, const Vector* points, const Vector& target, int iterations) {
+    Place place;
+    for (int j = 0; j < arm.girdle(); ++j) place.ends[j] = points[j + 1];
+    place.shoulder = points[arm.girdle()];
+    place.target = target;
+    place.iterations = iterations;
+    return place;
+}
+
+}  // namespace places
+
+// Leaves the shoulder at rest for a target in easy reach; beyond, the taut arm pulls it along.
+inline Place placed(const Linkage& arm, const Vector& target, const double* near, const double* rest) {
+    const int n = arm.girdle();
+    const double reach = arm.farthest;
+    Vector resting[MOST_LINKS + 1], helpful[MOST_LINKS + 1];
+    walk(arm, rest, n, resting);
+    if (distance(resting[n], target) <= TAUT * reach) return places::made(arm, resting, target, 0);
+    places::helpful(arm, target, near, helpful);
+    if (distance(helpful[n], target) > STRETCH * reach)
+        return places::made(arm, helpful, clamp(target, helpful[n], STRETCH * reach), 0);
+    double lengths[MOST_LINKS];
+    for (int j = 0; j < n; ++j) lengths[j] = arm.link[j].length;
+    lengths[n] = TAUT * arm.upper().length;
+    lengths[n + 1] = TAUT * arm.fore().length;
+    resting[n + 1] = resting[n] + unit(target - resting[n]) * lengths[n];
+    resting[n + 2] = target;
+    const Settled settled = settle(resting, lengths, n + 2, target);
+    Vector pulled[MOST_LINKS + 1];
+    places::girdle(arm, settled.points + 1, near, pulled);
+    return places::made(arm, pulled, target, settled.iterations);
+}
+
+// The place that a posture gives its shoulder.
+inline Place place_of(const Linkage& arm, const double* angles, const Vector& target) {
+    Vector points[MOST_LINKS + 1];
+    walk(arm, angles, arm.girdle(), points);
+    return places::made(arm, points, target, 0);
+}
+
+namespace places {
+
+struct Scan {  // postures with the elbow at one swivel after the other
+    const Linkage& arm;
+    const Circle circle;
+    const double* near;
+    Vector ends[MOST_LINKS + 1];
+    double wish, tolerance;
+
+    Extraction at(double offset) {
+        ends[arm.girdle()] = circle.at(arm.side, wish + offset);
+        return extract(arm, ends, arm.links - 1, near);
+    }
+
+    // Bisects to where the ranges begin to allow the posture.
+    Extraction edge(double outside, double inside, Extraction found) {
+        for (int step = 0; step < BISECTIONS; ++step) {
+            const double middle = 0.5 * (outside + inside);
+            const Extraction tried = at(middle);
+            if (tried.miss <= tolerance) {
+                inside = middle;
+                found = tried;
+            } else {
+                outside = middle;
+            }
+        }
+        return found;
+    }
+
+    // Outward from offset zero to the first posture that misses nothing; else the one that misses least.
+    Extraction nearest(double towards, bool& exact) {
+        Extraction best = at(0.0);
+        exact = best.miss <= tolerance;
+        for (int step = 1; step <= STEPS && !exact; ++step)
+            for (const double side : {towards, -towards}) {
+                const Extraction found = at(side * step * PI / STEPS);
+                if (found.miss <= tolerance) {
+                    exact = true;
+                    return edge(side * (step - 1) * PI / STEPS, side * step * PI / STEPS, found);
+                }
+                if (found.miss < best.miss) best = found;
+            }
+        return best;
+    }
+};
+
+}  // namespace places
+
+// Chooses the elbow's place on its circle, as near to the wished swivel as the ranges allow. `swivel` null: between the
+// one to which the masses swing from `near`, and the natural one.
+inline Bend bent(const Linkage& arm, const Place& place, const double* near, const double* swivel) {
+    Vector points[MOST_LINKS + 1];
+    walk(arm, near, arm.links - 2, points);
+    const double lengths[2] = {arm.upper().length, arm.fore().length};
+    const Vector begin[3] = {place.shoulder, points[arm.links - 2], place.target};
+    const Settled settled = settle(begin, lengths, 2, place.target);
+    double present = NATURAL_SWIVEL;
+    swivel_of(arm, settled.points, present);
+    const double wish = swivel ? *swivel : present + NATURE * wrapped(NATURAL_SWIVEL - present);
+    const double towards = wrapped(present - wish) >= 0.0 ? 1.0 : -1.0;
+    places::Scan scan{arm, Circle(arm, place.shoulder, place.target), near, {}, wish, EXACT * arm.farthest};
+    std::copy(place.ends, place.ends + arm.girdle(), scan.ends);
+    scan.ends[arm.girdle() + 1] = place.target;
+    Bend bend;
+    const Extraction found = scan.nearest(towards, bend.exact);
+    std::copy(found.angles, found.angles + arm.own(), bend.angles);
+    bend.iterations = settled.iterations;
+    return bend;
+}
+
+}  // namespace kinesic::arm

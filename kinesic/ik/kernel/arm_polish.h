@@ -1,0 +1,134 @@
+// Levenberg-Marquardt with an active set (kinesic/ik/polish.py): what a stopped hinge cannot give, the others take over.
+
+#pragma once
+
+#include <algorithm>
+
+#include "arm_linkage.h"
+
+namespace kinesic::arm {
+
+namespace polishing {
+
+constexpr int ROUNDS = 24;
+constexpr double TOLERANCE = 1e-7;
+constexpr double DAMPING = 0.3;  // lambda^2 = DAMPING e^2 + LEAST_DAMPING size^2 (after Sugihara)
+constexpr double LEAST_DAMPING = 1e-7;
+constexpr double POSTURE = 0.4;
+constexpr double FADING = 0.7;
+constexpr double STALL = 0.98;
+constexpr int PATIENCE = 6;
+constexpr double CAUTION = 8.0;
+
+}  // namespace polishing
+
+struct Polished {
+    double angles[MOST_HINGES] = {};  // [rad] of the hinges before the hand's own
+    double miss = INFINITY;      // [m]
+    int rounds = 0;
+};
+
+// The hand, and how it moves per radian of each hinge before its own.
+inline Vector columns(const Linkage& arm, const double* angles, Vector* column) {
+    Vector axis[MOST_HINGES], pole[MOST_HINGES], centre = arm.origin;
+    Rotation rotation;
+    for (int j = 0; j < arm.links - 1; ++j) {
+        const Link& link = arm.link[j];
+        for (int k = link.first; k < link.first + link.count; ++k) {
+            axis[k] = rotated(rotation, arm.pivot[k].axis);
+            pole[k] = centre;
+            rotation = behind(rotation, arm.pivot[k], angles[k]);
+        }
+        centre = centre + rotated(rotation, link.bone);
+    }
+    for (int k = 0; k < arm.own(); ++k) column[k] = cross(axis[k], centre - pole[k]);
+    return centre;
+}
+
+// (J W J^T + damping)^-1 error over the free hinges, three by three, by Cramer's rule.
+inline Vector pushed(const Vector* column, const double* mobility, const int* free, int count, double damping,
+                     const Vector& error) {
+    double xx = damping, yy = damping, zz = damping, xy = 0.0, xz = 0.0, yz = 0.0;
+    for (int i = 0; i < count; ++i) {
+        const Vector& c = column[free[i]];
+        const double w = mobility[free[i]];
+        xx += w * c.x * c.x, yy += w * c.y * c.y, zz += w * c.z * c.z;
+        xy += w * c.x * c.y, xz += w * c.x * c.z, yz += w * c.y * c.z;
+    }
+    const Vector first{xx, xy, xz}, second{xy, yy, yz}, third{xz, yz, zz};
+    const Vector a = cross(second, third), b = cross(third, first), c = cross(first, second);
+    const double volume = dot(first, a);
+    return {(a.x * error.x + b.x * error.y + c.x * error.z) / volume,
+            (a.y * error.x + b.y * error.y + c.y * error.z) / volume,
+            (a.z * error.x + b.z * error.y + c.z * error.z) / volume};
+}
+
+// The angles after one step; what a stopped hinge cannot give is solved again on those that are free.
+inline void stepped(const Linkage& arm, const double* angles, Vector error, const Vector* column, const double* pulls,
+                    const double* mobility, double damping, double* result) {
+    int free[MOST_HINGES], count = 0;
+    for (int k = 0; k < arm.own(); ++k) {
+        result[k] = angles[k];
+        if (mobility[k] > 0.0) free[count++] = k;
+    }
+    while (count > 0) {
+        Vector left = error;
+        for (int i = 0; i < count; ++i) left = left - column[free[i]] * pulls[free[i]];
+        const Vector push = pushed(column, mobility, free, count, damping, left);
+        double wanted[MOST_HINGES];
+        bool stopped = false;
+        for (int i = 0; i < count; ++i) {
+            const int k = free[i];
+            wanted[k] = angles[k] + pulls[k] + mobility[k] * dot(column[k], push);
+            stopped = stopped || !(arm.pivot[k].lower <= wanted[k] && wanted[k] <= arm.pivot[k].upper);
+        }
+        int kept = 0;
+        for (int i = 0; i < count; ++i) {
+            const int k = free[i];
+            const Pivot& pivot = arm.pivot[k];
+            if (stopped && pivot.lower <= wanted[k] && wanted[k] <= pivot.upper) {
+                free[kept++] = k;
+                continue;
+            }
+            result[k] = pivot.clipped(wanted[k]);
+            error = error - column[k] * (result[k] - angles[k]);
+        }
+        count = kept;
+    }
+}
+
+// Moves the hand to a target, springs drawing to `posture` what the hand does not need; the best angles met.
+inline Polished polish(const Linkage& arm, const Vector& target, const double* angles, const double* posture,
+                       const double* mobility, int most_rounds = polishing::ROUNDS) {
+    using namespace polishing;
+    const double size = arm.farthest;
+    const int n = arm.own();
+    Polished now;
+    Vector buffers[2][MOST_HINGES], *column = buffers[0], *spare = buffers[1];
+    std::copy(angles, angles + n, now.angles);
+    Vector error = target - columns(arm, now.angles, column);
+    now.miss = norm(error);
+    double caution = 1.0, fading = 1.0;
+    for (int stalled = 0; now.miss > TOLERANCE * size && stalled < PATIENCE && now.rounds < most_rounds;) {
+        ++now.rounds;
+        fading *= FADING;
+        const double damping = caution * (DAMPING * dot(error, error) + LEAST_DAMPING * size * size);
+        double pulls[MOST_HINGES], tried[MOST_HINGES];
+        const double share = POSTURE * fading / caution;
+        for (int k = 0; k < n; ++k) pulls[k] = share * (posture[k] - now.angles[k]);
+        stepped(arm, now.angles, error, column, pulls, mobility, damping, tried);
+        const Vector tried_error = target - columns(arm, tried, spare);
+        const double tried_miss = norm(tried_error), gain = tried_miss / now.miss;
+        stalled = gain > STALL ? stalled + 1 : 0;
+        caution = gain >= 1.0 ? CAUTION * caution : std::max(1.0, caution / CAUTION);
+        if (gain < 1.0) {
+            std::copy(tried, tried + n, now.angles);
+            std::swap(column, spare);
+            error = tried_error;
+            now.miss = tried_miss;
+        }
+    }
+    return now;
+}
+
+}  // namespace kinesic::arm

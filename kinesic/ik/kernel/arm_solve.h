@@ -1,0 +1,98 @@
+// Joint angles for a reach: clamp, masses, hinges, polish, wrist (kinesic/ik/solve.py; thesis 7.3).
+
+#pragma once
+
+#include "arm_place.h"
+#include "arm_polish.h"
+#include "arm_wrist.h"
+
+namespace kinesic::arm {
+
+constexpr double STALLED = 2e-5;
+constexpr int RESTARTS = 8;
+
+struct Question {
+    Vector position;                   // [m] in the base
+    const double* swivel = nullptr;    // [rad] or null
+    Wish wishes[MOST_WISHES];          // pointing, palm
+    int wish_count = 0;
+    double near[MOST_HINGES];          // [rad] inside the ranges
+    double home[MOST_HINGES];          // [rad] inside the ranges
+    double mobility[MOST_HINGES];
+};
+
+struct Answer {
+    double angles[MOST_HINGES] = {};   // [rad] inside the ranges
+    double errors[MOST_WISHES] = {};   // [rad] in the order of the wishes
+    double residual = 0.0;             // [m]
+    int iterations = 0;
+    Vector target;                     // [m] after clamping to the reach
+};
+
+// The seeds whose hands are nearest to a target, best first.
+inline void nearest(const Linkage& arm, const Vector& target, int count, int* chosen) {
+    double near[MOST_SEEDS];
+    int kept = 0;
+    for (int n = 0; n < arm.seeds; ++n) {
+        const double away = distance(arm.seed[n].hand, target);
+        if (kept == count && away >= near[kept - 1]) continue;
+        int place = kept < count ? kept++ : kept - 1;
+        for (; place > 0 && away < near[place - 1]; --place) {
+            near[place] = near[place - 1];
+            chosen[place] = chosen[place - 1];
+        }
+        near[place] = away;
+        chosen[place] = n;
+    }
+}
+
+// Polishes from the angles, then from other postures while the hand is not there; the best of all.
+inline Polished approach(const Linkage& arm, const Vector& target, const double* angles, const double* posture,
+                         const double* mobility) {
+    Polished best = polish(arm, target, angles, posture, mobility);
+    int rounds = best.rounds, chosen[RESTARTS];
+    if (best.miss >= STALLED) nearest(arm, target, RESTARTS, chosen);
+    for (int restart = 0; restart < std::min(RESTARTS, arm.seeds) && best.miss >= STALLED; ++restart) {
+        const Polished tried = polish(arm, target, arm.seed[chosen[restart]].angles, posture, mobility);
+        rounds += tried.rounds;
+        if (tried.miss < best.miss) best = tried;
+    }
+    best.rounds = rounds;
+    return best;
+}
+
+// Closed forms first; where they miss, polish, from other postures if need be.
+inline Bend found(const Linkage& arm, const Place& place, const Question& question) {
+    Bend first = bent(arm, place, question.near, question.swivel);
+    if (first.exact) return first;
+    const Polished best = approach(arm, place.target, first.angles, question.home, question.mobility);
+    std::copy(best.angles, best.angles + arm.own(), first.angles);
+    first.iterations += best.rounds;
+    if (best.miss >= STALLED) return first;
+    const Place again = place_of(arm, best.angles, hand(arm, best.angles));
+    Bend second = bent(arm, again, best.angles, question.swivel);
+    if (!second.exact) std::copy(best.angles, best.angles + arm.own(), second.angles);
+    second.iterations += first.iterations;
+    return second;
+}
+
+inline Answer solve(const Linkage& arm, const Question& question) {
+    const Place place = placed(arm, question.position, question.near, question.home);
+    const Bend bend = found(arm, place, question);
+    Vector points[MOST_LINKS + 1];
+    Rotation frame = walk(arm, bend.angles, arm.links - 1, points);
+    Answer answer;
+    std::copy(bend.angles, bend.angles + arm.own(), answer.angles);
+    orient(arm, frame, question.wishes, question.wish_count, question.home + arm.own(), answer.angles + arm.own());
+    for (int k = arm.own(); k < arm.hinges; ++k) frame = behind(frame, arm.pivot[k], answer.angles[k]);
+    for (int i = 0; i < question.wish_count; ++i) {
+        const double agreement = dot(rotated(frame, question.wishes[i].own), question.wishes[i].wanted);
+        answer.errors[i] = std::acos(std::max(-1.0, std::min(1.0, agreement)));
+    }
+    answer.residual = distance(points[arm.links - 1], question.position);
+    answer.iterations = place.iterations + bend.iterations;
+    answer.target = place.target;
+    return answer;
+}
+
+}  // namespace kinesic::arm

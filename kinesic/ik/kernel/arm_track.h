@@ -1,0 +1,64 @@
+// Following a moving target, warm and without leaps (kinesic/ik/track.py).
+
+#pragma once
+
+#include "arm_place.h"
+#include "arm_polish.h"
+
+namespace kinesic::arm {
+
+namespace tracking {
+
+constexpr int ROUNDS = 8;
+constexpr double TOLERANCE = 1e-8;      // of the arm's length
+constexpr double DAMPING = 0.3;         // lambda^2 = DAMPING e^2 + LEAST_DAMPING size^2
+constexpr double LEAST_DAMPING = 1e-7;
+constexpr double SOFT = 0.05;           // the last part of the reach, given out ever more slowly
+
+}  // namespace tracking
+
+// The target drawn softly inside the reach: d' = s + w (1 - exp((s - d) / w)) beyond s = (1 - SOFT) D, w = SOFT D.
+inline Vector softened(const Linkage& arm, const Vector& target, const double* rest) {
+    using namespace tracking;
+    const double width = SOFT * arm.farthest, begin = STRETCH * arm.farthest - width;
+    if (distance(arm.resting, target) <= begin) return target;
+    Vector points[MOST_LINKS + 1];
+    places::helpful(arm, target, rest, points);
+    const Vector shoulder = points[arm.girdle()];
+    const double d = distance(shoulder, target);
+    if (d <= begin) return target;
+    return shoulder + (target - shoulder) * ((begin + width * (1.0 - std::exp((begin - d) / width))) / d);
+}
+
+// Moves the angles until the hand is on the target, its first round drawing them to rest by the share `pull`.
+// Returns what the hand misses [m].
+inline Vector moved(const Linkage& arm, const Vector& target, double pull, const double* rest, const double* mobility,
+                    double* angles) {
+    using namespace tracking;
+    const double size = arm.farthest;
+    for (int k = arm.own(); k < arm.hinges; ++k) angles[k] = angles[k] + pull * (rest[k] - angles[k]);
+    Vector column[MOST_HINGES];
+    Vector error = target - columns(arm, angles, column);
+    for (int round = 0; round < ROUNDS; ++round, pull = 0.0) {
+        const double damping = DAMPING * dot(error, error) + LEAST_DAMPING * size * size;
+        double pulls[MOST_HINGES], next[MOST_HINGES];
+        for (int k = 0; k < arm.own(); ++k) pulls[k] = pull * (rest[k] - angles[k]);
+        stepped(arm, angles, error, column, pulls, mobility, damping, next);
+        std::copy(next, next + arm.own(), angles);
+        error = target - columns(arm, angles, column);
+        if (norm(error) <= TOLERANCE * size) break;
+    }
+    return error;
+}
+
+// One tick: the way to the target in `parts` equal steps. Returns the distance from the hand to the target asked [m].
+inline double follow(const Linkage& arm, const Vector& target, double pull, int parts, const double* rest,
+                     const double* mobility, double* angles) {
+    const Vector goal = softened(arm, target, rest), from = parts > 1 ? hand(arm, angles) : goal;
+    Vector error;
+    for (int part = 1; part <= parts; ++part)
+        error = moved(arm, from + (goal - from) * (double(part) / parts), pull, rest, mobility, angles);
+    return norm((target - goal) + error);
+}
+
+}  // namespace kinesic::arm

@@ -1,0 +1,80 @@
+// Three numbers and nine numbers: the same arithmetic as kinesic/ik/vectors.py, in the same order.
+
+#pragma once
+
+#include <cmath>
+
+namespace kinesic::arm {
+
+constexpr double PI = 3.14159265358979323846;
+constexpr double TAU = 2.0 * PI;
+
+struct Vector {
+    double x = 0.0, y = 0.0, z = 0.0;
+};
+
+inline Vector operator+(const Vector& a, const Vector& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+inline Vector operator-(const Vector& a, const Vector& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline Vector operator*(const Vector& a, double factor) { return {a.x * factor, a.y * factor, a.z * factor}; }
+
+inline double dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+inline Vector cross(const Vector& a, const Vector& b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+inline double norm(const Vector& a) { return std::sqrt(a.x * a.x + a.y * a.y + a.z * a.z); }
+inline double distance(const Vector& a, const Vector& b) { return norm(a - b); }
+inline bool null(const Vector& a) { return a.x == 0.0 && a.y == 0.0 && a.z == 0.0; }
+
+// The direction; the null vector has none and stays null.
+inline Vector unit(const Vector& a) {
+    const double length = norm(a);
+    return length > 0.0 ? a * (1.0 / length) : a;
+}
+
+// The part perpendicular to a unit axis.
+inline Vector across(const Vector& a, const Vector& axis) { return a - axis * dot(a, axis); }
+
+// About a unit axis (Rodrigues), given cosine and sine of the angle.
+inline Vector turned(const Vector& a, const Vector& axis, double c, double s) {
+    const double d = dot(axis, a) * (1.0 - c);
+    const Vector k = cross(axis, a);
+    return {a.x * c + k.x * s + axis.x * d, a.y * c + k.y * s + axis.y * d, a.z * c + k.z * s + axis.z * d};
+}
+
+inline Vector turned(const Vector& a, const Vector& axis, double angle) {
+    return turned(a, axis, std::cos(angle), std::sin(angle));
+}
+
+// Nearest representative of an angle to zero, whole turns aside [rad].
+inline double wrapped(double angle) { return std::abs(angle) <= PI ? angle : std::remainder(angle, TAU); }
+
+struct Rotation {  // columns: where the frame's own axes point
+    Vector x{1.0, 0.0, 0.0}, y{0.0, 1.0, 0.0}, z{0.0, 0.0, 1.0};
+};
+
+// Out of a frame: R a.
+inline Vector rotated(const Rotation& r, const Vector& a) {
+    return {r.x.x * a.x + r.y.x * a.y + r.z.x * a.z, r.x.y * a.x + r.y.y * a.y + r.z.y * a.z,
+            r.x.z * a.x + r.y.z * a.y + r.z.z * a.z};
+}
+
+// Into a frame: R transposed, times a.
+inline Vector within(const Rotation& r, const Vector& a) { return {dot(r.x, a), dot(r.y, a), dot(r.z, a)}; }
+
+// R about(axis, angle), given cosine and sine of the angle.
+inline Rotation after(const Rotation& r, const Vector& axis, double c, double s) {
+    const double d = 1.0 - c;
+    const double xs = axis.x * s, ys = axis.y * s, zs = axis.z * s;
+    const double xy = axis.x * axis.y * d, xz = axis.x * axis.z * d, yz = axis.y * axis.z * d;
+    return {rotated(r, {c + axis.x * axis.x * d, xy + zs, xz - ys}),
+            rotated(r, {xy - zs, c + axis.y * axis.y * d, yz + xs}),
+            rotated(r, {xz + ys, yz - xs, c + axis.z * axis.z * d})};
+}
+
+inline Rotation after(const Rotation& r, const Vector& axis, double angle) {
+    return after(r, axis, std::cos(angle), std::sin(angle));
+}
+
+}  // namespace kinesic::arm

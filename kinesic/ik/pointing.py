@@ -1,0 +1,124 @@
+"""Pointing and palm where the swivel is free: the elbow swings as far as the hand's directions need it."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from math import acos, inf, pi
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.chain import Chain
+from kinesic.body.reach import Reach
+from kinesic.ik.linkage import Link, Linkage, linkage_of
+from kinesic.ik.mirror import is_right, mirrored_chain, mirrored_reach
+from kinesic.ik.place import place_of
+from kinesic.ik.solve import Solution, solve
+from kinesic.ik.swivels import Cell, cell_at, present_swivel
+from kinesic.ik.vectors import Rotation, after, distance, dot, rotated, unit, vector
+from kinesic.ik.wrist import Wish, orient
+
+SATISFIED = 1e-3  # [rad] errors of all directions together that need no search
+STEPS = 12  # of the search to either side
+PRICE = 0.03  # [rad] of error that a radian of swing has to win
+BISECTIONS = 8
+OFF = 1e-6  # of the reach: a swing that takes the hand farther off its place does not count
+
+
+def best_swivel(
+    chain: Chain,
+    reach: Reach,
+    *,
+    start: Floats,
+    rest: Floats | None = None,
+    mobility: Floats | None = None,
+    widest: float = pi,
+) -> Solution:
+    """`solve`, and where the wrist cannot give the hand its directions, the elbow swings aside.
+
+    Args:
+        chain: the arm.
+        reach: of its hand, in the frame of the chain's base; with a swivel of its own nothing is searched.
+        start: (k,) [rad] posture to stay close to; clipped to the ranges.
+        rest: (k,) [rad] of whatever the reach leaves open.
+        mobility: (k,) how readily each hinge helps.
+        widest: [rad] that the elbow swings, to either side.
+
+    Returns:
+        The smallest swing that satisfies pointing and palm; where none does, the one whose errors are least for
+        its width. Collar bone and hand stay where `solve` puts them.
+
+    Raises:
+        ValueError: a shape is wrong or a number is not finite.
+    """
+    first = solve(chain, reach, start=start, rest=rest, mobility=mobility)
+    if reach.swivel is not None or not first.reached or _left(first) <= SATISFIED:
+        return first
+    home = chain.rest if rest is None else rest
+    if is_right(chain):
+        chain, reach = mirrored_chain(chain), mirrored_reach(reach)
+    linkage, wishes, near = linkage_of(chain), wishes_of(chain, reach), first.angles.tolist()
+    last = linkage.links[-1]
+
+    def hand(frame: Rotation) -> tuple[tuple[float, ...], float]:
+        own = orient(last, frame, wishes, home[last.first :].tolist())
+        return own, sum(_errors(last, frame, own, wishes).values())
+
+    place, begin = place_of(linkage, near, vector(reach.position)), present_swivel(linkage, near)
+    found = _swung(linkage, lambda offset: cell_at(linkage, place, begin + offset, hand, near=near), widest)
+    if found.error >= _left(first):
+        return first
+    frame, points = linkage.walk(found.angles, len(linkage.links) - 1)
+    errors = _errors(last, frame, found.angles[last.first :], wishes)
+    return replace(
+        first,
+        angles=sealed(found.angles),
+        residual=distance(points[-1], place.target),
+        pointing_error=errors.get("pointing"),
+        palm_error=errors.get("palm"),
+    )
+
+
+def wishes_of(chain: Chain, reach: Reach) -> list[Wish]:
+    """What the hand's direction and palm should look at."""
+    along = unit(vector(chain.joints[-1].bone))
+    pairs = (("pointing", along, reach.pointing), ("palm", unit(vector(chain.palm)), reach.palm))
+    return [Wish(name, own, unit(vector(wanted))) for name, own, wanted in pairs if wanted is not None]
+
+
+def _swung(linkage: Linkage, at: Callable[[float], Cell], widest: float) -> Cell:
+    """The smallest swing that satisfies, looked for outward; else the best for its width [rad]."""
+    best, least = at(0.0), inf
+    for step in range(STEPS + 1):
+        for side in (1.0, -1.0):
+            outside, offset = side * (step - 1) * widest / STEPS, side * step * widest / STEPS
+            cell = at(offset)
+            if cell.miss > OFF * linkage.farthest:
+                continue
+            if cell.error <= SATISFIED:
+                return _edge(linkage, at, outside, offset, cell)
+            price = cell.error + PRICE * abs(offset)
+            if price < least:
+                best, least = cell, price
+    return best
+
+
+def _edge(linkage: Linkage, at: Callable[[float], Cell], outside: float, inside: float, found: Cell) -> Cell:
+    """Bisects to where the directions begin to be satisfied."""
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (outside + inside)
+        cell = at(middle)
+        if cell.miss <= OFF * linkage.farthest and cell.error <= SATISFIED:
+            inside, found = middle, cell
+        else:
+            outside = middle
+    return found
+
+
+def _errors(link: Link, frame: Rotation, own: Sequence[float], wishes: Sequence[Wish]) -> dict[str, float]:
+    """What each direction is off [rad], with the hand's own angles."""
+    for pivot, angle in zip(link.pivots, own, strict=True):
+        frame = after(frame, pivot.axis, angle)
+    return {wish.name: acos(max(-1.0, min(1.0, dot(rotated(frame, wish.own), wish.wanted)))) for wish in wishes}
+
+
+def _left(solution: Solution) -> float:
+    """Errors of all directions together [rad]."""
+    return (solution.pointing_error or 0.0) + (solution.palm_error or 0.0)

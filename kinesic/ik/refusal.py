@@ -1,0 +1,111 @@
+"""Which chains the solver takes: checked once when a chain is met, brought to one form, or refused with the rule.
+
+The closed forms aim a bone with at most two hinges and turn it about itself with one more. Axes need not be
+perpendicular to one another or to the bone.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.body.chain import Chain, ChainJoint
+from kinesic.body.config import ConfigError
+from kinesic.body.skeleton import Hinge
+
+PARALLEL = 1e-9  # sine of the angle below which two lines are one
+ZERO = 1e-6  # of the chain's length: a shorter bone has no direction
+UNIT = 1e-6  # how far an axis' length may be from 1
+FEWEST = 3  # joints: shoulder, elbow, wrist
+MOST_SWINGS = 2  # of one joint
+
+
+def checked(chain: Chain) -> Chain:
+    """The same chain in the form that the solver takes.
+
+    A joint's first hinge that lies along the parent's bone slides down that bone and becomes the parent's twist:
+    the motion is the same. So a wrist written as twist, pitch, roll leaves two hinges to aim the hand.
+
+    Args:
+        chain: of any robot.
+
+    Returns:
+        A chain with the same hinges in the same order and the same places for the same angles.
+
+    Raises:
+        ConfigError: the rule that the chain breaks, where, and what would have worked.
+    """
+    where = f"chain {chain.name}"
+    if len(chain.joints) < FEWEST:
+        raise ConfigError(f"{where} has {len(chain.joints)} joints; an arm has at least shoulder, elbow, wrist")
+    _check_figures(where, "origin_in_base", chain.origin_in_base)
+    _check_figures(where, "palm", chain.palm)
+    for joint in chain.joints:
+        _check_figures(where, f"bone of joint {joint.name}", joint.bone)
+    for joint in chain.joints:
+        if joint is not chain.joints[-1]:
+            _check_bone(where, joint, float(chain.lengths.sum()))
+        for hinge in joint.hinges:
+            _check_hinge(f"{where}: hinge {hinge.name}", hinge)
+    joints = _slid(chain.joints)
+    for joint in joints:
+        _check_joint(where, joint)
+    return replace(chain, joints=joints)
+
+
+def _slid(joints: Sequence[ChainJoint]) -> tuple[ChainJoint, ...]:
+    """Each first hinge that lies along the parent's bone moved to the parent."""
+    slid = [joints[0]]
+    for joint in joints[1:]:
+        parent = slid[-1]
+        slides = int(bool(joint.hinges) and _parallel(joint.hinges[0].axis, parent.bone))
+        slid[-1] = replace(parent, hinges=parent.hinges + joint.hinges[:slides])
+        slid.append(replace(joint, hinges=joint.hinges[slides:]))
+    return tuple(slid)
+
+
+def _check_joint(where: str, joint: ChainJoint) -> None:
+    """Refuses hinges that double one another, and a third hinge that aims."""
+    for first, second in zip(joint.hinges, joint.hinges[1:], strict=False):
+        if _parallel(first.axis, second.axis):
+            raise ConfigError(
+                f"{where}: joint {joint.name}: hinges {first.name} and {second.name} turn about the same line; "
+                f"one of them is enough, or give them different axes"
+            )
+    twists = bool(joint.hinges) and _parallel(joint.hinges[-1].axis, joint.bone)
+    swings = [hinge.name for hinge in (joint.hinges[:-1] if twists else joint.hinges)]
+    if len(swings) > MOST_SWINGS:
+        raise ConfigError(
+            f"{where}: joint {joint.name}: hinges {', '.join(swings)} all swing its bone {joint.bone.tolist()}; "
+            f"at most two may, and one more, the last, may twist: turn {swings[-1]} to lie along the bone"
+        )
+
+
+def _check_bone(where: str, joint: ChainJoint, size: float) -> None:
+    length = float(np.linalg.norm(joint.bone))
+    if not length > ZERO * size:
+        raise ConfigError(
+            f"{where}: joint {joint.name}: its bone is {length:g} m long; it must lead somewhere: hinges that share "
+            f"a centre belong to one joint, and only the hand's own bone may be without length"
+        )
+
+
+def _check_hinge(where: str, hinge: Hinge) -> None:
+    _check_figures(where, "axis", hinge.axis)
+    length = float(np.linalg.norm(hinge.axis))
+    if abs(length - 1.0) > UNIT:
+        raise ConfigError(f"{where}: axis {hinge.axis.tolist()} has length {length:g}; divide it by that to make it 1")
+    if not np.isfinite([hinge.lower, hinge.upper, hinge.rest]).all():
+        raise ConfigError(f"{where}: range [{hinge.lower}, {hinge.upper}], rest {hinge.rest}: all must be finite [rad]")
+    if hinge.lower > hinge.upper:
+        raise ConfigError(f"{where}: range [{hinge.lower:g}, {hinge.upper:g}] rad is empty; write the smaller first")
+
+
+def _check_figures(where: str, name: str, values: Floats) -> None:
+    if np.shape(values) != (3,) or not np.isfinite(values).all():
+        raise ConfigError(f"{where}: {name} is {np.asarray(values).tolist()}; it needs three finite numbers")
+
+
+def _parallel(axis: Floats, line: Floats) -> bool:
+    return float(np.linalg.norm(np.cross(axis, line))) < PARALLEL * float(np.linalg.norm(line))

@@ -1,0 +1,55 @@
+"""The springs of method 2 relaxed all at once: the way to the same kind of rest without swinging.
+
+The thesis integrates in time. But the springs of a chain only know their neighbours, so the correction that brings
+all of them to rest together is one tridiagonal system (extended position-based dynamics: Macklin et al. 2016). It
+has no step and no damping to choose.
+"""
+
+import numpy as np
+from scipy.linalg import solveh_banded
+
+from kinesic.body.arrays import Floats
+from kinesic.ik.thesis.springs import NO_LENGTH, Springs
+from kinesic.ik.thesis.task import Rest, Task
+
+COMPLIANCE = 1e-3  # per stiffness: keeps the system regular where all bones lie on one line
+
+
+def balanced(task: Task) -> Rest:
+    """Corrects all bones together until they have their lengths between the base and the target.
+
+    With the stretch c_j of bone j, its direction u_j and weights w = 1 / m (0 at the pinned ends), each step solves
+    (w_j + w_j+1 + a / k_j) l_j - w_j u_j.u_j-1 l_j-1 - w_j+1 u_j.u_j+1 l_j+1 = c_j
+    for the pulls l and moves mass i by w_i (l_i u_i - l_i-1 u_i-1).
+    """
+    bones = len(task.rests)
+    weights = 1.0 / task.masses
+    weights[0] = weights[-1] = 0.0
+    springs = Springs.between(
+        [(k, k + 1) for k in range(bones)],
+        rests=task.rests,
+        stiffness=task.stiffness,
+        masses=task.masses,
+        pinned={0, bones},
+    )
+    points = np.vstack([task.points[:-1], task.target])
+    energy, done = springs.energy(springs.forces(points)), 0
+    while energy > task.effort.threshold and done < task.effort.iterations and not task.arrived(points):
+        points = points + _correction(points, task, weights)
+        energy, done = springs.energy(springs.forces(points)), done + 1
+    return Rest(points, done, energy)
+
+
+def _correction(points: Floats, task: Task, weights: Floats) -> Floats:
+    """(n + 1, 3) how the masses move."""
+    bones = np.diff(points, axis=0)
+    lengths = np.maximum(np.sqrt((bones * bones).sum(axis=1)), NO_LENGTH)
+    along = bones / lengths[:, None]
+    bands = np.zeros((2, len(lengths)))
+    bands[0] = weights[:-1] + weights[1:] + COMPLIANCE / task.stiffness
+    bands[1, :-1] = -weights[1:-1] * (along[:-1] * along[1:]).sum(axis=1)
+    pulls = solveh_banded(bands, lengths - task.rests, lower=True)[:, None] * along
+    moves: Floats = np.zeros_like(points)
+    moves[:-1] += pulls
+    moves[1:] -= pulls
+    return weights[:, None] * moves

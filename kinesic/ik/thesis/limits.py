@@ -1,0 +1,52 @@
+"""Algorithm 3: boxed Euler limits from the end to the root; what is cut off goes to the parent by the arc rule.
+
+The algorithm prints the parent's share as q' / q, the way back from the cut-off rotation, which would take the hand
+further away; its figure 7.4 and "Arc = alpha L1 = beta L2" mean q / q', which is used here.
+"""
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from kinesic.body.arrays import Floats
+from kinesic.ik.thesis.chain import BallChain
+from kinesic.ik.thesis.rotations import Carrier, Stance, stance_of
+
+NO_ARM = 1e-9  # of the chain's length: a parent that sits on the target cannot move the hand along an arc
+
+
+def within_limits(chain: BallChain, stance: Stance, target: Floats, carrier: Carrier) -> Stance:
+    """Cuts each joint's rotation to its box and hands the excess to the parent, from the end to the root.
+
+    A joint p_i that loses the turn alpha moves the hand by an arc alpha |t - p_i|; its parent turns by
+    beta = alpha |t - p_i| / |t - p_i-1| about the same axis to bring the hand back. The root's excess is lost.
+
+    Args:
+        chain: at rest; without limits the stance comes back unchanged.
+        stance: as the masses wish it.
+        target: (3,) [m].
+        carrier: what the chain stands on.
+
+    Returns:
+        A stance inside the limits.
+    """
+    if chain.limits is None:
+        return stance
+    rotations = stance.rotations.copy()
+    arms = np.linalg.norm(target - stance.points[:-1], axis=1)
+    for k in range(len(rotations) - 1, -1, -1):
+        held = chain.limits.held(rotations[k], k)
+        if held is rotations[k]:
+            continue
+        if k > 0 and arms[k - 1] > NO_ARM * chain.size:
+            into_parent = chain.frames[k - 1].T @ chain.frames[k]
+            excess = into_parent @ Rotation.from_matrix(rotations[k] @ held.T).as_rotvec()
+            rotations[k - 1] = rotations[k - 1] @ _arc(excess, float(arms[k] / arms[k - 1]))
+        rotations[k] = held
+    return stance_of(chain, rotations, carrier)
+
+
+def _arc(excess: Floats, ratio: float) -> Floats:
+    """The parent's turn (3, 3), at most half a turn, for a rotation vector (3,) [rad] that its child lost."""
+    angle = float(np.linalg.norm(excess)) * ratio
+    turn: Floats = Rotation.from_rotvec(excess * ratio * np.pi / max(angle, np.pi)).as_matrix()
+    return turn

@@ -1,0 +1,129 @@
+"""From points to rotations of ball joints and back, in closed form from bone and up vectors (thesis 7.3.1).
+
+A joint's rotation is told away from rest, in the frame of its bone at rest: x along the bone, y aside, z up. Its up
+vector travels with the bone by the smallest turn, so that a bone which is aimed is not twisted.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.rotation import about
+from kinesic.ik.thesis.chain import NO_LENGTH, BallChain
+
+OPPOSITE = 1e-9  # sine of the angle between two directions below which they are the same or opposite
+SIDEWAYS = 1e-9  # of the chain's length: inner points nearer to the line have no swivel
+
+
+@dataclass(frozen=True, eq=False)
+class Carrier:
+    """What carries a chain: where the chain's base stands, and how far it is turned away from rest."""
+
+    point: Floats  # (3,) [m]
+    rotation: Floats  # (3, 3) in the world
+
+    @classmethod
+    def at_rest(cls, chain: BallChain) -> "Carrier":
+        """The ground that a chain stands on."""
+        return cls(chain.points[0], np.eye(3))
+
+
+@dataclass(frozen=True, eq=False)
+class Stance:
+    """A chain with its bones at their true lengths."""
+
+    rotations: Floats  # (n, 3, 3) of the joints away from rest, each in the frame of its own bone at rest
+    frames: Floats  # (n, 3, 3) in the world: columns along the bone, aside, up
+    points: Floats  # (n + 1, 3) [m]
+    end: Carrier  # of what hangs on the last point
+
+
+def transported(up: Floats, start: Floats, end: Floats) -> Floats:
+    """An up vector (3,) carried along when its bone swings from one direction to another by the smallest turn.
+
+    The turn is about start x end; between opposite directions it is a half turn about the up vector itself.
+
+    Args:
+        up: (3,) unit, across `start`.
+        start: (3,) unit.
+        end: (3,) unit.
+    """
+    normal = np.cross(start, end)
+    sine = float(np.linalg.norm(normal))
+    if sine < OPPOSITE:
+        return up
+    turned: Floats = about(normal / sine, float(np.arctan2(sine, start @ end))) @ up
+    return turned
+
+
+def stance_of(chain: BallChain, rotations: Floats, carrier: Carrier) -> Stance:
+    """Forward kinematics.
+
+    Args:
+        chain: at rest.
+        rotations: (n, 3, 3) of the joints away from rest.
+        carrier: what the chain stands on.
+    """
+    frames, points = np.empty_like(chain.frames), np.empty_like(chain.points)
+    points[0], turn = carrier.point, carrier.rotation
+    for k, (rest, length) in enumerate(zip(chain.frames, chain.lengths, strict=True)):
+        frames[k] = turn @ rest @ rotations[k]
+        turn = frames[k] @ rest.T
+        points[k + 1] = points[k] + length * frames[k, :, 0]
+    return Stance(sealed(rotations), sealed(frames), sealed(points), Carrier(sealed(points[-1]), sealed(turn)))
+
+
+def aimed(chain: BallChain, before: Floats, points: Floats, carrier: Carrier) -> Stance:
+    """Turns each joint, from the base outward, by the smallest turn that aims its bone along a pair of points.
+
+    Args:
+        chain: at rest.
+        before: (n, 3, 3) rotations away from rest to begin with; they decide the twist.
+        points: (n + 1, 3) [m] where the masses have come to rest; their distances need not be the bones' lengths.
+        carrier: what the chain stands on.
+    """
+    bones = np.diff(points, axis=0)
+    lengths = np.linalg.norm(bones, axis=1)
+    rotations, turn = np.empty_like(before), carrier.rotation
+    for k, rest in enumerate(chain.frames):
+        carried = turn @ rest
+        frame = carried @ before[k]
+        if lengths[k] > NO_LENGTH * chain.size:
+            frame = _led(frame, bones[k] / lengths[k])
+        rotations[k] = carried.T @ frame
+        turn = frame @ rest.T
+    return stance_of(chain, rotations, carrier)
+
+
+def _led(frame: Floats, along: Floats) -> Floats:
+    """A bone's frame (3, 3) when the bone swings to a direction, built anew from bone and up vector."""
+    side = np.cross(transported(frame[:, 2], frame[:, 0], along), along)
+    side /= np.linalg.norm(side)
+    return np.stack([along, side, np.cross(along, side)], axis=1)
+
+
+def swivelled(points: Floats, up: Floats) -> Floats:
+    """Turns a chain about the line from base to hand until it bends towards a direction.
+
+    Both ends stay, and so does every spring: the swivel is what the masses leave open.
+
+    Args:
+        points: (n + 1, 3) [m].
+        up: (3,) where the joints between the ends should go.
+
+    Returns:
+        (n + 1, 3) [m]; unchanged where the chain is straight, closed, or `up` lies along its line.
+    """
+    line = points[-1] - points[0]
+    span, size = float(np.linalg.norm(line)), float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+    if span < SIDEWAYS * size:
+        return points
+    axis = line / span
+    away = (points - points[0]).mean(axis=0)
+    bend, wish = away - (away @ axis) * axis, up - (up @ axis) * axis
+    if np.linalg.norm(bend) < SIDEWAYS * size or np.linalg.norm(wish) < SIDEWAYS * np.linalg.norm(up):
+        return points
+    angle = float(np.arctan2(axis @ np.cross(bend, wish), bend @ wish))
+    turned: Floats = points[0] + (points - points[0]) @ about(axis, angle).T
+    return turned

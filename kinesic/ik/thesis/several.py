@@ -1,0 +1,133 @@
+"""Several targets at once (Algorithm 2): limbs that share sub-base joints reach together.
+
+All hands are put on their targets and the masses of the whole tree swing to rest; a sub-base joint is one mass that
+all its limbs pull, so no centroid has to be computed. A skeleton's joint has one rotation only: where limbs wish
+different ones, it is their weighted mean, or that of the limb with priority. Each limb then reaches anew from where
+the shared joint really put it.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.ik.masses import clamp
+from kinesic.ik.thesis.limbs import Limbs
+from kinesic.ik.thesis.rotations import Stance
+from kinesic.ik.thesis.shared import Wishes, postured, standing
+from kinesic.ik.thesis.solve import Method, three, unbent
+from kinesic.ik.thesis.springs import Springs
+from kinesic.ik.thesis.task import Effort, Rest
+from kinesic.ik.thesis.verlet import swing
+from kinesic.ik.vectors import vector
+
+YIELD = 0.1  # what is left per round of the pull of a limb whose better has not arrived
+FAINT = 1e-3  # the least pull that is left: weaker springs would hardly settle
+
+
+@dataclass(frozen=True, eq=False)
+class Reached:
+    """A tree of chains at rest."""
+
+    stances: Mapping[str, Stance]  # of each limb, bones at their true lengths
+    residuals: Mapping[str, float]  # [m] from each end that has a target to that target
+    rounds: int
+    iterations: int  # of the masses of the whole tree
+
+
+def solve_several(
+    limbs: Limbs,
+    targets: Mapping[str, Floats],
+    *,
+    weights: Mapping[str, float] | None = None,
+    priority: Sequence[str] = (),
+    method: Method = "position",
+    effort: Effort | None = None,
+) -> Reached:
+    """Brings the ends of several limbs to a target each.
+
+    Args:
+        limbs: the tree.
+        targets: (3,) [m] per limb; an end without a target is free.
+        weights: how strongly limbs pull, and how much they count in the rotation that they share; 1 by default.
+        priority: limbs whose target comes before those of limbs named later or not at all.
+        method: of the limbs' own reach.
+        effort: tolerances and caps; lengths in units of `Limbs.size`.
+
+    Raises:
+        ValueError: an unknown limb, no target, a target that is not three finite numbers, a weight not above zero.
+    """
+    effort = effort or Effort()
+    asked = _checked(limbs, targets, weights or {}, priority)
+    pulls = {limb.name: float((weights or {}).get(limb.name, 1.0)) for limb in limbs.members}
+    near = {name: sealed(clamp(vector(t), vector(limbs.root(name)), limbs.reach[name])) for name, t in asked.items()}
+    ranks = [name for name in priority if name in asked] + [name for name in asked if name not in priority]
+    stances = standing(limbs)
+    best, least, iterations, done = stances, [np.inf], 0, 0
+    while done < effort.rounds:
+        swung = _swung(limbs, stances, near, pulls, effort)
+        points = {name: limbs.size * swung.points[rows] for name, rows in limbs.indices.items()}
+        wishes = Wishes(points, near, dict(pulls), priority)
+        stances = postured(limbs, stances, wishes, method=method, effort=effort)
+        iterations, done = iterations + swung.iterations, done + 1
+        misses = [float(np.linalg.norm(stances[name].points[-1] - near[name])) / limbs.size for name in ranks]
+        late = [miss if miss > effort.tolerance else 0.0 for miss in misses]
+        merit = late if priority else [sum(pulls[name] * miss for name, miss in zip(ranks, late, strict=True))]
+        if merit < least:
+            best, least = stances, merit
+        if not any(late):
+            break
+        if priority:
+            first = next(k for k, miss in enumerate(late) if miss)
+            pulls |= {name: max(YIELD * pulls[name], FAINT) for name in ranks[first + 1 :]}
+    residuals = {name: float(np.linalg.norm(best[name].points[-1] - target)) for name, target in asked.items()}
+    return Reached(best, residuals, done, iterations)
+
+
+def _swung(
+    limbs: Limbs, stances: Mapping[str, Stance], near: Mapping[str, Floats], pulls: Mapping[str, float], effort: Effort
+) -> Rest:
+    """The masses of the whole tree at rest, in units of its size."""
+    count = 1 + max(max(rows) for rows in limbs.indices.values())
+    points, masses = np.zeros((count, 3)), np.ones(count)
+    pairs: list[tuple[int, int]] = []
+    pinned: set[int] = set()
+    for limb in reversed(limbs.members):
+        rows, chain, stance = limbs.indices[limb.name], limb.chain, stances[limb.name]
+        points[rows], masses[rows] = stance.points / limbs.size, chain.masses
+        if limb.name in near:
+            points[rows[-1]] = near[limb.name] / limbs.size
+            pinned.add(rows[-1])
+        points[rows] = unbent(points[rows], stance.frames[:, :, 2])
+        pinned |= {rows[0]} if limb.on is None else set()
+        pairs = list(pairwise(rows)) + pairs
+    springs = Springs.between(
+        pairs,
+        rests=np.concatenate([limb.chain.lengths for limb in limbs.members]) / limbs.size,
+        stiffness=np.concatenate([pulls[limb.name] * limb.chain.stiffness for limb in limbs.members]),
+        masses=masses,
+        pinned=pinned,
+    )
+
+    def arrived(now: Floats) -> bool:
+        lengths = np.linalg.norm(springs.incidence @ now, axis=1)
+        return bool(np.abs(lengths - springs.rests).sum() <= effort.tolerance)
+
+    return swing(springs, points, damping=limbs.members[0].chain.damping, effort=effort, arrived=arrived)
+
+
+def _checked(
+    limbs: Limbs, targets: Mapping[str, Floats], weights: Mapping[str, float], priority: Sequence[str]
+) -> dict[str, Floats]:
+    names = [limb.name for limb in limbs.members]
+    for name in (*targets, *weights, *priority):
+        if name not in names:
+            raise ValueError(f"there is no limb {name}; the limbs are {', '.join(names)}")
+    if not targets:
+        raise ValueError(f"no target is given; at least one of {', '.join(names)} needs one")
+    for name, weight in weights.items():
+        if not 0.0 < weight < np.inf:
+            raise ValueError(f"weight of {name} is {weight}; weights are above zero and finite")
+    return {name: three(f"target of {name}", target) for name, target in targets.items()}

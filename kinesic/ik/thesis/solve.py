@@ -1,0 +1,145 @@
+"""The thesis's inverse kinematics in front of one another: relax the masses, turn the joints, hold the limits, again.
+
+This is the loop of appendix 11.2. Without limits one relaxation suffices; with limits the joints that stand inside
+them are the masses of the next relaxation, until the hand arrives or the rounds are over.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.ik.masses import clamp
+from kinesic.ik.thesis.chain import BallChain
+from kinesic.ik.thesis.direct import balanced
+from kinesic.ik.thesis.force import drawn
+from kinesic.ik.thesis.limits import within_limits
+from kinesic.ik.thesis.position import pinned
+from kinesic.ik.thesis.rotations import Carrier, Stance, aimed, stance_of, swivelled
+from kinesic.ik.thesis.task import Effort, Relaxation, Rest, Task
+from kinesic.ik.vectors import vector
+
+Method = Literal["force", "position", "direct"]
+RELAXATIONS: Mapping[Method, Relaxation] = {"force": drawn, "position": pinned, "direct": balanced}
+STRAIGHT = 1e-4  # of the chain's length: masses and target this near to one line stay on it
+NUDGE = 0.02  # of the chain's length, along the up vector, to leave the line
+
+
+@dataclass(frozen=True, eq=False)
+class Relaxed:
+    """A chain at rest. An unreachable target is an answer, not an error: read the residual."""
+
+    points: Floats  # (n + 1, 3) [m], bones at their true lengths
+    rotations: Floats  # (n, 3, 3) of the joints away from rest, each in the frame of its own bone at rest
+    ups: Floats  # (n, 3) unit, where the up vectors went
+    target: Floats  # (3,) [m] after the clamp of eq. 7.3.7
+    residual: float  # [m] from the hand to the target that was asked
+    iterations: int  # of all relaxations together
+    rounds: int  # of relaxation and limits
+    energy: float  # what is left in the springs: sum of the forces per stiffness and length of the chain
+
+
+def solve(
+    chain: BallChain,
+    target: Floats,
+    *,
+    method: Method = "position",
+    start: Floats | None = None,
+    up: Floats | None = None,
+    carrier: Carrier | None = None,
+    effort: Effort | None = None,
+) -> Relaxed:
+    """Brings the end of a chain of ball joints to a target.
+
+    Args:
+        chain: at rest.
+        target: (3,) [m].
+        method: of relaxing the springs: an outer force, a pinned hand, or all springs at once.
+        start: (n, 3, 3) rotations away from rest to begin with, for instance an earlier result's; None: at rest.
+        up: (3,) where the chain should bend to: its swivel; None: as it comes.
+        carrier: what the chain stands on; None: the ground, at its rest.
+        effort: tolerances and caps.
+
+    Returns:
+        The best stance of all rounds. With limits it lies inside them.
+
+    Raises:
+        ValueError: a target or direction that is not three finite numbers, or an unknown method.
+    """
+    if method not in RELAXATIONS:
+        raise ValueError(f"method is {method!r}; known are {', '.join(RELAXATIONS)}")
+    asked = three("target", target)
+    wish = None if up is None else three("up", up)
+    effort = effort or Effort()
+    enough = effort.tolerance * chain.size
+    ground = carrier or Carrier.at_rest(chain)
+    near = sealed(clamp(vector(asked), vector(ground.point), chain.size))
+    stance = within_limits(chain, stance_of(chain, _begun(chain, start), ground), near, ground)
+    best, energy, iterations, done = stance, 0.0, 0, 0
+    while done == 0 or (chain.limits is not None and done < effort.rounds and _miss(best, near) > enough):
+        rest = _relaxed(chain, stance, near, method=method, effort=effort)
+        points = rest.points if wish is None else swivelled(rest.points, wish)
+        stance = within_limits(chain, aimed(chain, stance.rotations, points, ground), near, ground)
+        iterations, done = iterations + rest.iterations, done + 1
+        if done == 1 or _miss(stance, near) < _miss(best, near):
+            best, energy = stance, rest.energy
+    residual = float(np.linalg.norm(best.points[-1] - asked))
+    ups = sealed(best.frames[:, :, 2])
+    return Relaxed(sealed(best.points), sealed(best.rotations), ups, near, residual, iterations, done, energy)
+
+
+def _begun(chain: BallChain, start: Floats | None) -> Floats:
+    """(n, 3, 3) rotations to begin with."""
+    shape = chain.frames.shape
+    if start is None:
+        return np.broadcast_to(np.eye(3), shape)
+    if start.shape != shape or not np.isfinite(start).all():
+        raise ValueError(f"start has the shape {start.shape}; it needs {shape} finite numbers, an earlier rotations")
+    return start
+
+
+def three(name: str, values: Floats) -> Floats:
+    """(3,) finite numbers, or an error that says what came instead."""
+    array = np.asarray(values, dtype=np.float64)
+    if array.shape != (3,) or not np.isfinite(array).all():
+        raise ValueError(f"{name} is {array.tolist()}; it needs three finite numbers")
+    return array
+
+
+def unbent(points: Floats, ups: Floats) -> Floats:
+    """A chain that lies on one line with its target never leaves it: its inner masses are moved a little aside.
+
+    Args:
+        points: (n + 1, 3) in units of the chain, the last on the target.
+        ups: (n, 3) unit, of the bones.
+    """
+    if len(points) < 3 or np.linalg.svd(points - points[0], compute_uv=False)[1] > STRAIGHT:
+        return points
+    bow = NUDGE * np.sin(np.linspace(0.0, np.pi, len(points)))
+    nudged: Floats = points + bow[:, None] * ups[0]
+    return nudged
+
+
+def _relaxed(chain: BallChain, stance: Stance, target: Floats, *, method: Method, effort: Effort) -> Rest:
+    """The masses at rest, in [m]."""
+    base, size = stance.points[0], chain.size
+    points = np.vstack([stance.points[:-1], target])
+    points = unbent((points - base) / size, stance.frames[:, :, 2])
+    points[-1] = (stance.points[-1] - base) / size
+    task = Task(
+        points,
+        (target - base) / size,
+        chain.lengths / size,
+        chain.stiffness,
+        chain.masses,
+        chain.damping,
+        effort,
+    )
+    rest = RELAXATIONS[method](task)
+    return Rest(base + size * rest.points, rest.iterations, rest.energy)
+
+
+def _miss(stance: Stance, target: Floats) -> float:
+    return float(np.linalg.norm(stance.points[-1] - target))

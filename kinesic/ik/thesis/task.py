@@ -1,0 +1,59 @@
+"""One reach in units of the chain, as each of the three methods takes it, and what each of them gives back."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.ik.thesis.springs import NO_LENGTH
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How long and how hard to try; lengths in units of the chain."""
+
+    tolerance: float = 1e-3  # distance from hand to target at which the reach is done; 0: only forces count
+    threshold: float = 1e-6  # epsilon of Algorithm 1: sum of the forces per stiffness at which masses are at rest
+    iterations: int = 300  # the most, of one relaxation
+    rounds: int = 20  # the most, of relaxation and limits (Algorithm 3) or of relaxation and skeleton (Algorithm 2)
+    step: float | None = None  # time step of the integration, mass and stiffness being 1; None: derived
+
+    def __post_init__(self) -> None:
+        if not (self.tolerance >= 0.0 and self.threshold >= 0.0 and self.iterations >= 0 and self.rounds >= 1):
+            raise ValueError(f"{self} asks for less than nothing: only rounds has a least value above zero, 1")
+        if self.step is not None and not self.step > 0.0:
+            raise ValueError(f"step is {self.step}; a time step is above zero, or None to derive it")
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """A chain whose base stands at points[0] and whose hand shall go to the target."""
+
+    points: Floats  # (n + 1, 3) to begin with
+    target: Floats  # (3,) within reach
+    rests: Floats  # (n,) lengths of the bones; their sum is 1
+    stiffness: Floats  # (n,)
+    masses: Floats  # (n + 1,)
+    damping: float | None  # see `BallChain.damping`
+    effort: Effort
+
+    def arrived(self, points: Floats) -> bool:
+        """Whether rigid bones along the springs put the hand on the target."""
+        bones = points[1:] - points[:-1]
+        lengths = np.sqrt((bones * bones).sum(axis=1))
+        hand = points[0] + (self.rests / np.maximum(lengths, NO_LENGTH)) @ bones
+        away = hand - self.target
+        return float(away @ away) <= self.effort.tolerance**2
+
+
+@dataclass(frozen=True, eq=False)
+class Rest:
+    """Where masses have come to rest, or how far they came."""
+
+    points: Floats  # (p, 3) in units of the chain
+    iterations: int
+    energy: float  # sum of the forces, per stiffness and length of the chain
+
+
+Relaxation = Callable[[Task], Rest]

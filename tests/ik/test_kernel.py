@@ -1,0 +1,185 @@
+"""The compiled solver as a whole, against its specification and on arms of every shape."""
+
+import subprocess
+import sys
+from importlib.util import find_spec
+
+import numpy as np
+import pytest
+from numpy.random import Generator, default_rng
+
+from kinesic.body.arrays import sealed
+from kinesic.body.chain import Chain, ChainJoint
+from kinesic.body.reach import Reach
+from kinesic.body.robot import Robot
+from kinesic.body.skeleton import Hinge
+from kinesic.ik.compiled import arm_of
+from kinesic.ik.solve import Solution, solve
+
+pytestmark = pytest.mark.skipif(find_spec("kinesic.ik._kernel") is None, reason="the kernel was not compiled here")
+
+ROBOT = Robot.load()
+LEFT, RIGHT = ROBOT.arms["l"], ROBOT.arms["r"]
+AXES = {"x": [1, 0, 0], "y": [0, 1, 0], "z": [0, 0, 1]}
+
+
+def _hinges(segment: str, axes: str, ranges: list[tuple[float, float]]) -> tuple[Hinge, ...]:
+    pairs = zip(axes, ranges, strict=True)
+    return tuple(Hinge(f"{segment}{k}", segment, sealed(AXES[a]), *r, 0.0) for k, (a, r) in enumerate(pairs))
+
+
+def _random_arm(random: Generator) -> Chain:
+    """A hanging arm with some order, ranges and lengths."""
+
+    def around(least: float, most: float) -> tuple[float, float]:
+        return -random.uniform(least, most), random.uniform(least, most)
+
+    shoulder = str(random.choice(["yxz", "xyz", "zxz", "yx"]))
+    elbow = str(random.choice(["x", "y"]))
+    wrist = str(random.choice(["yx", "xy", "y"]))
+    bend = random.uniform(1.8, 2.6)
+    bends = ((-bend, bend), (-bend, 0.0), (0.0, bend))[random.integers(3)]
+    joints = (
+        ChainJoint(
+            "shoulder",
+            _hinges("shoulder", shoulder, [around(0.6, 2.8) for _ in shoulder]),
+            sealed([0, 0, -random.uniform(0.15, 0.4)]),
+        ),
+        ChainJoint(
+            "elbow",
+            _hinges("elbow", elbow + "z", [bends, around(0.6, 2.8)]),
+            sealed([0, 0, -random.uniform(0.15, 0.4)]),
+        ),
+        ChainJoint("wrist", _hinges("wrist", wrist, [around(0.4, 1.2) for _ in wrist]), sealed([0, 0, -0.08])),
+    )
+    count = sum(len(joint.hinges) for joint in joints)
+    side = 0.2 if random.random() < 0.5 else -0.2
+    return Chain(
+        f"{shoulder} {elbow} {wrist}", "trunk", sealed([0, side, 0]), joints, tuple(range(count)), sealed([0, 1, 0])
+    )
+
+
+def _reach(random: Generator, chain: Chain, k: int) -> Reach:
+    """A question of every kind: alone, pointing, everything at once; some out of reach."""
+    position = chain.hand(random.uniform(chain.lower, chain.upper)) * (1.4 if k % 10 == 9 else 1.0)
+    match k % 4:
+        case 0:
+            return Reach(position, pointing=random.normal(size=3))
+        case 1:
+            return Reach(position, palm=random.normal(size=3), swivel=random.uniform(-1, 2))
+        case 2:
+            return Reach(position, pointing=random.normal(size=3), palm=random.normal(size=3))
+        case _:
+            return Reach(position)
+
+
+def _same(specified: Solution, compiled: Solution) -> bool:
+    """Agreement in every number."""
+    return (
+        bool(np.abs(specified.angles - compiled.angles).max() < 1e-9)
+        and bool(np.abs(specified.target - compiled.target).max() < 1e-9)
+        and abs(specified.residual - compiled.residual) < 1e-9
+        and abs((specified.pointing_error or 0.0) - (compiled.pointing_error or 0.0)) < 1e-7
+        and abs((specified.palm_error or 0.0) - (compiled.palm_error or 0.0)) < 1e-7
+        and (specified.pointing_error is None) == (compiled.pointing_error is None)
+        and (specified.palm_error is None) == (compiled.palm_error is None)
+        and specified.iterations == compiled.iterations
+    )
+
+
+def _agreement(chain: Chain, count: int, seed: int) -> int:
+    """How many whole solves agree; the others must both have come equally far."""
+    random, agreed = default_rng(seed), 0
+    for k in range(count):
+        start = random.uniform(chain.lower, chain.upper) if k % 2 else chain.rest
+        rest = random.uniform(chain.lower - 0.1, chain.upper + 0.1) if k % 3 == 0 else None
+        mobility = random.uniform(0.0, 1.0, len(chain.rest)) if k % 5 == 0 else None
+        reach = _reach(random, chain, k)
+        specified = solve(chain, reach, start=start, rest=rest, mobility=mobility, kernel="numpy")
+        compiled = solve(chain, reach, start=start, rest=rest, mobility=mobility, kernel="compiled")
+        assert np.all((chain.lower <= compiled.angles) & (compiled.angles <= chain.upper))
+        assert compiled.reached == specified.reached
+        agreed += _same(specified, compiled)
+    return agreed
+
+
+@pytest.mark.parametrize("chain", [LEFT, RIGHT], ids=["left", "right"])
+def test_whole_solves_agree_with_the_specification(chain: Chain) -> None:
+    assert _agreement(chain, 1000, 21) >= 0.999 * 1000
+
+
+def test_whole_solves_of_other_arms_agree_too() -> None:
+    random = default_rng(22)
+    assert sum(_agreement(_random_arm(random), 40, seed) for seed in range(25)) >= 0.999 * 1000
+
+
+def test_in_limit_targets_are_reached_to_a_tenth_of_a_millimetre() -> None:
+    random = default_rng(23)
+    for chain in (LEFT, RIGHT, *(_random_arm(random) for _ in range(20))):
+        count, precise = 200, 0
+        for _ in range(count):
+            position = chain.hand(random.uniform(chain.lower, chain.upper))
+            angles = solve(chain, Reach(position), start=chain.rest, kernel="compiled").angles
+            assert np.all((chain.lower <= angles) & (angles <= chain.upper))
+            precise += bool(np.linalg.norm(chain.hand(angles) - position) < 1e-4)
+        assert precise >= 0.998 * count, chain.name
+
+
+def test_the_same_question_gets_the_same_bytes() -> None:
+    random = default_rng(24)
+    for k in range(100):
+        reach = _reach(random, LEFT, k)
+        one, two = (solve(LEFT, reach, start=LEFT.rest, kernel="compiled") for _ in range(2))
+        assert one.angles.tobytes() == two.angles.tobytes()
+        assert one.iterations == two.iterations
+
+
+def test_the_answer_is_read_only_and_of_plain_types() -> None:
+    solution = solve(LEFT, Reach(LEFT.hand(LEFT.rest)), start=LEFT.rest, kernel="compiled")
+    assert not solution.angles.flags.writeable
+    assert not solution.target.flags.writeable
+    assert type(solution.residual) is float
+    assert type(solution.reached) is bool
+    assert type(solution.iterations) is int
+
+
+def test_a_start_outside_the_ranges_is_pulled_in() -> None:
+    reach, out = Reach(LEFT.hand(LEFT.rest + 0.1)), LEFT.upper + 3.0
+    inside = solve(LEFT, reach, start=LEFT.upper, kernel="compiled")
+    assert np.array_equal(solve(LEFT, reach, start=out, kernel="compiled").angles, inside.angles)
+
+
+def test_lists_integers_and_strided_arrays_are_answered_alike() -> None:
+    position = LEFT.hand(LEFT.rest + 0.1)
+    plain = solve(LEFT, Reach(position), start=np.zeros(8), kernel="compiled")
+    for strange in (np.repeat(position, 2)[::2], np.array(position, dtype=">f8")):
+        assert np.array_equal(solve(LEFT, Reach(strange), start=np.zeros(8), kernel="compiled").angles, plain.angles)
+    whole = solve(LEFT, Reach(position), start=np.zeros(8, dtype=np.int64), kernel="compiled")
+    assert np.array_equal(whole.angles, plain.angles)
+
+
+@pytest.mark.parametrize("odd", [None, 3.0, np.zeros((3, 1)), np.zeros(2), np.array([0.0, np.nan, 0.0])])
+def test_what_is_no_position_is_refused_in_words(odd: object) -> None:
+    with pytest.raises(ValueError, match=r"reach\.position"):
+        solve(LEFT, Reach(odd), start=LEFT.rest, kernel="compiled")  # type: ignore[arg-type]  # that is the question
+
+
+def test_an_arm_is_packed_once() -> None:
+    assert arm_of(LEFT) is arm_of(LEFT)
+    assert arm_of(LEFT) is not arm_of(RIGHT)
+
+
+def test_a_joint_with_too_many_hinges_is_refused() -> None:
+    hinges = _hinges("wrist", "xyz" * 4, [(-1.0, 1.0)] * 12)
+    joints = (*LEFT.joints[:-1], ChainJoint("wrist", hinges, sealed([0, 0, -0.08])))
+    with pytest.raises(ValueError, match="at most two may"):
+        arm_of(Chain("many", "trunk", LEFT.origin_in_base, joints, tuple(range(18)), LEFT.palm))
+
+
+@pytest.mark.parametrize(("asked", "answers"), [("numpy", "numpy"), ("", "compiled")])
+def test_the_environment_chooses_the_kernel(asked: str, answers: str) -> None:
+    code = "import kinesic.ik; print(kinesic.ik.KERNEL)"
+    told = subprocess.run(
+        [sys.executable, "-c", code], env={"KINESIC_KERNEL": asked}, capture_output=True, text=True, check=True
+    )
+    assert told.stdout.strip() == answers

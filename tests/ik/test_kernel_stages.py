@@ -1,0 +1,153 @@
+"""Each compiled stage against its specification."""
+
+from collections.abc import Iterator
+from importlib.util import find_spec
+
+import numpy as np
+import pytest
+from numpy.random import Generator, default_rng
+
+from kinesic.body.robot import Robot
+from kinesic.ik.approach import RESTARTS
+from kinesic.ik.compiled import arm_of
+from kinesic.ik.elbow import elbow_at, swivel_of
+from kinesic.ik.hinges import extract
+from kinesic.ik.linkage import linkage_of
+from kinesic.ik.masses import settle
+from kinesic.ik.place import bent, placed
+from kinesic.ik.polish import polish
+from kinesic.ik.seeds import nearest, seeds
+from kinesic.ik.subproblems import first_of_two, turn_towards
+from kinesic.ik.track import softened
+from kinesic.ik.vectors import Vector, unit, vector
+from kinesic.ik.wrist import Wish, orient
+
+pytestmark = pytest.mark.skipif(find_spec("kinesic.ik._kernel") is None, reason="the kernel was not compiled here")
+
+CHAIN = Robot.load().arms["l"]
+LINKAGE = linkage_of(CHAIN)
+WITHIN = 1e-9
+
+
+def _numbers(nested: object) -> Iterator[float]:
+    if isinstance(nested, list | tuple):
+        for part in nested:
+            yield from _numbers(part)
+    elif nested is not None:
+        assert isinstance(nested, float | int)
+        yield float(nested)
+
+
+def _agree(specified: object, compiled: object) -> None:
+    assert list(_numbers(compiled)) == pytest.approx(list(_numbers(specified)), abs=WITHIN, rel=WITHIN)
+
+
+def _posture(random: Generator) -> list[float]:
+    posture: list[float] = random.uniform(CHAIN.lower, CHAIN.upper).tolist()
+    return posture
+
+
+def _directions(random: Generator, count: int) -> list[Vector]:
+    return [unit(vector(random.normal(size=3))) for _ in range(count)]
+
+
+def test_forward_kinematics() -> None:
+    random, arm = default_rng(1), arm_of(CHAIN)
+    for _ in range(100):
+        posture = _posture(random)
+        _agree(LINKAGE.walk(posture, 4), arm.walk(posture, 4))
+
+
+@pytest.mark.parametrize("bones", [2, 3, 5])
+def test_masses(bones: int) -> None:
+    random, arm = default_rng(2), arm_of(CHAIN)
+    for _ in range(50):
+        points = [vector(point) for point in random.normal(size=(bones + 1, 3))]
+        lengths, target = random.uniform(0.5, 1.5, bones).tolist(), vector(random.normal(size=3))
+        found = settle(points, lengths, target)
+        _agree((found.points, found.iterations, found.energy), arm.settle(points, lengths, target))
+    straight = [(0.0, 0.0, -0.3 * k) for k in range(bones + 1)]
+    found = settle(straight, [0.3] * bones, (0.0, 0.0, -0.2))
+    _agree((found.points, found.iterations, found.energy), arm.settle(straight, [0.3] * bones, (0.0, 0.0, -0.2)))
+
+
+def test_subproblems() -> None:
+    random, arm = default_rng(3), arm_of(CHAIN)
+    for _ in range(200):
+        first, second, rest, wanted = _directions(random, 4)
+        _agree(turn_towards(first, rest, wanted), arm.turn_towards(first, rest, wanted))
+        _agree(first_of_two(first, second, rest, wanted), tuple(arm.first_of_two(first, second, rest, wanted)))
+    x, y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
+    assert arm.turn_towards(x, x, y) is None
+    assert arm.first_of_two(x, y, x, x) == []
+
+
+def test_extraction() -> None:
+    random, arm = default_rng(4), arm_of(CHAIN)
+    for _ in range(150):
+        points = LINKAGE.walk(_posture(random), 3)[1][1:]
+        near = _posture(random)
+        shaken = [vector(np.add(point, 0.05 * random.normal(size=3))) for point in points]
+        for given in (points, shaken, points[:1]):
+            found = extract(LINKAGE, given, near)
+            _agree((found.angles, found.miss), arm.extract(given, near))
+
+
+def test_elbow() -> None:
+    random, arm = default_rng(5), arm_of(CHAIN)
+    for _ in range(100):
+        shoulder, elbow, hand = LINKAGE.walk(_posture(random), 3)[1][-3:]
+        swivel = random.uniform(-3, 3)
+        _agree(swivel_of(LINKAGE, (shoulder, elbow, hand)), arm.swivel_of((shoulder, elbow, hand)))
+        _agree(elbow_at(LINKAGE, shoulder, hand, swivel), arm.elbow_at(shoulder, hand, swivel))
+    straight = [(0.0, 0.0, 0.0), (0.3, 0.0, 0.0), (0.6, 0.0, 0.0)]
+    assert arm.swivel_of(straight) is None
+
+
+@pytest.mark.parametrize("size", [0.3, 0.55, 1.5])
+def test_place_and_bend(size: float) -> None:
+    random, arm = default_rng(6), arm_of(CHAIN)
+    for swivel in (None, 0.4, 2.8, None, -1.0) * 12:
+        near, rest, (direction,) = _posture(random), _posture(random), _directions(random, 1)
+        target = vector(np.array(LINKAGE.origin) + size * np.array(direction))
+        place = placed(LINKAGE, target, near=near, rest=rest)
+        _agree((place.girdle, place.shoulder, place.target, place.iterations), arm.placed(target, near, rest))
+        bend = bent(LINKAGE, place, near=near, swivel=swivel)
+        found = arm.bent(place.girdle, place.shoulder, place.target, near, swivel)
+        _agree((bend.angles, bend.iterations), (found[0], found[2]))
+        assert bend.exact == found[1]
+
+
+def test_polish() -> None:
+    random, arm = default_rng(7), arm_of(CHAIN)
+    for _ in range(100):
+        target, angles, posture = vector(CHAIN.hand(np.array(_posture(random)))), _posture(random), _posture(random)
+        for mobility in (LINKAGE.mobility, (0.0, *LINKAGE.mobility[1:])):
+            found = polish(LINKAGE, target, angles, posture=posture, mobility=mobility)
+            _agree((found.angles, found.miss, found.rounds), arm.polish(target, angles, posture, mobility))
+
+
+def test_seeds() -> None:
+    random, arm = default_rng(8), arm_of(CHAIN)
+    for _ in range(50):
+        target = vector(random.uniform(-0.6, 0.6, 3))
+        chosen = [seeds(LINKAGE)[k].angles for k in arm.nearest(target)]
+        assert chosen == [seed.angles for seed in nearest(LINKAGE, target, RESTARTS)]
+
+
+@pytest.mark.parametrize("count", [0, 1, 2])
+def test_wrist(count: int) -> None:
+    random, arm, link = default_rng(9), arm_of(CHAIN), LINKAGE.links[-1]
+    for _ in range(60):
+        frame = LINKAGE.walk(_posture(random), 3)[0]
+        own, wanted = _directions(random, count), _directions(random, count)
+        wishes = [Wish(str(k), *pair) for k, pair in enumerate(zip(own, wanted, strict=True))]
+        rest = _posture(random)[link.first :]
+        _agree(orient(link, frame, wishes, rest), tuple(arm.orient(frame, own, wanted, rest)))
+
+
+def test_soft_end_of_the_reach() -> None:
+    random, arm = default_rng(10), arm_of(CHAIN)
+    for size in np.linspace(0.3, 1.2, 40):
+        target = vector(np.array(LINKAGE.origin) + size * np.array(_directions(random, 1)[0]))
+        _agree(softened(LINKAGE, target, CHAIN.rest.tolist()), tuple(arm.softened(target)))

@@ -1,0 +1,92 @@
+import numpy as np
+import pytest
+from numpy.random import default_rng
+
+from kinesic.body.arrays import Floats
+from kinesic.body.chain import Chain
+from kinesic.body.reach import Reach
+from kinesic.body.robot import Robot
+from kinesic.ik.elbow import swivel
+from kinesic.ik.pointing import best_swivel
+from kinesic.ik.solve import Solution, solve
+
+ARMS = Robot.load().arms
+LEFT = ARMS["l"]
+
+
+def _held(chain: Chain, angles: Floats, *, palm: bool) -> Reach:
+    """What a posture's hand does."""
+    rotations, centres = chain.frames(angles)
+    along = centres[-1] - centres[-2]
+    return Reach(centres[-2], along / np.linalg.norm(along), rotations[-1] @ chain.palm if palm else None)
+
+
+def _left(solution: Solution) -> float:
+    return (solution.pointing_error or 0.0) + (solution.palm_error or 0.0)
+
+
+@pytest.mark.parametrize(("palm", "satisfied"), [(False, 0.95), (True, 0.88)])
+def test_where_the_swivel_is_free_most_directions_can_be_had(palm, satisfied):
+    random, before, after = default_rng(31), [], []
+    for _ in range(100):
+        reach = _held(LEFT, random.uniform(LEFT.lower, LEFT.upper), palm=palm)
+        first, found = solve(LEFT, reach, start=LEFT.rest), best_swivel(LEFT, reach, start=LEFT.rest)
+        assert _left(found) <= _left(first)
+        assert np.all((LEFT.lower <= found.angles) & (found.angles <= LEFT.upper))
+        assert np.linalg.norm(LEFT.hand(found.angles) - reach.position) == pytest.approx(found.residual, abs=1e-9)
+        assert found.residual < 1e-4
+        before.append(_left(first))
+        after.append(_left(found))
+    assert np.mean(np.array(after) < 0.01) >= satisfied
+    assert np.percentile(after, 90) < 0.25 * np.percentile(before, 90)
+
+
+def test_the_errors_are_those_of_the_angles():
+    random = default_rng(32)
+    for _ in range(20):
+        reach = _held(LEFT, random.uniform(LEFT.lower, LEFT.upper), palm=True)
+        found = best_swivel(LEFT, reach, start=LEFT.rest)
+        now = _held(LEFT, found.angles, palm=True)
+        for error, one, other in (
+            (found.pointing_error, now.pointing, reach.pointing),
+            (found.palm_error, now.palm, reach.palm),
+        ):
+            assert error is not None
+            assert error == pytest.approx(2 * np.arcsin(np.linalg.norm(one - other) / 2), abs=1e-6)
+
+
+def test_a_first_answer_that_satisfies_is_kept():
+    for reach in (Reach(np.array([0.25, 0.15, -0.05])), _held(LEFT, LEFT.rest, palm=True)):
+        first, found = solve(LEFT, reach, start=LEFT.rest), best_swivel(LEFT, reach, start=LEFT.rest)
+        assert found.angles.tobytes() == first.angles.tobytes()
+
+
+def test_a_swivel_that_was_asked_is_kept():
+    random = default_rng(33)
+    held = _held(LEFT, random.uniform(LEFT.lower, LEFT.upper), palm=True)
+    reach = Reach(held.position, held.pointing, held.palm, swivel=0.5)
+    assert np.array_equal(best_swivel(LEFT, reach, start=LEFT.rest).angles, solve(LEFT, reach, start=LEFT.rest).angles)
+
+
+def test_the_elbow_swings_no_wider_than_allowed():
+    random, swung = default_rng(34), 0
+    for _ in range(30):
+        reach = _held(LEFT, random.uniform(LEFT.lower, LEFT.upper), palm=True)
+        first = swivel(LEFT, solve(LEFT, reach, start=LEFT.rest).angles)
+        found = swivel(LEFT, best_swivel(LEFT, reach, start=LEFT.rest, widest=0.5).angles)
+        if first is None or found is None:
+            continue
+        assert abs(np.arctan2(np.sin(found - first), np.cos(found - first))) <= 0.5 + 1e-6
+        swung += abs(found - first) > 1e-3
+    assert swung > 5
+
+
+def test_the_right_arm_mirrors_the_left():
+    random, flip = default_rng(35), np.array([1.0, -1.0, 1.0])
+    for _ in range(10):
+        reach = _held(LEFT, random.uniform(LEFT.lower, LEFT.upper), palm=True)
+        assert reach.pointing is not None
+        assert reach.palm is not None
+        mirrored = Reach(reach.position * flip, reach.pointing * flip, reach.palm * flip)
+        left, right = best_swivel(LEFT, reach, start=LEFT.rest), best_swivel(ARMS["r"], mirrored, start=LEFT.rest)
+        assert np.abs(left.angles - right.angles).max() < 1e-9

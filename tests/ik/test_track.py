@@ -1,0 +1,160 @@
+from collections.abc import Callable
+from importlib.util import find_spec
+
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import Floats
+from kinesic.body.chain import Chain
+from kinesic.body.robot import Robot
+from kinesic.ik import Kernel
+from kinesic.ik.linkage import linkage_of
+from kinesic.ik.polish import columns
+from kinesic.ik.track import SOFT, Tracker
+
+ROBOT = Robot.load()
+LEFT, RIGHT = ROBOT.arms["l"], ROBOT.arms["r"]
+FLIP = np.array([1.0, -1.0, 1.0])
+LAP = 2.5  # [s]
+KERNELS: tuple[Kernel, ...] = ("numpy",) if find_spec("kinesic.ik._kernel") is None else ("numpy", "compiled")
+Path = Callable[[float], Floats]
+
+
+def _ellipse(turn: float) -> Floats:
+    """0.24 x 0.36 m, in front."""
+    return np.array([0.28, 0.1 + 0.12 * np.cos(turn), -0.05 + 0.18 * np.sin(turn)])
+
+
+def _radial(turn: float) -> Floats:
+    """Straight out to the side and back, past the full stretch."""
+    return np.array([0.1, 0.155 + 0.45 - 0.2 * np.cos(turn), 0.05])
+
+
+def _laps(
+    path: Path,
+    rate: int,
+    *,
+    laps: int = 2,
+    chain: Chain = LEFT,
+    posture_seconds: float = 0.25,
+    kernel: Kernel = KERNELS[-1],
+) -> Floats:
+    """(laps, steps of one, k) [rad]."""
+    tracker = Tracker(chain, period=1 / rate, posture_seconds=posture_seconds, kernel=kernel)
+    steps = round(LAP * rate)
+    turns = 2 * np.pi * np.arange(steps) / steps
+    return np.array([[tracker.step(path(turn)) for turn in turns] for _ in range(laps)])
+
+
+def _jerk(laps: Floats, rate: int) -> float:
+    """Root mean square [rad/s^3], once the arm has come to the path."""
+    angles = np.concatenate(laps)[round(LAP * rate / 4) :]
+    return float(np.sqrt((np.diff(angles, 3, axis=0) ** 2).sum(axis=1).mean()) * rate**3)
+
+
+def _damped_least_squares(path: Path, rate: int) -> Floats:
+    """(2, steps, k) [rad] by the plain method, its angles clipped to the ranges."""
+    linkage, steps = linkage_of(LEFT), round(LAP * rate)
+    angles, rows = LEFT.rest[:5], []
+    for step in range(2 * steps):
+        target = path(2 * np.pi * step / steps)
+        for _ in range(50):
+            hand, moves = columns(linkage, angles.tolist())
+            error, jacobian = target - np.array(hand), np.array(moves).T
+            if np.linalg.norm(error) < 1e-4:
+                break
+            push = np.linalg.solve(jacobian @ jacobian.T + 1e-3 * np.eye(3), error)
+            angles = np.clip(angles + jacobian.T @ push, LEFT.lower[:5], LEFT.upper[:5])
+        rows.append(angles)
+    return np.array(rows).reshape(2, steps, 5)
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_the_hand_is_on_its_target_and_the_arm_comes_home_after_a_lap(kernel: Kernel) -> None:
+    first, second = _laps(_ellipse, 100, kernel=kernel)
+    for step, row in enumerate(second):
+        target = _ellipse(2 * np.pi * step / len(second))
+        assert np.linalg.norm(LEFT.hand(row) - target) < 1e-4
+        assert np.all((LEFT.lower <= row) & (row <= LEFT.upper))
+    assert np.abs(first[-1] - second[-1]).max() < 0.01
+
+
+@pytest.mark.parametrize("rate", [50, 1000])
+def test_the_rate_does_not_matter(rate: int) -> None:
+    if rate == 1000 and "compiled" not in KERNELS:
+        pytest.skip("too slow without the compiled kernel")
+    reference = _laps(_ellipse, 200)[1][::4]
+    other = _laps(_ellipse, rate)[1][:: rate // 50]
+    assert np.abs(other - reference).max() < 0.01 * np.ptp(reference, axis=0).max()
+
+
+def test_without_the_pull_the_arm_drifts() -> None:
+    first, second = _laps(_ellipse, 100, posture_seconds=np.inf)
+    assert np.abs(first[-1] - second[-1]).max() > 0.05
+
+
+def test_the_motion_is_far_smoother_than_plain_least_squares() -> None:
+    assert _jerk(_laps(_ellipse, 200), 200) <= _jerk(_damped_least_squares(_ellipse, 200), 200) / 50
+
+
+def test_no_leap_past_the_full_stretch() -> None:
+    laps = _laps(_radial, 200, laps=1)[0]
+    steps = np.abs(np.diff(laps[100:], axis=0)).max()
+    assert steps < 0.05
+    assert np.all((LEFT.lower <= laps) & (laps <= LEFT.upper))
+
+
+def test_the_residual_tells_what_the_soft_end_of_the_reach_holds_back() -> None:
+    linkage = linkage_of(LEFT)
+    tracker = Tracker(LEFT, period=0.02)
+    for share in np.linspace(0.5, 1.1, 100):
+        target = np.array(linkage.walk(LEFT.rest.tolist(), 1)[1][-1]) + share * linkage.farthest * np.array([1, 0, 0])
+        angles = tracker.step(target)
+        assert tracker.residual == pytest.approx(np.linalg.norm(LEFT.hand(angles) - target), abs=1e-9)
+        assert share > 1 - SOFT or tracker.residual < 1e-6
+    assert tracker.residual > 0.05 * linkage.farthest
+
+
+def test_tracking_begins_gently() -> None:
+    start = LEFT.rest + 0.3
+    tracker, target = (
+        Tracker(LEFT, period=0.005, start=start),
+        LEFT.hand(np.clip(LEFT.rest + 0.3, LEFT.lower, LEFT.upper)),
+    )
+    rows = np.array([np.clip(start, LEFT.lower, LEFT.upper), *(tracker.step(target) for _ in range(400))])
+    speeds = np.abs(np.diff(rows, axis=0)).max(axis=1) / 0.005
+    assert speeds[0] < 0.01
+    assert speeds.max() < 1.5
+
+
+def test_the_right_arm_mirrors_the_left() -> None:
+    left = _laps(_ellipse, 50, laps=1)
+    right = _laps(lambda turn: _ellipse(turn) * FLIP, 50, laps=1, chain=RIGHT)
+    assert left == pytest.approx(right, abs=1e-9)
+
+
+@pytest.mark.parametrize("path", [_ellipse, _radial])
+@pytest.mark.skipif("compiled" not in KERNELS, reason="the kernel was not compiled here")
+def test_the_kernel_takes_the_very_steps_of_its_specification(path: Path) -> None:
+    for chain in (LEFT, RIGHT):
+        specified, compiled = (_laps(path, 50, laps=1, chain=chain, kernel=kernel) for kernel in KERNELS)
+        assert compiled == pytest.approx(specified, abs=1e-9)
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_each_step_gives_an_array_of_its_own(kernel: Kernel) -> None:
+    tracker = Tracker(LEFT, period=0.01, kernel=kernel)
+    one = tracker.step(_ellipse(0.0))
+    kept = one.copy()
+    one[:] = 0.0
+    assert np.abs(tracker.step(_ellipse(0.0)) - kept).max() < 0.1
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_a_wrong_question_is_refused_and_explained(kernel: Kernel) -> None:
+    with pytest.raises(ValueError, match="period is 0"):
+        Tracker(LEFT, period=0.0, kernel=kernel)
+    with pytest.raises(ValueError, match="8 finite numbers"):
+        Tracker(LEFT, period=0.01, start=np.zeros(3), kernel=kernel)
+    with pytest.raises(ValueError, match="three finite numbers"):
+        Tracker(LEFT, period=0.01, kernel=kernel).step(np.array([np.nan, 0.0, 0.0]))

@@ -1,0 +1,59 @@
+import numpy as np
+import pytest
+
+from kinesic.body.robot import Robot
+from kinesic.ik.thesis.boxes import EulerBoxes
+from kinesic.ik.thesis.chain import BallChain
+from kinesic.ik.thesis.limbs import Limb, Limbs
+
+ROBOT = Robot.load("upper22")
+TRUNK = BallChain.of([(0.0, 0.0, 0.0), (0.0, 0.0, 0.3), (0.0, 0.0, 0.5)])
+ARM = BallChain.of([(0.0, 0.0, 0.5), (0.0, 0.2, 0.5), (0.2, 0.2, 0.5)])
+
+
+def test_a_robots_upper_body_is_a_torso_with_two_arms():
+    limbs = Limbs.of_robot(ROBOT)
+    assert [(limb.name, limb.on) for limb in limbs.members] == [("torso", None), ("l_arm", "torso"), ("r_arm", "torso")]
+    chains = {limb.name: limb.chain for limb in limbs.members}
+    for side in ("l", "r"):
+        chain, arm = chains[f"{side}_arm"], ROBOT.arms[side]
+        assert chain.lengths[1:] == pytest.approx(arm.lengths[:-1])
+        assert chain.points[0] == pytest.approx(chains["torso"].points[-1])
+    mirror = np.array([1.0, -1.0, 1.0])
+    assert chains["l_arm"].points == pytest.approx(chains["r_arm"].points * mirror)
+
+
+def test_a_sub_base_joint_is_one_mass():
+    limbs = Limbs((Limb("trunk", TRUNK), Limb("left", ARM, "trunk"), Limb("right", ARM, "trunk")))
+    assert limbs.indices == {"trunk": [0, 1, 2], "left": [2, 3, 4], "right": [2, 5, 6]}
+    assert [limb.name for limb in limbs.hanging_on("trunk")] == ["left", "right"]
+    assert limbs.reach == pytest.approx({"trunk": 0.5, "left": 0.9, "right": 0.9})
+    assert limbs.size == pytest.approx(0.9)
+    assert limbs.root("right").tolist() == [0.0, 0.0, 0.0]
+
+
+def test_a_limb_may_limit_what_it_does_not_share():
+    wide, narrow = [np.pi, np.pi / 2.0, np.pi], [0.5, 0.5, 0.5]
+    boxes = EulerBoxes.of(-np.array([wide, narrow]), np.array([wide, narrow]), joints=2)
+    Limbs((Limb("trunk", TRUNK), Limb("arm", BallChain.of(ARM.points, limits=boxes), "trunk")))
+
+
+@pytest.mark.parametrize(
+    ("members", "lesson"),
+    [
+        ((), "no limb"),
+        ((Limb("trunk", TRUNK), Limb("trunk", ARM, "trunk")), "two limbs are named trunk"),
+        ((Limb("arm", ARM, "trunk"), Limb("trunk", TRUNK)), "arm hangs on trunk, which is not among those before it"),
+        ((Limb("trunk", TRUNK), Limb("arm", TRUNK, "trunk")), "arm begins 0.5 m from the end of trunk"),
+        (
+            (
+                Limb("trunk", TRUNK),
+                Limb("arm", BallChain.of(ARM.points, limits=EulerBoxes.of(-0.5, 0.5, joints=2)), "trunk"),
+            ),
+            "arm limits the joint that it shares",
+        ),
+    ],
+)
+def test_bad_trees_are_refused_with_a_lesson(members, lesson):
+    with pytest.raises(ValueError, match=lesson):
+        Limbs(members)

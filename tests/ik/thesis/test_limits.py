@@ -1,0 +1,73 @@
+import numpy as np
+import pytest
+from numpy.random import default_rng
+from scipy.spatial.transform import Rotation
+
+from kinesic.ik.thesis.boxes import EulerBoxes, rotation_of
+from kinesic.ik.thesis.chain import BallChain
+from kinesic.ik.thesis.limits import within_limits
+from kinesic.ik.thesis.rotations import Carrier, stance_of
+from kinesic.ik.thesis.solve import solve
+
+BOX = np.radians([20.0, 60.0, 60.0])
+
+
+def _limited(joints: int) -> BallChain:
+    rest = BallChain.curved(np.full(joints, 1.0 / joints))
+    return BallChain.of(rest.points, limits=EulerBoxes.of(-BOX, BOX, joints=joints))
+
+
+@pytest.mark.parametrize("joints", [3, 6, 10, 20])
+def test_any_stance_is_brought_inside_the_limits(joints: int):
+    chain, random = _limited(joints), default_rng(joints)
+    ground = Carrier.at_rest(chain)
+    for _ in range(10):
+        wild = stance_of(chain, Rotation.random(joints, random_state=random).as_matrix(), ground)
+        held = within_limits(chain, wild, random.normal(size=3), ground)
+        assert chain.limits is not None
+        assert chain.limits.excess(held.rotations) < 1e-9
+        assert np.linalg.norm(np.diff(held.points, axis=0), axis=1) == pytest.approx(chain.lengths)
+
+
+def test_a_stance_inside_its_limits_stays():
+    chain = _limited(4)
+    ground = Carrier.at_rest(chain)
+    stance = stance_of(chain, np.tile(rotation_of(0.9 * BOX, "xyz"), (4, 1, 1)), ground)
+    assert within_limits(chain, stance, np.ones(3), ground).rotations.tolist() == stance.rotations.tolist()
+
+
+def test_a_parent_turns_by_the_arc_rule():
+    points = [(0.0, 0.0, 0.0), (0.3, 0.0, 0.0), (0.5, 0.0, 0.0)]
+    wide = [np.pi, 1.5, np.pi]
+    chain = BallChain.of(points, limits=EulerBoxes.of([[-w for w in wide], [-0.1] * 3], [wide, [0.1] * 3], joints=2))
+    ground = Carrier.at_rest(chain)
+    bent = stance_of(chain, np.stack([np.eye(3), rotation_of(np.array([0.0, 0.0, 0.4]), "xyz")]), ground)
+    target = bent.points[-1]
+    held = within_limits(chain, bent, target, ground)
+    ratio = np.linalg.norm(target - bent.points[1]) / np.linalg.norm(target - bent.points[0])
+    assert Rotation.from_matrix(held.rotations).as_rotvec()[:, 2] == pytest.approx([0.3 * ratio, 0.1])
+    cut = stance_of(chain, np.stack([np.eye(3), held.rotations[1]]), ground)
+    assert np.linalg.norm(held.points[-1] - target) < 0.3 * np.linalg.norm(cut.points[-1] - target)
+
+
+@pytest.mark.parametrize(("joints", "least"), [(3, 0.75), (6, 0.75), (10, 0.75), (20, 0.8)])
+def test_most_targets_that_limits_allow_are_reached_and_no_limit_is_broken(joints, least):
+    chain, random, reached = _limited(joints), default_rng(40 + joints), []
+    ground = Carrier.at_rest(chain)
+    for _ in range(40):
+        angles = random.uniform(-BOX, BOX, (joints, 3))
+        wished = stance_of(chain, np.array([rotation_of(row, "xyz") for row in angles]), ground)
+        relaxed = solve(chain, wished.points[-1], method="direct")
+        assert chain.limits is not None
+        assert chain.limits.excess(relaxed.rotations) < 1e-9
+        assert relaxed.rounds <= 20
+        reached.append(relaxed.residual <= 1e-3)
+    assert np.mean(reached) >= least
+
+
+def test_a_start_outside_the_limits_is_pulled_in():
+    chain = _limited(3)
+    start = np.tile(rotation_of(np.array([0.0, 1.4, 0.0]), "xyz"), (3, 1, 1))
+    relaxed = solve(chain, np.array([0.8, 0.1, 0.3]), start=start)
+    assert chain.limits is not None
+    assert chain.limits.excess(relaxed.rotations) < 1e-9

@@ -1,0 +1,151 @@
+"""The three ways to rest, on chains of 3, 6, 10 and 20 joints."""
+
+import numpy as np
+import pytest
+from numpy.random import default_rng
+
+from kinesic.body.arrays import Floats
+from kinesic.ik.masses import settle
+from kinesic.ik.thesis.chain import BallChain
+from kinesic.ik.thesis.direct import balanced
+from kinesic.ik.thesis.force import drawn
+from kinesic.ik.thesis.position import pinned
+from kinesic.ik.thesis.task import Effort, Rest, Task
+
+WAYS = {"force": drawn, "position": pinned, "direct": balanced}
+JOINTS = (3, 6, 10, 20)
+REACHABLE, BEYOND = 60, 15
+
+
+def _directions(count: int, seed: int) -> Floats:
+    lines = default_rng(seed).normal(size=(count, 3))
+    return lines / np.linalg.norm(lines, axis=1, keepdims=True)
+
+
+def _task(joints: int, target: Floats, *, effort: Effort | None = None, damping: float | None = None) -> Task:
+    chain = BallChain.curved(np.full(joints, 1.0 / joints))
+    return Task(chain.points, target, chain.lengths, chain.stiffness, chain.masses, damping, effort or Effort())
+
+
+def _rests(way: str, joints: int, **given) -> list[tuple[Task, Rest]]:
+    reaches = default_rng(joints).uniform(0.1, 0.97, REACHABLE)
+    tasks = [_task(joints, r * line, **given) for r, line in zip(reaches, _directions(REACHABLE, joints), strict=True)]
+    return [(task, WAYS[way](task)) for task in tasks]
+
+
+# median iterations that a prototype needed on 2000 targets (3 joints: position only); a sample may differ by a third
+@pytest.mark.parametrize(
+    ("way", "joints", "median", "least"),
+    [
+        ("force", 3, 17, 1.0),
+        ("force", 6, 27, 1.0),
+        ("force", 10, 35, 0.97),
+        ("force", 20, 56, 0.85),
+        ("position", 3, 14, 1.0),
+        ("position", 6, 19, 1.0),
+        ("position", 10, 33, 1.0),
+        ("position", 20, 54, 0.90),
+        ("direct", 3, 4, 1.0),
+        ("direct", 6, 7, 1.0),
+        ("direct", 10, 15, 1.0),
+        ("direct", 20, 30, 1.0),
+    ],
+)
+def test_reachable_targets_are_reached_in_the_known_number_of_iterations(way, joints, median, least):
+    rests = _rests(way, joints)
+    assert 0.67 * median <= np.median([rest.iterations for _, rest in rests]) <= 1.34 * median
+    assert np.mean([task.arrived(rest.points) for task, rest in rests]) >= least
+
+
+@pytest.mark.parametrize("joints", JOINTS)
+@pytest.mark.parametrize("way", WAYS)
+def test_targets_clamped_to_the_reach_are_approached_and_reached_directly(way, joints):
+    strict, loose = Effort(), Effort(tolerance=0.04 if joints == 20 else 0.01)
+    for line in _directions(BEYOND, 7):
+        rest = WAYS[way](_task(joints, line))
+        assert _task(joints, line, effort=loose).arrived(rest.points)
+        assert way != "direct" or _task(joints, line, effort=strict).arrived(rest.points)
+
+
+@pytest.mark.parametrize("way", ["force", "position"])
+def test_undamped_masses_do_not_settle(way):
+    rests = _rests(way, 6, damping=0.0)
+    assert np.mean([rest.iterations == Effort().iterations for _, rest in rests]) > 0.9
+
+
+def test_a_step_beyond_the_bound_explodes_and_is_stopped():
+    rest = pinned(_task(6, np.array([0.5, 0.2, 0.1]), effort=Effort(step=2.0)))
+    assert rest.iterations < Effort().iterations
+    assert rest.energy > 1e6
+
+
+def test_too_soft_springs_are_slow():
+    tuned = np.median([rest.iterations for _, rest in _rests("position", 10)])
+    soft = np.median([rest.iterations for _, rest in _rests("position", 10, effort=Effort(step=np.sqrt(0.1)))])
+    assert soft > 2.0 * tuned
+
+
+def test_the_energy_threshold_ends_the_iteration():
+    target = np.array([0.4, 0.3, 0.2])
+    coarse, fine = (pinned(_task(6, target, effort=Effort(tolerance=0.0, threshold=e))) for e in (1e-2, 1e-6))
+    assert 1e-6 < coarse.energy <= 1e-2
+    assert fine.energy <= 1e-6
+    assert coarse.iterations < fine.iterations
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_at_rest_every_spring_has_its_length(way):
+    task = _task(6, np.array([0.3, 0.3, 0.3]), effort=Effort(tolerance=0.0, threshold=1e-8, iterations=600))
+    points = WAYS[way](task).points
+    assert np.linalg.norm(np.diff(points, axis=0), axis=1) == pytest.approx(task.rests, abs=1e-6)
+    assert points[0] == pytest.approx(task.points[0])
+    assert points[-1] == pytest.approx(task.target, abs=1e-6)
+
+
+def test_equal_masses_swing_as_in_the_production_solver():
+    lengths, target = (0.25, 0.35, 0.4), (0.5, 0.2, 0.3)
+    chain = BallChain.curved(lengths)
+    mine = pinned(
+        Task(
+            chain.points,
+            np.array(target),
+            chain.lengths,
+            chain.stiffness,
+            chain.masses,
+            None,
+            Effort(tolerance=0.0, threshold=1e-9),
+        )
+    )
+    theirs = settle([tuple(point) for point in chain.points.tolist()], lengths, target)
+    assert mine.points == pytest.approx(np.array(theirs.points), abs=1e-5)
+
+
+def test_a_heavy_mass_is_moved_less_by_the_direct_correction():
+    chain = BallChain.curved([0.25, 0.25, 0.25, 0.25])
+    target = np.array([0.2, 0.5, 0.2])
+
+    def moved(mass: float) -> float:
+        masses = np.array([1.0, 1.0, mass, 1.0, 1.0])
+        effort = Effort(tolerance=1e-4, iterations=3000)
+        rest = balanced(Task(chain.points, target, chain.lengths, chain.stiffness, masses, None, effort))
+        return float(np.linalg.norm(rest.points[2] - chain.points[2]))
+
+    assert moved(20.0) < 0.8 * moved(1.0)
+
+
+def test_a_soft_bone_gives_more_where_bones_cannot_all_keep_their_lengths():
+    chain = BallChain.curved([0.25, 0.25, 0.25, 0.25])
+    stiffness = np.array([1.0, 0.1, 1.0, 1.0])
+    effort = Effort(tolerance=0.0, threshold=1e-7, iterations=3000)
+    far = np.array([1.2, 0.1, 0.2])
+    rest = pinned(Task(chain.points, far, chain.lengths, stiffness, chain.masses, None, effort))
+    stretches = np.linalg.norm(np.diff(rest.points, axis=0), axis=1) - 0.25
+    assert stretches[1] / stretches[0] == pytest.approx(10.0, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("given", "lesson"), [({"step": 0.0}, "step is 0.0"), ({"rounds": 0}, "rounds"), ({"tolerance": -1.0}, "less than")]
+)
+def test_effort_below_nothing_is_refused(given, lesson):
+    with pytest.raises(ValueError, match=lesson):
+        Effort(**given)

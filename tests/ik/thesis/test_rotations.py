@@ -1,0 +1,90 @@
+import numpy as np
+import pytest
+from numpy.random import default_rng
+from scipy.spatial.transform import Rotation
+
+from kinesic.ik.thesis.chain import BallChain
+from kinesic.ik.thesis.rotations import Carrier, aimed, stance_of, swivelled, transported
+
+CHAIN = BallChain.curved([0.2, 0.3, 0.25, 0.1])
+GROUND = Carrier.at_rest(CHAIN)
+UNTURNED = np.tile(np.eye(3), (4, 1, 1))
+
+
+def _turns(seed: int, most: float = 1.2):
+    return Rotation.from_rotvec(default_rng(seed).uniform(-most, most, (4, 3))).as_matrix()
+
+
+def test_without_rotations_a_chain_rests():
+    stance = stance_of(CHAIN, UNTURNED, GROUND)
+    assert stance.points == pytest.approx(CHAIN.points)
+    assert stance.frames == pytest.approx(CHAIN.frames)
+    assert stance.end.rotation == pytest.approx(np.eye(3))
+
+
+def test_aiming_at_points_of_a_stance_puts_the_joints_there():
+    for seed in range(20):
+        wished = stance_of(CHAIN, _turns(seed), GROUND)
+        stance = aimed(CHAIN, UNTURNED, wished.points, GROUND)
+        assert stance.points == pytest.approx(wished.points, abs=1e-12)
+        assert stance.frames @ stance.frames.transpose(0, 2, 1) == pytest.approx(UNTURNED, abs=1e-12)
+        assert np.linalg.det(stance.rotations) == pytest.approx(np.ones(4))
+
+
+def test_aiming_does_not_twist():
+    stance = aimed(CHAIN, UNTURNED, stance_of(CHAIN, _turns(3), GROUND).points, GROUND)
+    twists = Rotation.from_matrix(stance.rotations).as_rotvec()[:, 0]
+    assert twists == pytest.approx(np.zeros(4), abs=1e-12)
+
+
+def test_a_chain_that_is_aimed_where_it_points_keeps_its_rotations():
+    rotations = _turns(5)
+    stance = aimed(CHAIN, rotations, stance_of(CHAIN, rotations, GROUND).points, GROUND)
+    assert stance.rotations == pytest.approx(rotations, abs=1e-12)
+
+
+def test_what_carries_a_chain_takes_it_along():
+    turn = Rotation.from_rotvec([0.3, -0.4, 0.5]).as_matrix()
+    carried = stance_of(CHAIN, _turns(2), Carrier(np.array([1.0, 2.0, 3.0]), turn))
+    alone = stance_of(CHAIN, _turns(2), GROUND)
+    assert carried.points == pytest.approx(np.array([1.0, 2.0, 3.0]) + alone.points @ turn.T)
+    assert carried.end.rotation == pytest.approx(turn @ alone.end.rotation)
+
+
+def test_masses_in_one_point_leave_the_bone_between_them_as_it_was():
+    points = CHAIN.points.copy()
+    points[2] = points[1]
+    stance = aimed(CHAIN, UNTURNED, points, GROUND)
+    assert stance.rotations[1] == pytest.approx(np.eye(3))
+    assert np.isfinite(stance.points).all()
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_an_up_vector_stays_across_its_bone(sign: float):
+    up, bone = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
+    assert transported(up, bone, sign * bone).tolist() == up.tolist()
+    steep = np.array([0.6, 0.0, 0.8])
+    assert transported(up, bone, steep) == pytest.approx([-0.8, 0.0, 0.6])
+
+
+def test_a_swivel_keeps_both_ends_and_every_length_and_bends_where_it_is_told():
+    points, up = CHAIN.points, np.array([0.1, 1.0, -0.2])
+    turned = swivelled(points, up)
+    assert turned[[0, -1]] == pytest.approx(points[[0, -1]])
+    assert np.linalg.norm(np.diff(turned, axis=0), axis=1) == pytest.approx(CHAIN.lengths)
+    axis = (points[-1] - points[0]) / np.linalg.norm(points[-1] - points[0])
+    bend, wish = (v - (v @ axis) * axis for v in ((turned - turned[0]).mean(axis=0), up))
+    assert bend @ wish == pytest.approx(np.linalg.norm(bend) * np.linalg.norm(wish))
+
+
+@pytest.mark.parametrize(
+    ("points", "up"),
+    [
+        ([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [0, 0, 1]),
+        ([[0, 0, 0], [1, 0, 0], [0, 0, 0]], [0, 0, 1]),
+        ([[0, 0, 0], [1, 1, 0], [2, 0, 0]], [1, 0, 0]),
+    ],
+)
+def test_where_a_swivel_means_nothing_the_points_stay(points, up):
+    given = np.array(points, dtype=float)
+    assert swivelled(given, np.array(up, dtype=float)) is given

@@ -1,0 +1,128 @@
+import numpy as np
+import pytest
+from numpy.random import Generator, default_rng
+from scipy.spatial.transform import Rotation
+
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import Robot
+from kinesic.ik.thesis.boxes import EulerBoxes
+from kinesic.ik.thesis.chain import BallChain
+from kinesic.ik.thesis.limbs import Limb, Limbs
+from kinesic.ik.thesis.rotations import Carrier, stance_of
+from kinesic.ik.thesis.several import solve_several
+from kinesic.ik.thesis.task import Effort
+
+LIMBS = Limbs.of_robot(Robot.load("upper22"))
+CHAINS = {limb.name: limb.chain for limb in LIMBS.members}
+TORN = {"l_arm": np.array([0.45, 0.45, 1.15]), "r_arm": np.array([-0.45, -0.45, 0.95])}  # both: out of the question
+
+
+def _pair(random: Generator) -> dict[str, Floats]:
+    """Where both hands are in a random posture of torso and arms."""
+    torso = CHAINS["torso"]
+    bend = Rotation.from_rotvec(random.uniform(-0.4, 0.4, (len(torso.lengths), 3))).as_matrix()
+    end = stance_of(torso, bend, Carrier.at_rest(torso)).end
+    chest = Rotation.from_rotvec(random.uniform(-0.4, 0.4, 3)).as_matrix()
+    hands = {}
+    for name in ("l_arm", "r_arm"):
+        chain = CHAINS[name]
+        turns = Rotation.from_rotvec(random.uniform(-1.0, 1.0, (len(chain.lengths), 3))).as_matrix()
+        turns[0] = chain.frames[0].T @ chest @ chain.frames[0]
+        hands[name] = stance_of(chain, turns, end).points[-1]
+    return hands
+
+
+@pytest.mark.parametrize("priority", [(), ("l_arm",), ("r_arm", "l_arm")])
+def test_both_hands_reach_what_they_can_reach_together(priority):
+    random, both = default_rng(1), []
+    for _ in range(30):
+        targets = _pair(random)
+        reached = solve_several(LIMBS, targets, priority=priority)
+        both.append(max(reached.residuals.values()) < 1e-3)
+        for name, stance in reached.stances.items():
+            assert np.linalg.norm(np.diff(stance.points, axis=0), axis=1) == pytest.approx(CHAINS[name].lengths)
+        left, right = (reached.stances[name].points for name in ("l_arm", "r_arm"))
+        assert left[0] == pytest.approx(reached.stances["torso"].points[-1])
+        shoulders = np.linalg.norm(CHAINS["l_arm"].points[1] - CHAINS["r_arm"].points[1])
+        assert np.linalg.norm(left[1] - right[1]) == pytest.approx(shoulders)
+        assert all(
+            residual == pytest.approx(np.linalg.norm(reached.stances[name].points[-1] - targets[name]))
+            for name, residual in reached.residuals.items()
+        )
+    assert np.mean(both) >= 0.93
+
+
+def test_where_both_cannot_priority_decides():
+    alone = {name: solve_several(LIMBS, {name: target}).residuals[name] for name, target in TORN.items()}
+    assert max(alone.values()) < 1e-3
+    for first, second in (("l_arm", "r_arm"), ("r_arm", "l_arm")):
+        reached = solve_several(LIMBS, TORN, priority=(first, second)).residuals
+        assert reached[first] < 1e-3
+        assert reached[second] > 0.05
+
+
+def test_where_both_cannot_weights_share_the_loss():
+    loss = {
+        weight: solve_several(LIMBS, TORN, weights={"l_arm": weight}, effort=Effort(rounds=5)).residuals
+        for weight in (0.2, 1.0, 5.0)
+    }
+    assert loss[0.2]["l_arm"] > loss[1.0]["l_arm"] > loss[5.0]["l_arm"]
+    assert loss[0.2]["r_arm"] < loss[1.0]["r_arm"] < loss[5.0]["r_arm"]
+
+
+def test_the_torso_may_have_a_target_too_and_an_end_without_one_is_free():
+    torso = CHAINS["torso"].points[-1] + np.array([0.1, 0.0, -0.0181])
+    reached = solve_several(LIMBS, {"torso": torso, "r_arm": np.array([0.3, -0.2, 0.8])})
+    assert set(reached.residuals) == {"torso", "r_arm"}
+    assert max(reached.residuals.values()) < 1e-3
+
+
+def test_a_limb_of_one_bone_turns_with_the_joint_that_it_shares():
+    top = CHAINS["torso"].points[-1]
+    head = Limb("head", BallChain.of([top, top + np.array([0.0, 0.0, 0.2])]), "torso")
+    reached = solve_several(Limbs((*LIMBS.members, head)), {"l_arm": np.array([0.35, 0.1, 0.9])})
+    assert reached.residuals["l_arm"] < 1e-3
+    turns = [
+        s.frames[0] @ c.frames[0].T
+        for s, c in ((reached.stances["head"], head.chain), (reached.stances["l_arm"], CHAINS["l_arm"]))
+    ]
+    assert turns[0] == pytest.approx(turns[1])
+
+
+def test_two_scales_give_the_same_result():
+    targets = _pair(default_rng(3))
+    small = solve_several(LIMBS, targets)
+    scaled = Limbs(tuple(Limb(limb.name, BallChain.of(1e3 * limb.chain.points), limb.on) for limb in LIMBS.members))
+    big = solve_several(scaled, {name: 1e3 * target for name, target in targets.items()})
+    assert big.iterations == small.iterations
+    for name, stance in small.stances.items():
+        assert big.stances[name].points / 1e3 == pytest.approx(stance.points, abs=1e-9)
+
+
+def test_limits_hold_in_every_limb():
+    wide, narrow = [np.pi, np.pi / 2.0, np.pi], [0.8, 0.8, 0.8]
+    arm = np.array([wide, narrow, narrow, narrow])
+    boxes = {
+        "torso": EulerBoxes.of(-0.1, 0.1, joints=1),
+        "l_arm": EulerBoxes.of(-arm, arm, joints=4),
+        "r_arm": EulerBoxes.of(-arm, arm, joints=4),
+    }
+    limbs = Limbs(tuple(Limb(x.name, BallChain.of(x.chain.points, limits=boxes[x.name]), x.on) for x in LIMBS.members))
+    reached = solve_several(limbs, _pair(default_rng(4)), effort=Effort(rounds=5))
+    for name, box in boxes.items():
+        assert box.excess(reached.stances[name].rotations) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("targets", "given", "lesson"),
+    [
+        ({}, {}, "no target is given; at least one of torso, l_arm, r_arm"),
+        ({"tail": np.zeros(3)}, {}, "there is no limb tail; the limbs are torso, l_arm, r_arm"),
+        ({"l_arm": np.array([0.0, np.nan, 0.0])}, {}, "target of l_arm is .* three finite numbers"),
+        ({"l_arm": np.zeros(3)}, {"weights": {"l_arm": 0.0}}, "weight of l_arm is 0.0; weights are above zero"),
+        ({"l_arm": np.zeros(3)}, {"priority": ("head",)}, "there is no limb head"),
+    ],
+)
+def test_bad_questions_are_refused_with_a_lesson(targets, given, lesson):
+    with pytest.raises(ValueError, match=lesson):
+        solve_several(LIMBS, targets, **given)

@@ -1,0 +1,52 @@
+import numpy as np
+import pytest
+
+from kinesic.ik.thesis.springs import DAMPING_SHARE, Springs
+from kinesic.ik.thesis.task import Effort
+from kinesic.ik.thesis.verlet import swing
+
+POINTS = np.array([[0.0, 0.0, 0.0], [0.4, 0.3, 0.0], [0.7, 0.0, 0.2], [1.0, 0.0, 0.0]])
+MASSES = np.array([1.0, 2.0, 5.0, 1.0])
+
+
+def _springs() -> Springs:
+    pairs = [(0, 1), (1, 2), (2, 3)]
+    return Springs.between(pairs, rests=np.full(3, 0.3), stiffness=np.ones(3), masses=MASSES, pinned={0, 3})
+
+
+def _after(iterations: int, **given):
+    effort = Effort(threshold=0.0, iterations=iterations, step=0.4)
+    return swing(_springs(), POINTS, effort=effort, arrived=lambda points: False, **given)
+
+
+def test_the_first_step_is_force_over_mass():
+    moved = _after(1, damping=0.2).points - POINTS
+    assert moved == pytest.approx(0.4**2 * _springs().forces(POINTS) / MASSES[:, None])
+
+
+def test_the_second_step_is_the_scheme_of_eq_7_3_6_with_damping():
+    first, second = _after(1, damping=0.2).points, _after(2, damping=0.2).points
+    pull = 0.4**2 * _springs().forces(first) / MASSES[:, None]
+    assert second == pytest.approx(first + (1.0 - 0.2) * (first - POINTS) + pull)
+
+
+def test_damping_is_a_share_of_what_theory_advises():
+    loss = _springs().pace[1]
+    assert _after(5, damping=None).points == pytest.approx(_after(5, damping=DAMPING_SHARE * loss).points)
+
+
+def test_undamped_masses_keep_their_swing():
+    assert _after(2000, damping=0.0).energy > 0.1 * _springs().energy(_springs().forces(POINTS))
+
+
+def test_the_loop_ends_where_it_is_told_to_and_leaves_its_input_alone():
+    before = POINTS.copy()
+    told: list[float] = []
+
+    def arrived(points) -> bool:
+        told.append(float(points[1, 0]))
+        return len(told) == 4
+
+    rest = swing(_springs(), POINTS, damping=None, effort=Effort(threshold=0.0), arrived=arrived)
+    assert rest.iterations == 3
+    assert before.tolist() == POINTS.tolist()

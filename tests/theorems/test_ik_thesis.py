@@ -1,0 +1,54 @@
+"""What holds for every chain of ball joints and every target."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kinesic.ik.thesis.boxes import EulerBoxes
+from kinesic.ik.thesis.chain import BallChain
+from kinesic.ik.thesis.solve import Method, solve
+
+number = st.floats(-1.0, 1.0)
+lengths = st.lists(st.floats(0.05, 1.0), min_size=1, max_size=8)
+places = st.tuples(number, number, number).map(np.array)
+methods = st.sampled_from(["force", "position", "direct"])
+boxes = st.tuples(*[st.floats(0.05, 1.5)] * 3).map(np.array)
+MIRROR = np.array([1.0, -1.0, 1.0])
+
+
+@settings(max_examples=80, deadline=None, derandomize=True)
+@given(sizes=lengths, share=places, method=methods)
+def test_bones_keep_their_lengths_and_the_residual_is_true(sizes: list[float], share: np.ndarray, method: Method):
+    chain = BallChain.curved(sizes)
+    target = 1.3 * chain.size * share
+    relaxed = solve(chain, target, method=method)
+    assert np.linalg.norm(np.diff(relaxed.points, axis=0), axis=1) == pytest.approx(chain.lengths)
+    assert relaxed.points[0].tolist() == chain.points[0].tolist()
+    assert relaxed.residual == pytest.approx(np.linalg.norm(relaxed.points[-1] - target))
+    assert relaxed.residual >= np.linalg.norm(target) - chain.size - 1e-9
+    assert relaxed.rotations @ relaxed.rotations.transpose(0, 2, 1) == pytest.approx(
+        np.broadcast_to(np.eye(3), relaxed.rotations.shape), abs=1e-9
+    )
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(sizes=lengths, share=places, method=methods, box=boxes)
+def test_limits_hold(sizes: list[float], share: np.ndarray, method: Method, box: np.ndarray):
+    limits = EulerBoxes.of(-box, box, joints=len(sizes))
+    rest = BallChain.curved(sizes)
+    relaxed = solve(BallChain.of(rest.points, limits=limits), rest.size * share, method=method)
+    assert limits.excess(relaxed.rotations) < 1e-9
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(sizes=lengths, share=places, method=methods)
+def test_solving_twice_gives_the_same_and_left_is_the_mirror_of_right(
+    sizes: list[float], share: np.ndarray, method: Method
+):
+    chain = BallChain.curved(sizes)
+    target = chain.size * share
+    first, again = (solve(chain, target, method=method) for _ in range(2))
+    assert first.points.tobytes() == again.points.tobytes()
+    mirrored = solve(chain, target * MIRROR, method=method)
+    assert mirrored.points * MIRROR == pytest.approx(first.points, abs=1e-6 * chain.size)
