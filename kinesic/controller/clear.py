@@ -13,7 +13,7 @@ from kinesic.controller.syncs import on_keys
 from kinesic.controller.trajectory import held
 from kinesic.expressivity.keyframes import KeyFrames
 
-LAG_RESERVE = 0.006  # [m] kept in the plan for what the servos lag behind it
+LAG_RESERVE = 0.004  # [m] kept in the plan for what the servos lag behind it
 DETOURS = 6  # tried before a behaviour is dropped
 
 

@@ -13,10 +13,11 @@ from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.body.skeleton import Frames
 from kinesic.controller.hover import clear_hands
 from kinesic.expressivity.keyframes import Hand, KeyFrame, KeyFrames
-from kinesic.ik.solve import solve
+from kinesic.ik.pointing import best_swivel
 from kinesic.ik.torso import lean
 
 LEAST_GAP = 0.02  # [s] between keys
+WIDEST_SWING = np.radians(60)  # that an elbow swings aside for the palm and the pointing of its hand
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,7 +184,12 @@ def _arms(angles: Floats, wanted: Mapping[Side, Reach | None], robot: Robot) -> 
         solved[indices] = (
             chain.rest
             if reach is None
-            else solve(chain, _in_base(reach, frames, robot.skeleton.segment(chain.base)), start=angles[indices]).angles
+            else best_swivel(
+                chain,
+                _in_base(reach, frames, robot.skeleton.segment(chain.base)),
+                start=angles[indices],
+                widest=WIDEST_SWING,
+            ).angles
         )
     return solved
 

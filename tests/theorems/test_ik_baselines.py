@@ -18,7 +18,7 @@ chains = st.tuples(vectors, bones).map(lambda parts: np.cumsum([parts[0], *parts
 
 
 @settings(max_examples=150, deadline=None, derandomize=True)
-@given(method=st.sampled_from(METHODS), rest=chains, target=vectors, most=st.integers(0, 60))
+@given(method=st.sampled_from(METHODS), rest=chains, target=vectors, most=st.integers(1, 60))
 def test_bones_keep_their_length_and_the_residual_is_true(
     method: Method, rest: Floats, target: Floats, most: int
 ) -> None:

@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from kinesic.controller.bench import reach, table71, table71_plot, tasks, tracking
+from kinesic.controller.bench import ablation, ablation_plot, reach, table71, table71_plot, tasks, tracking
 from kinesic.controller.bench.figure import Figure
 
 
 def bench() -> list[Figure]:
     """Every figure of the room."""
-    return [*reach.bench(), *tracking.bench(), *tasks.bench(), *table71.bench()]
+    return [*reach.bench(), *tracking.bench(), *tasks.bench(), *ablation.bench(), *table71.bench()]
 
 
 def draw(figures: Sequence[Figure], folder: Path) -> list[Path]:
@@ -20,7 +20,12 @@ def draw(figures: Sequence[Figure], folder: Path) -> list[Path]:
         folder: for the pictures.
 
     Returns:
-        The pictures; none without the kernel.
+        The pictures of those figures that are there; none of table 7.1 without the kernel.
     """
     values = {figure.name: figure.value for figure in figures if figure.value is not None}
-    return [table71_plot.draw(values, folder / "ik-table71.png")] if values else []
+    pictures = []
+    if table71.name(table71.REFERENCE, table71.SIZES[0], "ratio") in values:
+        pictures.append(table71_plot.draw(values, folder / "ik-table71.png"))
+    if ablation.name("whole", "mm") in values:
+        pictures.append(ablation_plot.draw(values, folder / "ik-solver.png"))
+    return pictures
