@@ -7,9 +7,9 @@ import pytest
 from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
 from kinesic.body.robot import Robot
+from kinesic.controller.bench.plain import damped_least_squares, jerk
 from kinesic.ik import Kernel
 from kinesic.ik.linkage import linkage_of
-from kinesic.ik.polish import columns
 from kinesic.ik.track import SOFT, Tracker
 
 ROBOT = Robot.load()
@@ -46,29 +46,6 @@ def _laps(
     return np.array([[tracker.step(path(turn)) for turn in turns] for _ in range(laps)])
 
 
-def _jerk(laps: Floats, rate: int) -> float:
-    """Root mean square [rad/s^3], once the arm has come to the path."""
-    angles = np.concatenate(laps)[round(LAP * rate / 4) :]
-    return float(np.sqrt((np.diff(angles, 3, axis=0) ** 2).sum(axis=1).mean()) * rate**3)
-
-
-def _damped_least_squares(path: Path, rate: int) -> Floats:
-    """(2, steps, k) [rad] by the plain method, its angles clipped to the ranges."""
-    linkage, steps = linkage_of(LEFT), round(LAP * rate)
-    angles, rows = LEFT.rest[:5], []
-    for step in range(2 * steps):
-        target = path(2 * np.pi * step / steps)
-        for _ in range(50):
-            hand, moves = columns(linkage, angles.tolist())
-            error, jacobian = target - np.array(hand), np.array(moves).T
-            if np.linalg.norm(error) < 1e-4:
-                break
-            push = np.linalg.solve(jacobian @ jacobian.T + 1e-3 * np.eye(3), error)
-            angles = np.clip(angles + jacobian.T @ push, LEFT.lower[:5], LEFT.upper[:5])
-        rows.append(angles)
-    return np.array(rows).reshape(2, steps, 5)
-
-
 @pytest.mark.parametrize("kernel", KERNELS)
 def test_the_hand_is_on_its_target_and_the_arm_comes_home_after_a_lap(kernel: Kernel) -> None:
     first, second = _laps(_ellipse, 100, kernel=kernel)
@@ -94,7 +71,7 @@ def test_without_the_pull_the_arm_drifts() -> None:
 
 
 def test_the_motion_is_far_smoother_than_plain_least_squares() -> None:
-    assert _jerk(_laps(_ellipse, 200), 200) <= _jerk(_damped_least_squares(_ellipse, 200), 200) / 50
+    assert jerk(_laps(_ellipse, 200), 200) <= jerk(damped_least_squares(LEFT, _ellipse, round(LAP * 200), 2), 200) / 50
 
 
 def test_no_leap_past_the_full_stretch() -> None:

@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from kinesic.controller.bench import ablation, ablation_plot, reach, table71, table71_plot, tasks, tracking
+from kinesic.controller.bench import ablation, ablation_plot, peers, reach, table71, table71_plot, tasks, tracking
 from kinesic.controller.bench.figure import Figure
 
 
 def bench() -> list[Figure]:
     """Every figure of the room."""
-    return [*reach.bench(), *tracking.bench(), *tasks.bench(), *ablation.bench(), *table71.bench()]
+    return [*reach.bench(), *tracking.bench(), *tasks.bench(), *ablation.bench(), *table71.bench(), *peers.bench()]
 
 
 def draw(figures: Sequence[Figure], folder: Path) -> list[Path]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
-from kinesic.controller.bench.peer_model import BASE, HAND, Carrier, carriers, forearm, urdf
+from kinesic.controller.bench.peer_model import HAND, Carrier, carriers, forearm, urdf
 
 if TYPE_CHECKING:
     import roboticstoolbox as rtb

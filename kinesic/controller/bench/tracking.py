@@ -8,6 +8,7 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.controller.bench.figure import Figure
+from kinesic.controller.bench.plain import damped_least_squares, jerk
 from kinesic.ik import KERNEL
 from kinesic.ik.track import Tracker
 
@@ -37,9 +38,11 @@ def bench() -> list[Figure]:
             seconds.append(perf_counter() - began)
         laps.append(lap)
     rows = np.array(laps)
+    plain = damped_least_squares(chain, ellipse, steps, LAPS)
     errors = [float(np.linalg.norm(chain.hand(row) - target)) for row, target in zip(rows[-1], path, strict=True)]
     return [
         Figure(f"ik.tracking_step_{KERNEL}", 1e6 * median(seconds), "us", 1.2, "lower"),
         Figure("ik.tracking_error", 1000 * max(errors), "mm", 0.1, "lower"),
         Figure("ik.tracking_drift", float(np.abs(rows[-1] - rows[-2]).max()), "rad", 0.01, "lower"),
+        Figure("ik.tracking_jerk_of_dls", jerk(plain, RATE) / jerk(rows, RATE), "x", 50.0, "higher", "DLS over ours"),
     ]
