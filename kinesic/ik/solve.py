@@ -37,6 +37,7 @@ class Solution:
     reached: bool  # residual within 1 mm
     iterations: int  # of masses and of polish, all attempts together
     target: Floats  # (3,) [m] after clamping to the reach, in the base
+    pulled_in: float  # [rad] by which a hinge of the start lay outside its range, at most
 
 
 def solve(
@@ -99,8 +100,8 @@ def _compiled(
     if told is None:
         return None
     out.setflags(write=False)
-    residual, pointing_error, palm_error, iterations = told
-    return Solution(out[:-3], residual, pointing_error, palm_error, residual <= REACHED, iterations, out[-3:])
+    residual, pointing_error, palm_error, iterations, pulled = told
+    return Solution(out[:-3], residual, pointing_error, palm_error, residual <= REACHED, iterations, out[-3:], pulled)
 
 
 def _solved(chain: Chain, reach: Reach, start: Floats, rest: Floats, mobility: Floats | None) -> Solution:
@@ -110,7 +111,8 @@ def _solved(chain: Chain, reach: Reach, start: Floats, rest: Floats, mobility: F
     ease = linkage.mobility if mobility is None else mobility.tolist()
     place = placed(linkage, vector(reach.position), near=near, rest=home)
     bend = _found(linkage, place, near=near, home=home, ease=ease, swivel=reach.swivel)
-    return _with_wrist(chain, reach, bend.angles, home, place.iterations + bend.iterations, place.target)
+    solution = _with_wrist(chain, reach, bend.angles, home, place.iterations + bend.iterations, place.target)
+    return replace(solution, pulled_in=float(np.abs(start - np.array(near)).max(initial=0.0)))
 
 
 def _with_wrist(
@@ -126,7 +128,7 @@ def _with_wrist(
     errors = {wish.name: acos(max(-1.0, min(1.0, dot(rotated(hand, wish.own), wish.wanted)))) for wish in wishes}
     pointing_error, palm_error = errors.get("pointing"), errors.get("palm")
     reached = residual <= REACHED
-    return Solution(sealed(angles), residual, pointing_error, palm_error, reached, iterations, sealed(target))
+    return Solution(sealed(angles), residual, pointing_error, palm_error, reached, iterations, sealed(target), 0.0)
 
 
 def _finished(chain: Chain, reach: Reach, rest: Floats | None, answer: Solution) -> Solution:
@@ -139,7 +141,8 @@ def _finished(chain: Chain, reach: Reach, rest: Floats | None, answer: Solution)
     if best.angles == tuple(answer.angles.tolist()[: len(best.angles)]):
         return answer
     home = np.clip(chain.rest if rest is None else rest, chain.lower, chain.upper).tolist()
-    return _with_wrist(chain, reach, best.angles, home, answer.iterations + best.rounds, vector(answer.target))
+    done = _with_wrist(chain, reach, best.angles, home, answer.iterations + best.rounds, vector(answer.target))
+    return replace(done, pulled_in=answer.pulled_in)
 
 
 def _found(

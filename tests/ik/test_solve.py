@@ -5,6 +5,7 @@ from numpy.random import default_rng
 from kinesic.body.arrays import Floats
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
+from kinesic.ik import KERNEL
 from kinesic.ik.elbow import swivel
 from kinesic.ik.solve import Solution, solve
 
@@ -184,3 +185,14 @@ def test_a_wrong_question_is_refused_and_explained() -> None:
         solve(LEFT, Reach(good, palm=np.zeros(3)), start=LEFT.rest)
     with pytest.raises(ValueError, match=r"reach\.swivel is"):
         solve(LEFT, Reach(good, swivel=np.inf), start=LEFT.rest)
+
+
+@pytest.mark.parametrize("kernel", ["numpy", *(["compiled"] if KERNEL == "compiled" else [])])
+def test_a_start_outside_the_ranges_is_pulled_in_and_said(kernel) -> None:
+    chain = Robot.load().arms["l"]
+    start = chain.rest.copy()
+    start[2] = chain.upper[2] + 0.3
+    outside = solve(chain, Reach(chain.hand(chain.rest)), start=start, kernel=kernel)
+    assert outside.pulled_in == pytest.approx(0.3)
+    assert np.all((chain.lower <= outside.angles) & (outside.angles <= chain.upper))
+    assert solve(chain, Reach(chain.hand(chain.rest)), start=chain.rest, kernel=kernel).pulled_in == 0.0

@@ -3,13 +3,26 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from kinesic.controller.bench import ablation, ablation_plot, peers, reach, table71, table71_plot, tasks, tracking
+from kinesic.controller.bench import (
+    ablation,
+    ablation_plot,
+    peers,
+    protocol,
+    protocol_plot,
+    reach,
+    table71,
+    table71_plot,
+    tasks,
+    tracking,
+)
 from kinesic.controller.bench.figure import Figure
+
+PARTS = (reach, protocol, tracking, tasks, ablation, table71, peers)
 
 
 def bench() -> list[Figure]:
     """Every figure of the room."""
-    return [*reach.bench(), *tracking.bench(), *tasks.bench(), *ablation.bench(), *table71.bench(), *peers.bench()]
+    return [figure for part in PARTS for figure in part.bench()]
 
 
 def draw(figures: Sequence[Figure], folder: Path) -> list[Path]:
@@ -28,4 +41,6 @@ def draw(figures: Sequence[Figure], folder: Path) -> list[Path]:
         pictures.append(table71_plot.draw(values, folder / "ik-table71.png"))
     if ablation.name("whole", "mm") in values:
         pictures.append(ablation_plot.draw(values, folder / "ik-solver.png"))
+    if "ik.success_mm" in values:
+        pictures.append(protocol_plot.draw(folder / "ik-protocol.png"))
     return pictures

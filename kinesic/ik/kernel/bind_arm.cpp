@@ -79,13 +79,18 @@ bool read_wish(const Arm& arm, nb::handle source, const Vector& own, Question& q
     return !null(wish.wanted);
 }
 
-// Writes angles and clamped target; returns residual, errors of pointing and palm, iterations. None: refused.
+// Writes angles and clamped target; returns residual, errors of pointing and palm, iterations, and by how much the start
+// was pulled into the ranges. None: refused.
 nb::object ask(const Arm& arm, nb::handle position, nb::handle pointing, nb::handle palm, nb::handle swivel,
                nb::handle start, nb::handle rest, nb::handle mobility, nb::handle out) {
     const int n = arm.linkage.hinges;
     Question question;
-    double place[3], turn;
-    if (!read(position, place, 3) || !read_posture(arm, start, question.near)) return nb::none();
+    double place[3], turn, asked[MOST_HINGES], pulled = 0.0;
+    if (!read(position, place, 3) || !read(start, asked, n)) return nb::none();
+    for (int k = 0; k < n; ++k) {
+        question.near[k] = arm.linkage.pivot[k].clipped(asked[k]);
+        pulled = std::max(pulled, std::fabs(asked[k] - question.near[k]));
+    }
     question.position = arm.seen(place);
     if (!read_wish(arm, pointing, arm.linkage.last().along, question)) return nb::none();
     if (!read_wish(arm, palm, arm.linkage.palm, question)) return nb::none();
@@ -115,7 +120,7 @@ nb::object ask(const Arm& arm, nb::handle position, nb::handle pointing, nb::han
     if (!write(out, written, n + 3)) return nb::none();
     const nb::object first = pointing.is_none() ? nb::none() : nb::cast(answer.errors[0]);
     const nb::object second = palm.is_none() ? nb::none() : nb::cast(answer.errors[pointing.is_none() ? 0 : 1]);
-    return nb::make_tuple(answer.residual, first, second, answer.iterations);
+    return nb::make_tuple(answer.residual, first, second, answer.iterations, pulled);
 }
 
 // Polish from the angles, in place; from other postures where it stalls. Returns the residual [m].

@@ -1,0 +1,55 @@
+"""The kernel asks for no memory while it solves: counted by a malloc of our own."""
+
+import ctypes.util
+import os
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+from kinesic.ik import KERNEL
+
+COUNTER = """
+#include <stddef.h>
+extern void *__libc_malloc(size_t), *__libc_calloc(size_t, size_t), *__libc_realloc(void *, size_t);
+static unsigned long calls;
+unsigned long memory_calls(void) { return calls; }
+void *malloc(size_t size) { calls++; return __libc_malloc(size); }
+void *calloc(size_t count, size_t size) { calls++; return __libc_calloc(count, size); }
+void *realloc(void *old, size_t size) { calls++; return __libc_realloc(old, size); }
+"""
+TASK = """
+import ctypes
+import numpy as np
+from kinesic.body.robot import Robot
+from kinesic.ik.compiled import arm_of
+
+chain, chance = Robot.load().arms["l"], np.random.default_rng(1)
+arm = arm_of(chain)
+targets = np.array([chain.hand(chance.uniform(chain.lower, chain.upper)) for _ in range(4000)])
+angles, residuals = np.empty((len(targets), len(chain.rest))), np.empty(len(targets))
+arm.reach_many(targets, chain.rest, 12, angles, residuals)
+calls = ctypes.CDLL(None).memory_calls
+calls.restype = ctypes.c_ulong
+before = calls()
+arm.reach_many(targets, chain.rest, 12, angles, residuals)
+print(calls() - before)
+"""
+
+
+@pytest.mark.skipif(KERNEL != "compiled", reason="the kernel was not compiled here")
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler for the counter")
+@pytest.mark.skipif(ctypes.util.find_library("c") != "libc.so.6", reason="the counter needs glibc")
+def test_four_thousand_solves_ask_for_no_memory(tmp_path):
+    source, library = tmp_path / "counter.c", tmp_path / "counter.so"
+    source.write_text(COUNTER)
+    subprocess.run(["cc", "-shared", "-fPIC", "-O1", str(source), "-o", str(library)], check=True)
+    told = subprocess.run(
+        [sys.executable, "-c", TASK],
+        env={**os.environ, "LD_PRELOAD": str(library)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert int(told.stdout) < 40  # the call itself, from Python
