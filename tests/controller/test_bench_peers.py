@@ -6,7 +6,7 @@ import pytest
 from numpy.random import default_rng
 
 from kinesic.body.robot import Robot
-from kinesic.controller.bench import ik, peer_solvers, peers
+from kinesic.controller.bench import ik, peer_solvers, peers, peers_plot
 from kinesic.controller.bench.arms import targets
 from kinesic.controller.bench.peer_model import HAND, carriers, urdf
 from kinesic.controller.bench.peer_solvers import PEERS, Peer
@@ -119,7 +119,16 @@ def test_an_oblique_axis_has_no_elementary_transform(chain):
 
 
 def test_the_room_shows_them(monkeypatch):
-    for part in (ik.reach, ik.tracking, ik.tasks, ik.ablation, ik.table71):
+    for part in (part for part in ik.PARTS if part is not peers):
         monkeypatch.setattr(part, "bench", list)
-    monkeypatch.setattr(ik.peers, "bench", lambda: ["peers"])
+    monkeypatch.setattr(peers, "bench", lambda: ["peers"])
     assert ik.bench() == ["peers"]
+
+
+def test_the_picture_shows_those_that_were_measured(tmp_path):
+    values = {
+        f"ik.peer_{name}_{unit}": 1.0
+        for name in ("kinesic_solve", "kinesic_reach", "mink")
+        for unit in ("us", "success")
+    }
+    assert peers_plot.draw(values, tmp_path / "peers.png").stat().st_size > 5000

@@ -7,6 +7,7 @@ from kinesic.controller.bench import (
     ablation,
     ablation_plot,
     peers,
+    peers_plot,
     protocol,
     protocol_plot,
     reach,
@@ -16,6 +17,7 @@ from kinesic.controller.bench import (
     tracking,
 )
 from kinesic.controller.bench.figure import Figure
+from kinesic.controller.bench.peer_solvers import PEERS
 
 PARTS = (reach, protocol, tracking, tasks, ablation, table71, peers)
 
@@ -33,7 +35,7 @@ def draw(figures: Sequence[Figure], folder: Path) -> list[Path]:
         folder: for the pictures.
 
     Returns:
-        The pictures of those figures that are there; none of table 7.1 without the kernel.
+        The pictures of those figures that are there; none of table 7.1 without the kernel, none of peers without any.
     """
     values = {figure.name: figure.value for figure in figures if figure.value is not None}
     pictures = []
@@ -41,6 +43,8 @@ def draw(figures: Sequence[Figure], folder: Path) -> list[Path]:
         pictures.append(table71_plot.draw(values, folder / "ik-table71.png"))
     if ablation.name("whole", "mm") in values:
         pictures.append(ablation_plot.draw(values, folder / "ik-solver.png"))
+    if any(f"ik.peer_{peer.name}_us" in values for peer in PEERS):
+        pictures.append(peers_plot.draw(values, folder / "ik-peers.png"))
     if "ik.success_mm" in values:
         pictures.append(protocol_plot.draw(folder / "ik-protocol.png"))
     return pictures
