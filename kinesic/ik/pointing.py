@@ -10,9 +10,9 @@ from kinesic.body.reach import Reach
 from kinesic.ik.linkage import Link, Linkage, linkage_of
 from kinesic.ik.mirror import is_right, mirrored_chain, mirrored_reach
 from kinesic.ik.place import place_of
-from kinesic.ik.solve import Solution, solve
+from kinesic.ik.solve import Solution, solve, wishes_of
 from kinesic.ik.swivels import Cell, cell_at, present_swivel
-from kinesic.ik.vectors import Rotation, after, distance, dot, rotated, unit, vector
+from kinesic.ik.vectors import Rotation, after, distance, dot, rotated, vector
 from kinesic.ik.wrist import Wish, orient
 
 SATISFIED = 1e-3  # [rad] errors of all directions together that need no search
@@ -74,13 +74,6 @@ def best_swivel(
         pointing_error=errors.get("pointing"),
         palm_error=errors.get("palm"),
     )
-
-
-def wishes_of(chain: Chain, reach: Reach) -> list[Wish]:
-    """What the hand's direction and palm should look at."""
-    along = unit(vector(chain.joints[-1].bone))
-    pairs = (("pointing", along, reach.pointing), ("palm", unit(vector(chain.palm)), reach.palm))
-    return [Wish(name, own, unit(vector(wanted))) for name, own, wanted in pairs if wanted is not None]
 
 
 def _swung(linkage: Linkage, at: Callable[[float], Cell], widest: float) -> Cell:

@@ -121,7 +121,7 @@ def _with_wrist(
     """An arm bent to its place [rad], its hand turned, and what is left of the reach."""
     linkage, asked = linkage_of(chain), vector(reach.position)
     frame, points = linkage.walk(bent_angles, len(linkage.links) - 1)
-    wishes = _wishes(chain, linkage, reach)
+    wishes = wishes_of(chain, reach)
     angles = (*bent_angles, *orient(linkage.links[-1], frame, wishes, rest[len(bent_angles) :]))
     hand = linkage.walk(angles, len(linkage.links))[0]
     residual = distance(points[-1], asked)
@@ -167,9 +167,9 @@ def _found(
     return Bend(second.angles if second.exact else best.angles, second.exact, iterations + second.iterations)
 
 
-def _wishes(chain: Chain, linkage: Linkage, reach: Reach) -> list[Wish]:
+def wishes_of(chain: Chain, reach: Reach) -> list[Wish]:
     """What the hand's direction and palm should look at."""
-    wishes = []
+    linkage, wishes = linkage_of(chain), []
     if reach.pointing is not None:
         wishes.append(Wish("pointing", linkage.links[-1].along, unit(vector(reach.pointing))))
     if reach.palm is not None:

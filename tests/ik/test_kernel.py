@@ -13,6 +13,7 @@ from kinesic.body.chain import Chain, ChainJoint
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Hinge
+from kinesic.controller.bench.arms import random_arm
 from kinesic.ik.compiled import arm_of
 from kinesic.ik.solve import Solution, solve
 
@@ -26,37 +27,6 @@ AXES = {"x": [1, 0, 0], "y": [0, 1, 0], "z": [0, 0, 1]}
 def _hinges(segment: str, axes: str, ranges: list[tuple[float, float]]) -> tuple[Hinge, ...]:
     pairs = zip(axes, ranges, strict=True)
     return tuple(Hinge(f"{segment}{k}", segment, sealed(AXES[a]), *r, 0.0) for k, (a, r) in enumerate(pairs))
-
-
-def _random_arm(random: Generator) -> Chain:
-    """A hanging arm with some order, ranges and lengths."""
-
-    def around(least: float, most: float) -> tuple[float, float]:
-        return -random.uniform(least, most), random.uniform(least, most)
-
-    shoulder = str(random.choice(["yxz", "xyz", "zxz", "yx"]))
-    elbow = str(random.choice(["x", "y"]))
-    wrist = str(random.choice(["yx", "xy", "y"]))
-    bend = random.uniform(1.8, 2.6)
-    bends = ((-bend, bend), (-bend, 0.0), (0.0, bend))[random.integers(3)]
-    joints = (
-        ChainJoint(
-            "shoulder",
-            _hinges("shoulder", shoulder, [around(0.6, 2.8) for _ in shoulder]),
-            sealed([0, 0, -random.uniform(0.15, 0.4)]),
-        ),
-        ChainJoint(
-            "elbow",
-            _hinges("elbow", elbow + "z", [bends, around(0.6, 2.8)]),
-            sealed([0, 0, -random.uniform(0.15, 0.4)]),
-        ),
-        ChainJoint("wrist", _hinges("wrist", wrist, [around(0.4, 1.2) for _ in wrist]), sealed([0, 0, -0.08])),
-    )
-    count = sum(len(joint.hinges) for joint in joints)
-    side = 0.2 if random.random() < 0.5 else -0.2
-    return Chain(
-        f"{shoulder} {elbow} {wrist}", "trunk", sealed([0, side, 0]), joints, tuple(range(count)), sealed([0, 1, 0])
-    )
 
 
 def _reach(random: Generator, chain: Chain, k: int) -> Reach:
@@ -110,12 +80,12 @@ def test_whole_solves_agree_with_the_specification(chain: Chain) -> None:
 
 def test_whole_solves_of_other_arms_agree_too() -> None:
     random = default_rng(22)
-    assert sum(_agreement(_random_arm(random), 40, seed) for seed in range(25)) >= 0.999 * 1000
+    assert sum(_agreement(random_arm(random), 40, seed) for seed in range(25)) >= 0.999 * 1000
 
 
 def test_in_limit_targets_are_reached_to_a_tenth_of_a_millimetre() -> None:
     random = default_rng(23)
-    for chain in (LEFT, RIGHT, *(_random_arm(random) for _ in range(20))):
+    for chain in (LEFT, RIGHT, *(random_arm(random) for _ in range(20))):
         count, precise = 200, 0
         for _ in range(count):
             position = chain.hand(random.uniform(chain.lower, chain.upper))

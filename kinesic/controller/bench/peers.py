@@ -56,7 +56,25 @@ def bench() -> list[Figure]:
     for peer in PEERS:
         pair = ours(chain) | {peer.name: peer.build(chain)} if installed(peer) else {}
         figures += _figures(peer, interleaved(chain, pair, asked), _why(peer))
-    return figures
+    return [*figures, *_one_round(chain, asked)]
+
+
+def _one_round(chain: Chain, asked: Floats) -> list[Figure]:
+    """The same ratios with all libraries in turn: what each leaves in the processor's caches is the next one's cost."""
+    present = [peer for peer in PEERS if installed(peer)]
+    calls = interleaved(chain, ours(chain) | {peer.name: peer.build(chain) for peer in present}, asked)
+    return [
+        Figure(
+            f"ik.peer_{peer.name}_one_round_{entry.removeprefix('kinesic_')}",
+            calls[peer.name].microseconds / calls[entry].microseconds,
+            "x ours",
+            GOALS.get((peer.name, entry)),
+            "higher",
+            f"with {len(present) - 1} other libraries between the calls",
+        )
+        for peer in present
+        for entry in (SOLVE, REACH)
+    ]
 
 
 def installed(peer: Peer) -> bool:
