@@ -14,9 +14,8 @@ from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
 from kinesic.ik.approach import approach
 from kinesic.ik.linkage import linkage_of
-from kinesic.ik.pointing import wishes_of
 from kinesic.ik.refusal import checked
-from kinesic.ik.solve import REACHED, Solution, solve
+from kinesic.ik.solve import REACHED, Solution, solve, wishes_of
 from kinesic.ik.vectors import distance, dot, rotated, vector
 from kinesic.ik.wrist import orient
 

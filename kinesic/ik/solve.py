@@ -169,12 +169,9 @@ def _found(
 
 def wishes_of(chain: Chain, reach: Reach) -> list[Wish]:
     """What the hand's direction and palm should look at."""
-    linkage, wishes = linkage_of(chain), []
-    if reach.pointing is not None:
-        wishes.append(Wish("pointing", linkage.links[-1].along, unit(vector(reach.pointing))))
-    if reach.palm is not None:
-        wishes.append(Wish("palm", unit(vector(chain.palm)), unit(vector(reach.palm))))
-    return wishes
+    along = unit(vector(chain.joints[-1].bone))
+    pairs = (("pointing", along, reach.pointing), ("palm", unit(vector(chain.palm)), reach.palm))
+    return [Wish(name, own, unit(vector(wanted))) for name, own, wanted in pairs if wanted is not None]
 
 
 def _checked(reach: Reach) -> Reach:
