@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import nanobind
+import numpy
 from setuptools import Extension, setup
 
 NANOBIND = Path(nanobind.__file__).parent
@@ -12,7 +13,7 @@ kernel = Extension(
     "kinesic.ik._kernel",
     sources=[*sorted(str(path) for path in KERNEL.glob("*.cpp")), str(NANOBIND / "src" / "nb_combined.cpp")],
     depends=sorted(str(path) for path in KERNEL.glob("*.h")),
-    include_dirs=[nanobind.include_dir(), str(NANOBIND / "ext" / "robin_map" / "include")],
+    include_dirs=[numpy.get_include(), nanobind.include_dir(), str(NANOBIND / "ext" / "robin_map" / "include")],
     extra_compile_args=[
         "-std=c++17",
         "-O3",

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from kinesic.controller.checks import checks
+from kinesic.controller.perform import perform
 from kinesic.expressivity.lexicon import Lexicon
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -29,3 +31,12 @@ def test_the_example_of_the_gesture_page_is_a_lexicon(tmp_path: Path):
     assert (scales.form.sides, len(scales.form.keys), scales.substitute) == ({"l", "r"}, 2, "")
     assert lift.form.keys[1].hands["l"].position.tolist() == [0.65, 0.5, 0.6]
     assert lift.form.keys[1].hands["l"].fixed == (True, False, False)
+
+
+def test_the_report_page_names_every_check():
+    page = (ROOT / "docs" / "report.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"`(\w+\.\w+)`", page[page.index("| check |") :]))
+    block = (
+        '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><gesture id="g" lexeme="beat" stroke="1"/></bml>'
+    )
+    assert {check.name for check in checks(perform(block))} <= named

@@ -36,3 +36,10 @@ class Sink(Protocol):
 
     def close(self) -> None:
         """Ends the performance; called once, in `finally`."""
+
+
+class Body(Sink, Protocol):
+    """A sink that can tell where its hinges are."""
+
+    def positions(self) -> Floats:
+        """(n,) [rad] at the last command, as its sensors have them; NaN for a servo that did not answer."""

@@ -35,6 +35,14 @@ class Site:
     facing: Floats  # (3,) unit, in the segment
 
 
+@dataclass(frozen=True)
+class Supply:
+    """What feeds the servos."""
+
+    volts: float
+    amps: float  # that it gives for long
+
+
 @dataclass(frozen=True, eq=False)
 class Description:
     """Everything that is written about a robot."""
@@ -48,3 +56,4 @@ class Description:
     exclusions: tuple[Exclusion, ...]
     least_clearance: float  # [m]
     targets: Mapping[str, Floats]  # named points (3,) [m] in the world
+    supply: Supply | None = None  # None: not described

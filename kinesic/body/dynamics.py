@@ -7,6 +7,14 @@ from typing import Protocol
 from kinesic.body.arrays import Floats
 
 
+@dataclass(frozen=True, eq=False)
+class Load:
+    """What each hinge bears at worst, in any posture, the larger of both sides."""
+
+    holding: Floats  # (n,) [Nm] torque against gravity
+    inertia: Floats  # (n,) [kg m^2] diagonal of the joint-space inertia, armature included
+
+
 class Dynamics(Protocol):
     """Inverse dynamics of a robot, in joint order."""
 
@@ -22,8 +30,9 @@ class Dynamics(Protocol):
             (m, n) [Nm].
         """
 
-    def acceleration_limits(self) -> Floats:
-        """(n,) [rad/s^2] that each drive can give in its worst posture: (0.8 stall - gravity - friction) / M_jj."""
+    @property
+    def load(self) -> Load:
+        """What each hinge bears at worst."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,3 +53,6 @@ class Distances(Protocol):
 
     def clearance(self, angles: Floats) -> Clearance:
         """Smallest distance between the capsules of counted pairs, for (m, n) [rad]."""
+
+    def gaps(self, angles: Floats) -> Floats:
+        """(m, p) [m] between the segments of each of the robot's counted pairs, in their order, for (m, n) [rad]."""

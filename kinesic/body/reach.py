@@ -1,12 +1,11 @@
 """What a hand is asked to do: the word that expressivity says and ik hears."""
 
-from dataclasses import dataclass
+from msgspec import Struct
 
 from kinesic.body.arrays import Floats
 
 
-@dataclass(frozen=True, eq=False)
-class Reach:
+class Reach(Struct, frozen=True, eq=False):
     """Where the hand (the wrist's centre) goes, and how it is held there.
 
     The frame of positions and directions is named by whoever holds the Reach; ik is asked in the frame of

@@ -6,12 +6,11 @@ from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
-import numpy as np
-
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
 from kinesic.body.config import locate
 from kinesic.body.description import Description
+from kinesic.body.ideal import ideal
 from kinesic.body.robot_file import read_description
 from kinesic.body.servo import Drive
 
@@ -46,17 +45,21 @@ class Robot(Description):
 
     @cached_property
     def arms(self) -> Mapping[Side, Chain]:
-        """Chains from the collar bone to the hand."""
+        """Chains from the collar bone to the hand, as closed forms want them."""
         return {side: self._arm(side) for side in SIDES}
 
     def _arm(self, side: Side) -> Chain:
         palm = self.sites[f"{side}_palm"]
         segments = self.chains[f"{side}_arm"]
-        return Chain.of(self.skeleton, f"{side}_arm", segments, along=palm.position, palm=palm.facing)
+        return ideal(Chain.of(self.skeleton, f"{side}_arm", segments, along=palm.position, palm=palm.facing))
 
     def joints(self, chain: str) -> tuple[int, ...]:
         """Indices of a chain's hinges in joint order; empty for a chain that the robot lacks."""
-        return self.skeleton.joints_of(self.chains.get(chain, ()))
+        return self._joints.get(chain, ())
+
+    @cached_property
+    def _joints(self) -> Mapping[str, tuple[int, ...]]:
+        return {chain: self.skeleton.joints_of(segments) for chain, segments in self.chains.items()}
 
     @cached_property
     def arm_length(self) -> float:
@@ -66,10 +69,10 @@ class Robot(Description):
     @cached_property
     def gesture_origin(self) -> Floats:
         """(3,) [m] in the world: body midline, depth of the shoulders, height of the elbows, arms hanging."""
-        frames = self.skeleton.frames(np.zeros(len(self.skeleton.hinges)))
+        origins = self.skeleton.straight.origins
         shoulder, elbow = self.chains["l_arm"][-3:-1]
-        x = frames.origins[self.skeleton.segment(shoulder)][0]
-        z = frames.origins[self.skeleton.segment(elbow)][2]
+        x = origins[self.skeleton.segment(shoulder)][0]
+        z = origins[self.skeleton.segment(elbow)][2]
         return sealed([x, 0.0, z])
 
     @cached_property

@@ -1,6 +1,6 @@
 """From a robot's TOML to its description: the mirrored half is made, and every name is checked."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from math import radians
 from pathlib import Path
 from typing import TypeVar
@@ -10,7 +10,7 @@ import numpy as np
 
 from kinesic.body.arrays import sealed
 from kinesic.body.config import CONFIGS, ConfigError, closest, read
-from kinesic.body.description import Description, Exclusion, Mount, Site
+from kinesic.body.description import Description, Exclusion, Mount, Site, Supply
 from kinesic.body.robot_schema import (
     BodyTable,
     CapsuleTable,
@@ -31,7 +31,10 @@ Value = TypeVar("Value")
 
 def servo_models() -> dict[str, ServoModel]:
     """All servo models of `configs/servos.toml`, by name."""
-    tables = read(CONFIGS / "servos.toml", dict[str, ServoTable])
+    return _models(read(CONFIGS / "servos.toml", dict[str, ServoTable]))
+
+
+def _models(tables: Mapping[str, ServoTable]) -> dict[str, ServoModel]:
     return {name: ServoModel(name=name, **msgspec.structs.asdict(table)) for name, table in tables.items()}
 
 
@@ -41,9 +44,22 @@ def read_description(path: Path) -> Description:
     Raises:
         ConfigError: the file is missing or wrong.
     """
-    file = _with_both_sides(read(path, RobotFile))
-    _check(path, file)
-    models = servo_models()
+    return described(read(path, RobotFile), path)
+
+
+def described(file: RobotFile, path: Path) -> Description:
+    """A robot from its tables.
+
+    Args:
+        file: as it is written.
+        path: where, for messages.
+
+    Raises:
+        ConfigError: the tables do not fit one another.
+    """
+    file = _with_both_sides(file)
+    models = servo_models() | _models(file.servos)  # the robot's own servos win
+    _check(path, file, list(models))
     order = [body.name for body in file.body]
     hinges = sorted(file.hinge, key=lambda hinge: order.index(hinge.body))
     return Description(
@@ -62,6 +78,7 @@ def read_description(path: Path) -> Description:
         exclusions=tuple(Exclusion(frozenset(entry.pair), entry.why) for entry in file.collision.exclude),
         least_clearance=file.collision.clearance,
         targets={name: sealed(position) for name, position in file.targets.items()},
+        supply=None if file.supply is None else Supply(file.supply.volts, file.supply.amps),
     )
 
 
@@ -74,7 +91,7 @@ def _segment(body: BodyTable) -> Segment:
 def _hinge(hinge: HingeTable, rest: float) -> Hinge:
     axis = np.array(hinge.axis) / np.linalg.norm(hinge.axis)
     lower, upper = (radians(limit) for limit in hinge.range_deg)
-    return Hinge(hinge.name, hinge.body, sealed(axis), lower, upper, rest)
+    return Hinge(hinge.name, hinge.body, sealed(axis), lower, upper, rest, sealed(hinge.at))
 
 
 def _with_both_sides(file: RobotFile) -> RobotFile:
@@ -132,6 +149,7 @@ def _mirrored_hinge(hinge: HingeTable, mirror: MirrorTable) -> HingeTable:
         name=_renamed(hinge.name, mirror),
         body=_renamed(hinge.body, mirror),
         axis=(-x, y, -z),  # so that equal angles are mirror postures
+        at=_flipped(hinge.at),
         mount=MountTable(_renamed(hinge.mount.body, mirror), _flipped(hinge.mount.at)),
     )
 
@@ -155,7 +173,7 @@ def _swapped(name: str, mirror: MirrorTable) -> str:
     return _renamed(name, mirror)
 
 
-def _check(path: Path, file: RobotFile) -> None:
+def _check(path: Path, file: RobotFile, servos: list[str]) -> None:
     """Refuses what the schema cannot: names that exist nowhere, twice, or in the wrong order, and empty ranges."""
     bodies: list[str] = []
     for body in file.body:
@@ -164,12 +182,11 @@ def _check(path: Path, file: RobotFile) -> None:
             _known(path, f"parent of body {body.name}", body.parent, bodies)
         bodies.append(body.name)
     hinges: list[str] = []
-    models = servo_models()
     for hinge in file.hinge:
         _unique(path, "hinge", hinge.name, hinges)
         _known(path, f"body of hinge {hinge.name}", hinge.body, bodies)
         _known(path, f"mount of hinge {hinge.name}", hinge.mount.body, bodies)
-        _known(path, f"servo of hinge {hinge.name}", hinge.servo, list(models))
+        _known(path, f"servo of hinge {hinge.name}", hinge.servo, servos)
         _check_figures(path, hinge, file.rest.get(hinge.name, 0.0))
         hinges.append(hinge.name)
     for name, members in file.chains.items():

@@ -16,11 +16,20 @@ class MirrorTable(Strict, rename={"source": "from", "target": "to"}):
     target: str
 
 
+class ImportTable(Strict, rename={"source": "from"}):
+    """[robot.imported], of a robot that was mapped by `kinesic robots import`."""
+
+    source: str
+    confidence: float
+    review: list[str] = []
+
+
 class RobotTable(Strict):
     """[robot]."""
 
     name: str
     mirror: MirrorTable | None = None
+    imported: ImportTable | None = None
 
 
 class CapsuleTable(Strict, rename={"start": "from", "end": "to", "radius": "r"}):
@@ -59,6 +68,7 @@ class HingeTable(Strict):
     mount: MountTable
     count: int = 1
     reduction: float = 1.0
+    at: Triple = (0.0, 0.0, 0.0)
 
 
 class SiteTable(Strict):
@@ -83,18 +93,11 @@ class CollisionTable(Strict):
     exclude: list[ExclusionTable] = []
 
 
-class RobotFile(Strict):
-    """A whole robot. `bus` is read by hardware."""
+class SupplyTable(Strict):
+    """[supply]."""
 
-    robot: RobotTable
-    body: list[BodyTable]
-    hinge: list[HingeTable]
-    chains: dict[str, list[str]]
-    sites: dict[str, SiteTable]
-    collision: CollisionTable
-    rest: dict[str, float] = {}
-    targets: dict[str, Triple] = {}
-    bus: list[object] = []
+    volts: float
+    amps: float
 
 
 class ServoTable(Strict):
@@ -114,3 +117,21 @@ class ServoTable(Strict):
     armature: float
     frictionloss: float
     damping: float
+    idle_a: float = 0.0
+    thermal: tuple[float, float] | None = None
+
+
+class RobotFile(Strict):
+    """A whole robot. `bus` is read by hardware."""
+
+    robot: RobotTable
+    body: list[BodyTable]
+    hinge: list[HingeTable]
+    chains: dict[str, list[str]]
+    sites: dict[str, SiteTable]
+    collision: CollisionTable
+    rest: dict[str, float] = {}
+    targets: dict[str, Triple] = {}
+    servos: dict[str, ServoTable] = {}
+    supply: SupplyTable | None = None
+    bus: list[object] = []

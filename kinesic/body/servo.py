@@ -27,6 +27,8 @@ class ServoModel:
     armature: float  # [kg m^2]
     frictionloss: float  # [Nm]
     damping: float  # [Nm s/rad]
+    idle_a: float = 0.0  # [A] of the electronics alone
+    thermal: tuple[float, float] | None = None  # [K/W] winding to surroundings, [J/K] of the winding; None: not known
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 x points forward, y left, z up. Every length is in metres, every angle in radians.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -34,7 +34,7 @@ class Segment:
 
 @dataclass(frozen=True, eq=False)
 class Hinge:
-    """One degree of freedom, with an MPEG-4 BAP name; hinges of one segment share its origin."""
+    """One degree of freedom, with an MPEG-4 BAP name; hinges of one segment share its origin, or pass near it."""
 
     name: str
     segment: str
@@ -42,6 +42,7 @@ class Hinge:
     lower: float  # [rad]
     upper: float  # [rad]
     rest: float  # [rad]
+    at: Floats = field(default_factory=lambda: sealed(np.zeros(3)))  # (3,) [m] in the segment: the axis passes there
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,13 +89,32 @@ class Skeleton:
         return {segment.name: k for k, segment in enumerate(self.segments)}
 
     @cached_property
-    def _steps(self) -> tuple[tuple[int, Floats, tuple[tuple[int, Floats], ...]], ...]:
-        """Per segment: index of its parent (-1: world), origin in the parent, (joint, axis) of its hinges."""
+    def _axes(self) -> Floats:
+        """(n, 3) of the hinges."""
+        return sealed(np.reshape([hinge.axis for hinge in self.hinges], (-1, 3)))
+
+    @cached_property
+    def resting(self) -> Frames:
+        """Where every segment is at rest."""
+        return self.frames(self.rest)
+
+    @cached_property
+    def straight(self) -> Frames:
+        """Where every segment is with all angles zero."""
+        return self.frames(np.zeros(len(self.hinges)))
+
+    @cached_property
+    def steps(self) -> tuple[tuple[int, Floats, tuple[tuple[int, Floats | None], ...]], ...]:
+        """Per segment: index of its parent (-1: world), origin in the parent, its joints and how far aside."""
         return tuple(
             (
                 -1 if segment.parent is None else self._segment_of[segment.parent],
                 segment.origin_in_parent,
-                tuple((k, hinge.axis) for k, hinge in enumerate(self.hinges) if hinge.segment == segment.name),
+                tuple(
+                    (k, hinge.at if hinge.at.any() else None)
+                    for k, hinge in enumerate(self.hinges)
+                    if hinge.segment == segment.name
+                ),
             )
             for segment in self.segments
         )
@@ -127,14 +147,18 @@ class Skeleton:
         """
         shape = (*np.shape(angles)[:-1], len(self.segments))
         rotations, origins = np.empty((*shape, 3, 3)), np.empty((*shape, 3))
-        for k, (parent, origin, hinges) in enumerate(self._steps):
+        turns = about(self._axes, np.asarray(angles))
+        for k, (parent, origin, hinges) in enumerate(self.steps):
             if parent < 0:
                 rotation = np.broadcast_to(np.eye(3), (*shape[:-1], 3, 3))
                 origins[..., k, :] = origin
             else:
                 rotation = rotations[..., parent, :, :]
                 origins[..., k, :] = origins[..., parent, :] + rotation @ origin
-            for joint, axis in hinges:
-                rotation = rotation @ about(axis, angles[..., joint])
+            for joint, aside in hinges:
+                turned = rotation @ turns[..., joint, :, :]
+                if aside is not None:
+                    origins[..., k, :] += (rotation - turned) @ aside
+                rotation = turned
             rotations[..., k, :, :] = rotation
         return Frames(sealed(rotations), sealed(origins))

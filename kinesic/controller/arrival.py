@@ -1,6 +1,8 @@
 """When a part of the body arrives where a sync point wants it, by one rule for plan and twin."""
 
-from collections.abc import Mapping
+from bisect import bisect_left, bisect_right
+from collections.abc import Mapping, Sequence
+from functools import cache
 
 import numpy as np
 
@@ -60,14 +62,20 @@ def lags(
     found: dict[SyncTime, float | None] = {}
     spans, zero = _spans(plan.syncs), plan.trajectory.zero
     ways = {part: _way(path) for part, path in reference.items()}
+    instants: list[float] = times.tolist()  # plain numbers are looked up faster
+
+    @cache
+    def lag(part: PartName, at: float, radius: float) -> float | None:  # many sync points are at the same time
+        return _lag(at, instants, reference[part], performed[part], radius)
+
     for sync in plan.syncs:
-        begin, end = np.searchsorted(times, [zero + time for time in spans[sync.behaviour]])
+        begin, end = times.searchsorted([zero + time for time in spans[sync.behaviour]])
         late = []
         for part in sorted(plan.keyframes.uses.get(sync.behaviour, frozenset())):
             length = float(ways[part][min(end, len(times) - 1)] - ways[part][begin])
             if length > 0.0:
                 radius = max(LEAST_BALL if part in HANDS else LEAST_CONE, SHARE * length)
-                late.append(_lag(zero + sync.planned, times, reference[part], performed[part], radius))
+                late.append(lag(part, zero + sync.planned, radius))
         if late:
             known = [lag for lag in late if lag is not None]
             found[sync] = max(known, key=abs) if len(known) == len(late) else None
@@ -83,27 +91,38 @@ def _spans(syncs: tuple[SyncTime, ...]) -> dict[str, tuple[float, float]]:
     return spans
 
 
-def _lag(at: float, times: Floats, reference: Floats, performed: Floats, radius: float) -> float | None:
+def _lag(at: float, times: Sequence[float], reference: Floats, performed: Floats, radius: float) -> float | None:
     """How much later a path enters the ball around the planned position at a time [s]."""
-    centre = np.array([np.interp(at, times, column) for column in reference.T])
+    centre = _place(at, times, reference)
     planned = _entry(at, times, reference, centre, radius)
     arrived = _entry(at, times, performed, centre, radius)
     return None if planned is None or arrived is None else arrived - planned
 
 
-def _entry(at: float, times: Floats, path: Floats, centre: Floats, radius: float) -> float | None:
+def _place(at: float, times: Sequence[float], path: Floats) -> Floats:
+    """(d,) where a path is at a time, between samples by linear interpolation."""
+    after = min(bisect_right(times, at), len(times) - 1)
+    before = max(after - 1, 0)
+    span = times[after] - times[before]
+    share = min(max((at - times[before]) / span, 0.0), 1.0) if span > 0.0 else 0.0
+    place: Floats = path[before] + share * (path[after] - path[before])
+    return place
+
+
+def _entry(at: float, times: Sequence[float], path: Floats, centre: Floats, radius: float) -> float | None:
     """First time [s] within the window that a path is inside a ball, between samples by linear interpolation."""
-    begin, end = np.searchsorted(times, [at - WINDOW, at + WINDOW])
-    distance = np.linalg.norm(path[begin:end] - centre, axis=1)
-    inside = np.flatnonzero(distance <= radius)
-    if not len(inside):
+    begin = bisect_left(times, at - WINDOW)
+    apart = path[begin : bisect_left(times, at + WINDOW)] - centre
+    distance = np.sqrt(np.vecdot(apart, apart))
+    inside = distance <= radius
+    if not inside.any():
         return None
-    first = int(inside[0])
+    first = int(inside.argmax())
     if first == 0:
-        return float(times[begin])
-    share = (distance[first - 1] - radius) / (distance[first - 1] - distance[first])
+        return times[begin]
+    outer, inner = distance[first - 1 : first + 1].tolist()
     before, after = times[begin + first - 1], times[begin + first]
-    return float(before + share * (after - before))
+    return float(before + (outer - radius) / (outer - inner) * (after - before))
 
 
 def _way(path: Floats) -> Floats:

@@ -1,46 +1,95 @@
 """Keeps a motion clear of the body: detours first, then the name of the behaviour that must go."""
 
+from typing import Protocol
+
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.body.dynamics import Clearance
+from kinesic.body.dynamics import Clearance, Distances
 from kinesic.body.robot import Robot
-from kinesic.controller.condition import Conditioned, condition
-from kinesic.controller.detour import detour, scan
+from kinesic.controller.bonds import Bond
+from kinesic.controller.certify import certified
+from kinesic.controller.condition import Conditioned
+from kinesic.controller.detour import SCAN_RATE, Course, led_around
 from kinesic.controller.facts import Facts
+from kinesic.controller.keys import Keys
 from kinesic.controller.postures import Posture, Postures
+from kinesic.controller.retime import relaxed
 from kinesic.controller.syncs import on_keys
-from kinesic.controller.trajectory import held
+from kinesic.controller.trajectory import Trajectory, held
 from kinesic.expressivity.keyframes import KeyFrames
 
+
+class Conditioner(Protocol):
+    """Makes a motion through keys one that the servos can follow."""
+
+    def __call__(
+        self, keys: tuple[Posture, ...], facts: Facts, bonds: tuple[Bond, ...] = ..., /, *, ease: float = ...
+    ) -> Conditioned:
+        """At `ease` below 1 the times are found with less than the limits, so that the path is nearer to the wish."""
+
+
 LAG_RESERVE = 0.004  # [m] kept in the plan for what the servos lag behind it
-DETOURS = 6  # tried before a behaviour is dropped
+REPAIRS = 2  # times that a motion is conditioned again because it comes nearer than wished
+EASIER = 0.8  # times the limits, for a motion that strays from a clear wish
+REPAIR = 0.002  # [m] over what it then lacks
 
 
-def cleared(solved: Postures, facts: Facts) -> tuple[Postures, Conditioned, Floats, Clearance]:
-    """Conditions the postures, and leads the motion around the body where it comes too near."""
-    keys = solved.postures
-    motion = _condition(keys, facts)
+def cleared(
+    solved: Postures, facts: Facts, bonds: tuple[Bond, ...] = (), *, conditioned: Conditioner = certified
+) -> tuple[Postures, Conditioned, Floats, Clearance]:
+    """Conditions the postures, and leads the motion around the body where it comes too near.
+
+    Detours are looked for in the wished motion, which costs little; only where the conditioned one comes nearer,
+    it is conditioned again.
+    """
+    ease = 1.0
+    least = wanted = facts.robot.least_clearance + LAG_RESERVE
+    keys = _led_around(solved.postures, _times(solved.postures, facts), facts, wanted)
+    motion = _condition(keys, facts, bonds, conditioned, ease)
     times, clearance = scan(motion.trajectory, facts.distances)
-    for _ in range(DETOURS):
-        worst = clearance.worst
-        if clearance.distances[worst] >= facts.robot.least_clearance + LAG_RESERVE:
+    for _ in range(REPAIRS):
+        lacking = least - float(clearance.distances[clearance.worst])
+        if lacking <= 0.0:
             break
-        at = float(times[worst] - motion.trajectory.zero)
-        around = detour(keys, motion, at, clearance.pairs[worst], facts.robot, facts.distances)
-        if around is None:
-            break
+        around = _led_around(keys, motion.planned, facts, wanted)
+        if around == keys:  # the wish is clear: with more time the motion is nearer to it
+            wanted += min(lacking, LAG_RESERVE) + REPAIR
+            ease *= EASIER
         keys = around
-        motion = _condition(keys, facts)
+        motion = _condition(keys, facts, bonds, conditioned, ease)
         times, clearance = scan(motion.trajectory, facts.distances)
     return Postures(keys, solved.misses), motion, times, clearance
 
 
-def _condition(keys: tuple[Posture, ...], facts: Facts) -> Conditioned:
+def scan(trajectory: Trajectory, distances: Distances) -> tuple[Floats, Clearance]:
+    """Performance times (m,) and the clearance at them."""
+    times = np.append(np.arange(0.0, trajectory.duration, 1.0 / SCAN_RATE), trajectory.duration)
+    return times, distances.clearance(trajectory.sample(times)[0])
+
+
+def _led_around(keys: tuple[Posture, ...], planned: Floats, facts: Facts, least: float) -> tuple[Posture, ...]:
+    if len(keys) < 2:
+        return keys
+    course = Course(keys, planned, facts.manner)
+    return led_around(course, facts.robot, facts.distances, least=least).postures
+
+
+def _times(postures: tuple[Posture, ...], facts: Facts) -> Floats:
+    """(k,) [s] the times of the keys as asked for, where none is too near to another."""
+    if len(postures) < 2:
+        return np.zeros(len(postures))
+    keys = Keys.of(postures, facts.limits)
+    return keys.asked if keys.spaced else relaxed(keys, keys.gaps, 0.0)
+
+
+def _condition(
+    keys: tuple[Posture, ...], facts: Facts, bonds: tuple[Bond, ...], conditioned: Conditioner, ease: float
+) -> Conditioned:
     if len(keys) < 2:
         still = held(facts.robot.skeleton.rest)
-        return Conditioned(still, np.zeros(0), np.zeros(0), {})
-    return condition(keys, facts.limits, facts.manner)
+        return Conditioned(still, np.zeros(0), np.zeros(0), {}, np.zeros(len(facts.robot.skeleton.rest)))
+    return conditioned(keys, facts, bonds, ease=ease)
 
 
 def culprits(

@@ -1,83 +1,179 @@
-"""Leads a motion around the body: a key is put into the path where two segments would come too near."""
+"""Leads a motion around the body: keys are put into the path, or moved, where two segments would come too near."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.dynamics import Clearance, Distances
+from kinesic.body.dynamics import Distances
 from kinesic.body.robot import SIDES, Robot
-from kinesic.controller.condition import Conditioned
+from kinesic.controller.apart import apart
 from kinesic.controller.postures import Posture
-from kinesic.controller.trajectory import Trajectory
+from kinesic.controller.wish import Manner, Wish, wish
+
+Arm = tuple[int, ...]  # joints of an arm
 
 SCAN_RATE = 100  # [Hz]
-ROOM = 0.025  # [m] clearance that a detour aims at
-ENOUGH = 0.018  # [m] with which it is content
-PROBE = 1e-3  # [rad] for the gradient
-STRIDE = 0.06  # [rad] of one step of the ascent
-STRIDES = 15
+STEPS = 16  # changes of one motion
+ROOM = 0.008  # [m] that a detour keeps over the clearance that suffices
+WITHDRAWALS = (0.0, 0.35, 0.7)  # of the way to rest, where a detour begins to look for room
+AWAY = (0.004, 0.016)  # [m] that a key goes farther away
 LEAST_STEP = 0.06  # [s] between a detour and the keys of the same arm
+APART = 1e-4  # [s] between the asked times of keys of different hinges
+GAIN = 0.98  # of what is lacking: a change that leaves more is none
 
 
-def scan(trajectory: Trajectory, distances: Distances) -> tuple[Floats, Clearance]:
-    """Performance times (m,) and the clearance at them."""
-    times = np.append(np.arange(0.0, trajectory.duration, 1.0 / SCAN_RATE), trajectory.duration)
-    return times, distances.clearance(trajectory.sample(times)[0])
+@dataclass(frozen=True, eq=False)
+class Course:
+    """Key postures, when they are planned, and the wished motion through them."""
+
+    postures: tuple[Posture, ...]  # in the order of their times
+    planned: Floats  # (k,) [s] block time
+    manner: Manner
+
+    @cached_property
+    def motion(self) -> Wish:
+        """Through the keys; performance time begins with the first."""
+        angles = np.array([posture.angles for posture in self.postures])
+        keyed = np.array([posture.keyed for posture in self.postures])
+        return wish(self.planned, angles, keyed, self.manner)
+
+    def at(self, time: float) -> Floats:
+        """(n,) [rad] at a block time."""
+        angles: Floats = self.motion.angles(np.array([time + self.motion.zero]))[0]
+        return angles
+
+    def near(self, arm: Arm, time: float) -> int | None:
+        """The key of an arm that is nearer to a block time than a detour may be; None when there is none."""
+        keys = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]
+        nearest = min(keys, key=lambda k: abs(self.planned[k] - time))
+        return nearest if abs(self.planned[nearest] - time) < LEAST_STEP else None
+
+    def moved(self, key: int, angles: Floats, arm: Arm) -> "Course":
+        """With another posture of an arm at a key, and wherever else the arm is in the same one: holds stay holds."""
+        joints, old = list(arm), self.postures[key].angles[list(arm)]
+        there = np.zeros(len(angles), dtype=bool)
+        there[joints] = True
+        return replace(
+            self,
+            postures=tuple(
+                replace(posture, angles=sealed(np.where(there, angles, posture.angles)))
+                if posture.keyed[joints[0]] and np.array_equal(posture.angles[joints], old)
+                else posture
+                for posture in self.postures
+            ),
+        )
+
+    def extended(self, time: float, angles: Floats, arm: Arm) -> "Course":
+        """With one more key at a block time, for the hinges of an arm."""
+        own = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]
+        asked = float(np.interp(time, self.planned[own], [self.postures[k].time for k in own]))
+        while asked in {posture.time for posture in self.postures}:
+            asked += APART
+        keyed = tuple(joint in arm for joint in range(len(angles)))
+        k = sum(posture.time < asked for posture in self.postures)
+        return replace(
+            self,
+            postures=(*self.postures[:k], Posture(asked, sealed(angles), keyed), *self.postures[k:]),
+            planned=sealed(np.insert(self.planned, k, time)),
+        )
 
 
-def detour(
-    postures: tuple[Posture, ...],
-    motion: Conditioned,
-    time: float,
-    pair: tuple[str, str],
-    robot: Robot,
-    distances: Distances,
-) -> tuple[Posture, ...] | None:
-    """The same postures with one more, which clears a pair of segments.
+def led_around(course: Course, robot: Robot, distances: Distances, *, least: float) -> Course:
+    """The course with changes wherever its motion comes too near to the body.
+
+    One stretch after the other: of several changes the one is taken that leaves least to be done. An arm that has no
+    key near gets one, in the nearest posture that is clear, or in one nearer to rest; else its key moves away.
 
     Args:
-        postures: of the block.
-        motion: what came of them.
-        time: [s] block time of the closest approach, as planned.
-        pair: the segments that come too near.
+        course: at least two keys, the first and the last at rest.
         robot: the robot.
         distances: its self-distance.
+        least: [m] clearance that suffices.
 
     Returns:
-        None when no arm of the pair has room for another key there, or no posture nearby is clear.
+        The same where nothing needs to be done; not clear everywhere where nothing helps.
     """
-    joints = [joint for side in SIDES for joint in _arm_in(pair, robot, side)]
-    keys = np.flatnonzero([any(posture.keyed[joint] for joint in joints) for posture in postures])
-    if not joints or np.abs(motion.planned[keys] - time).min(initial=np.inf) < LEAST_STEP:
-        return None
-    angles = motion.trajectory.at(time + motion.trajectory.zero).angles
-    clear = _ascent(angles, joints, robot, distances)
-    if clear is None:
-        return None
-    keyed = tuple(joint in joints for joint in range(len(angles)))
-    order = np.argsort(motion.planned)
-    asked = float(np.interp(time, motion.planned[order], motion.asked[order]))
-    return tuple(sorted((*postures, Posture(asked, sealed(clear), keyed)), key=lambda posture: posture.time))
+    lacking, hopeless = _lacking(course, distances, least), set[int]()
+    for _ in range(STEPS):
+        open_stretches = [sample for sample in _closest(lacking) if sample not in hopeless]
+        if not open_stretches:
+            break
+        sample = open_stretches[0]
+        time = sample / SCAN_RATE - course.motion.zero
+        best, best_lacking = course, GAIN * lacking
+        for change in _changes(course, time, robot, distances, least):
+            left = _lacking(change, distances, least)
+            if left.sum() < best_lacking.sum():
+                best, best_lacking = change, left
+            if left.sum() == 0.0:
+                break
+        if best is course:
+            hopeless.add(sample)
+        else:
+            course, lacking, hopeless = best, best_lacking, set()
+    return course
 
 
-def _arm_in(pair: tuple[str, str], robot: Robot, side: str) -> tuple[int, ...]:
-    """Joints of an arm that takes part in a pair, without its wrist."""
-    segments = robot.chains[f"{side}_arm"]
-    return robot.skeleton.joints_of(segments[:-1]) if set(pair) & set(segments) else ()
+def _lacking(course: Course, distances: Distances, least: float) -> Floats:
+    """(m,) [m] by which a motion comes too near, sample by sample."""
+    times = np.arange(0.0, course.motion.duration, 1.0 / SCAN_RATE)
+    return np.maximum(least - distances.clearance(course.motion.angles(times)).distances, 0.0)
 
 
-def _ascent(angles: Floats, joints: list[int], robot: Robot, distances: Distances) -> Floats | None:
-    """The posture that gains clearance along its gradient over some joints; None if it stays too near."""
-    posture = np.array(angles)
-    for _ in range(STRIDES):
-        probes = np.repeat(posture[None, :], len(joints) + 1, axis=0)
-        probes[np.arange(1, len(joints) + 1), joints] += PROBE
-        found = distances.clearance(probes).distances
-        if found[0] >= ROOM:
-            return posture
-        gradient = (found[1:] - found[0]) / PROBE
-        size = np.linalg.norm(gradient)
-        if size == 0.0:
-            return None
-        posture[joints] += STRIDE * gradient / size
-        posture = robot.skeleton.clamp(posture)
-    return posture if found[0] >= ENOUGH else None
+def _closest(lacking: Floats) -> Iterator[int]:
+    """The worst sample of every stretch that comes too near."""
+    stretches = np.split(np.arange(len(lacking)), np.flatnonzero(np.diff(lacking > 0)) + 1)
+    return (int(s[lacking[s].argmax()]) for s in stretches if lacking[s].max(initial=0.0) > 0)
+
+
+def _changes(course: Course, time: float, robot: Robot, distances: Distances, least: float) -> Iterator[Course]:
+    """Ways to change the motion at a block time where it comes too near."""
+    gaps = distances.gaps(course.at(time)[None])[0]
+    close = {segment for k in np.flatnonzero(gaps < least) for segment in robot.counted_pairs[k]}
+    arms = [robot.joints(f"{side}_arm") for side in SIDES if close & set(robot.chains[f"{side}_arm"])]
+    near = [course.near(arm, time) for arm in arms]
+    free = [arm for arm, key in zip(arms, near, strict=True) if key is None]
+    if free:
+        yield from _with_a_key(course, time, free, robot, distances, least)
+    for key in sorted({key for key in near if key is not None}):
+        yield from _with_a_key_away(course, key, arms, robot, distances, least)
+
+
+def _with_a_key(
+    course: Course, time: float, arms: list[Arm], robot: Robot, distances: Distances, least: float
+) -> Iterator[Course]:
+    """With one more key for some arms: clear, and near to where they are or a part of the way to rest."""
+    angles, joints = course.at(time), _joined(arms)
+    for share in WITHDRAWALS:
+        start = angles.copy()
+        start[joints] += share * (robot.skeleton.rest[joints] - angles[joints])
+        clear = apart(start, joints, robot, distances, least=least, room=least + ROOM)
+        if clear is not None:
+            change = course
+            for arm in arms:
+                change = change.extended(time, clear, arm)
+            yield change
+
+
+def _with_a_key_away(
+    course: Course, key: int, arms: list[Arm], robot: Robot, distances: Distances, least: float
+) -> Iterator[Course]:
+    """With those of some arms farther away that have a key; rest stays rest."""
+    posture, angles = course.postures[key], course.at(float(course.planned[key]))
+    rest = robot.skeleton.rest
+    keyed = [arm for arm in arms if posture.keyed[arm[0]] and np.any(posture.angles[list(arm)] != rest[list(arm)])]
+    gap = float(distances.gaps(angles[None])[0].min())
+    for more in AWAY if keyed else ():
+        clear = apart(angles, _joined(keyed), robot, distances, least=max(gap, least) + more)
+        if clear is not None:
+            change = course
+            for arm in keyed:
+                change = change.moved(key, clear, arm)
+            yield change
+
+
+def _joined(arms: list[Arm]) -> list[int]:
+    return [joint for arm in arms for joint in arm]

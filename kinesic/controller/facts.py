@@ -11,8 +11,9 @@ from kinesic.body.dynamics import Distances, Dynamics
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
 from kinesic.body.utterance import Voice
-from kinesic.controller.trajectory import Manner
+from kinesic.controller.wish import Manner
 from kinesic.expressivity.lexicon import Lexicon
+from kinesic.expressivity.pace import Pace
 from kinesic.expressivity.style import Style
 
 
@@ -32,8 +33,12 @@ class Facts:
     @cached_property
     def limits(self) -> Limits:
         """Of every hinge of the robot."""
-        skeleton = self.robot.skeleton
-        return Limits(skeleton.lower, skeleton.upper, self.robot.speed_limits, self.dynamics.acceleration_limits())
+        return Limits.of(self.robot, self.dynamics.load)
+
+    @cached_property
+    def pace(self) -> Pace:
+        """How fast the robot moves, at ease and at best."""
+        return Pace(self.robot, self.limits)
 
     @property
     def manner(self) -> Manner:

@@ -1,6 +1,7 @@
 """Inverts the servo model: goals that make the hinges arrive where the reference is, when it is there."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -9,17 +10,27 @@ from kinesic.body.dynamics import Dynamics
 from kinesic.body.robot import Robot
 from kinesic.controller.trajectory import Trajectory
 
+Terms = Literal["full", "lag", "none"]  # everything; what speed needs, but no torque; the reference itself
+
 
 @dataclass(frozen=True, eq=False)
 class Lead:
     """Set points, and what the servos have to give for them."""
 
     goals: Floats  # (m, n) [rad] clipped to the ranges
+    loads: Floats  # (m, n) [rad] part of the goals that carries torque
     duties: Floats  # (m, n) torque / stall + speed / no-load of the reference, may exceed 1
 
 
 def lead(
-    trajectory: Trajectory, times: Floats, robot: Robot, dynamics: Dynamics, *, period: float, delay: float = 0.0
+    trajectory: Trajectory,
+    times: Floats,
+    robot: Robot,
+    dynamics: Dynamics,
+    *,
+    period: float,
+    delay: float = 0.0,
+    terms: Terms = "full",
 ) -> Lead:
     """Set points for the servos.
 
@@ -34,6 +45,7 @@ def lead(
         dynamics: inverse dynamics.
         period: [s] between goals.
         delay: [s] of the bus.
+        terms: what is inverted; for measuring what each part is worth.
     """
     angles, speeds, accelerations = trajectory.sample(times + period / 2 + delay)
     torques = dynamics.torques(angles, speeds, accelerations)
@@ -42,5 +54,9 @@ def lead(
     gain = np.array([drive.gain for drive in robot.drives])
     rate = np.array([drive.rate_gain for drive in robot.drives])
     duties = torques / stall + speeds / no_load
-    errors = (duties + rate * speeds / stall) / gain
-    return Lead(sealed(robot.skeleton.clamp(angles + errors)), sealed(duties))
+    if terms == "none":
+        sent = trajectory.sample(times)[0]
+        return Lead(sealed(robot.skeleton.clamp(sent)), sealed(np.zeros_like(sent)), sealed(duties))
+    lags = (speeds / no_load + rate * speeds / stall) / gain
+    loads = torques / (gain * stall) if terms == "full" else np.zeros_like(torques)
+    return Lead(sealed(robot.skeleton.clamp(angles + lags + loads)), sealed(loads), sealed(duties))

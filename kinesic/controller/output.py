@@ -12,6 +12,7 @@ from kinesic.controller.performance import Performance
 from kinesic.controller.report import Json
 from kinesic.sim.film import FilmError
 from kinesic.sim.film import film as write_film
+from kinesic.sim.log import write_log
 
 FILM_RATE = 12.5  # [Hz]
 
@@ -22,6 +23,7 @@ class Written:
 
     report: Path
     page: Path
+    measured: Path  # what the twin did, as `kinesic twin fit` reads it
     film: Path | None
     why_no_film: str = ""
 
@@ -47,13 +49,15 @@ def emptied(folder: Path) -> Path:
 
 
 def write(performance: Performance, data: dict[str, Json], folder: Path, *, film: bool = True) -> Written:
-    """Writes report.json, report.html and, where OpenGL works, the film of the twin."""
+    """Writes report.json, report.html, measured.npz and, where OpenGL works, the film of the twin."""
     report = emptied(folder) / "report.json"
     report.write_text(json.dumps(data, indent=1), encoding="utf-8")
     picture, why = _filmed(performance, folder / "film.webp") if film else (None, "not asked for")
+    measured = folder / "measured.npz"
+    write_log(performance.measured, performance.plan.facts.robot, measured)
     page = folder / "report.html"
     write_page(performance, data, film=picture, path=page, no_film=why)
-    return Written(report, page, picture, why)
+    return Written(report, page, measured, picture, why)
 
 
 def _filmed(performance: Performance, path: Path) -> tuple[Path | None, str]:

@@ -5,18 +5,28 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup, escape
 
+from kinesic.controller.checks.servos import CONTINUOUS
+from kinesic.controller.load import draw, loads
 from kinesic.controller.performance import Performance
 from kinesic.controller.plots_hands import hands
 from kinesic.controller.plots_joints import joints, still
+from kinesic.controller.plots_load import spark
 from kinesic.controller.plots_margins import margins
 from kinesic.controller.plots_score import score
+from kinesic.controller.replay import replay
 from kinesic.controller.report import Json
+from kinesic.controller.story import story, strays
+from kinesic.controller.tiles import SEVERITY, number, tiles
 
 FILM_TYPES = {".webp": "image/webp", ".png": "image/png", ".gif": "image/gif"}
-SEVERITY = {"fail": 0, "warn": 1, "pass": 2}
+PARTS = {"l_hand": "left hand", "r_hand": "right hand"}
+FIRST_LOADS = 6  # hinges that are shown at once
+FIRST_CHAPTERS = 6  # behaviours likewise
 OUTCOMES = {"dropped": 0, "substituted": 1, "realised": 2}
-TEMPLATE = "page.jinja"
+HERE = Path(__file__).parent
+SCRIPTS = ("shapes.js", "scene.js", "replay.js")
 
 
 def write_page(
@@ -40,18 +50,25 @@ def write_page(
         ValueError: the film is of another type.
     """
     environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
+        loader=FileSystemLoader(HERE), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    environment.filters["number"] = number
-    text = environment.get_template(TEMPLATE).render(
+    environment.filters |= {"number": number, "shift": shift, "spark": spark, "breakable": breakable}
+    chapters, strained = story(performance), loads(performance)
+    text = environment.get_template("page.jinja").render(
         data=data,
         verdict=verdict(data),
+        look=Markup((HERE / "page.css").read_text(encoding="utf-8")),
+        player=Markup("\n".join((HERE / name).read_text(encoding="utf-8") for name in SCRIPTS)),
+        replay=replay(performance),
+        tiles=tiles(_rows(data, "checks")),
         checks=sorted(_rows(data, "checks"), key=lambda row: SEVERITY[str(row["status"])]),
         behaviours=sorted(_rows(data, "behaviours"), key=lambda row: OUTCOMES[str(row["outcome"])]),
+        chapters=(chapters[:FIRST_CHAPTERS], chapters[FIRST_CHAPTERS:]),
+        strays=strays(performance),
+        parts=PARTS,
+        loads=(strained[:FIRST_LOADS], strained[FIRST_LOADS:]),
+        continuous=CONTINUOUS,
+        draw=draw(performance),
         film=None if film is None else _embedded(film),
         no_film=no_film,
         zero=performance.plan.trajectory.zero,
@@ -86,13 +103,14 @@ def verdict(data: Mapping[str, Json]) -> str:
     return f"{'fail' if failed else 'ok'}: {what}, {fails or 'nothing fails'}{'; ' if notes else ''}{notes}"
 
 
-def number(value: Json) -> str:
-    """A number with three digits that count; other values as they are, none as a dash."""
-    if value is None:
-        return "\u2013"
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return str(value)
-    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
+def shift(seconds: float) -> str:
+    """A difference of times in whole milliseconds, with its sign."""
+    return f"{1000 * seconds:+.0f}\u2009ms".replace("-", "\u2212")
+
+
+def breakable(name: str) -> Markup:
+    """A name that a narrow column may break after its underscores."""
+    return Markup(escape(name).replace("_", Markup("_<wbr>")))
 
 
 def _rows(data: Mapping[str, Json], name: str) -> list[dict[str, Json]]:

@@ -1,6 +1,6 @@
 """Joins the line with the sinks: plans a document, performs it in the twin, and reports."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from time import perf_counter
 from typing import Literal
@@ -8,13 +8,16 @@ from typing import Literal
 from kinesic.bml.block import Dialect
 from kinesic.bml.parse import parse
 from kinesic.body.arrays import Floats
+from kinesic.body.measurements import Measurements
 from kinesic.body.robot import Robot
 from kinesic.controller.facts import Facts
-from kinesic.controller.feedforward import lead
+from kinesic.controller.feedforward import Terms, lead
+from kinesic.controller.observer import Observer, corrected
 from kinesic.controller.performance import Performance
 from kinesic.controller.plan import Plan
 from kinesic.controller.plan import plan as plan_block
-from kinesic.controller.play import RATE, commands, play, ticks
+from kinesic.controller.play import RATE, commands, play_together, ticks
+from kinesic.controller.reference import Reference
 from kinesic.expressivity.lexicon import Lexicon
 from kinesic.expressivity.style import Style
 from kinesic.sim.distances import CapsuleDistances
@@ -61,9 +64,32 @@ def plan(text: str | bytes, known: Facts | None = None, *, source: str = "<text>
 
 
 def perform(
-    text: str | bytes, known: Facts | None = None, *, source: str = "<text>", twin: Factors = NOMINAL
+    text: str | bytes,
+    known: Facts | None = None,
+    *,
+    source: str = "<text>",
+    twin: Factors = NOMINAL,
+    feedforward: Terms = "full",
+    correction: bool = True,
 ) -> Performance:
     """Plans a BML document and performs it in the twin.
+
+    Raises:
+        BmlError: the document is refused.
+    """
+    return performances(text, (twin,), known, source=source, feedforward=feedforward, correction=correction)[0]
+
+
+def performances(
+    text: str | bytes,
+    twins: Sequence[Factors],
+    known: Facts | None = None,
+    *,
+    source: str = "<text>",
+    feedforward: Terms = "full",
+    correction: bool = True,
+) -> tuple[Performance, ...]:
+    """Plans a BML document and performs it in several twins.
 
     Raises:
         BmlError: the document is refused.
@@ -73,15 +99,60 @@ def perform(
     block = parse(text, source=source, dialect=known.dialect)
     parsed = perf_counter() - began
     planned = plan_block(block, known)
-    return dry_run(planned, twin=twin, parse_seconds=parsed)
+    return dry_runs(planned, twins, feedforward=feedforward, correction=correction, parse_seconds=parsed)
 
 
-def dry_run(planned: Plan, *, twin: Factors = NOMINAL, parse_seconds: float = 0.0) -> Performance:
-    """Performs a plan in the twin."""
+def dry_run(
+    planned: Plan,
+    *,
+    twin: Factors = NOMINAL,
+    feedforward: Terms = "full",
+    correction: bool = True,
+    delay: float = 0.0,
+) -> Performance:
+    """Performs a plan in one twin: see `dry_runs`."""
+    return dry_runs(planned, (twin,), feedforward=feedforward, correction=correction, delay=delay)[0]
+
+
+def dry_runs(
+    planned: Plan,
+    twins: Sequence[Factors],
+    *,
+    feedforward: Terms = "full",
+    correction: bool = True,
+    delay: float = 0.0,
+    parse_seconds: float = 0.0,
+) -> tuple[Performance, ...]:
+    """Performs a plan in several twins at once, tick by tick, so that they share what does not depend on them.
+
+    Args:
+        planned: what is performed.
+        twins: how far each twin is from the robot's description.
+        feedforward: what of the servos' model is inverted.
+        correction: whether goals are corrected by what the twins measure.
+        delay: [s] of the bus, as feed-forward and correction believe it to be; the twins' own is in their factors.
+        parse_seconds: for the report.
+    """
     known, trajectory = planned.facts, planned.trajectory
+    robot, dynamics, period = known.robot, known.dynamics, 1 / RATE
     began = perf_counter()
     times = ticks(planned.duration)
-    setpoints = lead(trajectory, times, known.robot, known.dynamics, period=1 / RATE)
-    body = Twin(known.robot, factors=twin, start=trajectory.at(0.0).angles)
-    play(commands(trajectory, times, setpoints), body)
-    return Performance(planned, body.measurements(), setpoints.duties, parse_seconds, perf_counter() - began)
+    setpoints = lead(trajectory, times, robot, dynamics, period=period, delay=delay, terms=feedforward)
+    stream = tuple(commands(trajectory, times, setpoints))
+    observer = Observer.of(robot, dynamics, period=period, delay=delay, bodies=len(twins)) if correction else None
+
+    def performed(*, touches: bool) -> list[Measurements]:
+        start = trajectory.at(0.0).angles
+        bodies = [Twin(robot, factors=factors, start=start, touches=touches) for factors in twins]
+        if observer:
+            play_together(corrected(stream, setpoints.loads, bodies, observer), bodies)
+        else:
+            play_together(((command,) * len(bodies) for command in stream), bodies)
+        return [body.measurements() for body in bodies]
+
+    measured = performed(touches=False)
+    if min(each.clearance.distances.min() for each in measured) < robot.least_clearance:
+        measured = performed(touches=True)  # between steps they may have met
+    reference = Reference(planned, times, setpoints.duties)
+    seconds = perf_counter() - began
+    return tuple(Performance(reference, *each, parse_seconds, seconds) for each in zip(twins, measured, strict=True))

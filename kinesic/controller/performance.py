@@ -4,67 +4,62 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import PPoly
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Flags, Floats
 from kinesic.body.measurements import Measurements
+from kinesic.body.robot import Robot
 from kinesic.controller.arrival import lags, paths
+from kinesic.controller.lateness import lateness
 from kinesic.controller.plan import Plan
+from kinesic.controller.reference import Reference
 from kinesic.controller.syncs import SyncTime
-
-CHECK_RATE = 1000  # [Hz] at which limits are judged
-MOVING = 0.05  # share of its speed limit above which a hinge counts as moving
+from kinesic.sim.factors import NOMINAL, PESSIMISTIC, Factors
 
 
 @dataclass(frozen=True, eq=False)
 class Performance:
     """One block, planned and performed in the twin."""
 
-    plan: Plan
+    reference: Reference  # of the plan, at the times of the commands
+    twin: Factors  # how far the twin's servos and masses are from the robot's description
     measured: Measurements
-    duties: Floats  # (m, n) that the reference needs at each command
     parse_seconds: float
-    dry_run_seconds: float  # of twin and checks
+    dry_run_seconds: float  # of feed-forward and of all twins that performed together
+
+    @property
+    def plan(self) -> Plan:
+        """What was performed."""
+        return self.reference.plan
+
+    @property
+    def twin_name(self) -> str:
+        """How reports call the twin."""
+        return {NOMINAL: "nominal", PESSIMISTIC: "pessimistic"}.get(self.twin, "own")
 
     @cached_property
-    def reference(self) -> tuple[Floats, Floats, Floats]:
-        """Planned angles, speeds and accelerations (m, n) at the measured times."""
-        return self.plan.trajectory.sample(self.measured.times)
+    def robot(self) -> Robot:
+        """The robot as the twin has it."""
+        return self.twin.applied(self.plan.facts.robot)
 
     @cached_property
-    def ratios(self) -> dict[str, Floats]:
-        """Peak ratio (n,) of position, speed and acceleration to their limits, at 1 kHz on the plan."""
-        limits, curves = self.plan.facts.limits, self.plan.trajectory.curves
-        middle, half = (limits.upper + limits.lower) / 2, (limits.upper - limits.lower) / 2
-        peaks = np.array([_peaks(curve, at) for curve, at in zip(curves, middle, strict=True)])
-        return {
-            "position": peaks[:, 0] / half,
-            "speed": peaks[:, 1] / limits.speed,
-            "acceleration": peaks[:, 2] / limits.acceleration,
-        }
+    def period(self) -> float:
+        """[s] between samples."""
+        times = self.measured.times
+        return float(times[-1] - times[0]) / max(1, len(times) - 1)
 
     @cached_property
     def lags(self) -> dict[SyncTime, float | None]:
         """How much later than planned each sync point was met in the twin [s]; None: never."""
-        robot = self.plan.facts.robot
-        planned = paths(self.reference[0], robot)
-        performed = paths(self.measured.angles, robot, self.measured.hands)
-        return lags(self.plan, self.measured.times, planned, performed)
+        performed = paths(self.measured.angles, self.plan.facts.robot, self.measured.hands)
+        return lags(self.plan, self.measured.times, self.reference.paths, performed)
 
     @cached_property
     def errors(self) -> Floats:
         """(m, n) [rad] measured minus planned, NaN where the hinge is not moving."""
-        angles, speeds, _ = self.reference
-        moving = np.abs(speeds) > MOVING * self.plan.facts.limits.speed
-        return np.where(moving, self.measured.angles - angles, np.nan)
+        return np.where(self.reference.moving, self.measured.angles - self.reference.angles, np.nan)
 
-
-def _peaks(curve: PPoly, middle: float) -> tuple[float, float, float]:
-    """Largest distance from the middle of its range, speed and acceleration of a hinge, at 1 kHz while it moves."""
-    pieces = np.flatnonzero(np.any(curve.c[:-1] != 0.0, axis=0))
-    spans = [
-        np.arange(np.ceil(a), np.floor(b) + 1) for a, b in CHECK_RATE * np.stack([curve.x[:-1], curve.x[1:]], 1)[pieces]
-    ]
-    times = np.concatenate([curve.x[:1], *spans]) / CHECK_RATE
-    angles, speeds, accelerations = (curve(times, nu=order) for order in range(3))
-    return float(np.abs(angles - middle).max()), float(np.abs(speeds).max()), float(np.abs(accelerations).max())
+    @cached_property
+    def lateness(self) -> Floats:
+        """(n,) [s] by which the twin's hinges follow late, by cross-correlation; NaN for those that do not move."""
+        moving: Flags = np.any(self.reference.moving, axis=0)
+        return lateness(self.reference.speeds, self.measured.speeds, moving, period=self.period)

@@ -11,16 +11,21 @@ from kinesic.bml.schedule import schedule
 from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Clearance
 from kinesic.body.utterance import Utterance
-from kinesic.controller.clear import cleared, culprits
+from kinesic.controller.bonds import bonds
+from kinesic.controller.certify import certified
+from kinesic.controller.clear import Conditioner, cleared, culprits
 from kinesic.controller.condition import Conditioned
 from kinesic.controller.facts import Facts
+from kinesic.controller.keys import Keys
 from kinesic.controller.postures import Postures, postures
-from kinesic.controller.retime import Keys
 from kinesic.controller.syncs import SyncTime, shifts, sync_times
-from kinesic.controller.trajectory import Trajectory, held, spline
+from kinesic.controller.trajectory import Trajectory
+from kinesic.controller.wish import Wish, wish
 from kinesic.expressivity.durations import spans
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.expressivity.realise import keyframes
+
+STILL = 0.1  # [s] of a wish for nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +37,7 @@ class Plan:
     utterances: Mapping[str, Utterance]
     keyframes: KeyFrames
     postures: Postures
-    wished: Trajectory
+    wished: Wish
     motion: Conditioned
     clearance: Clearance  # of the reference, at 100 Hz
     clearance_times: Floats  # (m,) [s] performance time
@@ -51,7 +56,7 @@ class Plan:
         return max(self.trajectory.duration, self.trajectory.zero + self.timeline.end)
 
 
-def plan(block: Block, facts: Facts) -> Plan:
+def plan(block: Block, facts: Facts, *, conditioned: Conditioner = certified) -> Plan:
     """Plans a whole block.
 
     A behaviour whose motion cannot be kept clear of the body is dropped by name, and the rest is planned again.
@@ -65,13 +70,13 @@ def plan(block: Block, facts: Facts) -> Plan:
         for behaviour in block.behaviours
         if isinstance(behaviour.action, Speech)
     }
-    natural = spans(block, style=facts.style, lexicon=facts.lexicon, robot=facts.robot, targets=facts.targets)
+    natural = spans(block, style=facts.style, lexicon=facts.lexicon, pace=facts.pace, targets=facts.targets)
     timeline = schedule(block, utterances, natural)
     without: dict[str, str] = {}
     while True:
         frames = _frames(timeline, facts, without)
         asked = postures(frames, facts.robot, facts.distances)
-        solved, motion, times, clearance = cleared(asked, facts)
+        solved, motion, times, clearance = cleared(asked, facts, bonds(timeline), conditioned=conditioned)
         dropped = culprits(frames, motion, times, clearance, facts.robot)
         if not dropped:
             break
@@ -88,7 +93,7 @@ def plan(block: Block, facts: Facts) -> Plan:
         clearance=clearance,
         clearance_times=times,
         syncs=syncs,
-        notices=(*frames.notices, *shifts(block, syncs, motion, facts.robot)),
+        notices=(*frames.notices, *shifts(block, syncs, frames, motion, facts.robot)),
         seconds=perf_counter() - began,
     )
 
@@ -98,15 +103,16 @@ def _frames(timeline: Timeline, facts: Facts, without: Mapping[str, str]) -> Key
         timeline,
         style=facts.style,
         lexicon=facts.lexicon,
-        robot=facts.robot,
+        pace=facts.pace,
         targets=facts.targets,
         without=without,
     )
 
 
-def _wished(asked: Postures, facts: Facts) -> Trajectory:
+def _wished(asked: Postures, facts: Facts) -> Wish:
     """The motion as asked: without limits and detours."""
-    keys = Keys.of(asked.postures)
-    if len(keys.asked) < 2:
-        return held(facts.robot.skeleton.rest)
-    return spline(keys.asked, keys.angles, keys.keyed, facts.manner, np.ones_like(keys.angles), zero=0.0)
+    rest = facts.robot.skeleton.rest
+    if len(asked.postures) < 2:
+        return wish(np.array([0.0, STILL]), np.stack([rest, rest]), np.ones((2, len(rest)), dtype=bool), facts.manner)
+    keys = Keys.of(asked.postures, facts.limits)
+    return wish(keys.asked, keys.angles, keys.keyed, facts.manner)

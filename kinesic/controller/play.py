@@ -1,6 +1,7 @@
-"""The one loop: a trajectory becomes commands at the ticks of a clock, and a sink follows them."""
+"""The one loop: a trajectory becomes commands at the ticks of a clock, and sinks follow them."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import ExitStack
 
 import numpy as np
 
@@ -21,14 +22,20 @@ def ticks(duration: float, *, rate: int = RATE, settle: float = SETTLE) -> Float
 def commands(trajectory: Trajectory, times: Floats, setpoints: Lead) -> Iterator[Command]:
     """One command per tick, at (m,) performance times."""
     angles, speeds, accelerations = (sealed(values) for values in trajectory.sample(times))
-    for k, time in enumerate(times):
-        yield Command(float(time), angles[k], speeds[k], accelerations[k], setpoints.goals[k])
+    for row in zip(times.tolist(), angles, speeds, accelerations, setpoints.goals, strict=True):
+        yield Command(*row)
 
 
 def play(stream: Iterable[Command], sink: Sink) -> None:
     """Hands every command to the sink, and closes it whatever happens."""
-    try:
-        for command in stream:
-            sink.write(command)
-    finally:
-        sink.close()
+    play_together(((command,) for command in stream), (sink,))
+
+
+def play_together(stream: Iterable[Sequence[Command]], sinks: Sequence[Sink]) -> None:
+    """Hands every tick's commands to their sinks, one each, and closes these whatever happens."""
+    with ExitStack() as closing:
+        for sink in sinks:
+            closing.callback(sink.close)
+        for told in stream:
+            for sink, command in zip(sinks, told, strict=True):
+                sink.write(command)

@@ -35,9 +35,10 @@ _SIZE = re.compile(r' (?:width|height)="[^"]*"')
 _PATH = re.compile(r' d="[^"]*"')
 _LONG_NUMBER = re.compile(r"(\.\d\d)\d+")
 
+TIME = "performance time"
 WIDTH = 11.0  # [in] of every figure; the page scales it
 SMALL = 7.5  # [pt]
-POINTS = 1400  # of one line; more cannot be seen
+POINTS = 1000  # of one line; more cannot be seen
 _LETTER = 0.55 * SMALL / 72  # [in] mean width
 
 
@@ -59,12 +60,22 @@ def svg(drawn: Figure) -> Markup:
     body = _PATH.sub(lambda found: _LONG_NUMBER.sub(r"\1", found.group()), _UNNEEDED_ID.sub("", body))
     for colour, variable in _VARIABLES.items():
         body = body.replace(colour, f"var({variable})")
-    return Markup(body)  # Matplotlib escapes every text in it
+    columns = sorted(
+        {(box.x0, box.x1) for axes in drawn.axes if axes.get_label() == TIME and (box := axes.get_position())}
+    )
+    heads = "".join(f'<i class="playhead" data-from="{x0:.5f}" data-to="{x1:.5f}"></i>' for x0, x1 in columns)
+    return Markup(f'<div class="plot"><div>{body}{heads}</div></div>')  # Matplotlib escapes every text in it
 
 
-def plain(axes: Axes, *, end: float, ticks: int = 3) -> None:
-    """Takes away what does not inform, and spans the time axis over 0..end [s]."""
+def timed(axes: Axes, *, end: float, ticks: int = 3) -> None:
+    """Plain axes over performance time, 0..end [s], on which the replay shows where it is."""
+    plain(axes, ticks=ticks)
     axes.set_xlim(0.0, end)
+    axes.set_label(TIME)
+
+
+def plain(axes: Axes, *, ticks: int = 3) -> None:
+    """Takes away what does not inform."""
     axes.yaxis.set_major_locator(MaxNLocator(ticks))
     axes.tick_params(length=2, width=0.5, labelsize=SMALL, color=FAINT, labelcolor=FAINT)
     axes.grid(visible=True, color=GRID, linewidth=0.5)

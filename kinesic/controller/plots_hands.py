@@ -16,6 +16,7 @@ from kinesic.expressivity.keyframes import PartName
 HANDS: dict[Side, PartName] = {"l": "l_hand", "r": "r_hand"}
 GAP, TOP, BOTTOM = 0.5, 0.3, 0.3  # [in]
 TALLEST = 4.6  # [in] of the views
+MOST_POINTS = 4000  # of a path
 ROOM = 0.06  # [m] about what is drawn
 
 
@@ -39,7 +40,7 @@ VIEWS = (
 def hands(performance: Performance) -> Markup:
     """Planned and performed paths of both hands, keys as dots, over the robot at rest."""
     robot = performance.plan.facts.robot
-    planned = paths(performance.reference[0], robot)
+    planned = paths(performance.reference.angles, robot)
     reference = {side: planned[HANDS[side]] for side in SIDES}
     keys = {side: _keys(performance, side) for side in SIDES}
     bones = _bones(robot)
@@ -63,7 +64,7 @@ def hands(performance: Performance) -> Markup:
 
 
 def _frame(axes: Axes, view: View, low: Floats, high: Floats) -> None:
-    plain(axes, end=1.0, ticks=6)
+    plain(axes, ticks=6)
     span = (low[view.across], high[view.across])
     axes.set_xlim(*(span[::-1] if view.mirrored else span))
     axes.set_ylim(low[2], high[2])
@@ -72,6 +73,7 @@ def _frame(axes: Axes, view: View, low: Floats, high: Floats) -> None:
 
 
 def _path(axes: Axes, view: View, planned: Floats, performed: Floats, keys: Floats) -> None:
+    planned, performed = (path[:: len(path) // MOST_POINTS + 1] for path in (planned, performed))
     axes.plot(planned[:, view.across], planned[:, 2], color=PLANNED, linewidth=1.2)
     axes.plot(performed[:, view.across], performed[:, 2], color=PERFORMED, linewidth=1.0, linestyle=(0, (4, 2)))
     axes.scatter(keys[:, view.across], keys[:, 2], s=8, facecolor=ASKED, edgecolor=PLANNED, linewidth=0.8, zorder=3)

@@ -22,22 +22,23 @@ from kinesic.controller.plots import (
     apart,
     figure,
     is_stroke,
-    plain,
     shortened,
     svg,
     thinned,
+    timed,
     write,
 )
-from kinesic.controller.syncs import SyncTime
+from kinesic.controller.syncs import CHAINS, SyncTime
 
 PAIRS = (("torso", "neck"), ("r_arm", "l_arm"))  # side by side
-PARTS = {"torso": "torso", "neck": "head", "l_arm": "l_hand", "r_arm": "r_hand"}  # of key frames
+PARTS = {chain: part for part, chain in CHAINS.items()}  # of key frames
 OTHERS = "other hinges"  # outside any chain
 NAMES = {"l_arm": "left arm", "r_arm": "right arm"}
 STILL = 0.5  # [deg] a hinge that moves less is not drawn
 LEAST_SPAN = 10.0  # [deg] of a panel, so that noise does not look like motion
 LEFT, RIGHT, GAP = 0.45, 0.1, 0.55  # [in]
 TOP, PANEL, HEAD, BOTTOM = 0.46, 0.95, 0.2, 0.3  # [in]; the head of a panel holds its name
+MOST_LINES = 100  # for sync points of a panel
 LABEL = 0.62  # [in] of a sync point
 
 
@@ -72,7 +73,7 @@ def _curves(performance: Performance) -> tuple[Floats, Floats, Floats]:
     """Asked, planned and performed angles [deg], each (m, n), at the measured times."""
     plan = performance.plan
     asked = plan.wished.sample(performance.measured.times - plan.trajectory.zero + plan.wished.zero)[0]
-    return np.degrees(asked), np.degrees(performance.reference[0]), np.degrees(performance.measured.angles)
+    return np.degrees(asked), np.degrees(performance.reference.angles), np.degrees(performance.measured.angles)
 
 
 def _figure(
@@ -109,7 +110,7 @@ def _panel(
 ) -> None:
     """One hinge."""
     times, robot = performance.measured.times, performance.plan.facts.robot
-    plain(axes, end=float(times[-1]))
+    timed(axes, end=float(times[-1]))
     _mark(axes, performance, syncs)
     styles = ((ASKED, 2.6, "-"), (PLANNED, 1.2, "-"), (PERFORMED, 1.0, (0, (4, 2))))
     for curve, (colour, width, dashes) in zip(curves, styles, strict=True):
@@ -143,9 +144,9 @@ def _syncs(performance: Performance, chain: str) -> list[SyncTime]:
 
 
 def _mark(axes: Axes, performance: Performance, syncs: list[SyncTime]) -> None:
-    """Sync points as lines, strokes stronger."""
+    """Sync points as lines, strokes stronger; of many only the strokes."""
     zero = performance.plan.trajectory.zero
-    for strong in (False, True):
+    for strong in (False, True) if len(syncs) <= MOST_LINES else (True,):
         times = [zero + sync.planned for sync in syncs if is_stroke(sync) == strong]
         colour, width = (FAINT, 0.9) if strong else (GRID, 0.7)
         axes.vlines(times, 0, 1, transform=axes.get_xaxis_transform(), colors=colour, linewidth=width)

@@ -17,9 +17,9 @@ from kinesic.controller.plots import (
     SPEECH,
     WIDTH,
     figure,
-    plain,
     svg,
     thinned,
+    timed,
     write,
 )
 
@@ -35,7 +35,7 @@ def margins(performance: Performance) -> Markup:
     for row, panel in enumerate(panels):
         bottom = (BOTTOM + PANEL * (len(panels) - 1 - row)) / height
         axes = drawn.add_axes((LEFT / WIDTH, bottom, 1 - (LEFT + RIGHT) / WIDTH, (PANEL - 0.25) / height))
-        plain(axes, end=float(performance.measured.times[-1]))
+        timed(axes, end=float(performance.measured.times[-1]))
         panel(axes, performance)
         if row < len(panels) - 1:
             axes.tick_params(labelbottom=False)
@@ -62,13 +62,14 @@ def _clearance(axes: Axes, performance: Performance) -> None:
 
 
 def _shares(axes: Axes, performance: Performance) -> None:
-    """The hinge that is nearest to its limit, of speed, acceleration and duty."""
+    """The hinge that is nearest to its limit, of speed, acceleration, jerk and duty."""
     limits, times = performance.plan.facts.limits, performance.measured.times
-    _, speeds, accelerations = performance.reference
+    speeds, accelerations = performance.reference.speeds, performance.reference.accelerations
     shares = (
         ("speed", np.abs(speeds) / limits.speed, PLANNED),
         ("acceleration", np.abs(accelerations) / limits.acceleration, FAINT),
-        ("duty", np.abs(performance.duties), SPEECH),
+        ("jerk", np.abs(performance.plan.trajectory.jerks(times)) / limits.jerk, ASKED),
+        ("duty", np.abs(performance.reference.duties), SPEECH),
     )
     for _, share, colour in shares:
         axes.plot(*thinned(times, share.max(axis=1)), color=colour, linewidth=1.1)
@@ -78,12 +79,12 @@ def _shares(axes: Axes, performance: Performance) -> None:
     axes.axhspan(1.0, top, color=OUTSIDE, linewidth=0)
     _title(axes, "share of limit, worst hinge", "")
     for k, (name, share, colour) in enumerate(shares):
-        write(axes, 1.0 - 0.27 * (2 - k), 1.05, _peak(name, share, performance), colour=colour, align="right")
+        write(axes, 1.0 - 0.21 * (3 - k), 1.05, _peak(name, share, performance), colour=colour, align="right")
 
 
 def _tracking(axes: Axes, performance: Performance) -> None:
     """Measured minus planned angle of the hinge that is furthest off; in grey also those that hardly move."""
-    everything = np.degrees(np.abs(performance.measured.angles - performance.reference[0]))
+    everything = np.degrees(np.abs(performance.measured.angles - performance.reference.angles))
     counted = np.degrees(np.abs(np.nan_to_num(performance.errors)))
     for errors, colour in ((everything, ASKED), (counted, PERFORMED)):
         axes.plot(*thinned(performance.measured.times, errors.max(axis=1)), color=colour, linewidth=1.1)

@@ -1,12 +1,11 @@
 """The block as a score: one row per behaviour over performance time, with its strokes and its words."""
 
-from itertools import pairwise
+from collections.abc import Iterable
 
 from markupsafe import Markup
 from matplotlib.axes import Axes
 
 from kinesic.bml.block import Speech
-from kinesic.body.utterance import Script
 from kinesic.controller.performance import Performance
 from kinesic.controller.plots import (
     ASKED,
@@ -17,23 +16,24 @@ from kinesic.controller.plots import (
     WIDTH,
     figure,
     is_stroke,
-    plain,
     shortened,
     svg,
+    timed,
     write,
 )
+from kinesic.controller.words import Said, spoken
 
 ROW, TOP, BOTTOM = 0.21, 0.06, 0.3  # [in]
 LEFT, RIGHT = 1.6, 0.1  # [in]
 CORES = (("strokeStart", "strokeEnd"), ("ready", "relax"), ("attackPeak", "relax"))  # of gestures, gaze, faces
-ROWS = 80  # a longer score is cut, and says so
+ROWS = 50  # a longer score is cut, and says so
 
 
 def score(performance: Performance) -> Markup | None:
     """Who does what when; None when nothing is performed."""
-    timed = {timed.behaviour.id for timed in performance.plan.timeline.timed}
+    scheduled = {entry.behaviour.id for entry in performance.plan.timeline.timed}
     outcomes = performance.plan.keyframes.outcomes
-    behaviours = [b for b in performance.plan.timeline.block.behaviours if b.id in timed]
+    behaviours = [b for b in performance.plan.timeline.block.behaviours if b.id in scheduled]
     behaviours = [b for b in behaviours if outcomes[b.id].kind != "dropped"]
     if not behaviours:
         return None
@@ -43,13 +43,14 @@ def score(performance: Performance) -> Markup | None:
     width = WIDTH - LEFT - RIGHT
     axes = drawn.add_axes((LEFT / WIDTH, BOTTOM / height, width / WIDTH, 1 - (TOP + BOTTOM) / height))
     end = float(performance.measured.times[-1])
-    plain(axes, end=end)
+    timed(axes, end=end)
     axes.set_ylim((height - TOP - BOTTOM) / ROW, 0)
     axes.set_yticks([])
+    pieces = tuple(spoken(performance.plan))
     for row, behaviour in enumerate(rows):
         write(axes, -0.008 * end, row + 0.7, shortened(behaviour.id, LEFT), place="data", align="right")
         if isinstance(behaviour.action, Speech):
-            _words(axes, row, behaviour.id, behaviour.action.script, performance, width / end)
+            _words(axes, row, (said for said in pieces if said.behaviour == behaviour.id), width / end)
         else:
             _phases(axes, row, behaviour.id, performance)
     if len(behaviours) > ROWS:
@@ -77,16 +78,12 @@ def _phases(axes: Axes, row: int, name: str, performance: Performance) -> None:
     axes.vlines([zero + sync.asked for sync in strokes], row + 0.74, row + 0.98, colors=ASKED, linewidth=1.8)
 
 
-def _words(axes: Axes, row: int, name: str, script: Script, performance: Performance, per_second: float) -> None:
+def _words(axes: Axes, row: int, pieces: Iterable[Said], per_second: float) -> None:
     """The text between its marks, each piece where it is said."""
-    plan = performance.plan
-    utterance = plan.utterances[name]
-    start = next(timed.times["start"] for timed in plan.timeline.timed if timed.behaviour.id == name)
-    marks = sorted((mark.position, utterance.marks[mark.name]) for mark in script.marks if mark.name in utterance.marks)
-    cuts = [(0, 0.0), *marks, (len(script.text), utterance.duration)]
-    for (first, begin), (last, end) in pairwise(cuts):
-        left = plan.trajectory.zero + start + begin
-        axes.broken_barh([(left, end - begin)], (row + 0.1, 0.8), facecolor=SPEECH, alpha=0.25, linewidth=0)
-        axes.vlines(left, row + 0.1, row + 0.9, colors=SPEECH, linewidth=1.0)
-        words = shortened(" ".join(script.text[first:last].split()), (end - begin) * per_second - 0.06)
-        write(axes, left + 0.03 / per_second, row + 0.7, words, place="data")
+    for said in pieces:
+        axes.broken_barh(
+            [(said.begin, said.end - said.begin)], (row + 0.1, 0.8), facecolor=SPEECH, alpha=0.25, linewidth=0
+        )
+        axes.vlines(said.begin, row + 0.1, row + 0.9, colors=SPEECH, linewidth=1.0)
+        words = shortened(said.text, (said.end - said.begin) * per_second - 0.06)
+        write(axes, said.begin + 0.03 / per_second, row + 0.7, words, place="data")

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -12,9 +13,12 @@ from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.body.skeleton import Frames
 from kinesic.controller.hover import clear_hands
-from kinesic.expressivity.keyframes import Hand, KeyFrame, KeyFrames
+from kinesic.controller.turning import set_turn, turn_of
+from kinesic.expressivity.keyframes import Hand, KeyFrame, KeyFrames, Turn
+from kinesic.expressivity.turns import axes
 from kinesic.ik.pointing import best_swivel
 from kinesic.ik.torso import lean
+from kinesic.ik.true_arm import finished
 
 LEAST_GAP = 0.02  # [s] between keys
 WIDEST_SWING = np.radians(60)  # that an elbow swings aside for the palm and the pointing of its hand
@@ -48,21 +52,38 @@ def postures(keyframes: KeyFrames, robot: Robot, distances: Distances) -> Postur
     misses: dict[str, float] = {}
     leans = [_lean(frame, robot) for frame in keyframes.frames]
     angles = np.array(robot.skeleton.rest)
+    held: dict[Side, _Held] = {}
     for k, frame in enumerate(keyframes.frames):
         leaning = any(bool(np.any(leans[j])) for j in range(max(0, k - 1), min(len(leans), k + 2)))
         keyed = _keyed(frame, robot, leaning, ends=k in (0, len(leans) - 1))
         angles = angles.copy()
         _set_torso(angles, frame, leans[k], robot)
-        asked = {side: _in_world(hand, side, frame, angles, robot) for side, hand in frame.hands.items()}
-        wanted = {side: reach for side, reach in asked.items() if keyed[robot.joints(f"{side}_arm")[0]]}
-        if k and _same(frame, keyframes.frames[k - 1], leans[k], leans[k - 1]):
-            angles = np.array(solved[-1].angles)
-        else:
-            angles = _arms(angles, wanted, robot)
-            angles = clear_hands(angles, wanted, robot, distances, _arms)
+        hands = {side: hand for side, hand in frame.hands.items() if keyed[robot.joints(f"{side}_arm")[0]]}
+        wanted = {side: _in_world(hand, side, frame, angles, robot) for side, hand in hands.items()}
+        torso = angles[list(robot.joints("torso"))]
+        for side in hands.keys() & held.keys():
+            if held[side].still(hands[side], torso):
+                angles[list(robot.joints(f"{side}_arm"))] = held[side].arm
+        moved = {side for side in hands if side not in held or not held[side].still(hands[side], torso)}
+        angles = _arms(angles, {side: wanted[side] for side in wanted if side in moved}, robot)
+        angles = robot.skeleton.clamp(clear_hands(angles, hands, robot, distances))
+        held |= {side: _Held(hand, torso, angles[list(robot.joints(f"{side}_arm"))]) for side, hand in hands.items()}
         _note_misses(misses, keyframes, k, wanted, angles, robot)
-        solved.append(Posture(frame.time, sealed(robot.skeleton.clamp(angles)), tuple(keyed), frame.syncs))
+        solved.append(Posture(frame.time, sealed(angles), tuple(keyed), frame.syncs))
     return Postures((*_beginning(solved, keyframes.timeline.start, robot), *solved), misses)
+
+
+@dataclass(frozen=True, eq=False)
+class _Held:
+    """What a hand was last asked to do, and how the arm does it."""
+
+    hand: Hand
+    torso: Floats  # [rad]
+    arm: Floats  # [rad]
+
+    def still(self, hand: Hand, torso: Floats) -> bool:
+        """Whether the same is asked again: then the arm stays as it is, however it came there."""
+        return _same_hand(hand, self.hand) and bool(np.array_equal(torso, self.torso))
 
 
 def _beginning(solved: list[Posture], start: float, robot: Robot) -> list[Posture]:
@@ -80,26 +101,17 @@ def _lean(frame: KeyFrame, robot: Robot) -> Floats:
     return np.array(lean(robot, targets)) if targets else np.zeros(3)
 
 
-def _same(frame: KeyFrame, before: KeyFrame, lean_now: Floats, lean_before: Floats) -> bool:
-    """Whether nothing moves between two frames that a hand or the body is asked to hold."""
-    return (
-        frame.torso == before.torso
-        and frame.head == before.head
-        and bool(np.array_equal(lean_now, lean_before))
-        and all(_same_hand(frame.hands[side], before.hands[side]) for side in SIDES)
-        and frame.given == before.given
-    )
-
-
 def _same_hand(hand: Hand, before: Hand) -> bool:
     if hand.reach is None or before.reach is None:
         return hand.reach is before.reach
+    if hand.aim is not before.aim:
+        return False
     pairs = (
         (hand.reach.position, before.reach.position),
         (hand.reach.pointing, before.reach.pointing),
         (hand.reach.palm, before.reach.palm),
     )
-    return hand.reach.swivel == before.reach.swivel and all(
+    return (hand.reach.swivel, hand.touch) == (before.reach.swivel, before.touch) and all(
         a is b or (a is not None and b is not None and np.array_equal(a, b)) for a, b in pairs
     )
 
@@ -122,16 +134,9 @@ def _keyed(frame: KeyFrame, robot: Robot, leaning: bool, *, ends: bool) -> list[
 
 def _set_torso(angles: Floats, frame: KeyFrame, lean_angles: Floats, robot: Robot) -> None:
     """Torso from its key plus the lean; the neck turns back, so that the head stays level (thesis 8.6)."""
-    torso = np.array([frame.torso.torsion, frame.torso.tilt, frame.torso.roll]) + lean_angles
-    joints = list(robot.joints("torso"))
-    lower, upper = robot.skeleton.lower, robot.skeleton.upper
-    if joints:
-        angles[joints] = np.clip(torso[: len(joints)], lower[joints], upper[joints])
-    neck = list(robot.joints("neck"))
-    if neck:
-        head = np.array([frame.head.torsion, frame.head.tilt, frame.head.roll])[: len(neck)]
-        back = angles[joints] if len(joints) == len(neck) else np.zeros(len(neck))
-        angles[neck] = np.clip(head - back, lower[neck], upper[neck])
+    torso = np.array(axes(frame.torso)) + lean_angles
+    set_turn(robot, "torso", torso, angles)
+    set_turn(robot, "neck", np.array(axes(frame.head)) - turn_of(robot, "torso", angles), angles)
 
 
 def _in_world(hand: Hand, side: Side, frame: KeyFrame, angles: Floats, robot: Robot) -> Reach | None:
@@ -144,21 +149,26 @@ def _in_world(hand: Hand, side: Side, frame: KeyFrame, angles: Floats, robot: Ro
         return None
     if hand.aim is not None:
         return _aimed(hand.reach, hand.aim, side, angles, robot)
-    joints = list(robot.joints("torso"))
-    if not joints or not any(vars(frame.torso).values()):
+    if not robot.joints("torso") or not any(vars(frame.torso).values()):
         return hand.reach
-    upright = np.array(robot.skeleton.rest)
-    upright[joints] = np.array([frame.torso.torsion, frame.torso.tilt, frame.torso.roll])[: len(joints)]
-    frames = robot.skeleton.frames(robot.skeleton.clamp(upright))
-    pivot = frames.origins[robot.skeleton.segment(robot.chains["torso"][0])]
-    rotation = frames.rotations[robot.skeleton.segment(robot.chains["torso"][-1])]
+    rotation, pivot = _torso(robot, frame.torso)
     return _turned(hand.reach, rotation, pivot, pivot)
+
+
+@lru_cache(maxsize=64)
+def _torso(robot: Robot, turn: Turn) -> tuple[Floats, Floats]:
+    """Rotation (3, 3) of the whole torso, and its first origin (3,) [m]; remembered, for it often stays as it is."""
+    upright = np.array(robot.skeleton.rest)
+    set_turn(robot, "torso", np.array(axes(turn)), upright)
+    frames, names = robot.skeleton.frames(upright), robot.chains["torso"]
+    first, last = robot.skeleton.segment(names[0]), robot.skeleton.segment(names[-1])
+    return frames.rotations[last], frames.origins[first]
 
 
 def _aimed(reach: Reach, aim: Floats, side: Side, angles: Floats, robot: Robot) -> Reach:
     """The same reach seen from the shoulder as it is: turned so that what pointed at the aim still does."""
     shoulder = robot.skeleton.segment(robot.chains[f"{side}_arm"][-3])
-    resting = robot.skeleton.frames(robot.skeleton.rest).origins[shoulder]
+    resting = robot.skeleton.resting.origins[shoulder]
     centre = robot.skeleton.frames(angles).origins[shoulder]
     rotation = Rotation.align_vectors((aim - centre)[None], (aim - resting)[None])[0].as_matrix()
     return _turned(reach, rotation, resting, centre)
@@ -177,31 +187,24 @@ def _turned(reach: Reach, rotation: Floats, pivot: Floats, moved: Floats) -> Rea
 def _arms(angles: Floats, wanted: Mapping[Side, Reach | None], robot: Robot) -> Floats:
     """Both arms for reaches in the world, (n,) [rad]; the start is the posture before."""
     solved = angles.copy()
+    reaches = {side: reach for side, reach in wanted.items() if reach is not None}
+    for side in wanted.keys() - reaches.keys():
+        joints = list(robot.joints(f"{side}_arm"))
+        solved[joints] = robot.skeleton.rest[joints]
+    if not reaches:
+        return solved
     frames = robot.skeleton.frames(angles)
-    for side, reach in wanted.items():
+    for side, reach in reaches.items():
         chain = robot.arms[side]
         indices = list(chain.indices)
-        solved[indices] = (
-            chain.rest
-            if reach is None
-            else best_swivel(
-                chain,
-                _in_base(reach, frames, robot.skeleton.segment(chain.base)),
-                start=angles[indices],
-                widest=WIDEST_SWING,
-            ).angles
-        )
+        reach_in_base = _in_base(reach, frames, robot.skeleton.segment(chain.base))
+        solved[indices] = best_swivel(chain, reach_in_base, start=angles[indices], widest=WIDEST_SWING).angles
+        solved = finished(robot, side, reach, solved, near=angles)
     return solved
 
 
 def _in_base(reach: Reach, frames: Frames, base: int) -> Reach:
     return _turned(reach, frames.rotations[base].T, frames.origins[base], np.zeros(3))
-
-
-def hand_in_world(angles: Floats, robot: Robot, side: Side) -> Floats:
-    """(3,) [m] the wrist's centre, for (n,) [rad]."""
-    wrist = robot.skeleton.segment(robot.chains[f"{side}_arm"][-1])
-    return sealed(robot.skeleton.frames(angles).origins[wrist])
 
 
 def _note_misses(
@@ -213,10 +216,13 @@ def _note_misses(
     robot: Robot,
 ) -> None:
     """Credits what is left of each reach to the behaviours that move this hand."""
-    for side, reach in wanted.items():
-        if reach is None:
-            continue
-        miss = float(np.linalg.norm(hand_in_world(angles, robot, side) - reach.position))
+    reaches = {side: reach for side, reach in wanted.items() if reach is not None}
+    if not reaches:
+        return
+    origins = robot.skeleton.frames(angles).origins
+    for side, reach in reaches.items():
+        wrist = robot.skeleton.segment(robot.chains[f"{side}_arm"][-1])
+        miss = float(np.linalg.norm(origins[wrist] - reach.position))
         for behaviour, _ in keyframes.frames[k].syncs:
             if f"{side}_hand" in keyframes.uses[behaviour]:
                 misses[behaviour] = max(miss, misses.get(behaviour, 0.0))

@@ -1,13 +1,20 @@
 """The dry-run report as data: `report.json`, whose keys may grow but are never renamed."""
 
+from collections.abc import Sequence
 from dataclasses import asdict
+from time import perf_counter
 
 import numpy as np
 
 from kinesic import __version__
 from kinesic.controller.checks import TOLERANCE, Check, checks
+from kinesic.controller.checks.distances import penetrations
+from kinesic.controller.checks.tracking import tracking
+from kinesic.controller.following import following
 from kinesic.controller.messages import feedback
 from kinesic.controller.performance import Performance
+from kinesic.controller.smoothness import dimensionless_jerk, spectral_arc_length
+from kinesic.controller.story import story
 from kinesic.ik import KERNEL
 
 Json = None | bool | int | float | str | list["Json"] | dict[str, "Json"]
@@ -16,16 +23,21 @@ SCHEMA = 1
 MISS_TO_NAME = 0.02  # [m] a hand that stays further from its target is named
 
 
-def report(performance: Performance, *, source: str, seed: int = 0) -> dict[str, Json]:
+def report(
+    performance: Performance, *, source: str, seed: int = 0, beside: Sequence[Performance] = ()
+) -> dict[str, Json]:
     """Everything that is known about one performance.
 
     Args:
-        performance: what was planned and performed.
+        performance: what was planned and performed; the checks are of this one.
         source: name of the document.
         seed: of everything random.
+        beside: the same plan in other twins, whose errors are told too.
     """
     plan = performance.plan
+    began = perf_counter()
     verdicts = checks(performance)
+    checking = perf_counter() - began
     return {
         "schema": SCHEMA,
         "kinesic": __version__,
@@ -40,11 +52,14 @@ def report(performance: Performance, *, source: str, seed: int = 0) -> dict[str,
         "sync": _syncs(performance),
         "tracking": _tracking(performance),
         "limits": _limits(performance),
+        "conditioning": _conditioning(performance),
         "collision": _collision(performance),
-        "smoothness": {"rms_jerk_rad_s3": _jerk(performance)},
+        "smoothness": _smoothness(performance),
+        "power": _power(performance),
+        "twins": {each.twin_name: asdict(following(each)) for each in (performance, *beside)},
         "warnings": [{"type": n.type.value, "id": n.id, "text": n.text} for n in plan.notices],
         "feedback": list(feedback(plan)),
-        "timing": _timing(performance),
+        "timing": _timing(performance, checking),
     }
 
 
@@ -56,6 +71,7 @@ def _check(check: Check) -> dict[str, Json]:
         "limit": check.limit,
         "unit": check.unit,
         "where": check.where,
+        "at_least": check.at_least,
     }
 
 
@@ -90,29 +106,41 @@ def _syncs(performance: Performance) -> list[Json]:
 
 
 def _tracking(performance: Performance) -> dict[str, Json]:
-    errors = np.degrees(np.abs(performance.errors))
     names = performance.plan.facts.robot.skeleton.names
-    moved = errors[np.isfinite(errors)]
-    per_joint: dict[str, Json] = {}
-    for name, column in zip(names, errors.T, strict=True):
-        own = column[np.isfinite(column)]
-        per_joint[name] = float(np.sqrt(np.mean(own**2))) if len(own) else 0.0
+    squares = np.degrees(np.nan_to_num(performance.errors)) ** 2
+    means = squares.sum(axis=0) / np.maximum(performance.reference.moving.sum(axis=0), 1)
+    found = tracking(performance)
+    late = performance.lateness
     return {
-        "rmse_deg": float(np.sqrt(np.mean(moved**2))) if len(moved) else 0.0,
-        "p95_deg": float(np.percentile(moved, 95)) if len(moved) else 0.0,
-        "max_deg": float(moved.max()) if len(moved) else 0.0,
-        "per_joint": per_joint,
+        "rmse_deg": found.rmse,
+        "p95_deg": found.p95,
+        "max_deg": found.max,
+        "per_joint": {name: float(np.sqrt(mean)) for name, mean in zip(names, means, strict=True)},
+        "lateness_s": {names[hinge]: float(late[hinge]) for hinge in np.flatnonzero(np.isfinite(late))},
     }
 
 
 def _limits(performance: Performance) -> dict[str, Json]:
-    names = performance.plan.facts.robot.skeleton.names
-    ratios = performance.ratios
-    quantity = max(ratios, key=lambda name: float(ratios[name].max()))
-    hinge = int(ratios[quantity].argmax())
+    shares = performance.reference.peaks.shares
+    quantity, peak = max(shares.items(), key=lambda item: float(item[1].ratios.max()))
     return {
-        "violations": int(sum((peaks > TOLERANCE).sum() for peaks in ratios.values())),
-        "worst": {"joint": names[hinge], "quantity": quantity, "ratio": float(ratios[quantity][hinge])},
+        "violations": int(sum((share.ratios > TOLERANCE).sum() for share in shares.values())),
+        "worst": {
+            "joint": performance.plan.facts.robot.skeleton.names[peak.hinge],
+            "quantity": quantity,
+            "ratio": float(peak.ratios[peak.hinge]),
+            "time_s": peak.time,
+        },
+    }
+
+
+def _conditioning(performance: Performance) -> dict[str, Json]:
+    """What had to give, behaviour by behaviour, and how far each hinge strays from the wish."""
+    plan = performance.plan
+    strays = zip(plan.facts.robot.skeleton.names, np.degrees(plan.motion.lost), strict=True)
+    return {
+        "gave": [asdict(chapter) for chapter in story(performance)],
+        "lost_deg": {name: float(lost) for name, lost in strays},
     }
 
 
@@ -124,33 +152,41 @@ def _collision(performance: Performance) -> dict[str, Json]:
     )
     clearance, times = nearest
     worst = clearance.worst
-    overlaps = [int((found.distances < 0.0).sum()) for found in (plan.clearance, measured.clearance)]
     return {
-        "penetrations": sum(overlaps),
+        "penetrations": penetrations(performance),
         "min_distance_m": float(clearance.distances[worst]),
         "pair": list(clearance.pairs[worst]),
         "time_s": float(times[worst]),
     }
 
 
-def _jerk(performance: Performance) -> float:
-    """Root mean square jerk over all hinges and the whole motion [rad/s^3].
-
-    Three Gauss points are exact for the square of a quintic's jerk.
-    """
-    trajectory = performance.plan.trajectory
-    nodes, weights = np.polynomial.legendre.leggauss(3)
-    total = 0.0
-    for curve in trajectory.curves:
-        steps = np.diff(curve.x)
-        times = curve.x[:-1, None] + steps[:, None] * (nodes + 1) / 2
-        total += float((steps / 2 * (curve(times, nu=3) ** 2 @ weights)).sum())
-    return float(np.sqrt(total / trajectory.duration / len(trajectory.curves)))
+def _smoothness(performance: Performance) -> dict[str, Json]:
+    hands: dict[str, Json] = {}
+    period = performance.period
+    for side, performed in performance.measured.hands.items():
+        planned = performance.reference.hands[side]
+        hands[side] = {
+            "dimensionless_jerk": dimensionless_jerk(planned, period=period),
+            "sparc_planned": spectral_arc_length(planned, period=period),
+            "sparc_twin": spectral_arc_length(performed, period=period),
+        }
+    return {"rms_jerk_rad_s3": performance.reference.peaks.rms_jerk, "hands": hands}
 
 
-def _timing(performance: Performance) -> dict[str, Json]:
+def _power(performance: Performance) -> dict[str, Json]:
+    power, supply = performance.measured.power, performance.plan.facts.robot.supply
+    return {
+        "peak_a": float(power.peak.max()),
+        "mean_a": float(power.mean.mean()),
+        "supply_a": None if supply is None else supply.amps,
+        "energy_j": power.energy,
+        "warming_k": {name: float(rise.max()) for name, rise in power.warming.items()},
+    }
+
+
+def _timing(performance: Performance, checking: float) -> dict[str, Json]:
     duration = performance.plan.duration
-    parse, planned, dry = performance.parse_seconds, performance.plan.seconds, performance.dry_run_seconds
+    parse, planned, dry = performance.parse_seconds, performance.plan.seconds, performance.dry_run_seconds + checking
     return {
         "parse_ms": 1000 * parse,
         "plan_ms": 1000 * planned,

@@ -1,116 +1,71 @@
 """Moves key times as little as needed: a linear program in which strokes weigh most and preparations give."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import linprog
 
-from kinesic.body.arrays import Flags, Floats, sealed
-from kinesic.body.limits import Limits
-from kinesic.controller.postures import LEAST_GAP, Posture
+from kinesic.body.arrays import Floats
+from kinesic.controller.keys import Keys, Pair
 
-Pair = tuple[int, int]  # two keys, the earlier first
-
-PEAK_SPEED = 1.875  # of a rest-to-rest quintic, in distance / duration
-PEAK_ACCELERATION = 5.7735  # in distance / duration^2
-SAME = 1e-6  # [s]
-RESERVE = 1.02  # on minimum durations
-WEIGHTS = {"strokeStart": 5.0, "stroke": 5.0, "strokeEnd": 5.0, "ready": 0.3, "relax": 0.3}
-WEIGHT_ELSE = 0.05
 LATENESS = 3.0  # weight of being late over being early
+BROKEN = 50.0  # weight of a bond that cannot be kept, per second
+SAME = 1e-7  # [s]
 
 
 @dataclass(frozen=True, eq=False)
-class Keys:
-    """Postures as arrays."""
+class Cut:
+    """Times t with slopes @ t > bound are too short for some hinge."""
 
-    asked: Floats  # (m,) [s] block time
-    angles: Floats  # (m, n) [rad]
-    keyed: Flags  # (m, n)
-    weights: Floats  # (m,) of moving a key, per second
-    gaps: Mapping[Pair, float]  # [s] least time between keys that follow one another in a hinge or a behaviour
-
-    @classmethod
-    def of(cls, postures: tuple[Posture, ...]) -> "Keys":
-        """Keys weigh as their heaviest sync point."""
-        keyed = np.array([posture.keyed for posture in postures], dtype=np.bool_)
-        return cls(
-            sealed([posture.time for posture in postures]),
-            sealed([posture.angles for posture in postures]),
-            keyed,
-            sealed([_weight(posture) for posture in postures]),
-            dict.fromkeys(_followers(postures, keyed), LEAST_GAP),
-        )
-
-    @property
-    def spaced(self) -> bool:
-        """Whether the asked times leave a gap between keys of the same hinge or behaviour."""
-        return all(self.asked[j] - self.asked[i] >= gap - SAME for (i, j), gap in self.gaps.items())
-
-    def rows(self, hinge: int) -> list[int]:
-        """Keys of one hinge, in order."""
-        return [int(row) for row in np.flatnonzero(self.keyed[:, hinge])]
+    slopes: Floats  # (m,) [1/s]
+    bound: float
 
 
-def _followers(postures: tuple[Posture, ...], keyed: Flags) -> set[Pair]:
-    """Keys that follow one another in some hinge or in some behaviour."""
-    chains = [[int(row) for row in np.flatnonzero(column)] for column in keyed.T]
-    behaviours: dict[str, list[int]] = {}
-    for row, posture in enumerate(postures):
-        for behaviour in sorted({behaviour for behaviour, _ in posture.syncs}):
-            behaviours.setdefault(behaviour, []).append(row)
-    return {pair for chain in [*chains, *behaviours.values()] for pair in pairwise(chain)}
+def relaxed(keys: Keys, gaps: Mapping[Pair, float], lead_in: float, cuts: Sequence[Cut] = ()) -> Floats:
+    """Key times as near to the asked ones as gaps, cuts and bonds allow.
 
-
-def _weight(posture: Posture) -> float:
-    return max([WEIGHT_ELSE, *(WEIGHTS.get(sync.partition(":")[0], WEIGHT_ELSE) for _, sync in posture.syncs)])
-
-
-def relaxed(keys: Keys, gaps: Mapping[Pair, float], lead_in: float) -> Floats:
-    """Key times as near to the asked ones as gaps allow.
-
-    Variables are t (m,), lateness e+ and earliness e- (m,) with t - asked = e+ - e-.
+    Variables are t (m,), lateness e+ and earliness e- (m,) with t - asked = e+ - e-, and what each bond lacks.
 
     Args:
-        keys: what was asked.
+        keys: what was asked, with its bonds.
         gaps: least time [s] from one key to another.
         lead_in: [s] by which the first key may come earlier.
+        cuts: that exclude other times; gaps alone can always be kept.
 
     Returns:
         (m,) [s] block time.
+
+    Raises:
+        ArithmeticError: the cuts leave no times.
     """
-    count = len(keys.asked)
-    rows = np.zeros((len(gaps), 3 * count))
-    for row, (i, j) in enumerate(gaps):
+    count, ties = len(keys.asked), len(keys.bonds)
+    pairs = [*gaps, *keys.bonds]
+    rows = np.zeros((len(pairs) + len(cuts), 3 * count + ties))
+    for row, (i, j) in enumerate(pairs):
         rows[row, i], rows[row, j] = 1.0, -1.0
+    for row, cut in enumerate(cuts, len(pairs)):
+        rows[row, :count] = cut.slopes
+    rows[len(gaps) : len(pairs), 3 * count :] = -np.eye(ties)
+    least = np.array([*gaps.values(), *keys.bonds.values()])
     one = np.eye(count)
     result = linprog(
-        np.concatenate([np.zeros(count), LATENESS * keys.weights, keys.weights]),
+        np.concatenate([np.zeros(count), LATENESS * keys.weights, keys.weights, np.full(ties, BROKEN)]),
         A_ub=rows,
-        b_ub=-np.array(list(gaps.values())),
-        A_eq=np.hstack([one, -one, one]),
+        b_ub=np.append(-least, [cut.bound for cut in cuts]),
+        A_eq=np.hstack([one, -one, one, np.zeros((count, ties))]),
         b_eq=keys.asked,
-        bounds=[(keys.asked[0] - lead_in, None)] * count + [(0.0, None)] * (2 * count),
+        bounds=[(keys.asked[0] - lead_in, None)] * count + [(0.0, None)] * (2 * count + ties),
         method="highs",
     )
-    return np.array(result.x[:count])
+    if result.x is None:
+        raise ArithmeticError(f"no key times: {result.message}")
+    times = np.array(result.x[:count])
+    return np.where(np.abs(times - keys.asked) < SAME, keys.asked, times)
 
 
-def minimum_duration(distance: Floats, limits: Limits) -> Floats:
-    """Shortest rest-to-rest quintic within speed and acceleration, (n,) [s] for (n,) [rad]."""
-    size = np.abs(distance)
-    speed, acceleration = PEAK_SPEED * size / limits.speed, np.sqrt(PEAK_ACCELERATION * size / limits.acceleration)
-    return np.asarray(RESERVE * np.maximum(speed, acceleration))
-
-
-def rest_to_rest(keys: Keys, limits: Limits) -> dict[Pair, float]:
-    """Gaps in which every hinge can stop at every one of its keys: always enough."""
-    gaps = dict(keys.gaps)
-    for hinge in range(keys.angles.shape[1]):
-        for before, after in pairwise(keys.rows(hinge)):
-            moved = np.zeros(keys.angles.shape[1])
-            moved[hinge] = keys.angles[after, hinge] - keys.angles[before, hinge]
-            gaps[before, after] = max(gaps[before, after], float(minimum_duration(moved, limits)[hinge]))
-    return gaps
+def strain(keys: Keys, times: Floats) -> float:
+    """What moving the keys to times (m,) [s] costs: the weighted sum that `relaxed` makes least."""
+    late = times - keys.asked
+    lacking = sum(max(least - float(times[j] - times[i]), 0.0) for (i, j), least in keys.bonds.items())
+    return float(keys.weights @ np.where(late > 0.0, LATENESS * late, -late)) + BROKEN * lacking

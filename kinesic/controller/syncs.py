@@ -5,10 +5,12 @@ from dataclasses import dataclass
 from kinesic.bml.block import Block, Notice, NoticeType
 from kinesic.body.robot import Robot
 from kinesic.controller.condition import Conditioned
-from kinesic.controller.retime import Pair
-from kinesic.expressivity.keyframes import KeyFrames
+from kinesic.controller.feasible import Bottleneck
+from kinesic.controller.keys import Pair
+from kinesic.expressivity.keyframes import KeyFrames, PartName
 
 SHIFT_TO_WARN = 0.010  # [s]
+CHAINS: dict[PartName, str] = {"torso": "torso", "head": "neck", "l_hand": "l_arm", "r_hand": "r_arm"}
 
 
 @dataclass(frozen=True)
@@ -45,27 +47,27 @@ def sync_times(frames: KeyFrames, motion: Conditioned) -> tuple[SyncTime, ...]:
     return tuple(sorted([*moving, *still], key=lambda sync: (sync.planned, sync.behaviour)))
 
 
-def shifts(block: Block, syncs: tuple[SyncTime, ...], motion: Conditioned, robot: Robot) -> list[Notice]:
+def shifts(
+    block: Block, syncs: tuple[SyncTime, ...], frames: KeyFrames, motion: Conditioned, robot: Robot
+) -> list[Notice]:
     """A warning for each sync point that had to move."""
-    return [
-        Notice(
-            NoticeType.IMPOSSIBLE_TO_SCHEDULE,
-            f"{block.id}:{sync.behaviour}",
-            f"{sync.sync} asked at {sync.asked:.3f} s is planned at {sync.planned:.3f} s{_why(sync, motion, robot)}",
-        )
-        for sync in syncs
-        if abs(sync.planned - sync.asked) > SHIFT_TO_WARN
-    ]
+    found = []
+    for sync in syncs:
+        if abs(sync.planned - sync.asked) > SHIFT_TO_WARN:
+            met = limit_met(sync, frames, motion, robot)
+            why = "" if met is None else f": {met.quantity} of {robot.skeleton.names[met.hinge]}"
+            text = f"{sync.sync} asked at {sync.asked:.3f} s is planned at {sync.planned:.3f} s{why}"
+            found.append(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, f"{block.id}:{sync.behaviour}", text))
+    return found
 
 
-def _why(sync: SyncTime, motion: Conditioned, robot: Robot) -> str:
-    """The limit that was met nearest to a sync point."""
+def limit_met(sync: SyncTime, frames: KeyFrames, motion: Conditioned, robot: Robot) -> Bottleneck | None:
+    """The limit that was met nearest to a sync point, at best by a hinge of its own behaviour; None when none was."""
+    parts = frames.uses.get(sync.behaviour, frozenset())
+    own = {joint for part in parts for joint in robot.joints(CHAINS[part])}
 
-    def away(pair: Pair) -> float:
+    def away(pair: Pair) -> tuple[float, bool]:
         begin, end = motion.asked[list(pair)]
-        return float(max(begin - sync.asked, sync.asked - end, 0.0))
+        return float(max(begin - sync.asked, sync.asked - end, 0.0)), motion.bottlenecks[pair].hinge not in own
 
-    if not motion.bottlenecks:
-        return ""
-    nearest = motion.bottlenecks[min(motion.bottlenecks, key=away)]
-    return f": {nearest.quantity} of {robot.skeleton.names[nearest.hinge]}"
+    return motion.bottlenecks[min(motion.bottlenecks, key=away)] if motion.bottlenecks else None

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Side
+from kinesic.expressivity.keyframes import Touch
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,6 +22,7 @@ class HandPose:
     pointing: Floats | None = None  # (3,) unit: direction along the hand, wrist to fingers
     shape: str | None = None  # hand shape, for robots with fingers
     openness: float = 0.0  # of the elbow, 0..1
+    touch: Touch | None = None  # what the hand is laid on here
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.expressivity.head import direction, named, words
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.pace import turn_time
+from kinesic.expressivity.pace import Pace
 from kinesic.expressivity.places import find_target, unknown
 from kinesic.expressivity.turns import UPRIGHT, Hold, clipped, excess, held, plus, room, scaled
 
@@ -72,15 +72,15 @@ def aim(
     return _looking(action.target, find_target(action.target, targets), offset, action.influence, robot, targets)
 
 
-def hold(look: Aim, times: Mapping[str, float], *, part: Part, stays: bool, robot: Robot) -> Hold:
+def hold(look: Aim, times: Mapping[str, float], *, part: Part, stays: bool, pace: Pace) -> Hold:
     """When a part goes there and, unless it stays, back."""
-    return held(look.head if part == "head" else look.torso, times, natural=look_time(look, robot), stays=stays)
+    return held(look.head if part == "head" else look.torso, times, natural=look_time(look, pace), stays=stays)
 
 
-def look_time(look: Aim, robot: Robot, temporal: float = 0.0) -> float:
+def look_time(look: Aim, pace: Pace, temporal: float = 0.0) -> float:
     """Natural time of turning there [s]."""
     neck = plus(look.head, scaled(look.torso, -1.0))
-    return max(0.2, turn_time(robot, "neck", neck, temporal), turn_time(robot, "torso", look.torso, temporal))
+    return max(0.2, pace.turn_time("neck", neck, temporal), pace.turn_time("torso", look.torso, temporal))
 
 
 def _looking(
@@ -97,7 +97,7 @@ def _looking(
 
 def _towards(place: Floats, robot: Robot) -> Turn:
     """Torsion and tilt from the eyes at rest to a place."""
-    frames = robot.skeleton.frames(robot.skeleton.rest)
+    frames = robot.skeleton.resting
     k = robot.skeleton.segment(robot.chains["neck"][-1])
     eyes = robot.sites.get("eyes")
     inside = np.zeros(3) if eyes is None else eyes.position

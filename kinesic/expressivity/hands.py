@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from math import radians
 
 import numpy as np
+from msgspec import structs
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.reach import Reach
@@ -36,7 +37,7 @@ class Poses:
 
 def resting(robot: Robot) -> Mapping[Side, Reach]:
     """Where the hands hang, in the world."""
-    frames = robot.skeleton.frames(robot.skeleton.rest)
+    frames = robot.skeleton.resting
     reaches: dict[Side, Reach] = {}
     for side in SIDES:
         palm = robot.sites[f"{side}_palm"]
@@ -53,7 +54,7 @@ def resting(robot: Robot) -> Mapping[Side, Reach]:
 
 def shoulder(robot: Robot, side: Side) -> Floats:
     """(3,) [m] centre of a shoulder in the world, at rest."""
-    frames = robot.skeleton.frames(robot.skeleton.rest)
+    frames = robot.skeleton.resting
     return sealed(frames.origins[robot.skeleton.segment(robot.chains[f"{side}_arm"][-3])])
 
 
@@ -97,12 +98,12 @@ def pointing_poses(target: Floats, side: Side, robot: Robot) -> Poses:
 
 
 def withdrawn(hand: Hand, robot: Robot, side: Side) -> Hand:
-    """The same hand a little nearer to its rest."""
+    """The same hand a little nearer to its rest, where it touches nothing."""
     if hand.reach is None:
         return hand
     rest = resting(robot)[side].position
     position = hand.reach.position + _WITHDRAWN * (rest - hand.reach.position)
-    return replace(hand, reach=replace(hand.reach, position=sealed(position)))
+    return replace(hand, reach=structs.replace(hand.reach, position=sealed(position)), touch=None)
 
 
 def distance(a: Hand, b: Hand, rest: Reach) -> float:
@@ -136,6 +137,7 @@ def between(a: Hand, b: Hand, share: float, rest: Reach) -> Hand:
             swivel=_mixed(start.swivel, end.swivel, share, reach.swivel),
         ),
         nearest.aim,
+        a.touch if a.touch == b.touch else None,
     )
 
 
@@ -157,7 +159,8 @@ def _in_world(pose: HandPose, side: Side, robot: Robot, style: Style) -> Hand:
             pointing=None if pose.pointing is None else direction_in_world(side, pose.pointing),
             palm=None if pose.palm is None else direction_in_world(side, pose.palm),
             swivel=_LEAST_SWIVEL + _SWIVEL_RANGE * openness if openness > 0 else None,
-        )
+        ),
+        touch=pose.touch,
     )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from kinesic.bml.block import Head
 from kinesic.body.robot import Robot
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.pace import turn_time
+from kinesic.expressivity.pace import Pace
 from kinesic.expressivity.turns import (
     MERGE,
     UPRIGHT,
@@ -100,7 +100,7 @@ def direction(found: tuple[str, ...]) -> Turn:
     return Turn(torsion=side, tilt=tilt)
 
 
-def head_layer(form: HeadForm, times: Mapping[str, float], robot: Robot) -> Layer:
+def head_layer(form: HeadForm, times: Mapping[str, float], pace: Pace) -> Layer:
     """The head movement in time.
 
     A nod or shake swings between `strokeStart` and `strokeEnd`, first at its peak at `stroke`. A direction is
@@ -109,9 +109,9 @@ def head_layer(form: HeadForm, times: Mapping[str, float], robot: Robot) -> Laye
     Args:
         form: of the movement.
         times: the seven sync points of a gesture [s].
-        robot: whose neck moves.
+        pace: of the robot whose neck moves.
     """
-    natural = turn_time(robot, "neck", form.peak)
+    natural = pace.turn_time("neck", form.peak)
     if form.kind == "direction":
         return _held(form, times, natural)
     return _swung(form, times, natural)

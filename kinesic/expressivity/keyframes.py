@@ -10,6 +10,7 @@ from kinesic.body.reach import Reach
 from kinesic.body.robot import Side
 
 PartName = Literal["torso", "head", "l_hand", "r_hand"]
+Touch = Literal["hand", "forearm", "upper_arm", "head", "chest", "lap"]  # arm and hand: those of the other side
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,7 @@ class Hand:
 
     reach: Reach | None = None  # in the world as if the torso stood upright; None: at rest
     aim: Floats | None = None  # (3,) [m] in the world: what the arm points at from wherever its shoulder then is
+    touch: Touch | None = None  # what the hand is laid on; performed as a hover
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError, closest, read
 from kinesic.body.robot import Side
 from kinesic.expressivity.form import GestureForm, HandPose, StrokeKey
+from kinesic.expressivity.keyframes import Touch
 from kinesic.expressivity.meaning import Sense
 from kinesic.expressivity.space import position
 
@@ -42,6 +43,7 @@ class HandTable(Strict):
     shape: HandShape | None = None
     openness: float = 0.0  # 0..1
     fixed: list[AxisName] = []  # axes that spatial extent leaves alone
+    touch: Touch | None = None  # what the hand is laid on
 
 
 class KeyTable(Strict):
@@ -126,6 +128,7 @@ def _pose(table: HandTable) -> HandPose:
         _direction(table.pointing),
         table.shape,
         table.openness,
+        table.touch,
     )
 
 

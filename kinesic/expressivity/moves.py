@@ -23,6 +23,7 @@ from kinesic.expressivity.hands import REST, Poses, pointing_poses, poses
 from kinesic.expressivity.head import head_form, head_layer
 from kinesic.expressivity.keyframes import Outcome
 from kinesic.expressivity.lexicon import Lexicon, mirrored
+from kinesic.expressivity.pace import Pace
 from kinesic.expressivity.phases import Stroke
 from kinesic.expressivity.places import find_target, unknown
 from kinesic.expressivity.style import Style
@@ -38,8 +39,13 @@ class Scene:
     block: Block
     style: Style
     lexicon: Lexicon
-    robot: Robot
+    pace: Pace
     targets: Mapping[str, Floats]  # (3,) [m] in the world
+
+    @property
+    def robot(self) -> Robot:
+        """Who performs."""
+        return self.pace.robot
 
     def style_of(self, timed: Timed) -> Style:
         """The style of one behaviour."""
@@ -105,7 +111,7 @@ def head_move(timed: Timed, action: Head, scene: Scene) -> Move:
         return _lacking("neck", scene)
     form = head_form(action, scene.robot, scene.style_of(timed).spatial)
     outcome, warnings = _substituted(form.substitute, form.clipped)
-    return Move(outcome, head=(head_layer(form, timed.times, scene.robot),), warnings=warnings)
+    return Move(outcome, head=(head_layer(form, timed.times, scene.pace),), warnings=warnings)
 
 
 def torso_move(timed: Timed, action: Torso, scene: Scene) -> Move:
@@ -115,7 +121,9 @@ def torso_move(timed: Timed, action: Torso, scene: Scene) -> Move:
     lean = torso.lean(action, scene.robot, scene.style_of(timed).spatial)
     if lean is None:
         return dropped(f"torso movement {action.lexeme} is unknown; lean, recline, turn, left and right are known")
-    hold = torso.hold(lean.turn, timed.times, stays=False, robot=scene.robot)
+    if lean.clipped and lean.turn == UPRIGHT:
+        return dropped(f"the trunk cannot: {lean.clipped}")
+    hold = torso.hold(lean.turn, timed.times, stays=False, pace=scene.pace)
     return Move(torso=exclusive([hold]), warnings=_clipped(lean.clipped))
 
 
@@ -166,9 +174,12 @@ def posture_moves(postures: Sequence[Timed], scene: Scene) -> Mapping[str, Move]
             names = ", ".join(f"{lexeme} of {part}" for part, lexeme in action.poses)
             moves[timed.behaviour.id] = dropped(f"no pose {names}; leaning, and rest poses of the arms, are known")
             continue
+        if pose.lean.clipped and pose.lean.turn == UPRIGHT and not pose.arms:
+            moves[timed.behaviour.id] = dropped(f"the trunk cannot: {pose.lean.clipped}")
+            continue
         outcome, warnings = _substituted(pose.left_out, pose.lean.clipped)
         strokes = tuple(stroke for arms in pose.arms for stroke in _posed(timed, arms, action.shift, scene))
-        holds.append(torso.hold(pose.lean.turn, timed.times, stays=action.shift, robot=scene.robot))
+        holds.append(torso.hold(pose.lean.turn, timed.times, stays=action.shift, pace=scene.pace))
         found.append((timed, Move(outcome, strokes=strokes, warnings=warnings)))
     for (timed, move), layer in zip(found, exclusive(holds), strict=True):
         moves[timed.behaviour.id] = Move(
@@ -181,7 +192,7 @@ def _looked(looks: Sequence[Timed], aims: Sequence[gaze.Aim], scene: Scene) -> d
     """Looks with their layers, in the order of their starts."""
     heads, trunks = (
         [
-            gaze.hold(aim, timed.times, part=part, stays=stays(timed.behaviour.action), robot=scene.robot)
+            gaze.hold(aim, timed.times, part=part, stays=stays(timed.behaviour.action), pace=scene.pace)
             for aim, timed in zip(aims, looks, strict=True)
         ]
         for part in gaze.PARTS

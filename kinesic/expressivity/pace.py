@@ -1,17 +1,27 @@
-"""How long a movement takes when nobody says how long: at ease for hands and for servos."""
+"""How long a movement takes when nobody says how long: at ease for hands, and never less than the robot needs."""
 
-from math import log2, sqrt
+from dataclasses import dataclass
+from functools import cached_property
 
-from kinesic.body.robot import Robot
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.double_s import least_times
+from kinesic.body.limits import Limits
+from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.turns import AXES, axes
 
-COMFORT = 1.3  # natural time over the shortest that the servos can do
+COMFORT = 1.15  # natural time over the shortest that the servos can do
 FLOOR = 0.25  # [s] of a preparation or retraction
-_WIDTH = 0.05  # [m] of a target in Fitts' law
-_ACCELERATIONS = {"neck": 60.0, "torso": 30.0}  # [rad/s^2] that the default servos give at ease of duty
-_PEAK_SPEED = 1.875  # of a minimum-jerk move, in amplitude over duration
-_PEAK_ACCELERATION = 5.77  # of a minimum-jerk move, in amplitude over duration squared
+
+_BEGIN, _PER_BIT, _WIDTH = 0.1, 0.15, 0.05  # [s], [s] and [m] of a target in Fitts' law
+_WAYS = np.linspace(0.0, 2.4, 25)  # [arm lengths] at which the shortest time of a hand is worked out
+_POSTURES = 32  # of an arm, from which its hand starts
+_MIDDLE = 0.5  # of each hinge's range, where these postures lie
+_SKILLED = 0.25  # share of the postures that are quicker than what counts: elbows are placed with care
+_PROBE = 1e-5  # [rad] for the slope
+_DAMPING = 1e-3  # of an arm that can hardly move along some axis
 
 
 def quickness(temporal: float) -> float:
@@ -19,34 +29,82 @@ def quickness(temporal: float) -> float:
     return float(2.0 ** (0.6 * temporal))
 
 
-def hand_time(distance: float, temporal: float = 0.0) -> float:
-    """Natural time of a hand's way [s]: Fitts' law, or the servos' ease where that is slower.
+def fitts(distance: float) -> float:
+    """What a person takes for a way of the hand [s], by Fitts' law: 0.1 s + 0.15 s log2(distance / 5 cm + 1)."""
+    return float(_BEGIN + _PER_BIT * np.log2(distance / _WIDTH + 1))
 
-    Fitts' constants are a = 0.1 s, b = 0.15 s, W = 5 cm; servos of the default robot do 0.40 m in 0.45 s at best,
-    and in proportion to the root of the way.
 
-    Args:
-        distance: [m].
-        temporal: extent, -1 slow .. 1 fast.
+@dataclass(frozen=True, eq=False)
+class Pace:
+    """How fast a robot moves from rest to rest, and how fast it does so at ease.
+
+    A natural time is divided by `quickness` of the temporal extent, but never below what the servos need.
     """
-    fitts = 0.1 + 0.15 * log2(distance / _WIDTH + 1)
-    servos = COMFORT * 0.45 * sqrt(distance / 0.40)
-    return max(fitts, servos) / quickness(temporal)
 
+    robot: Robot
+    limits: Limits
 
-def turn_time(robot: Robot, chain: str, turn: Turn, temporal: float = 0.0) -> float:
-    """Natural time of a rotation from upright [s], from the speed limits of the chain's hinges.
+    def hand_time(self, distance: float, temporal: float = 0.0) -> float:
+        """Natural time of a hand's way [s]: Fitts' law, or the servos' ease where that is slower.
 
-    Args:
-        robot: whose hinges move.
-        chain: `neck` or `torso`.
-        turn: where it goes.
-        temporal: extent, -1 slow .. 1 fast.
-    """
-    times = [0.0]
-    for axis, angle in zip(AXES, axes(turn), strict=True):
-        for k in robot.joints(chain):
-            if robot.skeleton.names[k].endswith(axis):
-                times.append(_PEAK_SPEED * abs(angle) / robot.speed_limits[k])
-                times.append(sqrt(_PEAK_ACCELERATION * abs(angle) / _ACCELERATIONS[chain]))
-    return float(COMFORT * max(times) / quickness(temporal))
+        Args:
+            distance: [m].
+            temporal: extent, -1 slow .. 1 fast.
+        """
+        least = self.least_hand_time(distance)
+        return max(least, max(fitts(distance), COMFORT * least) / quickness(temporal))
+
+    def turn_time(self, chain: str, turn: Turn, temporal: float = 0.0) -> float:
+        """Natural time of a rotation from upright [s].
+
+        Args:
+            chain: `neck` or `torso`.
+            turn: where it goes.
+            temporal: extent, -1 slow .. 1 fast.
+        """
+        return self.least_turn_time(chain, turn) * max(1.0, COMFORT / quickness(temporal))
+
+    def least_hand_time(self, distance: float) -> float:
+        """Shortest time of a hand's way [s] that an arm needs which stands well for it; grows with the way [m]."""
+        return float(np.interp(distance / self.robot.arm_length, _WAYS, self._least_hand_times))
+
+    def least_turn_time(self, chain: str, turn: Turn) -> float:
+        """Shortest time of a rotation from upright [s]; hinges of one axis share it by how far they go."""
+        skeleton = self.robot.skeleton
+        turned = np.zeros(len(skeleton.hinges))
+        for name, angle in zip(AXES, axes(turn), strict=True):
+            joints = [k for k in self.robot.joints(chain) if skeleton.names[k].endswith(name)]
+            room = skeleton.upper[joints] - skeleton.lower[joints]
+            turned[joints] = angle * room / max(float(room.sum()), _PROBE)
+        return float(least_times(turned, self.limits).max(initial=0.0))
+
+    @cached_property
+    def _least_hand_times(self) -> Floats:
+        """[s] for each of `_WAYS`, of the slower hand."""
+        times = [self._times_of(side) for side in SIDES if self.robot.joints(f"{side}_arm")]
+        return sealed(np.max(times, axis=0) if times else np.zeros(len(_WAYS)))
+
+    def _times_of(self, side: Side) -> Floats:
+        """[s] for each of `_WAYS`: along the easiest axis, from the quicker postures."""
+        arm = list(self.robot.joints(f"{side}_arm"))
+        slopes, ease = self._slopes(side), self.limits.acceleration[arm]
+        within = slopes * ease @ slopes.transpose(0, 2, 1) + _DAMPING * np.eye(3)
+        turns = np.linalg.inv(within) @ (
+            slopes * ease
+        )  # (c, 3, k) [rad/m], the more of a hinge the better it speeds up
+        every = np.zeros((len(_WAYS), *turns.shape[:2], len(self.limits.speed)))
+        every[..., arm] = self.robot.arm_length * _WAYS[:, None, None, None] * turns
+        times = least_times(every, self.limits).max(axis=-1)
+        return np.asarray(np.quantile(times.min(axis=-1), _SKILLED, axis=1))
+
+    def _slopes(self, side: Side) -> Floats:
+        """(c, 3, k) [m/rad] how a hand moves with the hinges of its arm, from postures near the middle."""
+        skeleton, arm = self.robot.skeleton, list(self.robot.joints(f"{side}_arm"))
+        lower, upper = skeleton.lower[arm], skeleton.upper[arm]
+        spread = _MIDDLE * (np.random.default_rng(0).random((_POSTURES, len(arm))) - 0.5)
+        postures = np.tile(skeleton.rest, (_POSTURES, len(arm) + 1, 1))
+        postures[..., arm] = ((lower + upper) / 2 + spread * (upper - lower))[:, None]
+        postures[:, np.arange(1, len(arm) + 1), arm] += _PROBE
+        hands = skeleton.frames(postures).origins[:, :, skeleton.segment(self.robot.chains[f"{side}_arm"][-1])]
+        slopes: Floats = ((hands[:, 1:] - hands[:, :1]) / _PROBE).transpose(0, 2, 1)
+        return slopes

@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 from math import inf
 
 from kinesic.body.reach import Reach
-from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.body.robot import SIDES, Side
 from kinesic.expressivity.hands import REST, Poses, between, distance, resting
 from kinesic.expressivity.keyframes import Hand, Outcome
-from kinesic.expressivity.pace import FLOOR, hand_time
+from kinesic.expressivity.pace import FLOOR, Pace
 from kinesic.expressivity.turns import MERGE, arrival, departure
 
 NEIGHBOUR = 0.5  # [s] gestures nearer than this do not pass through rest
@@ -55,7 +55,7 @@ class _Work:
         return self.stroke.times[sync]
 
 
-def arranged(strokes: Sequence[Stroke], robot: Robot) -> Arranged:
+def arranged(strokes: Sequence[Stroke], pace: Pace) -> Arranged:
     """Gives every stroke its hands and joins the strokes of each hand.
 
     A gesture whose stroke would begin before the earlier one of the same hand has ended is dropped, unless one of
@@ -64,9 +64,9 @@ def arranged(strokes: Sequence[Stroke], robot: Robot) -> Arranged:
 
     Args:
         strokes: in the order of the document.
-        robot: whose hands rest at `robot.skeleton.rest`.
+        pace: of the robot, whose hands rest at `robot.skeleton.rest`.
     """
-    rest = resting(robot)
+    rest = resting(pace.robot)
     taken: dict[Side, list[_Work]] = {side: [] for side in SIDES}
     outcomes: dict[str, Outcome] = {}
     sides: dict[str, frozenset[Side]] = {}
@@ -84,7 +84,7 @@ def arranged(strokes: Sequence[Stroke], robot: Robot) -> Arranged:
         work = _Work(stroke, poses, moments(poses, stroke.times, rest))
         for side in poses.hands:
             taken[side].append(work)
-    return Arranged({side: _joined(taken[side], side, rest[side]) for side in SIDES}, outcomes, sides)
+    return Arranged({side: _joined(taken[side], side, rest[side], pace) for side in SIDES}, outcomes, sides)
 
 
 def moments(poses: Poses, times: Mapping[str, float], rest: Mapping[Side, Reach]) -> tuple[float, ...]:
@@ -143,7 +143,7 @@ def _block(stroke: Stroke, option: Poses, taken: Mapping[Side, Sequence[_Work]])
     return ""
 
 
-def _joined(row: Sequence[_Work], side: Side, rest: Reach) -> tuple[HandKey, ...]:
+def _joined(row: Sequence[_Work], side: Side, rest: Reach, pace: Pace) -> tuple[HandKey, ...]:
     """Keys of one hand: each gesture goes back to the rest pose, unless a neighbour follows."""
     keys: list[HandKey] = []
     pose = REST  # what the hand rests in
@@ -154,12 +154,12 @@ def _joined(row: Sequence[_Work], side: Side, rest: Reach) -> tuple[HandKey, ...
             pose = hands[-1]
             continue
         if held and work.at("start") >= held.at("end") + NEIGHBOUR:
-            keys = _released(keys, held, pose, rest, work.at("start"))
+            keys = _released(keys, held, pose, rest, work.at("start"), pace)
             held = None
-        keys = _approached(keys, held, work, _own(work, hands), rest)
+        keys = _approached(keys, held, work, _own(work, hands), rest, pace)
         held = None if work.stroke.rest else work
         pose = hands[-1] if work.stroke.rest else pose
-    return tuple(_released(keys, held, pose, rest, inf) if held else keys)
+    return tuple(_released(keys, held, pose, rest, inf, pace) if held else keys)
 
 
 def _crowded(work: _Work, keys: Sequence[HandKey], following: Sequence[_Work]) -> bool:
@@ -169,7 +169,7 @@ def _crowded(work: _Work, keys: Sequence[HandKey], following: Sequence[_Work]) -
 
 
 def _approached(
-    keys: list[HandKey], held: _Work | None, work: _Work, own: Sequence[HandKey], rest: Reach
+    keys: list[HandKey], held: _Work | None, work: _Work, own: Sequence[HandKey], rest: Reach, pace: Pace
 ) -> list[HandKey]:
     """The keys so far, the departure towards a gesture, and the gesture's own keys.
 
@@ -177,7 +177,7 @@ def _approached(
     the later one starts, but early enough for the way, and not before the earlier stroke has ended.
     """
     hand, free = (keys[-1].hand, keys[-1].time) if keys else (REST, -inf)
-    way = _way(hand, own[0].hand, rest)
+    way = _way(hand, own[0].hand, rest, pace)
     if held:
         leave = min(max(held.at("relax"), work.at("start")), own[0].time - way)
     else:
@@ -187,18 +187,18 @@ def _approached(
     return [*keys, *hold, *(key for key in own if key.time >= leave + MERGE)]
 
 
-def _released(keys: list[HandKey], held: _Work, pose: Hand, rest: Reach, latest: float) -> list[HandKey]:
+def _released(keys: list[HandKey], held: _Work, pose: Hand, rest: Reach, latest: float, pace: Pace) -> list[HandKey]:
     """The keys so far and the way back to the rest pose, which ends before the latest time [s]."""
     last = keys[-1]
     leave = max(held.at("relax"), last.time)
     hold = [HandKey(leave, last.hand)] if leave - last.time >= MERGE else []
-    back = arrival(leave, held.at("end"), _way(last.hand, pose, rest))
+    back = arrival(leave, held.at("end"), _way(last.hand, pose, rest, pace))
     return [*keys, *hold, HandKey(min(back, latest), pose)]
 
 
-def _way(a: Hand, b: Hand, rest: Reach) -> float:
+def _way(a: Hand, b: Hand, rest: Reach, pace: Pace) -> float:
     """Natural time from one hand to another [s]."""
-    return max(FLOOR, hand_time(distance(a, b, rest)))
+    return max(FLOOR, pace.hand_time(distance(a, b, rest)))
 
 
 def _own(work: _Work, hands: Sequence[Hand]) -> list[HandKey]:

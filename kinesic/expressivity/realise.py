@@ -24,7 +24,6 @@ from kinesic.bml.block import (
     Wait,
 )
 from kinesic.body.arrays import Floats
-from kinesic.body.robot import Robot
 from kinesic.expressivity.gather import HANDS, Sequences, SyncPoint, gathered
 from kinesic.expressivity.keyframes import KeyFrames, Outcome, PartName
 from kinesic.expressivity.lexicon import Lexicon
@@ -40,6 +39,7 @@ from kinesic.expressivity.moves import (
     posture_moves,
     torso_move,
 )
+from kinesic.expressivity.pace import Pace
 from kinesic.expressivity.phases import Arranged, arranged
 from kinesic.expressivity.places import NO_TARGETS
 from kinesic.expressivity.style import Style
@@ -52,7 +52,7 @@ def keyframes(
     *,
     style: Style,
     lexicon: Lexicon,
-    robot: Robot,
+    pace: Pace,
     targets: Mapping[str, Floats] = NO_TARGETS,
     without: Mapping[str, str] = ALL,
 ) -> KeyFrames:
@@ -62,17 +62,18 @@ def keyframes(
         timeline: behaviours with times.
         style: of the performance; a behaviour's own manner goes over it.
         lexicon: of gestures.
-        robot: that performs.
+        pace: of the robot that performs.
         targets: (3,) [m] in the world, over those of the robot.
         without: ids of behaviours to leave out, and why.
 
     Raises:
         BmlError: a behaviour inside `required` cannot be performed.
     """
-    scene = Scene(timeline.block, style, lexicon, robot, {**robot.targets, **targets})
+    robot = pace.robot
+    scene = Scene(timeline.block, style, lexicon, pace, {**robot.targets, **targets})
     moves = _moves([timed for timed in timeline.timed if timed.behaviour.id not in without], scene)
     moves |= {id: dropped(why) for id, why in without.items()}
-    hands = arranged([stroke for move in moves.values() for stroke in move.strokes], robot)
+    hands = arranged([stroke for move in moves.values() for stroke in move.strokes], pace)
     moves = {id: _with_hands(move, hands.outcomes.get(id)) for id, move in moves.items()}
     outcomes = {drop.behaviour.id: Outcome("dropped", drop.why) for drop in timeline.dropped}
     outcomes |= {id: move.outcome for id, move in moves.items()}

@@ -1,7 +1,7 @@
 """Style: the manner in which a whole performance is moved, and how a document overrides it."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 import msgspec
@@ -82,12 +82,12 @@ class Style:
         Documents use ranges of their own (an openness of 5 occurs), so their values are clipped to ours. The
         manner's intensity is no parameter of style.
         """
-        asked = {name: value for name, value in asdict(manner).items() if name in RANGES and value is not None}
+        asked = {name: getattr(manner, name) for name in RANGES if getattr(manner, name) is not None}
         return self._with({name: min(max(value, RANGES[name][0]), RANGES[name][1]) for name, value in asked.items()})
 
     def _with(self, changes: Mapping[str, float]) -> "Style":
         """The style with some parameters changed."""
-        return Style(**{**asdict(self), **changes})
+        return Style(self.name, **{name: changes.get(name, getattr(self, name)) for name in RANGES})
 
 
 def _setting(text: str) -> tuple[str, float]:

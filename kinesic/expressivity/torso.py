@@ -10,7 +10,7 @@ from kinesic.expressivity.form import GestureForm
 from kinesic.expressivity.head import named, size, words
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.lexicon import Lexicon
-from kinesic.expressivity.pace import turn_time
+from kinesic.expressivity.pace import Pace
 from kinesic.expressivity.turns import UPRIGHT, Hold, clipped, excess, held, plus, room, scaled
 
 LEAN = radians(24)  # of amount 1, on each axis that a lexeme names: 12 deg at the default amount of 0.5
@@ -71,9 +71,9 @@ def pose(posture: Posture, lexicon: Lexicon, robot: Robot) -> Pose | None:
     return Pose(_limited(turn, robot), tuple(arms), "; ".join(left_out))
 
 
-def hold(turn: Turn, times: Mapping[str, float], *, stays: bool, robot: Robot) -> Hold:
+def hold(turn: Turn, times: Mapping[str, float], *, stays: bool, pace: Pace) -> Hold:
     """When the trunk goes there and, unless it stays, back."""
-    natural = max(0.3, turn_time(robot, "torso", turn))
+    natural = max(0.3, pace.turn_time("torso", turn))
     return held(turn, times, natural=natural, stays=stays)
 
 

@@ -65,13 +65,15 @@ class ServoMap:
 
     @classmethod
     def of(cls, robot: Robot) -> "ServoMap":
-        """Reads the servo map from the robot's file.
+        """Reads the servo map from the robot's file; one without any [[bus]] has no servos on wires.
 
         Raises:
             ConfigError: a hinge is unknown or has no servo, an id is out of range or used twice on a bus, a tandem
                 has the wrong number of servos, or a hinge's range leaves the servo's turn.
         """
         tables = read(robot.path, WiringFile).bus
+        if not tables:
+            return cls((), ())
         _check_buses(robot.path, tables)
         found: dict[str, HingeServos] = {}
         for servos in _servos(robot, tables):

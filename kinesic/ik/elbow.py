@@ -7,10 +7,11 @@ vertical plane is not.
 """
 
 from collections.abc import Sequence
-from math import atan2, cos, sin, sqrt
+from math import sqrt
 
 from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
+from kinesic.ik.angles import arctangent, turn_of
 from kinesic.ik.linkage import Linkage, linkage_of
 from kinesic.ik.vectors import Vector, across, cross, dot, minus, norm, plus, scaled, unit, vector
 
@@ -41,7 +42,7 @@ def swivel_of(linkage: Linkage, points: Sequence[Vector]) -> float | None:
     if norm(off) < 1e-6 * linkage.farthest or line == (0.0, 0.0, 0.0):
         return None
     zero = hanging(line)
-    return linkage.side * atan2(dot(off, cross(line, zero)), dot(off, zero))
+    return linkage.side * arctangent(dot(off, cross(line, zero)), dot(off, zero))
 
 
 def elbow_at(linkage: Linkage, shoulder: Vector, hand: Vector, swivel: float) -> Vector:
@@ -56,7 +57,8 @@ def elbow_at(linkage: Linkage, shoulder: Vector, hand: Vector, swivel: float) ->
     along = (upper * upper - fore * fore + span * span) / (2.0 * span)
     along = max(-upper, min(upper, along))
     zero = hanging(line)
-    off = plus(scaled(zero, cos(swivel)), scaled(cross(line, zero), linkage.side * sin(swivel)))
+    cosine, sine = turn_of(swivel)
+    off = plus(scaled(zero, cosine), scaled(cross(line, zero), linkage.side * sine))
     return plus(shoulder, plus(scaled(line, along), scaled(off, sqrt(upper * upper - along * along))))
 
 

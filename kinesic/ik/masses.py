@@ -6,8 +6,9 @@ Everything inside is in units of the chain's length, so that the result does not
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import cos, pi, sqrt
+from math import pi, sqrt
 
+from kinesic.ik.angles import turn_of
 from kinesic.ik.vectors import Vector, across, cross, distance, minus, norm, plus, scaled, unit
 
 TOLERANCE = 1e-6  # total spring force at rest, in units of stiffness x chain length
@@ -74,7 +75,7 @@ def settle(points: Sequence[Vector], lengths: Sequence[float], target: Vector) -
 
 def _tuned(bones: int) -> tuple[float, float]:
     """Stiffness x dt^2, and the share of its speed that a mass keeps per step (heavy-ball optimum)."""
-    slow, fast = sqrt(2.0 - 2.0 * cos(pi / bones)), sqrt(2.0 - 2.0 * cos(pi * (bones - 1) / bones))
+    slow, fast = (sqrt(2.0 - 2.0 * turn_of(pi * bends / bones)[0]) for bends in (1, bones - 1))
     share = (fast - slow) / (fast + slow)
     return 4.0 / ((fast + slow) * (fast + slow)), 1.0 - DAMPING_SHARE * (1.0 - share * share)
 

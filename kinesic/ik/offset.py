@@ -8,6 +8,7 @@ from dataclasses import replace
 from math import acos
 
 import numpy as np
+from msgspec import structs
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
@@ -72,7 +73,7 @@ def solve_offset(chain: Chain, reach: Reach, *, start: Floats) -> Solution:
     hand = linkage.walk(angles, len(linkage.links))[0]
     errors = {wish.name: acos(max(-1.0, min(1.0, dot(rotated(hand, wish.own), wish.wanted)))) for wish in wishes}
     residual = distance(points[-1], target)
-    return replace(
+    return structs.replace(
         guess,
         angles=sealed(angles),
         residual=residual,

@@ -111,7 +111,7 @@ def bent(linkage: Linkage, place: Place, *, near: Sequence[float], swivel: float
     present = swivel_of(linkage, settled.points)
     if present is None:
         present = NATURAL_SWIVEL
-    wish = present + NATURE * remainder(NATURAL_SWIVEL - present, tau) if swivel is None else swivel
+    wish = present + NATURE * remainder(NATURAL_SWIVEL - present, tau) if swivel is None else remainder(swivel, tau)
     towards = 1.0 if remainder(present - wish, tau) >= 0.0 else -1.0
 
     def at(offset: float) -> Extraction:

@@ -1,19 +1,26 @@
 """Pointing and palm where the swivel is free: the elbow swings as far as the hand's directions need it."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
-from math import acos, inf, pi
+from math import inf, pi
+
+import numpy as np
+from msgspec.structs import replace
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
+from kinesic.ik import KERNEL, Kernel
+from kinesic.ik.angles import arccosine
+from kinesic.ik.compiled import arm_of
 from kinesic.ik.linkage import Link, Linkage, linkage_of
 from kinesic.ik.mirror import is_right, mirrored_chain, mirrored_reach
 from kinesic.ik.place import place_of
 from kinesic.ik.solve import Solution, solve, wishes_of
 from kinesic.ik.swivels import Cell, cell_at, present_swivel
-from kinesic.ik.vectors import Rotation, after, distance, dot, rotated, vector
+from kinesic.ik.vectors import Rotation, after, dot, rotated, vector
 from kinesic.ik.wrist import Wish, orient
+
+Swing = tuple[Floats, float, float | None, float | None]  # angles, residual, errors of pointing and palm
 
 SATISFIED = 1e-3  # [rad] errors of all directions together that need no search
 STEPS = 12  # of the search to either side
@@ -30,6 +37,7 @@ def best_swivel(
     rest: Floats | None = None,
     mobility: Floats | None = None,
     widest: float = pi,
+    kernel: Kernel = KERNEL,
 ) -> Solution:
     """`solve`, and where the wrist cannot give the hand its directions, the elbow swings aside.
 
@@ -40,6 +48,7 @@ def best_swivel(
         rest: (k,) [rad] of whatever the reach leaves open.
         mobility: (k,) how readily each hinge helps.
         widest: [rad] that the elbow swings, to either side.
+        kernel: which implementation answers; "numpy" is the specification of the other.
 
     Returns:
         The smallest swing that satisfies pointing and palm; where none does, the one whose errors are least for
@@ -48,13 +57,26 @@ def best_swivel(
     Raises:
         ValueError: a shape is wrong or a number is not finite.
     """
-    first = solve(chain, reach, start=start, rest=rest, mobility=mobility)
+    first = solve(chain, reach, start=start, rest=rest, mobility=mobility, kernel=kernel)
     if reach.swivel is not None or not first.reached or _left(first) <= SATISFIED:
         return first
-    home = chain.rest if rest is None else rest
+    home = sealed(np.clip(chain.rest if rest is None else rest, chain.lower, chain.upper))
+    swing = _compiled if kernel == "compiled" else _specified
+    angles, residual, pointing_error, palm_error = swing(chain, reach, home, first.angles, widest)
+    swung = replace(first, angles=angles, residual=residual, pointing_error=pointing_error, palm_error=palm_error)
+    return swung if _left(swung) < _left(first) else first
+
+
+def _compiled(chain: Chain, reach: Reach, home: Floats, angles: Floats, widest: float) -> Swing:
+    pointing, palm = (None if direction is None else sealed(direction) for direction in (reach.pointing, reach.palm))
+    return arm_of(chain).swing(sealed(reach.position), pointing, palm, home, angles, widest)
+
+
+def _specified(chain: Chain, reach: Reach, home: Floats, angles: Floats, widest: float) -> Swing:
+    """From a solved posture [rad], with a hand that rests at `home` [rad]."""
     if is_right(chain):
         chain, reach = mirrored_chain(chain), mirrored_reach(reach)
-    linkage, wishes, near = linkage_of(chain), wishes_of(chain, reach), first.angles.tolist()
+    linkage, wishes, near = linkage_of(chain), wishes_of(chain, reach), angles.tolist()
     last = linkage.links[-1]
 
     def hand(frame: Rotation) -> tuple[tuple[float, ...], float]:
@@ -63,17 +85,9 @@ def best_swivel(
 
     place, begin = place_of(linkage, near, vector(reach.position)), present_swivel(linkage, near)
     found = _swung(linkage, lambda offset: cell_at(linkage, place, begin + offset, hand, near=near), widest)
-    if found.error >= _left(first):
-        return first
-    frame, points = linkage.walk(found.angles, len(linkage.links) - 1)
+    frame = linkage.walk(found.angles, len(linkage.links) - 1)[0]
     errors = _errors(last, frame, found.angles[last.first :], wishes)
-    return replace(
-        first,
-        angles=sealed(found.angles),
-        residual=distance(points[-1], place.target),
-        pointing_error=errors.get("pointing"),
-        palm_error=errors.get("palm"),
-    )
+    return sealed(found.angles), found.miss, errors.get("pointing"), errors.get("palm")
 
 
 def _swung(linkage: Linkage, at: Callable[[float], Cell], widest: float) -> Cell:
@@ -109,7 +123,7 @@ def _errors(link: Link, frame: Rotation, own: Sequence[float], wishes: Sequence[
     """What each direction is off [rad], with the hand's own angles."""
     for pivot, angle in zip(link.pivots, own, strict=True):
         frame = after(frame, pivot.axis, angle)
-    return {wish.name: acos(max(-1.0, min(1.0, dot(rotated(frame, wish.own), wish.wanted)))) for wish in wishes}
+    return {wish.name: arccosine(max(-1.0, min(1.0, dot(rotated(frame, wish.own), wish.wanted)))) for wish in wishes}
 
 
 def _left(solution: Solution) -> float:

@@ -5,15 +5,16 @@ one; what stands here is its specification, and the answer where there is none.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from math import acos
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
 from kinesic.ik import KERNEL, Kernel
+from kinesic.ik.angles import arccosine
 from kinesic.ik.approach import STALLED, approach
 from kinesic.ik.compiled import arm_of
 from kinesic.ik.finish import finish
@@ -26,8 +27,7 @@ from kinesic.ik.wrist import Wish, orient
 REACHED = 1e-3  # [m] residual at which the hand is there
 
 
-@dataclass(frozen=True, eq=False)
-class Solution:
+class Solution(Struct, frozen=True, eq=False):
     """An unreachable goal is an answer, not an error: read the residual."""
 
     angles: Floats  # (k,) [rad] inside the ranges
@@ -65,17 +65,24 @@ def solve(
     Raises:
         ValueError: a shape is wrong or a number is not finite; or the chain is no arm.
     """
-    answer = _answered(chain, reach, start, rest, mobility, kernel)
+    answer = _compiled(chain, reach, start, rest, mobility) if kernel == "compiled" else None
+    if answer is None:
+        answer = _examined(chain, reach, start, rest, mobility, kernel)
     return answer if answer.reached else _finished(chain, reach, rest, answer)
 
 
-def _answered(
+def _compiled(
+    chain: Chain, reach: Reach, start: Floats, rest: Floats | None, mobility: Floats | None
+) -> Solution | None:
+    """The kernel's answer; None where the question is not made of finite float64 arrays of the right size."""
+    told = arm_of(chain).solve(reach.position, reach.pointing, reach.palm, reach.swivel, start, rest, mobility)
+    return None if told is None else Solution(*told)
+
+
+def _examined(
     chain: Chain, reach: Reach, start: Floats, rest: Floats | None, mobility: Floats | None, kernel: Kernel
 ) -> Solution:
-    if kernel == "compiled":
-        answer = _compiled(chain, reach, start, rest, mobility)
-        if answer is not None:
-            return answer
+    """The answer to a question that is refused in words, or first brought to its form."""
     reach = _checked(reach)
     start = _finite("start", start, len(chain.rest))
     rest = chain.rest if rest is None else _finite("rest", rest, len(chain.rest))
@@ -88,20 +95,6 @@ def _answered(
         solution = _solved(mirrored_chain(chain), mirrored_reach(reach), start, rest, mobility)
         return replace(solution, target=mirrored_place(solution.target))
     return _solved(chain, reach, start, rest, mobility)
-
-
-def _compiled(
-    chain: Chain, reach: Reach, start: Floats, rest: Floats | None, mobility: Floats | None
-) -> Solution | None:
-    """The kernel's answer; None where the question is not made of finite float64 arrays of the right size."""
-    arm = arm_of(chain)
-    out = np.empty(arm.hinges + 3)
-    told = arm.solve(reach.position, reach.pointing, reach.palm, reach.swivel, start, rest, mobility, out)
-    if told is None:
-        return None
-    out.setflags(write=False)
-    residual, pointing_error, palm_error, iterations, pulled = told
-    return Solution(out[:-3], residual, pointing_error, palm_error, residual <= REACHED, iterations, out[-3:], pulled)
 
 
 def _solved(chain: Chain, reach: Reach, start: Floats, rest: Floats, mobility: Floats | None) -> Solution:
@@ -125,7 +118,7 @@ def _with_wrist(
     angles = (*bent_angles, *orient(linkage.links[-1], frame, wishes, rest[len(bent_angles) :]))
     hand = linkage.walk(angles, len(linkage.links))[0]
     residual = distance(points[-1], asked)
-    errors = {wish.name: acos(max(-1.0, min(1.0, dot(rotated(hand, wish.own), wish.wanted)))) for wish in wishes}
+    errors = {wish.name: arccosine(max(-1.0, min(1.0, dot(rotated(hand, wish.own), wish.wanted)))) for wish in wishes}
     pointing_error, palm_error = errors.get("pointing"), errors.get("palm")
     reached = residual <= REACHED
     return Solution(sealed(angles), residual, pointing_error, palm_error, reached, iterations, sealed(target), 0.0)

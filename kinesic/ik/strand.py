@@ -16,19 +16,19 @@ class Segment:
     """One part on the way: where it sits on the one before, and what turns it."""
 
     offset: Vector  # [m] of its centre in the part before
-    hinges: tuple[tuple[int, Vector], ...]  # index in the robot's joint order, axis
+    hinges: tuple[tuple[int, Vector, Vector], ...]  # index in the robot's joint order, axis, where it passes [m]
 
 
 @dataclass(frozen=True)
 class Strand:
-    """From the root to a segment; the segment's own hinges do not move its centre and are left out."""
+    """From the root to a segment; its own hinges are left out where they pass its centre and do not move it."""
 
     segments: tuple[Segment, ...]
 
     @property
     def joints(self) -> tuple[int, ...]:
         """Indices of its hinges in the robot's joint order."""
-        return tuple(joint for segment in self.segments for joint, _ in segment.hinges)
+        return tuple(joint for segment in self.segments for joint, _, _ in segment.hinges)
 
     def end(self, angles: Sequence[float]) -> tuple[Vector, Floats]:
         """Where the end is, and how it moves.
@@ -43,9 +43,11 @@ class Strand:
         axes: list[tuple[Vector, Vector]] = []
         for segment in self.segments:
             centre = plus(centre, rotated(rotation, segment.offset))
-            for joint, axis in segment.hinges:
-                axes.append((rotated(rotation, axis), centre))
+            for joint, axis, at in segment.hinges:
+                pole = plus(centre, rotated(rotation, at))
+                axes.append((rotated(rotation, axis), pole))
                 rotation = after(rotation, axis, angles[joint])
+                centre = minus(pole, rotated(rotation, at))
         return centre, np.array([cross(axis, minus(centre, pole)) for axis, pole in axes])
 
 
@@ -56,8 +58,10 @@ def strand_to(skeleton: Skeleton, name: str) -> Strand:
     at: str | None = name
     while at is not None:
         part = skeleton.segments[skeleton.segment(at)]
-        joints = () if at == name else skeleton.joints_of((at,))
-        hinges = tuple((joint, vector(skeleton.hinges[joint].axis)) for joint in joints)
+        joints = [joint for joint in skeleton.joints_of((at,)) if at != name or skeleton.hinges[joint].at.any()]
+        hinges = tuple(
+            (joint, vector(skeleton.hinges[joint].axis), vector(skeleton.hinges[joint].at)) for joint in joints
+        )
         segments.append(Segment(vector(part.origin_in_parent), hinges))
         at = part.parent
     return Strand(tuple(reversed(segments)))

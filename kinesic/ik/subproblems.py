@@ -1,7 +1,8 @@
 """The closed forms of Paden and Kahan: angles of one or two hinges that aim a bone."""
 
-from math import acos, atan2, pi, sqrt
+from math import pi, sqrt
 
+from kinesic.ik.angles import arccosine, arctangent
 from kinesic.ik.vectors import Vector, cross, dot
 
 UNDEFINED = 1e-9  # of a bone's length: nearer than this to the axis, a direction defines no angle
@@ -20,7 +21,7 @@ def turn_towards(axis: Vector, rest: Vector, wanted: Vector) -> float | None:
     """
     s = dot(axis, cross(rest, wanted))
     c = dot(rest, wanted) - dot(axis, rest) * dot(axis, wanted)
-    return None if sqrt(s * s + c * c) < UNDEFINED else atan2(s, c)
+    return None if sqrt(s * s + c * c) < UNDEFINED else arctangent(s, c)
 
 
 def first_of_two(first: Vector, second: Vector, rest: Vector, wanted: Vector) -> tuple[float, ...]:
@@ -40,8 +41,8 @@ def first_of_two(first: Vector, second: Vector, rest: Vector, wanted: Vector) ->
     rho = sqrt(a * a + b * b)
     if rho < UNDEFINED:
         return ()
-    middle = atan2(b, a)
+    middle = arctangent(b, a)
     if abs(c) >= rho:
         return (middle if c > 0.0 else middle + pi,)
-    spread = acos(c / rho)
+    spread = arccosine(c / rho)
     return middle + spread, middle - spread

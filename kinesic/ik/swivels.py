@@ -12,7 +12,7 @@ from kinesic.ik.elbow import elbow_at, swivel_of
 from kinesic.ik.hinges import extract
 from kinesic.ik.linkage import Linkage, Pivot
 from kinesic.ik.place import NATURAL_SWIVEL, Place, place_of
-from kinesic.ik.vectors import Rotation, Vector
+from kinesic.ik.vectors import Rotation, Vector, distance
 
 SWIVELS = 24  # on the elbow's circle
 GIRDLE_STEPS = 5  # of each collar bone hinge over its range, beside where it is
@@ -59,7 +59,7 @@ def cell_at(linkage: Linkage, place: Place, swivel: float, hand: Hand, *, near: 
     found = extract(linkage, (*place.girdle, elbow, place.target), near)
     frame, points = linkage.walk(found.angles, len(linkage.links) - 1)
     own, error = hand(frame)
-    miss = dist(points[-1], place.target)
+    miss = distance(points[-1], place.target)
     return Cell(found.angles + own, miss, error, error + MISS_COST * miss / linkage.farthest)
 
 

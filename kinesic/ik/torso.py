@@ -7,6 +7,7 @@ the same; for one hand far out on its own side the thesis' rule would take the s
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache, partial
 from math import radians
 
 import numpy as np
@@ -14,6 +15,8 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot, Side
 from kinesic.body.skeleton import Hinge
+from kinesic.ik import KERNEL, Kernel
+from kinesic.ik.compiled import arm_of
 from kinesic.ik.linkage import Linkage, linkage_of
 from kinesic.ik.place import gap
 from kinesic.ik.vectors import Vector, cross, dot, minus, plus, turned, unit, vector
@@ -47,15 +50,19 @@ class _Arm:
     linkage: Linkage
     base: Vector  # [m] origin of the segment that carries the arm, in the world
     target: Vector  # [m] in the world
+    gap: Callable[[Vector], float]  # [m] from the shoulder that helps most to a place in the base
 
 
-def lean(robot: Robot, hands: Mapping[Side, Floats], *, most: float = MOST) -> tuple[float, float, float]:
+def lean(
+    robot: Robot, hands: Mapping[Side, Floats], *, most: float = MOST, kernel: Kernel = KERNEL
+) -> tuple[float, float, float]:
     """The smallest turn and lean that bring each shoulder near enough to its hand's target.
 
     Args:
         robot: whose arms reach.
         hands: (3,) [m] targets of the hands in the world; they stay there while the torso moves.
         most: [rad] of each hinge.
+        kernel: which implementation answers; "numpy" is the specification of the other.
 
     Returns:
         Torsion, tilt and roll [rad], signed as their hinges and inside their ranges. All zero when every target is
@@ -64,7 +71,7 @@ def lean(robot: Robot, hands: Mapping[Side, Floats], *, most: float = MOST) -> t
     Raises:
         ValueError: a target is not three finite numbers.
     """
-    turns, arms = _turns(robot), [_arm(robot, side, target) for side, target in hands.items()]
+    turns, arms = _turns(robot), [_arm(robot, side, target, kernel) for side, target in hands.items()]
     far = [arm for arm in arms if _excess(arm, turns, [0.0] * len(turns)) > 0.0]
     if not far:
         return 0.0, 0.0, 0.0
@@ -107,30 +114,31 @@ def _excess(arm: _Arm, turns: Sequence[_Turn], angles: Sequence[float]) -> float
     target = arm.target
     for turn, angle in zip(turns, angles, strict=True):
         target = plus(turn.centre, turned(minus(target, turn.centre), turn.axis, -angle))
-    return gap(arm.linkage, minus(target, arm.base)) - EASY * arm.linkage.farthest
+    return arm.gap(minus(target, arm.base)) - EASY * arm.linkage.farthest
 
 
-def _arm(robot: Robot, side: Side, target: Floats) -> _Arm:
+def _arm(robot: Robot, side: Side, target: Floats, kernel: Kernel) -> _Arm:
     point = np.asarray(target, dtype=np.float64)
     if point.shape != (3,) or not np.isfinite(point).all():
         raise ValueError(f"target of hand {side} is {point.tolist()}; it needs three finite numbers")
     chain = robot.arms[side]
-    origins = robot.skeleton.frames(np.zeros(len(robot.skeleton.hinges))).origins
-    base = vector(origins[robot.skeleton.segment(chain.base)])
-    return _Arm(linkage_of(chain), base, vector(point))
+    base = vector(robot.skeleton.straight.origins[robot.skeleton.segment(chain.base)])
+    linkage = linkage_of(chain)
+    return _Arm(linkage, base, vector(point), arm_of(chain).gap if kernel == "compiled" else partial(gap, linkage))
 
 
-def _turns(robot: Robot) -> list[_Turn]:
+@lru_cache(maxsize=8)
+def _turns(robot: Robot) -> tuple[_Turn, ...]:
     """The first torso hinge of each kind, from the root outward."""
     skeleton = robot.skeleton
-    origins = skeleton.frames(np.zeros(len(skeleton.hinges))).origins
+    origins = skeleton.straight.origins
     found: dict[int, _Turn] = {}
     for joint in robot.joints("torso"):
         hinge = skeleton.hinges[joint]
         centre = vector(origins[skeleton.segment(hinge.segment)])
         turn = _Turn(_kind(hinge), vector(hinge.axis), centre, float(hinge.lower), float(hinge.upper))
         found.setdefault(turn.kind, turn)
-    return list(found.values())
+    return tuple(found.values())
 
 
 def _kind(hinge: Hinge) -> int:

@@ -8,8 +8,8 @@ the climb begins again at each corner of the ranges.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
-from math import atan2, cos, sin
 
+from kinesic.ik.angles import arctangent, turn_of
 from kinesic.ik.linkage import Link, Pivot
 from kinesic.ik.vectors import Rotation, Vector, cross, dot, turned, within
 
@@ -88,13 +88,19 @@ def _outward(link: Link, angles: Sequence[float], k: int, own: Vector) -> Vector
 
 def _best(pivot: Pivot, pairs: Sequence[tuple[Vector, Vector]], rest: float) -> tuple[float, float]:
     """The best angle inside the range, and the agreement there."""
-    a, b, level = POSTURE * cos(rest), POSTURE * sin(rest), 0.0
+    a, b = (POSTURE * part for part in turn_of(rest))
+    level = 0.0
     for look, own in pairs:
         along = dot(pivot.axis, look) * dot(pivot.axis, own)
         level += along
         a += dot(look, own) - along
         b += dot(look, cross(pivot.axis, own))
-    peak = atan2(b, a)
+
+    def height(angle: float) -> float:
+        cosine, sine = turn_of(angle)
+        return a * cosine + b * sine
+
+    peak = arctangent(b, a)
     if not pivot.lower <= peak <= pivot.upper:
-        peak = max((pivot.lower, pivot.upper), key=lambda stop: a * cos(stop) + b * sin(stop))
-    return peak, level + a * cos(peak) + b * sin(peak)
+        peak = max((pivot.lower, pivot.upper), key=height)
+    return peak, level + height(peak)

@@ -1,5 +1,6 @@
 """How close the robot comes to itself: exact distances between capsules, for a whole motion at once."""
 
+from collections.abc import Sequence
 from typing import cast
 
 import numpy as np
@@ -8,11 +9,14 @@ from numpy.typing import NDArray
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.dynamics import Clearance
 from kinesic.body.robot import Robot
+from kinesic.body.skeleton import Capsule, Segment, Skeleton
 from kinesic.sim.kinematics import MotionFrames, motion_frames
 
 Indices = NDArray[np.intp]
 
-BLOCK = 512  # postures at once, so that the arrays stay in the cache
+BLOCK = 512  # postures whose kinematics are computed at once
+STRIP = 128  # of them at once for all pairs, so that arrays stay in the cache and products on one core
+SHORTEST = 1e-9  # [m] of a reach that is not none
 
 
 class CapsuleDistances:
@@ -26,15 +30,20 @@ class CapsuleDistances:
         """
         self._skeleton = robot.skeleton
         self._capsules = [(k, c) for k, segment in enumerate(robot.skeleton.segments) for c in segment.capsules]
+        self._owners = [k for k, _ in self._capsules]
+        self._starts = np.array([capsule.start for _, capsule in self._capsules]).reshape(-1, 3)  # (c, 3) [m]
+        self._ends = np.array([capsule.end for _, capsule in self._capsules]).reshape(-1, 3)  # (c, 3) [m]
         owners = [robot.skeleton.segments[k].name for k, _ in self._capsules]
-        counted = set(robot.counted_pairs)
+        counted = {pair: k for k, pair in enumerate(robot.counted_pairs)}
         pairs = [(i, j) for i, a in enumerate(owners) for j, b in enumerate(owners) if (a, b) in counted]
         self._first, self._second = np.array(pairs, dtype=np.intp).reshape(-1, 2).T
         self._names = [(owners[i], owners[j]) for i, j in pairs]
+        self._counted, self._of = len(counted), [counted[names] for names in self._names]
         radii = np.array([capsule.radius for _, capsule in self._capsules])
         halves = np.array([np.linalg.norm(capsule.end - capsule.start) / 2 for _, capsule in self._capsules])
         self._radii = radii[self._first] + radii[self._second]  # (p,) [m]
         self._halves = halves[self._first] + halves[self._second]  # (p,) [m]
+        self._reaches = _reaches(robot.skeleton, self._capsules, pairs)  # (p, n) [m]
 
     def clearance(self, angles: Floats) -> Clearance:
         """Smallest distance between the capsules of counted pairs.
@@ -45,33 +54,141 @@ class CapsuleDistances:
         Returns:
             Distance and pair of segments for each posture; infinite for a robot without counted pairs.
         """
-        if not self._names or not len(angles):
-            return Clearance(sealed(np.full(len(angles), np.inf)), [("", "")] * len(angles))
-        blocks = [self._closest(angles[k : k + BLOCK]) for k in range(0, len(angles), BLOCK)]
-        closest = np.concatenate([pair for _, pair in blocks])
-        return Clearance(sealed(np.concatenate([d for d, _ in blocks])), [self._names[k] for k in closest])
+        return self._named(*self._nearest(angles))
 
-    def _closest(self, angles: Floats) -> tuple[Floats, Indices]:
+    def gaps(self, angles: Floats) -> Floats:
+        """Distances between the segments of every counted pair.
+
+        Args:
+            angles: (m, n) [rad] in joint order.
+
+        Returns:
+            (m, p) [m] in the order of `Robot.counted_pairs`; infinite where a segment has no capsule.
+        """
+        gaps = np.full((self._counted, len(angles)), np.inf)
+        if self._names:
+            starts, ends = (side.transpose(0, 2, 1) for side in self._axes(motion_frames(self._skeleton, angles)))
+            first, second = self._first, self._second
+            axes = (side.reshape(-1, 3) for side in (starts[first], ends[first], starts[second], ends[second]))
+            np.minimum.at(gaps, self._of, segment_distances(*axes).reshape(len(first), -1) - self._radii[:, None])
+        return sealed(gaps.T)
+
+    def approach(self, angles: Floats, ends: Indices, *, near: float, frames: MotionFrames | None = None) -> Clearance:
+        """Closest approach of each stretch of a motion; of its postures only those are measured that may count.
+
+        A turn of a hinge brings no two capsules nearer than by its angle times what the hinge can reach, so most
+        postures between two measured ones are known to be further.
+
+        Args:
+            angles: (s, n) [rad] the postures of the motion.
+            ends: (m,) where each stretch ends among them, never decreasing; it begins after the one before.
+            near: [m] every approach below this is found.
+            frames: of the m postures at the ends, when they are known already.
+
+        Returns:
+            Distance and pair for each stretch: the smallest of all its postures wherever that is below `near` or below
+            that of every end, and so the smallest of all; elsewhere that of its end.
+        """
+        if not self._names or not len(ends):
+            return self.clearance(angles[ends])
+        lowest = self._strips(frames or motion_frames(self._skeleton, angles[ends]))
+        distances, pairs = np.full(len(angles), np.inf), np.zeros(len(angles), dtype=np.intp)
+        pairs[ends] = lowest.argmin(axis=0)
+        distances[ends] = lowest.min(axis=0)
+        between = self._suspects(angles, ends, lowest, max(near, float(lowest.min())))
+        distances[between], pairs[between] = self._nearest(angles[between])
+        chosen, stretches = ends.copy(), np.searchsorted(ends, between)
+        nearer = np.flatnonzero(distances[between] < distances[ends[stretches]])
+        nearer = nearer[np.argsort(-distances[between][nearer], kind="stable")]
+        chosen[stretches[nearer]] = between[nearer]  # of several in a stretch the last, which is the nearest, stays
+        return self._named(distances[chosen], pairs[chosen])
+
+    def _suspects(self, angles: Floats, known: Indices, lowest: Floats, limit: float) -> Indices:
+        """Postures between known ones that may be nearer than a limit [m], by what the hinges between a pair reach."""
+        unknown = np.ones(known[-1] + 1, dtype=bool)
+        unknown[known] = False
+        between = np.flatnonzero(unknown)
+        after = np.searchsorted(known, between)
+        lowest = np.ascontiguousarray(lowest.T)  # whole rows are looked up faster
+        near = np.empty(len(between), dtype=bool)
+        for block in (slice(k, k + STRIP) for k in range(0, len(between), STRIP)):
+            bounds = []
+            for neighbour in (after[block], np.maximum(after[block] - 1, 0)):
+                turned = np.abs(angles[between[block]] - angles[known[neighbour]])
+                bounds.append(lowest[neighbour] - turned @ self._reaches.T)
+            near[block] = np.maximum(*bounds).min(axis=1) < limit
+        return between[near]
+
+    def _named(self, distances: Floats, pairs: Indices) -> Clearance:
+        names = self._names or [("", "")]
+        return Clearance(sealed(distances), [names[k] for k in pairs])
+
+    def _nearest(self, angles: Floats) -> tuple[Floats, Indices]:
         """(m,) [m] and index of the closest pair of capsules, for (m, n) [rad]."""
-        starts, ends = self._axes(motion_frames(self._skeleton, angles))
+        if not self._names:
+            return np.full(len(angles), np.inf), np.zeros(len(angles), dtype=np.intp)
+        lowest = self._lowest(angles)
+        return lowest.min(axis=0, initial=np.inf), lowest.argmin(axis=0)
+
+    def _lowest(self, angles: Floats) -> Floats:
+        """(p, m) [m] distance of each pair for (m, n) [rad]; for those that cannot be the closest, a lower bound."""
+        blocks = [
+            self._strips(motion_frames(self._skeleton, angles[k : k + BLOCK])) for k in range(0, len(angles), BLOCK)
+        ]
+        return np.concatenate(blocks, axis=1) if blocks else np.empty((len(self._names), 0))
+
+    def _strips(self, frames: MotionFrames) -> Floats:
+        """The same from where the segments are."""
+        starts, ends = self._axes(frames)
+        strips = [
+            self._closest(starts[:, :, k : k + STRIP], ends[:, :, k : k + STRIP])
+            for k in range(0, starts.shape[2], STRIP)
+        ]
+        return np.concatenate(strips, axis=1)
+
+    def _closest(self, starts: Floats, ends: Floats) -> Floats:
+        """The same from the capsules' axes, (c, 3, m) [m] each."""
         middles = (starts + ends) / 2
         between = middles[self._first] - middles[self._second]
         above = np.sqrt(np.einsum("pkm,pkm->pm", between, between)) - self._radii[:, None]
         # the axes' middles bound the distance from above, less their half lengths from below
-        pairs, postures = np.nonzero(above - self._halves[:, None] <= above.min(axis=0))
+        lowest: Floats = above - self._halves[:, None]
+        pairs, postures = np.nonzero(lowest <= above.min(axis=0))
         i, j = self._first[pairs], self._second[pairs]
         axes = (starts[i, :, postures], ends[i, :, postures], starts[j, :, postures], ends[j, :, postures])
-        exact = segment_distances(*axes) - self._radii[pairs]
-        distances = np.full(above.shape, np.inf)
-        distances[pairs, postures] = exact
-        closest = distances.argmin(axis=0)
-        return distances[closest, np.arange(len(angles))], closest
+        lowest[pairs, postures] = segment_distances(*axes) - self._radii[pairs]
+        return lowest
 
     def _axes(self, frames: MotionFrames) -> tuple[Floats, Floats]:
         """(c, 3, m) [m] starts and ends of the capsules' axes in the world."""
-        starts = np.array([frames.points(k, capsule.start) for k, capsule in self._capsules])
-        ends = np.array([frames.points(k, capsule.end) for k, capsule in self._capsules])
+        origins, rotations = frames.origins[self._owners], frames.rotations[self._owners]
+        starts, ends = (
+            origins + (side[:, None, None, :] @ rotations)[:, :, 0, :] for side in (self._starts, self._ends)
+        )
         return starts, ends
+
+
+def _reaches(skeleton: Skeleton, capsules: list[tuple[int, Capsule]], pairs: Sequence[tuple[int, int]]) -> Floats:
+    """(p, n) [m] how far from each hinge the axis of a pair's capsule can be that it turns against the other one."""
+    turned = np.array([_reach(skeleton, k, capsule) for k, capsule in capsules]).reshape(-1, len(skeleton.hinges))
+    first, second = np.array(pairs, dtype=np.intp).reshape(-1, 2).T
+    moved = turned > 0.0
+    apart: Floats = np.where(moved[first] & moved[second], 0.0, turned[first] + turned[second])
+    return apart
+
+
+def _reach(skeleton: Skeleton, owner: int, capsule: Capsule) -> Floats:
+    """(n,) [m] largest distance of a capsule's axis from each hinge that moves it, 0 for hinges that do not."""
+    reach = np.zeros(len(skeleton.hinges))
+    segment: Segment | None = skeleton.segments[owner]
+    far = max(float(np.linalg.norm(end)) for end in (capsule.start, capsule.end))
+    while segment is not None:
+        joints = list(skeleton.joints_of((segment.name,)))
+        far += 2 * sum(float(np.linalg.norm(skeleton.hinges[joint].at)) for joint in joints)  # they may miss its origin
+        reach[joints] = max(far, SHORTEST)
+        far += float(np.linalg.norm(segment.origin_in_parent))
+        segment = None if segment.parent is None else skeleton.segments[skeleton.segment(segment.parent)]
+    return reach
 
 
 def segment_distances(a0: Floats, a1: Floats, b0: Floats, b1: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""What torque a motion needs, and what acceleration each drive can give."""
+"""What torque a motion needs, and what each hinge bears at worst."""
 
 from functools import cached_property
 
@@ -6,13 +6,12 @@ import mujoco
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
+from kinesic.body.dynamics import Load
 from kinesic.body.robot import Robot
 from kinesic.sim.model import build, joint_order
 from kinesic.sim.sampling import Extremes, extremes
 
-STALL_SHARE = 0.8  # of the stall torque that a plan may use
 FRICTION_SPEED = 0.05  # [rad/s] within which Coulomb friction fades, so that a plan's torque has no jumps
-LEAST_ACCELERATION = 1.0  # [rad/s^2] what a hinge is granted that can hardly hold itself
 
 
 class MujocoDynamics:
@@ -31,6 +30,8 @@ class MujocoDynamics:
         self._data = mujoco.MjData(self._model)
         self._order = joint_order(robot, self._model)
         self._hinges = np.argsort(self._order)  # MuJoCo's order, as positions of the skeleton's hinges
+        self._armature = np.array([drive.armature for drive in robot.drives])
+        self._damping = np.array([drive.damping for drive in robot.drives])
         self._friction = np.array([drive.frictionloss for drive in robot.drives])
         self._stall = np.array([drive.stall for drive in robot.drives])
 
@@ -46,15 +47,18 @@ class MujocoDynamics:
             (m, n) [Nm].
         """
         model, data = self._model, self._data
-        qpos, qvel, qacc, inverse = data.qpos, data.qvel, data.qacc, data.qfrc_inverse
-        needed = np.empty(angles.shape)
-        for k, (angle, speed, acceleration) in enumerate(
-            zip(angles[:, self._hinges], speeds[:, self._hinges], accelerations[:, self._hinges], strict=True)
+        qpos, qvel, qacc = data.qpos, data.qvel, data.qacc
+        rigid = np.empty(angles.shape)  # of the links, by the recursive Newton-Euler method
+        for row, angle, speed, acceleration in zip(
+            rigid, angles[:, self._hinges], speeds[:, self._hinges], accelerations[:, self._hinges], strict=True
         ):
             qpos[:], qvel[:], qacc[:] = angle, speed, acceleration
-            mujoco.mj_inverse(model, data)
-            needed[k] = inverse
-        torques: Floats = needed[:, self._order] + self._friction * np.tanh(speeds / FRICTION_SPEED)
+            mujoco.mj_kinematics(model, data)
+            mujoco.mj_comPos(model, data)
+            mujoco.mj_comVel(model, data)
+            mujoco.mj_rne(model, data, 1, row)
+        torques: Floats = rigid[:, self._order] + self._armature * accelerations + self._damping * speeds
+        torques += self._friction * np.tanh(speeds / FRICTION_SPEED)
         return torques
 
     def holding(self, angles: Floats) -> Floats:
@@ -86,18 +90,13 @@ class MujocoDynamics:
         """The largest share of its stall torque that each hinge needs to hold any posture, and that posture."""
         return extremes(self._robot.skeleton, self.static_ratios)
 
-    def acceleration_limits(self) -> Floats:
-        """What each drive can give in its worst posture: (0.8 stall - gravity - friction) / inertia.
-
-        Gravity and inertia are each the largest found in any posture, and the larger of both sides, so that left
-        and right are equal.
-
-        Returns:
-            (n,) [rad/s^2], at least LEAST_ACCELERATION.
-        """
-        gravity = self._of_both_sides(self.worst_static.values * self._stall)
-        spare = STALL_SHARE * self._stall - gravity - self._friction
-        return sealed(np.maximum(spare / self._of_both_sides(self._worst_inertia.values), LEAST_ACCELERATION))
+    @cached_property
+    def load(self) -> Load:
+        """What each hinge bears at worst: gravity and inertia, each the largest found in any posture."""
+        return Load(
+            holding=sealed(self._of_both_sides(self.worst_static.values * self._stall)),
+            inertia=sealed(self._of_both_sides(self._worst_inertia.values)),
+        )
 
     @cached_property
     def _worst_inertia(self) -> Extremes:

@@ -1,23 +1,23 @@
-"""How far the real servos may be from their data sheets: the same robot, made weaker and heavier."""
+"""How far the real servos may be from their data sheets: the same robot, made weaker, heavier or later."""
 
 from dataclasses import replace
 from pathlib import Path
 
 import msgspec
 
-from kinesic.body.config import read
+from kinesic.body.config import ConfigError, closest, read
 from kinesic.body.robot import Robot
-from kinesic.body.servo import Drive
+from kinesic.body.servo import ServoModel
 
 
-class Factors(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Multipliers on a robot's figures; 1 leaves a figure as it is."""
+class DriveFactors(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Multipliers on the figures of a servo model; 1 leaves a figure as it is."""
 
     stall: float = 1.0
     no_load: float = 1.0
     friction: float = 1.0  # Coulomb and viscous
     armature: float = 1.0
-    mass: float = 1.0  # of structure and servos
+    gain: float = 1.0  # duty per error: the position P gain over its divisor
 
     def __post_init__(self) -> None:
         """Refuses factors that are not positive.
@@ -25,13 +25,37 @@ class Factors(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         Raises:
             ValueError: names the factor and its value.
         """
-        for name, value in msgspec.structs.asdict(self).items():
-            if not value > 0:
-                raise ValueError(f"factor {name} is {value}, must be above 0 (1 leaves it as it is)")
+        for name in DriveFactors.__struct_fields__:
+            _positive(name, getattr(self, name))
+
+
+class Factors(DriveFactors, frozen=True, forbid_unknown_fields=True):
+    """Multipliers on a robot's figures, and what else may differ."""
+
+    mass: float = 1.0  # of structure and servos
+    supply: float = 1.0  # voltage: stall torque, stall current and no-load speed follow it
+    latency: float = 0.0  # [s] from a command until its goals reach the servos
+    servos: dict[str, DriveFactors] = {}  # of single servo models, in place of those above
+
+    def __post_init__(self) -> None:
+        """Refuses factors that are not positive, and a latency below zero.
+
+        Raises:
+            ValueError: names the factor and its value.
+        """
+        super().__post_init__()
+        _positive("mass", self.mass)
+        _positive("supply", self.supply)
+        if not 0.0 <= self.latency < 1.0:
+            raise ValueError(f"latency is {self.latency} s, must be in [0, 1)")
+
+    def __hash__(self) -> int:
+        """Of the content, the table of servos included."""
+        return hash(msgspec.json.encode(self))
 
     @classmethod
     def read(cls, path: Path) -> "Factors":
-        """Reads factors from a TOML file; those not named are 1.
+        """Reads factors from a TOML file; those not named leave their figure as it is.
 
         Raises:
             ConfigError: the file is missing or wrong.
@@ -39,28 +63,43 @@ class Factors(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return read(path, cls)
 
     def applied(self, robot: Robot) -> Robot:
-        """The same robot with these factors on its drives and masses."""
+        """The same robot with these factors on its drives and masses.
+
+        Raises:
+            ConfigError: the robot has no servo of a name in `servos`.
+        """
         if self == NOMINAL:
             return robot
+        models = [drive.servo.name for drive in robot.drives]
+        for name in self.servos:
+            if name not in models:
+                raise ConfigError(f"factors of servo {name}: {robot.name} has none{closest(name, models)}")
         skeleton = robot.skeleton
         segments = tuple(replace(segment, mass=segment.mass * self.mass) for segment in skeleton.segments)
-        mounts = tuple(replace(mount, drive=self._drive(mount.drive)) for mount in robot.mounts)
+        mounts = tuple(
+            replace(mount, drive=replace(mount.drive, servo=self._servo(mount.drive.servo))) for mount in robot.mounts
+        )
         return replace(robot, skeleton=replace(skeleton, segments=segments), mounts=mounts)
 
-    def _drive(self, drive: Drive) -> Drive:
-        servo = drive.servo
+    def _servo(self, servo: ServoModel) -> ServoModel:
+        own = self.servos.get(servo.name, self)
         return replace(
-            drive,
-            servo=replace(
-                servo,
-                stall_nm=servo.stall_nm * self.stall,
-                no_load_rpm=servo.no_load_rpm * self.no_load,
-                frictionloss=servo.frictionloss * self.friction,
-                damping=servo.damping * self.friction,
-                armature=servo.armature * self.armature,
-                mass=servo.mass * self.mass,
-            ),
+            servo,
+            volt=servo.volt * self.supply,
+            stall_nm=servo.stall_nm * own.stall * self.supply,
+            stall_a=servo.stall_a * self.supply,
+            no_load_rpm=servo.no_load_rpm * own.no_load * self.supply,
+            frictionloss=servo.frictionloss * own.friction,
+            damping=servo.damping * own.friction,
+            armature=servo.armature * own.armature,
+            p_gain=servo.p_gain * own.gain,
+            mass=servo.mass * self.mass,
         )
+
+
+def _positive(name: str, value: float) -> None:
+    if not value > 0:
+        raise ValueError(f"factor {name} is {value}, must be above 0 (1 leaves it as it is)")
 
 
 NOMINAL = Factors()

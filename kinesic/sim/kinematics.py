@@ -34,24 +34,34 @@ def motion_frames(skeleton: Skeleton, angles: Floats) -> MotionFrames:
     count = len(angles)
     rotations = np.empty((len(skeleton.segments), 3, 3, count))
     origins = np.empty((len(skeleton.segments), 3, count))
-    for k, segment in enumerate(skeleton.segments):
-        if segment.parent is None:
+    for k, (parent, origin, hinges) in enumerate(skeleton.steps):
+        if parent < 0:
             rotation = np.repeat(np.eye(3)[:, :, None], count, axis=2)
-            origins[k] = segment.origin_in_parent[:, None]
+            origins[k] = origin[:, None]
         else:
-            parent = skeleton.segment(segment.parent)
             rotation = rotations[parent]
-            origins[k] = origins[parent] + segment.origin_in_parent @ rotation
-        for joint in skeleton.joints_of((segment.name,)):
-            rotation = _turned(rotation, skeleton.hinges[joint].axis, angles[:, joint])
+            origins[k] = origins[parent] + origin @ rotation
+        for joint, aside in hinges:
+            turned = _turned(rotation, skeleton.hinges[joint].axis, angles[:, joint])
+            if aside is not None:
+                origins[k] += aside @ (rotation - turned)
+            rotation = turned
         rotations[k] = rotation
     return MotionFrames(rotations, origins)
 
 
 def _turned(rotations: Floats, axis: Floats, angles: Floats) -> Floats:
     """R (I + sin K + (1 - cos) K^2) with the axis' cross product matrix K: Rodrigues' formula."""
-    x, y, z = axis
+    sin, cos = np.sin(angles), np.cos(angles)
+    x, y, z = axis.tolist()
+    if [x, y, z].count(0.0) == 2:  # of the columns, two turn in their plane
+        j, k = (1, 2) if x else (2, 0) if y else (0, 1)
+        sin *= x + y + z
+        turned = rotations.copy()
+        turned[:, j] = cos * rotations[:, j] + sin * rotations[:, k]
+        turned[:, k] = cos * rotations[:, k] - sin * rotations[:, j]
+        return turned
     crossed = np.array([[0, z, -y], [-z, 0, x], [y, -x, 0]])  # K transposed, as it acts from the left on the columns
     once = crossed @ rotations
-    turned: Floats = rotations + np.sin(angles) * once + (1 - np.cos(angles)) * (crossed @ once)
-    return turned
+    skewed: Floats = rotations + sin * once + (1 - cos) * (crossed @ once)
+    return skewed

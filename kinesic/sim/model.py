@@ -119,6 +119,7 @@ def _add_hinge(spec: mujoco.MjSpec, hinge: Hinge, drive: Drive) -> None:
         name=hinge.name,
         type=mujoco.mjtJoint.mjJNT_HINGE,
         axis=hinge.axis,
+        pos=hinge.at,
         range=[hinge.lower, hinge.upper],
         armature=drive.armature,
         frictionloss=drive.frictionloss,

@@ -1,17 +1,24 @@
 """What makes a picture of the robot pleasant: colours, eyes, ground, lights and a camera. None of it has weight."""
 
+from dataclasses import dataclass
+from typing import Literal
+
 import mujoco
 import numpy as np
 
-from kinesic.body.arrays import Floats
-from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.robot import SIDES, Robot
 from kinesic.sim.model import capsule_name, describe
 
 CAMERA = "audience"
-SHELL = (0.93, 0.92, 0.89, 1.0)
-TRUNK = (0.34, 0.42, 0.52, 1.0)
+Part = Literal["trunk", "limb", "l_hand", "r_hand"]
+COLOURS: dict[Part, tuple[float, ...]] = {
+    "trunk": (0.34, 0.42, 0.52, 1.0),
+    "limb": (0.93, 0.92, 0.89, 1.0),
+    "l_hand": (0.95, 0.55, 0.22, 1.0),
+    "r_hand": (0.16, 0.56, 0.66, 1.0),
+}
 SERVO = (0.17, 0.18, 0.21, 1.0)
-HANDS: dict[Side, tuple[float, ...]] = {"l": (0.95, 0.55, 0.22, 1.0), "r": (0.16, 0.56, 0.66, 1.0)}
 SKY = (0.62, 0.74, 0.84)
 HORIZON = (0.90, 0.93, 0.95)
 WHITE = (1.0, 1.0, 1.0, 1.0)
@@ -44,31 +51,53 @@ def staged(robot: Robot, *, width: int, height: int) -> mujoco.MjModel:
     return spec.compile()
 
 
-def _paint(spec: mujoco.MjSpec, robot: Robot) -> None:
+@dataclass(frozen=True, eq=False)
+class Eyeball:
+    """A ball of an eye, fixed to the segment that bears the eyes."""
+
+    centre: Floats  # (3,) [m] in the segment
+    radius: float  # [m]
+    dark: bool  # a pupil
+
+
+def parts(robot: Robot) -> dict[str, Part]:
+    """What each segment is painted as."""
     limbs = {segment for side in SIDES for segment in robot.chains[f"{side}_arm"]}
     limbs |= set(robot.chains.get("neck", ()))
-    hands = {robot.chains[f"{side}_arm"][-1]: HANDS[side] for side in SIDES}
+    painted: dict[str, Part] = {s.name: "limb" if s.name in limbs else "trunk" for s in robot.skeleton.segments}
+    return painted | {robot.chains["l_arm"][-1]: "l_hand", robot.chains["r_arm"][-1]: "r_hand"}
+
+
+def eyeballs(robot: Robot) -> tuple[Eyeball, ...]:
+    """Two white balls with pupils beside the site between the eyes, looking where it faces; none without that site."""
+    eyes = robot.sites.get("eyes")
+    if eyes is None:
+        return ()
+    sideways = np.cross([0.0, 0.0, 1.0], eyes.facing)
+    if not sideways.any():
+        return ()
+    sideways /= np.linalg.norm(sideways)
+    found = []
+    for side in (-1, 1):
+        white = eyes.position + side * EYE_SPACING * sideways - EYE_DEPTH * eyes.facing
+        found.append(Eyeball(sealed(white), EYE_RADIUS, dark=False))
+        found.append(Eyeball(sealed(white + PUPIL_AHEAD * eyes.facing), PUPIL_RADIUS, dark=True))
+    return tuple(found)
+
+
+def _paint(spec: mujoco.MjSpec, robot: Robot) -> None:
+    painted = parts(robot)
     for segment in robot.skeleton.segments:
-        colour = hands.get(segment.name, SHELL if segment.name in limbs else TRUNK)
         for k in range(len(segment.capsules)):
-            spec.geom(capsule_name(segment.name, k)).rgba = colour
+            spec.geom(capsule_name(segment.name, k)).rgba = COLOURS[painted[segment.name]]
     for name in robot.skeleton.names:
         spec.geom(f"{name}_servo").rgba = SERVO
 
 
 def _add_eyes(spec: mujoco.MjSpec, robot: Robot) -> None:
-    """Two white balls with pupils beside the site between the eyes, looking where it faces."""
-    eyes = robot.sites.get("eyes")
-    if eyes is None:
-        return
-    sideways = np.cross([0.0, 0.0, 1.0], eyes.facing)
-    if not sideways.any():
-        return
-    sideways /= np.linalg.norm(sideways)
-    for side in (-1, 1):
-        white = eyes.position + side * EYE_SPACING * sideways - EYE_DEPTH * eyes.facing
-        _add_ball(spec.body(eyes.segment), white, EYE_RADIUS, WHITE)
-        _add_ball(spec.body(eyes.segment), white + PUPIL_AHEAD * eyes.facing, PUPIL_RADIUS, BLACK)
+    for ball in eyeballs(robot):
+        body = spec.body(robot.sites["eyes"].segment)
+        _add_ball(body, ball.centre, ball.radius, BLACK if ball.dark else WHITE)
 
 
 def _add_ball(body: mujoco.MjsBody, centre: Floats, radius: float, colour: tuple[float, ...]) -> None:

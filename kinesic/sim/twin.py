@@ -1,7 +1,7 @@
 """The robot in physics: follows commands as its servos would, and keeps what happened."""
 
 from collections import deque
-from itertools import pairwise
+from functools import lru_cache
 from math import ceil, inf
 
 import mujoco
@@ -9,13 +9,14 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import Command, State
-from kinesic.body.dynamics import Clearance
 from kinesic.body.measurements import Measurements
 from kinesic.body.robot import SIDES, Robot
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.factors import NOMINAL, Factors
-from kinesic.sim.kinematics import motion_frames
+from kinesic.sim.kinematics import MotionFrames, motion_frames
 from kinesic.sim.model import actuator_order, build, joint_order
+from kinesic.sim.power import effort, power
+from kinesic.sim.tape import Tape
 
 STEP = 0.004  # [s] longest physics step: angles stay within 0.05 deg of those with steps of 1 ms
 SAME_TIME = 1e-9  # [s] below which two times are one
@@ -35,6 +36,8 @@ class Twin:
         step: float = STEP,
         latency: float = 0.0,
         start: Floats | None = None,
+        rounds: bool = True,
+        touches: bool = True,
     ) -> None:
         """Stands still, its servos holding the posture it starts from.
 
@@ -44,6 +47,8 @@ class Twin:
             step: [s] longest step of the physics; each command's interval is cut into equal steps.
             latency: [s] from a command's time until its goals reach the servos.
             start: (n,) [rad] first posture; the robot's rest posture if not given.
+            rounds: goals to ticks, as the servos' registers do.
+            touches: itself where segments meet; a tenth faster without, and the same as long as they stay apart.
 
         Raises:
             ValueError: step is not positive, or latency is negative.
@@ -53,20 +58,23 @@ class Twin:
         if latency < 0:
             raise ValueError(f"latency is {latency} s, must be at least 0")
         self._robot = factors.applied(robot)
-        self._step, self._latency = step, latency
+        self._distances = _distances(robot)  # the same for all factors
+        self._step, self._latency = step, latency + factors.latency
         self._model = build(robot, servos=factors)
+        if not touches:
+            self._model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
         self._data = mujoco.MjData(self._model)
         self._order = joint_order(robot, self._model)
         self._actuators = actuator_order(robot, self._model)
-        self._ticks = np.array([drive.tick for drive in robot.drives])
+        self._ticks = np.array([drive.tick for drive in robot.drives]) if rounds else None
         posture = robot.skeleton.rest if start is None else start
         self._data.qpos[self._order] = posture
-        self._goals = self._rounded(posture)
-        self._data.ctrl[self._actuators] = self._goals
+        self._control, self._options = self._data.ctrl, self._model.opt  # looked up once: each costs as much as a sum
+        goals = self._rounded(posture)
+        self._control[self._actuators] = goals
         self._time = -inf  # [s] of the performance, before the first command
         self._waiting: deque[tuple[float, Floats]] = deque()  # goals under way, with the time they arrive
-        self._steps: list[Floats] = [self._data.qpos.copy()]  # every posture of the physics
-        self._samples: list[tuple[float, int, Floats, Floats]] = []  # time, steps so far, speeds, goals in force
+        self._tape = Tape(self._data.qpos, self._data.qvel, goals)
 
     def write(self, command: Command, /) -> None:
         """Steps up to the command's time, then takes its goals.
@@ -81,52 +89,63 @@ class Twin:
         while self._waiting and self._waiting[0][0] <= command.time - SAME_TIME:
             arrival, goals = self._waiting.popleft()
             self._advance(arrival)
-            self._goals = goals
-            self._data.ctrl[self._actuators] = goals
+            self._tape.aim(goals)
+            self._control[self._actuators] = goals
         self._advance(command.time)
-        self._samples.append((command.time, len(self._steps), self._data.qvel.copy(), self._goals))
-        self._waiting.append((command.time + self._latency, self._rounded(command.goals)))
+        sent = self._rounded(command.goals)
+        self._tape.mark(command.time, sent)
+        self._waiting.append((command.time + self._latency, sent))
 
     def close(self) -> None:
         """Ends the performance; the measurements stay."""
 
+    def positions(self) -> Floats:
+        """(n,) [rad] at the last command, as the servos' registers have them."""
+        return self._rounded(self._tape.posture[self._order])
+
     def state(self) -> State:
         """What the robot is doing now."""
         return State(
-            angles=sealed(self._steps[-1][self._order]),
+            angles=sealed(self._tape.posture[self._order]),
             speeds=sealed(self._data.qvel[self._order]),
             accelerations=sealed(self._data.qacc[self._order]),
         )
 
     def forget(self) -> None:
         """Drops what was measured so far, for performances without end; the robot moves on."""
-        del self._steps[:-1]
-        self._samples.clear()
+        self._tape.forget()
 
     def measurements(self) -> Measurements:
         """What was seen so far, sampled at the times of the commands.
 
-        Duties and torques are those of the servos' law for the goals in force just before each command.
+        Duties and torques are those of the servos' law for the goals in force just before each command. The clearance
+        of a command is that of the closest posture since the command before, wherever one is nearer than the robot's
+        least clearance or than at any command; elsewhere it is that at the command.
 
         Raises:
             ValueError: no command was written yet.
         """
-        if not self._samples:
+        tape = self._tape
+        if not tape.times:
             raise ValueError("no command was written, so nothing was measured: write commands first")
-        counts = [count for _, count, _, _ in self._samples]
-        postures = np.array(self._steps)[:, self._order]
-        angles = postures[np.array(counts) - 1]
-        speeds = np.array([speed for _, _, speed, _ in self._samples])[:, self._order]
-        goals = np.array([goal for _, _, _, goal in self._samples])
-        duties, torques = self._drive(goals - angles, speeds)
+        at = np.array(tape.counts, dtype=np.intp) - 1
+        postures, speeds, spans = tape.steps()
+        postures, speeds = postures[:, self._order], speeds[:, self._order]
+        drives = self._robot.drives
+        given = effort(drives, tape.goals() - postures, speeds)
+        angles = postures[at]
+        frames = motion_frames(self._robot.skeleton, angles)
         return Measurements(
-            times=sealed([time for time, _, _, _ in self._samples]),
+            times=sealed(tape.times),
             angles=sealed(angles),
-            speeds=sealed(speeds),
-            torques=sealed(torques),
-            duties=sealed(duties),
-            hands=self._hands(angles),
-            clearance=self._clearance(postures, counts),
+            speeds=sealed(speeds[at]),
+            torques=sealed(given.loads[at] * [drive.stall for drive in drives]),
+            duties=sealed(given.duties[at]),
+            goals=sealed(tape.sent),
+            hands=self._hands(frames),
+            clearance=self._distances.approach(postures, at, near=self._robot.least_clearance, frames=frames),
+            latency=self._latency,
+            power=power(self._robot.skeleton.names, drives, given, spans=spans, counts=tape.counts),
         )
 
     def _advance(self, time: float) -> None:
@@ -134,46 +153,27 @@ class Twin:
         span = time - self._time
         if span <= SAME_TIME:
             return
-        model, data = self._model, self._data
+        model, data, step, add = self._model, self._data, mujoco.mj_step, self._tape.add
         count = ceil(span / self._step - SAME_TIME)
-        model.opt.timestep = span / count
-        half = span / count / 2
-        qpos, qvel = data.qpos, data.qvel
+        each = span / count
+        self._options.timestep = each
         for _ in range(count):
-            mujoco.mj_step(model, data)
-            # MuJoCo's semi-implicit steps run half a step ahead of the held goals; its speeds lie on time
-            self._steps.append(qpos - half * qvel)
+            step(model, data)
+            add(each)
         self._time = time
 
     def _rounded(self, goals: Floats) -> Floats:
         """(n,) [rad] as the servos' registers hold them."""
-        rounded: Floats = np.rint(goals / self._ticks) * self._ticks
-        return rounded
+        return goals.copy() if self._ticks is None else np.rint(goals / self._ticks) * self._ticks
 
-    def _drive(self, errors: Floats, speeds: Floats) -> tuple[Floats, Floats]:
-        """Demanded duties and torques [Nm] of the servos, (m, n) each."""
-        drives = self._robot.drives
-        gain = np.array([drive.gain for drive in drives])
-        rate = np.array([drive.rate_gain / drive.stall for drive in drives])
-        stall = np.array([drive.stall for drive in drives])
-        no_load = np.array([drive.no_load for drive in drives])
-        duties = gain * errors - rate * speeds
-        return duties, stall * (np.clip(duties, -1.0, 1.0) - speeds / no_load)
-
-    def _hands(self, angles: Floats) -> dict[str, Floats]:
+    def _hands(self, frames: MotionFrames) -> dict[str, Floats]:
         """Side -> (m, 3) [m] the wrist's centre in the world."""
         skeleton = self._robot.skeleton
-        frames = motion_frames(skeleton, angles)
         return {
             side: sealed(frames.origins[skeleton.segment(self._robot.chains[f"{side}_arm"][-1])].T) for side in SIDES
         }
 
-    def _clearance(self, postures: Floats, counts: list[int]) -> Clearance:
-        """The closest approach on all steps since the command before, for each command."""
-        every = CapsuleDistances(self._robot).clearance(postures)
-        edges = [0, *counts]
-        closest = [
-            begin + int(np.argmin(every.distances[begin:end]))
-            for begin, end in ((min(a, b - 1), b) for a, b in pairwise(edges))
-        ]
-        return Clearance(sealed(every.distances[closest]), [every.pairs[k] for k in closest])
+
+@lru_cache(maxsize=4)
+def _distances(robot: Robot) -> CapsuleDistances:
+    return CapsuleDistances(robot)

@@ -71,6 +71,13 @@ def test_the_torso_leans_forward_right_and_turns_left(skeleton: Skeleton):
     np.testing.assert_allclose(origin(skeleton, "l_shoulder", vl5_torsion=TURN), (-0.155, 0, 0.925), atol=1e-12)
 
 
+def test_frames_at_rest_and_straight_are_computed_once(skeleton: Skeleton):
+    assert np.array_equal(skeleton.resting.origins, skeleton.frames(skeleton.rest).origins)
+    assert np.array_equal(skeleton.straight.rotations, skeleton.frames(np.zeros(len(skeleton.hinges))).rotations)
+    assert skeleton.resting is skeleton.resting
+    assert skeleton.straight is skeleton.straight
+
+
 def test_clamp_gives_the_nearest_angles_inside(skeleton: Skeleton):
     np.testing.assert_array_equal(skeleton.clamp(np.full(22, 10.0)), skeleton.upper)
     np.testing.assert_array_equal(skeleton.clamp(np.full(22, -10.0)), skeleton.lower)

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from kinesic.controller.arrival import _entry
+from kinesic.controller.arrival import LEAST_BALL, SHARE, WINDOW, _entry
+from kinesic.controller.reference import MOVING
 
 TIMES = np.arange(0.0, 2.0, 0.01)
 PATH = np.stack([np.clip(TIMES, 0.0, 1.0), 0 * TIMES, 0 * TIMES], axis=1)  # 1 m/s, there at 1 s
@@ -21,3 +22,11 @@ def test_a_path_that_is_inside_already_enters_at_the_windows_start():
 
 def test_a_path_that_never_comes_near_does_not_arrive():
     assert _entry(1.0, TIMES, PATH, np.array([1.0, 0.2, 0]), 0.05) is None
+
+
+def test_the_rule_is_a_ball_of_5_mm_or_5_percent_of_the_path_within_300_ms():
+    assert (LEAST_BALL, SHARE, WINDOW) == (0.005, 0.05, 0.3)
+
+
+def test_tracking_counts_hinges_faster_than_5_percent_of_their_limit():
+    assert MOVING == 0.05

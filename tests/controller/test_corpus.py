@@ -32,21 +32,21 @@ def sample() -> list[Path]:
 
 @pytest.mark.parametrize("path", sample(), ids=lambda path: path.stem)
 def test_performed_within_limits_or_refused_with_a_place(path, known):
-    verdict = judge(path, known)
+    verdict, data = judge(path, known)
     assert verdict.exit == 0
     if verdict.outcome == "refused":
         assert verdict.error.startswith(f"{path}:")
         return
-    assert verdict.report["limits"]["violations"] == 0
-    assert verdict.report["collision"]["penetrations"] == 0
-    dropped = [entry for entry in verdict.report["behaviours"] if entry["outcome"] == "dropped"]
+    assert data["limits"]["violations"] == 0
+    assert data["collision"]["penetrations"] == 0
+    dropped = [entry for entry in data["behaviours"] if entry["outcome"] == "dropped"]
     assert all(entry["why"] for entry in dropped)
     assert verdict.count("realised") + verdict.count("substituted") > 0 or not verdict.behaviours
 
 
 @pytest.mark.parametrize("path", documents((CORPUS / "greta" / "malformed",)) if CORPUS.exists() else [])
 def test_malformed_documents_are_refused_with_line_and_column(path, known):
-    verdict = judge(path, known)
+    verdict, _ = judge(path, known)
     assert verdict.outcome == "refused"
     line, column = verdict.error.removeprefix(f"{path}:").split(":")[:2]
     assert int(line) > 1

@@ -1,9 +1,10 @@
 import numpy as np
 
 from kinesic.body.arrays import Floats
+from kinesic.body.dynamics import Load
 from kinesic.body.robot import Robot
 from kinesic.controller.feedforward import lead
-from kinesic.controller.trajectory import Manner, held, spline
+from kinesic.controller.trajectory import held
 
 ROBOT = Robot.load()
 COUNT = len(ROBOT.skeleton.hinges)
@@ -15,8 +16,9 @@ class Weightless:
     def torques(self, angles: Floats, speeds: Floats, accelerations: Floats) -> Floats:
         return np.zeros_like(angles)
 
-    def acceleration_limits(self) -> Floats:
-        return np.ones(COUNT)
+    @property
+    def load(self) -> Load:
+        return Load(np.zeros(COUNT), np.ones(COUNT))
 
 
 class Loaded(Weightless):
@@ -39,13 +41,11 @@ def test_a_load_is_met_by_the_error_that_yields_its_torque():
         assert np.isclose((sent[0, k] - posture[k]) * drive.gain * drive.stall, 0.5)
 
 
-def test_a_moving_hinge_is_led_by_its_lag():
+def test_a_moving_hinge_is_led_by_its_lag(through):
     angles = np.stack([ROBOT.skeleton.rest, ROBOT.skeleton.rest])
     hinge = ROBOT.skeleton.joint("l_shoulder_flexion")
     angles[1, hinge] += 0.5
-    move = spline(
-        np.array([0.0, 1.0]), angles, np.ones_like(angles, dtype=bool), Manner(), np.ones_like(angles), zero=0.0
-    )
+    move = through(np.array([0.0, 1.0]), angles)
     sent = lead(move, np.array([0.495]), ROBOT, Weightless(), period=0.01).goals
     drive = ROBOT.drives[hinge]
     lag = 1 / (drive.gain * drive.no_load)
@@ -57,3 +57,21 @@ def test_goals_stay_in_range():
     posture = ROBOT.skeleton.upper
     sent = lead(held(posture), np.array([0.0]), ROBOT, Loaded(), period=0.01).goals
     assert np.all(sent <= ROBOT.skeleton.upper)
+
+
+def test_loads_are_the_part_of_the_goals_that_carries_torque():
+    posture = ROBOT.skeleton.clamp(np.full(COUNT, 0.1))
+    times = np.array([0.05])
+    full = lead(held(posture), times, ROBOT, Loaded(), period=0.01)
+    np.testing.assert_allclose(full.goals, posture + full.loads, atol=1e-12)
+    lag = lead(held(posture), times, ROBOT, Loaded(), period=0.01, terms="lag")
+    np.testing.assert_allclose(lag.goals[0], posture, atol=1e-12)
+    assert not lag.loads.any()
+
+
+def test_without_feed_forward_the_reference_itself_is_sent():
+    posture = ROBOT.skeleton.clamp(np.full(COUNT, 0.1))
+    none = lead(held(posture), np.array([0.05]), ROBOT, Loaded(), period=0.01, terms="none")
+    np.testing.assert_array_equal(none.goals[0], held(posture).at(0.05).angles)
+    assert not none.loads.any()
+    assert none.duties.any()

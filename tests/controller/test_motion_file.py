@@ -7,17 +7,14 @@ from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.controller.bap import NUMBERS, PARAMETERS
 from kinesic.controller.motion_file import write_motion
-from kinesic.controller.trajectory import Manner, spline
 
 ROBOT = Robot.load()
 
 
 @pytest.fixture
-def motion():
+def motion(through):
     angles = np.stack([ROBOT.skeleton.rest, ROBOT.skeleton.rest + 0.1])
-    return spline(
-        np.array([0.0, 1.0]), angles, np.ones_like(angles, dtype=bool), Manner(), np.ones_like(angles), zero=0.0
-    )
+    return through(np.array([0.0, 1.0]), angles)
 
 
 def test_npz_holds_the_samples(motion, tmp_path):

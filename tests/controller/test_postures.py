@@ -2,15 +2,19 @@ import numpy as np
 import pytest
 
 from kinesic.bml.block import GESTURE_SYNCS, Behaviour, Block, Gesture, Place, Pointing, Posture, Timed, Timeline
+from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
 from kinesic.controller.hover import HOVER
 from kinesic.controller.postures import postures
 from kinesic.expressivity.lexicon import Lexicon
+from kinesic.expressivity.pace import Pace
 from kinesic.expressivity.realise import keyframes
 from kinesic.expressivity.style import Style
 from kinesic.sim.distances import CapsuleDistances
+from kinesic.sim.dynamics import MujocoDynamics
 
 ROBOT = Robot.load()
+PACE = Pace(ROBOT, Limits.of(ROBOT, MujocoDynamics(ROBOT).load))
 DISTANCES = CapsuleDistances(ROBOT)
 LEXICON = Lexicon.load()
 
@@ -19,7 +23,7 @@ def solved(*actions, start: float = 1.0):
     times = dict(zip(GESTURE_SYNCS, start + np.array([0.0, 0.7, 0.7, 1.0, 1.2, 1.6, 2.4]), strict=True))
     timed = tuple(Timed(Behaviour(f"b{k}", "x", action, Place(1, 1)), times) for k, action in enumerate(actions))
     timeline = Timeline(Block("b", tuple(one.behaviour for one in timed)), timed)
-    return postures(keyframes(timeline, style=Style(), lexicon=LEXICON, robot=ROBOT), ROBOT, DISTANCES)
+    return postures(keyframes(timeline, style=Style(), lexicon=LEXICON, pace=PACE), ROBOT, DISTANCES)
 
 
 def at_sync(found, sync: str):

@@ -2,12 +2,16 @@
 
 from collections.abc import Callable, Mapping
 
+import numpy as np
 import pytest
 
 from kinesic.bml.block import GESTURE_SYNCS, Action, Behaviour, Block, Place, Timed, Timeline
+from kinesic.body.dynamics import Load
+from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.expressivity.lexicon import Lexicon
+from kinesic.expressivity.pace import Pace
 from kinesic.expressivity.realise import keyframes
 from kinesic.expressivity.style import Style
 
@@ -17,6 +21,22 @@ Asked = tuple[str, Action, Mapping[str, float]]
 @pytest.fixture(scope="session")
 def robot() -> Robot:
     return Robot.load()
+
+
+@pytest.fixture(scope="session")
+def limits() -> Callable[[Robot], Limits]:
+    """Limits of a robot whose hinges bear what the default one's do at worst, roughly."""
+
+    def of(robot: Robot) -> Limits:
+        stall = np.array([drive.stall for drive in robot.drives])
+        return Limits.of(robot, Load(inertia=stall / 100, holding=0.2 * stall))
+
+    return of
+
+
+@pytest.fixture(scope="session")
+def pace(robot, limits) -> Pace:
+    return Pace(robot, limits(robot))
 
 
 @pytest.fixture(scope="session")
@@ -45,12 +65,12 @@ def timeline() -> Callable[..., Timeline]:
 
 
 @pytest.fixture(scope="session")
-def perform(timeline, robot, lexicon) -> Callable[..., KeyFrames]:
+def perform(timeline, pace, lexicon) -> Callable[..., KeyFrames]:
     """Key frames of a timeline from (id, action, times)."""
 
     def run(*asked: Asked, style: Style | None = None, **options) -> KeyFrames:
         without = options.pop("without", {})
         built = timeline(*asked, **options)
-        return keyframes(built, style=style or Style(), lexicon=lexicon, robot=robot, without=without)
+        return keyframes(built, style=style or Style(), lexicon=lexicon, pace=pace, without=without)
 
     return run

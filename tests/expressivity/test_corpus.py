@@ -18,7 +18,7 @@ CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shar
 LETTER = 0.06  # [s] that a letter takes to say
 
 
-def performed(path: Path, robot, lexicon) -> Counter:
+def performed(path: Path, pace, lexicon) -> Counter:
     """How often behaviours of this document were realised, substituted or dropped."""
     try:
         block = parse(path.read_text(encoding="utf-8", errors="replace"), source=path.name)
@@ -32,8 +32,8 @@ def performed(path: Path, robot, lexicon) -> Counter:
         for behaviour in block.behaviours
         if isinstance(behaviour.action, Speech)
     }
-    natural = spans(block, style=Style(), lexicon=lexicon, robot=robot)
-    frames = keyframes(schedule(block, utterances, natural), style=Style(), lexicon=lexicon, robot=robot)
+    natural = spans(block, style=Style(), lexicon=lexicon, pace=pace)
+    frames = keyframes(schedule(block, utterances, natural), style=Style(), lexicon=lexicon, pace=pace)
     assert set(frames.outcomes) == {behaviour.id for behaviour in block.behaviours}
     return Counter(
         frames.outcomes[behaviour.id].kind
@@ -42,10 +42,10 @@ def performed(path: Path, robot, lexicon) -> Counter:
     )
 
 
-def test_nearly_all_gestures_heads_and_gazes_are_performed(robot, lexicon):
+def test_nearly_all_gestures_heads_and_gazes_are_performed(pace, lexicon):
     folder = CORPUS / "greta" / "bml"
     if not folder.is_dir():
         pytest.skip(f"no corpus at {CORPUS}; KINESIC_CORPUS names another place")
-    counts = sum((performed(path, robot, lexicon) for path in sorted(folder.rglob("*.xml"))), Counter())
+    counts = sum((performed(path, pace, lexicon) for path in sorted(folder.rglob("*.xml"))), Counter())
     assert counts.total() > 100
     assert counts["dropped"] <= 0.05 * counts.total()

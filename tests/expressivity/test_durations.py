@@ -1,45 +1,20 @@
 from dataclasses import replace
-from math import log2
 
 import pytest
 
 from kinesic.bml.block import Behaviour, Block, Custom, Gaze, Gesture, Head, Manner, Place, Pointing, Posture, Torso
 from kinesic.expressivity.durations import spans
-from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.pace import FLOOR, hand_time, turn_time
+from kinesic.expressivity.pace import FLOOR
 from kinesic.expressivity.style import Style
 
 
 @pytest.fixture
-def natural(robot, lexicon):
+def natural(pace, lexicon):
     def of(action, manner=None, style=None):
         behaviour = Behaviour("b", "x", action, Place(1, 1), manner=manner or Manner())
-        return spans(Block("bml1", (behaviour,)), style=style or Style(), lexicon=lexicon, robot=robot).get("b", {})
+        return spans(Block("bml1", (behaviour,)), style=style or Style(), lexicon=lexicon, pace=pace).get("b", {})
 
     return of
-
-
-def test_a_long_way_takes_fitts_time():
-    assert hand_time(0.10) == pytest.approx(0.1 + 0.15 * log2(3))
-
-
-def test_a_way_of_40_cm_is_at_ease_for_servos():
-    assert 0.55 <= hand_time(0.40) <= 0.80
-
-
-def test_time_grows_with_the_way_and_shrinks_with_temporal_extent():
-    assert hand_time(0.1) < hand_time(0.2) < hand_time(0.4)
-    assert hand_time(0.4, 1.0) < hand_time(0.4, 0.0) < hand_time(0.4, -1.0)
-
-
-def test_turns_leave_the_servos_room(robot):
-    shortest = {
-        ("torso", Turn(tilt=0.349)): 0.52,
-        ("neck", Turn(tilt=0.262)): 0.15,
-        ("neck", Turn(torsion=0.698)): 0.26,
-    }
-    for (chain, turn), least in shortest.items():
-        assert 1.2 * least <= turn_time(robot, chain, turn) <= 1.5 * least
 
 
 def test_a_gesture_has_all_phases(natural):

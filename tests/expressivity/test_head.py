@@ -31,8 +31,8 @@ def frame_at(frames, time):
 
 
 @pytest.mark.parametrize("amount", [0.25, 0.5, 1.0])
-def test_a_nod_peaks_at_the_stroke(robot, nod_times, amount):
-    layer = head_layer(head_form(Head("NOD", amount=amount), robot, 0.0), nod_times, robot)
+def test_a_nod_peaks_at_the_stroke(robot, pace, nod_times, amount):
+    layer = head_layer(head_form(Head("NOD", amount=amount), robot, 0.0), nod_times, pace)
     assert degrees(at(layer, 0.5).tilt) == pytest.approx(20 * amount)
     assert max(key.turn.tilt for key in layer) == at(layer, 0.5).tilt
     assert at(layer, 0.2).tilt == at(layer, 0.8).tilt == 0
@@ -45,23 +45,23 @@ def test_a_nod_beyond_the_neck_is_clipped_and_warned(perform, robot, nod_times):
     assert any(notice.id == "bml1:h" and "60.0 deg" in notice.text for notice in frames.notices)
 
 
-def test_repeated_nods_peak_at_each_stroke(robot, nod_times):
+def test_repeated_nods_peak_at_each_stroke(robot, pace, nod_times):
     times = {**nod_times, "stroke:2": 0.9, "stroke:3": 1.5, "strokeEnd": 2.0, "relax": 2.0, "end": 2.0}
-    layer = head_layer(head_form(Head("NOD", repetition=3, amount=1.0), robot, 0.0), times, robot)
+    layer = head_layer(head_form(Head("NOD", repetition=3, amount=1.0), robot, 0.0), times, pace)
     for time in (0.5, 0.9, 1.5):
         assert degrees(at(layer, time).tilt) == pytest.approx(20)
     assert at(layer, 0.7).tilt == at(layer, 2.0).tilt == 0
 
 
-def test_a_nod_without_room_after_its_stroke_still_returns(robot, phases):
-    layer = head_layer(head_form(Head("NOD"), robot, 0.0), phases(1, 1, 1, 1, 1, 1, 1), robot)
+def test_a_nod_without_room_after_its_stroke_still_returns(robot, pace, phases):
+    layer = head_layer(head_form(Head("NOD"), robot, 0.0), phases(1, 1, 1, 1, 1, 1, 1), pace)
     assert layer[0].time < 1 < layer[-1].time
     assert layer[0].turn.tilt == layer[-1].turn.tilt == 0
     assert at(layer, 1.0).tilt > 0
 
 
-def test_a_shake_goes_to_both_sides(robot, nod_times):
-    layer = head_layer(head_form(Head("SHAKE", amount=0.4), robot, 0.0), nod_times, robot)
+def test_a_shake_goes_to_both_sides(robot, pace, nod_times):
+    layer = head_layer(head_form(Head("SHAKE", amount=0.4), robot, 0.0), nod_times, pace)
     turns = [round(degrees(key.turn.torsion), 6) for key in layer]
     assert max(turns) == 10
     assert min(turns) == -10
@@ -90,8 +90,8 @@ def test_words_of_a_lexeme_name_directions(robot, lexeme, torsion, tilt, roll):
     assert [degrees(angle) for angle in (peak.torsion, peak.tilt, peak.roll)] == pytest.approx([torsion, tilt, roll])
 
 
-def test_a_direction_is_held_until_relax(robot, nod_times):
-    layer = head_layer(head_form(Head("Left"), robot, 0.0), nod_times, robot)
+def test_a_direction_is_held_until_relax(robot, pace, nod_times):
+    layer = head_layer(head_form(Head("Left"), robot, 0.0), nod_times, pace)
     assert at(layer, 0.5) == at(layer, 0.9) == head_form(Head("Left"), robot, 0.0).peak
     assert 0 < at(layer, 0.1).torsion < at(layer, 0.5).torsion
     assert at(layer, 1.0).torsion == 0

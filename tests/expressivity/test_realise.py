@@ -21,6 +21,7 @@ from kinesic.bml.block import (
 )
 from kinesic.body.utterance import Script
 from kinesic.expressivity.durations import spans
+from kinesic.expressivity.pace import Pace
 from kinesic.expressivity.realise import keyframes
 from kinesic.expressivity.style import Style
 
@@ -105,10 +106,10 @@ def test_pointing_nowhere_is_dropped(perform, beat):
     assert "did you mean right?" in frames.outcomes["p"].why
 
 
-def test_targets_of_the_user_go_over_those_of_the_robot(timeline, robot, lexicon, beat):
+def test_targets_of_the_user_go_over_those_of_the_pace(timeline, pace, lexicon, beat):
     built = timeline(("p", Pointing("left"), beat))
     targets = {"left": np.array([1.0, -1.0, 1.0])}
-    frames = keyframes(built, style=Style(), lexicon=lexicon, robot=robot, targets=targets)
+    frames = keyframes(built, style=Style(), lexicon=lexicon, pace=pace, targets=targets)
     assert frames.uses["p"] == {"r_hand"}
 
 
@@ -137,10 +138,10 @@ def test_speech_is_realised_and_moves_nothing(perform):
     assert frames.frames == ()
 
 
-def test_every_behaviour_has_an_outcome(timeline, robot, lexicon, beat):
+def test_every_behaviour_has_an_outcome(timeline, pace, lexicon, beat):
     built = timeline(("g", Gesture("beat"), beat), ("h", Head("NOD"), beat))
     late = replace(built, timed=built.timed[:1], dropped=(Drop(built.timed[1].behaviour, "no time"),))
-    frames = keyframes(late, style=Style(), lexicon=lexicon, robot=robot)
+    frames = keyframes(late, style=Style(), lexicon=lexicon, pace=pace)
     assert frames.outcomes["h"].kind == "dropped"
     assert frames.outcomes["h"].why == "no time"
     assert set(frames.outcomes) == {"g", "h"}
@@ -154,11 +155,11 @@ def test_behaviours_can_be_left_out(perform, beat):
     assert any("touch the head" in notice.text for notice in frames.notices)
 
 
-def test_a_documents_manner_goes_over_the_style(timeline, robot, lexicon, beat):
+def test_a_documents_manner_goes_over_the_style(timeline, pace, lexicon, beat):
     built = timeline(("g", Gesture("large"), beat))
     wide = replace(built.timed[0], behaviour=replace(built.timed[0].behaviour, manner=Manner(spatial=1.0)))
-    usual = keyframes(built, style=Style(), lexicon=lexicon, robot=robot)
-    widened = keyframes(replace(built, timed=(wide,)), style=Style(), lexicon=lexicon, robot=robot)
+    usual = keyframes(built, style=Style(), lexicon=lexicon, pace=pace)
+    widened = keyframes(replace(built, timed=(wide,)), style=Style(), lexicon=lexicon, pace=pace)
     stroke = [at(frames, 1.0).hands["l"].reach.position[1] for frames in (usual, widened)]
     assert stroke[1] > stroke[0] + 0.05
 
@@ -175,7 +176,7 @@ def test_all_parts_at_once(perform, beat):
     assert at(frames, 1.0).given == {"head", "l_hand", "r_hand"}
 
 
-def test_a_robot_without_neck_and_torso_says_so(timeline, robot, lexicon, beat):
+def test_a_robot_without_neck_and_torso_says_so(timeline, robot, lexicon, limits, beat):
     arms = replace(robot, chains={name: robot.chains[name] for name in ("l_arm", "r_arm")})
     built = timeline(
         ("g", Gesture("beat"), beat),
@@ -183,8 +184,8 @@ def test_a_robot_without_neck_and_torso_says_so(timeline, robot, lexicon, beat):
         ("t", Torso("BodyLean"), beat),
         ("z", Gaze("left"), {"start": 0.0, "ready": 0.5, "relax": 1.5, "end": 2.0}),
     )
-    assert set(spans(built.block, style=Style(), lexicon=lexicon, robot=arms)) >= {"g"}
-    frames = keyframes(built, style=Style(), lexicon=lexicon, robot=arms)
+    assert set(spans(built.block, style=Style(), lexicon=lexicon, pace=Pace(arms, limits(arms)))) >= {"g"}
+    frames = keyframes(built, style=Style(), lexicon=lexicon, pace=Pace(arms, limits(arms)))
     assert {id: outcome.kind for id, outcome in frames.outcomes.items()} == {
         "g": "realised",
         "h": "dropped",

@@ -108,3 +108,9 @@ def test_a_bus_name_is_used_once(changed):
     robot = changed(("r_wrist_pivot = 28\n", 'r_wrist_pivot = 28\n[[bus]]\nname = "body"\nbaud = 57600\nids = {}\n'))
     with pytest.raises(ConfigError, match="bus body is described twice"):
         ServoMap.of(robot)
+
+
+def test_a_robot_without_buses_has_no_servos_on_wires(tmp_path: Path):
+    path = tmp_path / "robot.toml"
+    path.write_text(UPPER22[: UPPER22.index("[[bus]]")], encoding="utf-8")
+    assert ServoMap.of(Robot.load(path)) == ServoMap((), ())

@@ -14,7 +14,7 @@ from kinesic.ik.elbow import elbow_at, swivel_of
 from kinesic.ik.hinges import extract
 from kinesic.ik.linkage import linkage_of
 from kinesic.ik.masses import settle
-from kinesic.ik.place import bent, placed
+from kinesic.ik.place import bent, gap, placed
 from kinesic.ik.polish import polish
 from kinesic.ik.seeds import nearest, seeds
 from kinesic.ik.subproblems import first_of_two, turn_towards
@@ -116,6 +116,13 @@ def test_place_and_bend(size: float) -> None:
         found = arm.bent(place.girdle, place.shoulder, place.target, near, swivel)
         _agree((bend.angles, bend.iterations), (found[0], found[2]))
         assert bend.exact == found[1]
+
+
+def test_gap_to_the_most_helpful_shoulder() -> None:
+    random, arm = default_rng(11), arm_of(CHAIN)
+    for size in np.linspace(0.05, 2.0, 60):
+        target = vector(np.array(LINKAGE.origin) + size * np.array(_directions(random, 1)[0]))
+        _agree(gap(LINKAGE, target), arm.gap(target))
 
 
 def test_polish() -> None:

@@ -6,6 +6,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
+from kinesic.ik import KERNEL
 from kinesic.ik.elbow import swivel
 from kinesic.ik.pointing import best_swivel
 from kinesic.ik.solve import Solution, solve
@@ -53,6 +54,24 @@ def test_the_errors_are_those_of_the_angles():
         ):
             assert error is not None
             assert error == pytest.approx(2 * np.arcsin(np.linalg.norm(one - other) / 2), abs=1e-6)
+
+
+@pytest.mark.parametrize("side", ["l", "r"])
+@pytest.mark.parametrize("widest", [np.pi, 0.6])
+def test_both_kernels_swing_alike(side, widest):
+    random, swung, chain = default_rng(36), 0, ARMS[side]
+    for k in range(60):
+        held = _held(chain, random.uniform(chain.lower, chain.upper), palm=k % 3 != 1)
+        reach = Reach(held.position, held.pointing if k % 3 else None, held.palm)
+        rest = random.uniform(chain.lower - 0.1, chain.upper + 0.1) if k % 4 == 0 else None
+        one, two = (
+            best_swivel(chain, reach, start=chain.rest, rest=rest, widest=widest, kernel=kernel)
+            for kernel in ("numpy", KERNEL)
+        )
+        assert np.array_equal(one.angles, two.angles)
+        assert (one.residual, one.pointing_error, one.palm_error) == (two.residual, two.pointing_error, two.palm_error)
+        swung += not np.array_equal(two.angles, solve(chain, reach, start=chain.rest, rest=rest).angles)
+    assert swung > 10
 
 
 def test_a_first_answer_that_satisfies_is_kept():

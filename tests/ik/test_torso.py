@@ -4,6 +4,7 @@ import pytest
 from kinesic.body.arrays import Floats
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot, Side
+from kinesic.ik import KERNEL
 from kinesic.ik.solve import solve
 from kinesic.ik.torso import MOST, lean
 
@@ -65,6 +66,17 @@ def test_the_ranges_hold() -> None:
     turn = np.array(lean(ROBOT, {"l": _sector(-5.0, 3.0, 2.0)}, most=3.0))
     assert np.all(ROBOT.skeleton.lower[joints] <= turn)
     assert np.all(turn <= ROBOT.skeleton.upper[joints])
+
+
+def test_both_kernels_lean_alike() -> None:
+    random, leans = np.random.default_rng(41), []
+    sides: list[Side] = ["l", "r"]
+    for k in range(60):
+        shown = sides if k % 3 == 0 else sides[k % 2 :][:1]
+        hands = {side: ROBOT.gesture_origin + 0.7 * ROBOT.arm_length * random.normal(size=3) for side in shown}
+        leans.append(lean(ROBOT, hands, kernel=KERNEL))
+        assert leans[-1] == lean(ROBOT, hands, kernel="numpy")
+    assert sum(any(turn) for turn in leans) > 20
 
 
 def test_a_target_that_is_no_point_is_refused() -> None:

@@ -3,11 +3,13 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
+from scipy.interpolate import make_interp_spline
 
 from kinesic.body.arrays import sealed
 from kinesic.body.description import Exclusion
 from kinesic.body.robot import Robot
-from kinesic.sim.distances import BLOCK, CapsuleDistances, segment_distances
+from kinesic.sim.distances import BLOCK, CapsuleDistances, _reach, segment_distances
+from kinesic.sim.kinematics import motion_frames
 from kinesic.sim.model import build, capsule_name
 from kinesic.sim.sampling import random_postures
 
@@ -40,6 +42,27 @@ def test_mujoco_measures_the_same():
         assert k < 2 or found.pairs[k] == pair  # rest and zero have two equal sides
 
 
+def test_gaps_are_those_of_mujoco_for_every_pair():
+    model = build(ROBOT)
+    data = mujoco.MjData(model)
+    postures = random_postures(ROBOT.skeleton, 40, seed=7)
+    gaps = DISTANCES.gaps(postures)
+    assert gaps.min(axis=1) == pytest.approx(DISTANCES.clearance(postures).distances, abs=1e-12)
+    count = {segment.name: range(len(segment.capsules)) for segment in ROBOT.skeleton.segments}
+    for posture, found in zip(postures, gaps, strict=True):
+        data.qpos[:] = posture
+        mujoco.mj_kinematics(model, data)
+        for gap, (a, b) in zip(found, ROBOT.counted_pairs, strict=True):
+            geoms = [
+                (model.geom(capsule_name(a, i)).id, model.geom(capsule_name(b, j)).id)
+                for i in count[a]
+                for j in count[b]
+            ]
+            assert gap == pytest.approx(
+                min(mujoco.mj_geomDistance(model, data, i, j, 10.0, None) for i, j in geoms), abs=1e-6
+            )
+
+
 def side_free(name):
     return name.removeprefix("l_").removeprefix("r_")
 
@@ -54,7 +77,7 @@ def test_long_motions_are_measured_like_short_ones():
     postures = random_postures(ROBOT.skeleton, BLOCK + 70, seed=3)
     whole = DISTANCES.clearance(postures)
     part = DISTANCES.clearance(postures[BLOCK - 5 : BLOCK + 5])
-    assert np.array_equal(whole.distances[BLOCK - 5 : BLOCK + 5], part.distances)
+    assert whole.distances[BLOCK - 5 : BLOCK + 5] == pytest.approx(part.distances, abs=1e-15)
     assert list(whole.pairs[BLOCK - 5 : BLOCK + 5]) == list(part.pairs)
     assert len(whole.pairs) == len(whole.distances) == BLOCK + 70
 
@@ -72,6 +95,80 @@ def test_a_robot_that_counts_no_pair_is_never_near_itself():
     found = alone.clearance(np.zeros((3, 22)))
     assert np.isinf(found.distances).all()
     assert len(found.pairs) == 3
+    assert alone.gaps(np.zeros((3, 22))).shape == (3, 0)
+
+
+def wander(count, seed):
+    """A smooth motion through random postures, `count` of them."""
+    keys = random_postures(ROBOT.skeleton, 8, seed=seed)[2:]
+    path = make_interp_spline(np.linspace(0.0, 1.0, len(keys)), keys, k=3)
+    return ROBOT.skeleton.clamp(path(np.linspace(0.0, 1.0, count)))
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("near", [-1.0, 0.01, 0.05])
+def test_an_approach_finds_all_that_is_near_and_the_nearest(seed, near):
+    angles, ends = wander(301, seed), np.arange(0, 301, 3)
+    every = DISTANCES.clearance(angles)
+    found = DISTANCES.approach(angles, ends, near=near)
+    smallest = np.minimum.reduceat(every.distances, np.concatenate([[0], ends[:-1] + 1]))
+    limit = max(near, every.distances[ends].min())
+    close = smallest < limit
+    assert found.distances.min() == pytest.approx(every.distances.min(), abs=1e-14)
+    assert found.distances[close] == pytest.approx(smallest[close], abs=1e-14)
+    assert found.pairs[found.worst] == every.pairs[every.worst]
+    assert found.worst == np.searchsorted(ends, every.worst)
+    assert (found.distances >= smallest - 1e-14).all()
+    assert (found.distances <= every.distances[ends] + 1e-14).all()
+
+
+def test_an_approach_measures_few_postures(monkeypatch):
+    slow, ends = wander(3001, 0), np.arange(0, 3001, 3)  # ten seconds of steps
+    measured = []
+    lowest = CapsuleDistances._lowest
+    monkeypatch.setattr(
+        CapsuleDistances, "_lowest", lambda self, angles: measured.append(len(angles)) or lowest(self, angles)
+    )
+    DISTANCES.approach(slow, ends, near=0.01)
+    assert sum(measured) < 0.6 * len(slow)
+
+
+def test_an_approach_may_have_stretches_of_one_posture_and_of_none():
+    angles = wander(30, 1)
+    ends = np.array([0, 0, 5, 6, 6, 29])
+    found = DISTANCES.approach(angles, ends, near=1.0)
+    every = DISTANCES.clearance(angles).distances
+    expected = [every[0], every[0], every[1:6].min(), every[6], every[6], every[7:30].min()]
+    assert found.distances == pytest.approx(expected, abs=1e-14)
+    assert len(DISTANCES.approach(angles, ends[:0], near=0.0).distances) == 0
+
+
+def of_each_pair(postures):
+    """(p, m) [m] exact distances."""
+    starts, ends = DISTANCES._axes(motion_frames(ROBOT.skeleton, postures))
+    i, j = DISTANCES._first, DISTANCES._second
+    axes = [np.moveaxis(points, 2, 1).reshape(-1, 3) for points in (starts[i], ends[i], starts[j], ends[j])]
+    return segment_distances(*axes).reshape(len(i), -1) - DISTANCES._radii[:, None]
+
+
+def test_no_turn_brings_a_pair_nearer_than_the_reach_of_its_hinges():
+    random = np.random.default_rng(4)
+    before = random_postures(ROBOT.skeleton, 300, seed=4)
+    after = ROBOT.skeleton.clamp(before + random.normal(0.0, 0.1, before.shape) * (random.random(before.shape) < 0.3))
+    nearer = of_each_pair(before) - of_each_pair(after)
+    assert (nearer <= DISTANCES._reaches @ np.abs(after - before).T + 1e-12).all()
+    assert nearer.max() > 0.01
+
+
+def test_a_hinge_reaches_no_further_than_the_links_it_moves():
+    names = [segment.name for segment in ROBOT.skeleton.segments]
+    owner = names.index("l_wrist")
+    capsule = ROBOT.skeleton.segments[owner].capsules[0]
+    reach = dict(zip(ROBOT.skeleton.names, _reach(ROBOT.skeleton, owner, capsule), strict=True))
+    hand = max(np.linalg.norm(capsule.start), np.linalg.norm(capsule.end))
+    assert reach["l_wrist_pivot"] == pytest.approx(hand)
+    assert reach["l_shoulder_flexion"] == pytest.approx(0.42 + hand)
+    assert reach["r_shoulder_flexion"] == reach["skullbase_tilt"] == 0.0
 
 
 def row(*points):

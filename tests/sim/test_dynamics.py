@@ -1,10 +1,12 @@
+import mujoco
 import numpy as np
 import pytest
 
+from kinesic.body.limits import LEAST_ACCELERATION, LEAST_DUTY, Limits
 from kinesic.body.robot import Robot
-from kinesic.sim.dynamics import FRICTION_SPEED, LEAST_ACCELERATION, MujocoDynamics
+from kinesic.sim.dynamics import FRICTION_SPEED, MujocoDynamics
 from kinesic.sim.factors import Factors
-from kinesic.sim.model import build
+from kinesic.sim.model import build, joint_order
 from kinesic.sim.sampling import random_postures
 
 ROBOT = Robot.load()
@@ -68,10 +70,10 @@ def test_a_touching_posture_gets_no_help():
 
 
 def test_acceleration_limits_agree_with_the_sheet():
-    limits = DYNAMICS.acceleration_limits()
+    limits = Limits.of(ROBOT, DYNAMICS.load).acceleration
     assert limits == pytest.approx(SHEET_ACCELERATION, rel=0.06)
     assert np.array_equal(limits[6:14], limits[14:22])
-    assert np.array_equal(limits, MujocoDynamics(ROBOT).acceleration_limits())
+    assert np.array_equal(limits, Limits.of(ROBOT, MujocoDynamics(ROBOT).load).acceleration)
 
 
 def test_no_hinge_needs_more_than_two_fifths_of_its_stall_torque():
@@ -84,4 +86,23 @@ def test_no_hinge_needs_more_than_two_fifths_of_its_stall_torque():
 
 def test_a_drive_that_cannot_hold_itself_still_gets_a_positive_limit():
     weak = Factors(stall=0.1).applied(ROBOT)
-    assert MujocoDynamics(weak).acceleration_limits().min() == LEAST_ACCELERATION
+    limits = Limits.of(weak, MujocoDynamics(weak).load)
+    assert limits.acceleration.min() == LEAST_ACCELERATION
+    assert limits.duty.min() == LEAST_DUTY
+
+
+def test_mujoco_finds_the_same_torques():
+    """`mj_inverse` adds armature and damping by itself; friction is a constraint, and so not among them."""
+    random = np.random.default_rng(5)
+    postures = random_postures(ROBOT.skeleton, 40, seed=5)
+    speeds, accelerations = random.normal(0.0, 2.0, (2, 40, 22))
+    model = build(ROBOT)
+    model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+    data, order = mujoco.MjData(model), joint_order(ROBOT, model)
+    friction = np.array([drive.frictionloss for drive in ROBOT.drives])
+    found = MujocoDynamics(ROBOT).torques(postures, speeds, accelerations)
+    for k in range(40):
+        data.qpos[order], data.qvel[order], data.qacc[order] = postures[k], speeds[k], accelerations[k]
+        mujoco.mj_inverse(model, data)
+        rubbing = friction * np.tanh(speeds[k] / FRICTION_SPEED)
+        assert found[k] == pytest.approx(data.qfrc_inverse[order] + rubbing, abs=1e-11)

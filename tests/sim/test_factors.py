@@ -3,7 +3,7 @@ import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
-from kinesic.sim.factors import NOMINAL, PESSIMISTIC, Factors
+from kinesic.sim.factors import NOMINAL, PESSIMISTIC, DriveFactors, Factors
 
 ROBOT = Robot.load()
 
@@ -51,3 +51,55 @@ def test_wrong_factors_are_refused(tmp_path, text):
 def test_a_factor_of_zero_is_named():
     with pytest.raises(ValueError, match="factor armature is 0"):
         Factors(armature=0.0)
+
+
+def test_all_factors_are_pinned_by_name_and_leave_things_as_they_are():
+    figures = ("stall", "no_load", "friction", "armature", "gain")
+    assert DriveFactors.__struct_fields__ == figures
+    assert Factors.__struct_fields__ == (*figures, "mass", "supply", "latency", "servos")
+    assert all(getattr(NOMINAL, name) == 1.0 for name in (*figures, "mass", "supply"))
+    assert NOMINAL.latency == 0.0
+    assert NOMINAL.servos == {}
+
+
+def test_gain_is_duty_per_error():
+    for changed, drive in zip(Factors(gain=0.9).applied(ROBOT).drives, ROBOT.drives, strict=True):
+        assert changed.gain == pytest.approx(0.9 * drive.gain)
+        assert changed.stall == drive.stall
+
+
+def test_torque_current_and_speed_follow_the_supply():
+    low = Factors(supply=11.1 / 12)
+    for changed, drive in zip(low.applied(ROBOT).drives, ROBOT.drives, strict=True):
+        assert changed.servo.volt == pytest.approx(11.1 / 12 * drive.servo.volt)
+        for name in ("stall_nm", "stall_a", "no_load_rpm"):
+            assert getattr(changed.servo, name) == pytest.approx(11.1 / 12 * getattr(drive.servo, name))
+        winding, same = ((d.servo.volt / d.servo.stall_a, d.servo.volt / d.servo.no_load_rpm) for d in (changed, drive))
+        assert winding == pytest.approx(same)
+
+
+def test_single_servos_have_factors_of_their_own():
+    some = Factors(stall=0.8, mass=1.1, servos={"xm430_w210": DriveFactors(friction=2.0)})
+    for changed, drive in zip(some.applied(ROBOT).drives, ROBOT.drives, strict=True):
+        own = drive.servo.name == "xm430_w210"
+        assert changed.stall == pytest.approx((1.0 if own else 0.8) * drive.stall)
+        assert changed.frictionloss == pytest.approx((2.0 if own else 1.0) * drive.frictionloss)
+        assert changed.servo.mass == pytest.approx(1.1 * drive.servo.mass)
+
+
+def test_a_file_may_name_everything(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text("supply = 0.95\nlatency = 0.004\ngain = 0.9\n[servos.xc430_w240]\nstall = 0.7\n")
+    read = Factors.read(path)
+    assert read == Factors(supply=0.95, latency=0.004, gain=0.9, servos={"xc430_w240": DriveFactors(stall=0.7)})
+    assert hash(read) == hash(Factors.read(path)) != hash(NOMINAL)
+
+
+def test_a_servo_that_the_robot_has_not_is_refused():
+    with pytest.raises(ConfigError, match="xm430_w21: upper22 has none; did you mean xm430_w210"):
+        Factors(servos={"xm430_w21": DriveFactors()}).applied(ROBOT)
+
+
+def test_a_latency_below_zero_is_refused():
+    with pytest.raises(ValueError, match=r"latency is -0\.001"):
+        Factors(latency=-0.001)

@@ -1,9 +1,12 @@
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 
+from kinesic.body.arrays import sealed
 from kinesic.body.robot import Robot
 from kinesic.sim.kinematics import motion_frames
-from kinesic.sim.model import build
+from kinesic.sim.model import build, joint_order
 from kinesic.sim.sampling import random_postures
 
 ROBOT = Robot.load()
@@ -38,3 +41,23 @@ def test_points_move_with_their_segment():
     one = ROBOT.skeleton.frames(POSTURES[7])
     assert np.allclose(points[:, 7], one.origins[k] + one.rotations[k] @ palm.position, atol=1e-12)
     assert points.shape == (3, 60)
+
+
+def test_hinges_that_miss_their_centre_move_as_in_mujoco():
+    """A foreign robot's hinges: the skeleton, the motion's frames and the model are one."""
+    random = np.random.default_rng(7)
+    robot = Robot.load()
+    hinges = tuple(replace(h, at=sealed(random.uniform(-0.02, 0.02, 3))) for h in robot.skeleton.hinges)
+    robot = replace(robot, skeleton=replace(robot.skeleton, hinges=hinges))
+    skeleton, model = robot.skeleton, build(robot)
+    data = mujoco.MjData(model)
+    angles = random.uniform(skeleton.lower, skeleton.upper, (5, len(hinges)))
+    motion = motion_frames(skeleton, angles)
+    for row, posture in enumerate(angles):
+        frames = skeleton.frames(posture)
+        data.qpos[joint_order(robot, model)] = posture
+        mujoco.mj_kinematics(model, data)
+        for k, segment in enumerate(skeleton.segments):
+            assert np.allclose(frames.origins[k], data.body(segment.name).xpos, atol=1e-12)
+            assert np.allclose(motion.origins[k][:, row], frames.origins[k], atol=1e-12)
+            assert np.allclose(frames.rotations[k], data.body(segment.name).xmat.reshape(3, 3), atol=1e-12)

@@ -1,10 +1,12 @@
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 import pytest
 
 from kinesic.body.robot import Robot
 from kinesic.sim.model import build
-from kinesic.sim.scenery import CAMERA, staged
+from kinesic.sim.scenery import CAMERA, eyeballs, parts, staged
 
 ROBOT = Robot.load()
 MODEL = staged(ROBOT, width=320, height=240)
@@ -29,3 +31,19 @@ def test_the_camera_stands_before_the_face():
 
 def test_pictures_of_the_asked_size_fit():
     assert (MODEL.vis.global_.offwidth, MODEL.vis.global_.offheight) == (320, 240)
+
+
+def test_every_segment_is_painted_as_what_it_is():
+    painted = parts(ROBOT)
+    assert set(painted) == {segment.name for segment in ROBOT.skeleton.segments}
+    assert painted[ROBOT.chains["l_arm"][-1]] == "l_hand"
+    assert painted[ROBOT.chains["r_arm"][0]] == "limb"
+    assert painted[ROBOT.skeleton.segments[0].name] == "trunk"
+
+
+def test_pupils_look_where_the_face_does():
+    white, pupil = eyeballs(ROBOT)[:2]
+    eyes = ROBOT.sites["eyes"]
+    assert (white.dark, pupil.dark) == (False, True)
+    assert float((pupil.centre - white.centre) @ eyes.facing) > 0.0
+    assert eyeballs(replace(ROBOT, sites={name: site for name, site in ROBOT.sites.items() if name != "eyes"})) == ()

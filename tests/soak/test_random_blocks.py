@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 
+from kinesic.controller.bench.plan import unsaid, violations
 from kinesic.controller.checks import checks
 from kinesic.controller.perform import facts, perform
 from kinesic.expressivity.style import RANGES, Style
@@ -56,5 +57,7 @@ def test_random_blocks(seed, known):
         performance = perform(text, replace(known, style=style))
         failed = [check for check in checks(performance) if check.status == "fail"]
         assert not failed, f"{failed}\n{text}\n{style}"
+        assert violations(performance.plan) == 0, f"{text}\n{style}"
+        assert unsaid(performance.plan) == (0, 0), f"{text}\n{style}"
         outcomes = performance.plan.keyframes.outcomes
         assert all(outcome.why for outcome in outcomes.values() if outcome.kind == "dropped")

@@ -25,15 +25,19 @@ from kinesic.bml.block import (
     Torso,
     Wait,
 )
+from kinesic.body.limits import Limits
 from kinesic.body.robot import SIDES, Robot
 from kinesic.expressivity.hands import poses, resting
 from kinesic.expressivity.keyframes import Hand, KeyFrames
 from kinesic.expressivity.lexicon import Lexicon, in_mode, mirrored
+from kinesic.expressivity.pace import Pace
 from kinesic.expressivity.realise import keyframes
 from kinesic.expressivity.style import Style
 from kinesic.expressivity.turns import MERGE
+from kinesic.sim.dynamics import MujocoDynamics
 
 ROBOT = Robot.load()
+PACE = Pace(ROBOT, Limits.of(ROBOT, MujocoDynamics(ROBOT).load))
 LEXICON = Lexicon.load()
 PARTS = {"head", "torso", "l_hand", "r_hand"}
 
@@ -86,7 +90,7 @@ def stays(behaviour: Behaviour) -> bool:
 
 
 def performed(timeline: Timeline, style: Style) -> KeyFrames:
-    return keyframes(timeline, style=style, lexicon=LEXICON, robot=ROBOT)
+    return keyframes(timeline, style=style, lexicon=LEXICON, pace=PACE)
 
 
 def same(a: Hand, b: Hand) -> bool:

@@ -1,52 +1,43 @@
-"""The twin: how much faster than real time, how near to the plan, on nominal and pessimistic servos."""
+"""The twin: how much faster than real time, and how near servos come to a plan."""
 
 from statistics import median
-from time import perf_counter
+from time import process_time
 
-import numpy as np
-
+from kinesic.controller.bench import following
 from kinesic.controller.bench.figure import Figure
 from kinesic.controller.bench.passage import passage
-from kinesic.controller.checks import checks, stroke_errors
-from kinesic.controller.perform import dry_run, facts, plan
+from kinesic.controller.checks import checks
+from kinesic.controller.perform import dry_runs, facts, plan
 from kinesic.controller.performance import Performance
-from kinesic.sim.factors import NOMINAL, PESSIMISTIC, Factors
+from kinesic.controller.plan import Plan
+from kinesic.sim.factors import Factors
 
 REPETITIONS = 7
 
 
 def bench() -> list[Figure]:
-    """Performs the passage in both twins: simulated time over feed-forward, physics and checks; no film, no page."""
+    """The passage in both twins: simulated time over feed-forward, physics and checks; then a set of documents."""
     known = facts()
     plans = [plan(passage(repetition), known) for repetition in range(REPETITIONS)]
-    checks(dry_run(plans[0]))
-    figures: list[Figure] = []
-    runs: dict[str, list[Performance]] = {}
-    seconds: dict[str, list[float]] = {}
-    goals: tuple[tuple[str, Factors, float], ...] = (("nominal", NOMINAL, 0.2), ("pessimistic", PESSIMISTIC, 1.0))
-    for name, factors, _ in goals:
-        for planned in plans:
-            began = perf_counter()
-            performance = dry_run(planned, twin=factors)
-            checks(performance)
-            seconds.setdefault(name, []).append(perf_counter() - began)
-            runs.setdefault(name, []).append(performance)
-    durations = [float(performance.measured.times[-1]) for performance in runs["nominal"]]
-    one = [duration / spent for duration, spent in zip(durations, seconds["nominal"], strict=True)]
-    both = [d / (a + b) for d, a, b in zip(durations, seconds["nominal"], seconds["pessimistic"], strict=True)]
-    figures.append(Figure("twin.real_time", median(one), "x", 100.0, "higher"))
-    figures.append(Figure("twin.real_time_both", median(both), "x", 60.0, "higher"))
-    for name, _, goal in goals:
-        rmse = median(_rmse(performance) for performance in runs[name])
-        figures.append(Figure(f"twin.rmse_{name}", rmse, "deg", goal, "lower"))
-        errors = [abs(e) for performance in runs[name] for e, _ in stroke_errors(performance) if e is not None]
-        figures.append(Figure(f"twin.stroke_median_{name}", 1000 * median(errors), "ms", 15.0, "lower"))
-        figures.append(Figure(f"twin.stroke_p95_{name}", 1000 * float(np.percentile(errors, 95)), "ms", 30.0, "lower"))
-    clearance = min(float(p.measured.clearance.distances.min()) for found in runs.values() for p in found)
-    figures.append(Figure("twin.clearance", 1000 * clearance, "mm", 10.0, "higher"))
-    return figures
+    everyone = tuple(factors for _, factors in following.TWINS)
+    _timed(plans[0], everyone)
+    one = [_timed(planned, everyone[:1]) for planned in plans]
+    both = [_timed(planned, everyone) for planned in plans]
+    runs = [performance for _, performances in both for performance in performances]
+    clearance = min(float(performance.measured.clearance.distances.min()) for performance in runs)
+    return [
+        Figure("twin.real_time", median(speed for speed, _ in one), "x", 100.0, "higher"),
+        Figure("twin.real_time_both", median(speed for speed, _ in both), "x", 60.0, "higher"),
+        Figure("twin.clearance", 1000 * clearance, "mm", 10.0, "higher"),
+        *following.following(known, following.BLOCKS),
+    ]
 
 
-def _rmse(performance: Performance) -> float:
-    errors = performance.errors[np.isfinite(performance.errors)]
-    return float(np.degrees(np.sqrt(np.mean(errors**2))))
+def _timed(planned: Plan, twins: tuple[Factors, ...]) -> tuple[float, tuple[Performance, ...]]:
+    """Simulated time over time spent, and what was performed."""
+    began = process_time()
+    performances = dry_runs(planned, twins)
+    for performance in performances:
+        checks(performance)
+    spent = process_time() - began
+    return float(performances[0].measured.times[-1]) / spent, performances

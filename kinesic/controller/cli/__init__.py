@@ -13,6 +13,7 @@ from kinesic.controller.cli.gestures import gestures
 from kinesic.controller.cli.perform import perform
 from kinesic.controller.cli.plan import plan
 from kinesic.controller.cli.robots import robots
+from kinesic.controller.cli.twin import twin
 from kinesic.controller.cli.validate import validate
 
 BAD_INPUT = 2
@@ -24,7 +25,7 @@ def kinesic() -> None:
     """Performs BML (Behavior Markup Language) on humanoids with servos."""
 
 
-for verb in (perform, validate, plan, robots, gestures, bench, doctor):
+for verb in (perform, validate, plan, robots, gestures, twin, bench, doctor):
     kinesic.add_command(verb)
 
 

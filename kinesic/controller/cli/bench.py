@@ -7,10 +7,10 @@ from pathlib import Path
 import click
 from rich.table import Table
 
-from kinesic.controller.bench import ik, plan, twin
+from kinesic.controller.bench import first, ik, plan, twin
 from kinesic.controller.cli.console import console
 
-PARTS = {"ik": ik.bench, "plan": plan.bench, "twin": twin.bench}
+PARTS = {"ik": ik.bench, "plan": lambda: [*first.bench(), *plan.bench()], "twin": twin.bench}
 
 
 @click.command()

@@ -46,11 +46,11 @@ def show(lexeme: str, lexicon: Path | None) -> int:
     if match is None:
         raise BmlError(f"no gesture {lexeme}{closest(lexeme, [form.id for form in known.forms])}")
     click.echo(f"{match.form.id} ({match.form.category}){', ' + match.substitute if match.substitute else ''}")
-    table = Table("key", "hand", "forward", "outward", "up", "palm", "openness", box=None)
+    table = Table("key", "hand", "forward", "outward", "up", "palm", "openness", "touches", box=None)
     for number, key in enumerate(match.form.keys, start=1):
         for side, pose in sorted(key.hands.items()):
             position = [f"{value:.2f}" for value in pose.position]
             palm = "" if pose.palm is None else " ".join(f"{value:.1f}" for value in pose.palm)
-            table.add_row(str(number), side, *position, palm, f"{pose.openness:.2f}")
+            table.add_row(str(number), side, *position, palm, f"{pose.openness:.2f}", pose.touch or "")
     console().print(table)
     return 0

@@ -1,61 +1,128 @@
 """`kinesic validate`: dry-runs many documents."""
 
 import json
+import os
+from collections.abc import Generator
+from contextlib import closing
 from pathlib import Path
 
 import click
 from rich.console import Console
-from rich.progress import track
-from rich.table import Table
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+from kinesic.body.config import ConfigError
 from kinesic.controller.cli.console import console
+from kinesic.controller.cli.fingerprint import fingerprint
 from kinesic.controller.cli.options import Settings, planning
-from kinesic.controller.output import emptied, free_folder
+from kinesic.controller.cli.summary import summarise
+from kinesic.controller.cli.twins import HELP as TWIN_HELP
+from kinesic.controller.cli.twins import read_twins
+from kinesic.controller.output import emptied
 from kinesic.controller.report import Json
-from kinesic.controller.validate import Verdict, documents, totals
+from kinesic.controller.totals import totals
+from kinesic.controller.validate import JOURNAL, Verdict, documents
 from kinesic.controller.validate import validate as validate_documents
+
+SUMMARY = "validate.json"
+INTERRUPTED = 130
 
 
 @click.command()
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
 @planning
+@click.option("--twin", default="nominal", show_default=True, help=TWIN_HELP)
 @click.option("--jobs", type=click.IntRange(min=1), help="Processes (default: one for each core).")
-@click.option("--out", type=click.Path(path_type=Path), help="Folder for one report.json a document.")
-@click.option("--force", is_flag=True, help="Replaces an existing folder.")
+@click.option("--out", type=click.Path(path_type=Path), help="Folder of the reports; an interrupted run goes on there.")
+@click.option("--force", is_flag=True, help="Begins anew in an existing folder.")
 @click.option("--json", "as_json", is_flag=True, help="Prints verdicts and totals as JSON.")
 def validate(
     paths: tuple[Path, ...],
     settings: Settings,
+    twin: str,
     jobs: int | None,
     out: Path | None,
     force: bool,
     as_json: bool,
 ) -> int:
-    """Performs every document of PATHS (folders are searched) in the twin."""
+    """Performs every document of PATHS (folders are searched) in the twin.
+
+    With --out, an interrupted run goes on where it stopped when the same command is given again.
+    """
+    twins = read_twins(twin)
     settings.facts()  # a wrong option is one line here, not one in each process
     files = documents(paths)
-    folder = emptied(free_folder(out, "validate", force=force)) if out else None
-    found = validate_documents(files, settings.facts, jobs=jobs)
-    progress = track(found, "dry-running", total=len(files), console=Console(stderr=True), transient=True)
-    verdicts = sorted(progress, key=lambda verdict: verdict.file)
-    reports = {verdict.file: _write(verdict, folder, k) for k, verdict in enumerate(verdicts) if folder}
+    folder = _folder(out, force=force) if out else None
+    found = validate_documents(
+        files,
+        settings.facts,
+        jobs=jobs or os.cpu_count() or 1,
+        twins=twins,
+        folder=folder,
+        settings=fingerprint(settings, twin) if folder else "",
+    )
+    verdicts, finished = _gathered(found, len(files))
+    order = {str(file): number for number, file in enumerate(files)}
+    verdicts.sort(key=lambda verdict: order[verdict.file])
+    data: dict[str, Json] = {
+        "documents": [_entry(verdict) for verdict in verdicts],
+        "totals": totals(verdicts),
+        "interrupted": not finished,
+    }
+    text = json.dumps(data, indent=1)
     if as_json:
-        entries = [_entry(verdict, reports.get(verdict.file)) for verdict in verdicts]
-        click.echo(json.dumps({"documents": entries, "totals": totals(verdicts)}, indent=1))
+        click.echo(text)
     else:
-        _print(verdicts)
+        summarise(verdicts, console())
+    if folder and finished:
+        fresh = folder / f"{SUMMARY}.new"
+        fresh.write_text(text, encoding="utf-8")
+        fresh.replace(folder / SUMMARY)  # a run whose summary is there is finished
+        click.echo(f"summary: {folder / SUMMARY}", err=as_json)
+    if not finished:
+        rest = "the same command goes on from here" if folder else "--out DIR lets a run go on where it stopped"
+        click.echo(f"kinesic: interrupted after {len(verdicts)} of {len(files)} documents; {rest}", err=True)
+        return INTERRUPTED
     return max((verdict.exit for verdict in verdicts), default=0)
 
 
-def _write(verdict: Verdict, folder: Path, number: int) -> str | None:
-    if not verdict.report:
-        return None
-    path = folder / f"{number:04d}-{Path(verdict.file).stem}.json"
-    path.write_text(json.dumps(verdict.report, indent=1), encoding="utf-8")
-    return str(path)
+def _folder(out: Path, *, force: bool) -> Path:
+    """The folder of the reports, new, emptied, or of a run that did not finish.
+
+    Raises:
+        ConfigError: it holds something else, or a run that did finish.
+    """
+    if force or not out.exists():
+        return emptied(out)
+    if (out / SUMMARY).exists():
+        raise ConfigError(f"{out} holds a finished run; --force begins anew, --out names another folder")
+    if not (out / JOURNAL).exists():
+        raise ConfigError(f"{out} exists already; --force replaces it, --out names another")
+    return out
 
 
-def _entry(verdict: Verdict, path: str | None) -> dict[str, Json]:
+def _gathered(found: Generator[Verdict, None, None], count: int) -> tuple[list[Verdict], bool]:
+    """All verdicts, or those until the run was interrupted, and whether it finished."""
+    verdicts: list[Verdict] = []
+    columns = (
+        TextColumn("dry-running"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+        TextColumn("{task.description}"),
+    )
+    with closing(found), Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task("", total=count)
+        try:
+            for verdict in found:
+                verdicts.append(verdict)
+                bad = sum(verdict.exit > 0 for verdict in verdicts)
+                progress.update(task, advance=1, description=f"[red]{bad} failed[/]" if bad else "")
+        except KeyboardInterrupt:
+            return verdicts, False
+    return verdicts, True
+
+
+def _entry(verdict: Verdict) -> dict[str, Json]:
     entry: dict[str, Json] = {
         "file": verdict.file,
         "outcome": verdict.outcome,
@@ -66,33 +133,9 @@ def _entry(verdict: Verdict, path: str | None) -> dict[str, Json]:
     }
     if verdict.error:
         return entry | {"error": verdict.error}
-    failed = [check for check in _checks(verdict) if check["status"] == "fail"]
-    return entry | {"report": path, "failed": [*failed]}
-
-
-def _checks(verdict: Verdict) -> list[dict[str, Json]]:
-    checks = verdict.report["checks"]
-    return [check for check in checks if isinstance(check, dict)] if isinstance(checks, list) else []
-
-
-def _print(verdicts: list[Verdict]) -> None:
-    screen = console()
-    for verdict in verdicts:
-        if verdict.error:
-            screen.print(f"refused  {verdict.error}", highlight=False, markup=False, soft_wrap=True)
-        for check in _checks(verdict) if not verdict.error else []:
-            if check["status"] == "fail":
-                figures = f"{check['name']} {check['value']} (limit {check['limit']}) {check['where']}"
-                screen.print(f"failed   {verdict.file}: {figures}", highlight=False, markup=False, soft_wrap=True)
-    table = Table("folder", "documents", "performed", "refused", "realised", "substituted", "dropped", box=None)
-    for folder in sorted({str(Path(verdict.file).parent) for verdict in verdicts}):
-        here = [verdict for verdict in verdicts if str(Path(verdict.file).parent) == folder]
-        _add_row(table, folder, here)
-    _add_row(table, "all", verdicts)
-    screen.print(table)
-
-
-def _add_row(table: Table, name: str, verdicts: list[Verdict]) -> None:
-    counts = [sum(verdict.outcome == outcome for verdict in verdicts) for outcome in ("performed", "refused")]
-    shares = [sum(verdict.count(outcome) for verdict in verdicts) for outcome in ("realised", "substituted", "dropped")]
-    table.add_row(name, str(len(verdicts)), *(str(number) for number in [*counts, *shares]))
+    failed: list[Json] = [
+        {"name": c.name, "value": c.value, "limit": c.limit, "unit": c.unit, "where": c.where}
+        for c in verdict.checks
+        if c.status == "fail"
+    ]
+    return entry | {"report": verdict.report, "failed": failed}

@@ -17,7 +17,7 @@ inline bool turn_towards(const Vector& axis, const Vector& rest, const Vector& w
     const double s = dot(axis, cross(rest, wanted));
     const double c = dot(rest, wanted) - dot(axis, rest) * dot(axis, wanted);
     if (std::sqrt(s * s + c * c) < UNDEFINED) return false;
-    turn = std::atan2(s, c);
+    turn = arctangent(s, c);
     return true;
 }
 
@@ -30,12 +30,12 @@ inline int first_of_two(const Vector& first, const Vector& second, const Vector&
     const double c = dot(second, rest) - skew * along;
     const double rho = std::sqrt(a * a + b * b);
     if (rho < UNDEFINED) return 0;
-    const double middle = std::atan2(b, a);
+    const double middle = arctangent(b, a);
     if (std::abs(c) >= rho) {
         turns[0] = c > 0.0 ? middle : middle + PI;
         return 1;
     }
-    const double spread = std::acos(c / rho);
+    const double spread = arccosine(c / rho);
     turns[0] = middle + spread;
     turns[1] = middle - spread;
     return 2;

@@ -53,11 +53,11 @@ struct Linkage {
     int links = 0, hinges = 0, seeds = 0;
     Link link[MOST_LINKS];  // from the base outward; the last bone runs along the hand and moves no position
     Pivot pivot[MOST_HINGES];
-    Seed seed[MOST_SEEDS];
     double side = 1.0;      // +1: an arm on the left; -1: on the right
     double farthest = 0.0;  // [m] shoulder to hand with the elbow as straight as it goes
     Vector palm;            // unit, in the last segment
     Vector resting;         // [m] the shoulder with the girdle at rest
+    Seed seed[MOST_SEEDS];  // last, because few solves look at them
 
     int girdle() const { return links - 3; }                   // links that carry the shoulder
     int own() const { return link[links - 1].first; }          // hinges before the hand's own
@@ -68,7 +68,8 @@ struct Linkage {
 
 // The frame behind a hinge: `after`, without the products with zeros that most axes have.
 inline Rotation behind(const Rotation& r, const Pivot& pivot, double angle) {
-    const double c = std::cos(angle), s = std::sin(angle), one = c + (1.0 - c);
+    const auto [c, s] = turn_of(angle);
+    const double one = c + (1.0 - c);
     const Vector& a = pivot.axis;
     switch (pivot.kind) {
         case Kind::x: return {r.x * one, r.y * c + r.z * (a.x * s), r.y * -(a.x * s) + r.z * c};

@@ -32,8 +32,8 @@ struct Tuned {
 
 // Heavy-ball optimum of the springs' Laplacian: k = 4 / (sqrt L + sqrt m)^2, a function of the number of bones alone.
 inline Tuned tuned(int bones) {
-    const double slow = std::sqrt(2.0 - 2.0 * std::cos(PI / bones));
-    const double fast = std::sqrt(2.0 - 2.0 * std::cos(PI * (bones - 1) / bones));
+    const double slow = std::sqrt(2.0 - 2.0 * turn_of(PI / bones).cosine);
+    const double fast = std::sqrt(2.0 - 2.0 * turn_of(PI * (bones - 1) / bones).cosine);
     const double share = (fast - slow) / (fast + slow);
     return {4.0 / ((fast + slow) * (fast + slow)), 1.0 - DAMPING_SHARE * (1.0 - share * share)};
 }

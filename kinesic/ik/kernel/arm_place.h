@@ -41,7 +41,7 @@ inline bool swivel_of(const Linkage& arm, const Vector* points, double& swivel) 
     const Vector off = across(points[1] - points[0], line);
     if (norm(off) < 1e-6 * arm.farthest || null(line)) return false;
     const Vector zero = hanging(line);
-    swivel = arm.side * std::atan2(dot(off, cross(line, zero)), dot(off, zero));
+    swivel = arm.side * arctangent(dot(off, cross(line, zero)), dot(off, zero));
     return true;
 }
 
@@ -64,7 +64,8 @@ struct Circle {  // on which the elbow can be while shoulder and hand stay
     }
 
     Vector at(double side, double swivel) const {
-        return shoulder + (axial + (zero * std::cos(swivel) + quarter * (side * std::sin(swivel))) * radius);
+        const Turn turn = turn_of(swivel);
+        return shoulder + (axial + (zero * turn.cosine + quarter * (side * turn.sine)) * radius);
     }
 };
 
@@ -121,6 +122,13 @@ inline Place place_of(const Linkage& arm, const double* angles, const Vector& ta
     Vector points[MOST_LINKS + 1];
     walk(arm, angles, arm.girdle(), points);
     return places::made(arm, points, target, 0);
+}
+
+// How far a target is from the shoulder when the girdle does what it can.
+inline double gap(const Linkage& arm, const Vector& target, const double* rest) {
+    Vector points[MOST_LINKS + 1];
+    places::helpful(arm, target, rest, points);
+    return distance(points[arm.girdle()], target);
 }
 
 namespace places {
@@ -181,7 +189,7 @@ inline Bend bent(const Linkage& arm, const Place& place, const double* near, con
     const Settled settled = settle(begin, lengths, 2, place.target);
     double present = NATURAL_SWIVEL;
     swivel_of(arm, settled.points, present);
-    const double wish = swivel ? *swivel : present + NATURE * wrapped(NATURAL_SWIVEL - present);
+    const double wish = swivel ? wrapped(*swivel) : present + NATURE * wrapped(NATURAL_SWIVEL - present);
     const double towards = wrapped(present - wish) >= 0.0 ? 1.0 : -1.0;
     places::Scan scan{arm, Circle(arm, place.shoulder, place.target), near, {}, wish, EXACT * arm.farthest};
     std::copy(place.ends, place.ends + arm.girdle(), scan.ends);

@@ -10,6 +10,7 @@ namespace kinesic::arm {
 
 constexpr double STALLED = 2e-5;
 constexpr int RESTARTS = 8;
+constexpr double REACHED = 1e-3;
 
 struct Question {
     Vector position;                   // [m] in the base
@@ -80,15 +81,10 @@ inline Answer solve(const Linkage& arm, const Question& question) {
     const Place place = placed(arm, question.position, question.near, question.home);
     const Bend bend = found(arm, place, question);
     Vector points[MOST_LINKS + 1];
-    Rotation frame = walk(arm, bend.angles, arm.links - 1, points);
+    const Rotation frame = walk(arm, bend.angles, arm.links - 1, points);
     Answer answer;
     std::copy(bend.angles, bend.angles + arm.own(), answer.angles);
-    orient(arm, frame, question.wishes, question.wish_count, question.home + arm.own(), answer.angles + arm.own());
-    for (int k = arm.own(); k < arm.hinges; ++k) frame = behind(frame, arm.pivot[k], answer.angles[k]);
-    for (int i = 0; i < question.wish_count; ++i) {
-        const double agreement = dot(rotated(frame, question.wishes[i].own), question.wishes[i].wanted);
-        answer.errors[i] = std::acos(std::max(-1.0, std::min(1.0, agreement)));
-    }
+    turn_hand(arm, frame, question.wishes, question.wish_count, question.home, answer.angles, answer.errors);
     answer.residual = distance(points[arm.links - 1], question.position);
     answer.iterations = place.iterations + bend.iterations;
     answer.target = place.target;

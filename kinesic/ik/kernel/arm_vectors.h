@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "arm_angles.h"
+
 namespace kinesic::arm {
 
 constexpr double PI = 3.14159265358979323846;
@@ -44,7 +46,8 @@ inline Vector turned(const Vector& a, const Vector& axis, double c, double s) {
 }
 
 inline Vector turned(const Vector& a, const Vector& axis, double angle) {
-    return turned(a, axis, std::cos(angle), std::sin(angle));
+    const Turn turn = turn_of(angle);
+    return turned(a, axis, turn.cosine, turn.sine);
 }
 
 // Nearest representative of an angle to zero, whole turns aside [rad].
@@ -74,7 +77,8 @@ inline Rotation after(const Rotation& r, const Vector& axis, double c, double s)
 }
 
 inline Rotation after(const Rotation& r, const Vector& axis, double angle) {
-    return after(r, axis, std::cos(angle), std::sin(angle));
+    const Turn turn = turn_of(angle);
+    return after(r, axis, turn.cosine, turn.sine);
 }
 
 }  // namespace kinesic::arm

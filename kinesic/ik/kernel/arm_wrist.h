@@ -27,15 +27,19 @@ struct Peak {
 
 // How well directions agree is A cos q + B sin q in each single hinge: its best angle inside the range.
 inline Peak best(const Pivot& pivot, const Vector* looks, const Vector* owns, int wishes, double rest) {
-    double a = POSTURE * std::cos(rest), b = POSTURE * std::sin(rest), level = 0.0;
+    const Turn home = turn_of(rest);
+    double a = POSTURE * home.cosine, b = POSTURE * home.sine, level = 0.0;
     for (int i = 0; i < wishes; ++i) {
         const double along = dot(pivot.axis, looks[i]) * dot(pivot.axis, owns[i]);
         level += along;
         a += dot(looks[i], owns[i]) - along;
         b += dot(looks[i], cross(pivot.axis, owns[i]));
     }
-    const auto height = [a, b](double angle) { return a * std::cos(angle) + b * std::sin(angle); };
-    double peak = std::atan2(b, a);
+    const auto height = [&a, &b](double angle) {
+        const Turn turn = turn_of(angle);
+        return a * turn.cosine + b * turn.sine;
+    };
+    double peak = arctangent(b, a);
     if (!(pivot.lower <= peak && peak <= pivot.upper))
         peak = height(pivot.upper) > height(pivot.lower) ? pivot.upper : pivot.lower;
     return {peak, level + height(peak)};
@@ -88,6 +92,17 @@ inline void orient(const Linkage& arm, const Rotation& frame, const Wish* wishes
             height = agreement;
             std::copy(tried, tried + hinges, angles);
         }
+    }
+}
+
+// Turns the hand of an arm bent to `angles`, from the frame of its forearm; what each direction then is off [rad].
+inline void turn_hand(const Linkage& arm, Rotation frame, const Wish* wishes, int count, const double* home,
+                      double* angles, double* errors) {
+    orient(arm, frame, wishes, count, home + arm.own(), angles + arm.own());
+    for (int k = arm.own(); k < arm.hinges; ++k) frame = behind(frame, arm.pivot[k], angles[k]);
+    for (int i = 0; i < count; ++i) {
+        const double agreement = dot(rotated(frame, wishes[i].own), wishes[i].wanted);
+        errors[i] = arccosine(std::max(-1.0, std::min(1.0, agreement)));
     }
 }
 

@@ -1,5 +1,4 @@
-// The solver of arms for Python. Buffers are the caller's; anything but finite float64 of the right size is refused,
-// and kinesic/ik explains why.
+// The solver of arms for Python. Anything but finite float64 of the right size is refused, and kinesic/ik explains why.
 
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
@@ -10,7 +9,9 @@
 
 #include "arm_batch.h"
 #include "arm_class.h"
+#include "arm_swing.h"
 #include "arm_track.h"
+#include "bind_arrays.h"
 
 namespace nb = nanobind;
 
@@ -79,10 +80,20 @@ bool read_wish(const Arm& arm, nb::handle source, const Vector& own, Question& q
     return !null(wish.wanted);
 }
 
-// Writes angles and clamped target; returns residual, errors of pointing and palm, iterations, and by how much the start
-// was pulled into the ranges. None: refused.
+bool read_wishes(const Arm& arm, nb::handle pointing, nb::handle palm, Question& question) {
+    return read_wish(arm, pointing, arm.linkage.last().along, question) &&
+           read_wish(arm, palm, arm.linkage.palm, question);
+}
+
+// Errors of pointing and palm; None for what was not asked.
+std::pair<nb::object, nb::object> told(nb::handle pointing, nb::handle palm, const double* errors) {
+    return {pointing.is_none() ? nb::none() : nb::cast(errors[0]),
+            palm.is_none() ? nb::none() : nb::cast(errors[pointing.is_none() ? 0 : 1])};
+}
+
+// The fields of kinesic.ik.solve.Solution in their order. None: refused.
 nb::object ask(const Arm& arm, nb::handle position, nb::handle pointing, nb::handle palm, nb::handle swivel,
-               nb::handle start, nb::handle rest, nb::handle mobility, nb::handle out) {
+               nb::handle start, nb::handle rest, nb::handle mobility) {
     const int n = arm.linkage.hinges;
     Question question;
     double place[3], turn, asked[MOST_HINGES], pulled = 0.0;
@@ -92,8 +103,7 @@ nb::object ask(const Arm& arm, nb::handle position, nb::handle pointing, nb::han
         pulled = std::max(pulled, std::fabs(asked[k] - question.near[k]));
     }
     question.position = arm.seen(place);
-    if (!read_wish(arm, pointing, arm.linkage.last().along, question)) return nb::none();
-    if (!read_wish(arm, palm, arm.linkage.palm, question)) return nb::none();
+    if (!read_wishes(arm, pointing, palm, question)) return nb::none();
     if (!swivel.is_none()) {
         turn = PyFloat_AsDouble(swivel.ptr());
         if (PyErr_Occurred()) PyErr_Clear(), turn = NAN;
@@ -113,14 +123,29 @@ nb::object ask(const Arm& arm, nb::handle position, nb::handle pointing, nb::han
         nb::gil_scoped_release free;
         answer = solve(arm.linkage, question);
     }
-    double written[MOST_HINGES + 3];
-    std::copy_n(answer.angles, n, written);
-    const Vector target = arm.mirrored ? Vector{answer.target.x, 0.0 - answer.target.y, answer.target.z} : answer.target;
-    written[n] = target.x, written[n + 1] = target.y, written[n + 2] = target.z;
-    if (!write(out, written, n + 3)) return nb::none();
-    const nb::object first = pointing.is_none() ? nb::none() : nb::cast(answer.errors[0]);
-    const nb::object second = palm.is_none() ? nb::none() : nb::cast(answer.errors[pointing.is_none() ? 0 : 1]);
-    return nb::make_tuple(answer.residual, first, second, answer.iterations, pulled);
+    const Vector target = arm.seen(answer.target);
+    const double clamped[3] = {target.x, target.y, target.z};
+    const auto [first, second] = told(pointing, palm, answer.errors);
+    return nb::make_tuple(sealed(answer.angles, n), answer.residual, first, second, answer.residual <= REACHED,
+                          answer.iterations, sealed(clamped, 3), pulled);
+}
+
+// From a solved posture the elbow swings at most `widest` aside: angles, residual, errors of pointing and palm.
+nb::object swung(const Arm& arm, nb::handle position, nb::handle pointing, nb::handle palm, nb::handle home,
+                 nb::handle angles, double widest) {
+    Question question;
+    double place[3];
+    if (!read(position, place, 3) || !read_wishes(arm, pointing, palm, question) ||
+        !read_posture(arm, home, question.home) || !read_posture(arm, angles, question.near))
+        throw nb::value_error("swing needs finite float64 arrays: vectors of 3 numbers and an angle for each hinge");
+    question.position = arm.seen(place);
+    Cell cell;
+    {
+        nb::gil_scoped_release free;
+        cell = swing(arm.linkage, question, widest);
+    }
+    const auto [first, second] = told(pointing, palm, cell.errors);
+    return nb::make_tuple(sealed(cell.angles, arm.linkage.hinges), cell.miss, first, second);
 }
 
 // Polish from the angles, in place; from other postures where it stalls. Returns the residual [m].
@@ -180,14 +205,15 @@ double track(const Arm& arm, nb::handle target, double pull, int parts, nb::hand
 
 void bind_arm(nb::module_& module) {
     using namespace kinesic::arm;
+    if (_import_array() < 0) throw nb::python_error();
     nb::class_<Arm> arm(module, "Arm");
     arm.def("__init__", &pack, nb::kw_only(), nb::arg("origin"), nb::arg("counts"), nb::arg("bones"), nb::arg("axes"),
             nb::arg("lower"), nb::arg("upper"), nb::arg("rest"), nb::arg("mobility"), nb::arg("palm"), nb::arg("side"),
             nb::arg("farthest"), nb::arg("seeds"), nb::arg("mirrored"))
-        .def_prop_ro("hinges", [](const Arm& self) { return self.linkage.hinges; })
         .def("solve", &ask, nb::arg("position").none(), nb::arg("pointing").none(), nb::arg("palm").none(),
-             nb::arg("swivel").none(), nb::arg("start").none(), nb::arg("rest").none(), nb::arg("mobility").none(),
-             nb::arg("out"))
+             nb::arg("swivel").none(), nb::arg("start").none(), nb::arg("rest").none(), nb::arg("mobility").none())
+        .def("swing", &swung, nb::arg("position"), nb::arg("pointing").none(), nb::arg("palm").none(), nb::arg("home"),
+             nb::arg("angles"), nb::arg("widest"))
         .def("reach", &reach)
         .def("reach_many", &reach_many)
         .def("track", &track);

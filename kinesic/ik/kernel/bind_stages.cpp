@@ -136,6 +136,10 @@ Numbers stage_orient(const Arm& arm, const Numbers& frame, const Triples& own, c
     return numbers(angles, arm.linkage.last().count);
 }
 
+double stage_gap(const Arm& arm, const Triple& target) {
+    return gap(arm.linkage, arm.seen(vector(target)), arm.rest);
+}
+
 Triple stage_softened(const Arm& arm, const Triple& target) {
     return triple(softened(arm.linkage, vector(target), arm.rest));
 }
@@ -156,6 +160,7 @@ void bind_stages(nb::class_<Arm>& arm) {
         .def("polish", &stage_polish)
         .def("nearest", &stage_nearest)
         .def("orient", &stage_orient)
+        .def("gap", &stage_gap)
         .def("softened", &stage_softened);
 }
 

@@ -1,0 +1,77 @@
+"""The shortest times from rest to rest, and from any motion to rest, in closed form: double-S profiles."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kinesic.body.arrays import Floats
+from kinesic.body.limits import Limits
+
+SPEEDS = np.linspace(0.1, 0.9, 9)  # shares of the duty that a constant speed may take
+
+
+def least_time(distance: ArrayLike, speed: ArrayLike, acceleration: ArrayLike, jerk: ArrayLike) -> Floats:
+    """Shortest time from rest to rest within speed, acceleration and jerk.
+
+    The profile reaches the greatest speed on long ways, the greatest acceleration on middling ones and neither on
+    short ones. Arguments broadcast; their unit of length is any, such as rad or m.
+
+    Args:
+        distance: of the way; its sign does not matter.
+        speed: greatest, above 0.
+        acceleration: greatest, above 0; infinite where only speed and jerk bound it.
+        jerk: greatest, above 0; infinite where there is no bound.
+
+    Returns:
+        [s], of the common shape; grows with the distance, and is 0 for none.
+    """
+    way, v, j = np.abs(np.asarray(distance, dtype=float)), np.asarray(speed, dtype=float), np.asarray(jerk, dtype=float)
+    a = np.minimum(acceleration, np.sqrt(v * j))  # more is never reached before the greatest speed
+    rise = a / j  # [s] from no acceleration to the greatest
+    cruising = way / v + v / a + rise
+    accelerating = rise + np.sqrt(rise**2 + 4 * way / a)
+    jerking = 4 * np.cbrt(way / (2 * j))
+    cruises, accelerates = way >= v * (v / a + rise), way >= 2 * a * rise**2
+    return np.asarray(np.where(cruises, cruising, np.where(accelerates, accelerating, jerking)))
+
+
+def least_times(turns: Floats, limits: Limits) -> Floats:
+    """Shortest times from rest to rest of hinges within all their limits, that of the duty included.
+
+    Each is that of a double S within a speed and an acceleration that keep the duty together; the best of several
+    such pairs.
+
+    Args:
+        turns: (..., n) [rad] by which the hinges turn; their sign does not matter.
+        limits: of the n hinges.
+
+    Returns:
+        (..., n) [s].
+    """
+    speed = np.minimum(limits.speed, SPEEDS[:, None] * limits.duty / limits.viscous)
+    spare = limits.duty - limits.viscous * speed
+    acceleration = np.minimum(limits.acceleration, spare / limits.inertial)
+    return np.asarray(least_time(turns[..., None, :], speed, acceleration, limits.jerk).min(axis=-2))
+
+
+def least_stop(speed: ArrayLike, acceleration: ArrayLike, most: ArrayLike, jerk: ArrayLike) -> Floats:
+    """Shortest time to rest, wherever that is, within an acceleration and a jerk.
+
+    From an acceleration the jerk leads to a braking one and back to none; the braking acceleration p follows from
+    the speed that is left to lose, p^2 = jerk * speed + acceleration^2 / 2, and is held where that is too much.
+
+    Args:
+        speed: to begin with.
+        acceleration: to begin with, at most the greatest.
+        most: greatest acceleration, above 0.
+        jerk: greatest, above 0.
+
+    Returns:
+        [s], of the common shape.
+    """
+    v, a, j = (np.asarray(value, dtype=float) for value in (speed, acceleration, jerk))
+    way = np.where(v + a * np.abs(a) / (2 * j) < 0.0, -1.0, 1.0)  # which way the speed goes once a is used up
+    v, a = way * v, way * a
+    peak = np.sqrt(np.maximum(j * v + a**2 / 2, 0.0))
+    braking = np.minimum(peak, most)
+    held = np.maximum(peak**2 - braking**2, 0.0) / (j * braking + np.finfo(float).tiny)
+    return np.asarray((a + 2 * braking) / j + held)

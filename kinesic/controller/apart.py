@@ -1,0 +1,105 @@
+"""The nearest posture whose segments keep apart: least squares with linear rows, a few times over."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.optimize import nnls
+
+from kinesic.body.arrays import Floats
+from kinesic.body.dynamics import Distances
+from kinesic.body.robot import SIDES, Robot
+
+ROUNDS = 12
+EXACT = 2e-4  # [m] over what is asked, by which the last round may fall short
+SLACK = 3e-3  # [m] by which a touching pair may be farther apart than asked
+SIGHT = 0.08  # [m] over what was asked: pairs farther apart play no part in a step
+PROBE = 1e-4  # [rad] for the gradient
+STRIDE = 0.15  # [rad] that a hinge turns in one round
+DISPLACEMENT = 0.05  # [m] of a hand that counts like a turn of 1 rad of a hinge: elbows swing before hands move
+UNMOVED = 1e-6  # [m/rad] a pair whose gap changes less is not moved by the joints
+NONE = 1e-9
+
+
+def apart(
+    angles: Floats,
+    joints: Sequence[int],
+    robot: Robot,
+    distances: Distances,
+    *,
+    least: float,
+    room: float | None = None,
+    touching: Sequence[int] = (),
+) -> Floats | None:
+    """The posture near another one in which every counted pair that some joints move keeps a distance.
+
+    Each round takes the smallest step for which all gaps suffice to first order. Small means: little turning of
+    hinges, and above all little displacement of wrists and palms, so that elbows swing aside before hands move.
+
+    Args:
+        angles: (n,) [rad].
+        joints: that may turn.
+        robot: whose posture it is.
+        distances: its self-distance.
+        least: [m] that is kept.
+        room: [m] to which pairs go apart that do not keep it, and within which others come no nearer; the same if
+            not given.
+        touching: indices of counted pairs that come as near as `least`.
+
+    Returns:
+        (n,) [rad]; None when no such posture was found.
+    """
+    posture, moving, met = np.array(angles), np.array(joints, dtype=int), list(touching)
+    begun = distances.gaps(posture[None])[0]
+    asked = np.where(begun < least, room or least, np.minimum(begun, room or least)) + EXACT
+    for _ in range(ROUNDS):
+        probes = np.repeat(posture[None, :], len(moving) + 1, axis=0)
+        probes[np.arange(1, len(moving) + 1), moving] += PROBE
+        gaps = distances.gaps(probes)
+        slopes, lack = (gaps[1:] - gaps[0]).T / PROBE, asked - gaps[0]
+        lack[np.abs(slopes).max(axis=1, initial=0.0) < UNMOVED] = -np.inf
+        if lack.max(initial=0.0) <= EXACT and gaps[0, met].max(initial=0.0) <= least + SLACK:
+            return posture
+        near = lack > -SIGHT
+        bounds = robot.skeleton.lower[moving] - posture[moving], posture[moving] - robot.skeleton.upper[moving]
+        one = np.eye(len(moving))
+        rows = np.concatenate([slopes[near], -slopes[met], one, -one])
+        step = _smallest(
+            rows, np.concatenate([lack[near], gaps[0, met] - least - SLACK / 2, *bounds]), _metric(probes, robot)
+        )
+        if step is None:
+            return None
+        posture[moving] += step * min(1.0, STRIDE / max(NONE, float(np.abs(step).max())))
+        posture = robot.skeleton.clamp(posture)
+    return None
+
+
+def _metric(probes: Floats, robot: Robot) -> Floats:
+    """(k, k) what a step of hinges costs: turns, and the displacement of wrists and palms, for (k + 1, n) [rad]."""
+    frames = robot.skeleton.frames(probes)
+    points = []
+    for side in SIDES:
+        palm = robot.sites[f"{side}_palm"]
+        k = robot.skeleton.segment(palm.segment)
+        points += [frames.origins[:, k], frames.origins[:, k] + frames.rotations[:, k] @ palm.position]
+    where = np.concatenate(points, axis=1)
+    moved = (where[1:] - where[0]) / PROBE / DISPLACEMENT
+    cost: Floats = np.eye(len(moved)) + moved @ moved.T
+    return cost
+
+
+def _smallest(rows: Floats, needed: Floats, metric: Floats) -> Floats | None:
+    """The smallest step with rows @ step >= needed (Lawson and Hanson's least distance programming).
+
+    Rows that contradict one another are met by halves, thrice at most.
+    """
+    root = np.linalg.cholesky(metric)
+    within = np.linalg.solve(root, rows.T)
+    for share in (1.0, 0.5, 0.25, 0.125):
+        asked = np.where(needed > 0, share * needed, needed)
+        system = np.vstack([within, asked])
+        multipliers, _ = nnls(system, np.append(np.zeros(len(within)), 1.0))
+        residual = system @ multipliers
+        if 1.0 - residual[-1] > NONE:
+            step: Floats = np.linalg.solve(root.T, residual[:-1] / (1.0 - residual[-1]))
+            return step
+    return None

@@ -1,0 +1,143 @@
+"""Processes that work through a list of tasks; one that dies takes only its own task with it."""
+
+import faulthandler
+import multiprocessing
+import os
+import signal
+from collections import deque
+from collections.abc import Callable, Generator, Iterable
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+from multiprocessing.context import BaseContext
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Generic, TypeVar
+
+Task = TypeVar("Task")
+Result = TypeVar("Result")
+
+FATAL = "Fatal Python error"
+
+
+@dataclass(frozen=True)
+class Crash:
+    """Why a process died while it had a task."""
+
+    reason: str  # one line
+    trace: str  # what it wrote to standard error
+
+
+@dataclass
+class _Worker(Generic[Task, Result]):
+    process: BaseProcess
+    line: Connection
+    errors: Path  # its standard error
+    task: Task
+
+    def result(self) -> Result | Crash:
+        """What it has to say of its task."""
+        try:
+            result: Result = self.line.recv()
+        except (EOFError, ConnectionError):
+            self.process.join()
+            self.line.close()
+            return _crash(self.process.exitcode or 0, self.errors.read_text(errors="replace"))
+        return result
+
+    def dismiss(self) -> None:
+        """Ends it."""
+        self.line.close()
+        self.process.terminate()
+        self.process.join()
+
+
+def crew(
+    tasks: Iterable[Task], prepare: Callable[[], Callable[[Task], Result]], *, jobs: int, preload: str = ""
+) -> Generator[tuple[Task, Result | Crash], None, None]:
+    """Works through tasks in processes of their own.
+
+    When the caller stops iterating, or is interrupted, the processes end.
+
+    Args:
+        tasks: picklable.
+        prepare: called once in each process, gives the function that does a task; picklable.
+        jobs: number of processes.
+        preload: module that processes begin with.
+
+    Yields:
+        Tasks with their results, in the order in which they are ready.
+    """
+    context = _context(preload)
+    left = deque(tasks)
+    working: dict[Connection, _Worker[Task, Result]] = {}
+    with TemporaryDirectory() as folder:
+
+        def hire() -> None:
+            errors = Path(folder) / f"{len(left)}.txt"
+            worker: _Worker[Task, Result] = _hired(context, prepare, left.popleft(), errors)
+            working[worker.line] = worker
+
+        try:
+            while left and len(working) < jobs:
+                hire()
+            while working:
+                for line in wait(list(working)):
+                    worker = working[line]  # type: ignore[index]  # wait gives back what it was given
+                    task, result = worker.task, worker.result()
+                    if isinstance(result, Crash) or not left:
+                        worker.dismiss()
+                        del working[worker.line]
+                        if left:
+                            hire()
+                    else:
+                        worker.task = left.popleft()
+                        worker.line.send(worker.task)
+                    yield task, result
+        finally:
+            for worker in working.values():
+                worker.dismiss()
+
+
+def _context(preload: str) -> BaseContext:
+    """Forks of a clean process where the system can, else new processes; never forks of one with threads."""
+    if "forkserver" not in multiprocessing.get_all_start_methods():
+        return multiprocessing.get_context("spawn")
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(["__main__", preload] if preload else ["__main__"])
+    return context
+
+
+def _hired(
+    context: BaseContext, prepare: Callable[[], Callable[[Task], Result]], task: Task, errors: Path
+) -> _Worker[Task, Result]:
+    """A process that has begun with a task."""
+    ours, theirs = multiprocessing.Pipe()
+    process = context.Process(target=_work, args=(theirs, prepare, task, errors), daemon=True)  # type: ignore[attr-defined]
+    process.start()
+    theirs.close()  # so that our end is told when the process dies
+    return _Worker(process, ours, errors, task)
+
+
+def _work(line: Connection, prepare: Callable[[], Callable[[Task], Result]], task: Task, errors: Path) -> None:
+    """A process' life: does its first task, then those it is sent, until there are no more."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # an interruption is the caller's to handle
+    with errors.open("wb") as file:
+        os.dup2(file.fileno(), 2)
+    faulthandler.enable(file=2)
+    do = prepare()
+    while True:
+        line.send(do(task))
+        try:
+            task = line.recv()
+        except EOFError:
+            return
+
+
+def _crash(code: int, trace: str) -> Crash:
+    """Says why a process ended: its signal or exit code, and the error that it wrote last."""
+    lines = [line.strip() for line in trace.splitlines() if line.strip()]
+    fatal = [line for line in lines if line.startswith(FATAL)]
+    said = (fatal or lines[-1:] or ["it wrote nothing"])[0]
+    how = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
+    return Crash(f"its process ended with {how}: {said}", trace)

@@ -1,0 +1,143 @@
+"""A uniform grid of B-splines: its differences, and the rows by which limits hold at every instant."""
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.linalg import cholesky_banded
+
+from kinesic.body.arrays import Floats
+from kinesic.body.limits import Limits
+
+Indices = NDArray[np.int32]
+
+ROOMY = 2.0  # bound of a scaled row that is decided
+TINY = 1e-9  # [rad] range of a hinge that cannot move
+CALM = 0.05  # [s] by which jerk weighs beside acceleration where a motion is as smooth as can be
+ANCHOR = 1e-10  # what holds such a motion where nothing else does
+SMOOTHNESS = 1e-9  # [s^4] weight of the acceleration beside the distance from the wish
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """All splines of some pieces."""
+
+    pieces: int  # k
+    step: float  # [s]
+
+    @property
+    def size(self) -> int:
+        """Control points of one hinge."""
+        return self.pieces + 3
+
+    @cached_property
+    def knots(self) -> Floats:
+        """(k + 1,) [s]."""
+        return np.asarray(np.arange(self.pieces + 1) * self.step, dtype=np.float64)
+
+    @cached_property
+    def at_knots(self) -> sp.csr_array:
+        """(k + 1, k + 3) from control points to the angles at the knots."""
+        return sp.diags_array([1 / 6, 4 / 6, 1 / 6], offsets=[0, 1, 2], shape=(self.pieces + 1, self.size)).tocsr()
+
+    @cached_property
+    def closeness(self) -> sp.csc_array:
+        """(k + 3, k + 3) the quadratic form of the distance from a wish, with a little smoothness."""
+        second = np.array([1.0, -2.0, 1.0]) / self.step**2
+        bend = sp.diags_array(second, offsets=[0, 1, 2], shape=(self.pieces + 1, self.size))
+        return (self.at_knots.T @ self.at_knots + SMOOTHNESS * bend.T @ bend).tocsc()
+
+    @cached_property
+    def factor(self) -> Floats:
+        """Its banded Cholesky factor, upper form."""
+        return _banded(self.closeness, 2)
+
+    @cached_property
+    def calm(self) -> Floats:
+        """The factor of the sum of squares of acceleration and jerk."""
+        second, third = np.array([1.0, -2.0, 1.0]), np.array([-1.0, 3.0, -3.0, 1.0]) * CALM / self.step
+        bend = sp.diags_array(second, offsets=[0, 1, 2], shape=(self.pieces + 1, self.size))
+        turn = sp.diags_array(third, offsets=[0, 1, 2, 3], shape=(self.pieces, self.size))
+        anchor = ANCHOR * sp.eye_array(self.size)
+        return _banded(bend.T @ bend + turn.T @ turn + anchor, 3)
+
+    def rows(self, limits: Limits, hinge: int) -> sp.csr_array:
+        """(4 k + 4, k + 3) every limit of a hinge but its range, scaled to -1..1.
+
+        Speed, acceleration and jerk on their control points, the duty at the knots.
+        """
+        h = self.step
+        speed, at_knot = np.array([-1.0, 1.0]) / h, np.array([-0.5, 0.0, 0.5]) / h
+        acceleration, jerk = np.array([1.0, -2.0, 1.0]) / h**2, np.array([-1.0, 3.0, -3.0, 1.0]) / h**3
+        pulling = limits.inertial[hinge] * acceleration + limits.viscous[hinge] * at_knot
+        stencils = (
+            (speed / limits.speed[hinge], self.pieces + 2),
+            (acceleration / limits.acceleration[hinge], self.pieces + 1),
+            (jerk / limits.jerk[hinge], self.pieces),
+            (pulling / self.duty(limits)[hinge], self.pieces + 1),
+        )
+        data = np.concatenate([np.tile(stencil, count) for stencil, count in stencils])
+        return sp.csr_array((data, *self._pattern), shape=(4 * self.pieces + 4, self.size))
+
+    @cached_property
+    def _pattern(self) -> tuple[Indices, Indices]:
+        """Columns and beginnings of the rows of limits."""
+        shapes = ((2, self.pieces + 2), (3, self.pieces + 1), (4, self.pieces), (3, self.pieces + 1))
+        columns = [(np.arange(count)[:, None] + np.arange(width)).ravel() for width, count in shapes]
+        widths = np.repeat([width for width, _ in shapes], [count for _, count in shapes])
+        return np.concatenate(columns).astype(np.int32), np.concatenate([[0], np.cumsum(widths)]).astype(np.int32)
+
+    @cached_property
+    def bounds(self) -> Floats:
+        """(4 k + 4,) what the rows may be: 1, and more where they follow from three given points at an end.
+
+        A row without room has no interior, which the program's method needs.
+        """
+        bounds = []
+        for ends, count in ((2, self.pieces + 2), (1, self.pieces + 1), (0, self.pieces), (1, self.pieces + 1)):
+            group = np.ones(count)
+            group[:ends] = group[count - ends :] = ROOMY
+            bounds.append(group)
+        return np.concatenate(bounds)
+
+    def duty(self, limits: Limits) -> Floats:
+        """(n,) what the duty may be at the knots.
+
+        In between, inertial * a + viscous * v is a parabola on each piece, which rises above its chord by at most
+        viscous * jerk * step^2 / 8.
+        """
+        return np.asarray(limits.duty - limits.viscous * limits.jerk * self.step**2 / 8)
+
+    def shares(self, controls: Floats, limits: Limits, hinge: int) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+        """Shares of the limits of range, speed, acceleration, jerk and duty that a spline (k + 3,) [rad] takes."""
+        middle = (limits.upper[hinge] + limits.lower[hinge]) / 2
+        half = max(limits.upper[hinge] - limits.lower[hinge], TINY) / 2
+        speed, acceleration, jerk = (np.diff(controls, order) / self.step**order for order in (1, 2, 3))
+        pulling = limits.inertial[hinge] * acceleration + limits.viscous[hinge] * (speed[:-1] + speed[1:]) / 2
+        return (
+            (controls - middle) / half,
+            speed / limits.speed[hinge],
+            acceleration / limits.acceleration[hinge],
+            jerk / limits.jerk[hinge],
+            pulling / self.duty(limits)[hinge],
+        )
+
+    def largest(self, controls: Floats, limits: Limits, hinge: int) -> float:
+        """The largest share of any limit that a spline takes."""
+        return max(float(np.abs(share).max()) for share in self.shares(controls, limits, hinge))
+
+
+def _banded(form: sp.csc_array, width: int) -> Floats:
+    """Banded Cholesky factor of a form, upper form."""
+    bands = np.zeros((width + 1, form.shape[0]))
+    for offset in range(width + 1):
+        bands[width - offset, offset:] = form.diagonal(offset)
+    return np.asarray(cholesky_banded(bands))
+
+
+@lru_cache(maxsize=512)
+def grid(pieces: int, step: float) -> Grid:
+    """The grid of some pieces of a length [s]."""
+    return Grid(pieces, step)

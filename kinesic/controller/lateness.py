@@ -1,0 +1,43 @@
+"""How late each hinge follows, by cross-correlation of planned and performed speed."""
+
+from typing import cast
+
+import numpy as np
+from scipy.fft import irfft, next_fast_len, rfft
+
+from kinesic.body.arrays import Flags, Floats, sealed
+
+WINDOW = 0.3  # [s] longest lateness that is looked for
+
+
+def lateness(planned: Floats, performed: Floats, moving: Flags, *, period: float) -> Floats:
+    """The delay at which the performed speed of each hinge is most like the planned one.
+
+    Args:
+        planned: (m, n) [rad/s].
+        performed: (m, n) [rad/s] at the same times.
+        moving: (n,) which hinges move at all.
+        period: [s] between samples; the delay is found between samples by a parabola.
+
+    Returns:
+        (n,) [s], positive when the hinge is late, NaN for one that does not move.
+    """
+    late = np.full(planned.shape[1], np.nan)
+    if not moving.any():
+        return sealed(late)
+    reach = round(WINDOW / period)
+    size = next_fast_len(len(planned) + reach, real=True)
+    asked, seen = (rfft(speeds[:, moving].T, size) for speeds in (planned, performed))
+    likeness = irfft(seen * asked.conj(), size)  # (k, size) at delays of 0, 1, ... -2, -1 samples
+    likeness = np.concatenate([likeness[:, -reach - 1 :], likeness[:, : reach + 2]], axis=1)
+    best = 1 + likeness[:, 1:-1].argmax(axis=1)
+    late[moving] = period * (best - reach - 1 + _summit(likeness, best))
+    return sealed(late)
+
+
+def _summit(likeness: Floats, best: Flags) -> Floats:
+    """(k,) samples from the best sample of each row to the top of the parabola through it and its neighbours."""
+    rows = np.arange(len(likeness))
+    before, top, after = (likeness[rows, best + step] for step in (-1, 0, 1))
+    bend = before - 2 * top + after
+    return cast(Floats, np.where(bend < 0.0, (before - after) / 2 / np.where(bend < 0.0, bend, 1.0), 0.0))

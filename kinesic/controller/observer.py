@@ -1,0 +1,264 @@
+"""Corrects goals from measured positions: a disturbance observer that also learns how heavy the load really is.
+
+Feed-forward sends each hinge u = q + lead, which would be exact for servos as their data sheets say. Real ones deviate
+by e = measured - reference, and follow, linearised about the reference (I inertia, s stall torque, w no-load speed,
+g gain, r rate gain, f viscous friction),
+
+    I e'' + (s / w + r + f) e' + s g e = s g (c + push - share load),
+
+where c is the correction of the goal, load the part of the lead that carries torque, share by how much the torque per
+duty is overestimated, and push whatever else disturbs, all but load and share as angles of the goal. Per tick:
+
+1. A Luenberger observer of (e, e', push), its three poles at exp(-BANDWIDTH T), compares its forecast for the last
+   tick with the position measured there: one cycle old, rounded to ticks.
+2. What it finds as push while a load was led is ascribed to the share by recursive least squares: a wrong torque
+   constant then is foreseen at the next acceleration, instead of being noticed after it.
+3. c = share load - RESTORING (e, e', push); bounded in size and in rate; goals stay within the ranges.
+
+Stability: whatever share is learned, share load enters as a bounded disturbance; what is left is linear. Closed over a
+plant with a bus latency from 0 to 20 ms, told to the observer or not, all poles of all hinges lie within the unit
+circle when stall torque, no-load speed or inertia is wrong by a factor of 2, and for the pessimistic twin. Two such
+errors at once may oscillate where they leave the servo's own loop hardly damped or double its stiffness at 20 ms:
+then only the bounds hold, and servos that wrong are better fitted first.
+
+A goal further than 1 / g from the measured position gives no more duty: the observer is told what could act, so that
+nothing winds up.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg.lapack import dtbtrs
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.command import Body, Command
+from kinesic.body.dynamics import Dynamics
+from kinesic.body.robot import SPEED_SHARE, Robot
+from kinesic.controller.tick_law import tick_law
+
+BANDWIDTH = 100.0  # [rad/s] of the observer's three poles
+CLEAR_LOAD = np.radians(2.0)  # of lead, at which the first lesson about a load is half believed
+FORGETTING = 5.0  # [s] after which older lessons count less
+LARGEST = np.radians(10.0)  # [rad] of correction
+SLICES = 1024  # of a period, for its exact solution
+
+
+@dataclass(frozen=True, eq=False)
+class Belief:
+    """What is believed about the hinges at one tick, in joint order."""
+
+    rows: Floats  # (6 + h, n) all of it, one under another
+
+    @property
+    def motion(self) -> Floats:
+        """(3, n) deviation [rad], its speed [rad/s], push [rad of goal]; `h` corrections under way follow [rad]."""
+        return self.rows[:3]
+
+    @property
+    def share(self) -> Floats:
+        """(n,) by how much the load is heavier than thought."""
+        return np.asarray(self.rows[-3])
+
+    @property
+    def correction(self) -> Floats:
+        """(n,) [rad] of the goal, as sent."""
+        return np.asarray(self.rows[-2])
+
+    @property
+    def goals(self) -> Floats:
+        """(n,) [rad]."""
+        return np.asarray(self.rows[-1])
+
+
+@dataclass(frozen=True, eq=False)
+class Lessons:
+    """What is known of all ticks before anything is measured."""
+
+    angles: Floats  # (m, n) [rad] reference
+    goals: Floats  # (m, n) [rad] as the feed-forward has them
+    lowest: Floats  # (m, n) [rad] to which they may be corrected
+    highest: Floats  # (m, n) [rad]
+    loads: Floats  # (m, n) [rad] part of the goals that carries torque
+    noticed: Floats  # (m, n) [rad] the same, as late as its effects are noticed
+    trust: Floats  # (m, n) [1/rad] share for each push that is found
+
+    @cached_property
+    def rows(self) -> Floats:
+        """(m, 7, n) all of them."""
+        return np.stack([getattr(self, field.name) for field in fields(self)], axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class Observer:
+    """The gains of hinges at a rate of commands."""
+
+    forecast: Floats  # (3, 3, n) of deviation, speed and push, one tick on
+    gain: Floats  # (3, n) of the innovation
+    period: float  # [s]
+    arrival: Floats  # (h,) share of each goal under way, the newest first, in the tick that ends
+    lower: Floats  # (n,) [rad] of goals
+    upper: Floats  # (n,) [rad]
+    step: Floats  # (n,) [rad] of correction per tick: the speed that plans leave to servos
+    full: Floats  # (n,) [rad] error at which the duty is full
+
+    @classmethod
+    def of(cls, robot: Robot, dynamics: Dynamics, *, period: float, delay: float = 0.0, bodies: int = 1) -> "Observer":
+        """The observer of a robot's hinges.
+
+        Args:
+            robot: its drives and ranges.
+            dynamics: the inertia of each hinge in its worst posture.
+            period: [s] between goals.
+            delay: [s] of the bus.
+            bodies: how many such robots are observed, their hinges one after another: numpy takes as long for many.
+        """
+        drives = robot.drives
+        inertia = np.maximum(dynamics.load.inertia, [drive.armature for drive in drives])
+        stiffness = np.array([drive.stall * drive.gain for drive in drives]) / inertia
+        drag = np.array([drive.stall / drive.no_load + drive.rate_gain + drive.damping for drive in drives]) / inertia
+        forecast = _forecast(stiffness, drag, period)
+        gain = _gains(forecast, np.exp(-BANDWIDTH * period))
+        step = [(1.0 - SPEED_SHARE) * drive.no_load * period for drive in drives]
+        late = int(delay / period)
+        arrival = np.zeros(late + 2)
+        arrival[late:] = late + 1 - delay / period, delay / period - late
+        return cls(
+            forecast=sealed(np.tile(forecast.transpose(1, 2, 0), bodies)),
+            gain=sealed(np.tile(gain.T, bodies)),
+            period=period,
+            arrival=sealed(arrival),
+            lower=sealed(np.tile(robot.skeleton.lower, bodies)),
+            upper=sealed(np.tile(robot.skeleton.upper, bodies)),
+            step=sealed(np.tile(step, bodies)),
+            full=sealed(np.tile([1.0 / drive.gain for drive in drives], bodies)),
+        )
+
+    @cached_property
+    def _step(self) -> Callable[[Floats, Floats, Floats], Floats]:
+        """One tick on, of rows of belief, measured deviation and rows of lessons, with CasADi's own memory."""
+        hinges, late = len(self.lower), len(self.arrival)
+        gains: Floats = np.concatenate([self.forecast.reshape(9, hinges), self.gain, [self.step, self.full]])
+        told = np.zeros((6 + late, hinges)), np.zeros(hinges), np.zeros((7, hinges))
+        constant, found = (gains, np.array(self.arrival)), np.zeros((6 + late, hinges))
+        function = tick_law(hinges, late)
+        memory, run = function.buffer()
+        for k, values in enumerate((*told, *constant)):
+            memory.set_arg(k, values.data)  # type: ignore[call-arg]  # the stub asks for C's arguments
+        memory.set_res(0, found.data)  # type: ignore[call-arg]  # the same
+        kept = function, memory, constant  # CasADi has only their addresses
+
+        def step(*given: Floats, _kept: object = kept) -> Floats:
+            for held, values in zip(told, given, strict=True):
+                held[:] = values
+            run()
+            rows = found.copy()
+            rows.setflags(write=False)
+            return rows
+
+        return step
+
+    def begin(self) -> Belief:
+        """Standing where it should."""
+        return Belief(np.zeros((6 + len(self.arrival), len(self.lower))))
+
+    def lessons(self, stream: Sequence[Command], loads: Floats) -> Lessons:
+        """What a performance can teach: it depends on what is led, not on what is measured.
+
+        Args:
+            stream: commands as the feed-forward has them.
+            loads: (m, n) [rad] part of their goals that carries torque.
+        """
+        bodies = len(self.lower) // loads.shape[1]
+        angles, goals, loads = (
+            np.tile(rows, bodies)
+            for rows in ([command.angles for command in stream], [command.goals for command in stream], loads)
+        )
+        late = len(self.arrival)
+        earlier = np.concatenate([np.broadcast_to(loads[0], (late + 1, loads.shape[1])), loads])
+        acting = sum(share * earlier[late - 1 - k : -2 - k] for k, share in enumerate(self.arrival))
+        noticed = _smoothed(acting, loads[0], 1.0 / (1.0 + 3.0 / (BANDWIDTH * self.period)))
+        forgotten = self.period / FORGETTING
+        learned = _smoothed(noticed**2, np.zeros(loads.shape[1]), forgotten) / forgotten
+        return Lessons(
+            angles=angles,
+            goals=goals,
+            lowest=np.maximum(self.lower, goals - LARGEST),
+            highest=np.minimum(self.upper, goals + LARGEST),
+            loads=loads,
+            noticed=noticed,
+            trust=noticed / (CLEAR_LOAD**2 + learned),
+        )
+
+    def after(self, belief: Belief, deviation: Floats, lessons: Lessons, tick: int) -> Belief:
+        """One tick on.
+
+        Args:
+            belief: at the tick before.
+            deviation: (n,) [rad] measured minus reference at the tick before; NaN where a servo did not answer.
+            lessons: of all ticks.
+            tick: which one this is.
+
+        Returns:
+            The belief of this tick, with corrected goals.
+        """
+        return Belief(self._step(belief.rows, deviation, lessons.rows[tick]))
+
+
+def corrected(
+    stream: Sequence[Command], loads: Floats, bodies: Sequence[Body], observer: Observer
+) -> Iterator[tuple[Command, ...]]:
+    """Commands for each body, whose goals are corrected by what it did with those before.
+
+    All commands of a tick must be written before the next ones are taken, as `play_together` does.
+
+    Args:
+        stream: commands as the feed-forward has them.
+        loads: (m, n) [rad] part of their goals that carries torque.
+        bodies: each is read once per tick.
+        observer: of as many.
+    """
+    lessons, belief = observer.lessons(stream, loads), observer.begin()
+    for tick, command in zip(range(len(loads)), stream, strict=True):
+        if tick == 0:
+            yield (command,) * len(bodies)
+        else:
+            measured = np.concatenate([body.positions() for body in bodies])
+            belief = observer.after(belief, measured - lessons.angles[tick - 1], lessons, tick)
+            yield tuple(_with(command, goals) for goals in belief.goals.reshape(len(bodies), -1))
+
+
+def _with(command: Command, goals: Floats) -> Command:
+    """The same with other goals; `dataclasses.replace` takes three times as long."""
+    return Command(command.time, command.angles, command.speeds, command.accelerations, goals, command.face)
+
+
+def _forecast(stiffness: Floats, drag: Floats, period: float) -> Floats:
+    """(n, 3, 3) transition of deviation, speed and a held push over a period."""
+    rates = np.zeros((len(stiffness), 3, 3))
+    rates[:, 0, 1] = 1.0
+    rates[:, 1] = np.stack([-stiffness, -drag, stiffness], axis=1)
+    small = rates * period / SLICES
+    transition: Floats = np.linalg.matrix_power(np.eye(3) + small + small @ small / 2, SLICES)
+    return transition
+
+
+def _gains(transition: Floats, pole: float) -> Floats:
+    """(n, 3) gains of the innovation that put all three poles of the observer in one place (Ackermann)."""
+    rows = [np.broadcast_to(np.eye(3)[0], transition.shape[:2])]
+    for _ in range(2):
+        rows.append(np.einsum("ni,nij->nj", rows[-1], transition))
+    last = np.linalg.solve(np.stack(rows, axis=1), np.eye(3)[2])
+    polynomial = np.linalg.matrix_power(transition - pole * np.eye(3), 3)
+    ahead = np.einsum("nij,nj->ni", polynomial, last)
+    gains: Floats = np.linalg.solve(transition, ahead[..., None])[..., 0]
+    return gains
+
+
+def _smoothed(values: Floats, start: Floats, share: float) -> Floats:
+    """(m, n) following values, by a share of the difference each row."""
+    driven = share * values
+    driven[0] += (1.0 - share) * start
+    followed, _ = dtbtrs(np.outer([1.0, share - 1.0], np.ones(len(values))), driven, uplo="L")
+    return np.ascontiguousarray(followed)

@@ -1,0 +1,166 @@
+"""A motion to begin with at once: at rest at every key, so slow that no program has to be solved.
+
+Its times come from closed forms, its path from quintics; limits hold by construction and are checked on the control
+points. A better plan takes it over while it runs, where that changes nothing that is past; else it plays to its end.
+"""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from kinesic.bml.block import Block
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.limits import Limits
+from kinesic.controller.bonds import Bond
+from kinesic.controller.clear import LAG_RESERVE, scan
+from kinesic.controller.condition import Conditioned
+from kinesic.controller.facts import Facts
+from kinesic.controller.grid import grid
+from kinesic.controller.interrupt import cut
+from kinesic.controller.keys import Keys
+from kinesic.controller.plan import Plan, plan
+from kinesic.controller.postures import Posture
+from kinesic.controller.quadratic import nearest
+from kinesic.controller.retime import relaxed
+from kinesic.controller.segments import Segment, pieces, segments
+from kinesic.controller.trajectory import STEP, Trajectory
+from kinesic.controller.wish import Manner, wish
+
+PEAK_SPEED = 1.875  # of a quintic from rest to rest, in distance / duration
+PEAK_ACCELERATION = 5.7735  # in distance / duration^2
+PEAK_JERK = 60.0  # in distance / duration^3
+RESERVE = 1.03  # on its duration, for what the grid makes of it
+LEAST_GAP = 0.06  # [s] of a gap in which something moves
+LONGER = 1.1  # on gaps that do not suffice after all
+STOPS = Manner(tension=1.0)
+AHEAD = 3  # keys of the better plan that a hinge may pass before it is on its way
+LEAST = 3  # pieces from three control points to three others
+SAME = 1e-9  # [s]
+
+
+def opening(block: Block, facts: Facts) -> Plan:
+    """Plans a block so that it can begin at once; nothing of it is late in block zero.
+
+    Raises:
+        BmlError: something `required` cannot be performed.
+    """
+    return plan(block, facts, conditioned=resting)
+
+
+def resting(
+    postures: tuple[Posture, ...], facts: Facts, bonds: tuple[Bond, ...] = (), *, ease: float = 1.0
+) -> Conditioned:
+    """The motion that rests at every key.
+
+    Args:
+        postures: at least two, the first and the last keyed in all hinges.
+        facts: limits.
+        bonds: between sync points of different behaviours.
+        ease: share of the limits that is used.
+    """
+    limits = facts.limits.times(ease)
+    keys = Keys.of(postures, limits, bonds)
+    gaps = dict(keys.gaps)
+    for hinge, own in enumerate(keys.own):
+        for i, j in pairwise(own):
+            way = float(keys.angles[j, hinge] - keys.angles[i, hinge])
+            gaps[i, j] = max(gaps[i, j], duration(way, limits, hinge))
+    motion = None
+    while motion is None:
+        times = relaxed(keys, gaps, lead_in=0.0)
+        motion = _stepwise(times, keys, limits)
+        gaps = {pair: LONGER * gap for pair, gap in gaps.items()}
+    return Conditioned(motion, keys.asked, sealed(times), {}, sealed(np.zeros(len(limits.lower))))
+
+
+def duration(way: float, limits: Limits, hinge: int) -> float:
+    """Of a quintic from rest to rest over a way [rad] within all limits of a hinge [s].
+
+    Its duty is bounded by that of its greatest speed and its greatest acceleration together.
+    """
+    size = abs(way)
+    if size == 0.0:
+        return 0.0
+    inertial, viscous = limits.inertial[hinge] / limits.duty[hinge], limits.viscous[hinge] / limits.duty[hinge]
+    fast = max(PEAK_SPEED * size / limits.speed[hinge], (PEAK_JERK * size / limits.jerk[hinge]) ** (1 / 3))
+    strong = np.sqrt(PEAK_ACCELERATION * size / limits.acceleration[hinge])
+    half = viscous * PEAK_SPEED * size / 2
+    loaded = half + np.sqrt(half**2 + inertial * PEAK_ACCELERATION * size)
+    return float(RESERVE * max(fast, strong, loaded, LEAST_GAP))
+
+
+def _stepwise(times: Floats, keys: Keys, limits: Limits) -> Trajectory | None:
+    """Quintics on the grid; None where one exceeds a limit after all."""
+    count = pieces(times, STEP)
+    wished = wish(times, keys.angles, keys.keyed, STOPS).angles(grid(count, STEP).knots)
+    controls = np.empty((count + 3, keys.angles.shape[1]))
+    for segment in segments(times, keys, STEP):
+        found = nearest(segment, wished[segment.knots, segment.hinge], limits)
+        if found is None:
+            return None
+        controls[segment.controls, segment.hinge] = found
+    return Trajectory(sealed(controls), -float(times[0]))
+
+
+def taken_over(running: Plan, better: Plan, time: float) -> Plan | None:
+    """The running plan, gone over into a better one that is on its way already.
+
+    Sync points only move from the running plan's times to the better one's.
+
+    Args:
+        running: what has begun.
+        better: another plan of the same block, without lead-in.
+        time: [s] performance time from which the running motion may be left, at the next knot.
+
+    Returns:
+        None when a key of the better plan is past, a hinge cannot catch up, or the way between the two is not clear.
+    """
+    facts, knot = running.facts, cut(running.trajectory, time)
+    keys = Keys.of(better.postures.postures, facts.limits)
+    late = running.motion.planned + running.trajectory.zero > knot * STEP
+    if abs(running.trajectory.zero - better.trajectory.zero) > SAME or len(late) != len(keys.asked):
+        return None
+    if np.any(late & (better.motion.planned + better.trajectory.zero < (knot + LEAST) * STEP)):
+        return None
+    columns = [_caught_up(running.trajectory, better, keys, knot, hinge) for hinge in range(len(facts.limits.lower))]
+    found = [column for column in columns if column is not None]
+    if len(found) < len(columns):
+        return None
+    motion = Trajectory(sealed(np.stack(found, axis=1)), running.trajectory.zero)
+    times, clearance = scan(motion, facts.distances)
+    if clearance.distances[clearance.worst] < facts.robot.least_clearance + LAG_RESERVE:
+        return None
+    planned = np.where(late, better.motion.planned, running.motion.planned)
+    return replace(
+        better,
+        motion=replace(better.motion, trajectory=motion, planned=sealed(planned)),
+        clearance=clearance,
+        clearance_times=times,
+    )
+
+
+def _caught_up(running: Trajectory, better: Plan, keys: Keys, knot: int, hinge: int) -> Floats | None:
+    """Control points of a hinge that leaves one motion at a knot and is on the other by one of its next keys."""
+    own, after = running.controls[:, hinge], better.trajectory.controls[:, hinge]
+    places = (better.motion.planned[keys.own[hinge]] - better.motion.planned[0]) / STEP
+    coming = np.flatnonzero(places >= knot + LEAST)
+    for ahead in range(min(AHEAD, len(coming))):
+        begin, passed = int(places[coming[ahead]]), coming[:ahead]
+        bridge = Segment(
+            hinge,
+            knot,
+            grid(begin - knot, STEP),
+            float(own[knot + 1]),
+            float(after[begin + 1]),
+            places[passed] - knot,
+            keys.angles[np.array(keys.own[hinge])[passed], hinge],
+            (),
+            entry=tuple(map(float, own[knot : knot + 3])),
+            exit=tuple(map(float, after[begin : begin + 3])),
+        )
+        way = better.trajectory.sample(knot * STEP + bridge.grid.knots)[0][:, hinge]
+        found = nearest(bridge, way, better.facts.limits)
+        if found is not None:
+            return np.concatenate([own[: knot + 3], found[3:-3], after[begin:]])
+    return None

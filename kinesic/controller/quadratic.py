@@ -1,0 +1,88 @@
+"""The motion nearest to a wish that passes its keys within every limit: a quadratic program for each segment.
+
+The optimum without limits is a banded solve; where it keeps the limits it is the optimum with them, too, and no program
+is needed.
+"""
+
+import casadi
+import numpy as np
+import scipy.sparse as sp
+from scipy.linalg import cho_solve_banded
+
+from kinesic.body.arrays import Floats
+from kinesic.body.limits import Limits
+from kinesic.controller.segments import Segment
+
+ITERATIONS = 40  # feasible programs take half as many
+WITHIN = 1.0 + 1e-9  # share of a limit that counts as kept
+
+
+def nearest(segment: Segment, wish: Floats, limits: Limits) -> Floats | None:
+    """Control points (k + 3,) [rad] of a segment nearest to a wish.
+
+    Args:
+        segment: of k pieces.
+        wish: (k + 1,) [rad] at its knots.
+        limits: of all hinges.
+
+    Returns:
+        None when the hinge cannot pass its keys in these times.
+    """
+    controls = unlimited(segment, wish)
+    if segment.grid.largest(controls, limits, segment.hinge) <= WITHIN:
+        return controls
+    return limited(segment, wish, limits)
+
+
+def unlimited(segment: Segment, wish: Floats) -> Floats:
+    """Control points (k + 3,) [rad] nearest to a wish whatever the limits are."""
+    if segment.still:
+        return np.full(segment.grid.size, segment.start)
+    return _through(segment, segment.grid.factor, segment.grid.at_knots.T @ wish)
+
+
+def smoothest(segment: Segment) -> Floats:
+    """Control points (k + 3,) [rad] of the way through the keys with the least acceleration and jerk."""
+    return _through(segment, segment.grid.calm, np.zeros(segment.grid.size))
+
+
+def _through(segment: Segment, factor: Floats, pulled: Floats) -> Floats:
+    """The optimum of a quadratic form that passes what is fixed."""
+    matrix, values = segment.fixed
+    solved = cho_solve_banded((factor, False), np.hstack([pulled[:, None], matrix.T]))
+    free, pull = solved[:, 0], solved[:, 1:]
+    return np.asarray(free + pull @ np.linalg.lstsq(matrix @ pull, values - matrix @ free)[0])
+
+
+def limited(segment: Segment, wish: Floats, limits: Limits) -> Floats | None:
+    """The same as `nearest` where the optimum without limits is known to exceed them."""
+    grid, hinge, (matrix, values) = segment.grid, segment.hinge, segment.fixed
+    rows, (lower, upper) = grid.rows(limits, hinge), segment.corridor(limits, wish)
+    form, every = numbers(grid.closeness), numbers(_stacked(sp.csr_array(matrix), rows))
+    program = {"h": form.sparsity(), "a": every.sparsity()}
+    solver = casadi.conic("nearest", "piqp", program, {"error_on_fail": False, "piqp": {"max_iter": ITERATIONS}})
+    told = solver(
+        h=form,
+        g=-(grid.at_knots.T @ wish),
+        a=every,
+        lba=np.concatenate([values, -grid.bounds]),
+        uba=np.concatenate([values, grid.bounds]),
+        lbx=lower,
+        ubx=upper,
+    )
+    return np.array(told["x"]).ravel() if solver.stats()["success"] else None
+
+
+def _stacked(top: sp.csr_array, bottom: sp.csr_array) -> sp.csc_array:
+    """One matrix above the other."""
+    data = np.concatenate([top.data, bottom.data])
+    indices = np.concatenate([top.indices, bottom.indices])
+    starts = np.concatenate([top.indptr, top.indptr[-1] + bottom.indptr[1:]])
+    return sp.csr_array((data, indices, starts), shape=(top.shape[0] + bottom.shape[0], top.shape[1])).tocsc()
+
+
+def numbers(matrix: sp.csc_array) -> casadi.DM:
+    """A matrix, for CasADi."""
+    starts: list[int] = matrix.indptr.tolist()
+    indices: list[int] = matrix.indices.tolist()
+    return casadi.DM(casadi.Sparsity(int(matrix.shape[0]), int(matrix.shape[1]), starts, indices), matrix.data)

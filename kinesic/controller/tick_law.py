@@ -1,0 +1,59 @@
+"""The observer's law for one tick, as a graph that CasADi runs: see `controller.observer` for its meaning."""
+
+from functools import lru_cache
+
+import casadi
+import numpy as np
+
+from kinesic.body.arrays import sealed
+
+RESTORING = sealed([0.4, 0.012, 0.4])  # of deviation, its speed [s] and push, by each tick's goal
+SHARES = (-0.5, 1.0)  # what a load may turn out to be: half, or twice as heavy
+FADING = 0.95  # of the push that is left after each tick in which a servo did not answer
+
+
+@lru_cache(maxsize=8)
+def tick_law(hinges: int, late: int) -> casadi.Function:
+    """The law of some hinges; two microseconds for what takes NumPy twenty.
+
+    Args:
+        hinges: how many.
+        late: ticks on which corrections may be under way.
+
+    Returns:
+        From belief (n, 6 + late), deviation (n,), lesson (n, 7), gains (n, 14) and arrival (late,) to the belief of
+        this tick; CasADi's columns are NumPy's rows.
+    """
+    names = {"belief": 6 + late, "measured": 1, "lesson": 7, "gains": 14}
+    given = [casadi.MX.sym(name, hinges, columns) for name, columns in names.items()]
+    arrival = casadi.MX.sym("arrival", late)
+    columns = [casadi.horzsplit(symbol) for symbol in given]
+    deviation, speed, push, *under_way, share, correction, _ = columns[0]
+    (measured,), (angles, led, lowest, highest, load, noticed, trust) = columns[1:3]
+    *forecast, gain_deviation, gain_speed, gain_push, step, full = columns[3]
+
+    answers = casadi.fabs(measured) < np.inf  # a silent servo's NaN is not
+    innovation = casadi.if_else(answers, measured - deviation, 0.0)
+    deviation += gain_deviation * innovation
+    speed += gain_speed * innovation
+    push = casadi.if_else(answers, push + gain_push * innovation, FADING * push)
+    learned = _between(share - trust * push, *SHARES)
+    push += (learned - share) * noticed  # what goes to the share is no longer push
+
+    nothing = casadi.MX(0.0)
+    arrived = sum((arrival[k] * goal for k, goal in enumerate(under_way)), nothing)
+    acting = deviation, speed, push + arrived  # what arrives enters like a push, for this tick
+    motion = [sum((forecast[3 * k + i] * acting[i] for i in range(3)), nothing) for k in range(3)]
+    motion[2] -= arrived
+
+    foreseen, before = led + learned * load, led + correction
+    asked = foreseen - sum((float(RESTORING[k]) * motion[k] for k in range(3)), nothing)
+    goals = _between(_between(asked, before - step, before + step), lowest, highest)
+    position = angles + motion[0]
+    newest = _between(goals, position - full, position + full) - foreseen
+    belief = casadi.horzcat(*motion, newest, *under_way[:-1], learned, goals - led, goals)
+    return casadi.Function("tick", [*given, arrival], [belief])
+
+
+def _between(values: casadi.MX, lower: casadi.MX | float, upper: casadi.MX | float) -> casadi.MX:
+    return casadi.fmin(casadi.fmax(values, lower), upper)

@@ -1,0 +1,124 @@
+"""Which servos would have moved like this: factors fitted so that the twin repeats a log.
+
+Angles alone do not tell everything. All torques of the equation of motion may be scaled together without a trace, so
+masses are taken as described. And of gain, stall torque and no-load speed they show stall x gain and stall / no-load
+speed; the three show apart only where the duty saturates, so the gain is else taken as described, too. A figure is
+fitted only if the log tells it whatever the other figures are.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import Robot
+from kinesic.sim.factors import Factors
+from kinesic.sim.log import Log
+from kinesic.sim.replay import replay
+from kinesic.sim.telling import SHEET, Telling, assumptions, telling
+from kinesic.sim.unknowns import DEFAULT, Figure, Unknown, bounds, factors_of, unknowns
+
+STEP = 0.01  # of finite differences
+EVALUATIONS = 15  # of the errors, at most
+ENOUGH = 1e-3  # relative change of the figures at which a fit ends
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What the log says about one figure."""
+
+    unknown: Unknown
+    value: float  # factor, or latency [s]
+    deviation: float  # standard deviation, in the same unit; of a figure that is not told, what it would be
+    why: str = ""  # it is not told, and left as the data sheet has it
+
+
+@dataclass(frozen=True)
+class Fit:
+    """The twin that repeats a log best."""
+
+    factors: Factors
+    estimates: tuple[Estimate, ...]
+    before: float  # [rad] RMS of the twin's angles minus those of the log, servos as in their data sheets
+    after: float  # [rad] the same with the factors found
+
+
+def fit(log: Log, robot: Robot, *, free: tuple[Figure, ...] = DEFAULT) -> Fit:
+    """Fits factors to a log.
+
+    Args:
+        log: goals and angles of the whole robot.
+        robot: as its data sheets describe it.
+        free: figures that may differ from them.
+
+    Returns:
+        The same for the same log: nothing is random.
+
+    Raises:
+        ValueError: both stall and mass are free.
+    """
+    asked = unknowns(robot, free)
+    noise = np.array([drive.tick for drive in robot.drives]) / 2  # of a rounded angle; neighbours are rounded alike
+
+    def errors(values: Floats) -> Floats:
+        return ((replay(log, robot, factors_of(asked, values)) - log.angles) / noise).ravel()
+
+    sheet = np.zeros(len(asked))
+    assumed = assumptions(asked, _slopes(errors, sheet, range(len(asked)))) if "gain" in free else {}
+    values = _solved(errors, asked, [k for k in range(len(asked)) if k not in assumed])
+    scatter = max(1.0, _rms(errors(values)))
+    found = telling(asked, _slopes(errors, values, range(len(asked))), assumed=assumed, scatter=scatter)
+    values = np.where(found.told, values, 0.0)
+    spacing = np.tile(noise, len(log.times))
+    return Fit(
+        factors_of(asked, values),
+        tuple(_estimate(asked[k], values[k], found, k) for k in range(len(asked))),
+        _rms(errors(sheet) * spacing),
+        _rms(errors(values) * spacing),
+    )
+
+
+def _solved(errors: Callable[[Floats], Floats], asked: Sequence[Unknown], chosen: list[int]) -> Floats:
+    """(u,) values that make errors and distrust of the data sheets smallest; those not chosen are zero."""
+    if not chosen:
+        return np.zeros(len(asked))
+
+    def whole(part: Floats) -> Floats:
+        values = np.zeros(len(asked))
+        values[chosen] = part
+        return values
+
+    solved = least_squares(
+        lambda part: np.concatenate([errors(whole(part)), part / SHEET]),
+        np.zeros(len(chosen)),
+        jac=lambda part: np.concatenate([_slopes(errors, whole(part), chosen), np.eye(len(chosen)) / SHEET]),
+        bounds=bounds([asked[k] for k in chosen]),
+        # lsmr decomposes no slopes, which are as long as the log, but cannot do with one unknown
+        tr_solver="lsmr" if len(chosen) > 1 else "exact",
+        xtol=ENOUGH,
+        ftol=ENOUGH,
+        max_nfev=EVALUATIONS,
+    )
+    return whole(solved.x)
+
+
+def _slopes(errors: Callable[[Floats], Floats], values: Floats, chosen: Sequence[int]) -> Floats:
+    """(r, c) derivatives of the errors by the chosen values."""
+    here = errors(values)
+    slopes = np.empty((len(here), len(chosen)))
+    for column, k in enumerate(chosen):
+        moved = values.copy()
+        moved[k] += STEP
+        slopes[:, column] = (errors(moved) - here) / STEP
+    return slopes
+
+
+def _estimate(unknown: Unknown, value: float, found: Telling, k: int) -> Estimate:
+    deviation = unknown.scale(value) * float(found.deviations[k])
+    return Estimate(unknown, unknown.figure_of(value), deviation, found.reasons.get(k, ""))
+
+
+def _rms(values: Floats) -> float:
+    return float(np.sqrt(np.mean(values**2)))

@@ -1,0 +1,119 @@
+"""A foreign robot as data: its hinges in one pose, at first that of its file, and what moves with each."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.rotation import about
+from kinesic.body.skeleton import Capsule
+
+Motion = tuple[Floats, Floats]  # rotation (3, 3) and shift (3,) [m]
+
+BASE = -1  # stands for the base where an index of a joint is asked
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """One motorised hinge; what the file does not say is None."""
+
+    name: str
+    parent: int  # index of the hinge before it, or BASE
+    anchor: Floats  # (3,) [m] a point of its axis in the world
+    axis: Floats  # (3,) unit, in the world
+    zero: float  # [rad] its angle in this pose
+    lower: float | None  # [rad]
+    upper: float | None  # [rad]
+    effort: float | None  # [Nm]
+    speed: float | None  # [rad/s]
+    gain: float | None  # [Nm/rad] of its position actuator
+    armature: float | None  # [kg m^2]
+    friction: float | None  # [Nm]
+    damping: float | None  # [Nm s/rad]
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """What moves with one hinge, up to the next: bodies on joints that are not motorised hinges belong to it."""
+
+    mass: float  # [kg]
+    centre: Floats  # (3,) [m] of mass, in the world
+    shapes: tuple[Capsule, ...]  # in the world
+
+
+@dataclass(frozen=True, eq=False)
+class Tree:
+    """Hinges with parents first; `parts[k]` moves with `joints[k]`."""
+
+    name: str
+    joints: tuple[Joint, ...]
+    parts: tuple[Part, ...]
+    base: Part
+
+    @cached_property
+    def children(self) -> dict[int, tuple[int, ...]]:
+        """Index of a hinge (or BASE) -> the hinges that hang on it."""
+        found: dict[int, tuple[int, ...]] = dict.fromkeys(range(BASE, len(self.joints)), ())
+        for k, joint in enumerate(self.joints):
+            found[joint.parent] += (k,)
+        return found
+
+    def way(self, joint: int) -> tuple[int, ...]:
+        """The hinges from the base to one, itself included."""
+        row: list[int] = []
+        while joint != BASE:
+            row.append(joint)
+            joint = self.joints[joint].parent
+        return tuple(reversed(row))
+
+    def below(self, joint: int) -> tuple[int, ...]:
+        """A hinge and all that hang on it."""
+        return (joint, *(k for child in self.children[joint] for k in self.below(child)))
+
+    def lump(self, parts: Sequence[int]) -> Part:
+        """Several parts as one; BASE stands for the base."""
+        rows = [self.base if k == BASE else self.parts[k] for k in parts]
+        mass = sum(row.mass for row in rows)
+        weighted = sum((row.mass * row.centre for row in rows), np.zeros(3))
+        centre = weighted / mass if mass > 0 else rows[0].centre
+        return Part(mass, sealed(centre), tuple(shape for row in rows for shape in row.shapes))
+
+    def moved(self, rotation: Floats, shift: Floats) -> "Tree":
+        """The whole robot turned by (3, 3), then shifted by (3,) [m]."""
+        motion = dict.fromkeys(range(BASE, len(self.joints)), (rotation, shift))
+        return self._with(motion, motion, {})
+
+    def turned(self, turns: Mapping[int, float]) -> "Tree":
+        """The robot in another pose: hinge -> [rad] from this one."""
+        before: dict[int, Motion] = {}
+        after: dict[int, Motion] = {BASE: (np.eye(3), np.zeros(3))}
+        for k, joint in enumerate(self.joints):
+            rotation, shift = before[k] = after[joint.parent]
+            turn = about(joint.axis, turns.get(k, 0.0))
+            after[k] = rotation @ turn, shift + rotation @ (joint.anchor - turn @ joint.anchor)
+        return self._with(before, after, turns)
+
+    def _with(self, before: Mapping[int, Motion], after: Mapping[int, Motion], turns: Mapping[int, float]) -> "Tree":
+        """Hinges moved as they are before they turn, parts as they are after."""
+        joints = tuple(
+            replace(
+                joint,
+                anchor=_point(joint.anchor, before[k]),
+                axis=sealed(before[k][0] @ joint.axis),
+                zero=joint.zero + turns.get(k, 0.0),
+            )
+            for k, joint in enumerate(self.joints)
+        )
+        parts = tuple(_moved(part, after[k]) for k, part in enumerate(self.parts))
+        return replace(self, joints=joints, parts=parts, base=_moved(self.base, after[BASE]))
+
+
+def _point(point: Floats, motion: Motion) -> Floats:
+    return sealed(motion[0] @ point + motion[1])
+
+
+def _moved(part: Part, motion: Motion) -> Part:
+    shapes = tuple(Capsule(_point(s.start, motion), _point(s.end, motion), s.radius) for s in part.shapes)
+    return Part(part.mass, _point(part.centre, motion), shapes)

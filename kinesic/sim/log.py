@@ -1,0 +1,64 @@
+"""A log of servos: what they were told and where they were, from a bus or from a twin."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from zipfile import BadZipFile
+
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.config import ConfigError
+from kinesic.body.measurements import Measurements
+from kinesic.body.robot import Robot
+
+FORMAT = (
+    "npz with times (m,) [s], names (n,) of the hinges, goals (m, n) [rad] sent at these times, and angles (m, n) "
+    "[rad] measured there just before; it begins at rest"
+)
+ARRAYS = ("times", "names", "goals", "angles")
+
+
+@dataclass(frozen=True, eq=False)
+class Log:
+    """Goals sent and angles measured, in joint order; it begins at rest."""
+
+    times: Floats  # (m,) [s] increasing
+    goals: Floats  # (m, n) [rad] sent at these times
+    angles: Floats  # (m, n) [rad] measured just before
+
+
+def write_log(measured: Measurements, robot: Robot, path: Path) -> None:
+    """Writes what a sink saw, in the format that `read_log` reads."""
+    names = np.array(robot.skeleton.names)
+    np.savez_compressed(path, times=measured.times, names=names, goals=measured.goals, angles=measured.angles)
+
+
+def read_log(path: Path, robot: Robot) -> Log:
+    """Reads a log.
+
+    Raises:
+        ConfigError: it is missing, lacks an array or a hinge, or holds what is no motion.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            data = {name: file[name] for name in ARRAYS if name in file}
+    except OSError as error:
+        raise ConfigError(f"{path}: {error.strerror or error}") from None
+    except (ValueError, BadZipFile):
+        raise ConfigError(f"{path}: no log; a log is {FORMAT}") from None
+    missing = [name for name in ARRAYS if name not in data]
+    if missing:
+        raise ConfigError(f"{path}: lacks {', '.join(missing)}; a log is {FORMAT}")
+    names, count = [str(name) for name in data["names"]], len(data["times"])
+    lost = [name for name in robot.skeleton.names if name not in names]
+    if lost:
+        raise ConfigError(f"{path}: lacks {len(lost)} hinges of {robot.name}, first {lost[0]}")
+    for name in ("goals", "angles"):
+        if data[name].shape != (count, len(names)):
+            raise ConfigError(f"{path}: {name} is {data[name].shape}, must be {(count, len(names))}")
+        if not np.isfinite(data[name]).all():
+            raise ConfigError(f"{path}: {name} holds a number that is not finite")
+    if count < 2 or not (np.diff(data["times"]) > 0).all():
+        raise ConfigError(f"{path}: times must be at least two, and increase")
+    order = [names.index(name) for name in robot.skeleton.names]
+    return Log(sealed(data["times"]), sealed(data["goals"][:, order]), sealed(data["angles"][:, order]))

@@ -1,0 +1,211 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from kinesic.body.arrays import Floats
+from kinesic.body.command import Command
+from kinesic.body.robot import SPEED_SHARE, Robot
+from kinesic.controller.observer import LARGEST, Belief, Lessons, Observer, _forecast, corrected
+from kinesic.controller.tick_law import FADING, RESTORING, SHARES
+from kinesic.sim.dynamics import MujocoDynamics
+
+ROBOT = Robot.load()
+DYNAMICS = MujocoDynamics(ROBOT)
+COUNT = len(ROBOT.skeleton.hinges)
+PERIOD = 0.01
+OBSERVER = Observer.of(ROBOT, DYNAMICS, period=PERIOD)
+REST = ROBOT.skeleton.rest
+NOTHING = np.zeros(COUNT)
+
+
+def command(angles: Floats = REST) -> Command:
+    return Command(0.0, angles, NOTHING, NOTHING, angles)
+
+
+def lessons(angles: Floats = REST, load: float = 0.0, **changes: Floats) -> Lessons:
+    """One tick that teaches nothing, but for what is changed."""
+    return replace(OBSERVER.lessons([command(angles)], NOTHING[None] + load), **changes)
+
+
+LESSONS = lessons()
+
+
+def closed_loop(observer: Observer, factors: tuple[float, float, float], latency: float) -> Floats:
+    """Largest pole (n,) of observer and plant, whose stall torque, no-load speed and inertia have factors."""
+    stall, no_load, heavier = factors
+    inertia = heavier * DYNAMICS.load.inertia
+    torque = stall * np.array([drive.stall for drive in ROBOT.drives])
+    back = np.array([drive.stall / drive.no_load * stall / no_load + drive.rate_gain * stall for drive in ROBOT.drives])
+    spring = torque * [drive.gain for drive in ROBOT.drives]
+    drag = back + [drive.damping for drive in ROBOT.drives]
+    late = int(latency / PERIOD + 1e-9)
+    spans = latency - late * PERIOD, PERIOD - latency + late * PERIOD
+    old, new = (_forecast(spring / inertia, drag / inertia, span) for span in spans)
+    state = np.broadcast_to(np.eye(10), (COUNT, 10, 10))
+    plant, belief, sent = state[:, :2], state[:, 2:5], state[:, 5:]
+    moved = old[:, :2, :2] @ plant + old[:, :2, 2:] @ sent[:, late + 1 : late + 2]
+    moved = new[:, :2, :2] @ moved + new[:, :2, 2:] @ sent[:, late : late + 1]
+    told = belief + observer.gain.T[:, :, None] * (plant[:, :1] - belief[:, :1])
+    entered = np.zeros_like(told)
+    entered[:, 2] = np.einsum("h,nhk->nk", observer.arrival, sent[:, : len(observer.arrival)])
+    told = observer.forecast.transpose(2, 0, 1) @ (told + entered) - entered
+    correction = -np.einsum("i,nik->nk", RESTORING, told)[:, None]
+    loop = np.concatenate([moved, told, correction, sent[:, :-1]], axis=1)
+    return np.abs(np.linalg.eigvals(loop)).max(axis=1)
+
+
+PESSIMISTIC = (0.8, 0.9, 1.3)
+SINGLE = [(1.0, 1.0, 1.0), PESSIMISTIC]
+SINGLE += [tuple(2.0**power if k == which else 1.0 for k in range(3)) for which in range(3) for power in (-1, 1)]
+
+
+@pytest.mark.parametrize("latency", [0.0, 0.008, 0.014, 0.02])
+@pytest.mark.parametrize("told", [True, False], ids=["told", "not told"])
+def test_the_closed_loop_is_stable_for_each_parameter_wrong_by_two_and_any_latency(latency, told):
+    observer = Observer.of(ROBOT, DYNAMICS, period=PERIOD, delay=latency if told else 0.0)
+    for factors in SINGLE:
+        assert closed_loop(observer, factors, latency).max() < 1.0, factors
+
+
+def test_the_observers_poles_lie_together():
+    for hinge in range(COUNT):
+        forecast, gain = OBSERVER.forecast[..., hinge], OBSERVER.gain[:, hinge]
+        poles = np.linalg.eigvals(forecast @ (np.eye(3) - np.outer(gain, np.eye(3)[0])))
+        np.testing.assert_allclose(poles, np.exp(-1.0), atol=1e-3)
+
+
+def test_the_forecast_is_the_exact_solution():
+    drive = ROBOT.drives[0]
+    inertia = DYNAMICS.load.inertia[0]
+    rates = np.zeros((3, 3))
+    rates[0, 1] = 1.0
+    spring, drag = drive.stall * drive.gain, drive.stall / drive.no_load + drive.rate_gain + drive.damping
+    rates[1] = np.array([-spring, -drag, spring]) / inertia
+    np.testing.assert_allclose(OBSERVER.forecast[..., 0], expm(rates * PERIOD), atol=1e-6)
+
+
+def test_without_deviation_nothing_is_corrected():
+    belief = OBSERVER.begin()
+    for _ in range(20):
+        belief = OBSERVER.after(belief, NOTHING, LESSONS, 0)
+    np.testing.assert_array_equal(belief.goals, REST)
+    np.testing.assert_array_equal(belief.share, 0.0)
+
+
+def test_a_step_is_pure():
+    belief = OBSERVER.begin()
+    kept = [getattr(belief, name).copy() for name in Belief.__dataclass_fields__]
+    first, second = (OBSERVER.after(belief, NOTHING + 0.01, lessons(load=0.02), 0) for _ in range(2))
+    for name, before in zip(Belief.__dataclass_fields__, kept, strict=True):
+        np.testing.assert_array_equal(getattr(belief, name), before)
+        np.testing.assert_array_equal(getattr(first, name), getattr(second, name))
+
+
+def test_a_hinge_that_hangs_low_is_raised():
+    belief = OBSERVER.begin()
+    for _ in range(50):
+        belief = OBSERVER.after(belief, NOTHING - 0.01, lessons(np.zeros(COUNT)), 0)
+    assert np.all(belief.correction[ROBOT.skeleton.upper > 0.05] > 0.0)
+
+
+@pytest.mark.parametrize("deviation", [-3.0, -0.05, 0.05, 3.0])
+def test_size_rate_and_range_are_bounded(deviation):
+    belief, one = OBSERVER.begin(), np.ones((1, COUNT))
+    taught = lessons(load=0.1, noticed=0.1 * one, trust=one)
+    step = (1 - SPEED_SHARE) * np.array([drive.no_load for drive in ROBOT.drives]) * PERIOD
+    for _ in range(200):
+        before = belief.correction
+        belief = OBSERVER.after(belief, NOTHING + deviation, taught, 0)
+        assert np.all(np.abs(belief.correction) <= LARGEST + 1e-12)
+        assert np.all(np.abs(belief.correction - before) <= step + 1e-12)
+        assert np.all((belief.goals >= ROBOT.skeleton.lower) & (belief.goals <= ROBOT.skeleton.upper))
+        assert np.all((belief.share >= SHARES[0]) & (belief.share <= SHARES[1]))
+
+
+def test_a_heavier_load_is_learned_while_it_is_led():
+    share, belief = 0.6, OBSERVER.begin()
+    plant = np.zeros((COUNT, 3))
+    loads = 0.06 * np.sin(np.arange(60) / 5)[:, None] + NOTHING
+    taught = OBSERVER.lessons([command(NOTHING)] * 60, loads)
+    for tick, load in enumerate(loads):
+        previous = plant[:, 0]
+        belief = OBSERVER.after(belief, previous, taught, tick)
+        plant[:, 2] = np.clip(belief.correction, -1, 1) - share * load
+        plant = np.einsum("ijn,nj->ni", OBSERVER.forecast, plant)
+    middle = (ROBOT.skeleton.lower < -0.2) & (ROBOT.skeleton.upper > 0.2)
+    np.testing.assert_allclose(belief.share[middle], share, atol=0.2)
+
+
+def test_a_silent_servo_loses_its_push_and_the_others_do_not():
+    belief = OBSERVER.begin()
+    for _ in range(30):
+        belief = OBSERVER.after(belief, NOTHING + 0.02, LESSONS, 0)
+    push = belief.motion[2]
+    silent = NOTHING + 0.02
+    silent[3] = np.nan
+    for _ in range(40):
+        belief = OBSERVER.after(belief, silent, LESSONS, 0)
+        assert np.isfinite(belief.goals).all()
+    assert abs(belief.motion[2, 3]) < 1.01 * abs(push[3]) * FADING**40
+    assert abs(belief.motion[2, 4]) > 0.5 * abs(push[4])
+
+
+def test_bodies_side_by_side_are_observed_like_each_alone():
+    random = np.random.default_rng(0)
+    loads = 0.05 * random.standard_normal((30, COUNT))
+    deviations = 0.01 * random.standard_normal((2, 30, COUNT))
+    stream = [command()] * 30
+
+    def goals(observer: Observer, measured: Floats) -> Floats:
+        taught, belief, found = observer.lessons(stream, loads), observer.begin(), []
+        for tick, deviation in enumerate(measured):
+            belief = observer.after(belief, deviation, taught, tick)
+            found.append(belief.goals)
+        return np.array(found)
+
+    pair = Observer.of(ROBOT, DYNAMICS, period=PERIOD, delay=0.012, bodies=2)
+    one = Observer.of(ROBOT, DYNAMICS, period=PERIOD, delay=0.012)
+    together = goals(pair, np.concatenate(deviations, axis=1))
+    np.testing.assert_allclose(together, np.hstack([goals(one, each) for each in deviations]), rtol=0, atol=1e-15)
+
+
+class Still:
+    """A body that stays where it is, and one of whose servos never answers."""
+
+    def __init__(self, angles: Floats) -> None:
+        self.angles = angles
+        self.written: list[Command] = []
+
+    def write(self, command: Command, /) -> None:
+        self.written.append(command)
+
+    def close(self) -> None:
+        pass
+
+    def positions(self) -> Floats:
+        return np.where(np.arange(COUNT) == 5, np.nan, self.angles)
+
+
+def test_commands_keep_their_reference_and_the_first_its_goals():
+    body = Still(REST + 0.01)
+    stream = [replace(command(), time=k * PERIOD) for k in range(5)]
+    for (told,) in corrected(stream, np.zeros((5, COUNT)), [body], OBSERVER):
+        body.write(told)
+    assert [told.time for told in body.written] == [asked.time for asked in stream]
+    np.testing.assert_array_equal(body.written[0].goals, REST)
+    assert all(told.angles is asked.angles for told, asked in zip(body.written, stream, strict=True))
+    assert not np.array_equal(body.written[-1].goals, REST)
+    assert body.written[-1].goals[5] == REST[5]
+
+
+def test_as_many_loads_as_commands():
+    with pytest.raises(ValueError, match="shorter"):
+        list(corrected([command()], np.zeros((2, COUNT)), [Still(REST)], OBSERVER))
+
+
+def test_a_delay_splits_a_goal_between_two_ticks():
+    for delay, arrival in ((0.0, [1.0, 0.0]), (0.0025, [0.75, 0.25]), (0.018, [0.0, 0.2, 0.8])):
+        observer = Observer.of(ROBOT, DYNAMICS, period=PERIOD, delay=delay)
+        np.testing.assert_allclose(observer.arrival, arrival, atol=1e-9)

@@ -1,0 +1,54 @@
+"""Figures of the page."""
+
+import re
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+
+from kinesic.controller.performance import Performance
+from kinesic.controller.plots import POINTS, apart, shortened, thinned
+from kinesic.controller.plots_hands import hands
+from kinesic.controller.plots_joints import joints, still
+from kinesic.controller.plots_margins import margins
+from kinesic.controller.plots_score import score
+
+
+def words_of(figure: str) -> set[str | None]:
+    drawn = re.findall(r"<svg.*?</svg>", figure, flags=re.DOTALL)
+    return {element.text for one in drawn for element in ElementTree.fromstring(one).iter()}
+
+
+def test_figures_are_well_formed_and_show_the_hinges_that_move(hurried: Performance) -> None:
+    drawn = set().union(*(words_of(figure) for figure in joints(hurried)))
+    names = set(hurried.plan.facts.robot.skeleton.names)
+    assert "skullbase_tilt" in drawn
+    assert drawn & names == names - set(still(hurried))
+    assert {"rushed", "nod", "Hello there,"} <= words_of(score(hurried) or "")
+    assert len(words_of(hands(hurried))) > 3
+
+
+def test_figures_over_time_bear_playheads_where_their_axes_are(hurried: Performance) -> None:
+    for figure in (score(hurried) or "", margins(hurried), *joints(hurried)):
+        heads = re.findall(r'class="playhead" data-from="([\d.]+)" data-to="([\d.]+)"', figure)
+        assert heads
+        assert all(0.0 < float(begin) < float(end) < 1.0 for begin, end in heads)
+    assert "playhead" not in hands(hurried)
+
+
+def test_thinned_keeps_the_extremes() -> None:
+    times = np.arange(120_000) / 100
+    values = np.sin(times)
+    values[77_777], values[4_321] = 5.0, -5.0
+    few_times, few = thinned(times, values)
+    assert len(few) <= POINTS + 2
+    assert (few.max(), few.min()) == (5.0, -5.0)
+    assert few_times[0] == times[0]
+    assert few_times[-1] == times[-1]
+    assert (np.diff(few_times) > 0).all()
+
+
+def test_labels_fit() -> None:
+    assert shortened("short", 3.0) == "short"
+    assert shortened("a very long name of a behaviour", 1.0).endswith("\u2026")
+    assert shortened("long", 0.01) == ""
+    assert apart([0.0, 0.1, 1.0, 1.4, 2.1], 1.0) == [0, 2, 4]

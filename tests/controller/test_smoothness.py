@@ -1,0 +1,50 @@
+import numpy as np
+import pytest
+
+from kinesic.controller.smoothness import dimensionless_jerk, spectral_arc_length
+
+PERIOD = 0.005
+
+
+def reach(duration=1.0, length=0.4):
+    """A straight reach of minimum jerk, with rest before and after."""
+    s = np.clip((np.arange(0.0, duration + 0.6, PERIOD) - 0.3) / duration, 0.0, 1.0)
+    return np.outer(s**3 * (10 - 15 * s + 6 * s**2), [length, 0.0, 0.0])
+
+
+def trembling(path):
+    return path + np.outer(0.004 * np.sin(2 * np.pi * 6 * PERIOD * np.arange(len(path))), [0.0, 0.0, 1.0])
+
+
+def test_dimensionless_jerk_of_a_reach_of_minimum_jerk():
+    """720 / 1.875^2 = 204.8, less what the first and last 5 % of the speed cut off the duration."""
+    found = dimensionless_jerk(reach(), period=PERIOD)
+    s = np.linspace(0.0, 1.0, 10001)
+    moving = s[30 * s**2 * (1 - s) ** 2 > 0.05 * 1.875]
+    assert found == pytest.approx(204.8 * (moving[-1] - moving[0]) ** 3, rel=0.03)
+
+
+@pytest.mark.parametrize("figure", [dimensionless_jerk, spectral_arc_length])
+def test_figures_depend_neither_on_size_nor_on_speed(figure):
+    path = reach()
+    assert figure(10 * path, period=PERIOD) == pytest.approx(figure(path, period=PERIOD))
+    assert dimensionless_jerk(path, period=2 * PERIOD) == pytest.approx(dimensionless_jerk(path, period=PERIOD))
+
+
+def test_spectral_arc_length_of_one_reach():
+    assert spectral_arc_length(reach(), period=PERIOD) == pytest.approx(-1.41, abs=0.02)
+
+
+def test_two_strokes_and_trembling_are_less_smooth():
+    once = reach()
+    twice = np.concatenate([once, once[-1] + once])
+    for figure, sign in ((dimensionless_jerk, 1), (spectral_arc_length, -1)):
+        smooth, two, rough = (sign * figure(path, period=PERIOD) for path in (once, twice, trembling(once)))
+        assert smooth < two
+        assert smooth < rough
+
+
+@pytest.mark.parametrize("path", [np.zeros((300, 3)), np.zeros((2, 3)), np.zeros((1, 3))])
+def test_a_path_without_motion_has_no_figure(path):
+    assert dimensionless_jerk(path, period=PERIOD) is None
+    assert spectral_arc_length(path, period=PERIOD) is None

@@ -1,0 +1,114 @@
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import sealed
+from kinesic.body.command import Command
+from kinesic.body.robot import Robot
+from kinesic.sim.factors import NOMINAL, DriveFactors, Factors
+from kinesic.sim.fit import fit
+from kinesic.sim.log import Log
+from kinesic.sim.twin import STEP, Twin
+from kinesic.sim.unknowns import DEFAULT
+
+ROBOT = Robot.load()
+SKELETON = ROBOT.skeleton
+MOVING = tuple(figure for figure in DEFAULT if figure != "gain")
+TICKS = np.array([drive.tick for drive in ROBOT.drives])
+WORN = Factors(
+    latency=0.006,
+    servos={
+        "xm540_w270": DriveFactors(stall=0.85, no_load=0.9, friction=1.5, armature=1.25),
+        "xm540_w150": DriveFactors(stall=0.8, no_load=0.95, friction=0.7, armature=1.3),
+        "xm430_w210": DriveFactors(stall=1.1, no_load=0.9, friction=1.4, armature=0.8),
+        "xc430_w240": DriveFactors(stall=0.9, no_load=1.1, friction=1.3, armature=1.2),
+        "xc330_t288": DriveFactors(stall=0.75, no_load=0.9, friction=1.5, armature=1.4),
+    },
+)
+
+
+def recorded(factors, *, seconds, quick=1.0, seed=0, step=STEP):
+    """The log of a robot whose hinges swing, each in its own rhythm, angles rounded as encoders do."""
+    random = np.random.default_rng(seed)
+    times = 0.01 * np.arange(round(seconds / 0.01) + 1)
+    half = np.minimum(SKELETON.upper - SKELETON.rest, SKELETON.rest - SKELETON.lower) / 2
+    speeds = np.array([drive.no_load for drive in ROBOT.drives])
+    swings = 2 * np.pi * quick * random.uniform(0.6, 1.4, len(half))  # [rad/s] of the rhythm
+    width = np.minimum(np.minimum(half, 0.35), 0.4 * speeds / swings)
+    fade = np.minimum(times / 0.3, 1.0)[:, None]
+    goals = SKELETON.rest + fade * width * np.sin(np.outer(times, swings) * (1 + 0.3 * times[:, None] / seconds))
+    goals[:, SKELETON.joint("l_shoulder_abduct")] += 0.4 * fade[:, 0]
+    goals[:, SKELETON.joint("r_shoulder_abduct")] += 0.4 * fade[:, 0]
+    twin, still = Twin(ROBOT, factors=factors, step=step), np.zeros(len(half))
+    for time, goal in zip(times, goals, strict=True):
+        twin.write(Command(time, goal, still, still, goal))
+    seen = twin.measurements()
+    return Log(seen.times, seen.goals, sealed(np.rint(seen.angles / TICKS) * TICKS))
+
+
+def true_value(unknown, factors):
+    return getattr(factors.servos[unknown.servo] if unknown.servo else factors, unknown.figure)
+
+
+@pytest.fixture(scope="module")
+def worn():
+    """A log of worn servos, finer than the twin's own steps, and what was fitted to it."""
+    return fit(recorded(WORN, seconds=1.0, step=0.001), ROBOT, free=MOVING)
+
+
+def test_what_is_told_is_recovered_within_five_percent(worn):
+    told = [estimate for estimate in worn.estimates if not estimate.why]
+    for estimate in told:
+        assert estimate.value == pytest.approx(true_value(estimate.unknown, WORN), rel=0.05), str(estimate.unknown)
+    assert len(told) >= 16
+    assert {estimate.unknown.figure for estimate in told} >= {"stall", "no_load", "friction", "armature", "latency"}
+
+
+def test_the_factors_are_those_that_are_told(worn):
+    for estimate in worn.estimates:
+        left = 0.0 if estimate.unknown.figure == "latency" else 1.0
+        assert true_value(estimate.unknown, worn.factors) == pytest.approx(left if estimate.why else estimate.value)
+    assert worn.after < worn.before / 5
+
+
+def test_what_is_not_told_has_a_reason_that_names_another_figure_or_the_log(worn):
+    names = {str(estimate.unknown) for estimate in worn.estimates}
+    refused = [estimate for estimate in worn.estimates if estimate.why]
+    assert refused
+    for estimate in refused:
+        assert estimate.why == "the log hardly depends on it" or estimate.why.split("tell it from ")[1] in names
+
+
+def test_gain_shows_apart_from_stall_and_no_load_only_where_the_duty_saturates():
+    free = ("stall", "no_load", "gain")
+    slow, quick = (fit(recorded(NOMINAL, seconds=0.4, quick=pace), ROBOT, free=free) for pace in (0.3, 3.0))
+    for found, some in ((slow, False), (quick, True)):
+        gains = [estimate for estimate in found.estimates if estimate.unknown.figure == "gain"]
+        assert any(not estimate.why for estimate in gains) == some
+        assert all("cannot tell it from" in estimate.why for estimate in gains if estimate.why)
+
+
+def test_a_log_without_motion_tells_no_inertia_and_no_speed():
+    still = Log(sealed([0.0, 0.05, 0.1]), sealed([SKELETON.rest] * 3), sealed([SKELETON.rest] * 3))
+    found = fit(still, ROBOT, free=("no_load", "armature"))
+    assert all(estimate.why == "the log hardly depends on it" for estimate in found.estimates)
+    assert found.factors == Factors(servos={name: DriveFactors() for name in WORN.servos})
+
+
+def test_fitting_twice_gives_the_same():
+    log = recorded(WORN, seconds=0.3)
+    one, two = (fit(log, ROBOT, free=("stall", "latency")) for _ in range(2))
+    assert one == two
+
+
+def test_with_the_sheets_own_servos_nothing_changes():
+    found = fit(recorded(NOMINAL, seconds=0.5), ROBOT, free=("stall",))
+    assert found.before < TICKS.max()
+    for estimate in found.estimates:
+        assert estimate.why or estimate.value == pytest.approx(1.0, abs=0.02)
+
+
+def test_mass_may_be_fitted_when_stall_is_known_and_not_beside_it():
+    found = fit(recorded(Factors(mass=1.15), seconds=0.6), ROBOT, free=("mass",))
+    assert found.factors.mass == pytest.approx(1.15, rel=0.05)
+    with pytest.raises(ValueError, match="stall and mass cannot both be free"):
+        fit(recorded(NOMINAL, seconds=0.1), ROBOT, free=(*DEFAULT, "mass"))

