@@ -2,6 +2,7 @@
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -41,44 +42,79 @@ def _hands(angles: Floats, robot: Robot) -> dict[str, Floats]:
     return {side: origins[:, robot.skeleton.segment(robot.chains[f"{side}_arm"][-1])] for side in SIDES}
 
 
-def lags(
-    plan: Plan, times: Floats, reference: Mapping[PartName, Floats], performed: Mapping[PartName, Floats]
-) -> dict[SyncTime, float | None]:
-    """How much later than planned the body arrives at each sync point [s].
+@dataclass(frozen=True, eq=False)
+class Arrival:
+    """Where a part is to be for a sync point, and when the plan itself comes near enough."""
 
-    Arrival is the first time, within a window about the planned time, that the part enters a ball of 5 mm or 5 % of
-    the path of its behaviour around the planned position. Planned and performed motion are judged by the same rule
-    and compared, so that the ball's own size does not count as being early.
+    part: PartName
+    at: float  # [s] performance time
+    place: Floats  # (d,) [m] of a hand, [rad] of head and torso
+    radius: float  # [m] or [rad] about the place
+    planned: float | None  # [s] when the plan enters
+
+
+def arrivals(plan: Plan, times: Floats, reference: Mapping[PartName, Floats]) -> Mapping[SyncTime, tuple[Arrival, ...]]:
+    """What the sync points of moving behaviours want of their parts.
+
+    A part arrives when it first enters, within a window about the planned time, a ball of 5 mm or 5 % of the path of
+    its behaviour around the planned position.
 
     Args:
         plan: what was planned.
         times: (m,) [s] performance time of the samples.
         reference: paths of the plan.
-        performed: paths as performed.
-
-    Returns:
-        Seconds per sync point of a moving behaviour; None where the part never arrives.
     """
-    found: dict[SyncTime, float | None] = {}
     spans, zero = _spans(plan.syncs), plan.trajectory.zero
     ways = {part: _way(path) for part, path in reference.items()}
     instants: list[float] = times.tolist()  # plain numbers are looked up faster
 
     @cache
-    def lag(part: PartName, at: float, radius: float) -> float | None:  # many sync points are at the same time
-        return _lag(at, instants, reference[part], performed[part], radius)
+    def arrival(part: PartName, at: float, radius: float) -> Arrival:  # many sync points are at the same time
+        place = _place(at, instants, reference[part])
+        return Arrival(part, at, place, radius, _entry(at, instants, reference[part], place, radius))
 
+    found: dict[SyncTime, tuple[Arrival, ...]] = {}
     for sync in plan.syncs:
         begin, end = times.searchsorted([zero + time for time in spans[sync.behaviour]])
-        late = []
+        parts = []
         for part in sorted(plan.keyframes.uses.get(sync.behaviour, frozenset())):
             length = float(ways[part][min(end, len(times) - 1)] - ways[part][begin])
             if length > 0.0:
                 radius = max(LEAST_BALL if part in HANDS else LEAST_CONE, SHARE * length)
-                late.append(lag(part, zero + sync.planned, radius))
-        if late:
-            known = [lag for lag in late if lag is not None]
-            found[sync] = max(known, key=abs) if len(known) == len(late) else None
+                parts.append(arrival(part, zero + sync.planned, radius))
+        if parts:
+            found[sync] = tuple(parts)
+    return found
+
+
+def lags(
+    wanted: Mapping[SyncTime, tuple[Arrival, ...]], times: Floats, performed: Mapping[PartName, Floats]
+) -> dict[SyncTime, float | None]:
+    """How much later than planned the body arrives at each sync point [s].
+
+    Planned and performed motion are judged by the same rule and compared, so that the ball's own size does not count
+    as being early.
+
+    Args:
+        wanted: by the plan.
+        times: (m,) [s] performance time of the samples.
+        performed: paths as performed.
+
+    Returns:
+        Seconds per sync point of a moving behaviour; None where the part never arrives.
+    """
+    instants: list[float] = times.tolist()
+
+    @cache
+    def lag(arrival: Arrival) -> float | None:
+        entered = _entry(arrival.at, instants, performed[arrival.part], arrival.place, arrival.radius)
+        return None if entered is None or arrival.planned is None else entered - arrival.planned
+
+    found: dict[SyncTime, float | None] = {}
+    for sync, parts in wanted.items():
+        late = [lag(arrival) for arrival in parts]
+        known = [seconds for seconds in late if seconds is not None]
+        found[sync] = max(known, key=abs) if len(known) == len(late) else None
     return found
 
 
@@ -89,14 +125,6 @@ def _spans(syncs: tuple[SyncTime, ...]) -> dict[str, tuple[float, float]]:
         low, high = spans.get(sync.behaviour, (sync.planned, sync.planned))
         spans[sync.behaviour] = (min(low, sync.planned), max(high, sync.planned))
     return spans
-
-
-def _lag(at: float, times: Sequence[float], reference: Floats, performed: Floats, radius: float) -> float | None:
-    """How much later a path enters the ball around the planned position at a time [s]."""
-    centre = _place(at, times, reference)
-    planned = _entry(at, times, reference, centre, radius)
-    arrived = _entry(at, times, performed, centre, radius)
-    return None if planned is None or arrived is None else arrived - planned
 
 
 def _place(at: float, times: Sequence[float], path: Floats) -> Floats:

@@ -1,6 +1,7 @@
 """Joins the line with the sinks: plans a document, performs it in the twin, and reports."""
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from pathlib import Path
 from time import perf_counter
 from typing import Literal
@@ -139,7 +140,7 @@ def dry_runs(
     times = ticks(planned.duration)
     setpoints = lead(trajectory, times, robot, dynamics, period=period, delay=delay, terms=feedforward)
     stream = tuple(commands(trajectory, times, setpoints))
-    observer = Observer.of(robot, dynamics, period=period, delay=delay, bodies=len(twins)) if correction else None
+    observer = _observer(known, delay, len(twins)) if correction else None
 
     def performed(*, touches: bool) -> list[Measurements]:
         start = trajectory.at(0.0).angles
@@ -156,3 +157,9 @@ def dry_runs(
     reference = Reference(planned, times, setpoints.duties)
     seconds = perf_counter() - began
     return tuple(Performance(reference, *each, parse_seconds, seconds) for each in zip(twins, measured, strict=True))
+
+
+@lru_cache(maxsize=8)
+def _observer(known: Facts, delay: float, bodies: int) -> Observer:
+    """Its gains depend on the robot alone."""
+    return Observer.of(known.robot, known.dynamics, period=1 / RATE, delay=delay, bodies=bodies)

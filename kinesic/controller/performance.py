@@ -51,7 +51,7 @@ class Performance:
     def lags(self) -> dict[SyncTime, float | None]:
         """How much later than planned each sync point was met in the twin [s]; None: never."""
         performed = paths(self.measured.angles, self.plan.facts.robot, self.measured.hands)
-        return lags(self.plan, self.measured.times, self.reference.paths, performed)
+        return lags(self.reference.arrivals, self.measured.times, performed)
 
     @cached_property
     def errors(self) -> Floats:

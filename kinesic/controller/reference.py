@@ -8,13 +8,16 @@ import numpy as np
 
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.robot import SIDES
-from kinesic.controller.arrival import paths
+from kinesic.controller.arrival import Arrival, arrivals, paths
 from kinesic.controller.peaks import Peaks, peaks
 from kinesic.controller.plan import Plan
+from kinesic.controller.smoothness import spectral_arc_length
+from kinesic.controller.syncs import SyncTime
 from kinesic.expressivity.keyframes import PartName
 from kinesic.sim.kinematics import motion_frames
 
 MOVING = 0.05  # share of its speed limit above which a hinge counts as moving
+LEAST_WAY = 0.05  # [m] below which a hand only sways with the body
 HOLDING_RATE = 20  # [Hz] at which the torque of standing still is judged: gravity changes slowly
 
 
@@ -59,9 +62,23 @@ class Reference:
         return {side: sealed(origins[wrist].T) for side, wrist in wrists.items()}
 
     @cached_property
+    def smoothness(self) -> Mapping[str, float | None]:
+        """Side -> spectral arc length of the hand's speed; None for a hand that only sways with the body."""
+        period = float(self.times[-1] - self.times[0]) / max(1, len(self.times) - 1)
+        return {
+            side: spectral_arc_length(path, period=period) if np.ptp(path, axis=0).max() >= LEAST_WAY else None
+            for side, path in self.hands.items()
+        }
+
+    @cached_property
     def paths(self) -> Mapping[PartName, Floats]:
         """Where hands (m, 3) [m], head and torso (m, 3) [rad] are."""
         return paths(self.angles, self.plan.facts.robot, self.hands)
+
+    @cached_property
+    def arrivals(self) -> Mapping[SyncTime, tuple[Arrival, ...]]:
+        """What the sync points want of the parts that their behaviours move."""
+        return arrivals(self.plan, self.times, self.paths)
 
     @cached_property
     def moving(self) -> Flags:
