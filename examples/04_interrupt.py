@@ -1,0 +1,26 @@
+"""Leaves a running motion for another one, and stops it: angles, speeds and accelerations go on without a step."""
+
+from pathlib import Path
+
+import numpy as np
+
+from kinesic.controller.interrupt import joined, stopped
+from kinesic.controller.perform import facts, plan
+
+CUT = 2.0  # [s]
+
+known = facts()
+running = plan(Path("kinesic/configs/bml/welcome.bml").read_text(), known)
+nod = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" stroke="0.6"/></bml>'
+other = plan(nod, known)
+
+halted = stopped(running.trajectory, CUT, known.limits)
+print(f"at rest {1000 * (halted.duration - CUT):.0f} ms after the cut")
+
+over = joined(running.trajectory, CUT, other.postures.postures, other.motion, known.limits)
+print(f"nods instead, {1000 * over.delay:.0f} ms later than from rest")
+
+before, after = running.trajectory.at(CUT), over.trajectory.at(CUT)
+for quantity in ("angles", "speeds", "accelerations"):
+    step = np.abs(getattr(after, quantity) - getattr(before, quantity)).max()
+    print(f"largest step of {quantity} at the cut: {step:.1e}")
