@@ -1,6 +1,7 @@
 """What is kept of every step of the physics, in MuJoCo's order, cheaply: it happens 300 times a second."""
 
 from array import array
+from functools import partial
 
 import numpy as np
 
@@ -19,8 +20,9 @@ class Tape:
             goals: (n,) [rad] in force, in joint order.
         """
         self._live = angles, speeds
-        self._bytes = angles.data.cast("B"), speeds.data.cast("B")
         self._angles, self._speeds = array("d", angles), array("d", speeds)
+        self.keep_angles = partial(self._angles.frombytes, angles.data.cast("B"))  # after each step of the physics
+        self.keep_speeds = partial(self._speeds.frombytes, speeds.data.cast("B"))  # likewise
         self._steps = array("d", [0.0])  # [s] how long each step was
         self._goals = [(0, goals)]  # from which step on they are in force
         self.times: list[float] = []  # [s] of the commands
@@ -31,12 +33,9 @@ class Tape:
         """Goals (n,) [rad] in force from the next step on."""
         self._goals.append((len(self._steps), goals))
 
-    def add(self, span: float) -> None:
-        """One step of the physics, of a length in [s]."""
-        angles, speeds = self._bytes
-        self._angles.frombytes(angles)
-        self._speeds.frombytes(speeds)
-        self._steps.append(span)
+    def stepped(self, count: int, span: float) -> None:
+        """So many steps of the physics were kept, each of a length in [s]."""
+        self._steps.extend([span] * count)
 
     def mark(self, time: float, goals: Floats) -> None:
         """A command at a time [s], with its goals (n,) [rad]."""

@@ -6,6 +6,7 @@ from math import ceil, inf
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import Command, State
@@ -64,8 +65,8 @@ class Twin:
         if not touches:
             self._model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
         self._data = mujoco.MjData(self._model)
-        self._order = joint_order(robot, self._model)
-        self._actuators = actuator_order(robot, self._model)
+        self._order = _place(joint_order(robot, self._model))
+        self._actuators = _place(actuator_order(robot, self._model))
         self._ticks = np.array([drive.tick for drive in robot.drives]) if rounds else None
         posture = robot.skeleton.rest if start is None else start
         self._data.qpos[self._order] = posture
@@ -153,13 +154,15 @@ class Twin:
         span = time - self._time
         if span <= SAME_TIME:
             return
-        model, data, step, add = self._model, self._data, mujoco.mj_step, self._tape.add
+        model, data, step = self._model, self._data, mujoco.mj_step
+        keep_angles, keep_speeds = self._tape.keep_angles, self._tape.keep_speeds
         count = ceil(span / self._step - SAME_TIME)
-        each = span / count
-        self._options.timestep = each
+        self._options.timestep = span / count
         for _ in range(count):
             step(model, data)
-            add(each)
+            keep_angles()
+            keep_speeds()
+        self._tape.stepped(count, span / count)
         self._time = time
 
     def _rounded(self, goals: Floats) -> Floats:
@@ -172,6 +175,11 @@ class Twin:
         return {
             side: sealed(frames.origins[skeleton.segment(self._robot.chains[f"{side}_arm"][-1])].T) for side in SIDES
         }
+
+
+def _place(order: NDArray[np.intp]) -> NDArray[np.intp] | slice:
+    """A slice where the robot's own order is MuJoCo's: a view costs less than a copy."""
+    return slice(None) if np.array_equal(order, np.arange(len(order))) else order
 
 
 @lru_cache(maxsize=4)
