@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterable
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
-from multiprocessing.context import BaseContext
+from multiprocessing.context import ForkServerContext, SpawnContext
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -99,7 +99,7 @@ def crew(
                 worker.dismiss()
 
 
-def _context(preload: str) -> BaseContext:
+def _context(preload: str) -> ForkServerContext | SpawnContext:
     """Forks of a clean process where the system can, else new processes; never forks of one with threads."""
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
@@ -109,11 +109,11 @@ def _context(preload: str) -> BaseContext:
 
 
 def _hired(
-    context: BaseContext, prepare: Callable[[], Callable[[Task], Result]], task: Task, errors: Path
+    context: ForkServerContext | SpawnContext, prepare: Callable[[], Callable[[Task], Result]], task: Task, errors: Path
 ) -> _Worker[Task, Result]:
     """A process that has begun with a task."""
     ours, theirs = multiprocessing.Pipe()
-    process = context.Process(target=_work, args=(theirs, prepare, task, errors), daemon=True)  # type: ignore[attr-defined]
+    process = context.Process(target=_work, args=(theirs, prepare, task, errors), daemon=True)
     process.start()
     theirs.close()  # so that our end is told when the process dies
     return _Worker(process, ours, errors, task)
