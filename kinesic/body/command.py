@@ -1,14 +1,17 @@
 """What a robot is told at each tick, what it is doing, and who listens."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Protocol
+
+from msgspec import Struct
 
 from kinesic.body.arrays import Floats
 
+NO_FACE: Mapping[str, float] = MappingProxyType({})
 
-@dataclass(frozen=True, eq=False)
-class State:
+
+class State(Struct, frozen=True, eq=False, gc=False):
     """Motion at one instant, in joint order; interruption is re-planning from here."""
 
     angles: Floats  # (n,) [rad]
@@ -16,16 +19,18 @@ class State:
     accelerations: Floats  # (n,) [rad/s^2]
 
 
-@dataclass(frozen=True, eq=False)
-class Command:
-    """One tick: the reference that limits and reports judge, and the goals that servos follow."""
+class Command(Struct, frozen=True, eq=False, gc=False):
+    """One tick: the reference that limits and reports judge, and the goals that servos follow.
+
+    Hundreds are alive at once, and hold no cycles: the garbage collector need not look at them.
+    """
 
     time: float  # [s] performance time
     angles: Floats  # (n,) [rad] reference
     speeds: Floats  # (n,) [rad/s] reference
     accelerations: Floats  # (n,) [rad/s^2] reference
     goals: Floats  # (n,) [rad] reference plus feed-forward, clipped to range
-    face: Mapping[str, float] = field(default_factory=dict)  # action unit -> 0..1
+    face: Mapping[str, float] = NO_FACE  # action unit -> 0..1
 
 
 class Sink(Protocol):

@@ -64,6 +64,7 @@ class Twin:
         self._model = build(robot, servos=factors)
         if not touches:
             self._model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+            self._model.opt.solver = mujoco.mjtSolver.mjSOL_PGS  # what friction leaves to solve, it solves soonest
         self._data = mujoco.MjData(self._model)
         self._order = _place(joint_order(robot, self._model))
         self._actuators = _place(actuator_order(robot, self._model))

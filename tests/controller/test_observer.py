@@ -2,6 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from msgspec import structs
 from scipy.linalg import expm
 
 from kinesic.body.arrays import Floats
@@ -190,7 +191,7 @@ class Still:
 
 def test_commands_keep_their_reference_and_the_first_its_goals():
     body = Still(REST + 0.01)
-    stream = [replace(command(), time=k * PERIOD) for k in range(5)]
+    stream = [structs.replace(command(), time=k * PERIOD) for k in range(5)]
     for (told,) in corrected(stream, np.zeros((5, COUNT)), [body], OBSERVER):
         body.write(told)
     assert [told.time for told in body.written] == [asked.time for asked in stream]

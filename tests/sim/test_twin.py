@@ -3,6 +3,7 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
+from msgspec import structs
 from scipy.interpolate import make_interp_spline
 
 from kinesic.body.command import Command
@@ -113,7 +114,7 @@ def test_uneven_times_are_met_exactly():
 
 
 def test_latency_delays_the_motion():
-    waiting = [replace(COMMANDS[0], time=-0.5), *COMMANDS]  # the late one sags before its first goals arrive
+    waiting = [structs.replace(COMMANDS[0], time=-0.5), *COMMANDS]  # the late one sags before its first goals arrive
     prompt, late = performed(waiting), performed(waiting, latency=0.02)
     assert late.angles[3:] == pytest.approx(prompt.angles[1:-2], abs=np.radians(0.2))
     assert np.abs(late.angles - prompt.angles).max() > np.radians(1.0)
@@ -215,12 +216,12 @@ def test_hands_are_the_wrists_centres():
 
 
 def test_the_closest_approach_of_all_steps_is_found():
-    fine = [replace(COMMANDS[0], time=0.0)]
+    fine = [structs.replace(COMMANDS[0], time=0.0)]
     for command in COMMANDS:  # the same goals, seen at every step of the physics
         held = command.goals if command is COMMANDS[0] else fine[-1].goals
         third = PERIOD / 3
         fine += [
-            replace(command, time=command.time - share * third, goals=held) for share in (2, 1) if command.time > 0
+            structs.replace(command, time=command.time - share * third, goals=held) for share in (2, 1) if command.time > 0
         ]
         fine.append(command)
     seen, every = performed(COMMANDS), performed(fine[1:], step=PERIOD)
@@ -270,7 +271,7 @@ def test_results_do_not_depend_on_the_order_of_segments():
         mounts=tuple(ROBOT.mounts[j] for j in order),
     )
     commands = [
-        replace(
+        structs.replace(
             c,
             angles=c.angles[order],
             speeds=c.speeds[order],
