@@ -1,4 +1,4 @@
-"""Which servo turns which hinge: the `[[bus]]` tables of the robot's TOML, checked against the robot."""
+"""Which servo turns which hinge: the `[[bus]]` tables of the robot's TOML and its calibration, checked against it."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -13,11 +13,11 @@ from kinesic.body.arrays import sealed
 from kinesic.body.config import ConfigError, closest, read
 from kinesic.body.robot import Robot
 from kinesic.body.servo import TICKS_PER_TURN
+from kinesic.hardware.registers import BAUD_RATES
 from kinesic.hardware.ticks import Scale
 
 MAX_ID = 252
 MID_TICKS = TICKS_PER_TURN // 2
-BAUD_RATES = (9_600, 57_600, 115_200, 1_000_000, 2_000_000, 3_000_000, 4_000_000, 4_500_000)
 
 
 class BusTable(msgspec.Struct, forbid_unknown_fields=True):
@@ -101,6 +101,7 @@ class ServoMap:
 
 def _servos(robot: Robot, tables: list[BusTable]) -> Iterator[HingeServos]:
     """One entry per named hinge, in the order of the file."""
+    measured = robot.calibration
     reductions = dict(zip(robot.skeleton.names, (drive.reduction for drive in robot.drives), strict=True))
     for table in tables:
         for part, hinges in (("ids", table.ids), ("zero_ticks", table.zero_ticks), ("inverted", table.inverted)):
@@ -113,8 +114,8 @@ def _servos(robot: Robot, tables: list[BusTable]) -> Iterator[HingeServos]:
                 hinge=hinge,
                 bus=table.name,
                 ids=tuple(ids) if isinstance(ids, list) else (ids,),
-                zero_ticks=table.zero_ticks.get(hinge, MID_TICKS),
-                inverted=hinge in table.inverted,
+                zero_ticks=measured.zero_ticks.get(hinge, table.zero_ticks.get(hinge, MID_TICKS)),
+                inverted=measured.inverted.get(hinge, hinge in table.inverted),
                 reduction=reductions[hinge],
             )
 

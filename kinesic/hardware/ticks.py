@@ -34,6 +34,6 @@ class Scale:
             raise ValueError(f"angles are {angles}, must be finite")
         return np.rint(self.zeros + self.turns * TICKS_PER_RADIAN * angles).astype(np.int64)
 
-    def angles(self, ticks: Ticks) -> Floats:
+    def angles(self, ticks: Ticks | Floats) -> Floats:
         """(..., n) [rad] of (..., n) ticks."""
         return (ticks - self.zeros) / (self.turns * TICKS_PER_RADIAN)

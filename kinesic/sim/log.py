@@ -27,7 +27,7 @@ class Log:
     angles: Floats  # (m, n) [rad] measured just before
 
 
-def write_log(measured: Measurements, robot: Robot, path: Path) -> None:
+def write_log(measured: "Measurements | Log", robot: Robot, path: Path) -> None:
     """Writes what a sink saw, in the format that `read_log` reads."""
     names = np.array(robot.skeleton.names)
     np.savez_compressed(path, times=measured.times, names=names, goals=measured.goals, angles=measured.angles)

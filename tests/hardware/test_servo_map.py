@@ -5,7 +5,7 @@ import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
-from kinesic.hardware.servo_map import ServoMap
+from kinesic.hardware.servo_map import MID_TICKS, ServoMap
 
 UPPER22 = Robot.load().path.read_text(encoding="utf-8")
 
@@ -114,3 +114,15 @@ def test_a_robot_without_buses_has_no_servos_on_wires(tmp_path: Path):
     path = tmp_path / "robot.toml"
     path.write_text(UPPER22[: UPPER22.index("[[bus]]")], encoding="utf-8")
     assert ServoMap.of(Robot.load(path)) == ServoMap((), ())
+
+
+def test_a_calibration_moves_zeros_and_turns_directions(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(Robot.load().path.read_text(encoding="utf-8"), encoding="utf-8")
+    text = 'robot = "upper22"\n[zero_ticks]\nvl5_roll = 2100\n[inverted]\nvl5_roll = true\n'
+    path.with_name("mine.calibration.toml").write_text(text, encoding="utf-8")
+    rows = {row.hinge: row for row in ServoMap.of(Robot.load(path)).servos}
+    assert (rows["vl5_roll"].zero_ticks, rows["vl5_roll"].inverted) == (2100, True)
+    assert (rows["vl5_tilt"].zero_ticks, rows["vl5_tilt"].inverted) == (MID_TICKS, False)
+    plain = {row.hinge: row for row in ServoMap.of(Robot.load(path, calibrated=False)).servos}
+    assert plain["vl5_roll"].zero_ticks == MID_TICKS

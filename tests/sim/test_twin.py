@@ -221,7 +221,9 @@ def test_the_closest_approach_of_all_steps_is_found():
         held = command.goals if command is COMMANDS[0] else fine[-1].goals
         third = PERIOD / 3
         fine += [
-            structs.replace(command, time=command.time - share * third, goals=held) for share in (2, 1) if command.time > 0
+            structs.replace(command, time=command.time - share * third, goals=held)
+            for share in (2, 1)
+            if command.time > 0
         ]
         fine.append(command)
     seen, every = performed(COMMANDS), performed(fine[1:], step=PERIOD)

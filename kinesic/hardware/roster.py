@@ -1,0 +1,58 @@
+"""Whom the bus asks: everybody in time, the doubtful last, the silent not at all, except one by one.
+
+In a joint reply each servo waits for the one before it, so a silent one may cut off those that stand behind it. It
+is therefore asked last, and after five misses no longer with the others. It is asked alone whenever a cycle has time
+to spare, at the latest every 0.2 s, and one answer brings it back.
+"""
+
+import numpy as np
+
+from kinesic.body.arrays import Flags
+
+PATIENCE = 5  # misses in a row
+REST = 0.2  # [s] after which a silent servo is asked even when there is no time
+
+
+class Roster:
+    """Misses, and what follows from them, by places on the bus."""
+
+    def __init__(self, count: int) -> None:
+        """Everybody is expected to answer."""
+        self.silent: Flags = np.zeros(count, dtype=np.bool_)
+        self.order: tuple[int, ...] = tuple(range(count))
+        self._misses = [0] * count
+        self._asked = [0.0] * count  # [s] when a silent one was asked last
+
+    @property
+    def whole(self) -> bool:
+        """Whether everybody is asked in the natural order."""
+        return not any(self._misses)
+
+    def heard(self, fresh: Flags) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        """Notes who answered in a cycle; who fell silent, and who came back."""
+        if fresh.all() and self.whole:
+            return (), ()
+        answered = fresh.tolist()
+        self._misses = [0 if ok else misses + 1 for ok, misses in zip(answered, self._misses, strict=True)]
+        silent = [misses >= PATIENCE for misses in self._misses]
+        if all(silent):
+            # nobody hears us: that is the wire's fault, and nobody holds up the others
+            silent = self.silent.tolist()
+        gone = tuple(k for k, quiet in enumerate(silent) if quiet and not self.silent[k])
+        back = tuple(k for k, quiet in enumerate(silent) if not quiet and self.silent[k])
+        self.silent = np.array(silent, dtype=np.bool_)
+        asked = [k for k, quiet in enumerate(silent) if not quiet] or range(len(silent))
+        self.order = tuple(sorted(asked, key=lambda k: self._misses[k] > 0))
+        return gone, back
+
+    def next_alone(self, now: float) -> tuple[int, bool] | None:
+        """The silent servo whose turn it is, and whether it must be asked now; None when all are heard."""
+        quiet = np.flatnonzero(self.silent).tolist()
+        if not quiet or len(quiet) == len(self.silent):
+            return None
+        place: int = min(quiet, key=lambda k: self._asked[k])
+        return place, now - self._asked[place] >= REST
+
+    def asked_alone(self, place: int, now: float) -> None:
+        """Notes that a silent servo was asked."""
+        self._asked[place] = now

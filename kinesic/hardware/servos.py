@@ -1,0 +1,209 @@
+"""Servos on wires as a sink: commands go to a supervisor in a process of its own, which no crash here can stop."""
+
+import os
+import subprocess
+import sys
+import time
+from collections import deque
+from collections.abc import Mapping
+from pathlib import Path
+from threading import Lock
+
+import msgspec
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.body.command import Command
+from kinesic.body.robot import Robot
+from kinesic.hardware.supervisor.channel import POLICIES, Channel, Note, Status, mapped, memory_file, size
+from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.hardware.supervisor.process import Order
+from kinesic.hardware.supervisor.settings import USUAL, Policy, Settings
+from kinesic.hardware.supervisor.stages import Stage
+from kinesic.hardware.wire import BusError
+
+START = 30.0  # [s] until the supervisor must have told something
+LOOK = 0.005  # [s] between two looks while waiting
+READY = frozenset({Stage.LIMP, Stage.HOLD})  # what a start ends with
+
+
+class Servos:
+    """The servos of a robot. `write` never waits; `close` waits until the robot has folded and is released."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        ports: Mapping[str, str | Path],
+        *,
+        settings: Settings = USUAL,
+        log: Path | None = None,
+    ) -> None:
+        """Starts the supervisor, which checks and configures the servos. Nothing is energised before a command.
+
+        Args:
+            robot: with [[bus]] tables.
+            ports: path of the device by the name of each bus.
+            settings: figures of the supervisor.
+            log: file to which events are added, a JSON object per line.
+
+        Raises:
+            ConfigError: the robot has no servos on wires, or they are described wrongly.
+            BusError: a port or a servo is missing or wrong; one line each.
+        """
+        manifest = Manifest.of(robot)
+        _check_ports(robot, manifest, ports)
+        self._joints = len(manifest.rest)
+        octets = size(self._joints)
+        memory = memory_file(octets)
+        self._channel = Channel(mapped(memory, octets), self._joints)
+        self._lock = Lock()  # somebody may look on while another waits in `close`
+        self._waiting: deque[tuple[float, Floats]] = deque()  # commands for which there was no room
+        self._notes: list[Note] = []
+        self._reasons: list[str] = []  # why servos were refused, or failed
+        order = Order(
+            robot=str(robot.path.resolve()),
+            ports={name: str(path) for name, path in ports.items()},
+            memory=memory,
+            settings=settings,
+            log=str(log.resolve()) if log is not None else None,
+        )
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "kinesic.hardware.supervisor"],
+            stdin=subprocess.PIPE,
+            pass_fds=(memory,),
+            start_new_session=True,  # Ctrl-C in the terminal is not for it
+        )
+        os.close(memory)
+        self._tell(msgspec.json.encode(order) + b"\n")
+        self._wait_until_ready()
+
+    @property
+    def pid(self) -> int:
+        """Of the supervisor's process."""
+        return self._process.pid
+
+    @property
+    def running(self) -> bool:
+        """Whether the supervisor lives."""
+        return self._process.poll() is None
+
+    def write(self, command: Command, /) -> None:
+        """Hands one command on. Never waits: commands for which there is no room yet wait here.
+
+        Raises:
+            BusError: there is no supervisor any more, or the goals are not one number for each joint.
+        """
+        if command.goals.shape != (self._joints,) or not np.isfinite(command.goals).all():
+            raise BusError(f"goals at {command.time:.3f} s are {command.goals}, must be {self._joints} finite numbers")
+        self._waiting.append((command.time, command.goals))
+        self._pass_on()
+        if not self.running:
+            raise BusError(self._epitaph())
+
+    def positions(self) -> Floats:
+        """(n,) [rad] where the joints are; NaN for a servo that did not answer."""
+        return self.state().angles
+
+    def state(self) -> Status:
+        """What the supervisor told last."""
+        self._pass_on()
+        return self._channel.status()
+
+    def history(self) -> tuple[Status, ...]:
+        """What the supervisor told in every cycle since the last call: goals and angles for reports and fits."""
+        return self._channel.history()
+
+    def events(self) -> tuple[Note, ...]:
+        """What has happened since the last call."""
+        self._collect()
+        with self._lock:
+            found, self._notes = tuple(self._notes), []
+        return found
+
+    def stop(self, policy: Policy = "hold") -> None:
+        """Emergency stop: hold where it is until `release`, or let go."""
+        self._channel.set("estop", POLICIES.index(policy) + 1)
+
+    def release(self) -> None:
+        """Ends the performance now: fold to rest, then no torque. After an emergency stop: no torque."""
+        self._channel.set("release", 1)
+
+    def close(self) -> None:
+        """Lets what was written be performed, then the robot fold and go limp; returns when that is done.
+
+        Ctrl-C meanwhile, or `release` before, makes it fold at once.
+
+        Raises:
+            BusError: it is not sure that every servo is limp.
+        """
+        if self._channel.word("estop"):
+            self.release()
+        try:
+            while self.running and not self._channel.word("ended"):
+                self._pass_on()
+                if self._waiting and not self._channel.word("release"):
+                    time.sleep(LOOK)
+                else:
+                    self._channel.set("ended", 1)
+            self._process.wait()
+        except KeyboardInterrupt:
+            self.release()
+            self._process.wait()
+            raise
+        finally:
+            self._leave()
+        if self._channel.status().energised:
+            raise BusError(self._epitaph())
+
+    def _leave(self) -> None:
+        """Lets go of the pipe: the supervisor folds and releases by itself."""
+        if self._process.stdin is not None:
+            self._process.stdin.close()
+
+    def _pass_on(self) -> None:
+        with self._lock:
+            while self._waiting and self._channel.write(*self._waiting[0]):
+                self._waiting.popleft()
+
+    def _collect(self) -> None:
+        with self._lock:
+            found = self._channel.notes()
+            self._notes += found
+            self._reasons += [note.text for note in found if note.kind in ("refused", "failed")]
+
+    def _tell(self, line: bytes) -> None:
+        if self._process.stdin is not None:
+            self._process.stdin.write(line)
+            self._process.stdin.flush()
+
+    def _wait_until_ready(self) -> None:
+        limit = time.monotonic() + START
+        while self._channel.status().stage not in READY:
+            if not self.running or time.monotonic() > limit:
+                self._leave()
+                self._process.wait()
+                self._collect()
+                lost = f"the supervisor did not start (exit code {self._process.returncode})"
+                raise BusError("\n".join(self._reasons) or lost)
+            time.sleep(LOOK)
+
+    def _epitaph(self) -> str:
+        """Why there is no supervisor any more."""
+        self._collect()
+        code, why = self._process.returncode, f": {self._reasons[-1]}" if self._reasons else ""
+        if code:
+            return (
+                f"the supervisor died (exit code {code}); the servos have stopped with torque on: "
+                "open them anew to take them over, or let them go with `kinesic servos release`"
+            )
+        if self._channel.status().energised:
+            return f"the servos hold where they stopped, and may have torque{why}; switch the power off"
+        return f"the supervisor has released the servos and ended{why}; open them anew"
+
+
+def _check_ports(robot: Robot, manifest: Manifest, ports: Mapping[str, str | Path]) -> None:
+    """Every bus has a port, and every port a bus."""
+    wrong = sorted(set(manifest.bauds) ^ set(ports))
+    if wrong:
+        need = ", ".join(f"{name}=PATH" for name in manifest.bauds)
+        raise BusError(f"ports are given for {', '.join(ports) or 'no bus'}, but {robot.name} needs {need}")

@@ -1,0 +1,157 @@
+"""All servos of all buses as one row, in the manifest's order."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from kinesic.body.arrays import Flags, Floats
+from kinesic.body.servo import TICKS_PER_TURN
+from kinesic.hardware.bus import Bus
+from kinesic.hardware.buses import Buses
+from kinesic.hardware.cold import Cold
+from kinesic.hardware.cycle import Event
+from kinesic.hardware.health import Records
+from kinesic.hardware.registers import WATCHDOG_TRIPPED, Register
+from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.hardware.ticks import Ticks
+
+RECENT = 4.0  # periods
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """What one cycle of all buses told, by members."""
+
+    time: float  # [s] when it began
+    records: Records  # (m,)
+    times: Floats  # (m,) [s] when each record was taken; minus infinity: never
+    recent: Flags  # (m,) whose record is at most `RECENT` periods old
+    lost: Flags  # (m,) whose port is gone
+    events: tuple[tuple[str, Event], ...]  # with the name of the bus
+
+    @cached_property
+    def positions(self) -> Floats:
+        """(m,) PRESENT_POSITION [ticks]."""
+        return self.records["position"].astype(np.float64)
+
+    @cached_property
+    def torque(self) -> Flags:
+        """(m,) who has torque."""
+        return np.asarray(self.records["torque"] != 0)
+
+    @cached_property
+    def tripped(self) -> Flags:
+        """(m,) who was stopped by the bus watchdog."""
+        return np.asarray(self.records["watchdog"] == WATCHDOG_TRIPPED)
+
+    @cached_property
+    def errors(self) -> Flags:
+        """(m,) who has a hardware error."""
+        return np.asarray(self.records["hardware_error"] != 0)
+
+
+class Axes:
+    """Open buses, whose servos stand where the manifest has them."""
+
+    def __init__(self, manifest: Manifest, buses: Mapping[str, Bus]) -> None:
+        """The buses by the manifest's names."""
+        self.manifest = manifest
+        self._buses = Buses({name: buses[name] for name in manifest.bauds})
+        self._cold = {name: Cold(bus.wire) for name, bus in self._buses.buses.items()}
+        places = {name: [k for k, m in enumerate(manifest.members) if m.bus == name] for name in manifest.bauds}
+        self._parts = {name: slice(found[0], found[-1] + 1) for name, found in places.items()}
+        first = next(iter(self._buses.buses.values()))
+        self._wire, self._period = first.wire, first.period
+
+    @property
+    def buses(self) -> Mapping[str, Bus]:
+        """By name."""
+        return self._buses.buses
+
+    @property
+    def everybody(self) -> tuple[int, ...]:
+        """The places of all members."""
+        return tuple(range(len(self.manifest.members)))
+
+    def now(self) -> float:
+        """[s]."""
+        return self._wire.now()
+
+    def sleep(self, until: float) -> None:
+        """Waits until [s]."""
+        for bus in self._buses.buses.values():
+            bus.wire.sleep(until)
+
+    def put(self, register: Register, values: Mapping[int, int]) -> None:
+        """Writes a register of some members (place -> raw value) with the next cycle; who lacks it is left out."""
+        members = self.manifest.members
+        for name, bus in self._buses.buses.items():
+            mine = {
+                members[k].id: value
+                for k, value in values.items()
+                if members[k].bus == name and members[k].model.has(register)
+            }
+            if mine:
+                bus.put(register, mine)
+
+    def put_all(self, register: Register, places: Sequence[int], value: int) -> None:
+        """The same value for several."""
+        self.put(register, dict.fromkeys(places, value))
+
+    def cycle(self, goals: Ticks | None) -> Snapshot:
+        """One cycle of every bus.
+
+        Args:
+            goals: (m,) [ticks]; None: asks only.
+        """
+        time = self.now()
+        told = {} if goals is None else {name: goals[part] for name, part in self._parts.items()}
+        cycles = self._buses.cycle(told)
+        limit = RECENT * self._period
+        return Snapshot(
+            time=time,
+            records=np.concatenate([cycle.records for cycle in cycles.values()]),
+            times=np.concatenate([cycle.times for cycle in cycles.values()]),
+            recent=np.concatenate([cycle.ages <= limit for cycle in cycles.values()]),
+            lost=np.concatenate([np.full(len(cycle.servos), cycle.lost) for cycle in cycles.values()]),
+            events=tuple((name, event) for name, cycle in cycles.items() for event in cycle.events),
+        )
+
+    def read(self, place: int, register: Register) -> int:
+        """A register of one member, asked alone.
+
+        Raises:
+            BusError: it does not answer, or the port is gone.
+        """
+        member = self.manifest.members[place]
+        return self._cold[member.bus].read(member.id, register)
+
+    def write(self, place: int, register: Register, value: int) -> None:
+        """Sets a register of one member, alone.
+
+        Raises:
+            BusError: it does not answer, refuses, or the port is gone.
+        """
+        member = self.manifest.members[place]
+        self._cold[member.bus].write(member.id, register, value)
+
+    def cold(self, bus: str) -> Cold:
+        """The slow way on a bus."""
+        return self._cold[bus]
+
+    def where(self, place: int) -> str:
+        """A member, for messages."""
+        member = self.manifest.members[place]
+        return f"{self._buses.buses[member.bus].wire.name}: servo {member.id} ({member.hinge})"
+
+    def close(self) -> None:
+        """Gives all ports back."""
+        self._buses.close()
+
+
+def folded(positions: Floats) -> Floats:
+    """Positions [ticks] within one turn, as torque coming on makes them."""
+    turned: Floats = np.mod(positions, TICKS_PER_TURN)
+    return turned

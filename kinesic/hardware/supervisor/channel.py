@@ -1,0 +1,242 @@
+"""Memory that planner and supervisor share: commands and wishes one way, status and events the other.
+
+Each word has one writer. A row is complete when its CRC says so, whatever order a processor writes in; rows are counted
+by their number, so that nobody waits for anybody. The memory has no name: when both are gone, so is it.
+"""
+
+import mmap
+import os
+import sys
+import tempfile
+import zlib
+from dataclasses import dataclass, field
+from math import nan
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.hardware.supervisor.settings import Policy
+from kinesic.hardware.supervisor.stages import Stage
+
+CAPACITY = 16_384  # commands: more than two minutes of them
+EVENTS = 512
+HISTORY = 4096  # cycles: more than half a minute of them
+LOOKS = 50  # at a row that is being written
+STAGES = tuple(Stage)
+POLICIES: tuple[Policy, ...] = ("hold", "limp")
+_WORDS = ("written", "read", "ended", "release", "estop", "told", "cycles")
+_TEXT = 400  # [bytes] of an event
+
+
+def _nothing() -> Floats:
+    return sealed([])
+
+
+@dataclass(frozen=True, eq=False)
+class Status:
+    """What the supervisor tells in every cycle."""
+
+    stage: Stage = Stage.CLOSED
+    clock: float = 0.0  # [s] of the machine's monotonic clock, when this was told
+    time: float = nan  # [s] performance time; NaN before the first command
+    scale: float = 0.0  # how fast it runs
+    energised: int = 0  # servos with torque
+    hottest: float = 0.0  # [C]
+    volts: float = 0.0  # [V] the lowest
+    silent: int = 0  # servos that have not answered lately
+    late: int = 0  # cycles that began more than a period late
+    faulty: bool = False
+    angles: Floats = field(default_factory=_nothing)  # (n,) [rad] measured; NaN for a servo that did not answer
+    goals: Floats = field(default_factory=_nothing)  # (n,) [rad]
+
+    def time_at(self, clock: float) -> float:
+        """[s] performance time at another time [s] of the machine's monotonic clock, a moment later."""
+        return self.time + self.scale * (clock - self.clock)
+
+
+@dataclass(frozen=True)
+class Note:
+    """Something that has happened."""
+
+    clock: float  # [s] of the machine's monotonic clock
+    servo: int  # id; -1: none
+    kind: str
+    text: str
+
+
+Rows = NDArray[np.void]
+
+
+class Channel:
+    """The shared memory, seen from either side."""
+
+    def __init__(self, memory: mmap.mmap, joints: int, capacity: int = CAPACITY) -> None:
+        """On memory of `size(joints, capacity)` bytes, all zero at first."""
+        self.capacity, self._memory = capacity, memory
+        self._commands = _command(joints)
+        self._words = dict(zip(_WORDS, np.frombuffer(memory, "<u8", len(_WORDS))[:, None], strict=True))
+        start = 8 * len(_WORDS)
+        self._status: Rows = np.frombuffer(memory, _status(joints), HISTORY, start)
+        start += self._status.nbytes
+        self._events: Rows = np.frombuffer(memory, _EVENT, EVENTS, start)
+        start += self._events.nbytes
+        self._ring: Rows = np.frombuffer(memory, self._commands, capacity, start)
+        self._taken = self._heard = self._seen = 0  # rows that this side has read
+
+    def word(self, name: str) -> int:
+        """A counter or a wish."""
+        return int(self._words[name][0])
+
+    def set(self, name: str, value: int) -> None:
+        """Sets a counter or a wish of this side."""
+        self._words[name][0] = value
+
+    @property
+    def room(self) -> int:
+        """Commands that still fit."""
+        return self.capacity - (self.word("written") - self.word("read"))
+
+    def write(self, time: float, goals: Floats) -> bool:
+        """The planner adds a command; False, and nothing happens, while there is no room."""
+        if self.room <= 0:
+            return False
+        number = self.word("written")
+        _store(self._ring, number % self.capacity, number + 1, time=time, goals=goals)
+        self.set("written", number + 1)
+        return True
+
+    def commands(self, most: int) -> list[tuple[float, Floats]]:
+        """The supervisor takes commands that are new, so many at most: times [s] and goals (n,) [rad]."""
+        found: list[tuple[float, Floats]] = []
+        while self._taken < self.word("written") and len(found) < most:
+            row = _load(self._ring, self._taken % self.capacity, self._taken + 1)
+            if row is None:
+                break
+            found.append((float(row["time"]), sealed(row["goals"])))
+            self._taken += 1
+        if found:
+            self.set("read", self._taken)
+        return found
+
+    def tell(self, status: Status) -> None:
+        """The supervisor tells how it is."""
+        number = self.word("cycles")
+        values = {name: getattr(status, name) for name in _FIGURES}
+        stage = STAGES.index(status.stage)
+        vectors = {"angles": status.angles, "goals": status.goals}
+        _store(self._status, number % HISTORY, number + 1, stage=stage, **vectors, **values)
+        self.set("cycles", number + 1)
+
+    def status(self) -> Status:
+        """The planner asks how it is; what was told last."""
+        for _ in range(LOOKS):
+            number = self.word("cycles")
+            row = _load(self._status, (number - 1) % HISTORY, number)
+            if row is not None:
+                return _told(row)
+        return _SILENT
+
+    def history(self) -> tuple[Status, ...]:
+        """The planner asks how it was in every cycle since it asked last; of too many, the last."""
+        cycles, found = self.word("cycles"), []
+        self._seen = max(self._seen, cycles - HISTORY)
+        while self._seen < cycles:
+            row = _load(self._status, self._seen % HISTORY, self._seen + 1)
+            if row is not None:
+                found.append(_told(row))
+            self._seen += 1
+        return tuple(found)
+
+    def note(self, note: Note) -> None:
+        """The supervisor tells of an event."""
+        number = self.word("told")
+        kind, text = note.kind.encode(), note.text.encode()[:_TEXT]
+        _store(self._events, number % EVENTS, number + 1, clock=note.clock, servo=note.servo, kind=kind, text=text)
+        self.set("told", number + 1)
+
+    def notes(self) -> tuple[Note, ...]:
+        """The planner takes all events that are new; of too many, the last."""
+        told, found = self.word("told"), []
+        self._heard = max(self._heard, told - EVENTS)
+        while self._heard < told:
+            row = _load(self._events, self._heard % EVENTS, self._heard + 1)
+            if row is not None:
+                kind, text = (bytes(row[name]).decode(errors="replace") for name in ("kind", "text"))
+                found.append(Note(float(row["clock"]), int(row["servo"]), kind, text))
+            self._heard += 1
+        return tuple(found)
+
+
+def _told(row: np.void) -> Status:
+    return Status(
+        stage=STAGES[int(row["stage"])],
+        clock=float(row["clock"]),
+        time=float(row["time"]),
+        scale=float(row["scale"]),
+        energised=int(row["energised"]),
+        hottest=float(row["hottest"]),
+        volts=float(row["volts"]),
+        silent=int(row["silent"]),
+        late=int(row["late"]),
+        faulty=bool(row["faulty"]),
+        angles=sealed(row["angles"]),
+        goals=sealed(row["goals"]),
+    )
+
+
+_SILENT = Status()
+_FIGURES = ("clock", "time", "scale", "energised", "hottest", "volts", "silent", "late", "faulty")
+
+
+def _command(joints: int) -> np.dtype[np.void]:
+    return np.dtype([("number", "<u8"), ("time", "<f8"), ("goals", "<f8", (joints,)), ("crc", "<u8")])
+
+
+def _status(joints: int) -> np.dtype[np.void]:
+    kinds = [(name, "<i8" if isinstance(getattr(_SILENT, name), int) else "<f8") for name in _FIGURES]
+    vectors = [("angles", "<f8", (joints,)), ("goals", "<f8", (joints,))]
+    return np.dtype([("number", "<u8"), ("stage", "<i8"), *kinds, *vectors, ("crc", "<u8")])
+
+
+_EVENT = np.dtype(
+    [("number", "<u8"), ("clock", "<f8"), ("servo", "<i8"), ("kind", "S24"), ("text", f"S{_TEXT}"), ("crc", "<u8")]
+)
+
+
+def size(joints: int, capacity: int = CAPACITY) -> int:
+    """[bytes] of the memory for so many joints."""
+    rows = HISTORY * _status(joints).itemsize + EVENTS * _EVENT.itemsize + capacity * _command(joints).itemsize
+    return 8 * len(_WORDS) + rows
+
+
+def memory_file(octets: int) -> int:
+    """A descriptor of new, nameless memory of so many bytes."""
+    if sys.platform == "linux":
+        descriptor = os.memfd_create("kinesic")
+    else:
+        with tempfile.TemporaryFile() as file:
+            descriptor = os.dup(file.fileno())
+    os.ftruncate(descriptor, octets)
+    return descriptor
+
+
+def mapped(descriptor: int, octets: int) -> mmap.mmap:
+    """The memory behind a descriptor."""
+    return mmap.mmap(descriptor, octets)
+
+
+def _store(rows: Rows, place: int, number: int, **values: object) -> None:
+    row = np.zeros(1, dtype=rows.dtype)
+    row["number"] = number
+    for name, value in values.items():
+        row[name] = value
+    row["crc"] = zlib.crc32(row.tobytes()[:-8])
+    rows[place] = row[0]
+
+
+def _load(rows: Rows, place: int, number: int) -> np.void | None:
+    """The row of this number; None while it is not complete."""
+    row = rows[place].copy()
+    complete = number > 0 and int(row["number"]) == number and int(row["crc"]) == zlib.crc32(row.tobytes()[:-8])
+    return row if complete else None

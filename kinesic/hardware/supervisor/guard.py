@@ -1,0 +1,78 @@
+"""The host's own limits on goals: whatever is asked, no goal leaves its range, jumps, or runs away from its servo."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinesic.body.arrays import Flags, Floats, sealed
+
+LEAD = 2.0  # times the error of full power that a goal may be ahead of its servo
+RISE = 0.01  # [s] in which a goal may come up to the servo's speed without load
+SLACK = 1e-6  # of the limits, against rounding
+
+
+@dataclass(frozen=True, eq=False)
+class Bounds:
+    """What goals of members may do."""
+
+    lower: Floats  # (m,) [ticks]
+    upper: Floats  # (m,) [ticks]
+    speed: Floats  # (m,) [ticks/s]
+    lead: Floats  # (m,) [ticks] that goals may be ahead of their servos
+
+    @property
+    def acceleration(self) -> Floats:
+        """(m,) [ticks/s^2]."""
+        return self.speed / RISE
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """Goals and how fast they move."""
+
+    goals: Floats  # (m,) [ticks], fractions kept
+    speeds: Floats  # (m,) [ticks/s]
+
+    @classmethod
+    def still(cls, goals: Floats) -> "Course":
+        """Goals that stand."""
+        return cls(sealed(goals), sealed(np.zeros(len(goals))))
+
+
+def guarded(course: Course, wanted: Floats, present: Floats, seconds: float, bounds: Bounds) -> tuple[Course, Flags]:
+    """The next goals: those that are wanted where they keep the limits, else the nearest that do.
+
+    Args:
+        course: the goals before.
+        wanted: (m,) [ticks].
+        present: (m,) [ticks] where the servos are; NaN where nobody knows.
+        seconds: since the goals before.
+        bounds: the limits.
+
+    Returns:
+        The course, and (m,) whose wish was not granted.
+    """
+    known = np.where(np.isfinite(present), present, course.goals)
+    low = np.maximum(bounds.lower, np.minimum(known - bounds.lead, course.goals))
+    high = np.minimum(bounds.upper, np.maximum(known + bounds.lead, course.goals))
+    target = np.clip(wanted, np.minimum(low, bounds.upper), np.maximum(high, bounds.lower))
+    speeds = (target - course.goals) / seconds
+    change = bounds.acceleration * seconds
+    steady = np.abs(speeds) <= bounds.speed * (1 + SLACK)
+    steady &= np.abs(speeds - course.speeds) <= change * (1 + SLACK)
+    if not steady.all():
+        caught = _catching(course, target, seconds, bounds)
+        speeds = np.where(steady, speeds, caught)
+    goals = course.goals + speeds * seconds
+    return Course(sealed(goals), sealed(speeds)), ~steady | (np.abs(target - wanted) > 0.5)
+
+
+def _catching(course: Course, target: Floats, seconds: float, bounds: Bounds) -> Floats:
+    """(m,) [ticks/s] that bring a goal to its target within the limits, braking in time."""
+    away = target - course.goals
+    reach = bounds.acceleration * seconds
+    # the fastest from which steps of `reach` still stop at the target
+    brake = np.sqrt(2 * bounds.acceleration * np.abs(away) + (reach / 2) ** 2) - reach / 2
+    fastest = np.minimum(np.minimum(brake, np.abs(away) / seconds), bounds.speed)
+    speeds: Floats = np.clip(np.sign(away) * fastest, course.speeds - reach, course.speeds + reach)
+    return speeds

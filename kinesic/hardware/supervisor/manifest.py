@@ -1,0 +1,187 @@
+"""What must hang on the wires of a robot: every servo with its model, its hinge, its limits and its registers."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.config import ConfigError
+from kinesic.body.robot import Robot
+from kinesic.body.servo import TICKS_PER_TURN, Drive
+from kinesic.hardware.bus import Servo
+from kinesic.hardware.models import BY_NUMBER, Model
+from kinesic.hardware.registers import SPEED, TICK, Mode, Register
+from kinesic.hardware.servo_map import HingeServos, ServoMap
+from kinesic.hardware.ticks import Scale
+
+MARGIN = 40  # [ticks] beyond a hinge's range that its servo still takes, as joints hang a little outside at times
+SHUTDOWN = 52  # electrical shock, overload, overheating; not voltage, which a brisk move may pull down
+
+
+@dataclass(frozen=True)
+class Member:
+    """One servo in its place."""
+
+    bus: str
+    servo: Servo
+    hinge: str
+    joint: int
+    zero: int  # [ticks] where the hinge's angle is 0
+    turns: float  # signed servo turns per hinge turn
+    lower: int  # [ticks] of the hinge's range
+    upper: int
+    speed: float  # [rad/s] of the servo without load
+    gains: tuple[int, int]  # position P and D
+    full: float  # [ticks] of error at which it gives full power
+
+    @property
+    def id(self) -> int:
+        """On its bus."""
+        return self.servo.id
+
+    @property
+    def model(self) -> Model:
+        """Of the servo."""
+        return self.servo.model
+
+    @property
+    def span(self) -> tuple[int, int]:
+        """[ticks] that its goals may have: the hinge's range and a margin."""
+        return max(0, self.lower - MARGIN), min(TICKS_PER_TURN - 1, self.upper + MARGIN)
+
+    @property
+    def lasting(self) -> Mapping[Register, int]:
+        """What its EEPROM must hold; its position limits depend on what they are now."""
+        return {
+            Register.RETURN_DELAY_TIME: 0,
+            Register.DRIVE_MODE: 0,
+            Register.OPERATING_MODE: Mode.POSITION.value,
+            Register.HOMING_OFFSET: 0,
+            Register.SHUTDOWN: SHUTDOWN,
+        }
+
+    @property
+    def passing(self) -> Mapping[Register, int]:
+        """What its RAM must hold while it has torque; a reboot forgets it, and a watchdog the profile."""
+        pace = min(ceil(self.speed / SPEED), self.model.starts(Register.VELOCITY_LIMIT))
+        return {
+            Register.POSITION_P_GAIN: self.gains[0],
+            Register.POSITION_D_GAIN: self.gains[1],
+            Register.PROFILE_ACCELERATION: 0,  # an acceleration would brake at every goal of a stream
+            Register.PROFILE_VELOCITY: pace,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Manifest:
+    """All servos of a robot, bus by bus, and what the host must know of its hinges."""
+
+    robot: str
+    bauds: Mapping[str, int]  # [bit/s] by bus
+    members: tuple[Member, ...]
+    rest: Floats  # (n,) [rad] in joint order
+    lower: Floats  # (n,) [rad]
+    upper: Floats  # (n,) [rad]
+    chains: tuple[frozenset[int], ...]  # joints that hold together when one of them fails
+
+    @classmethod
+    def of(cls, robot: Robot) -> "Manifest":
+        """The manifest of a robot with servos on wires.
+
+        Raises:
+            ConfigError: the robot has no [[bus]], its tables are wrong, or a servo is none that the bus knows.
+        """
+        wiring = ServoMap.of(robot)
+        if not wiring.buses:
+            raise ConfigError(f"{robot.path}: no [[bus]], so that no servo can be reached; see docs/my-robot.md")
+        placed = [(servos, robot.skeleton.joint(servos.hinge)) for servos in wiring.servos]
+        members = [
+            member
+            for bus in wiring.buses
+            for servos, joint in placed
+            if servos.bus == bus.name
+            for member in _members(robot, servos, joint)
+        ]
+        joined = frozenset().union(*(robot.joints(chain) for chain in robot.chains))
+        loose = [frozenset({joint}) for joint in range(len(robot.drives)) if joint not in joined]
+        return cls(
+            robot=robot.name,
+            bauds={bus.name: bus.baud for bus in wiring.buses},
+            members=tuple(members),
+            rest=robot.skeleton.rest,
+            lower=robot.skeleton.lower,
+            upper=robot.skeleton.upper,
+            chains=(*(frozenset(robot.joints(chain)) for chain in robot.chains), *loose),
+        )
+
+    @cached_property
+    def joints(self) -> NDArray[np.intp]:
+        """(m,) the joint that each member turns."""
+        return np.array([member.joint for member in self.members], dtype=np.intp)
+
+    @cached_property
+    def scale(self) -> Scale:
+        """Ticks of members against angles of their joints."""
+        return Scale(
+            zeros=sealed([member.zero for member in self.members]),
+            turns=sealed([member.turns for member in self.members]),
+        )
+
+    @cached_property
+    def spans(self) -> tuple[Floats, Floats]:
+        """(m,) least and (m,) largest goal [ticks]."""
+        lower, upper = zip(*(member.span for member in self.members), strict=True)
+        return sealed(lower), sealed(upper)
+
+    @cached_property
+    def speeds(self) -> Floats:
+        """(m,) [ticks/s] that goals may move at most."""
+        return sealed([member.speed / TICK for member in self.members])
+
+    @cached_property
+    def full(self) -> Floats:
+        """(m,) [ticks] of error at which each servo gives full power."""
+        return sealed([member.full for member in self.members])
+
+    def angles(self, ticks: Floats) -> Floats:
+        """(n,) [rad] of (m,) ticks; tandems are averaged, and joints of which nothing is known (NaN) are NaN."""
+        turned = self.scale.angles(ticks)
+        known = np.isfinite(turned)
+        count = len(self.rest)
+        sums = np.bincount(self.joints[known], weights=turned[known], minlength=count)
+        numbers = np.bincount(self.joints[known], minlength=count)
+        return np.where(numbers > 0, sums / np.maximum(numbers, 1), np.nan)
+
+
+def _members(robot: Robot, servos: HingeServos, joint: int) -> list[Member]:
+    """The servos of one hinge."""
+    drive: Drive = robot.drives[joint]
+    model = BY_NUMBER.get(drive.servo.model)
+    if model is None:
+        where = f"{robot.path}: {servos.hinge}: servo {drive.servo.name}"
+        known = ", ".join(sorted(known.name for known in BY_NUMBER.values()))
+        raise ConfigError(f"{where} has model number {drive.servo.model}, must be one of the X series: {known}")
+    hinge = robot.skeleton.hinges[joint]
+    turns = -servos.reduction if servos.inverted else servos.reduction
+    scale = Scale(sealed([servos.zero_ticks]), sealed([turns]))
+    ends = sorted(int(tick) for tick in scale.ticks(np.array([[hinge.lower], [hinge.upper]])).ravel())
+    return [
+        Member(
+            bus=servos.bus,
+            servo=Servo(servo, model),
+            hinge=servos.hinge,
+            joint=joint,
+            zero=servos.zero_ticks,
+            turns=turns,
+            lower=ends[0],
+            upper=ends[1],
+            speed=drive.no_load * drive.reduction,
+            gains=(round(drive.servo.p_gain), round(drive.servo.d_gain)),
+            full=drive.reduction / (drive.gain * TICK),
+        )
+        for servo in servos.ids
+    ]

@@ -1,0 +1,108 @@
+"""What the joints are to do next: the performance, a move to where it begins, or a move to rest."""
+
+from typing import Literal
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.hardware.supervisor.score import Score, whole
+from kinesic.hardware.supervisor.settings import Settings
+from kinesic.hardware.supervisor.tempo import Tempo, advanced
+from kinesic.hardware.supervisor.way import Way
+
+GAP = 0.5  # [s] between commands beyond which the later ones are a performance of their own
+DONE = 1e-6  # [s] before the end that is the end
+
+Source = Literal["score", "way"]
+
+
+class Player:
+    """Goals as a function of performance time, which it owns."""
+
+    def __init__(self, settings: Settings) -> None:
+        """Nothing to play yet."""
+        self._settings = settings
+        self._score = Score()
+        self._way: Way | None = None
+        self._source: Source | None = None
+        self.tempo = Tempo()  # of the performance
+        self._walk = Tempo()  # of the way
+
+    @property
+    def begun(self) -> bool:
+        """Whether there is, or was, something to perform."""
+        return len(self._score) > 0
+
+    @property
+    def left(self) -> float:
+        """[s] of performance that are known and not performed."""
+        return max(0.0, self._score.end - self.tempo.time) if self.begun else 0.0
+
+    @property
+    def still(self) -> bool:
+        """Whether nothing moves."""
+        return self._source is None or (self._walk if self._source == "way" else self.tempo).still
+
+    @property
+    def reached(self) -> bool:
+        """Whether the present move has ended."""
+        return self._way is not None and self._walk.time >= self._way.duration - DONE
+
+    def take(self, time: float, goals: Floats) -> bool:
+        """One more command; whether it came in time and makes sense.
+
+        Args:
+            time: [s] of the performance.
+            goals: (n,) [rad].
+        """
+        if not whole(goals):
+            return False
+        over = self.left <= DONE
+        if not self.begun or (over and (time > self._score.end + GAP or time <= self.tempo.time)):
+            self._score, self.tempo = Score(), Tempo(time)
+        elif time <= self.tempo.time:
+            return False
+        self._score.add(time, goals)
+        return True
+
+    def hold(self) -> None:
+        """Stands still from now on."""
+        self._source, self._way = None, None
+        self.tempo = Tempo(self.tempo.time, 0.0)
+
+    def approach(self, start: Floats) -> None:
+        """To where the performance begins, or goes on, from (n,) [rad]."""
+        self._go(start, self._score.at(self.tempo.time))
+
+    def fold(self, start: Floats, goal: Floats) -> None:
+        """From (n,) [rad] to (n,) [rad]."""
+        self._go(start, goal)
+
+    def _go(self, start: Floats, goal: Floats) -> None:
+        self.hold()
+        self._way = Way.between(start, goal, pace=self._settings.pace)
+        self._source, self._walk = "way", Tempo(0.0, 1.0)
+
+    def follow(self) -> None:
+        """Performance time runs: at once from the first command, which is at rest; softly when it goes on."""
+        fresh = self.tempo.time <= self._score.begin
+        self._source, self._way = "score", None
+        self.tempo = Tempo(self.tempo.time, 1.0 if fresh else 0.0)
+
+    def advance(self, seconds: float, *, wanted: float, slow: float) -> Floats | None:
+        """Lets time pass.
+
+        Args:
+            seconds: that pass.
+            wanted: scale of time, 0..1.
+            slow: [s] in which it comes to a stop.
+
+        Returns:
+            (n,) [rad] to go to now; None: where it is.
+        """
+        if self._source == "way" and self._way is not None:
+            self._walk = advanced(self._walk, seconds, wanted=wanted, end=self._way.duration, slow=slow)
+            return self._way.at(self._walk.time)
+        if self._source == "score":
+            self.tempo = advanced(self.tempo, seconds, wanted=wanted, end=self._score.end, slow=slow)
+            self._score.forget(self.tempo.time)
+            return sealed(self._score.at(self.tempo.time))
+        return None

@@ -1,0 +1,128 @@
+"""The supervisor as a process of its own: `python -m kinesic.hardware.supervisor`, started by `Servos`.
+
+Its standard input is a pipe that the planner holds: the first line says what to do, its end says that the planner is
+gone.
+"""
+
+import gc
+import os
+import select
+import signal
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import FrameType
+
+import msgspec
+
+from kinesic.body.config import ConfigError
+from kinesic.body.robot import Robot
+from kinesic.hardware.serial_wire import SerialWire
+from kinesic.hardware.supervisor.channel import Channel, mapped, size
+from kinesic.hardware.supervisor.journal import Journal
+from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.hardware.supervisor.settings import Settings
+from kinesic.hardware.supervisor.supervisor import Supervisor
+from kinesic.hardware.wire import Wire
+
+PRIORITY = 20  # of SCHED_FIFO, where the host grants it
+EXIT_GOOD, EXIT_REFUSED = 0, 2
+
+
+class Order(msgspec.Struct, forbid_unknown_fields=True):
+    """What a supervisor is started for."""
+
+    robot: str  # path of its file
+    ports: dict[str, str]  # bus -> path of the device
+    memory: int  # descriptor of the channel's memory
+    settings: Settings
+    log: str | None = None  # path of the journal
+
+
+def run(order: Order, planner: Callable[[], bool], asked: Callable[[], bool]) -> int:
+    """Supervises until all is over; the exit code.
+
+    Args:
+        order: what for.
+        planner: whether it lives.
+        asked: whether somebody wants it to end.
+    """
+    manifest = Manifest.of(Robot.load(Path(order.robot)))
+    joints = len(manifest.rest)
+    channel = Channel(mapped(order.memory, size(joints)), joints)
+    settings, journal = order.settings, Journal(Path(order.log) if order.log else None)
+    watchdog = settings.watchdog if _real_time() else settings.patient_watchdog
+
+    def opens(bus: str) -> Wire:
+        return SerialWire(order.ports[bus], manifest.bauds[bus])
+
+    supervisor = Supervisor(manifest, opens, channel, settings, watchdog=watchdog, planner=planner, journal=journal)
+    supervisor.open()
+    refused = supervisor.done
+    gc.collect()
+    gc.freeze()
+    due = supervisor.now()
+    while not supervisor.done:
+        if asked():
+            channel.set("release", 1)
+        supervisor.step()
+        due += settings.period
+        behind = supervisor.now() - due
+        if behind > settings.period:
+            supervisor.late += 1
+            due += behind
+        supervisor.sleep(due)
+    journal.close()
+    return EXIT_REFUSED if refused else EXIT_GOOD
+
+
+def main() -> int:
+    """Reads the order and follows it."""
+    terminated: list[int] = []
+
+    def terminate(number: int, frame: FrameType | None) -> None:
+        terminated.append(number)
+
+    signal.signal(signal.SIGTERM, terminate)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    line = _line(sys.stdin.fileno())
+    try:
+        order = msgspec.json.decode(line, type=Order)
+        return run(order, Pipe(sys.stdin.fileno()), lambda: bool(terminated))
+    except (msgspec.DecodeError, ConfigError) as error:
+        print(f"kinesic.hardware.supervisor: {error}", file=sys.stderr)  # noqa: T201  # nobody else can tell
+        return EXIT_REFUSED
+
+
+class Pipe:
+    """Whether the planner still holds its end."""
+
+    def __init__(self, descriptor: int) -> None:
+        """Of the reading end; the parent is the planner."""
+        self._descriptor, self._parent = descriptor, os.getppid()
+        self._open = True
+
+    def __call__(self) -> bool:
+        """Looks without waiting."""
+        if self._open and select.select([self._descriptor], [], [], 0)[0]:
+            self._open = bool(os.read(self._descriptor, 4096))
+        return self._open and os.getppid() == self._parent
+
+
+def _line(descriptor: int) -> bytes:
+    """The first line, byte by byte: what follows is not ours to take."""
+    line = b""
+    while not line.endswith(b"\n") and (byte := os.read(descriptor, 1)):
+        line += byte
+    return line
+
+
+def _real_time() -> bool:
+    """Asks the host for real time; whether it grants it."""
+    if sys.platform != "linux":
+        return False
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
+    except OSError:
+        return False
+    return True

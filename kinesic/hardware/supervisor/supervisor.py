@@ -1,0 +1,297 @@
+"""The supervisor's loop: one cycle of the wires, what it tells, what follows from it, and a word to the planner."""
+
+from collections.abc import Callable
+from time import monotonic
+
+import numpy as np
+
+from kinesic.hardware.registers import Register
+from kinesic.hardware.supervisor.axes import Axes, Snapshot
+from kinesic.hardware.supervisor.channel import POLICIES, Channel
+from kinesic.hardware.supervisor.journal import Journal
+from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.hardware.supervisor.player import DONE
+from kinesic.hardware.supervisor.preparing import Table, configure, taken
+from kinesic.hardware.supervisor.settings import Settings
+from kinesic.hardware.supervisor.stages import MOVING, Action, Event, Facts, Stage, State, step
+from kinesic.hardware.supervisor.steering import Steering
+from kinesic.hardware.supervisor.telling import Teller
+from kinesic.hardware.supervisor.torque import RAMP, Procedure, adopt, arm, release, watchdog_counts
+from kinesic.hardware.supervisor.watch import Watch
+from kinesic.hardware.ticks import Ticks
+from kinesic.hardware.wire import BusError, Wire
+
+TAKEN = 32  # commands in one cycle at most: it must not take long
+AHEAD = 2.0  # [s] of the performance that are taken from the channel
+WIRE_SHARE = 0.9  # of a period that the wires may take; the rest is for deciding
+LEAST = 1e-4  # [s] between two cycles
+LOOKS = 100  # cycles until everybody must have been heard
+
+
+class Supervisor:
+    """Drives the servos of a manifest for whoever writes into the channel. It never raises for them."""
+
+    def __init__(
+        self,
+        manifest: Manifest,
+        opens: Callable[[str], Wire],
+        channel: Channel,
+        settings: Settings,
+        *,
+        watchdog: float,
+        planner: Callable[[], bool],
+        journal: Journal,
+    ) -> None:
+        """Nothing is opened yet.
+
+        Args:
+            manifest: what must be there.
+            opens: the wire of a bus, by its name; raises BusError.
+            channel: to the planner.
+            settings: figures.
+            watchdog: [s] of the servos' bus watchdogs.
+            planner: whether it lives.
+            journal: of events.
+        """
+        self.manifest, self.state = manifest, State()
+        self.late = 0  # cycles that began more than a period late, as the loop counts them
+        self._opens, self._channel, self._settings = opens, channel, settings
+        self._watchdog, self._planner = watchdog_counts(watchdog), planner
+        self._teller = Teller(manifest, channel, journal)
+        self._steering, self._watch = Steering(manifest, settings), Watch(manifest, ())
+        self._axes: Axes | None = None
+        self._tables: tuple[Table, ...] = ()
+        self._procedure: Procedure | None = None
+        self._concerns: list[int] = []  # the members it is about
+        self._last: Snapshot | None = None
+        self._since = self._clock = 0.0  # [s] in this stage; of the last cycle
+        self._failures = self._halted = 0
+        self._limited = False
+
+    @property
+    def done(self) -> bool:
+        """Whether all is over."""
+        return self._axes is None
+
+    def open(self) -> None:
+        """Looks who is there; nothing is energised."""
+        self._advance("open")
+        self._tell()
+
+    def step(self) -> None:
+        """One period."""
+        axes = self._axes
+        if axes is None:
+            return
+        now = axes.now()
+        seconds = min(max(now - self._clock, LEAST), 2 * self._settings.period)
+        self._clock = now
+        most = TAKEN if self._steering.player.left < AHEAD else 0
+        for time, goals in self._channel.commands(most):
+            if not self._steering.player.take(time, goals):
+                self._note("dropped", f"a command for {time:.3f} s came too late, or is not a number")
+        self._move(seconds)
+        self._look(axes, self._goals(), seconds)
+        self._proceed()
+        for event in self._happened():
+            self._advance(event)
+        self._tell()
+
+    def sleep(self, until: float) -> None:
+        """Waits until [s] on the wires' clock."""
+        if self._axes is not None:
+            self._axes.sleep(until)
+
+    def now(self) -> float:
+        """[s] on the wires' clock."""
+        return self._axes.now() if self._axes is not None else monotonic()
+
+    def _look(self, axes: Axes, goals: Ticks | None, seconds: float) -> None:
+        """One cycle of the wires."""
+        self._last = axes.cycle(goals)
+        self._watch.look(self._last, self._steering.goals, seconds)
+        for name, event in self._last.events:
+            self._note(event.kind, f"{name}: {event.text}", -1 if event.servo is None else event.servo)
+
+    def _move(self, seconds: float) -> None:
+        """Brings the goals on by a moment."""
+        stage, watch = self.state.stage, self._watch
+        wanted = watch.scale if stage is Stage.ACTIVE else float(stage in MOVING)
+        hurry = self._gone or stage in (Stage.STOPPED, Stage.LOST)
+        slow = self._settings.quick if hurry and not wanted else self._settings.slow
+        refused = self._steering.move(seconds, watch.present, wanted=wanted, slow=slow) & watch.energised
+        if refused.any() and not self._limited:
+            names = ", ".join(sorted({self.manifest.members[k].hinge for k in np.flatnonzero(refused)}))
+            self._note("limited", f"goals of {names} were asked beyond what they may do")
+        self._limited = bool(refused.any())
+
+    def _goals(self) -> Ticks | None:
+        """What goes out."""
+        limp = ~self._watch.energised
+        if self._procedure is not None:
+            limp[self._concerns] = False  # the procedure says where they are
+        self._steering.follow_limp(limp, self._watch.present)
+        return self._steering.ticks()
+
+    # what is known
+
+    @property
+    def _gone(self) -> bool:
+        """Whether the planner has left without a word."""
+        return not self._planner() and not self._channel.word("ended")
+
+    def _facts(self) -> Facts:
+        player, watch, stage = self._steering.player, self._watch, self.state.stage
+        lasted, estop = self._clock - self._since, self._channel.word("estop")
+        gone, ended = self._gone, bool(self._channel.word("ended"))
+        resting = stage is Stage.HOLD and lasted > self._settings.patience
+        alone = self.state.stopped and not self._planner()  # nobody can release it any more
+        vain = alone or resting or (not watch.answering and lasted > self._settings.patience)
+        enough = DONE if stage in MOVING or ended else self._settings.lead - DONE
+        return Facts(
+            energised=bool(watch.energised.any()),
+            answering=watch.answering,
+            well=watch.well and self._procedure is None,
+            limp=bool(watch.limp.any()),
+            begun=player.begun,
+            due=not gone and player.left > enough,
+            ended=gone or (ended and (player.left <= DONE or vain)),
+            release=bool(self._channel.word("release")),
+            still=player.still,
+            reached=player.reached and self._steering.arrived,
+            idle=resting,
+            hopeless=stage is Stage.LOST and lasted > self._settings.hopeless,
+            policy=POLICIES[estop - 1] if estop else self._settings.policy,
+        )
+
+    def _happened(self) -> tuple[Event, ...]:
+        """What this cycle means for the state machine; the facts besides."""
+        stage, watch, events = self.state.stage, self._watch, list[Event]()
+        halt = self._channel.word("estop")
+        if halt > self._halted:
+            events.append("estop")
+        self._halted = halt
+        if watch.lost and stage is not Stage.LOST:
+            events.append("lost")
+        if not watch.lost and stage is Stage.LOST:
+            events.append("back")
+        if watch.tripped and not watch.lost:
+            events.append("tripped")
+        failures = int(watch.failed.sum())
+        if failures > self._failures:
+            names = ", ".join(self.manifest.members[k].hinge for k in np.flatnonzero(watch.failed))
+            self._note("failed", f"{names}: shut down, or cannot move")
+            self._steering.give_up(watch.stuck, watch.present)
+            events.append("failed")
+        self._failures = failures
+        return (*events, "tick")
+
+    # what follows
+
+    def _advance(self, event: Event) -> None:
+        """Lets the state machine see an event, and begins what it asks for."""
+        before = self.state.stage
+        self.state, actions = step(self.state, event, self._facts())
+        if self.state.stage is not before:
+            self._since = self._clock
+            self._note("stage", f"{before.value} -> {self.state.stage.value} ({event})")
+        for action in actions:
+            self._act(action)
+
+    def _act(self, action: Action) -> None:
+        steering = self._steering
+        if action == "check":
+            self._attempt(self._check)
+        elif action == "configure":
+            self._attempt(self._configure)
+        elif action in ("arm", "adopt", "release"):
+            self._begin(action)
+        elif action == "hold":
+            self._procedure = None
+            steering.hold()
+        elif action == "slow":
+            self._procedure = None
+        elif action == "approach":
+            steering.approach()
+        elif action == "follow":
+            steering.player.follow()
+        elif action == "fold":
+            steering.fold(self._watch.held_joints)
+        elif action == "close":
+            self._close()
+
+    def _attempt(self, deed: Callable[[], None]) -> None:
+        """Does something that takes its time, while nothing moves."""
+        try:
+            deed()
+        except BusError as error:
+            for line in str(error).splitlines():
+                self._note("refused", line)
+            self._advance("refused")
+        else:
+            self._advance("done")
+
+    def _check(self) -> None:
+        axes, self._tables = taken(self.manifest, self._opens, period=WIRE_SHARE * self._settings.period)
+        self._axes, self._watch = axes, Watch(self.manifest, self._tables)
+        for _ in range(LOOKS):
+            self._look(axes, None, self._settings.period)
+            if self._watch.answering:
+                return
+        silent = ", ".join(axes.where(k) for k in np.flatnonzero(~self._watch.heard).tolist())
+        raise BusError(f"{silent}: answers too rarely; check plugs, cable length and latency timer")
+
+    def _configure(self) -> None:
+        if self._axes is not None:
+            for change in configure(self._axes, self._tables):
+                self._note("configured", f"{change.register.name}: {change.before} -> {change.after}", change.servo)
+            self._clock = self._axes.now()
+
+    def _begin(self, action: Action) -> None:
+        """Starts a procedure in place of the one before."""
+        axes, last = self._axes, self._last
+        if axes is None or last is None:
+            return
+        power = np.array([table[Register.PWM_LIMIT] for table in self._tables], dtype=np.int64)
+        self._steering.hold()
+        self._concerns = list(axes.everybody)
+        if action == "arm":
+            self._concerns = np.flatnonzero(self._watch.limp).tolist()
+            steps = round(RAMP / self._settings.period)
+            self._procedure = arm(axes, self._concerns, last, power, watchdog=self._watchdog, steps=steps)
+        elif action == "adopt":
+            held = self._steering.goals
+            if held is None:
+                held = np.array([table[Register.GOAL_POSITION] for table in self._tables], dtype=np.float64)
+            self._procedure = adopt(axes, last, held, power, watchdog=self._watchdog)
+        else:
+            self._procedure = release(axes, tries=round(self._settings.hopeless / self._settings.period))
+        self._proceed(first=True)
+
+    def _proceed(self, *, first: bool = False) -> None:
+        """Lets the procedure see the last cycle, and say what it wants of the next."""
+        procedure = self._procedure
+        if procedure is None or self._last is None:
+            return
+        try:
+            asked = next(procedure) if first else procedure.send(self._last)
+            if asked is not None:
+                self._steering.put(self._concerns, asked)
+        except StopIteration:
+            self._procedure = None
+            self._advance("done")
+        except BusError as error:
+            self._procedure = None
+            self._note("refused", str(error))
+            self._advance("refused")
+
+    def _close(self) -> None:
+        if self._axes is not None:
+            self._axes.close()
+        self._axes = self._procedure = None
+
+    def _note(self, kind: str, text: str, servo: int = -1) -> None:
+        self._teller.note(self.now(), kind, text, servo)
+
+    def _tell(self) -> None:
+        self._teller.tell(self.now(), self.state, self._watch, self._steering, self.late)

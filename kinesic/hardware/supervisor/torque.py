@@ -1,0 +1,153 @@
+"""Torque comes and goes: procedures that live through cycles, so that nothing else has to wait for them.
+
+Each is a generator: it yields the goals of its servos for the next cycle, gets what that cycle told, and returns when
+it is done.
+"""
+
+from collections.abc import Generator, Sequence
+from math import ceil
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.hardware.registers import WATCHDOG, Register
+from kinesic.hardware.supervisor.axes import Axes, Snapshot, folded
+from kinesic.hardware.supervisor.guard import LEAD
+from kinesic.hardware.ticks import Ticks
+from kinesic.hardware.wire import BusError
+
+TRIES = 25  # cycles that a step may take
+SETTLING = 200  # cycles in which limp servos must come to stand still
+STILL = 1.0  # [ticks] that a limp servo may have moved between reading and torque
+LOW = 0.1  # share of the PWM limit that torque begins with
+RAMP = 0.3  # [s] until it has all of it
+
+Procedure = Generator[Floats | None, Snapshot, None]  # goals [ticks] of its servos; None: as they are
+
+
+def watchdog_counts(seconds: float) -> int:
+    """BUS_WATCHDOG for a time [s]."""
+    return ceil(seconds / WATCHDOG - 1e-9)
+
+
+def arm(axes: Axes, places: Sequence[int], first: Snapshot, power: Ticks, *, watchdog: int, steps: int) -> Procedure:
+    """Gives torque to limp servos where they are: goal = present, read back, low power first.
+
+    Args:
+        axes: all servos.
+        places: who is armed.
+        first: the last cycle.
+        power: (m,) GOAL_PWM of full power.
+        watchdog: BUS_WATCHDOG.
+        steps: cycles until all power is there.
+
+    Raises:
+        BusError: a servo does not keep still, does not take its goal, or its torque does not come; none of them has
+            torque then.
+    """
+    chosen = list(places)
+    axes.put_all(Register.BUS_WATCHDOG, chosen, 0)
+    _put_passing(axes, chosen)
+    axes.put(Register.GOAL_PWM, {k: round(LOW * power[k]) for k in chosen})
+    goals, since = folded(first.positions[chosen]), first.time
+    confirmed = False
+    for _ in range(SETTLING):
+        snapshot = yield goals
+        here, since, before = folded(snapshot.positions[chosen]), snapshot.time, since
+        if (snapshot.times[chosen] < before).any() or float(np.abs(here - goals).max(initial=0.0)) > STILL:
+            goals, confirmed = here, False
+        elif confirmed:
+            break
+        else:
+            confirmed = _taken(axes, chosen, goals)
+    else:
+        names = ", ".join(axes.where(k) for k in chosen)
+        raise BusError(f"{names}: some of them move, or do not take their goals; they stay limp")
+    axes.put_all(Register.BUS_WATCHDOG, chosen, watchdog)
+    axes.put_all(Register.TORQUE_ENABLE, chosen, 1)
+    for _ in range(TRIES):
+        snapshot = yield goals
+        if snapshot.torque[chosen].all():
+            break
+    else:
+        dark = next(k for k in chosen if not snapshot.torque[k])
+        axes.put_all(Register.TORQUE_ENABLE, chosen, 0)
+        yield goals
+        raise BusError(f"{axes.where(dark)}: torque does not come on; has it shut down?")
+    for share in np.linspace(LOW, 1.0, steps + 1)[1:].tolist():
+        axes.put(Register.GOAL_PWM, {k: round(share * power[k]) for k in chosen})
+        yield goals
+
+
+def adopt(axes: Axes, first: Snapshot, held: Floats, power: Ticks, *, watchdog: int) -> Procedure:
+    """Takes servos over that have torque, where they are, without dropping it.
+
+    Args:
+        axes: all servos.
+        first: the last cycle.
+        held: (m,) [ticks] goals that they had; those who were stopped get the place where they stopped.
+        power: (m,) GOAL_PWM of full power.
+        watchdog: BUS_WATCHDOG.
+
+    Raises:
+        BusError: a servo does not let itself be adopted.
+    """
+    snapshot = first
+    for _ in range(TRIES):
+        if snapshot.recent.all():
+            break
+        snapshot = yield None
+    away = snapshot.tripped | ~snapshot.torque | (np.abs(held - snapshot.positions) > LEAD * axes.manifest.full)
+    goals = np.clip(np.where(away, snapshot.positions, held), *axes.manifest.spans)
+    chosen = np.flatnonzero(snapshot.torque & snapshot.recent).tolist()
+    axes.put_all(Register.BUS_WATCHDOG, chosen, 0)  # a servo that was stopped takes goals again
+    yield goals
+    _put_passing(axes, chosen)
+    axes.put(Register.GOAL_PWM, {k: int(power[k]) for k in chosen})
+    late = chosen
+    for _ in range(TRIES):
+        axes.put_all(Register.BUS_WATCHDOG, late, 0)
+        axes.put_all(Register.BUS_WATCHDOG, late, watchdog)
+        snapshot = yield goals
+        late = [k for k in late if snapshot.records["watchdog"][k] != watchdog and snapshot.torque[k]]
+        if not late:
+            return
+    raise BusError(f"{axes.where(late[0])}: its bus watchdog does not come on")
+
+
+def release(axes: Axes, *, tries: int) -> Procedure:
+    """Takes the torque of every servo, and looks that it is gone; nobody is forgotten because of another.
+
+    Args:
+        axes: all servos.
+        tries: cycles to wait for those who do not answer.
+
+    Raises:
+        BusError: it is not sure of some that they have no torque.
+    """
+    gone, since = np.zeros(len(axes.everybody), dtype=np.bool_), axes.now()
+    for _ in range(tries):
+        held = [k for k in axes.everybody if not gone[k]]
+        for _ in range(2):
+            axes.put_all(Register.TORQUE_ENABLE, held, 0)
+        axes.put_all(Register.BUS_WATCHDOG, held, 0)
+        snapshot = yield None
+        gone |= (snapshot.times >= since) & ~snapshot.torque
+        if gone.all():
+            return
+    names = ", ".join(axes.where(k) for k in axes.everybody if not gone[k])
+    raise BusError(f"{names}: may still have torque; switch the power off")
+
+
+def _put_passing(axes: Axes, places: Sequence[int]) -> None:
+    members = axes.manifest.members
+    for register in members[places[0]].passing if places else ():
+        axes.put(register, {k: members[k].passing[register] for k in places})
+
+
+def _taken(axes: Axes, places: Sequence[int], goals: Floats) -> bool:
+    """Whether every servo has its goal, asked one by one."""
+    try:
+        return bool(np.array_equal([axes.read(k, Register.GOAL_POSITION) for k in places], np.rint(goals)))
+    except BusError:
+        return False

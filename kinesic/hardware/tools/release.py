@@ -1,0 +1,58 @@
+"""Takes the torque of every servo and looks that it is gone; nobody is forgotten because of another."""
+
+from collections.abc import Mapping, Sequence
+
+from kinesic.hardware import packet
+from kinesic.hardware.cold import Cold
+from kinesic.hardware.packet import BROADCAST
+from kinesic.hardware.registers import Register
+from kinesic.hardware.tools.survey import talkative
+from kinesic.hardware.wire import BusError, Wire
+
+TIMES = 2  # that all are told, before each is asked
+OFF = packet.write(BROADCAST, Register.TORQUE_ENABLE.field.address, b"\0")
+
+
+def release(wires: Mapping[str, Wire], servos: Mapping[str, Sequence[int]]) -> tuple[str, ...]:
+    """Lets go of all servos.
+
+    Args:
+        wires: open ones, by name.
+        servos: ids that must be limp then, by the name of the wire; whoever else answers must be, too.
+
+    Returns:
+        A line for each servo of which that is not sure; empty if all are limp.
+    """
+    colds: dict[str, Cold] = {}
+    lines: list[str] = []
+    for name, wire in wires.items():  # all wires first: a servo must not wait for another wire's answers
+        try:
+            for _ in range(TIMES):
+                wire.write(OFF)
+            colds[name] = talkative(wire)
+        except BusError as error:
+            lines.append(f"{error}; its servos may still have torque: switch the power off")
+    for name, cold in colds.items():
+        lines += _doubts(cold, servos.get(name, ()))
+    return tuple(lines)
+
+
+def _doubts(cold: Cold, servos: Sequence[int]) -> list[str]:
+    """Asks each one."""
+    try:
+        others = [servo.id for servo in cold.everyone() if servo.id not in servos]
+        return [line for servo in (*servos, *others) if (line := _doubt(cold, servo))]
+    except BusError as error:
+        return [f"{error}; its servos may still have torque: switch the power off"]
+
+
+def _doubt(cold: Cold, servo: int) -> str:
+    """Why it is not sure that a servo is limp; empty if it is."""
+    where = f"{cold.wire.name}: servo {servo}"
+    try:
+        if cold.read(servo, Register.TORQUE_ENABLE):
+            cold.write(servo, Register.TORQUE_ENABLE, 0)
+        limp = not cold.read(servo, Register.TORQUE_ENABLE)
+    except BusError:
+        return f"{where}: does not answer, and may still have torque; switch the power off"
+    return "" if limp else f"{where}: keeps its torque; switch the power off"

@@ -1,0 +1,104 @@
+"""How the servos of a robot are: what each says of itself, and what its registers hold that they should not."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import degrees, nan
+
+import numpy as np
+
+from kinesic.hardware import packet
+from kinesic.hardware.cold import Change, Cold
+from kinesic.hardware.packet import BROADCAST
+from kinesic.hardware.registers import HardwareError, Register
+from kinesic.hardware.supervisor.manifest import Manifest, Member
+from kinesic.hardware.supervisor.preparing import ANSWERS_ALL, Table, wanted
+from kinesic.hardware.ticks import Scale
+from kinesic.hardware.wire import BusError, Wire
+
+
+@dataclass(frozen=True)
+class Seen:
+    """One servo of a robot, as it was found."""
+
+    member: Member
+    found: str = ""  # its model; empty: it does not answer
+    firmware: int = 0
+    degrees: float = nan  # of its hinge
+    celsius: int = 0
+    volts: float = 0.0
+    torque: bool = False
+    errors: tuple[str, ...] = ()  # that it has shut down with, or is about to
+    differs: tuple[Change, ...] = ()  # from what it will be set to
+
+    @property
+    def right(self) -> bool:
+        """Whether it is of the model that must be there."""
+        return self.found == self.member.model.name
+
+
+def survey(manifest: Manifest, wires: Mapping[str, Wire]) -> tuple[Seen, ...]:
+    """Looks at every servo, and changes nothing.
+
+    Args:
+        manifest: of the robot.
+        wires: open ones, by the names of buses; servos of other buses are left out.
+
+    Raises:
+        BusError: a port is gone.
+    """
+    colds = {name: talkative(wire) for name, wire in wires.items()}
+    return tuple(_seen(colds[member.bus], member) for member in manifest.members if member.bus in colds)
+
+
+def talkative(wire: Wire) -> Cold:
+    """The slow way to servos that have been told to answer everything.
+
+    Raises:
+        BusError: the port is gone.
+    """
+    wire.write(packet.write(BROADCAST, Register.STATUS_RETURN_LEVEL.field.address, bytes((ANSWERS_ALL,))))
+    return Cold(wire)
+
+
+def _seen(cold: Cold, member: Member) -> Seen:
+    try:
+        found = cold.ping(member.id)
+        if found is None:
+            return Seen(member)
+        if found.number != member.model.number:
+            return Seen(member, found.name, found.firmware)
+        table = Table.read(cold, member)
+    except BusError:  # it fell silent meanwhile; the others are looked at all the same
+        return Seen(member)
+    wishes = {register: value for register, value in wanted(table).items() if table[register] != value}
+    return Seen(
+        member=member,
+        found=found.name,
+        firmware=found.firmware,
+        degrees=degrees(_angle(member, table[Register.PRESENT_POSITION])),
+        celsius=table[Register.PRESENT_TEMPERATURE],
+        volts=table[Register.PRESENT_INPUT_VOLTAGE] * Register.PRESENT_INPUT_VOLTAGE.field.scale,
+        torque=bool(table[Register.TORQUE_ENABLE]),
+        errors=error_names(table[Register.HARDWARE_ERROR_STATUS]),
+        differs=tuple(Change(member.id, register, table[register], value) for register, value in wishes.items()),
+    )
+
+
+def error_names(bits: int) -> tuple[str, ...]:
+    """What the bits of HARDWARE_ERROR_STATUS say."""
+    return tuple(bit.name.lower().replace("_", " ") for bit in HardwareError if bit.value & bits)
+
+
+def _angle(member: Member, ticks: int) -> float:
+    """[rad] of the hinge."""
+    scale = Scale(np.array([member.zero]), np.array([member.turns]))
+    return float(scale.angles(np.array([ticks]))[0])
+
+
+def strangers(cold: Cold, expected: Sequence[int]) -> tuple[str, ...]:
+    """Servos that answer and that nobody expects: id and model.
+
+    Raises:
+        BusError: the port is gone.
+    """
+    return tuple(f"{servo.id} ({servo.name})" for servo in cold.everyone() if servo.id not in expected)

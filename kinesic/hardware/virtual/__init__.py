@@ -1,0 +1,1 @@
+"""Servos that exist only on a wire: registers, protocol, timing, faults, and a physics to turn their shafts."""

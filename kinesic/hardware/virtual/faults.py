@@ -1,0 +1,138 @@
+"""What goes wrong, as data: which fault, where, when, how often. A seed makes every run the same."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import inf
+from pathlib import Path
+from typing import Literal, get_args
+
+import msgspec
+
+from kinesic.body.config import ConfigError, read
+from kinesic.hardware.registers import HardwareError
+
+OfWire = Literal["corrupt", "drop", "truncate", "duplicate", "noise", "lost", "late"]
+OfServo = Literal["silent", "reboot", "alert", "overheat", "undervoltage", "watchdog"]
+OfBuild = Literal["duplicate_id", "wrong_model", "old_firmware"]
+Kind = Literal[OfWire, OfServo, OfBuild, "unplug"]
+Way = Literal["reply", "request"]
+
+WIRE_KINDS, SERVO_KINDS, BUILD_KINDS = (frozenset(get_args(kinds)) for kinds in (OfWire, OfServo, OfBuild))
+KINDS: tuple[str, ...] = get_args(Kind)
+XL430 = 1060
+
+DEFAULTS: Mapping[str, float] = {
+    "late": 0.012,  # [s]
+    "noise": 8,  # [bytes] at most
+    "reboot": 0.13,  # [s] without power
+    "alert": HardwareError.OVERLOAD.value,  # bits
+    "overheat": 2.0,  # [K/s]
+    "undervoltage": 9.0,  # [V]
+    "duplicate_id": 0,  # number of the second servo's model; 0: the same
+    "wrong_model": XL430,
+    "old_firmware": 41,
+}
+"""What a fault's `value` means, and what it is if not given."""
+
+
+@dataclass(frozen=True)
+class Mishap:
+    """One thing that goes wrong.
+
+    Faults of the wire strike each answer, or each request, between `start` and its end with the chance `rate`, at one
+    place of it; a servo's strike once, or last from start to end; those of the build are there from the beginning.
+    """
+
+    kind: Kind
+    servos: tuple[int, ...] = ()  # ids; all if empty
+    rate: float = 1.0  # 0..1, faults of the wire only
+    start: float = 0.0  # [s]
+    seconds: float = inf  # how long
+    value: float | None = None  # see DEFAULTS
+    way: Way = "reply"  # what is struck, faults of the wire only
+
+    def __post_init__(self) -> None:
+        if self.kind not in KINDS:
+            raise ValueError(f"fault {self.kind} is none; there are {', '.join(KINDS)}")
+        if not 0.0 <= self.rate <= 1.0:
+            raise ValueError(f"fault {self.kind}: rate is {self.rate}, must be within 0..1")
+        if self.rate != 1.0 and self.kind not in WIRE_KINDS:
+            raise ValueError(f"fault {self.kind} has no rate; give it a start")
+        if not (self.start >= 0.0 and self.seconds > 0.0):
+            raise ValueError(f"fault {self.kind}: start is {self.start} s for {self.seconds} s, must be >= 0 and > 0")
+        if self.value is not None and self.kind not in DEFAULTS:
+            raise ValueError(f"fault {self.kind} has no value; those with one are {', '.join(DEFAULTS)}")
+
+    @property
+    def end(self) -> float:
+        """[s]."""
+        return self.start + self.seconds
+
+    @property
+    def figure(self) -> float:
+        """Its value, or the usual one."""
+        return DEFAULTS.get(self.kind, 0.0) if self.value is None else self.value
+
+    def strikes(self, servo: int, time: float) -> bool:
+        """Whether it may concern a servo now."""
+        return self.start <= time < self.end and (not self.servos or servo in self.servos)
+
+
+@dataclass(frozen=True)
+class FaultPlan:
+    """All that goes wrong on one wire."""
+
+    mishaps: tuple[Mishap, ...] = ()
+    seed: int = 0
+
+    @classmethod
+    def read(cls, path: Path) -> "FaultPlan":
+        """Reads a TOML file: `seed`, and a `[[fault]]` for each mishap.
+
+        Raises:
+            ConfigError: the file is missing or wrong.
+        """
+        found = read(path, FaultFile)
+        try:
+            mishaps = tuple(table.mishap() for table in found.fault)
+        except ValueError as error:
+            raise ConfigError(f"{path}: {error}") from None
+        return cls(mishaps, found.seed)
+
+    def of(self, kinds: frozenset[str]) -> tuple[Mishap, ...]:
+        """Those of some kinds."""
+        return tuple(mishap for mishap in self.mishaps if mishap.kind in kinds)
+
+
+CALM = FaultPlan()
+
+
+class FaultTable(msgspec.Struct, forbid_unknown_fields=True):
+    """[[fault]]."""
+
+    kind: Kind
+    servos: list[int] = []
+    rate: float = 1.0
+    start: float = 0.0
+    seconds: float | None = None
+    value: float | None = None
+    way: Way = "reply"
+
+    def mishap(self) -> Mishap:
+        """The fault that it describes."""
+        return Mishap(
+            kind=self.kind,
+            servos=tuple(self.servos),
+            rate=self.rate,
+            start=self.start,
+            seconds=inf if self.seconds is None else self.seconds,
+            value=self.value,
+            way=self.way,
+        )
+
+
+class FaultFile(msgspec.Struct, forbid_unknown_fields=True):
+    """A file of faults."""
+
+    fault: list[FaultTable] = []
+    seed: int = 0

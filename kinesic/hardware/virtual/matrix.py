@@ -1,0 +1,220 @@
+"""The fault matrix: the same motion under each fault, for any driver, on the same virtual wire in virtual time.
+
+The host's own computing takes no virtual time: what a cycle lasts is what the wire and the driver's waiting last.
+"""
+
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.hardware.bus import Servo
+from kinesic.hardware.models import MODELS
+from kinesic.hardware.registers import HardwareError, Register
+from kinesic.hardware.ticks import Ticks
+from kinesic.hardware.virtual.bus import VirtualBus
+from kinesic.hardware.virtual.drivers import Driver, Reading
+from kinesic.hardware.virtual.faults import BUILD_KINDS, CALM, FaultPlan, Kind, Mishap
+from kinesic.hardware.virtual.fittings import Cable, Fitting, build
+from kinesic.hardware.virtual.memory_wire import MemoryWire
+from kinesic.hardware.virtual.plant import Plant
+from kinesic.hardware.wire import BusError, Wire
+
+MODEL = "xm430_w350"
+PERIOD = 0.01  # [s]
+AMPLITUDE, TURN = 200, 2.0  # [ticks], [s] of the motion
+TOLERANCE = 3  # [ticks] within which a position is true
+MEMORY = 0.01  # [s] more than a period, around a position's time, in which it must have been true
+STRIKE = 0.5  # [s] of motion before the faults that have a time
+RATES = (0.01, 0.05)
+MIXED: tuple[Kind, ...] = ("corrupt", "drop", "truncate", "duplicate", "noise", "lost")
+
+Opens = Callable[[Wire, Sequence[Servo], float], Driver]
+
+
+@dataclass(frozen=True)
+class Case:
+    """What goes wrong."""
+
+    name: str
+    mishaps: tuple[Mishap, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """How a driver fared."""
+
+    case: str
+    servos: int
+    baud: int
+    seed: int
+    refused: str = ""  # why it would not drive these servos
+    exceptions: int = 0
+    wrong: int = 0  # positions given as true that never were
+    fresh: float = 0.0  # share of the positions that servos could give which were taken in their cycle
+    oldest: float = 0.0  # [s] of a position at the end of its cycle
+    durations: Floats = field(default_factory=lambda: np.zeros(1))  # (m,) [s] of the cycles
+    told: float | None = None  # [s] from the begin of the first cycle with a hardware error until told; None: never
+
+    def duration(self, percent: float) -> float:
+        """A percentile of the cycles' durations [s]."""
+        return float(np.percentile(self.durations, percent))
+
+
+def cases() -> tuple[Case, ...]:
+    """The faults of the matrix that a bus alone can meet."""
+    rates = [Case(f"{kind} {rate:.0%}", (Mishap(kind, rate=rate),)) for rate in RATES for kind in (*MIXED, "late")]
+    alerts = [
+        Case(f"alert {error.name.lower()}", (Mishap("alert", (2,), start=STRIKE, value=error.value),))
+        for error in HardwareError
+    ]
+    return (
+        Case("calm"),
+        *rates,
+        Case("mixed 6 x 2%", tuple(Mishap(kind, rate=0.02) for kind in MIXED)),
+        Case("requests lost 1%", (Mishap("lost", rate=0.01, way="request"),)),
+        Case("silent", (Mishap("silent", (2,), start=STRIKE),)),
+        Case("reboot", (Mishap("reboot", (2,), start=STRIKE),)),
+        *alerts,
+        Case("overheat", (Mishap("overheat", (2,), start=0.1, value=60.0),)),
+        Case("undervoltage", (Mishap("undervoltage", start=STRIKE, seconds=0.5, value=8.0),)),
+        Case("watchdog", (Mishap("watchdog", (2,), start=STRIKE),)),
+        Case("unplug", tuple(Mishap("unplug", start=STRIKE + k, seconds=0.2) for k in range(2))),
+        Case("duplicate id", (Mishap("duplicate_id", (2,)),)),
+        Case("wrong model", (Mishap("wrong_model", (2,)),)),
+        Case("old firmware", (Mishap("old_firmware"),)),
+    )
+
+
+def trial(case: Case, opens: Opens, *, servos: int, baud: int, seed: int, cycles: int = 300) -> Result:
+    """Drives virtual servos through a fault.
+
+    Args:
+        case: the fault.
+        opens: makes the driver from an open wire, the servos and the period [s].
+        servos: how many.
+        baud: [bit/s].
+        seed: of the faults.
+        cycles: how many, one each period or as fast as the driver can.
+    """
+    plan = FaultPlan(case.mishaps, seed)
+    fittings = tuple(Fitting(servo, model=MODEL) for servo in range(1, servos + 1))
+    built = FaultPlan(plan.of(BUILD_KINDS), seed)
+    plant, buses = build([Cable("trial", fittings, baud=baud, faults=built)])
+    bus = buses["trial"]
+    wire = MemoryWire(bus)
+    period = max(PERIOD, 1.25 * _ideal(servos, baud))
+    try:
+        driver = opens(wire, [Servo(fitting.servo, MODELS[MODEL]) for fitting in fittings], period)
+    except BusError as error:
+        return Result(case.name, servos, baud, seed, refused=str(error).splitlines()[0])
+    bus.advance(wire.now())
+    for servo in plant.servos:
+        servo.write(Register.TORQUE_ENABLE.field.address, b"\1")
+    bus.expose(FaultPlan(tuple(m for m in plan.mishaps if m.kind not in BUILD_KINDS), seed) if case.mishaps else CALM)
+    return _Watch(case, plant, bus, wire, period).driven(driver, cycles, baud, seed)
+
+
+def _ideal(servos: int, baud: int) -> float:
+    """[s] of a cycle with the full record of every servo: 14 + 5 n, 14 + n and 8 + 22 n bytes."""
+    return (36 + 28 * servos) * 10 / baud + 0.001
+
+
+class _Watch:
+    """Looks over a driver's shoulder: it knows where the servos really are."""
+
+    def __init__(self, case: Case, plant: Plant, bus: VirtualBus, wire: MemoryWire, period: float) -> None:
+        self._case, self._plant, self._bus, self._wire, self._period = case, plant, bus, wire, period
+        self._truth: deque[tuple[float, Ticks]] = deque()
+        self._began = wire.now()
+
+    def driven(self, driver: Driver, cycles: int, baud: int, seed: int) -> Result:
+        """A motion of so many cycles."""
+        wire, starts = self._wire, self._places()
+        exceptions = wrong = fresh = able = 0
+        oldest, told, failed, durations = 0.0, None, None, []
+        for k in range(cycles):
+            wire.sleep(self._began + k * self._period)
+            begun = wire.now()
+            able += self._able(begun)
+            goals = self._goals(starts, begun - self._began)
+            self._remember(begun)
+            if failed is None and self._failing():
+                failed = begun
+            try:
+                reading = driver.cycle(goals)
+            except (OSError, LookupError, ValueError, TypeError):
+                exceptions += 1
+                reading = None
+            ended = wire.now()
+            durations.append(ended - begun)
+            self._remember(ended)
+            if reading is None:
+                continue
+            wrong += self._lies(reading)
+            fresh += int(reading.fresh.sum())
+            heard = reading.times > begun - 10.0
+            oldest = max([oldest, *(ended - reading.times[heard]).tolist()])
+            if told is None and reading.alerts.any():
+                told = ended - (begun if failed is None else failed)
+        return Result(
+            case=self._case.name,
+            servos=len(starts),
+            baud=baud,
+            seed=seed,
+            exceptions=exceptions,
+            wrong=wrong,
+            fresh=fresh / max(able, 1),
+            oldest=oldest,
+            durations=np.array(durations),
+            told=told,
+        )
+
+    def _goals(self, starts: Ticks, time: float) -> Ticks:
+        phases = 2 * np.pi * (time / TURN + np.arange(len(starts)) / len(starts))
+        moved = AMPLITUDE * (np.sin(phases) - np.sin(phases - 2 * np.pi * time / TURN))
+        goals: Ticks = np.rint(starts + moved).astype(np.int64)
+        return goals
+
+    def _able(self, time: float) -> int:
+        """How many servos could answer."""
+        if not self._bus.plugged(time):
+            return 0
+        return sum(servo.electronics.up and not servo.mute for servo in self._plant.servos)
+
+    def _failing(self) -> bool:
+        """Whether a servo has a hardware error."""
+        return any(servo.electronics.alert for servo in self._plant.servos)
+
+    def _places(self) -> Ticks:
+        """(n,) where the servos are, in their registers' ticks."""
+        return np.array([servo.electronics.here() for servo in self._plant.servos], dtype=np.int64)
+
+    def _remember(self, time: float) -> None:
+        """Keeps where they are, as long as somebody may rightly say so."""
+        self._plant.advance(time)
+        self._truth.append((time, self._places()))
+        while self._truth[0][0] < time - 20 * self._period - 2 * MEMORY:
+            self._truth.popleft()
+
+    def _lies(self, reading: Reading) -> int:
+        """Positions that were not true around the time that is given for them; very old ones are not judged."""
+        first = self._truth[0][0]
+        lies = 0
+        for place in np.flatnonzero(reading.times >= first).tolist():
+            time = reading.times[place]
+            near = [there[place] for when, there in self._truth if abs(when - time) <= MEMORY + self._period]
+            said = reading.positions[place]
+            lies += not min(near) - TOLERANCE <= said <= max(near) + TOLERANCE
+        return lies
+
+
+def matrix(opens: Opens, *, sizes: Sequence[int], bauds: Sequence[int], seeds: Sequence[int]) -> Iterator[Result]:
+    """All cases, sizes, rates and seeds for one driver."""
+    for case in cases():
+        for servos in sizes:
+            for baud in bauds:
+                for seed in seeds:
+                    yield trial(case, opens, servos=servos, baud=baud, seed=seed)

@@ -1,0 +1,153 @@
+"""What a servo's control loop asks of its motor, and what its registers say of the shaft."""
+
+import struct
+from functools import cached_property
+from math import copysign, inf
+
+from kinesic.body.servo import TICKS_PER_TURN
+from kinesic.hardware.registers import PROFILE_ACCELERATION, SPEED, TICK, Mode, Register
+from kinesic.hardware.virtual.memory import Memory
+from kinesic.hardware.virtual.physics import LIMP, Demand, Shaft
+from kinesic.hardware.virtual.profile import by_speed, by_time, resting
+from kinesic.hardware.virtual.rules import BY_TIME, REVERSE
+
+WIDEST_OFFSET = 1024  # [ticks] of homing that position mode heeds
+ARRIVED = 10  # [ticks] within which a servo calls itself in position; the manual gives no figure
+LOST = 100  # [ticks] behind its set point beyond which it calls itself not following; the manual gives no figure
+LOAD_FULL = 1000  # PRESENT_CURRENT of a servo without current sensor at stall
+
+ANGLE_MODES = frozenset({Mode.POSITION.value, Mode.EXTENDED_POSITION.value, Mode.CURRENT_POSITION.value})
+_FORMS = {"step": 0x00, "rectangle": 0x10, "triangle": 0x20, "trapezoid": 0x30}
+_PRESENT = struct.Struct("<BBhhiiii")  # MOVING .. POSITION_TRAJECTORY stand side by side
+_PRESENT_AT = Register.MOVING.field.address
+
+
+class Motion:
+    """The set point of one servo, between its registers and its shaft."""
+
+    def __init__(self, memory: Memory, shaft: Shaft) -> None:
+        """Stands still where the shaft is, which is within the first turn."""
+        self._memory = memory
+        self._turns = 0  # whole turns that the register leaves out
+        self._profile, self._since = resting(shaft.angle), 0.0  # [rad] of the shaft, [s]
+        self._ramp = 0.0  # [rad/s] where the speed of velocity mode stood at `_since`
+        self.stopped = False  # by the bus watchdog, until a goal comes
+
+    def ticks(self, angle: float) -> float:
+        """PRESENT_POSITION of a shaft's angle [rad], not rounded."""
+        return self._sign * angle / TICK + self._offset - TICKS_PER_TURN * self._turns
+
+    def angle(self, ticks: float) -> float:
+        """The shaft's angle [rad] of a position register."""
+        return self._sign * (ticks - self._offset + TICKS_PER_TURN * self._turns) * TICK
+
+    def fold(self, shaft: Shaft) -> None:
+        """Forgets whole turns: the position comes to lie in 0..4095."""
+        self._turns += round(self.ticks(shaft.angle)) // TICKS_PER_TURN
+
+    def rest(self, shaft: Shaft, time: float) -> None:
+        """The set point is where the shaft is."""
+        self._profile, self._since, self._ramp = resting(shaft.angle), time, 0.0
+
+    def stop(self, shaft: Shaft, time: float) -> None:
+        """Stops here, whatever the goals say."""
+        self.rest(shaft, time)
+        self.stopped = True
+
+    def aim(self, time: float) -> None:
+        """Plans the way to the goal registers anew."""
+        memory, self.stopped = self._memory, False
+        if memory[Register.OPERATING_MODE] == Mode.VELOCITY.value:
+            self._ramp, self._since = self._velocity(time), time
+            return
+        place, speed = self._profile.at(time - self._since)
+        goal = self.angle(memory[Register.GOAL_POSITION])
+        pace, rise = memory[Register.PROFILE_VELOCITY], memory[Register.PROFILE_ACCELERATION]
+        if memory[Register.DRIVE_MODE] & BY_TIME:
+            self._profile = by_time(place, goal, duration=pace / 1000, rise=rise / 1000)
+        else:
+            limit, acceleration = pace * SPEED or inf, rise * PROFILE_ACCELERATION or inf
+            self._profile = by_speed(place, speed, goal, limit=limit, acceleration=acceleration)
+        self._since = time
+
+    def demand(self, time: float) -> Demand:
+        """What the motor is asked, by mode."""
+        memory = self._memory
+        if not memory[Register.TORQUE_ENABLE]:
+            return LIMP
+        mode, pwm = memory[Register.OPERATING_MODE], memory[Register.GOAL_PWM]
+        full = memory.model.range(Register.GOAL_PWM)[1]
+        cap = min(abs(pwm), memory[Register.PWM_LIMIT]) / full
+        if mode in ANGLE_MODES or self.stopped:
+            if mode == Mode.CURRENT_POSITION.value:
+                cap = min(cap, self._share(abs(memory[Register.GOAL_CURRENT])))
+            return Demand("angle", self._profile.at(time - self._since)[0], cap)
+        if mode == Mode.VELOCITY.value:
+            return Demand("speed", self._sign * self._velocity(time), cap)
+        if mode == Mode.CURRENT.value:
+            return Demand("current", self._sign * self._share(memory[Register.GOAL_CURRENT]), cap)
+        return Demand("duty", self._sign * pwm / full)
+
+    def settled(self, time: float) -> bool:
+        """Whether the demand stays until a register changes."""
+        return (
+            self._memory[Register.OPERATING_MODE] != Mode.VELOCITY.value
+            and time - self._since >= self._profile.duration
+        )
+
+    def show(self, shaft: Shaft, time: float) -> None:
+        """Writes what the sensors feel into the registers."""
+        memory, sign = self._memory, self._sign
+        place, pace = self._profile.at(time - self._since)
+        ongoing = time - self._since < self._profile.duration
+        here, way = round(self.ticks(shaft.angle)), round(self.ticks(place))
+        speed = round(sign * shaft.speed / SPEED)
+        status = _FORMS[self._profile.form] if ongoing else 0
+        if memory[Register.OPERATING_MODE] in ANGLE_MODES:
+            status |= (abs(memory[Register.GOAL_POSITION] - here) <= ARRIVED) | ongoing << 1
+            status |= (abs(way - here) > LOST) << 3
+        current = round(sign * shaft.load * self._full)
+        present = _PRESENT.pack(
+            ongoing or abs(speed) > memory[Register.MOVING_THRESHOLD],
+            status,
+            round(sign * shaft.duty * memory.model.range(Register.GOAL_PWM)[1]),
+            current,
+            speed,
+            here,
+            round(sign * pace / SPEED),
+            way,
+        )
+        memory.put(_PRESENT_AT, present)
+
+    @property
+    def _sign(self) -> int:
+        return -1 if self._memory[Register.DRIVE_MODE] & REVERSE else 1
+
+    @property
+    def _offset(self) -> int:
+        """Homing [ticks]; position mode ignores one that is too wide."""
+        homing = self._memory[Register.HOMING_OFFSET]
+        ignored = self._memory[Register.OPERATING_MODE] == Mode.POSITION.value and abs(homing) > WIDEST_OFFSET
+        return 0 if ignored else homing
+
+    @cached_property
+    def _full(self) -> int:
+        """Count of the current register at stall."""
+        return self._memory.model.starts(Register.GOAL_CURRENT) if self._senses else LOAD_FULL
+
+    @property
+    def _senses(self) -> bool:
+        return self._memory.model.amperes is not None
+
+    def _share(self, current: int) -> float:
+        """Of the stall current."""
+        return current / self._full
+
+    def _velocity(self, time: float) -> float:
+        """The set point [rad/s] of velocity mode, in the register's sense."""
+        goal = self._memory[Register.GOAL_VELOCITY] * SPEED
+        rise = self._memory[Register.PROFILE_ACCELERATION] * PROFILE_ACCELERATION or inf
+        gained = rise * (time - self._since) if time > self._since else 0.0
+        if rise == inf or gained >= abs(goal - self._ramp):
+            return goal
+        return self._ramp + copysign(gained, goal - self._ramp)

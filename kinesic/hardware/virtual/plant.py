@@ -1,0 +1,81 @@
+"""Servos on their shafts, moving through time together, and what befalls them."""
+
+from collections.abc import Callable, Iterator, Sequence
+from math import inf
+
+from kinesic.hardware.virtual.faults import SERVO_KINDS, FaultPlan, Mishap
+from kinesic.hardware.virtual.physics import Physics
+from kinesic.hardware.virtual.servo import VirtualServo
+
+SAME_TIME = 1e-12  # [s]
+
+Event = tuple[float, Callable[[], None]]
+
+
+class Plant:
+    """All servos of one physics, on whichever wires they are. Its clock is told, and never goes back."""
+
+    def __init__(self, servos: Sequence[VirtualServo], physics: Physics, *, time: float = 0.0) -> None:
+        """Powers the servos.
+
+        Args:
+            servos: in the order of the physics' shafts.
+            physics: what turns them.
+            time: [s] now.
+        """
+        self.servos, self.physics, self.time = tuple(servos), physics, time
+        self._electronics = tuple(servo.electronics for servo in servos)
+        self._events: list[Event] = []  # the next one last
+        for electronics, shaft in zip(self._electronics, physics.shafts(), strict=True):
+            electronics.place(shaft, time)
+
+    def expose(self, servos: Sequence[VirtualServo], plan: FaultPlan) -> None:
+        """Lets the plan's faults of servos befall some of them; its times count from now."""
+        for mishap in plan.of(SERVO_KINDS):
+            for servo in servos:
+                if not mishap.servos or servo.id in mishap.servos:
+                    self._events += [(self.time + when, act) for when, act in _events(mishap, servo) if when < inf]
+        self._events.sort(key=lambda event: -event[0])
+
+    def advance(self, time: float) -> None:
+        """Moves everything on to a time [s]; one that has passed changes nothing."""
+        while self.time < time - SAME_TIME:
+            self._step(max(self.time, min(time, self._next(), self.time + self.physics.longest)))
+
+    def _next(self) -> float:
+        """[s] when something happens that nobody on a wire asks for."""
+        event = self._events[-1][0] if self._events else inf
+        return min(event, *(electronics.due() for electronics in self._electronics), inf)
+
+    def _step(self, time: float) -> None:
+        demands = [electronics.demand(self.time) for electronics in self._electronics]
+        self.physics.advance(time - self.time, demands)
+        self.time = time
+        for electronics, shaft in zip(self._electronics, self.physics.shafts(), strict=True):
+            electronics.feel(shaft, time)
+        while self._events and self._events[-1][0] <= time:
+            self._events.pop()[1]()
+
+
+def _events(mishap: Mishap, servo: VirtualServo) -> Iterator[Event]:
+    """When a mishap begins and ends for a servo, and what it does then."""
+    electronics, figure = servo.electronics, mishap.figure
+
+    def sets(place: object, name: str, value: float | bool) -> Callable[[], None]:
+        return lambda: setattr(place, name, value)
+
+    if mishap.kind == "reboot":
+        yield mishap.start, lambda: servo.reboot(seconds=figure)
+    elif mishap.kind == "alert":
+        yield mishap.start, lambda: electronics.fail(int(figure))
+    elif mishap.kind == "watchdog":
+        yield mishap.start, electronics.trip
+    elif mishap.kind == "silent":
+        yield mishap.start, sets(servo, "mute", True)
+        yield mishap.end, sets(servo, "mute", False)
+    elif mishap.kind == "overheat":
+        yield mishap.start, sets(electronics, "heating", figure)
+        yield mishap.end, sets(electronics, "heating", 0.0)
+    elif mishap.kind == "undervoltage":
+        yield mishap.start, sets(electronics, "volts", figure)
+        yield mishap.end, sets(electronics, "volts", electronics.volts)

@@ -1,0 +1,70 @@
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from kinesic.hardware.bus import Bus, Servo
+from kinesic.hardware.cycle import Cycle
+from kinesic.hardware.models import MODELS
+from kinesic.hardware.opening import open_bus
+from kinesic.hardware.registers import Register
+from kinesic.hardware.ticks import Ticks
+from kinesic.hardware.virtual.faults import CALM, FaultPlan
+from kinesic.hardware.virtual.fittings import Cable, Fitting, build
+from kinesic.hardware.virtual.memory_wire import MemoryWire
+from kinesic.hardware.virtual.plant import Plant
+
+
+@dataclass
+class Rig:
+    """A bus in virtual time, and the servos behind it."""
+
+    bus: Bus
+    wire: MemoryWire
+    plant: Plant
+
+    def true(self, register: Register) -> Ticks:
+        """What the servos' registers really hold."""
+        return np.array([servo.memory[register] for servo in self.plant.servos])
+
+    def run(self, cycles: int, goals: Ticks | None = None) -> list[Cycle]:
+        """Cycles at the bus's period."""
+        done = []
+        for _ in range(cycles):
+            due = self.wire.now() + self.bus.period
+            done.append(self.bus.cycle(goals))
+            self.wire.sleep(due)
+        return done
+
+    def energise(self) -> None:
+        """Torque on, every goal where the servo is."""
+        goals = self.true(Register.PRESENT_POSITION)
+        self.bus.cycle(goals)
+        self.bus.put(Register.TORQUE_ENABLE, dict.fromkeys(self.bus.ids, 1))
+        self.run(3, goals)
+
+
+def rig_of(
+    count: int = 7,
+    *,
+    baud: int = 1_000_000,
+    period: float = 0.01,
+    model: str = "xm430_w350",
+    firmware: int = 52,
+    faults: FaultPlan = CALM,
+    mixed: bool = False,
+    latency: float = 0.001,
+) -> Rig:
+    models = ["xc330_t288" if mixed and k % 2 else model for k in range(count)]
+    fitted = tuple(Fitting(k + 1, model=name, firmware=firmware) for k, name in enumerate(models))
+    plant, buses = build([Cable("body", fitted, baud=baud, latency=latency, faults=faults)])
+    wire = MemoryWire(buses["body"])
+    servos = [Servo(k + 1, MODELS[name]) for k, name in enumerate(models)]
+    return Rig(open_bus(wire, servos, period=period), wire, plant)
+
+
+@pytest.fixture
+def rig() -> Callable[..., Rig]:
+    """Makes a bus of virtual servos, opened and limp."""
+    return rig_of

@@ -1,0 +1,211 @@
+"""A small robot on virtual servos, in virtual time, under a supervisor."""
+
+import json
+import mmap
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import Robot
+from kinesic.hardware.bus import Servo
+from kinesic.hardware.models import MODELS
+from kinesic.hardware.registers import Register
+from kinesic.hardware.supervisor.channel import Channel, Note, Status, size
+from kinesic.hardware.supervisor.journal import Journal
+from kinesic.hardware.supervisor.manifest import Manifest, Member
+from kinesic.hardware.supervisor.settings import Settings
+from kinesic.hardware.supervisor.stages import Stage
+from kinesic.hardware.supervisor.supervisor import Supervisor
+from kinesic.hardware.ticks import Ticks
+from kinesic.hardware.virtual.faults import CALM, FaultPlan, Mishap
+from kinesic.hardware.virtual.fittings import Cable, Fitting, build, cables
+from kinesic.hardware.virtual.memory_wire import MemoryWire
+
+PERIOD = 0.01
+BRISK = Settings(pace=3.0)
+MODEL = "xm430_w350"
+
+
+@pytest.fixture(scope="session")
+def robot() -> Robot:
+    """Five servos on two wires."""
+    return Robot.load(Path(__file__).with_name("little.toml"))
+
+
+class Desk:
+    """The supervisor, the servos behind it, and what a planner would see."""
+
+    def __init__(self, manifest: Manifest, wires: Sequence[Cable], log: Path, *, settings: Settings = BRISK) -> None:
+        self.manifest, self.settings, self.log, self.alive = manifest, settings, log, True
+        self.plant, self.buses = build(wires)
+        self.jumps: list[float] = []
+        self.journal_file: Journal | None = None
+        self.start()
+
+    def start(self) -> None:
+        """A new supervisor on the same servos."""
+        joints = len(self.manifest.rest)
+        self.end()
+        self.journal_file = Journal(self.log)
+        self.channel = Channel(mmap.mmap(-1, size(joints)), joints)
+        self.wires = {name: MemoryWire(bus, name=name, time=self.plant.time) for name, bus in self.buses.items()}
+        self.supervisor = Supervisor(
+            self.manifest,
+            self.wires.__getitem__,
+            self.channel,
+            self.settings,
+            watchdog=self.settings.watchdog,
+            planner=lambda: self.alive,
+            journal=self.journal_file,
+        )
+
+    def end(self) -> None:
+        if self.journal_file is not None:
+            self.journal_file.close()
+
+    def open(self) -> None:
+        self.supervisor.open()
+
+    @property
+    def stage(self) -> Stage:
+        return self.supervisor.state.stage
+
+    @property
+    def status(self) -> Status:
+        return self.channel.status()
+
+    def true(self, register: Register) -> Ticks:
+        """What the servos' registers really hold, in the manifest's order."""
+        return np.array([servo.memory[register] for servo in self.plant.servos])
+
+    @property
+    def here(self) -> Ticks:
+        return np.array([servo.electronics.here() for servo in self.plant.servos])
+
+    def cycle(self) -> None:
+        """One period; a goal that differs from its servo when torque comes is a jump."""
+        supervisor, torque = self.supervisor, self.true(Register.TORQUE_ENABLE)
+        due = supervisor.now() + self.settings.period
+        supervisor.step()
+        came = (self.true(Register.TORQUE_ENABLE) != 0) & (torque == 0)
+        self.jumps += np.abs(self.true(Register.GOAL_POSITION) - self.here)[came].tolist()
+        supervisor.sleep(due)
+        self.pass_time(0.0)
+
+    def pass_time(self, seconds: float) -> None:
+        """Nobody says anything for a while."""
+        for wire in self.wires.values():
+            wire.sleep(wire.now() + seconds)
+        self.plant.advance(max(wire.now() for wire in self.wires.values()))
+
+    def run(self, seconds: float) -> None:
+        for _ in range(round(seconds / self.settings.period)):
+            if self.supervisor.done:
+                return
+            self.cycle()
+
+    def until(self, *stages: Stage, within: float = 30.0) -> float:
+        """Runs until one of the stages; how long it took [s]."""
+        began = self.supervisor.now()
+        while self.stage not in stages and not (Stage.CLOSED in stages and self.supervisor.done):
+            assert self.supervisor.now() - began < within, (self.stage, self.kinds()[-12:])
+            assert not self.supervisor.done, self.kinds()[-12:]
+            self.cycle()
+        return self.supervisor.now() - began
+
+    def expose(self, *mishaps: Mishap, bus: str = "") -> None:
+        """Faults from now on, on the first wire or another."""
+        self.buses[bus or next(iter(self.buses))].expose(FaultPlan(mishaps, seed=3))
+
+    def perform(self, seconds: float, *, amplitude: float = 0.4, begin: float = 0.0) -> None:
+        """Writes a motion from rest to rest into the channel, far ahead."""
+        for k in range(round(seconds / PERIOD) + 1):
+            time = k * PERIOD
+            assert self.channel.write(begin + time, self.goals(time, seconds, amplitude))
+
+    def goals(self, time: float, seconds: float, amplitude: float = 0.4) -> Floats:
+        """(n,) [rad]: all joints there and back, beside rest."""
+        phase = (1 - np.cos(2 * np.pi * time / seconds)) / 2
+        return np.asarray(self.manifest.rest + amplitude * phase)
+
+    def active(self, seconds: float = 3.0) -> "Desk":
+        """Brings it into the middle of a performance."""
+        self.open()
+        self.perform(seconds)
+        self.until(Stage.ACTIVE)
+        self.run(0.5)
+        assert self.stage is Stage.ACTIVE
+        return self
+
+    def journal(self) -> list[dict[str, object]]:
+        return [json.loads(line) for line in self.log.read_text().splitlines()]
+
+    def kinds(self) -> list[str]:
+        return [f"{line['kind']}: {line['text']}" for line in self.journal()]
+
+    def notes(self) -> tuple[Note, ...]:
+        return self.channel.notes()
+
+
+@pytest.fixture
+def desk(robot: Robot, tmp_path: Path) -> Iterator[Callable[..., Desk]]:
+    """Makes a desk for the little robot, whose supervisor has not begun."""
+    desks: list[Desk] = []
+
+    def made(faults: FaultPlan = CALM, settings: Settings = BRISK) -> Desk:
+        first, second = cables(robot)
+        wires = (replace(first, faults=faults), second)
+        desks.append(Desk(Manifest.of(robot), wires, tmp_path / "events.jsonl", settings=settings))
+        return desks[-1]
+
+    yield made
+    for each in desks:
+        each.end()
+
+
+@pytest.fixture
+def crowd(tmp_path: Path) -> Iterator[Callable[..., Desk]]:
+    """Makes a desk for so many servos on one wire, a hinge each."""
+    desks: list[Desk] = []
+
+    def made(count: int, *, baud: int = 1_000_000, faults: FaultPlan = CALM, settings: Settings = BRISK) -> Desk:
+        fittings = tuple(Fitting(k + 1, model=MODEL) for k in range(count))
+        wires = (Cable("body", fittings, baud=baud, faults=faults),)
+        desks.append(Desk(manifest_of(count, baud), wires, tmp_path / "events.jsonl", settings=settings))
+        return desks[-1]
+
+    yield made
+    for each in desks:
+        each.end()
+
+
+def manifest_of(count: int, baud: int) -> Manifest:
+    members = [
+        Member(
+            bus="body",
+            servo=Servo(k + 1, MODELS[MODEL]),
+            hinge=f"hinge{k}",
+            joint=k,
+            zero=2048,
+            turns=1.0,
+            lower=1000,
+            upper=3000,
+            speed=4.8,
+            gains=(800, 0),
+            full=141.0,
+        )
+        for k in range(count)
+    ]
+    return Manifest(
+        robot="crowd",
+        bauds={"body": baud},
+        members=tuple(members),
+        rest=np.zeros(count),
+        lower=np.full(count, -1.5),
+        upper=np.full(count, 1.5),
+        chains=tuple(frozenset({k}) for k in range(count)),
+    )

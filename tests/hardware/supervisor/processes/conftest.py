@@ -1,0 +1,133 @@
+"""Virtual servos behind pseudo-terminals in a process of their own, and what they did."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kinesic.body.command import Command
+from kinesic.body.robot import Robot
+from kinesic.hardware.servos import Servos
+from kinesic.hardware.supervisor.settings import Settings
+from kinesic.hardware.supervisor.stages import Stage
+from kinesic.hardware.wire import BusError
+
+HERE = Path(__file__).parent
+PATIENCE = 60.0  # [s] that a loaded machine may take for anything
+WATCHDOG = 0.2
+SETTINGS = Settings(watchdog=WATCHDOG, patient_watchdog=WATCHDOG, pace=3.0)
+BUSES = ("left", "right")
+
+
+@dataclass
+class Record:
+    """What the servos did, and when."""
+
+    times: np.ndarray  # (m,) [s]
+    plugged: np.ndarray  # (m, 2)
+    torque: np.ndarray  # (m, 5)
+    goals: np.ndarray
+    watchdogs: np.ndarray
+    places: np.ndarray
+
+    def stall(self, start: float, end: float) -> float:
+        """[s] the longest time that the servos' own process did nothing."""
+        times = self.times[(self.times >= start - 0.05) & (self.times <= end + 0.05)]
+        return float(np.diff(times).max())
+
+
+class Rig:
+    """Virtual servos in a process of their own."""
+
+    def __init__(self, robot: Robot, folder: Path) -> None:
+        self.robot, self.folder, self.log = robot, folder, folder / "events.jsonl"
+        self._process = subprocess.Popen(
+            [sys.executable, str(HERE / "served.py"), str(robot.path), str(folder)], stdin=subprocess.PIPE
+        )
+        self.wait(lambda: all((folder / name).exists() for name in BUSES))
+
+    @staticmethod
+    def wait(until: Callable[[], object]) -> None:
+        limit = time.monotonic() + PATIENCE
+        while not until():
+            assert time.monotonic() < limit, "waited in vain"
+            time.sleep(0.005)
+
+    @staticmethod
+    def kill(pid: int) -> float:
+        """kill -9; when [s]."""
+        os.kill(pid, signal.SIGKILL)
+        return time.monotonic()
+
+    def moving(self, servos: Servos) -> None:
+        """Waits until the performance runs."""
+        self.wait(lambda: servos.state().stage is Stage.ACTIVE and servos.state().time > 0.4)
+
+    def write(self, servos: Servos, seconds: float) -> None:
+        """A motion that begins at rest and goes on."""
+        rest = self.robot.skeleton.rest
+        still = np.zeros(len(rest))
+        for tick in range(round(seconds * 100) + 1):
+            goals = rest + 0.3 * (1 - np.cos(2 * tick * 0.01))
+            servos.write(Command(tick * 0.01, goals, still, still, goals))
+
+    @property
+    def ports(self) -> dict[str, Path]:
+        return {name: self.folder / name for name in BUSES}
+
+    def opened(self) -> Servos:
+        """Opens them, once more where the machine did not let the servos answer in time."""
+        for _ in range(4):
+            try:
+                return Servos(self.robot, self.ports, settings=SETTINGS, log=self.log)
+            except BusError as error:
+                if "no status packet" not in str(error):
+                    raise
+        raise AssertionError("the servos did not answer four times")
+
+    def planner(self, *seconds: str) -> subprocess.Popen[bytes]:
+        """A planner in a process of its own, in the middle of a performance."""
+        arguments = [str(self.robot.path), str(self.folder), str(self.log), *seconds]
+        process = subprocess.Popen([sys.executable, str(HERE / "planner.py"), *arguments])
+        self.wait(lambda: self.log.exists() and self.entered(Stage.ACTIVE))
+        return process
+
+    def strike(self, line: str) -> None:
+        assert self._process.stdin is not None
+        self._process.stdin.write(line.encode() + b"\n")
+        self._process.stdin.flush()
+
+    def end(self) -> Record:
+        """Ends the servos."""
+        if self._process.stdin is not None and not self._process.stdin.closed:
+            self._process.stdin.close()
+            self._process.wait(PATIENCE)
+        rows = np.loadtxt(self.folder / "record")
+        shown = rows[:, 3:].reshape(len(rows), 5, 4)
+        return Record(rows[:, 0], rows[:, 1:3], shown[:, :, 0], shown[:, :, 1], shown[:, :, 2], shown[:, :, 3])
+
+    def events(self) -> list[tuple[float, str, str]]:
+        lines = [json.loads(line) for line in self.log.read_text().splitlines()]
+        return [(line["time"], line["kind"], line["text"]) for line in lines]
+
+    def entered(self, stage: Stage, after: float = 0.0) -> float | None:
+        """[s] when a stage was entered first after a time."""
+        for moment, kind, text in self.events():
+            if kind == "stage" and moment >= after and f"-> {stage.value} " in text:
+                return moment
+        return None
+
+
+@pytest.fixture
+def rig(robot: Robot, tmp_path: Path) -> Iterator[Rig]:
+    made = Rig(robot, tmp_path)
+    yield made
+    made.end()

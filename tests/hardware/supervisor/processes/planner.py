@@ -1,0 +1,36 @@
+"""A program for tests: a planner that writes a motion 0.7 s ahead for ever, or all at once so many seconds of it.
+
+`python planner.py ROBOT FOLDER LOG [SECONDS]`
+"""
+
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+from kinesic.body.command import Command
+from kinesic.body.robot import Robot
+from kinesic.hardware.servos import Servos
+
+
+def main(robot: Robot, folder: Path, log: Path, seconds: float | None) -> None:
+    servos = Servos(robot, {"left": folder / "left", "right": folder / "right"}, log=log)
+    rest, tick, still = robot.skeleton.rest, 0, np.zeros(len(robot.skeleton.rest))
+    while seconds is None or tick * 0.01 < seconds:
+        time.sleep(0.02)
+        now = servos.state().time
+        while tick * 0.01 < (seconds or (0.0 if np.isnan(now) else now) + 0.7):
+            goals = rest + 0.3 * (1 - np.cos(2 * tick * 0.01))
+            servos.write(Command(tick * 0.01, goals, still, still, goals))
+            tick += 1
+    servos.close()
+
+
+if __name__ == "__main__":
+    main(
+        Robot.load(Path(sys.argv[1])),
+        Path(sys.argv[2]),
+        Path(sys.argv[3]),
+        float(sys.argv[4]) if sys.argv[4:] else None,
+    )

@@ -1,0 +1,58 @@
+"""A program for tests: a robot's virtual servos behind pseudo-terminals, in real time, and a record of what they did.
+
+`python served.py ROBOT FOLDER`: ports appear in FOLDER under the names of the buses. Lines on standard input strike:
+`unplug BUS SECONDS`, `reboot BUS ID SECONDS`, `alert BUS ID BITS`; its end ends the program. Each line of FOLDER/record
+is the plant's time on the machine's monotonic clock, whether each port is plugged in, then torque, goal, watchdog and
+position of each servo.
+"""
+
+import os
+import select
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+
+from kinesic.body.robot import Robot
+from kinesic.hardware.registers import Register
+from kinesic.hardware.virtual.faults import FaultPlan, Mishap
+from kinesic.hardware.virtual.fittings import build, cables
+from kinesic.hardware.virtual.pty import PtyPort, serve
+
+SHOWN = (Register.TORQUE_ENABLE, Register.GOAL_POSITION, Register.BUS_WATCHDOG)
+EVERY = 0.002  # [s] between lines
+
+
+def mishap(kind: str, *figures: float) -> Mishap:
+    if kind == "unplug":
+        return Mishap("unplug", seconds=figures[0])
+    return Mishap("reboot" if kind == "reboot" else "alert", (int(figures[0]),), value=figures[1])
+
+
+def main(robot: str, folder: Path) -> None:
+    with suppress(OSError):  # servos are never late, whatever else the machine does, where it allows that
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(30))
+    plant, buses = build(cables(Robot.load(Path(robot))))
+    ports = [PtyPort(bus, folder / name) for name, bus in buses.items()]
+    began, written = time.monotonic(), 0.0
+    with (folder / "record").open("w") as record:
+
+        def running() -> bool:
+            nonlocal written
+            if plant.time - written >= EVERY:
+                written = plant.time
+                rows = [[*(s.memory[r] for r in SHOWN), s.electronics.here()] for s in plant.servos]
+                figures = [int(port.descriptor is not None) for port in ports] + [v for row in rows for v in row]
+                record.write(f"{began + plant.time:.6f} " + " ".join(map(str, figures)) + "\n")
+            if not select.select([0], [], [], 0)[0]:
+                return True
+            line = os.read(0, 4096).decode()
+            for words in map(str.split, line.splitlines()):
+                buses[words[1]].expose(FaultPlan((mishap(words[0], *map(float, words[2:])),)))
+            return bool(line)
+
+        serve(ports, running)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], Path(sys.argv[2]))

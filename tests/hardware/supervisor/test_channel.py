@@ -1,0 +1,98 @@
+import mmap
+import os
+
+import numpy as np
+import pytest
+
+from kinesic.hardware.supervisor.channel import EVENTS, HISTORY, Channel, Note, Status, mapped, memory_file, size
+from kinesic.hardware.supervisor.stages import Stage
+
+JOINTS, CAPACITY = 3, 8
+
+
+@pytest.fixture
+def ends() -> tuple[Channel, Channel]:
+    """Planner and supervisor."""
+    memory = mmap.mmap(-1, size(JOINTS, CAPACITY))
+    return Channel(memory, JOINTS, CAPACITY), Channel(memory, JOINTS, CAPACITY)
+
+
+def test_commands_come_once_and_in_order(ends):
+    planner, supervisor = ends
+    for k in range(5):
+        assert planner.write(k / 10, np.full(JOINTS, float(k)))
+    told = supervisor.commands(3) + supervisor.commands(9)
+    assert [time for time, _ in told] == [0.0, 0.1, 0.2, 0.3, 0.4]
+    assert [goals.tolist() for _, goals in told] == [[float(k)] * JOINTS for k in range(5)]
+    assert supervisor.commands(9) == []
+
+
+def test_a_full_ring_refuses_and_takes_again_what_has_been_read(ends):
+    planner, supervisor = ends
+    written = [planner.write(float(k), np.zeros(JOINTS)) for k in range(CAPACITY + 2)]
+    assert written == [True] * CAPACITY + [False, False]
+    assert len(supervisor.commands(4)) == 4
+    assert planner.room == 4
+    for k in range(100):
+        assert planner.write(10.0 + k, np.zeros(JOINTS))
+        assert supervisor.commands(1)
+
+
+def test_a_row_that_is_not_complete_is_not_read(ends):
+    planner, supervisor = ends
+    planner.write(1.0, np.ones(JOINTS))
+    planner._ring[0]["goals"][1] = 7.0
+    assert supervisor.commands(9) == []
+    planner._ring[0]["goals"][1] = 1.0
+    assert len(supervisor.commands(9)) == 1
+
+
+def test_status_is_what_was_told_last(ends):
+    planner, supervisor = ends
+    assert planner.status().stage is Stage.CLOSED
+    assert np.isnan(planner.status().time)
+    for k in range(3):
+        supervisor.tell(
+            Status(
+                Stage.ACTIVE, clock=5.0 + k, time=1.0 + k, scale=0.5, energised=4, angles=np.ones(3), goals=np.zeros(3)
+            )
+        )
+    told = planner.status()
+    assert (told.stage, told.time, told.energised) == (Stage.ACTIVE, 3.0, 4)
+    assert told.angles.tolist() == [1.0] * 3
+    assert told.time_at(7.2) == pytest.approx(3.1)
+
+
+def test_history_is_every_cycle_once_and_of_too_many_the_last(ends):
+    planner, supervisor = ends
+    vectors = {"angles": np.zeros(3), "goals": np.zeros(3)}
+    for k in range(HISTORY + 10):
+        supervisor.tell(Status(Stage.HOLD, clock=float(k), **vectors))
+    clocks = [told.clock for told in planner.history()]
+    assert clocks == [float(k) for k in range(10, HISTORY + 10)]
+    assert planner.history() == ()
+
+
+def test_events_are_told_once(ends):
+    planner, supervisor = ends
+    supervisor.note(Note(1.0, 3, "error", "hardware error 0x00 -> 0x20"))
+    assert planner.notes() == (Note(1.0, 3, "error", "hardware error 0x00 -> 0x20"),)
+    assert planner.notes() == ()
+    for k in range(EVENTS + 5):
+        supervisor.note(Note(float(k), -1, "stage", "x" * 1000))
+    assert [note.clock for note in planner.notes()] == [float(k) for k in range(5, EVENTS + 5)]
+
+
+def test_wishes_are_seen_by_the_other_side(ends):
+    planner, supervisor = ends
+    planner.set("estop", 2)
+    assert supervisor.word("estop") == 2
+
+
+def test_memory_is_shared_through_its_descriptor_and_has_no_name():
+    octets = size(JOINTS, CAPACITY)
+    descriptor = memory_file(octets)
+    one, other = (Channel(mapped(descriptor, octets), JOINTS, CAPACITY) for _ in range(2))
+    os.close(descriptor)
+    one.write(1.0, np.zeros(JOINTS))
+    assert len(other.commands(9)) == 1

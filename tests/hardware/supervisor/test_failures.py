@@ -1,0 +1,194 @@
+"""What the supervisor does when servos, wires and processes fail, in virtual time."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from kinesic.hardware.registers import HardwareError, Register
+from kinesic.hardware.supervisor.settings import Settings
+from kinesic.hardware.supervisor.stages import Stage
+from kinesic.hardware.virtual.faults import Mishap
+
+Make = Callable  # of a desk, see conftest
+PERIOD = 0.01
+TORQUE, GOAL, WATCHDOG = Register.TORQUE_ENABLE, Register.GOAL_POSITION, Register.BUS_WATCHDOG
+
+
+def test_a_planner_that_dies_is_held_within_100_ms_then_folded_and_released(desk: Make):
+    made = desk().active()
+    made.alive = False
+    made.run(0.1)
+    held = made.true(GOAL)
+    made.run(0.01)
+    assert (made.true(GOAL) == held).all() or made.stage is Stage.FOLD
+    assert made.stage in (Stage.HOLD, Stage.FOLD)
+    made.until(Stage.CLOSED)
+    assert not made.true(TORQUE).any()
+    rest = made.manifest.scale.ticks(made.manifest.rest[made.manifest.joints])
+    assert np.abs(made.here - rest).max() <= 3
+
+
+def test_release_forgets_nobody_because_of_a_servo_that_is_silent(desk: Make):
+    made = desk(settings=Settings(hopeless=1.0, pace=3.0)).active()
+    made.plant.servos[2].mute = True
+    made.channel.set("estop", 2)
+    made.run(0.2)
+    assert made.true(TORQUE).tolist() == [0, 0, 0, 0, 0]
+    assert made.stage is Stage.RELEASE
+    made.until(Stage.CLOSED)
+    assert any("may still have torque" in line and "l_flexion" in line for line in made.kinds())
+
+
+def test_a_servo_that_reboots_rejoins_without_a_jump_and_the_performance_goes_on(desk: Make):
+    made = desk().active(4.0)
+    made.jumps.clear()
+    made.expose(Mishap("reboot", (3,)))
+    made.run(0.3)
+    assert made.stage in (Stage.DEGRADED, Stage.HOLD, Stage.ARM)
+    made.until(Stage.ACTIVE, within=3.0)
+    assert len(made.jumps) == 1
+    assert made.jumps[0] <= 2
+    assert made.true(TORQUE).all()
+    assert (made.true(WATCHDOG) == 5).all()
+    assert made.true(Register.PROFILE_VELOCITY).all()
+    time = made.status.time
+    made.run(0.5)
+    assert made.status.time > time
+
+
+def test_all_servos_may_reboot_at_once(desk: Make):
+    made = desk().active(4.0)
+    made.jumps.clear()
+    made.expose(Mishap("reboot"))
+    made.expose(Mishap("reboot"), bus="right")
+    made.run(0.3)
+    made.until(Stage.ACTIVE, within=5.0)
+    assert len(made.jumps) == 5
+    assert max(made.jumps) <= 2
+
+
+def test_a_servo_that_shuts_down_ends_the_performance_its_chain_holds_the_others_fold(desk: Make):
+    made = desk().active()
+    made.expose(Mishap("alert", (3,), value=HardwareError.OVERLOAD.value))
+    made.cycle()
+    made.cycle()
+    assert made.stage is Stage.DEGRADED
+    made.until(Stage.FOLD)
+    held = made.true(GOAL)[3]
+    made.until(Stage.HOLD)
+    assert made.true(GOAL)[3] == held
+    rest = made.manifest.scale.ticks(made.manifest.rest[made.manifest.joints])
+    assert np.abs(made.true(GOAL) - rest)[[0, 1, 4]].max() <= 2
+    made.until(Stage.CLOSED)
+    assert not made.true(TORQUE).any()
+    assert made.status.faulty
+
+
+def test_a_servo_that_cannot_move_is_not_pushed_until_it_shuts_down(desk: Make):
+    made = desk()
+    made.open()
+    made.perform(4.0, amplitude=0.9)
+    made.until(Stage.ACTIVE)
+    made.plant.physics.jammed[2] = True
+    made.until(Stage.CLOSED)
+    assert made.status.faulty
+    assert not made.true(Register.HARDWARE_ERROR_STATUS).any()
+
+
+def test_heat_slows_the_performance_before_the_servo_shuts_down(desk: Make):
+    made = desk().active(10.0)
+    made.plant.servos[2].electronics.celsius = 67.0
+    made.expose(Mishap("overheat", (3,), value=3.0))
+    scales = []
+    while made.stage is Stage.ACTIVE:
+        made.cycle()
+        scales.append(made.status.scale)
+    assert 0.0 < min(scales) < 0.5
+    made.run(0.5)
+    assert made.stage is Stage.HOLD
+    assert made.status.hottest < 80
+    assert not made.true(Register.HARDWARE_ERROR_STATUS).any()
+
+
+@pytest.mark.parametrize("seconds", [0.05, 0.4, 2.0])
+def test_a_port_that_goes_and_comes_is_held_within_250_ms_and_torque_stays(desk: Make, seconds: float):
+    made = desk().active(4.0)
+    made.expose(Mishap("unplug", seconds=seconds))
+    made.until(Stage.LOST)
+    lost = made.plant.time
+    made.until(Stage.HOLD, Stage.APPROACH)
+    assert made.plant.time - (lost + seconds) < 0.25
+    assert made.true(TORQUE).all()
+    assert (made.true(WATCHDOG) == 5).all()
+    made.until(Stage.ACTIVE)
+    assert made.true(TORQUE).all()
+
+
+def test_servos_whose_port_is_lost_stop_by_themselves(desk: Make):
+    made = desk().active(4.0)
+    made.expose(Mishap("unplug", seconds=1.0))
+    made.run(0.16)
+    here = made.here
+    made.run(0.3)
+    assert np.abs(made.here - here)[:4].max() <= 2
+    assert (made.true(WATCHDOG)[:4] == -1).all()
+    assert made.true(TORQUE).all()
+
+
+def test_a_port_that_stays_away_is_given_up(desk: Make):
+    made = desk(settings=Settings(hopeless=1.0)).active(4.0)
+    made.expose(Mishap("unplug", seconds=100.0))
+    made.until(Stage.CLOSED, within=5.0)
+    assert made.true(TORQUE)[:4].all()
+
+
+def test_a_watchdog_that_trips_is_adopted(desk: Make):
+    made = desk().active(4.0)
+    made.pass_time(0.3)
+    made.until(Stage.ADOPT)
+    made.until(Stage.ACTIVE)
+    assert made.true(TORQUE).all()
+    assert not made.jumps or max(made.jumps) <= 2
+
+
+def test_a_supervisor_that_is_killed_leaves_servos_stopped_and_the_next_adopts_them(desk: Make):
+    made = desk().active(4.0)
+    made.pass_time(0.12)
+    here = made.here
+    made.pass_time(1.0)
+    assert (made.true(WATCHDOG) == -1).all()
+    assert np.abs(made.here - here).max() <= 1
+    assert made.true(TORQUE).all()
+    made.start()
+    made.open()
+    assert made.stage is Stage.ADOPT
+    made.until(Stage.HOLD)
+    assert made.true(TORQUE).all()
+    assert np.abs(made.here - here).max() <= 2
+    made.channel.set("ended", 1)
+    made.until(Stage.CLOSED)
+    assert not made.true(TORQUE).any()
+
+
+def test_servos_of_which_some_have_torque_are_adopted_and_the_others_armed(desk: Make):
+    made = desk().active(4.0)
+    made.pass_time(0.2)
+    made.plant.servos[1].write(TORQUE.field.address, b"\0")
+    made.start()
+    made.jumps.clear()
+    made.open()
+    made.until(Stage.ARM)
+    made.until(Stage.HOLD)
+    made.run(0.1)
+    assert made.true(TORQUE).all()
+    assert len(made.jumps) == 1
+    assert made.jumps[0] <= 2
+
+
+def test_an_end_while_a_servo_is_silent_folds_and_lets_go(desk: Make):
+    made = desk(settings=Settings(patience=1.0, hopeless=2.0, pace=3.0)).active(20.0)
+    made.plant.servos[2].mute = True
+    made.channel.set("ended", 1)
+    made.until(Stage.CLOSED, within=15.0)
+    assert not made.true(TORQUE).any()

@@ -1,0 +1,64 @@
+import numpy as np
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.body.robot import Robot
+from kinesic.hardware.registers import SPEED, Register
+from kinesic.hardware.supervisor.manifest import MARGIN, Manifest
+
+
+def test_members_stand_bus_by_bus(robot: Robot):
+    manifest = Manifest.of(robot)
+    assert [(m.bus, m.id, m.hinge) for m in manifest.members] == [
+        ("left", 1, "torsion"),
+        ("left", 2, "torsion"),
+        ("left", 3, "l_flexion"),
+        ("left", 4, "l_twist"),
+        ("right", 3, "r_flexion"),
+    ]
+    assert manifest.joints.tolist() == [0, 0, 1, 2, 3]
+    assert manifest.bauds == {"left": 1_000_000, "right": 1_000_000}
+
+
+def test_ticks_and_angles_are_inverses_and_tandems_are_averaged(robot: Robot):
+    manifest = Manifest.of(robot)
+    angles = np.array([0.3, 0.5, -0.7, 1.1])
+    ticks = manifest.scale.ticks(angles[manifest.joints]).astype(float)
+    assert manifest.angles(ticks) == pytest.approx(angles, abs=1e-3)
+    ticks[0] += 20
+    assert manifest.angles(ticks)[0] == pytest.approx(0.3 + 10 * 2 * np.pi / 4096, abs=1e-3)
+
+
+def test_what_is_not_known_is_nan_and_half_a_tandem_is_enough(robot: Robot):
+    manifest = Manifest.of(robot)
+    ticks = np.full(5, 2048.0)
+    ticks[[0, 2]] = np.nan
+    assert np.isnan(manifest.angles(ticks)).tolist() == [False, True, False, False]
+
+
+def test_an_inverted_servo_has_its_range_the_other_way_round(robot: Robot):
+    twist = Manifest.of(robot).members[3]
+    assert (twist.lower, twist.upper) == (2048 - 967, 2048 + 967)
+    assert twist.span == (twist.lower - MARGIN, twist.upper + MARGIN)
+    assert twist.turns == -1.0
+
+
+def test_the_servo_itself_is_told_its_fastest(robot: Robot):
+    for member in Manifest.of(robot).members:
+        pace = member.passing[Register.PROFILE_VELOCITY] * SPEED
+        assert 0.97 * member.speed <= pace <= member.model.starts(Register.VELOCITY_LIMIT) * SPEED
+        assert member.passing[Register.PROFILE_ACCELERATION] == 0
+
+
+def test_the_default_robot_has_23_servos_on_one_wire():
+    manifest = Manifest.of(Robot.load())
+    assert len(manifest.members) == 23
+    assert manifest.chains[0] == frozenset({0, 1, 2})
+    assert frozenset().union(*manifest.chains) == frozenset(range(22))
+
+
+def test_a_robot_without_a_bus_is_refused(robot: Robot, tmp_path):
+    path = tmp_path / "bare.toml"
+    path.write_text(robot.path.read_text().split("[[bus]]")[0])
+    with pytest.raises(ConfigError, match=r"no \[\[bus\]\]"):
+        Manifest.of(Robot.load(path))

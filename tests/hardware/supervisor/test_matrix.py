@@ -1,0 +1,101 @@
+"""Every fault of the matrix strikes a performance: no exception, no jump, and after the release no servo has torque."""
+
+from collections.abc import Callable
+
+import pytest
+
+from kinesic.hardware.registers import Register
+from kinesic.hardware.supervisor.settings import Settings
+from kinesic.hardware.supervisor.stages import Stage
+from kinesic.hardware.virtual.faults import BUILD_KINDS, FaultPlan, Mishap
+from kinesic.hardware.virtual.matrix import STRIKE, Case, cases
+
+Make = Callable  # of a desk, see conftest
+REFUSED = {"duplicate id", "wrong model"}
+SIZES, BAUDS, SEEDS = (7, 14, 26), (57_600, 1_000_000, 4_000_000), (1, 2, 3)
+
+
+def settings(count: int, baud: int) -> Settings:
+    """A period that the wire allows, and a watchdog of ten of them at least."""
+    period = max(0.01, 1.6 * ((36 + 28 * count) * 10 / baud + 0.001))
+    watchdog = max(0.1, 10 * period)
+    return Settings(
+        period=period,
+        watchdog=watchdog,
+        patient_watchdog=watchdog,
+        lead=10 * period,
+        patience=1.0,
+        pace=3.0,
+        hopeless=2.0,
+    )
+
+
+def struck(make: Make, case: Case, count: int, baud: int, seed: int) -> None:
+    """A performance under a fault, to its end."""
+    built = FaultPlan(tuple(m for m in case.mishaps if m.kind in BUILD_KINDS), seed)
+    later = tuple(m for m in case.mishaps if m.kind not in BUILD_KINDS)
+    desk = make(count, baud=baud, faults=built, settings=settings(count, baud))
+    desk.open()
+    if case.name in REFUSED:
+        assert desk.stage is Stage.CLOSED
+        assert not desk.true(Register.TORQUE_ENABLE).any()
+        return
+    desk.perform(4.0)
+    desk.channel.set("ended", 1)
+    desk.until(Stage.ACTIVE)
+    desk.buses["body"].expose(FaultPlan(later, seed))
+    desk.run(STRIKE + 1.0)
+    desk.channel.set("release", 1)
+    desk.until(Stage.CLOSED, within=60.0)
+    assert not desk.true(Register.TORQUE_ENABLE).any()
+    assert desk.jumps
+    assert max(desk.jumps) <= 2
+
+
+@pytest.mark.parametrize("case", [case for case in cases() if "1%" not in case.name], ids=lambda case: case.name)
+def test_a_performance_survives_every_fault(crowd: Make, case: Case):
+    struck(crowd, case, 7, 1_000_000, 1)
+
+
+COMBINATIONS = [(count, baud, seed) for count in SIZES for baud in BAUDS for seed in SEEDS]
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize(("count", "baud", "seed"), COMBINATIONS)
+@pytest.mark.parametrize("case", cases(), ids=lambda case: case.name)
+def test_every_size_and_rate_survives_every_fault(crowd: Make, case: Case, count: int, baud: int, seed: int):
+    struck(crowd, case, count, baud, seed)
+
+
+@pytest.mark.parametrize("count", [5, pytest.param(20, marks=pytest.mark.soak)])
+def test_every_outage_is_adopted(crowd: Make, count: int):
+    desk = crowd(7)
+    desk.open()
+    desk.perform(100.0)
+    desk.until(Stage.ACTIVE)
+    for k in range(count):
+        desk.expose(Mishap("unplug", seconds=0.02 * (k + 1)))
+        desk.until(Stage.LOST)
+        desk.until(Stage.ACTIVE)
+        assert desk.true(Register.TORQUE_ENABLE).all()
+    desk.channel.set("release", 1)
+    desk.until(Stage.CLOSED)
+    assert not desk.true(Register.TORQUE_ENABLE).any()
+
+
+@pytest.mark.parametrize("count", [3, pytest.param(20, marks=pytest.mark.soak)])
+def test_every_supervisor_that_is_killed_has_an_heir(crowd: Make, count: int):
+    desk = crowd(7)
+    for _ in range(count):
+        desk.open()
+        desk.perform(3.0)
+        desk.until(Stage.ACTIVE)
+        desk.run(0.2)
+        desk.pass_time(0.4)
+        assert desk.true(Register.TORQUE_ENABLE).all()
+        desk.start()
+    desk.open()
+    desk.channel.set("ended", 1)
+    desk.until(Stage.CLOSED)
+    assert not desk.true(Register.TORQUE_ENABLE).any()
+    assert max(desk.jumps) <= 2

@@ -1,0 +1,254 @@
+"""The supervisor in virtual time, on virtual servos: what happens to them, whatever happens."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from kinesic.hardware.registers import Register
+from kinesic.hardware.supervisor.settings import Settings
+from kinesic.hardware.supervisor.stages import Stage
+
+Make = Callable  # of a desk, see conftest
+PERIOD = 0.01
+TORQUE, GOAL, WATCHDOG = Register.TORQUE_ENABLE, Register.GOAL_POSITION, Register.BUS_WATCHDOG
+
+
+def test_opening_checks_and_configures_and_energises_nothing(desk: Make):
+    made = desk()
+    made.open()
+    made.run(0.3)
+    assert made.stage is Stage.LIMP
+    assert not made.true(TORQUE).any()
+    assert not made.jumps
+    assert made.true(Register.OPERATING_MODE).tolist() == [3] * 5
+    lower, upper = made.manifest.spans
+    assert made.true(Register.MIN_POSITION_LIMIT).tolist() == lower.tolist()
+    assert made.true(Register.MAX_POSITION_LIMIT).tolist() == upper.tolist()
+    assert sum(line.startswith("configured") for line in made.kinds()) == 10
+
+
+def test_what_is_set_already_is_not_written_again(desk: Make):
+    made = desk()
+    made.open()
+    made.channel.set("ended", 1)
+    made.until(Stage.CLOSED)
+    before = len(made.kinds())
+    made.start()
+    made.open()
+    assert not any(line.startswith("configured") for line in made.kinds()[before:])
+
+
+def test_a_performance_is_followed_and_ends_at_rest_and_limp(desk: Make):
+    made = desk()
+    made.open()
+    made.perform(2.0)
+    made.channel.set("ended", 1)
+    made.until(Stage.ACTIVE)
+    worst = 0.0
+    while made.stage is Stage.ACTIVE:
+        made.cycle()
+        wished = made.manifest.scale.ticks(made.goals(made.status.time, 2.0)[made.manifest.joints])
+        worst = max(worst, float(np.abs(made.true(GOAL) - wished).max()))
+    assert worst <= 3
+    made.until(Stage.CLOSED)
+    assert not made.true(TORQUE).any()
+    assert made.status.energised == 0
+    assert made.jumps
+    assert max(made.jumps) <= 2
+    rest = made.manifest.scale.ticks(made.manifest.rest[made.manifest.joints])
+    assert np.abs(made.here - rest).max() <= 3
+
+
+def test_time_is_performance_time(desk: Make):
+    made = desk()
+    made.open()
+    made.perform(2.0, begin=7.0)
+    made.until(Stage.ACTIVE)
+    assert made.status.time == pytest.approx(7.0, abs=2 * PERIOD)
+    made.run(1.0)
+    assert made.status.time == pytest.approx(8.0, abs=3 * PERIOD)
+    assert made.status.scale == 1.0
+
+
+def test_positions_are_told_in_radians_and_joint_order(desk: Make):
+    made = desk().active()
+    turned = made.manifest.angles(made.here.astype(float))
+    assert made.status.angles == pytest.approx(turned, abs=0.05)
+    assert made.status.energised == 5
+
+
+def test_power_comes_slowly(desk: Make):
+    made = desk()
+    made.open()
+    made.perform(2.0)
+    made.until(Stage.ARM)
+    powers = []
+    while made.stage is Stage.ARM:
+        made.cycle()
+        if made.true(TORQUE).all():
+            powers.append(int(made.true(Register.GOAL_PWM)[0]))
+    assert powers[0] <= 0.15 * 885
+    assert powers[-1] == 885
+    assert powers == sorted(powers)
+    assert len(powers) >= 25
+
+
+def test_servos_that_stand_elsewhere_do_not_jump_when_torque_comes(desk: Make):
+    made = desk()
+    for k, servo in enumerate(made.plant.servos):
+        made.plant.physics.turn(k, made.plant.physics.shafts()[k].angle + 0.3)
+        servo.memory[GOAL] = 500
+    made.plant.advance(0.01)
+    before = made.here
+    made.open()
+    made.perform(2.0)
+    made.until(Stage.HOLD, Stage.APPROACH)
+    assert len(made.jumps) == 5
+    assert max(made.jumps) <= 2
+    assert np.abs(made.here - before).max() <= 2
+
+
+def test_goals_never_leave_ranges_nor_jump(desk: Make):
+    made = desk()
+    made.open()
+    rng = np.random.default_rng(1)
+    for k in range(200):
+        assert made.channel.write(k * PERIOD, rng.uniform(-4, 4, 4))
+    made.channel.set("ended", 1)
+    made.until(Stage.ACTIVE)
+    before = made.true(GOAL)
+    lower, upper = made.manifest.spans
+    while made.stage is not Stage.CLOSED:
+        made.cycle()
+        goals = made.true(GOAL)
+        assert (goals >= lower).all()
+        assert (goals <= upper).all()
+        if made.true(TORQUE).all():
+            assert (np.abs(goals - before) <= made.manifest.speeds * PERIOD * 1.3 + 2).all()
+        before = goals
+    assert any("limited" in line for line in made.kinds())
+    assert not made.true(TORQUE).any()
+
+
+def test_an_empty_ring_is_held_then_folded_and_wakes_again(desk: Make):
+    made = desk(settings=Settings(patience=1.0))
+    made.open()
+    for k in range(120):
+        made.channel.write(k * PERIOD, made.goals(k * PERIOD, 3.0))
+    made.until(Stage.ACTIVE)
+    made.until(Stage.HOLD)
+    assert made.status.time == pytest.approx(1.19, abs=1e-6)
+    made.until(Stage.FOLD)
+    made.until(Stage.HOLD)
+    made.run(3.0)
+    assert made.stage is Stage.HOLD
+    assert made.true(TORQUE).all()
+    made.perform(2.0, begin=60.0)
+    made.until(Stage.ACTIVE)
+    made.run(0.5)
+    assert made.status.time > 60.0
+
+
+def test_time_waits_for_a_planner_that_is_slow(desk: Make):
+    """Never a jump of goals: time slows before the end of what is known."""
+    made = desk()
+    made.open()
+    for k in range(60):
+        made.channel.write(k * PERIOD, made.goals(k * PERIOD, 4.0))
+    made.until(Stage.ACTIVE)
+    before, fastest = made.true(GOAL), 0
+    for k in range(60, 400):
+        made.cycle()
+        made.cycle()
+        made.channel.write(k * PERIOD, made.goals(k * PERIOD, 4.0))
+        fastest = max(fastest, int(np.abs(made.true(GOAL) - before).max()))
+        before = made.true(GOAL)
+    assert fastest <= 20
+    assert made.status.time <= 4.0
+
+
+def test_a_planner_that_ended_with_a_word_is_performed_to_the_end(desk: Make):
+    made = desk().active(2.0)
+    made.channel.set("ended", 1)
+    made.alive = False
+    made.until(Stage.HOLD)
+    assert made.status.time == pytest.approx(2.0, abs=1e-6)
+
+
+def test_release_folds_and_lets_go(desk: Make):
+    made = desk().active()
+    made.channel.set("release", 1)
+    made.until(Stage.CLOSED)
+    assert not made.true(TORQUE).any()
+    assert any("fold" in line for line in made.kinds())
+
+
+def test_an_emergency_stop_holds_at_once(desk: Make):
+    made = desk().active()
+    made.channel.set("estop", 1)
+    made.run(0.1)
+    held = made.true(GOAL)
+    made.run(1.0)
+    assert (made.true(GOAL) == held).all()
+    assert made.stage is Stage.STOPPED
+    assert made.true(TORQUE).all()
+    made.channel.set("release", 1)
+    made.until(Stage.CLOSED, within=1.0)
+    assert not made.true(TORQUE).any()
+
+
+def test_an_emergency_stop_may_let_go(desk: Make):
+    made = desk().active()
+    made.channel.set("estop", 2)
+    made.run(0.03)
+    assert not made.true(TORQUE).any()
+
+
+def test_every_event_is_a_line_with_its_time(desk: Make):
+    made = desk().active()
+    made.channel.set("release", 1)
+    made.until(Stage.CLOSED)
+    lines = made.journal()
+    assert all({"time", "wall", "kind", "text"} <= set(line) for line in lines)
+    times = [float(str(line["time"])) for line in lines[3:-1]]
+    assert times == sorted(times)
+
+
+def test_a_command_that_is_no_number_is_dropped_and_told(desk: Make):
+    made = desk().active()
+    made.channel.write(9.0, np.full(4, np.nan))
+    made.run(1.0)
+    assert any(line.startswith("dropped") for line in made.kinds())
+
+
+def test_after_an_emergency_stop_it_holds_as_long_as_somebody_is_there(desk: Make):
+    made = desk().active(20.0)
+    made.channel.set("estop", 1)
+    made.run(0.2)
+    made.channel.set("ended", 1)
+    made.run(1.0)
+    assert made.stage is Stage.STOPPED
+    made.alive = False
+    made.until(Stage.CLOSED, within=1.0)
+    assert not made.true(TORQUE).any()
+
+
+def test_a_second_emergency_stop_lets_go(desk: Make):
+    made = desk().active()
+    made.channel.set("estop", 1)
+    made.run(0.2)
+    assert made.true(TORQUE).all()
+    made.channel.set("estop", 2)
+    made.run(0.05)
+    assert not made.true(TORQUE).any()
+
+
+def test_every_cycle_is_told(desk: Make):
+    made = desk().active()
+    history = made.channel.history()
+    assert [told.stage for told in history[-20:]] == [Stage.ACTIVE] * 20
+    clocks = [told.clock for told in history]
+    assert clocks == sorted(clocks)
+    made.cycle()
+    assert len(made.channel.history()) == 1

@@ -1,0 +1,43 @@
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import pytest
+
+from kinesic.body.robot import Robot
+from kinesic.hardware.registers import Register
+from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.hardware.virtual.faults import CALM, FaultPlan
+from kinesic.hardware.virtual.fittings import build, cables
+from kinesic.hardware.virtual.memory_wire import MemoryWire
+from kinesic.hardware.virtual.servo import VirtualServo
+
+
+@dataclass
+class Bench:
+    """The default robot's servos on a table, in virtual time."""
+
+    manifest: Manifest
+    wire: MemoryWire
+    servos: Mapping[int, VirtualServo]
+
+    def set(self, servo: int, register: Register, value: int) -> None:
+        """Another value than the robot wants."""
+        self.servos[servo].memory[register] = value
+
+    @property
+    def energised(self) -> list[int]:
+        return [servo.id for servo in self.servos.values() if servo.memory[Register.TORQUE_ENABLE]]
+
+
+def bench_of(faults: FaultPlan = CALM) -> Bench:
+    robot = Robot.load()
+    (cable,) = cables(robot)
+    plant, buses = build([cable])
+    buses[cable.name].expose(faults)
+    wire = MemoryWire(buses[cable.name])
+    return Bench(Manifest.of(robot), wire, {servo.id: servo for servo in plant.servos})
+
+
+@pytest.fixture
+def bench() -> Callable[..., Bench]:
+    return bench_of

@@ -1,0 +1,76 @@
+from pathlib import Path
+
+from kinesic.hardware.registers import Register
+from kinesic.hardware.tools.diagnosis import Finding, diagnose
+from kinesic.hardware.virtual.faults import FaultPlan, Mishap
+from kinesic.hardware.wire import BusError
+
+
+def found(table, system: Path = Path("/nowhere")) -> list[Finding]:
+    return list(diagnose(table.manifest, {"body": Path("ttyUSB7")}, lambda bus: table.wire, system=system))
+
+
+def to_mend(table) -> list[str]:
+    return [finding.text for finding in found(table) if not finding.well]
+
+
+def test_all_is_well(bench):
+    findings = found(bench())
+    assert all(finding.well for finding in findings)
+    assert findings[-1].text == "23 of 23 are as they should be"
+
+
+def test_each_fault_has_its_line_and_the_others_are_counted(bench):
+    table = bench(FaultPlan((Mishap("silent", (7,)),)))
+    table.set(4, Register.MODEL_NUMBER, 1060)
+    table.set(6, Register.FIRMWARE_VERSION, 37)
+    table.servos[12].write(Register.TORQUE_ENABLE.field.address, b"\1")
+    table.set(13, Register.MAX_POSITION_LIMIT, 2500)
+    table.set(15, Register.TEMPERATURE_LIMIT, 30)
+    lines = to_mend(table)
+    assert len(lines) == 6
+    for start, remedy in (
+        ("memory: servo 4: is a xl430_w250, must be a xm540_w270", "wrong id, or wrong robot?"),
+        ("memory: servo 6: firmware 37 has no bus watchdog", "DYNAMIXEL Wizard"),
+        ("memory: servo 7: no answer", "kinesic servos scan"),
+        ("memory: servo 12 (l_shoulder_flexion): has torque", "kinesic servos release"),
+        ("memory: servo 13 (l_shoulder_abduct): takes 0..2500 ticks", "widen"),
+        ("memory: servo 15 (l_elbow_flexion): is at 25 C", "let it cool"),
+    ):
+        (line,) = [line for line in lines if line.startswith(start)]
+        assert remedy in line
+    assert found(table)[-1].text == "17 of 23 are as they should be"
+
+
+def test_nobody_answers_is_one_line(bench):
+    table = bench(FaultPlan((Mishap("silent"),)))
+    (line,) = to_mend(table)
+    assert "no servo of ids" in line
+
+
+def test_a_low_supply_is_told(bench):
+    table = bench(FaultPlan((Mishap("undervoltage", start=0.0, value=5.0),)))
+    table.wire.sleep(0.1)
+    lines = to_mend(table)
+    assert any("supply is 5.0 V" in line for line in lines)
+
+
+def test_a_slow_adapter_gets_its_remedy(bench, tmp_path: Path):
+    setting = tmp_path / "bus/usb-serial/devices/ttyUSB7/latency_timer"
+    setting.parent.mkdir(parents=True)
+    setting.write_text("16\n")
+    (finding,) = [finding for finding in found(bench(), tmp_path) if finding.about == "latency"]
+    assert not finding.well
+    assert "udev" in finding.text
+    setting.write_text("1\n")
+    assert all(finding.well for finding in found(bench(), tmp_path))
+
+
+def test_ports_that_are_missing_or_shut_are_findings(bench):
+    table = bench()
+
+    def shut(bus: str):
+        raise BusError(f"{bus}: no permission")
+
+    assert [f.text for f in diagnose(table.manifest, {}, shut)] == ["none given; --port body=PATH"]
+    assert [f.text for f in diagnose(table.manifest, {"body": Path("x")}, shut)] == ["body: no permission"]

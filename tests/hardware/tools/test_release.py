@@ -1,0 +1,71 @@
+import pytest
+
+from kinesic.hardware.registers import HardwareError, Register
+from kinesic.hardware.tools.release import release
+from kinesic.hardware.virtual.faults import FaultPlan, Kind, Mishap
+
+
+def energise(table) -> None:
+    for servo in table.servos.values():
+        servo.write(Register.TORQUE_ENABLE.field.address, b"\1")
+
+
+def released(table) -> tuple[str, ...]:
+    return release({"body": table.wire}, {"body": list(table.servos)})
+
+
+def test_nobody_is_left_energised(bench):
+    table = bench()
+    energise(table)
+    assert len(table.energised) == 23
+    assert released(table) == ()
+    assert table.energised == []
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("kind", ["corrupt", "lost", "drop", "noise"])
+@pytest.mark.parametrize("way", ["reply", "request"])
+def test_faults_of_the_wire_leave_nobody_energised(bench, kind: Kind, seed: int, way):
+    table = bench(FaultPlan((Mishap(kind, rate=0.1, way=way),), seed))
+    energise(table)
+    doubts = released(table)
+    held = table.energised
+    assert held == [] or doubts, "who is not sure says so"
+    assert len(held) <= len(doubts)
+
+
+@pytest.mark.parametrize("error", list(HardwareError))
+def test_alerts_do_not_keep_the_others_energised(bench, error: HardwareError):
+    table = bench(FaultPlan((Mishap("alert", (3,), start=0.0, value=error.value),)))
+    energise(table)
+    assert released(table) == ()
+    assert table.energised == []
+
+
+def test_who_was_stopped_by_a_watchdog_is_released_too(bench):
+    table = bench(FaultPlan((Mishap("watchdog", (2,), start=0.0),)))
+    energise(table)
+    assert released(table) == ()
+    assert table.energised == []
+
+
+def test_a_silent_servo_is_told_and_doubted(bench):
+    table = bench(FaultPlan((Mishap("silent", (7,)),)))
+    energise(table)
+    assert released(table) == ("memory: servo 7: does not answer, and may still have torque; switch the power off",)
+    assert table.energised == []
+
+
+def test_a_stranger_is_released_too(bench):
+    table = bench()
+    energise(table)
+    assert release({"body": table.wire}, {"body": [1, 2]}) == ()
+    assert table.energised == []
+
+
+def test_a_lost_port_is_told(bench):
+    table = bench(FaultPlan((Mishap("unplug", start=0.01, seconds=100.0),)))
+    energise(table)
+    (line,) = released(table)
+    assert "the port is gone" in line
+    assert "switch the power off" in line

@@ -1,0 +1,48 @@
+import pytest
+
+from kinesic.hardware.registers import HardwareError, Register
+from kinesic.hardware.tools.survey import error_names, strangers, survey, talkative
+from kinesic.hardware.virtual.faults import FaultPlan, Mishap
+
+
+def test_everybody_is_seen_at_rest(bench):
+    table = bench()
+    seen = survey(table.manifest, {"body": table.wire})
+    assert [each.member.id for each in seen] == [member.id for member in table.manifest.members]
+    assert all(each.right and not each.torque and not each.errors for each in seen)
+    elbow = next(each for each in seen if each.member.hinge == "l_elbow_flexion")
+    assert elbow.degrees == pytest.approx(25.0, abs=0.1)
+    assert (elbow.volts, elbow.celsius) == (12.0, 25)
+    assert {change.register for change in elbow.differs} == {Register.MIN_POSITION_LIMIT, Register.MAX_POSITION_LIMIT}
+
+
+def test_what_is_wrong_is_seen_and_hides_nobody(bench):
+    table = bench(FaultPlan((Mishap("silent", (7,)), Mishap("alert", (5,), start=0.001))))
+    table.set(4, Register.MODEL_NUMBER, 1060)
+    table.set(6, Register.RETURN_DELAY_TIME, 250)
+    table.servos[12].write(Register.TORQUE_ENABLE.field.address, b"\1")
+    table.wire.sleep(0.1)
+    seen = {each.member.id: each for each in survey(table.manifest, {"body": table.wire})}
+    assert seen[7].found == ""
+    assert (seen[4].found, seen[4].right) == ("xl430_w250", False)
+    assert seen[5].errors == ("overload",)
+    assert any((c.register, c.before, c.after) == (Register.RETURN_DELAY_TIME, 250, 0) for c in seen[6].differs)
+    assert seen[12].torque
+    assert sum(each.right for each in seen.values()) == 21
+
+
+def test_servos_that_keep_quiet_are_asked_to_talk(bench):
+    table = bench()
+    for servo in table.servos:
+        table.set(servo, Register.STATUS_RETURN_LEVEL, 0)
+    assert all(each.right for each in survey(table.manifest, {"body": table.wire}))
+
+
+def test_strangers_are_named(bench):
+    table = bench()
+    assert strangers(talkative(table.wire), [servo for servo in table.servos if servo != 28]) == ("28 (xc330_t288)",)
+
+
+def test_error_bits_have_names():
+    assert error_names(HardwareError.OVERLOAD.value | HardwareError.VOLTAGE.value) == ("voltage", "overload")
+    assert error_names(0) == ()

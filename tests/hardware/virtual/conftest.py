@@ -1,0 +1,66 @@
+from collections.abc import Callable
+
+import pytest
+
+from kinesic.hardware import packet
+from kinesic.hardware.packet import Packet, Reader
+from kinesic.hardware.registers import Register
+from kinesic.hardware.virtual.fittings import Cable, Fitting, build
+from kinesic.hardware.virtual.memory_wire import MemoryWire
+from kinesic.hardware.virtual.servo import VirtualServo
+
+WAIT = 0.004
+
+
+class Line:
+    """A wire in memory with servos on it, and what one says to them."""
+
+    def __init__(self, cable: Cable) -> None:
+        self.plant, buses = build([cable])
+        self.bus = buses[cable.name]
+        self.wire = MemoryWire(self.bus)
+
+    @property
+    def servo(self) -> VirtualServo:
+        return self.plant.servos[0]
+
+    def bytes(self, data: bytes, wait: float = WAIT) -> bytes:
+        """Everything that comes back."""
+        self.wire.write(data)
+        limit, got = self.wire.now() + wait, b""
+        while came := self.wire.read(limit):
+            got += came
+        return got
+
+    def ask(self, data: bytes) -> list[Packet]:
+        """The packets that come back."""
+        return list(Reader().feed(self.bytes(data)))
+
+    def error(self, data: bytes) -> int:
+        (status,) = self.ask(data)
+        return status.error
+
+    def set(self, register: Register, value: int, servo: int = 1) -> int:
+        """Writes a register; the error byte."""
+        return self.error(packet.write(servo, register.field.address, register.field.pack(value)))
+
+    def get(self, register: Register, servo: int = 1) -> int:
+        """Reads a register."""
+        (status,) = self.ask(packet.read(servo, register.field.address, register.field.size))
+        return register.field.unpack(status.data)
+
+    def pass_time(self, seconds: float) -> None:
+        """Nobody says anything for a while."""
+        self.wire.sleep(self.wire.now() + seconds)
+        self.bus.advance(self.wire.now())
+
+
+def line_of(*servos: int, **changes: object) -> Line:
+    fittings = [Fitting(servo, **changes) for servo in servos or (1,)]  # type: ignore[arg-type]
+    return Line(Cable("body", tuple(fittings)))
+
+
+@pytest.fixture
+def line() -> Callable[..., Line]:
+    """Makes a line of new servos with the ids given."""
+    return line_of

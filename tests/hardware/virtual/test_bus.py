@@ -1,0 +1,188 @@
+from collections.abc import Callable
+
+import pytest
+
+from kinesic.hardware import packet
+from kinesic.hardware.packet import BROADCAST, HEADER, Instruction, crc16
+from kinesic.hardware.registers import Register
+from kinesic.hardware.virtual.bus import PIECE
+from kinesic.hardware.virtual.faults import FaultPlan, Mishap
+from kinesic.hardware.virtual.fittings import Cable, Fitting
+from kinesic.hardware.virtual.protocol import TURNAROUND
+from kinesic.hardware.wire import BusError
+
+from .conftest import Line
+
+Lines = Callable[..., Line]
+IDS = tuple(range(1, 15))
+
+
+def troubled(*mishaps: Mishap, count: int = 3, **changes: object) -> Line:
+    fittings = tuple(Fitting(servo) for servo in range(1, count + 1))
+    return Line(Cable("body", fittings, faults=FaultPlan(mishaps), **changes))  # type: ignore[arg-type]
+
+
+def blocks(reply: bytes, size: int) -> list[tuple[int, int, bytes]]:
+    """Error, id and data of each block of a joint reply, its CRCs checked."""
+    assert reply.startswith(HEADER + bytes((BROADCAST,)))
+    assert reply[7] == Instruction.STATUS
+    found = []
+    for start in range(8, len(reply), size + 4):
+        end = start + size + 4
+        assert crc16(reply[: end - 2]) == int.from_bytes(reply[end - 2 : end], "little")
+        found.append((reply[start], reply[start + 1], reply[start + 2 : end - 2]))
+    return found
+
+
+@pytest.mark.parametrize("baud", [57_600, 1_000_000, 4_000_000])
+@pytest.mark.parametrize("count", [7, 14, 20, 26])
+def test_a_cycle_takes_what_its_bytes_take_and_the_latency(count: int, baud: int):
+    """84 + 28 + 204 bytes for 14 servos and 10 bytes of each: the figures of the table of wire limits."""
+    line = troubled(count=count, baud=baud, latency=0.001)
+    ids = list(range(1, count + 1))
+    asked = packet.sync_write(116, 4, {servo: bytes(4) for servo in ids}) + packet.sync_read(ids, 126, 10, fast=True)
+    line.wire.write(asked)
+    got = b""
+    while len(got) < 8 + 14 * count:
+        got += line.wire.read(9.0)
+    total = len(asked) + len(got)
+    assert total == 14 + 5 * count + 14 + count + 8 + 14 * count
+    waits = 0.001 if len(got) % PIECE else 0.0  # a full piece goes at once
+    assert line.wire.now() == pytest.approx(total * 10 / baud + waits + TURNAROUND, abs=1e-9)
+
+
+def test_a_plain_sync_read_turns_around_for_each_servo():
+    line = troubled(count=7, latency=0.0)
+    asked = packet.sync_read(list(range(1, 8)), 126, 10, fast=False)
+    line.wire.write(asked)
+    got = b""
+    while len(got) < 7 * 21:
+        got += line.wire.read(9.0)
+    assert line.wire.now() == pytest.approx((len(asked) + len(got)) * 1e-5 + 7 * TURNAROUND)
+
+
+def test_a_fast_read_is_one_reply_with_growing_crcs_and_no_stuffing(line: Lines):
+    three = line(1, 2, 3)
+    for servo, value in ((1, 0xFD), (2, 0), (3, 7)):
+        three.set(Register.PROFILE_VELOCITY, value, servo=servo)
+    three.plant.servos[0].memory.put(Register.PRESENT_CURRENT.field.address, b"\xff\xff")
+    reply = three.bytes(packet.sync_read([1, 2, 3], 112, 4, fast=True))
+    assert blocks(reply, 4) == [(0, 1, b"\xfd\0\0\0"), (0, 2, bytes(4)), (0, 3, b"\7\0\0\0")]
+    assert reply[5] == 25, "as in the manual's example of three servos and four bytes"
+
+
+def test_payloads_that_look_like_headers_are_stuffed_but_not_in_fast_replies(line: Lines):
+    one = line()
+    one.set(Register.GOAL_CURRENT, -1)
+    one.bytes(packet.write(1, 168, b"".join(a.to_bytes(2, "little") for a in (102, 103, 112, 113))))
+    one.set(Register.PROFILE_VELOCITY, 0xFD)
+    plain = one.bytes(packet.read(1, 224, 4))
+    assert plain[9:14] == b"\xff\xff\xfd\xfd\x00"
+    fast = one.bytes(packet.sync_read([1], 224, 4, fast=True))
+    assert blocks(fast, 4) == [(0, 1, b"\xff\xff\xfd\x00")]
+
+
+def test_bulk_reads_and_writes_concern_each_servo_differently(line: Lines):
+    two = line(1, 2)
+    rows = bytes((1,)) + (65).to_bytes(2, "little") + b"\1\0" + b"\1"
+    rows += bytes((2,)) + (112).to_bytes(2, "little") + b"\4\0" + (9).to_bytes(4, "little")
+    assert two.ask(packet.packet(BROADCAST, Instruction.BULK_WRITE, rows)) == []
+    statuses = two.ask(packet.bulk_read({1: (65, 1), 2: (112, 4)}, fast=False))
+    assert [(status.id, status.data) for status in statuses] == [(1, b"\1"), (2, b"\x09\0\0\0")]
+    fast = two.bytes(packet.bulk_read({1: (65, 1), 2: (112, 4)}, fast=True))
+    assert fast[9:11] == b"\1\1"
+    assert crc16(fast[:-2]) == int.from_bytes(fast[-2:], "little")
+
+
+def test_a_silent_servo_ends_a_joint_reply_and_leaves_a_gap_in_a_plain_one():
+    line = troubled(Mishap("silent", servos=(2,)))
+    line.pass_time(0.01)
+    assert len(line.bytes(packet.sync_read([1, 2, 3], 132, 4, fast=True))) == 8 + 8
+    assert [status.id for status in line.ask(packet.sync_read([1, 2, 3], 132, 4, fast=False))] == [1, 3]
+    line.bytes(packet.write(2, 65, b"\1"))
+    assert line.plant.servos[1].memory[Register.LED] == 1, "it hears all the same"
+
+
+def test_old_firmware_does_not_know_fast_reads():
+    line = troubled(Mishap("old_firmware"))
+    assert line.bytes(packet.sync_read([1, 2], 132, 4, fast=True)) == b""
+    assert len(line.ask(packet.sync_read([1, 2], 132, 4, fast=False))) == 2
+    assert line.ask(packet.ping(1))[0].data[2] == 41
+
+
+def test_two_servos_with_one_id_spoil_their_answers():
+    twins, strangers = (troubled(Mishap("duplicate_id", servos=(2,), value=value)) for value in (None, 1060))
+    assert len(twins.ask(packet.ping(2))) == 1, "what two say alike is one answer"
+    assert twins.ask(packet.read(2, 132, 4)) == []
+    assert len(twins.bytes(packet.read(2, 132, 4))) == 15
+    assert strangers.ask(packet.ping(2)) == []
+    assert len(strangers.ask(packet.ping(1))) == 1
+
+
+def test_another_model_than_the_file_says():
+    line = troubled(Mishap("wrong_model", servos=(3,), value=1020 + 100))
+    assert [status.data[:2] for status in line.ask(packet.ping(BROADCAST))][2] == (1120).to_bytes(2, "little")
+
+
+def test_servos_of_another_baud_rate_hear_nothing(line: Lines):
+    one = line()
+    one.set(Register.BAUD_RATE, 1)
+    assert one.ask(packet.ping(1)) == []
+    one.wire.baud = 57_600
+    assert len(one.bytes(packet.ping(1), wait=0.02)) == 14
+
+
+def test_late_replies_come_late_and_nothing_overtakes():
+    line = troubled(Mishap("late", servos=(1,), value=0.012))
+    line.wire.write(packet.ping(1))
+    assert line.wire.read(0.010) == b""
+    line.wire.write(packet.ping(2))
+    got = line.wire.read(0.1)
+    assert line.wire.now() == pytest.approx(0.012 + 0.001 + 24e-5 + TURNAROUND)
+    assert [status.id for status in packet.Reader().feed(got + line.wire.read(0.1))] == [1, 2]
+
+
+def test_an_unplugged_port_is_gone_until_it_is_opened_again():
+    line = troubled(Mishap("unplug", start=1.0, seconds=0.5))
+    line.wire.write(packet.ping(1))
+    assert line.wire.read(0.5)
+    with pytest.raises(BusError, match="the port is gone"):
+        line.wire.read(2.0)
+    assert line.wire.now() == 1.0
+    assert not line.wire.reopen()
+    line.wire.sleep(1.6)
+    with pytest.raises(BusError):
+        line.wire.write(packet.ping(1))
+    assert line.wire.reopen()
+    assert len(line.ask(packet.ping(1))) == 1
+
+
+def test_who_talks_into_a_reply_spoils_both():
+    """14 bytes of a ping's answer are on the wire from 0.12 ms on; the second ping covers all but the first of them."""
+    line = troubled(latency=0.0)
+    line.wire.write(packet.ping(1))
+    line.wire.sleep(0.00013)
+    line.wire.write(packet.ping(2))
+    got = line.bytes(b"")
+    assert got == packet.status(1, 0, b"\xfc\x03\x34")[:1] + packet.status(1, 0, b"\xfc\x03\x34")[11:]
+    assert [status.id for status in line.ask(packet.ping(2))] == [2], "then all is well again"
+
+
+def test_what_the_host_says_in_one_breath_does_not_collide_with_itself(line: Lines):
+    one = line()
+    one.wire.write(packet.sync_write(116, 4, {1: bytes(4)}))
+    assert len(one.ask(packet.ping(1))) == 1
+
+
+def test_a_packet_in_pieces_is_one_packet(line: Lines):
+    one = line()
+    data = packet.ping(1)
+    assert one.bytes(data[:5]) == b""
+    assert len(one.ask(data[5:])) == 1
+
+
+def test_goals_reach_the_servos_before_the_question_does(line: Lines):
+    one = line()
+    one.set(Register.TORQUE_ENABLE, 1)
+    both = packet.sync_write(116, 4, {1: (2200).to_bytes(4, "little")}) + packet.read(1, 116, 4)
+    assert one.ask(both)[0].data == (2200).to_bytes(4, "little")

@@ -1,0 +1,188 @@
+"""Where a servo says it is, and how it gets elsewhere."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from kinesic.hardware import packet
+from kinesic.hardware.models import MODELS
+from kinesic.hardware.packet import Fault, Instruction
+from kinesic.hardware.registers import Mode, Register
+from kinesic.hardware.virtual.rules import BY_TIME, REVERSE
+
+from .conftest import Line
+
+Lines = Callable[..., Line]
+
+
+def test_torque_in_position_mode_folds_the_turns_and_the_extended_mode_keeps_them(line: Lines):
+    one = line()
+    turn = 4096 * Register.PRESENT_POSITION.field.scale
+    one.plant.physics.turn(0, 1.5 * turn)
+    one.pass_time(0.02)
+    assert one.get(Register.PRESENT_POSITION) == 6144, "limp, it counts on"
+    one.set(Register.TORQUE_ENABLE, 1)
+    assert one.get(Register.PRESENT_POSITION) == 2048
+    other = line(latches_goal=True)
+    other.set(Register.OPERATING_MODE, Mode.EXTENDED_POSITION.value)
+    other.plant.physics.turn(0, 1.5 * turn)
+    other.set(Register.TORQUE_ENABLE, 1)
+    assert other.get(Register.PRESENT_POSITION) == 6144
+    assert other.set(Register.GOAL_POSITION, -5000) == Fault.NONE
+    assert other.set(Register.GOAL_POSITION, 1_048_576) == Fault.RANGE
+
+
+def test_clear_forgets_turns_but_not_in_motion(line: Lines):
+    one = line()
+    one.set(Register.OPERATING_MODE, Mode.EXTENDED_POSITION.value)
+    one.set(Register.TORQUE_ENABLE, 1)
+    one.set(Register.GOAL_POSITION, 2048 + 4096)
+    clear = packet.packet(1, Instruction.CLEAR, bytes.fromhex("01 44 58 4C 22"))
+    assert clear == bytes.fromhex("FF FF FD 00 01 08 00 10 01 44 58 4C 22 B1 DC"), "as the manual prints it"
+    assert one.error(clear) == Fault.RESULT
+    one.pass_time(3.0)
+    assert one.error(clear) == Fault.NONE
+    assert one.get(Register.PRESENT_POSITION) == pytest.approx(2048, abs=1)
+
+
+def test_homing_offset_is_added_and_ignored_when_it_is_wide(line: Lines):
+    one = line()
+    one.set(Register.HOMING_OFFSET, 100)
+    assert one.get(Register.PRESENT_POSITION) == 2148
+    one.set(Register.HOMING_OFFSET, 1025)
+    assert one.get(Register.PRESENT_POSITION) == 2048
+    one.set(Register.OPERATING_MODE, Mode.EXTENDED_POSITION.value)
+    assert one.get(Register.PRESENT_POSITION) == 2048 + 1025
+
+
+def test_reverse_turns_the_other_way_and_keeps_the_offsets_sign(line: Lines):
+    one = line(ticks=1000)
+    one.set(Register.DRIVE_MODE, REVERSE)
+    assert one.get(Register.PRESENT_POSITION) == 3096
+    one.set(Register.HOMING_OFFSET, 50)
+    assert one.get(Register.PRESENT_POSITION) == 3146
+    one.set(Register.TORQUE_ENABLE, 1)
+    one.set(Register.GOAL_POSITION, 3246)
+    one.pass_time(1.0)
+    assert one.get(Register.PRESENT_POSITION) == 3246
+    assert one.servo.electronics.shaft.angle == pytest.approx(900 * Register.PRESENT_POSITION.field.scale, abs=1e-3)
+
+
+def test_a_stale_goal_jumps_unless_the_firmware_latches(line: Lines):
+    for latches, ended in ((False, 1000), (True, 2048)):
+        one = line(latches_goal=latches)
+        one.set(Register.GOAL_POSITION, 1000)
+        one.set(Register.TORQUE_ENABLE, 1)
+        one.pass_time(1.0)
+        assert one.get(Register.PRESENT_POSITION) == ended
+
+
+@pytest.mark.parametrize("name", sorted(MODELS))
+def test_every_model_answers_with_its_number_and_moves(line: Lines, name: str):
+    one = line(model=name)
+    (status,) = one.ask(packet.ping(1))
+    assert int.from_bytes(status.data[:2], "little") == MODELS[name].number
+    one.set(Register.TORQUE_ENABLE, 1)
+    one.set(Register.GOAL_POSITION, 1500)
+    one.pass_time(1.0)
+    assert one.get(Register.PRESENT_POSITION) == 1500
+    assert one.get(Register.MOVING) == 0
+    assert one.get(Register.MOVING_STATUS) & 1, "in position"
+
+
+def watched(one: Line, seconds: float, step: float = 0.01) -> tuple[np.ndarray, np.ndarray]:
+    """(k,) [ticks] of the set point, (k,) [counts] of its speed, every step."""
+    places, speeds = [], []
+    for _ in range(round(seconds / step)):
+        one.bus.advance(one.plant.time + step)
+        one.servo.electronics.show()
+        places.append(one.servo.memory[Register.POSITION_TRAJECTORY])
+        speeds.append(one.servo.memory[Register.VELOCITY_TRAJECTORY])
+    return np.array(places), np.array(speeds)
+
+
+def profiled(line: Lines, *, mode: int, acceleration: int, velocity: int, goal: int) -> Line:
+    one = line()
+    one.set(Register.DRIVE_MODE, mode)
+    one.set(Register.TORQUE_ENABLE, 1)
+    one.set(Register.PROFILE_ACCELERATION, acceleration)
+    one.set(Register.PROFILE_VELOCITY, velocity)
+    one.set(Register.GOAL_POSITION, goal)
+    return one
+
+
+def test_a_velocity_based_profile_keeps_velocity_and_acceleration(line: Lines):
+    """100 counts are 22.9 rpm: a quarter turn in 0.66 s, and 10 counts of acceleration are 2145.77 rev/min^2."""
+    one = profiled(line, mode=0, acceleration=10, velocity=100, goal=3072)
+    places, speeds = watched(one, 1.5)
+    assert places[-1] == 3072
+    assert speeds.max() == 100
+    assert speeds[-1] == 0
+    rise = 22.9 / 2145.77 * 60  # [s] until it is at full speed
+    assert np.diff(speeds).max() <= 0.01 / rise * 100 + 1
+    ended = 0.01 * np.flatnonzero(places == 3072)[0]
+    assert ended == pytest.approx(1024 / 4096 / (22.9 / 60) + rise, abs=0.03)
+
+
+def test_a_time_based_profile_takes_the_time_it_is_given(line: Lines):
+    one = profiled(line, mode=BY_TIME, acceleration=200, velocity=1000, goal=1048)
+    places, speeds = watched(one, 1.2)
+    assert places[50] == pytest.approx(1548, abs=15)
+    assert 0.97 <= 0.01 * (np.flatnonzero(places == 1048)[0] + 1) <= 1.01
+    assert speeds.min() == pytest.approx(-1000 / 4096 / 0.8 * 60 / 0.229, abs=1)
+
+
+def test_moving_and_its_status_tell_what_goes_on(line: Lines):
+    one = profiled(line, mode=0, acceleration=10, velocity=50, goal=3072)
+    assert one.get(Register.MOVING) == 1
+    assert one.get(Register.MOVING_STATUS) == 0b110010, "a trapezoid, going on, not there, following"
+    one.plant.physics.jammed[0] = True
+    one.pass_time(0.9)
+    assert one.get(Register.MOVING_STATUS) & 0b1000, "it does not follow"
+    one.plant.physics.jammed[0] = False
+    one.pass_time(4.0)
+    assert (one.get(Register.MOVING), one.get(Register.MOVING_STATUS)) == (0, 1)
+
+
+def test_a_new_goal_turns_a_profile_without_a_jump(line: Lines):
+    one = profiled(line, mode=0, acceleration=5, velocity=100, goal=4000)
+    watched(one, 0.5)
+    one.set(Register.GOAL_POSITION, 2048)
+    places, speeds = watched(one, 4.0)
+    assert np.abs(np.diff(speeds)).max() <= 5
+    assert places[0] < places.max() <= 4000
+    assert places[-1] == 2048
+
+
+def test_velocity_mode_ramps_to_its_goal(line: Lines):
+    one = line()
+    one.set(Register.OPERATING_MODE, Mode.VELOCITY.value)
+    one.set(Register.TORQUE_ENABLE, 1)
+    one.set(Register.PROFILE_ACCELERATION, 1)
+    one.set(Register.GOAL_VELOCITY, 100)
+    one.pass_time(22.9 / 214.577 * 60 / 2 - 0.02)
+    assert one.get(Register.PRESENT_VELOCITY) == pytest.approx(50, abs=2)
+    one.pass_time(10.0)
+    assert one.get(Register.PRESENT_VELOCITY) == 100
+    assert one.get(Register.PRESENT_POSITION) > 4096, "it turns and turns"
+
+
+def test_goal_pwm_caps_the_speed_of_a_move(line: Lines):
+    one = line()
+    one.set(Register.TORQUE_ENABLE, 1)
+    one.set(Register.GOAL_PWM, 88)
+    one.set(Register.GOAL_POSITION, 4000)
+    one.pass_time(0.2)
+    assert one.get(Register.PRESENT_PWM) == 88
+    assert one.get(Register.PRESENT_VELOCITY) * 0.229 / 60 * 2 * np.pi == pytest.approx(8.0 * 88 / 885, rel=0.05)
+
+
+def test_current_mode_pushes_with_its_current(line: Lines):
+    one = line()
+    one.set(Register.OPERATING_MODE, Mode.CURRENT.value)
+    one.set(Register.TORQUE_ENABLE, 1)
+    one.plant.physics.jammed[0] = True
+    one.set(Register.GOAL_CURRENT, -400)
+    one.pass_time(0.1)
+    assert one.get(Register.PRESENT_CURRENT) == -400

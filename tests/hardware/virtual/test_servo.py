@@ -1,0 +1,142 @@
+"""Register by register against what the e-Manual says."""
+
+from collections.abc import Callable
+
+import pytest
+
+from kinesic.hardware import packet
+from kinesic.hardware.packet import BROADCAST, Fault, Instruction
+from kinesic.hardware.registers import Mode, Register
+from kinesic.hardware.virtual.electronics import BOOT
+from kinesic.hardware.virtual.rules import BY_GOAL, BY_TIME
+
+from .conftest import Line
+
+Lines = Callable[..., Line]
+
+
+def test_eeprom_is_locked_while_torque_is_on(line: Lines):
+    one = line()
+    assert one.set(Register.RETURN_DELAY_TIME, 10) == Fault.NONE
+    assert one.set(Register.TORQUE_ENABLE, 1) == Fault.NONE
+    assert one.set(Register.RETURN_DELAY_TIME, 0) == Fault.ACCESS
+    assert one.get(Register.RETURN_DELAY_TIME) == 10
+    assert one.set(Register.LED, 1) == Fault.NONE, "RAM is not"
+
+
+@pytest.mark.parametrize(
+    ("address", "data", "fault"),
+    [
+        (Register.MODEL_NUMBER.field.address, b"\0\0", Fault.ACCESS),
+        (Register.PRESENT_POSITION.field.address, bytes(4), Fault.ACCESS),
+        (66, b"\1", Fault.ACCESS),
+        (5000, b"\1", Fault.ACCESS),
+        (Register.GOAL_POSITION.field.address, bytes(2), Fault.LENGTH),
+        (Register.GOAL_POSITION.field.address + 1, bytes(3), Fault.ACCESS),
+        (Register.GOAL_POSITION.field.address, (4096).to_bytes(4, "little"), Fault.LIMIT),
+        (Register.GOAL_PWM.field.address, (886).to_bytes(2, "little"), Fault.RANGE),
+        (Register.OPERATING_MODE.field.address, b"\2", Fault.RANGE),
+        (Register.BAUD_RATE.field.address, b"\x08", Fault.RANGE),
+        (Register.LED.field.address, b"\2", Fault.RANGE),
+        (168, (63).to_bytes(2, "little"), Fault.RANGE),
+    ],
+)
+def test_a_wrong_write_is_refused_and_changes_nothing(line: Lines, address: int, data: bytes, fault: Fault):
+    one = line()
+    before = one.servo.memory.read(0, 120)
+    assert one.error(packet.write(1, address, data)) == fault
+    assert one.servo.memory.read(0, 120) == before
+
+
+def test_goals_obey_the_limits_that_other_registers_set(line: Lines):
+    one = line()
+    one.set(Register.PWM_LIMIT, 500)
+    one.set(Register.CURRENT_LIMIT, 300)
+    one.set(Register.MIN_POSITION_LIMIT, 1000)
+    one.set(Register.MAX_POSITION_LIMIT, 3000)
+    for register, good, bad in (
+        (Register.GOAL_PWM, -500, -501),
+        (Register.GOAL_CURRENT, 300, 301),
+        (Register.GOAL_POSITION, 1000, 999),
+        (Register.GOAL_POSITION, 3000, 3001),
+        (Register.GOAL_VELOCITY, 350, 351),
+    ):
+        assert one.set(register, good) == Fault.NONE
+        assert one.set(register, bad) == Fault.LIMIT
+        assert one.get(register) == good
+
+
+def test_a_write_of_several_registers_counts_as_a_whole(line: Lines):
+    one = line()
+    good = (7).to_bytes(4, "little")
+    assert one.error(packet.write(1, 108, good + good + (5000).to_bytes(4, "little"))) == Fault.LIMIT
+    assert one.get(Register.PROFILE_VELOCITY) == 0
+    assert one.error(packet.write(1, 108, good + good + (3000).to_bytes(4, "little"))) == Fault.NONE
+    assert one.get(Register.PROFILE_VELOCITY) == 7
+
+
+@pytest.mark.parametrize(("level", "answers"), [(0, (1, 0, 0)), (1, (1, 1, 0)), (2, (1, 1, 1))])
+def test_the_status_return_level_says_what_is_answered(line: Lines, level: int, answers: tuple[int, int, int]):
+    one = line()
+    one.bytes(packet.write(1, Register.STATUS_RETURN_LEVEL.field.address, bytes((level,))))
+    asked = (packet.ping(1), packet.read(1, 132, 4), packet.write(1, 65, b"\1"))
+    assert tuple(len(one.ask(data)) for data in asked) == answers
+    assert one.servo.memory[Register.LED] == 1, "it obeys all the same"
+
+
+def test_it_waits_before_it_answers(line: Lines):
+    slow, quick = line(return_delay=250), line()
+    waits = []
+    for one in (slow, quick):
+        one.wire.write(packet.ping(1))
+        one.wire.read(1.0)
+        waits.append(one.wire.now())
+    assert waits[0] - waits[1] == pytest.approx(500e-6)
+
+
+def test_an_unknown_instruction_is_an_error(line: Lines):
+    assert line().error(packet.packet(1, 0x77)) == Fault.INSTRUCTION
+
+
+def test_nobody_answers_a_broadcast_but_everybody_obeys(line: Lines):
+    two = line(1, 2)
+    assert two.ask(packet.write(BROADCAST, Register.TORQUE_ENABLE.field.address, b"\1")) == []
+    assert [servo.memory[Register.TORQUE_ENABLE] for servo in two.plant.servos] == [1, 1]
+
+
+@pytest.mark.parametrize(("option", "servo", "baud"), [(0xFF, 1, 57_600), (1, 7, 57_600), (2, 7, 1_000_000)])
+def test_a_factory_reset_keeps_what_its_option_says(line: Lines, option: int, servo: int, baud: int):
+    one = line(7)
+    one.set(Register.HOMING_OFFSET, 100, servo=7)
+    assert one.error(packet.packet(7, Instruction.FACTORY_RESET, bytes((option,)))) == Fault.NONE
+    one.pass_time(BOOT)
+    assert (one.servo.id, one.servo.baud) == (servo, baud)
+    assert one.servo.memory[Register.HOMING_OFFSET] == 0
+    assert one.servo.memory[Register.RETURN_DELAY_TIME] == 250
+
+
+def test_resetting_all_servos_at_once_is_not_done(line: Lines):
+    two = line(1, 2)
+    two.bytes(packet.packet(BROADCAST, Instruction.FACTORY_RESET, b"\xff"))
+    assert [servo.id for servo in two.plant.servos] == [1, 2]
+
+
+def test_a_change_of_mode_resets_gains_profiles_and_caps(line: Lines):
+    one = line()
+    one.set(Register.POSITION_P_GAIN, 100)
+    one.set(Register.PROFILE_VELOCITY, 100)
+    one.set(Register.GOAL_PWM, 100)
+    one.set(Register.OPERATING_MODE, Mode.EXTENDED_POSITION.value)
+    assert one.get(Register.POSITION_P_GAIN) == 800
+    assert one.get(Register.PROFILE_VELOCITY) == 0
+    assert one.get(Register.GOAL_PWM) == 885
+
+
+def test_a_goal_switches_torque_on_when_the_drive_mode_says_so(line: Lines):
+    one = line()
+    one.set(Register.DRIVE_MODE, BY_GOAL)
+    one.set(Register.GOAL_POSITION, 2100)
+    assert one.get(Register.TORQUE_ENABLE) == 1
+    assert line(firmware=44).set(Register.DRIVE_MODE, BY_GOAL) == Fault.RANGE
+    assert line(firmware=41).set(Register.DRIVE_MODE, BY_TIME) == Fault.RANGE
+    assert line(model="xl330_m288", firmware=41).set(Register.DRIVE_MODE, BY_TIME) == Fault.NONE

@@ -1,0 +1,73 @@
+"""What holds for a bus whatever happens on its wire."""
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kinesic.hardware.bus import Bus, Servo
+from kinesic.hardware.health import CELLS
+from kinesic.hardware.models import MODELS
+from kinesic.hardware.registers import Register
+from kinesic.hardware.virtual.faults import WIRE_KINDS, FaultPlan, Mishap
+from kinesic.hardware.virtual.fittings import Cable, Fitting, build
+from kinesic.hardware.virtual.memory_wire import MemoryWire
+from kinesic.hardware.virtual.plant import Plant
+
+MID, CYCLES, PERIOD = 2048, 30, 0.02
+MODEL = MODELS["xm430_w350"]
+RATES = st.sampled_from([0.0, 0.01, 0.1, 0.5])
+WEATHER = st.fixed_dictionaries(dict.fromkeys(sorted(WIRE_KINDS), RATES))
+BEFALLS = st.lists(
+    st.builds(
+        Mishap,
+        st.sampled_from(["silent", "reboot", "alert", "undervoltage", "unplug"]),
+        servos=st.sampled_from([(1,), (2, 3), ()]),
+        start=st.floats(0.0, 0.6),
+        seconds=st.floats(0.05, 0.3),
+    ).filter(lambda mishap: mishap.kind != "undervoltage" or mishap.start > 0),
+    max_size=2,
+)
+
+
+def opened(count: int, faults: FaultPlan) -> tuple[Bus, MemoryWire, Plant]:
+    """A bus whose servos show their records, and what is behind it."""
+    plant, buses = build([Cable("body", tuple(Fitting(k + 1) for k in range(count)), faults=faults)])
+    for servo in plant.servos:
+        servo.memory.put(MODEL.cells[0].addresses, CELLS)
+    wire = MemoryWire(buses["body"])
+    return Bus(wire, [Servo(k + 1, MODEL) for k in range(count)], period=PERIOD), wire, plant
+
+
+@settings(max_examples=25, deadline=None)
+@given(WEATHER, BEFALLS, st.integers(2, 9), st.integers(0, 1000))
+def test_nothing_is_raised_and_nothing_wrong_is_believed(
+    rates: dict[str, float], befalls: list[Mishap], count: int, seed: int
+):
+    weather = tuple(Mishap(kind, rate=rate) for kind, rate in rates.items() if rate)  # type: ignore[arg-type]
+    bus, wire, _ = opened(
+        count, FaultPlan(tuple(m for m in befalls if m.kind != "unplug" or m.start > 0.01) + weather, seed)
+    )
+    times = np.full(count, -np.inf)
+    for k in range(CYCLES):
+        cycle = bus.cycle(np.full(count, MID))
+        heard = np.isfinite(cycle.times)
+        assert (np.abs(cycle.positions[heard] - MID) <= 2).all()
+        assert (cycle.each("volts")[heard] >= 90).all()
+        assert (cycle.each("temperature")[heard] < 60).all()
+        assert (cycle.records["id"][heard] == np.array(bus.ids)[heard]).all()
+        assert (cycle.times[heard] <= cycle.time + cycle.duration).all()
+        assert (cycle.times[cycle.fresh] >= cycle.time).all()
+        assert (cycle.times[heard] >= times[heard]).all() or any(event.kind == "rebooted" for event in cycle.events)
+        times = cycle.times
+        wire.sleep(k * PERIOD)
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(2, 26), st.integers(0, 4095), st.integers(0, 4095))
+def test_goals_arrive_as_they_were_given(count: int, first: int, last: int):
+    bus, _, plant = opened(count, FaultPlan())
+    goals = np.linspace(first, last, count).astype(np.int64)
+    cycle = bus.cycle(goals)
+    assert cycle.fresh.all()
+    assert cycle.servos == bus.ids
+    assert [servo.memory[Register.GOAL_POSITION] for servo in plant.servos] == goals.tolist()

@@ -1,0 +1,26 @@
+"""Whatever is asked of goals, they keep range, speed and acceleration."""
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kinesic.hardware.supervisor.guard import Bounds, Course, guarded
+
+STEP = 0.01
+wishes = st.lists(st.floats(-1e5, 1e5), min_size=1, max_size=60)
+
+
+@given(
+    wishes, st.floats(0, 4095), st.floats(100, 1e4), st.floats(20, 600), st.lists(st.floats(-5000, 9000), max_size=5)
+)
+@settings(max_examples=200)
+def test_goals_never_jump(wanted: list[float], start: float, speed: float, lead: float, present: list[float]):
+    bounds = Bounds(np.array([0.0]), np.array([4095.0]), np.array([speed]), np.array([lead]))
+    course = Course.still(np.array([start]))
+    for k, wish in enumerate(wanted):
+        here = np.array([present[k % len(present)] if present else np.nan])
+        after, _ = guarded(course, np.array([wish]), here, STEP, bounds)
+        assert -1e-6 <= after.goals[0] <= 4095.0 + 1e-6
+        assert abs(after.goals[0] - course.goals[0]) <= speed * STEP * (1 + 1e-5)
+        assert abs(after.speeds[0] - course.speeds[0]) <= bounds.acceleration[0] * STEP * (1 + 1e-5)
+        course = after
