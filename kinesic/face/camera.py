@@ -1,0 +1,53 @@
+"""Where the face is looked at from."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.face.display import DisplayError
+
+PIVOT = (-0.055, 0.0, -0.028)  # [m] middle of the head, round which the camera goes
+NEAR, FAR = 0.1, 10.0  # [m]
+FAREST = 5.0  # [m]
+NEAREST = 0.3  # [m]
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A camera that looks at the middle of the head from its own height."""
+
+    yaw_deg: float = 0.0  # 0 is frontal, 90 shows the left side of the head, 180 the back
+    distance: float = 0.85  # [m] from the middle of the head
+    field_deg: float = 19.0  # of view, upright
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.yaw_deg):
+            raise DisplayError(f"yaw {self.yaw_deg:g} is no angle")
+        if not NEAREST <= self.distance <= FAREST:
+            raise DisplayError(f"camera {self.distance:g} m away; it may be {NEAREST:g} to {FAREST:g} m away")
+
+    def view(self) -> Floats:
+        """(4, 4) from the head's frame to the camera's: x to the right of the picture, y up, z towards the viewer."""
+        yaw = math.radians(self.yaw_deg)
+        towards = np.array([math.cos(yaw), math.sin(yaw), 0.0])
+        up = np.array([0.0, 0.0, 1.0])
+        rotation = np.array([np.cross(up, towards), up, towards])
+        found = np.eye(4)
+        found[:3, :3] = rotation
+        found[:3, 3] = rotation @ -np.array(PIVOT) - np.array([0.0, 0.0, self.distance])
+        return found
+
+    def projection(self, aspect: float) -> Floats:
+        """(4, 4) of perspective, for a picture of an aspect (width / height)."""
+        scale = 1.0 / math.tan(math.radians(self.field_deg) / 2)
+        found = np.zeros((4, 4))
+        found[0, 0], found[1, 1] = scale / aspect, scale
+        found[2, 2] = (FAR + NEAR) / (NEAR - FAR)
+        found[2, 3] = 2 * FAR * NEAR / (NEAR - FAR)
+        found[3, 2] = -1.0
+        return found
+
+
+FRONT = Camera()

@@ -1,0 +1,101 @@
+"""Ambient occlusion over the G-buffer, exact or separable (thesis chapter 3).
+
+Separable occlusion marches along two directions instead of all. They turn from pixel to pixel in a small pattern, and a
+blur that respects the geometry joins what neighbours saw: O(k) samples instead of O(k^2).
+"""
+
+from math import cos, pi, sin
+from typing import get_args
+
+import moderngl
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.face.passes import ScreenPass, Size, Target, Value, texture
+from kinesic.face.presets import Estimator, Occlusion, Pattern
+
+SIDE = 4  # pixels of the pattern along an axis
+SEED = 3
+
+
+class OcclusionPass:
+    """Finds how open each pixel of the head is."""
+
+    def __init__(self, context: moderngl.Context, size: Size, occlusion: Occlusion) -> None:
+        self.occlusion = occlusion
+        estimator = get_args(Estimator).index(occlusion.estimator)
+
+        def target() -> Target:
+            found = Target(context, (-(-size[0] // occlusion.coarse), -(-size[1] // occlusion.coarse)), ("1f4",), None)
+            found.textures[0].filter = (moderngl.LINEAR, moderngl.LINEAR)
+            return found
+
+        self._march = ScreenPass(context, "occlusion", target(), everywhere=True, defines={"ESTIMATOR": estimator})
+        self._blurs = [ScreenPass(context, "blur", target(), everywhere=True) for _ in range(2)]
+        angles = np.zeros((SIDE, SIDE)) if occlusion.exact else directions(occlusion.pattern)
+        self._pattern = texture(context, np.stack([np.cos(angles), np.sin(angles)], axis=-1), half=False)
+
+    def draw(self, position: moderngl.Texture, normal: moderngl.Texture, scale: float) -> Target:
+        """Openness of each pixel, 0..1.
+
+        Args:
+            position: of the G-buffer.
+            normal: of the geometry; wrinkles would be smeared by the blur.
+            scale: [pixels/m] at the middle of the head.
+        """
+        told = self.occlusion
+        steps, marched = told.size // 2, told.size if told.exact else 2
+        turn = pi / marched
+        counts = {"side": SIDE, "coarse": told.coarse}
+        rings = np.arange(1, steps + 1)
+        values: dict[str, Value] = {
+            "turn": (cos(turn), sin(turn)),
+            "stride": told.radius * scale / (steps + 1),
+            "radius": told.radius,
+            "strength": told.strength,
+        }
+        if told.estimator != "horizon":
+            values["all"] = float((rings * wendland(rings / (steps + 1))).sum())
+        inputs = {"position": position, "normal": normal, "pattern": self._pattern}
+        found = self._march.draw(inputs, values, counts | {"directions": marched, "steps": steps})
+        for blur, axis in zip(() if told.exact else self._blurs, ((1.0, 0.0), (0.0, 1.0)), strict=False):
+            inputs = {"position": position, "normal": normal, "noisy": found.textures[0]}
+            found = blur.draw(inputs, {"axis": axis}, counts)
+        return found
+
+
+def samples(occlusion: Occlusion) -> int:
+    """Pixels that are looked at for one."""
+    return 2 * (occlusion.size // 2) * (occlusion.size if occlusion.exact else 2)
+
+
+def wendland(t: Floats) -> Floats:
+    """1 at 0, 0 from 1 on, and smooth between (thesis 3.3.3)."""
+    return np.asarray(np.maximum(1.0 - t, 0.0) ** 4 * (4.0 * t + 1.0))
+
+
+def directions(pattern: Pattern) -> Floats:
+    """(4, 4) [rad] the first direction at each pixel, of a quarter turn: the second stands at right angles to it."""
+    count = SIDE * SIDE
+    random = np.random.default_rng(SEED)
+    if pattern == "random":
+        shares = random.uniform(size=count)
+    elif pattern == "regular":
+        shares = np.arange(count) / count
+    elif pattern == "jittered":
+        shares = (random.permutation(count) + random.uniform(size=count)) / count
+    elif pattern == "halton":
+        shares = np.array([radical_inverse(k + 1, 3) for k in range(count)])
+    else:
+        shares = np.array([radical_inverse(k, 2) for k in range(count)])
+    return np.asarray(pi / 2 * shares.reshape(SIDE, SIDE))
+
+
+def radical_inverse(number: int, base: int) -> float:
+    """The digits of a number, mirrored at the point (J. H. Halton, 1960)."""
+    found, place = 0.0, 1.0 / base
+    while number:
+        number, digit = divmod(number, base)
+        found += digit * place
+        place /= base
+    return found

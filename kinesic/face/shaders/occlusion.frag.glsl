@@ -1,0 +1,66 @@
+// Ambient occlusion (thesis chapter 3): how much of the light around reaches each pixel, judged by marching over the
+// G-buffer. Exact: along every direction. Separable: along two at right angles that turn from pixel to pixel.
+uniform sampler2D position;
+uniform sampler2D normal;
+uniform sampler2D pattern;  // cosine and sine of the first direction, interleaved over the screen
+uniform int coarse;         // pixels of the G-buffer along a side of one of these
+uniform int side;           // pixels of the pattern along an axis
+uniform int directions;     // marched, each both ways
+uniform int steps;          // along each half of a direction
+uniform vec2 turn;          // cosine and sine of the angle between directions
+uniform float stride;       // [pixels] of a step
+uniform float radius;       // [m] beyond which nothing occludes
+uniform float strength;
+
+uniform float all;          // weights of one march if everything were in the way
+
+const float BIAS = 0.10;      // sine of the elevation under which a surface does not occlude itself
+
+out float open;
+
+float wendland(float t) {
+    float u = max(1.0 - t, 0.0);
+    u *= u;
+    return u * u * (4.0 * t + 1.0);
+}
+
+// What a sample takes from a pixel, 0..1, against the tangent plane there: a slope does not darken itself.
+float occluded(vec3 p, vec3 n, vec4 at) {
+    vec3 way = at.xyz - p;
+    float away = max(length(way), 1e-7), height = dot(n, way);
+    float near = float(at.w > 0.0) * wendland(away / radius);
+#if ESTIMATOR == 1  // Crytek: in front or not
+    return 0.5 * step(BIAS, height / away) * near;
+#elif ESTIMATOR == 2  // volumetric obscurance: how much of the line through the sphere is filled
+    return clamp(1.5 * (height / radius - 0.2 * BIAS), 0.0, 1.0) * sqrt(near);
+#else  // angular, and the horizon, of which the highest counts
+    return 2.2 * max(height / away - BIAS, 0.0) * near;
+#endif
+}
+
+void main() {
+    ivec2 cell = ivec2(gl_FragCoord.xy), here = cell * coarse;
+    vec4 at = texelFetch(position, here, 0);
+    vec3 p = at.xyz;
+    int marched = at.w > 0.0 ? directions : 0;
+    vec3 n = texelFetch(normal, here, 0).xyz;
+    vec2 way = texelFetch(pattern, cell % side, 0).rg;
+    float sum = 0.0;
+    for (int direction = 0; direction < marched; ++direction) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            float blocked = 0.0;
+            for (int k = 1; k <= steps; ++k) {
+                ivec2 there = here + ivec2(round(way * (float(sign * k) * stride)));
+                float taken = occluded(p, n, texelFetch(position, there, 0));
+#if ESTIMATOR == 3
+                blocked = max(blocked, 0.4 * taken);
+#else
+                blocked += taken * float(k) / all;  // a ring is as wide as it is far
+#endif
+            }
+            sum += blocked;
+        }
+        way = vec2(turn.x * way.x - turn.y * way.y, turn.y * way.x + turn.x * way.y);
+    }
+    open = clamp(1.0 - strength * sum / float(2 * directions), 0.0, 1.0);
+}
