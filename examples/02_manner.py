@@ -4,7 +4,7 @@ import numpy as np
 
 from kinesic.controller.arrival import paths
 from kinesic.controller.perform import facts, plan
-from kinesic.expressivity.style import Style
+from kinesic.expressivity.style import Expressivity, Style
 
 BML = """
 <bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">
@@ -12,7 +12,8 @@ BML = """
 </bml>
 """
 
-for style in (Style("small and slow", spatial=-0.8, temporal=-0.8), Style("large and fast", spatial=0.8, temporal=0.8)):
+for name, extent in (("small and slow", -0.8), ("large and fast", 0.8)):
+    style = Style.uniform(Expressivity(spatial=extent, temporal=extent), name)
     planned = plan(BML, facts(style=style))
     times = np.arange(0.0, planned.trajectory.duration, 0.01)
     hand = paths(planned.trajectory.sample(times)[0], planned.facts.robot)["l_hand"]

@@ -1,5 +1,15 @@
-"""MuJoCo reads MUJOCO_GL when it is first imported: kinesic decides before any test module can."""
+"""What must be so before any test module is imported.
+
+MuJoCo reads MUJOCO_GL when it is first imported: kinesic decides before. And whoever runs the tests may have calibrated
+a robot: here nobody has.
+"""
+
+import os
+import tempfile
 
 from kinesic.sim import gl
 
 gl.prepare()
+
+_nobody = tempfile.TemporaryDirectory(prefix="kinesic-tests-")  # removed when the interpreter ends
+os.environ["XDG_CONFIG_HOME"] = _nobody.name

@@ -1,13 +1,19 @@
 """What the user's guide shows works, and what it points at exists."""
 
 import re
+import runpy
+from collections import Counter
 from pathlib import Path
 
 import pytest
 
+from kinesic.body.robot import Robot
 from kinesic.controller.checks import checks
-from kinesic.controller.perform import perform
+from kinesic.controller.gestures.vocabulary import vocabulary
+from kinesic.controller.perform import facts, perform
 from kinesic.expressivity.lexicon import Lexicon
+from kinesic.expressivity.shapes import SHAPES
+from kinesic.hardware.servo_map import ServoMap
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
@@ -33,6 +39,19 @@ def test_the_example_of_the_gesture_page_is_a_lexicon(tmp_path: Path):
     assert lift.form.keys[1].hands["l"].fixed == (True, False, False)
 
 
+def test_the_page_of_gestures_is_in_step_with_the_lexicon():
+    script = runpy.run_path(str(ROOT / "docs" / "gestures.py"))
+    known = facts()
+    written = (ROOT / "docs" / "gestures.md").read_text(encoding="utf-8")
+    assert written == script["page"](vocabulary(known.lexicon, known.pace)), "run docs/gestures.py"
+    assert (ROOT / "docs" / "gestures.png").stat().st_size < 1.5e6
+
+
+def test_the_gesture_page_describes_every_shape():
+    page = (ROOT / "docs" / "my-gestures.md").read_text(encoding="utf-8")
+    assert all(f"| `{name}` | {shape.says} |" in page for name, shape in SHAPES.items())
+
+
 def test_the_report_page_names_every_check():
     page = (ROOT / "docs" / "report.md").read_text(encoding="utf-8")
     named = set(re.findall(r"`(\w+\.\w+)`", page[page.index("| check |") :]))
@@ -40,3 +59,30 @@ def test_the_report_page_names_every_check():
         '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><gesture id="g" lexeme="beat" stroke="1"/></bml>'
     )
     assert {check.name for check in checks(perform(block))} <= named
+
+
+def test_the_robot_page_lists_the_servos_of_upper22_and_their_ids():
+    page = (ROOT / "docs" / "my-robot.md").read_text(encoding="utf-8")
+    robot = Robot.load()
+    pieces = Counter[str]()
+    for drive in robot.drives:
+        pieces[drive.servo.name] += drive.count
+    listed = {
+        name.lower().replace("-", "_"): int(count) for name, count in re.findall(r"\| (X\S+)-T \| (\d+) \|", page)
+    }
+    assert listed == dict(pieces)
+    for row in ServoMap.of(robot).servos:
+        name, ids = row.hinge.removeprefix("l_").removeprefix("r_"), ", ".join(str(servo) for servo in row.ids)
+        (line,) = [line for line in page.splitlines() if re.search(rf"\| `{name}` \| [\d, |]*\b{ids}\b", line)]
+        assert line
+
+
+def test_the_buses_of_the_robot_page_are_a_robots(tmp_path: Path):
+    page = (ROOT / "docs" / "my-robot.md").read_text(encoding="utf-8")
+    (buses,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    text = Robot.load().path.read_text(encoding="utf-8")
+    file = tmp_path / "mine.toml"
+    file.write_text(text[: text.index("[[bus]]")] + buses, encoding="utf-8")
+    wiring = ServoMap.of(Robot.load(file))
+    assert [bus.name for bus in wiring.buses] == ["trunk", "arms"]
+    assert len(wiring.servos) == 22

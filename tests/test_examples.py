@@ -1,5 +1,7 @@
 import runpy
+import sys
 from pathlib import Path
+from types import ModuleType, SimpleNamespace
 
 import pytest
 
@@ -17,3 +19,17 @@ def test_is_short_and_has_a_title(path):
     lines = path.read_text().splitlines()
     assert len(lines) < 40
     assert lines[0].startswith('"""')
+
+
+def test_a_ros_topic_gets_every_goal(monkeypatch):
+    sent = []
+    node = SimpleNamespace(create_publisher=lambda kind, topic, depth: SimpleNamespace(publish=sent.append))
+    ros = SimpleNamespace(init=lambda: None, shutdown=lambda: sent.append("shutdown"), create_node=lambda name: node)
+    monkeypatch.setitem(sys.modules, "rclpy", ros)
+    monkeypatch.setitem(sys.modules, "sensor_msgs", ModuleType("sensor_msgs"))
+    monkeypatch.setitem(sys.modules, "sensor_msgs.msg", SimpleNamespace(JointState=SimpleNamespace))
+    monkeypatch.setattr("time.sleep", lambda seconds: None)
+    runpy.run_path(str(EXAMPLES[5]), run_name="__main__")
+    assert sent.pop() == "shutdown"
+    assert len(sent) > 1000
+    assert all(len(message.position) == len(message.name) == 22 for message in sent)

@@ -15,6 +15,19 @@ GAZE_SYNCS = ("start", "ready", "relax", "end")
 FACE_SYNCS = ("start", "attackPeak", "relax", "end")
 SHIFT_SYNCS = ("start", "end")
 
+Modality = Literal["gesture", "head", "torso", "face"]  # each is moved in a manner of its own
+
+RANGES: Mapping[str, tuple[float, float]] = {  # of the parameters of expressivity (thesis 8.7)
+    "spatial": (-1.0, 1.0),
+    "temporal": (-1.0, 1.0),
+    "fluidity": (-1.0, 1.0),
+    "power": (-1.0, 1.0),
+    "tension": (-1.0, 1.0),
+    "repetition": (-1.0, 1.0),
+    "activation": (-1.0, 1.0),
+    "openness": (0.0, 1.0),
+}
+
 
 class BmlError(ValueError):
     """A document is refused: names file, line, column, what is wrong and what would have worked."""
@@ -70,16 +83,18 @@ class SyncRef:
 
 @dataclass(frozen=True)
 class Manner:
-    """Expressivity that a document carries; None where it says nothing."""
+    """Expressivity that a document carries, inside `RANGES`; None where it says nothing."""
 
-    spatial: float | None = None  # -1..1
-    temporal: float | None = None  # -1..1
-    fluidity: float | None = None  # -1..1
-    power: float | None = None  # -1..1
-    repetition: float | None = None  # -1..1
+    spatial: float | None = None
+    temporal: float | None = None
+    fluidity: float | None = None
+    power: float | None = None
+    repetition: float | None = None
     openness: float | None = None
-    tension: float | None = None  # -1..1
-    intensity: float | None = None  # 0..1
+    tension: float | None = None
+    intensity: float | None = None  # 0..1, of Greta's signals
+    activation: float | None = None
+    style: str | None = None  # preset that the numbers change
 
 
 @dataclass(frozen=True)
@@ -232,6 +247,7 @@ class Block:
     dialect: Dialect = "bml-1.0"
     notices: tuple[Notice, ...] = ()
     source: str = "<text>"  # file name, for messages
+    manners: Mapping[Modality, Manner] = field(default_factory=dict)  # of all its behaviours of a modality
 
 
 @dataclass(frozen=True)

@@ -73,6 +73,19 @@ def synchronized(constraint: Synchronize) -> Iterator[Tie]:
             yield Tie(first, ref, None, constraint.place, constraint.required)
 
 
+def placed(block: Block) -> Mapping[str, frozenset[str]]:
+    """The sync points of each behaviour that the document places, or places others by; the rest is natural."""
+    refs = [ref for tie in ties(block) for ref in (tie.left, tie.right)]
+    for order in block.constraints:
+        if isinstance(order, Order):
+            refs += [order.earlier, *order.later]
+    found: dict[str, set[str]] = {behaviour.id: set() for behaviour in block.behaviours}
+    for point in map(point_of, refs):
+        if point.block == block.id and point.behaviour in found:
+            found[point.behaviour].add(point.sync)
+    return {id: frozenset(syncs) for id, syncs in found.items()}
+
+
 @dataclass(frozen=True)
 class Constraints:
     """Classes and orders of a block, those from `required` parts apart as well."""

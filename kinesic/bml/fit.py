@@ -1,10 +1,10 @@
 """One behaviour whose times hang on nothing else: its free sync points between those that are given.
 
 Rule (Greta's, and facts on BML 1.0): longer than natural lengthens the hold after the stroke; shorter takes the holds
-first and then shortens all the rest alike.
+first, then strokes that are done once more, and then shortens all the rest alike.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from itertools import pairwise
 
 from kinesic.bml.points import HOLDS
@@ -12,13 +12,16 @@ from kinesic.bml.points import HOLDS
 _GIVING = ("relax", "strokeStart", "end", "ready")  # phases that are lengthened, by the point that ends them
 
 
-def fit(names: Sequence[str], spans: Mapping[str, float], given: Mapping[str, float]) -> list[float]:
+def fit(
+    names: Sequence[str], spans: Mapping[str, float], given: Mapping[str, float], repeated: Collection[str] = ()
+) -> list[float]:
     """Finds the times of all sync points of a behaviour.
 
     Args:
         names: sync points in order.
         spans: natural seconds from the previous point to each; 0 where missing.
         given: times that are asked for [s], in order; none: it starts at 0.
+        repeated: points that end a stroke done once more.
 
     Returns:
         A time for each name, never going back.
@@ -32,7 +35,7 @@ def fit(names: Sequence[str], spans: Mapping[str, float], given: Mapping[str, fl
         times[index] = times[index + 1] - natural[index + 1]
     for early, late in pairwise(fixed):
         phases = slice(early + 1, late + 1)
-        lengths = _lengths(names[phases], natural[phases], times[late] - times[early])
+        lengths = _lengths(names[phases], natural[phases], times[late] - times[early], repeated)
         for index in range(early + 1, late):
             times[index] = min(times[index - 1] + lengths[index - early - 1], times[late])
     for index in range(fixed[-1] + 1, len(names)):
@@ -40,14 +43,16 @@ def fit(names: Sequence[str], spans: Mapping[str, float], given: Mapping[str, fl
     return times
 
 
-def _lengths(names: Sequence[str], natural: Sequence[float], total: float) -> list[float]:
+def _lengths(names: Sequence[str], natural: Sequence[float], total: float, repeated: Collection[str]) -> list[float]:
     """Seconds of each phase so that they add up to a total."""
     spare = total - sum(natural)
     if spare >= 0.0:
         gives = next((name for name in _GIVING if name in names), names[-1])
         return [span + spare * (name == gives) for name, span in zip(names, natural, strict=True)]
-    moving = sum(span for name, span in zip(names, natural, strict=True) if name not in HOLDS)
-    holds = sum(natural) - moving
-    hold_factor = max(0.0, (total - moving) / holds) if holds else 0.0
-    factor = min(1.0, total / moving) if moving else 0.0
-    return [span * (hold_factor if name in HOLDS else factor) for name, span in zip(names, natural, strict=True)]
+    ranks = [2 if name in HOLDS else 1 if name in repeated else 0 for name in names]
+    factors, left = [], total
+    for rank in range(3):
+        wanted = sum(span for span, own in zip(natural, ranks, strict=True) if own == rank)
+        factors.append(min(1.0, left / wanted) if wanted else 0.0)
+        left = max(0.0, left - wanted)
+    return [span * factors[rank] for span, rank in zip(natural, ranks, strict=True)]

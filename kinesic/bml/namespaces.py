@@ -6,9 +6,11 @@ BML_1_0 = "http://www.bml-initiative.org/bml/bml-1.0"
 EXTENSIONS = "http://www.bml-initiative.org/bml/coreextensions-1.0"
 DRAFTS = ("http://www.mindmakers.org/projects/BML", "org.mindmakers.bml")
 GRETA = "VIBNameSpace"
+KINESIC = "urn:kinesic"  # expressivity: kinesic:power="0.8"
 
 CORE = frozenset({"", BML_1_0, EXTENSIONS, GRETA, *DRAFTS})
 CORE_PREFIXES = frozenset({"bml", "ext", "greta"})  # meant when nobody declares them
+OWN_PREFIX = "kinesic"  # likewise
 NEUTRAL_PREFIXES = frozenset({"xml", "xmlns", "xsi"})
 
 
@@ -38,6 +40,16 @@ def core_attributes(element: Element, *, home: str | None) -> dict[str, str]:
     return attributes
 
 
+def own_attributes(element: Element) -> dict[str, str]:
+    """Attributes of our namespace, by name with prefix as written."""
+    found = {}
+    for name, value in element.attributes.items():
+        prefix = name.rpartition(":")[0]
+        if prefix and prefix not in NEUTRAL_PREFIXES and _is_own(prefix, element.scope.get(prefix)):
+            found[name] = value
+    return found
+
+
 def foreign_attributes(element: Element, *, home: str | None) -> list[str]:
     """Names, with prefix, of attributes of unknown extensions."""
     prefixed = [name for name in element.attributes if ":" in name]
@@ -46,7 +58,12 @@ def foreign_attributes(element: Element, *, home: str | None) -> list[str]:
         for name in prefixed
         if (prefix := name.rpartition(":")[0]) not in NEUTRAL_PREFIXES
         and not _is_core(prefix, element.scope.get(prefix), home)
+        and not _is_own(prefix, element.scope.get(prefix))
     ]
+
+
+def _is_own(prefix: str, uri: str | None) -> bool:
+    return prefix == OWN_PREFIX if uri is None else uri == KINESIC
 
 
 def _is_core(prefix: str, uri: str | None, home: str | None) -> bool:

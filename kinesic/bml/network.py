@@ -102,15 +102,20 @@ class Surroundings:
     """Resolves references of a block among behaviours that are still performed."""
 
     def __init__(
-        self, block: Block, behaviours: Mapping[str, Behaviour], utterances: Mapping[str, Utterance], known: Elsewhere
+        self,
+        block: Block,
+        behaviours: Mapping[str, Behaviour],
+        utterances: Mapping[str, Utterance],
+        known: Elsewhere,
+        spans: Mapping[str, Mapping[str, float]],
     ) -> None:
-        self._block, self._utterances, self._elsewhere = block, utterances, known
+        self._block, self._utterances, self._elsewhere, self._spans = block, utterances, known, spans
         self._start = Point(block.id, "bml", "start")
         self.chains = {behaviour.id: self._chain(behaviour) for behaviour in behaviours.values()}
         self.unresolved: list[Unresolved] = []
 
     def _chain(self, behaviour: Behaviour) -> Chain:
-        names = sync_points(behaviour.action, self._block.dialect)
+        names = sync_points(behaviour.action, self._block.dialect, self._spans.get(behaviour.id, ()))
         if isinstance(behaviour.action, Speech):
             marks = self._utterances[behaviour.id].marks
             spoken = sorted((name for name in names[1:-1] if name in marks), key=lambda name: marks[name])

@@ -5,7 +5,7 @@ from typing import Literal
 
 from kinesic.bml.block import Action, Behaviour, Block, Composition, Custom, Dialect, NoticeType, Speech
 from kinesic.bml.elements import ACTIONS
-from kinesic.bml.manner import manner_of
+from kinesic.bml.manner import manner_of, manners_of
 from kinesic.bml.namespaces import BML_1_0, DRAFTS, core_attributes, foreign_attributes, is_core, namespace
 from kinesic.bml.reading import Named, Reading
 from kinesic.bml.references import Constraint, References, check_references
@@ -61,6 +61,7 @@ def parse(
     references = References(reading, names)
     cued = [references.cues(behaviour, name) for behaviour, (name, _) in zip(bare, named, strict=True)]
     behaviours = tuple(behaviour for behaviour, _ in cued)
+    manners = manners_of(bml, reading)
     constraints = (*(order for _, orders in cued for order in orders), *_constraints(bml, references))
     check_references(behaviours, constraints, reading)
     return Block(
@@ -72,6 +73,7 @@ def parse(
         dialect=found,
         notices=tuple(reading.notices),
         source=source,
+        manners=manners,
     )
 
 
@@ -148,7 +150,7 @@ def _bare(named: Named, required: bool, reading: Reading) -> Behaviour:
     element = named.element
     known = is_core(element, home=reading.home) and element.local in ACTIONS
     action: Action = ACTIONS[element.local](named, reading) if known else Custom(element.name)
-    manner = manner_of(named, reading)
+    manner = manner_of(named, action, reading)
     return Behaviour(named.id, element.name, action, element.place, manner=manner, required=required)
 
 

@@ -1,6 +1,6 @@
 """Sync points of each type of behaviour in their order, and how long it takes by nature from one to the next."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 from kinesic.bml.block import (
     FACE_SYNCS,
@@ -11,6 +11,7 @@ from kinesic.bml.block import (
     Dialect,
     Face,
     Gaze,
+    Gesture,
     Head,
     Locomotion,
     Posture,
@@ -34,10 +35,15 @@ _SHIFT = 0.8  # [s]
 _WAIT = 1.0  # [s] when nothing says how long
 
 
-def sync_points(action: Action, dialect: Dialect) -> tuple[str, ...]:
+def sync_points(action: Action, dialect: Dialect, spans: Iterable[str] = ()) -> tuple[str, ...]:
     """Sync points of a behaviour in order; those of a speech are start, its marks as written, end.
 
     Gaze, face and posture have the gesture's seven points in the drafts: outside BML 1.0 they get both sets.
+
+    Args:
+        action: what is done.
+        dialect: of the document.
+        spans: points whose natural spans are known; a gesture that style repeats has a `stroke:2` among them.
     """
     is_draft = dialect != "bml-1.0"
     match action:
@@ -52,10 +58,15 @@ def sync_points(action: Action, dialect: Dialect) -> tuple[str, ...]:
         case Locomotion():
             return GAZE_SYNCS
         case Head(repetition=count) if count > 1:
-            after = GESTURE_SYNCS.index("strokeEnd")
-            more = (f"stroke:{k}" for k in range(2, count + 1))
-            return (*GESTURE_SYNCS[:after], *more, *GESTURE_SYNCS[after:])
+            return _with_strokes([f"stroke:{k}" for k in range(2, count + 1)])
+        case Gesture():
+            return _with_strokes([name for name in spans if is_repeated(action, name)])
     return GESTURE_SYNCS
+
+
+def is_repeated(action: Action, sync: str) -> bool:
+    """Whether a sync point is a stroke that nobody but the style asks for, and so gives way to all others."""
+    return isinstance(action, Gesture) and sync.startswith("stroke:")
 
 
 def natural_spans(action: Action, given: Mapping[str, float]) -> dict[str, float]:
@@ -75,3 +86,9 @@ def natural_spans(action: Action, given: Mapping[str, float]) -> dict[str, float
         case _:
             usual = _NATURAL.get(type(action), _GESTURE)
     return {**usual, **given}
+
+
+def _with_strokes(more: Sequence[str]) -> tuple[str, ...]:
+    """A gesture's sync points with more strokes than one."""
+    after = GESTURE_SYNCS.index("strokeEnd")
+    return (*GESTURE_SYNCS[:after], *more, *GESTURE_SYNCS[after:])

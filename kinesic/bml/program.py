@@ -16,12 +16,13 @@ from scipy.sparse import csr_array
 from kinesic.bml.constraints import Point
 from kinesic.bml.loops import Edge
 from kinesic.bml.network import SHORTEST, Chain
-from kinesic.bml.points import HOLDS
+from kinesic.bml.points import HOLDS, is_repeated
 from kinesic.bml.potentials import Potentials
 
 _LONGER = {"relax": 1.0, "strokeStart": 1.5, "end": 4.0, "ready": 5.0}
 _STROKE_LONGER = 40.0
 _SHORTER_HOLD = 2.0
+_SHORTER_AGAIN = 2.5  # a stroke that is done once more
 _SHORTER = 3.0
 _STROKE_SHORTER = 20.0
 _SHRINK = 10.0  # of one behaviour, per natural second
@@ -87,7 +88,8 @@ class Program:
         self._rows.at_most(head_gap - tail_gap - gap, [*tail_terms, *minus, *more])
 
     def _add(self, chain: Chain, spans: Mapping[str, float], all_shrink: int, early: float) -> None:
-        moving = sum(span for name, span in spans.items() if name not in HOLDS)
+        action = chain.behaviour.action
+        moving = sum(span for name, span in spans.items() if name not in HOLDS and not is_repeated(action, name))
         shrink = self._rows.unknown(_SHRINK * moving, 0.0)
         self._rows.at_most(0.0, [(shrink, 1.0), (all_shrink, -1.0)])
         for tail, head in pairwise(chain.points):
@@ -95,14 +97,15 @@ class Program:
                 continue
             name = head.sync
             natural = spans.get(name, 0.0)
-            is_hold = name in HOLDS
-            less = _SHORTER_HOLD if is_hold else _SHORTER if name in _LONGER else _STROKE_SHORTER
+            is_hold, again = name in HOLDS, is_repeated(action, name)
+            least = _SHORTER_HOLD if is_hold else _SHORTER_AGAIN if again else None
+            less = least or (_SHORTER if name in _LONGER else _STROKE_SHORTER)
             longer = self._rows.unknown(_LONGER.get(name, _STROKE_LONGER), 0.0)
             shorter = self._rows.unknown(less, 0.0)
             self._at_least(tail, head, natural, [(shorter, -1.0)])
             self._at_least(head, tail, -natural, [(longer, -1.0)])
             self._at_least(tail, head, 0.0)
-            if not is_hold:
+            if least is None:
                 self._rows.at_most(0.0, [(shorter, 1.0), (shrink, -natural)])
         first, last = chain.points[0], chain.points[-1]
         if self._potentials.find(first)[0] != self._potentials.find(last)[0]:

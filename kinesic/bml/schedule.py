@@ -59,7 +59,7 @@ def schedule(
         if isinstance(behaviour.action, Speech) and behaviour.id not in utterances:
             cast.drop(behaviour.id, NoticeType.CANNOT_CREATE_BEHAVIOR, "nobody says its text")
     while True:
-        around = Surroundings(block, cast.behaviours, utterances, elsewhere or {})
+        around = Surroundings(block, cast.behaviours, utterances, elsewhere or {}, spans)
         network = around.network(cast.ties(), cast.constraints)
         for unresolved in around.unresolved:
             cast.give_up(unresolved.culprit, unresolved.kind, unresolved.why)

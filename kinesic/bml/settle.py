@@ -12,6 +12,7 @@ from kinesic.bml.constraints import Point
 from kinesic.bml.fit import fit
 from kinesic.bml.loops import Edge
 from kinesic.bml.network import Chain, Network
+from kinesic.bml.points import is_repeated
 from kinesic.bml.potentials import Potentials
 from kinesic.bml.program import Program
 
@@ -121,7 +122,8 @@ class _Settling:
         given = {
             point.sync: _time(point, self._potentials, known) for point in chain.points if self._root(point) in known
         }
-        times = fit(names, self._spans[chain.behaviour.id], given)
+        repeated = {name for name in names if is_repeated(chain.behaviour.action, name)}
+        times = fit(names, self._spans[chain.behaviour.id], given, repeated)
         found = {}
         for point, time in zip(chain.points, times, strict=True):
             root, gap = self._potentials.find(point)

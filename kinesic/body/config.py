@@ -55,12 +55,15 @@ def locate(kind: str, name: str | Path) -> Path:
     path = Path(name)
     if path.suffix == ".toml":
         return path
-    folder = CONFIGS / f"{kind}s"
-    path = folder / f"{name}.toml"
+    path = CONFIGS / f"{kind}s" / f"{name}.toml"
     if not path.exists():
-        known = [file.stem for file in folder.glob("*.toml")]
-        raise ConfigError(f"no {kind} {name}{closest(str(name), known)} (or give a .toml file)")
+        raise ConfigError(f"no {kind} {name}{closest(str(name), names_of(kind))} (or give a .toml file)")
     return path
+
+
+def names_of(kind: str) -> tuple[str, ...]:
+    """Names of all that `configs/KINDs/` holds."""
+    return tuple(sorted(file.stem for file in (CONFIGS / f"{kind}s").glob("*.toml")))
 
 
 def closest(word: str, known: Iterator[str] | list[str] | tuple[str, ...]) -> str:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kinesic.body.arrays import Floats
+from kinesic.body.calibration import NONE, Calibration
 from kinesic.body.servo import Drive
 from kinesic.body.skeleton import Skeleton
 
@@ -57,3 +58,4 @@ class Description:
     least_clearance: float  # [m]
     targets: Mapping[str, Floats]  # named points (3,) [m] in the world
     supply: Supply | None = None  # None: not described
+    calibration: Calibration = NONE  # of this one's servos; its ranges are in the skeleton already

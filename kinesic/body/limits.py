@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.dynamics import Load
@@ -40,6 +41,10 @@ class Limits:
             jerk=sealed(self.jerk * share),
             duty=sealed(self.duty * share),
         )
+
+    def part(self, hinges: NDArray[np.intp]) -> "Limits":
+        """Those of some hinges, in their order."""
+        return Limits(*(sealed(values[hinges]) for values in vars(self).values()))
 
     @classmethod
     def of(cls, robot: Robot, load: Load) -> "Limits":

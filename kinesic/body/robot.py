@@ -24,13 +24,17 @@ class Robot(Description):
     """A humanoid upper body with servos: what is written about it, and what follows."""
 
     @classmethod
-    def load(cls, name: str | Path = "upper22") -> "Robot":
+    def load(cls, name: str | Path = "upper22", *, calibrated: bool = True) -> "Robot":
         """Reads a robot by its name in `configs/robots/`, or from a TOML file.
+
+        Args:
+            name: or path.
+            calibrated: with its calibration laid over it, if there is one.
 
         Raises:
             ConfigError: there is no such robot, or its file is wrong.
         """
-        found = read_description(locate("robot", name))
+        found = read_description(locate("robot", name), calibrated=calibrated)
         return cls(**{field.name: getattr(found, field.name) for field in fields(found)})
 
     @cached_property

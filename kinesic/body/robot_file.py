@@ -9,6 +9,7 @@ import msgspec
 import numpy as np
 
 from kinesic.body.arrays import sealed
+from kinesic.body.calibration import NONE, Calibration, narrowed, read_calibration
 from kinesic.body.config import CONFIGS, ConfigError, closest, read
 from kinesic.body.description import Description, Exclusion, Mount, Site, Supply
 from kinesic.body.robot_schema import (
@@ -38,27 +39,35 @@ def _models(tables: Mapping[str, ServoTable]) -> dict[str, ServoModel]:
     return {name: ServoModel(name=name, **msgspec.structs.asdict(table)) for name, table in tables.items()}
 
 
-def read_description(path: Path) -> Description:
+def read_description(path: Path, *, calibrated: bool = True) -> Description:
     """Reads a robot.
 
+    Args:
+        path: of its file.
+        calibrated: with its calibration laid over it, if there is one.
+
     Raises:
-        ConfigError: the file is missing or wrong.
+        ConfigError: a file is missing or wrong.
     """
-    return described(read(path, RobotFile), path)
+    file = read(path, RobotFile)
+    return described(file, path, read_calibration(path, file.robot.name) if calibrated else NONE)
 
 
-def described(file: RobotFile, path: Path) -> Description:
+def described(file: RobotFile, path: Path, calibration: Calibration = NONE) -> Description:
     """A robot from its tables.
 
     Args:
         file: as it is written.
         path: where, for messages.
+        calibration: laid over it.
 
     Raises:
         ConfigError: the tables do not fit one another.
     """
     file = _with_both_sides(file)
     models = servo_models() | _models(file.servos)  # the robot's own servos win
+    _check(path, file, list(models))
+    file = msgspec.structs.replace(file, hinge=narrowed(file.hinge, calibration, path))
     _check(path, file, list(models))
     order = [body.name for body in file.body]
     hinges = sorted(file.hinge, key=lambda hinge: order.index(hinge.body))
@@ -79,6 +88,7 @@ def described(file: RobotFile, path: Path) -> Description:
         least_clearance=file.collision.clearance,
         targets={name: sealed(position) for name, position in file.targets.items()},
         supply=None if file.supply is None else Supply(file.supply.volts, file.supply.amps),
+        calibration=calibration,
     )
 
 

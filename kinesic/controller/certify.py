@@ -25,11 +25,11 @@ def certified(
 
     Args:
         keys: at least two, the first and the last keyed in all hinges.
-        facts: limits, manner and dynamics.
+        facts: limits and dynamics.
         bonds: between sync points of different behaviours.
         ease: share of the limits with which key times are found.
     """
-    motion = condition(keys, facts.limits, facts.manner, bonds=bonds, ease=ease)
+    motion = condition(keys, facts.limits, bonds=bonds, ease=ease)
     share = np.ones(len(facts.limits.duty))
     for attempt in range(ATTEMPTS):
         peaks = duties(motion.trajectory, facts)
@@ -39,7 +39,7 @@ def certified(
         share[over] *= TIGHTER / peaks[over]
         if attempt >= ATTEMPTS // 2:  # the pull may come from any hinge
             share *= TIGHTER
-        motion = condition(keys, facts.limits.times(share), facts.manner, bonds=bonds, ease=ease)
+        motion = condition(keys, facts.limits.times(share), bonds=bonds, ease=ease)
     return motion
 
 

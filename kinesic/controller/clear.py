@@ -53,9 +53,10 @@ def cleared(
         if lacking <= 0.0:
             break
         around = _led_around(keys, motion.planned, facts, wanted)
-        if around == keys:  # the wish is clear: with more time the motion is nearer to it
+        if around == keys:  # the wish is clear: with more time and more room the motion is, too
             wanted += min(lacking, LAG_RESERVE) + REPAIR
             ease *= EASIER
+            around = _led_around(keys, motion.planned, facts, wanted)
         keys = around
         motion = _condition(keys, facts, bonds, conditioned, ease)
         times, clearance = scan(motion.trajectory, facts.distances)
@@ -71,8 +72,8 @@ def scan(trajectory: Trajectory, distances: Distances) -> tuple[Floats, Clearanc
 def _led_around(keys: tuple[Posture, ...], planned: Floats, facts: Facts, least: float) -> tuple[Posture, ...]:
     if len(keys) < 2:
         return keys
-    course = Course(keys, planned, facts.manner)
-    return led_around(course, facts.robot, facts.distances, least=least).postures
+    course = Course(keys, planned, facts.robot, facts.limits)
+    return led_around(course, facts.distances, least=least).postures
 
 
 def _times(postures: tuple[Posture, ...], facts: Facts) -> Floats:

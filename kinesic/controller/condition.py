@@ -1,8 +1,9 @@
 """Makes a motion one that the servos can follow: first as asked, then with sync points moved as little as needed.
 
-What is returned keeps position, speed, acceleration, jerk and duty at every instant, and passes every key at its exact
-time. First the least shift of the keys with which every hinge has a way through them, whatever its path; then the path
-that is nearest to the wish.
+What is returned keeps position, speed, acceleration, jerk and duty at every instant, and passes every firm key at its
+exact time. First the least shift of these keys with which every hinge has a way through them, whatever its path; then
+the path that is nearest to the wish. Keys on a path of a hand only shape the wish: what is too fast becomes
+smaller.
 """
 
 from collections.abc import Callable, Mapping
@@ -11,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from kinesic.body.arrays import Flags, Floats, sealed
+from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.controller.bonds import Bond
 from kinesic.controller.feasible import Bottleneck, Search
@@ -21,7 +22,8 @@ from kinesic.controller.postures import Posture
 from kinesic.controller.quadratic import WITHIN, limited, unlimited
 from kinesic.controller.segments import Segment, pieces, segments
 from kinesic.controller.trajectory import STEP, Trajectory
-from kinesic.controller.wish import Manner, wish
+from kinesic.controller.waypoints import Waypoints
+from kinesic.controller.wish import wish
 
 LEAD_IN = 0.6  # [s] by which the motion may begin before it is asked to
 
@@ -33,7 +35,7 @@ class Wished(Protocol):
         """Angles, speeds and accelerations, each (m, n), at (m,) performance times; only the angles are asked for."""
 
 
-Wishes = Callable[[Floats, Floats, Flags, Manner], Wished]
+Wishes = Callable[[Floats, Waypoints], Wished]
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +52,6 @@ class Conditioned:
 def condition(
     postures: tuple[Posture, ...],
     limits: Limits,
-    manner: Manner,
     *,
     bonds: tuple[Bond, ...] = (),
     lead_in: float = LEAD_IN,
@@ -62,12 +63,10 @@ def condition(
     Args:
         postures: at least two, the first and the last keyed in all hinges.
         limits: of position, speed, acceleration, jerk and duty.
-        manner: how keys are passed.
         bonds: between sync points of different behaviours.
         lead_in: [s] by which the first key may come earlier.
         ease: share of the limits with which key times are found; below 1 there is time to stay nearer to the wish.
-        wishes: the motion that is wished for, from (m,) [s] times, (m, n) [rad] angles, (m, n) flags of what is keyed,
-            and the manner.
+        wishes: the motion that is wished for, from (m,) [s] times and what is passed at them.
 
     Raises:
         ArithmeticError: a hinge cannot move within its limits, however slowly.
@@ -75,12 +74,12 @@ def condition(
     keys = Keys.of(postures, limits, bonds)
     eased = limits.times(ease)
     search = Search(keys, eased, lead_in)
-    found = _nearest(search.times, keys, eased, manner, wishes)
+    found = _nearest(search.times, keys, eased, wishes)
     while isinstance(found, Segment):
         search.avoid(found)
-        found = _nearest(search.times, keys, eased, manner, wishes)
+        found = _nearest(search.times, keys, eased, wishes)
     if ease < 1.0:
-        nearer = _nearest(search.times, keys, limits, manner, wishes)
+        nearer = _nearest(search.times, keys, limits, wishes)
         found = found if isinstance(nearer, Segment) else nearer
     wished, controls = found
     motion = Trajectory(sealed(controls), -float(search.times[0]))
@@ -89,15 +88,13 @@ def condition(
     return Conditioned(motion, keys.asked, sealed(search.times), search.met, lost)
 
 
-def _nearest(
-    times: Floats, keys: Keys, limits: Limits, manner: Manner, wishes: Wishes
-) -> tuple[Floats, Floats] | Segment:
+def _nearest(times: Floats, keys: Keys, limits: Limits, wishes: Wishes) -> tuple[Floats, Floats] | Segment:
     """The wish (k + 1, n) [rad] at the knots, and the control points (k + 3, n) [rad] of the motion nearest to it.
 
     Or else the first segment that has none. The farther a wish is from the limits, the earlier its turn.
     """
     count = pieces(times, STEP)
-    wished = wishes(times, keys.angles, keys.keyed, manner).sample(grid(count, STEP).knots)[0]
+    wished = wishes(times, keys.waypoints).sample(grid(count, STEP).knots)[0]
     controls, beyond = np.empty((count + 3, keys.angles.shape[1])), []
     for segment in segments(times, keys, STEP):
         own = unlimited(segment, wished[segment.knots, segment.hinge])

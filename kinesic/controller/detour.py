@@ -8,10 +8,12 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.dynamics import Distances
+from kinesic.body.limits import Limits
 from kinesic.body.robot import SIDES, Robot
 from kinesic.controller.apart import apart
 from kinesic.controller.postures import Posture
-from kinesic.controller.wish import Manner, Wish, wish
+from kinesic.controller.waypoints import Waypoints
+from kinesic.controller.wish import Wish, wish
 
 Arm = tuple[int, ...]  # joints of an arm
 
@@ -31,14 +33,13 @@ class Course:
 
     postures: tuple[Posture, ...]  # in the order of their times
     planned: Floats  # (k,) [s] block time
-    manner: Manner
+    robot: Robot
+    limits: Limits
 
     @cached_property
     def motion(self) -> Wish:
         """Through the keys; performance time begins with the first."""
-        angles = np.array([posture.angles for posture in self.postures])
-        keyed = np.array([posture.keyed for posture in self.postures])
-        return wish(self.planned, angles, keyed, self.manner)
+        return wish(self.planned, Waypoints.of(self.postures, self.limits))
 
     def at(self, time: float) -> Floats:
         """(n,) [rad] at a block time."""
@@ -81,7 +82,7 @@ class Course:
         )
 
 
-def led_around(course: Course, robot: Robot, distances: Distances, *, least: float) -> Course:
+def led_around(course: Course, distances: Distances, *, least: float) -> Course:
     """The course with changes wherever its motion comes too near to the body.
 
     One stretch after the other: of several changes the one is taken that leaves least to be done. An arm that has no
@@ -89,8 +90,7 @@ def led_around(course: Course, robot: Robot, distances: Distances, *, least: flo
 
     Args:
         course: at least two keys, the first and the last at rest.
-        robot: the robot.
-        distances: its self-distance.
+        distances: those of the robot from itself.
         least: [m] clearance that suffices.
 
     Returns:
@@ -104,7 +104,7 @@ def led_around(course: Course, robot: Robot, distances: Distances, *, least: flo
         sample = open_stretches[0]
         time = sample / SCAN_RATE - course.motion.zero
         best, best_lacking = course, GAIN * lacking
-        for change in _changes(course, time, robot, distances, least):
+        for change in _changes(course, time, distances, least):
             left = _lacking(change, distances, least)
             if left.sum() < best_lacking.sum():
                 best, best_lacking = change, left
@@ -129,28 +129,26 @@ def _closest(lacking: Floats) -> Iterator[int]:
     return (int(s[lacking[s].argmax()]) for s in stretches if lacking[s].max(initial=0.0) > 0)
 
 
-def _changes(course: Course, time: float, robot: Robot, distances: Distances, least: float) -> Iterator[Course]:
+def _changes(course: Course, time: float, distances: Distances, least: float) -> Iterator[Course]:
     """Ways to change the motion at a block time where it comes too near."""
     gaps = distances.gaps(course.at(time)[None])[0]
-    close = {segment for k in np.flatnonzero(gaps < least) for segment in robot.counted_pairs[k]}
-    arms = [robot.joints(f"{side}_arm") for side in SIDES if close & set(robot.chains[f"{side}_arm"])]
+    close = {segment for k in np.flatnonzero(gaps < least) for segment in course.robot.counted_pairs[k]}
+    arms = [course.robot.joints(f"{side}_arm") for side in SIDES if close & set(course.robot.chains[f"{side}_arm"])]
     near = [course.near(arm, time) for arm in arms]
     free = [arm for arm, key in zip(arms, near, strict=True) if key is None]
     if free:
-        yield from _with_a_key(course, time, free, robot, distances, least)
+        yield from _with_a_key(course, time, free, distances, least)
     for key in sorted({key for key in near if key is not None}):
-        yield from _with_a_key_away(course, key, arms, robot, distances, least)
+        yield from _with_a_key_away(course, key, arms, distances, least)
 
 
-def _with_a_key(
-    course: Course, time: float, arms: list[Arm], robot: Robot, distances: Distances, least: float
-) -> Iterator[Course]:
+def _with_a_key(course: Course, time: float, arms: list[Arm], distances: Distances, least: float) -> Iterator[Course]:
     """With one more key for some arms: clear, and near to where they are or a part of the way to rest."""
     angles, joints = course.at(time), _joined(arms)
     for share in WITHDRAWALS:
         start = angles.copy()
-        start[joints] += share * (robot.skeleton.rest[joints] - angles[joints])
-        clear = apart(start, joints, robot, distances, least=least, room=least + ROOM)
+        start[joints] += share * (course.robot.skeleton.rest[joints] - angles[joints])
+        clear = apart(start, joints, course.robot, distances, least=least, room=least + ROOM)
         if clear is not None:
             change = course
             for arm in arms:
@@ -158,16 +156,14 @@ def _with_a_key(
             yield change
 
 
-def _with_a_key_away(
-    course: Course, key: int, arms: list[Arm], robot: Robot, distances: Distances, least: float
-) -> Iterator[Course]:
+def _with_a_key_away(course: Course, key: int, arms: list[Arm], distances: Distances, least: float) -> Iterator[Course]:
     """With those of some arms farther away that have a key; rest stays rest."""
     posture, angles = course.postures[key], course.at(float(course.planned[key]))
-    rest = robot.skeleton.rest
+    rest = course.robot.skeleton.rest
     keyed = [arm for arm in arms if posture.keyed[arm[0]] and np.any(posture.angles[list(arm)] != rest[list(arm)])]
     gap = float(distances.gaps(angles[None])[0].min())
     for more in AWAY if keyed else ():
-        clear = apart(angles, _joined(keyed), robot, distances, least=max(gap, least) + more)
+        clear = apart(angles, _joined(keyed), course.robot, distances, least=max(gap, least) + more)
         if clear is not None:
             change = course
             for arm in keyed:

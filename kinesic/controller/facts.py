@@ -11,7 +11,8 @@ from kinesic.body.dynamics import Distances, Dynamics
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
 from kinesic.body.utterance import Voice
-from kinesic.controller.wish import Manner
+from kinesic.expressivity.gather import Gathering
+from kinesic.expressivity.idle import OFF, Idling
 from kinesic.expressivity.lexicon import Lexicon
 from kinesic.expressivity.pace import Pace
 from kinesic.expressivity.style import Style
@@ -29,6 +30,8 @@ class Facts:
     distances: Distances
     targets: Mapping[str, Floats] = field(default_factory=dict)  # named points (3,) [m] beside the robot's own
     dialect: Dialect | Literal["auto"] = "auto"  # how documents are read
+    gathering: Gathering = "complex"  # how key frames are filled
+    idling: Idling = OFF  # what fills pauses
 
     @cached_property
     def limits(self) -> Limits:
@@ -39,8 +42,3 @@ class Facts:
     def pace(self) -> Pace:
         """How fast the robot moves, at ease and at best."""
         return Pace(self.robot, self.limits)
-
-    @property
-    def manner(self) -> Manner:
-        """How keys are passed: fluidity f as continuity c = (f - 1) / 2, tension as tension (thesis 8.7)."""
-        return Manner(tension=self.style.tension, continuity=(self.style.fluidity - 1.0) / 2.0)

@@ -20,7 +20,7 @@ from kinesic.controller.segments import Segment, segments
 from kinesic.controller.shortage import Quantity, Shortage, roughly, shortage
 from kinesic.controller.trajectory import STEP
 
-PLANES = 20  # of a hinge before it rests at its keys
+PLANES = 40  # of a hinge before it rests at its keys
 MARGIN = 0.002  # of the time, kept so that a motion is found quickly
 LONGER = 1.1  # on rests that do not suffice after all
 LONGEST = 100.0  # times as long as a rest should suffice, before nothing does

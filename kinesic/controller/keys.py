@@ -11,13 +11,15 @@ from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.controller.bonds import Bond
 from kinesic.controller.postures import LEAST_GAP, Posture
+from kinesic.controller.waypoints import Waypoints
 
 Pair = tuple[int, int]  # two keys, the earlier first
 
 TURNING_ROOM = 1e-3  # [rad] so that control points may lie beyond a key at the end of a range
 HOLD = 1e-9  # [rad] keys nearer than this are a hold
 SAME = 1e-6  # [s]
-WEIGHTS = {"strokeStart": 5.0, "stroke": 5.0, "strokeEnd": 5.0, "ready": 0.3, "relax": 0.3}
+WEIGHTS = {"strokeStart": 5.0, "stroke": 5.0, "strokeEnd": 0.5, "ready": 0.3, "relax": 0.3}
+WEIGHT_AGAIN = 0.3  # of strokes after the first, which keeps its time before all others
 WEIGHT_ELSE = 0.05
 
 
@@ -26,8 +28,8 @@ class Keys:
     """Postures as arrays."""
 
     asked: Floats  # (m,) [s] block time
-    angles: Floats  # (m, n) [rad]
-    keyed: Flags  # (m, n)
+    waypoints: Waypoints  # what is passed, and how
+    firm: Flags  # (m,) which are passed exactly; the others lie between them in time
     weights: Floats  # (m,) of moving a key, per second
     gaps: Mapping[Pair, float]  # [s] least time between keys that follow one another in a hinge or a behaviour
     bonds: Mapping[Pair, float]  # [s] least time from one key to another, either order, that BML asks for
@@ -36,8 +38,8 @@ class Keys:
     def of(cls, postures: tuple[Posture, ...], limits: Limits, bonds: tuple[Bond, ...] = ()) -> "Keys":
         """Keys weigh as their heaviest sync point, and keep room to turn back at the ends of a hinge's range."""
         room = np.minimum(TURNING_ROOM, (limits.upper - limits.lower) / 2)
-        angles = np.clip([posture.angles for posture in postures], limits.lower + room, limits.upper - room)
-        keyed = np.array([posture.keyed for posture in postures], dtype=np.bool_)
+        waypoints = Waypoints.of(postures, limits, room=room)
+        firm = np.array([posture.firm for posture in postures], dtype=np.bool_)
         row_of = {sync: row for row, posture in enumerate(postures) for sync in posture.syncs}
         ties = {
             (row_of[bond.earlier], row_of[bond.later]): bond.least
@@ -46,12 +48,22 @@ class Keys:
         }
         return cls(
             sealed([posture.time for posture in postures]),
-            sealed(angles),
-            keyed,
+            waypoints,
+            firm,
             sealed([_weight(posture) for posture in postures]),
-            dict.fromkeys(_followers(postures, keyed), LEAST_GAP),
+            dict.fromkeys(_followers(postures, waypoints.keyed, firm), LEAST_GAP),
             ties,
         )
+
+    @property
+    def angles(self) -> Floats:
+        """(m, n) [rad]."""
+        return self.waypoints.angles
+
+    @property
+    def keyed(self) -> Flags:
+        """(m, n)."""
+        return self.waypoints.keyed
 
     @property
     def spaced(self) -> bool:
@@ -60,17 +72,30 @@ class Keys:
 
     @cached_property
     def own(self) -> tuple[list[int], ...]:
-        """Keys of each hinge, in order."""
-        return tuple([int(row) for row in np.flatnonzero(column)] for column in self.keyed.T)
+        """Firm keys of each hinge, in order."""
+        return tuple(np.flatnonzero(column & self.firm).tolist() for column in self.keyed.T)
+
+    def led(self, hinge: int) -> Flags:
+        """(k - 1,) whether a path leads a hinge from one of its k firm keys to the next."""
+        return np.diff(np.flatnonzero(self.firm[self.keyed[:, hinge]])) > 1
+
+    def spread(self, times: Floats) -> Floats:
+        """(m,) [s] times with those of keys on a path in between the firm ones, as evenly as asked."""
+        return np.where(self.firm, times, np.interp(self.asked, self.asked[self.firm], times[self.firm]))
 
     def holds(self, pair: Pair, hinge: int) -> bool:
         """Whether a hinge stays where it is between two keys, or the two are one."""
         return bool(abs(self.angles[pair[0], hinge] - self.angles[pair[1], hinge]) < HOLD)
 
 
-def _followers(postures: tuple[Posture, ...], keyed: Flags) -> set[Pair]:
-    """Keys that follow one another in some hinge or in some behaviour."""
-    chains = [[int(row) for row in np.flatnonzero(column)] for column in keyed.T]
+def _followers(postures: tuple[Posture, ...], keyed: Flags, firm: Flags) -> set[Pair]:
+    """Firm keys that follow one another in some hinge or in some behaviour; and all in whose time a hinge is on a path.
+
+    So the times of keys on paths can lie in between.
+    """
+    columns = np.unique(keyed, axis=1).T
+    chains = [np.flatnonzero(column & firm).tolist() for column in columns]
+    chains += [_with_paths(column, firm) for column in columns]
     behaviours: dict[str, list[int]] = {}
     for row, posture in enumerate(postures):
         for behaviour in sorted({behaviour for behaviour, _ in posture.syncs}):
@@ -78,5 +103,17 @@ def _followers(postures: tuple[Posture, ...], keyed: Flags) -> set[Pair]:
     return {pair for chain in [*chains, *behaviours.values()] for pair in pairwise(chain)}
 
 
+def _with_paths(column: Flags, firm: Flags) -> list[int]:
+    """The firm keys of a hinge with those of others that fall on its paths."""
+    own, others = np.flatnonzero(column & firm), np.flatnonzero(firm)
+    chain = own.tolist()
+    for k in np.flatnonzero(np.diff(np.flatnonzero(firm[column])) > 1):
+        chain += others[(others > own[k]) & (others < own[k + 1])].tolist()
+    return sorted(chain)
+
+
 def _weight(posture: Posture) -> float:
-    return max([WEIGHT_ELSE, *(WEIGHTS.get(sync.partition(":")[0], WEIGHT_ELSE) for _, sync in posture.syncs)])
+    if not posture.firm:
+        return 0.0
+    again = {sync: WEIGHT_AGAIN for _, sync in posture.syncs if sync.startswith("stroke:")}
+    return max([WEIGHT_ELSE, *((WEIGHTS | again).get(sync, WEIGHT_ELSE) for _, sync in posture.syncs)])

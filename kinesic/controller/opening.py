@@ -25,7 +25,8 @@ from kinesic.controller.quadratic import nearest
 from kinesic.controller.retime import relaxed
 from kinesic.controller.segments import Segment, pieces, segments
 from kinesic.controller.trajectory import STEP, Trajectory
-from kinesic.controller.wish import Manner, wish
+from kinesic.controller.waypoints import Waypoints
+from kinesic.controller.wish import wish
 
 PEAK_SPEED = 1.875  # of a quintic from rest to rest, in distance / duration
 PEAK_ACCELERATION = 5.7735  # in distance / duration^2
@@ -33,7 +34,6 @@ PEAK_JERK = 60.0  # in distance / duration^3
 RESERVE = 1.03  # on its duration, for what the grid makes of it
 LEAST_GAP = 0.06  # [s] of a gap in which something moves
 LONGER = 1.1  # on gaps that do not suffice after all
-STOPS = Manner(tension=1.0)
 AHEAD = 3  # keys of the better plan that a hinge may pass before it is on its way
 LEAST = 3  # pieces from three control points to three others
 SAME = 1e-9  # [s]
@@ -93,7 +93,8 @@ def duration(way: float, limits: Limits, hinge: int) -> float:
 def _stepwise(times: Floats, keys: Keys, limits: Limits) -> Trajectory | None:
     """Quintics on the grid; None where one exceeds a limit after all."""
     count = pieces(times, STEP)
-    wished = wish(times, keys.angles, keys.keyed, STOPS).angles(grid(count, STEP).knots)
+    passed = Waypoints.plain(keys.angles, keys.keyed & keys.firm[:, None], limits, tension=1.0)
+    wished = wish(times, passed).angles(grid(count, STEP).knots)
     controls = np.empty((count + 3, keys.angles.shape[1]))
     for segment in segments(times, keys, STEP):
         found = nearest(segment, wished[segment.knots, segment.hinge], limits)

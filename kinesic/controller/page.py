@@ -19,6 +19,7 @@ from kinesic.controller.replay import replay
 from kinesic.controller.report import Json
 from kinesic.controller.story import story, strays
 from kinesic.controller.tiles import SEVERITY, number, tiles
+from kinesic.expressivity.style import MODALITIES, RANGES
 
 FILM_TYPES = {".webp": "image/webp", ".png": "image/png", ".gif": "image/gif"}
 PARTS = {"l_hand": "left hand", "r_hand": "right hand"}
@@ -52,7 +53,8 @@ def write_page(
     environment = Environment(
         loader=FileSystemLoader(HERE), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    environment.filters |= {"number": number, "shift": shift, "spark": spark, "breakable": breakable}
+    environment.filters |= {"number": number, "shift": shift, "spark": spark}
+    environment.filters |= {"breakable": breakable, "departure": departure}
     chapters, strained = story(performance), loads(performance)
     text = environment.get_template("page.jinja").render(
         data=data,
@@ -66,6 +68,8 @@ def write_page(
         chapters=(chapters[:FIRST_CHAPTERS], chapters[FIRST_CHAPTERS:]),
         strays=strays(performance),
         parts=PARTS,
+        modalities=MODALITIES,
+        parameters=list(RANGES),
         loads=(strained[:FIRST_LOADS], strained[FIRST_LOADS:]),
         continuous=CONTINUOUS,
         draw=draw(performance),
@@ -106,6 +110,26 @@ def verdict(data: Mapping[str, Json]) -> str:
 def shift(seconds: float) -> str:
     """A difference of times in whole milliseconds, with its sign."""
     return f"{1000 * seconds:+.0f}\u2009ms".replace("-", "\u2212")
+
+
+def departure(row: Mapping[str, Json], style: Mapping[str, Json]) -> str:
+    """The numbers with which a behaviour departs from its style, by who said them.
+
+    Args:
+        row: of the behaviour.
+        style: of the performance, as the report has it.
+    """
+    manner = row["manner"]
+    if not isinstance(manner, dict):
+        return ""
+    values, sources, own = manner["values"], manner["sources"], style[str(manner["modality"])]
+    if not (isinstance(values, dict) and isinstance(sources, dict) and isinstance(own, dict)):
+        return ""
+    said: dict[str, list[str]] = {}
+    for name, value in values.items():
+        if value != own[name]:
+            said.setdefault(str(sources[name]), []).append(f"{name} {number(value)}".replace("-", "\u2212"))
+    return "; ".join(f"{', '.join(numbers)} ({source})" for source, numbers in said.items())
 
 
 def breakable(name: str) -> Markup:

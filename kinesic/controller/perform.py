@@ -19,6 +19,8 @@ from kinesic.controller.plan import Plan
 from kinesic.controller.plan import plan as plan_block
 from kinesic.controller.play import RATE, commands, play_together, ticks
 from kinesic.controller.reference import Reference
+from kinesic.expressivity.gather import Gathering
+from kinesic.expressivity.idle import OFF, Idling
 from kinesic.expressivity.lexicon import Lexicon
 from kinesic.expressivity.style import Style
 from kinesic.sim.distances import CapsuleDistances
@@ -35,6 +37,8 @@ def facts(
     lexicon: Path | None = None,
     targets: Mapping[str, Floats] | None = None,
     dialect: Dialect | Literal["auto"] = "auto",
+    gathering: Gathering = "complex",
+    idling: Idling = OFF,
 ) -> Facts:
     """What planning needs, with MuJoCo's dynamics and the built-in voice.
 
@@ -51,6 +55,8 @@ def facts(
         distances=CapsuleDistances(body),
         targets=dict(targets or {}),
         dialect=dialect,
+        gathering=gathering,
+        idling=idling,
     )
 
 

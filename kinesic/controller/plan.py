@@ -18,8 +18,10 @@ from kinesic.controller.condition import Conditioned
 from kinesic.controller.facts import Facts
 from kinesic.controller.keys import Keys
 from kinesic.controller.postures import Postures, postures
+from kinesic.controller.smaller import smaller
 from kinesic.controller.syncs import SyncTime, shifts, sync_times
 from kinesic.controller.trajectory import Trajectory
+from kinesic.controller.waypoints import Waypoints
 from kinesic.controller.wish import Wish, wish
 from kinesic.expressivity.durations import spans
 from kinesic.expressivity.keyframes import KeyFrames
@@ -93,7 +95,11 @@ def plan(block: Block, facts: Facts, *, conditioned: Conditioner = certified) ->
         clearance=clearance,
         clearance_times=times,
         syncs=syncs,
-        notices=(*frames.notices, *shifts(block, syncs, frames, motion, facts.robot)),
+        notices=(
+            *frames.notices,
+            *shifts(block, syncs, frames, motion, facts.robot),
+            *smaller(block, solved.postures, frames, motion, facts.robot),
+        ),
         seconds=perf_counter() - began,
     )
 
@@ -106,6 +112,8 @@ def _frames(timeline: Timeline, facts: Facts, without: Mapping[str, str]) -> Key
         pace=facts.pace,
         targets=facts.targets,
         without=without,
+        gathering=facts.gathering,
+        idling=facts.idling,
     )
 
 
@@ -113,6 +121,7 @@ def _wished(asked: Postures, facts: Facts) -> Wish:
     """The motion as asked: without limits and detours."""
     rest = facts.robot.skeleton.rest
     if len(asked.postures) < 2:
-        return wish(np.array([0.0, STILL]), np.stack([rest, rest]), np.ones((2, len(rest)), dtype=bool), facts.manner)
+        still = Waypoints.plain(np.stack([rest, rest]), np.ones((2, len(rest)), dtype=bool), facts.limits)
+        return wish(np.array([0.0, STILL]), still)
     keys = Keys.of(asked.postures, facts.limits)
-    return wish(keys.asked, keys.angles, keys.keyed, facts.manner)
+    return wish(keys.asked, keys.waypoints)

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -11,17 +10,17 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.dynamics import Distances
 from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Robot, Side
-from kinesic.body.skeleton import Frames
+from kinesic.controller.arms import turned, with_arms
 from kinesic.controller.hover import clear_hands
 from kinesic.controller.turning import set_turn, turn_of
-from kinesic.expressivity.keyframes import Hand, KeyFrame, KeyFrames, Turn
+from kinesic.controller.volume import volume
+from kinesic.expressivity.keyframes import Hand, KeyFrame, KeyFrames, PartName
+from kinesic.expressivity.passage import PLAIN, Passage
 from kinesic.expressivity.turns import axes
-from kinesic.ik.pointing import best_swivel
 from kinesic.ik.torso import lean
-from kinesic.ik.true_arm import finished
 
 LEAST_GAP = 0.02  # [s] between keys
-WIDEST_SWING = np.radians(60)  # that an elbow swings aside for the palm and the pointing of its hand
+PARTS: Mapping[PartName, str] = {"torso": "torso", "l_hand": "l_arm", "r_hand": "r_arm", "head": "neck"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +31,8 @@ class Posture:
     angles: Floats  # (n,) [rad]
     keyed: tuple[bool, ...]  # (n,)
     syncs: tuple[tuple[str, str], ...] = ()  # (behaviour id, sync point)
+    passages: tuple[Passage, ...] = ()  # (n,) how each hinge passes, and comes to, this key; all plainly where empty
+    firm: bool = True  # passed exactly; else on a path, which the motion only follows as far as it can
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,11 +66,13 @@ def postures(keyframes: KeyFrames, robot: Robot, distances: Distances) -> Postur
             if held[side].still(hands[side], torso):
                 angles[list(robot.joints(f"{side}_arm"))] = held[side].arm
         moved = {side for side in hands if side not in held or not held[side].still(hands[side], torso)}
-        angles = _arms(angles, {side: wanted[side] for side in wanted if side in moved}, robot)
+        before = {side: held[side].began for side in held}
+        angles = with_arms(angles, {side: hands[side] for side in hands if side in moved}, wanted, robot, before)
         angles = robot.skeleton.clamp(clear_hands(angles, hands, robot, distances))
-        held |= {side: _Held(hand, torso, angles[list(robot.joints(f"{side}_arm"))]) for side, hand in hands.items()}
+        held |= {side: _Held.of(side, hand, angles, robot, held.get(side)) for side, hand in hands.items()}
         _note_misses(misses, keyframes, k, wanted, angles, robot)
-        solved.append(Posture(frame.time, sealed(angles), tuple(keyed), frame.syncs))
+        firm = _firm(frame) or k in (0, len(leans) - 1)
+        solved.append(Posture(frame.time, sealed(angles), tuple(keyed), frame.syncs, _passages(frame, robot), firm))
     return Postures((*_beginning(solved, keyframes.timeline.start, robot), *solved), misses)
 
 
@@ -80,6 +83,14 @@ class _Held:
     hand: Hand
     torso: Floats  # [rad]
     arm: Floats  # [rad]
+    began: Floats  # [rad] the arm; on a path, as it was in the key before the path
+
+    @classmethod
+    def of(cls, side: Side, hand: Hand, angles: Floats, robot: Robot, before: "_Held | None") -> "_Held":
+        """One hand of a posture (n,) [rad], after what it held before."""
+        torso, arm = (angles[list(robot.joints(chain))] for chain in ("torso", f"{side}_arm"))
+        began = before.began if hand.passing and before else angles[list(robot.arms[side].indices)]
+        return cls(hand, torso, arm, began)
 
     def still(self, hand: Hand, torso: Floats) -> bool:
         """Whether the same is asked again: then the arm stays as it is, however it came there."""
@@ -96,7 +107,9 @@ def _beginning(solved: list[Posture], start: float, robot: Robot) -> list[Postur
 def _lean(frame: KeyFrame, robot: Robot) -> Floats:
     """(3,) [rad] torsion, tilt and roll that the hands need on top of the torso's own key."""
     targets = {
-        side: hand.reach.position for side, hand in frame.hands.items() if hand.reach is not None and hand.aim is None
+        side: hand.reach.position
+        for side, hand in frame.hands.items()
+        if hand.reach is not None and hand.aim is None and f"{side}_hand" in frame.told
     }
     return np.array(lean(robot, targets)) if targets else np.zeros(3)
 
@@ -104,7 +117,7 @@ def _lean(frame: KeyFrame, robot: Robot) -> Floats:
 def _same_hand(hand: Hand, before: Hand) -> bool:
     if hand.reach is None or before.reach is None:
         return hand.reach is before.reach
-    if hand.aim is not before.aim:
+    if hand.aim is not before.aim or (hand.openness, hand.effort) != (before.openness, before.effort):
         return False
     pairs = (
         (hand.reach.position, before.reach.position),
@@ -122,14 +135,30 @@ def _keyed(frame: KeyFrame, robot: Robot, leaning: bool, *, ends: bool) -> list[
     torso = ends or leaning or "torso" in frame.given
     if torso:
         keyed[list(robot.joints("torso"))] = True
-    if torso or "head" in frame.given:
+    if ends or "head" in frame.given or (torso and "head" in frame.told):
         keyed[list(robot.joints("neck"))] = True
     for side in SIDES:
         hand = frame.hands[side]
         held = hand.reach is not None and (leaning or (torso and hand.aim is not None))
-        if ends or held or f"{side}_hand" in frame.given:
+        if ends or f"{side}_hand" in frame.given or (held and f"{side}_hand" in frame.told):
             keyed[list(robot.joints(f"{side}_arm"))] = True
     return [bool(key) for key in keyed]
+
+
+def _firm(frame: KeyFrame) -> bool:
+    """Whether anything but hands on their paths has a key in this frame."""
+    passing = {f"{side}_hand" for side, hand in frame.hands.items() if hand.passing}
+    return bool(frame.syncs) or not frame.given <= passing
+
+
+def _passages(frame: KeyFrame, robot: Robot) -> tuple[Passage, ...]:
+    """How each hinge passes a frame: as its part does, and what follows another part as that does."""
+    others = next((frame.passages[part] for part in PARTS if part in frame.passages), PLAIN)
+    found = [others] * len(robot.skeleton.hinges)
+    for part, chain in PARTS.items():
+        for hinge in robot.joints(chain):
+            found[hinge] = frame.passages.get(part, others)
+    return tuple(found)
 
 
 def _set_torso(angles: Floats, frame: KeyFrame, lean_angles: Floats, robot: Robot) -> None:
@@ -149,20 +178,8 @@ def _in_world(hand: Hand, side: Side, frame: KeyFrame, angles: Floats, robot: Ro
         return None
     if hand.aim is not None:
         return _aimed(hand.reach, hand.aim, side, angles, robot)
-    if not robot.joints("torso") or not any(vars(frame.torso).values()):
-        return hand.reach
-    rotation, pivot = _torso(robot, frame.torso)
-    return _turned(hand.reach, rotation, pivot, pivot)
-
-
-@lru_cache(maxsize=64)
-def _torso(robot: Robot, turn: Turn) -> tuple[Floats, Floats]:
-    """Rotation (3, 3) of the whole torso, and its first origin (3,) [m]; remembered, for it often stays as it is."""
-    upright = np.array(robot.skeleton.rest)
-    set_turn(robot, "torso", np.array(axes(turn)), upright)
-    frames, names = robot.skeleton.frames(upright), robot.chains["torso"]
-    first, last = robot.skeleton.segment(names[0]), robot.skeleton.segment(names[-1])
-    return frames.rotations[last], frames.origins[first]
+    box = volume(robot, frame.torso)
+    return hand.reach if box is None else box.placed(hand.reach)
 
 
 def _aimed(reach: Reach, aim: Floats, side: Side, angles: Floats, robot: Robot) -> Reach:
@@ -171,40 +188,7 @@ def _aimed(reach: Reach, aim: Floats, side: Side, angles: Floats, robot: Robot) 
     resting = robot.skeleton.resting.origins[shoulder]
     centre = robot.skeleton.frames(angles).origins[shoulder]
     rotation = Rotation.align_vectors((aim - centre)[None], (aim - resting)[None])[0].as_matrix()
-    return _turned(reach, rotation, resting, centre)
-
-
-def _turned(reach: Reach, rotation: Floats, pivot: Floats, moved: Floats) -> Reach:
-    """A reach turned about a pivot, which itself moves."""
-    return Reach(
-        sealed(moved + rotation @ (reach.position - pivot)),
-        None if reach.pointing is None else sealed(rotation @ reach.pointing),
-        None if reach.palm is None else sealed(rotation @ reach.palm),
-        reach.swivel,
-    )
-
-
-def _arms(angles: Floats, wanted: Mapping[Side, Reach | None], robot: Robot) -> Floats:
-    """Both arms for reaches in the world, (n,) [rad]; the start is the posture before."""
-    solved = angles.copy()
-    reaches = {side: reach for side, reach in wanted.items() if reach is not None}
-    for side in wanted.keys() - reaches.keys():
-        joints = list(robot.joints(f"{side}_arm"))
-        solved[joints] = robot.skeleton.rest[joints]
-    if not reaches:
-        return solved
-    frames = robot.skeleton.frames(angles)
-    for side, reach in reaches.items():
-        chain = robot.arms[side]
-        indices = list(chain.indices)
-        reach_in_base = _in_base(reach, frames, robot.skeleton.segment(chain.base))
-        solved[indices] = best_swivel(chain, reach_in_base, start=angles[indices], widest=WIDEST_SWING).angles
-        solved = finished(robot, side, reach, solved, near=angles)
-    return solved
-
-
-def _in_base(reach: Reach, frames: Frames, base: int) -> Reach:
-    return _turned(reach, frames.rotations[base].T, frames.origins[base], np.zeros(3))
+    return turned(reach, rotation, resting, centre)
 
 
 def _note_misses(

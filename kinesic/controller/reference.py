@@ -11,7 +11,7 @@ from kinesic.body.robot import SIDES
 from kinesic.controller.arrival import Arrival, arrivals, paths
 from kinesic.controller.peaks import Peaks, peaks
 from kinesic.controller.plan import Plan
-from kinesic.controller.smoothness import spectral_arc_length
+from kinesic.controller.smoothness import dimensionless_jerk
 from kinesic.controller.syncs import SyncTime
 from kinesic.expressivity.keyframes import PartName
 from kinesic.sim.kinematics import motion_frames
@@ -63,10 +63,10 @@ class Reference:
 
     @cached_property
     def smoothness(self) -> Mapping[str, float | None]:
-        """Side -> spectral arc length of the hand's speed; None for a hand that only sways with the body."""
+        """Side -> dimensionless jerk of the hand's path; None for a hand that only sways with the body."""
         period = float(self.times[-1] - self.times[0]) / max(1, len(self.times) - 1)
         return {
-            side: spectral_arc_length(path, period=period) if np.ptp(path, axis=0).max() >= LEAST_WAY else None
+            side: dimensionless_jerk(path, period=period) if np.ptp(path, axis=0).max() >= LEAST_WAY else None
             for side, path in self.hands.items()
         }
 

@@ -7,14 +7,19 @@ from time import perf_counter
 import numpy as np
 
 from kinesic import __version__
+from kinesic.bml.block import Behaviour, Block
+from kinesic.bml.manner import modality_of
 from kinesic.controller.checks import TOLERANCE, Check, checks
 from kinesic.controller.checks.distances import penetrations
 from kinesic.controller.checks.tracking import tracking
 from kinesic.controller.following import following
 from kinesic.controller.messages import feedback
 from kinesic.controller.performance import Performance
+from kinesic.controller.plan import Plan
 from kinesic.controller.smoothness import dimensionless_jerk, spectral_arc_length
 from kinesic.controller.story import story
+from kinesic.expressivity.sources import told
+from kinesic.expressivity.style import Style
 from kinesic.ik import KERNEL
 
 Json = None | bool | int | float | str | list["Json"] | dict[str, "Json"]
@@ -43,7 +48,7 @@ def report(
         "kinesic": __version__,
         "robot": plan.facts.robot.name,
         "input": source,
-        "style": asdict(plan.facts.style),
+        "style": _style(plan.facts.style, plan.timeline.block),
         "seed": seed,
         "kernel": KERNEL,
         "ok": all(check.status != "fail" for check in verdicts),
@@ -61,6 +66,30 @@ def report(
         "feedback": list(feedback(plan)),
         "timing": _timing(performance, checking),
     }
+
+
+def _style(style: Style, block: Block) -> dict[str, Json]:
+    """The numbers of each modality, and what was said beside the preset: by settings, and by the block.
+
+    Those of gestures stand also beside the name, where readers of one modality find them.
+    """
+    tables: dict[str, Json] = {modality: dict(numbers) for modality, numbers in style.numbers().items()}
+    said: dict[str, Json] = {
+        modality: {name: value for name, value in asdict(manner).items() if value is not None}
+        for modality, manner in block.manners.items()
+    }
+    tables |= {"settings": [str(setting) for setting in style.settings], "block": said}
+    return {"name": style.name, **asdict(style.gesture), **tables}
+
+
+def _manner(behaviour: Behaviour, plan: Plan) -> dict[str, Json] | None:
+    """The numbers that a behaviour is moved with, and who said each; None when it moves nothing."""
+    modality = modality_of(behaviour.action)
+    if modality is None:
+        return None
+    found = told(plan.facts.style, modality, plan.timeline.block, behaviour)
+    carried: dict[str, Json] = {"intensity": behaviour.manner.intensity}  # of Greta's signals
+    return {"modality": modality, "values": asdict(found.expressivity), "sources": dict(found.sources), **carried}
 
 
 def _check(check: Check) -> dict[str, Json]:
@@ -84,7 +113,15 @@ def _behaviours(performance: Performance) -> list[Json]:
         reasons = [outcome.why] if outcome.why else []
         if outcome.kind != "dropped" and miss > MISS_TO_NAME:
             reasons.append(f"hand stays {100 * miss:.0f} cm from its target, out of reach or too near the body")
-        found.append({"id": behaviour.id, "type": behaviour.type, "outcome": outcome.kind, "why": "; ".join(reasons)})
+        found.append(
+            {
+                "id": behaviour.id,
+                "type": behaviour.type,
+                "outcome": outcome.kind,
+                "why": "; ".join(reasons),
+                "manner": _manner(behaviour, plan),
+            }
+        )
     return found
 
 

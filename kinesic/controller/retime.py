@@ -61,7 +61,7 @@ def relaxed(keys: Keys, gaps: Mapping[Pair, float], lead_in: float, cuts: Sequen
     if result.x is None:
         raise ArithmeticError(f"no key times: {result.message}")
     times = np.array(result.x[:count])
-    return np.where(np.abs(times - keys.asked) < SAME, keys.asked, times)
+    return keys.spread(np.where(np.abs(times - keys.asked) < SAME, keys.asked, times))
 
 
 def strain(keys: Keys, times: Floats) -> float:

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Flags, Floats
 from kinesic.body.limits import Limits
 from kinesic.controller.grid import Grid, grid
 from kinesic.controller.keys import HOLD, Keys, Pair
@@ -37,15 +37,22 @@ class Segment:
     entry: tuple[float, ...] | None = None  # [rad] first three control points, where it does not begin at rest
     exit: tuple[float, ...] | None = None  # [rad] last three control points, where it does not end at rest
     halts: bool = False  # whether it may come to rest anywhere
+    led: bool = False  # whether a path leads it from one key to the next
 
     @property
     def still(self) -> bool:
         """Whether nothing moves."""
         return (
-            self.entry is None
+            not self.led
+            and self.entry is None
             and self.exit is None
             and bool(np.all(np.abs(np.append(self.angles, self.end) - self.start) < HOLD))
         )
+
+    @property
+    def rests_early(self) -> bool:
+        """Whether its last key lies in its last piece, from where on it rests."""
+        return self.exit is None and len(self.places) > 0 and bool(self.places[-1] > self.grid.pieces - 1)
 
     @property
     def knots(self) -> slice:
@@ -91,8 +98,13 @@ class Segment:
 
     @cached_property
     def fixed(self) -> tuple[Floats, Floats]:
-        """Matrix (m + 6, k + 3) and values that its control points must have: entry, keys, exit."""
+        """Matrix (m + 6, k + 3) and values that its control points must have: entry, keys, exit.
+
+        A key in the last piece is the rest itself: the control point before the rest is as the rest is.
+        """
         first, shares = weights(self.places, self.grid.pieces)
+        if self.rests_early:
+            shares[-1] = [1.0, 0.0, 0.0, 0.0]
         count, last = len(first), self.grid.size - 1
         columns = [*(first[:, None] + np.arange(4)).ravel(), 0, 1, 2, last - 2, last - 1, last]
         rows = [*np.repeat(np.arange(count), 4), *range(count, count + 6)]
@@ -120,8 +132,8 @@ def segments(times: Floats, keys: Keys, step: float) -> Iterator[Segment]:
     places = (times - times[0]) / step
     last = pieces(times, step)
     for hinge, own in enumerate(keys.own):
-        at, angles = places[own], keys.angles[own, hinge]
-        cuts = [(0, -1), *_cuts(at, angles), (last, len(own) - 1)]
+        at, angles, led = places[own], keys.angles[own, hinge], keys.led(hinge)
+        cuts = [(0, -1), *_cuts(at, angles, led), (last, len(own) - 1)]
         for (begin, before), (end, after) in pairwise(cuts):
             inner = [k for k in range(before + 1, after + 1) if begin + SAME < at[k] < end - SAME]
             around = [own[max(before, 0)], *(own[k] for k in inner), own[min(after + 1, len(own) - 1)]]
@@ -139,6 +151,7 @@ def segments(times: Floats, keys: Keys, step: float) -> Iterator[Segment]:
                     *((own[k],) for k in inner),
                     tuple(own[after : after + 2]),
                 ),
+                led=bool(led[max(before, 0) : after].any()),
             )
 
 
@@ -147,8 +160,8 @@ def pieces(times: Floats, step: float) -> int:
     return max(LEAST, int(np.ceil((times[-1] - times[0]) / step - SAME)))
 
 
-def _cuts(places: Floats, angles: Floats) -> Iterator[tuple[int, int]]:
+def _cuts(places: Floats, angles: Floats, led: Flags) -> Iterator[tuple[int, int]]:
     """(knot, key before it) in the middle of each hold."""
-    for k in np.flatnonzero(np.abs(np.diff(angles)) < HOLD):
+    for k in np.flatnonzero((np.abs(np.diff(angles)) < HOLD) & ~led):
         if places[k + 1] - places[k] >= LEAST_HOLD:
             yield round((places[k] + places[k + 1]) / 2), int(k)

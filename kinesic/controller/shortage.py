@@ -125,9 +125,8 @@ def _slopes(segment: Segment, found: _Least) -> Floats:
     speeds = np.sum((np.diff(controls) / step)[first[:, None] + np.arange(3)] * shares, axis=1)
     slopes = np.array([0.0, *(pulls[:count] * speeds), 0.0])
     start, end, last = pulls[count : count + 3], pulls[count + 3 :], controls[-4:]
-    if count and places[-1] > segment.grid.pieces - 1:  # with this key, the rest begins a piece earlier
-        end = np.append(0.0, end) + pulls[count - 1] * weights(places[-1:], segment.grid.pieces)[1][0]
-        end, last, slopes[-2] = end[:3], controls[-5:-1], 0.0
+    if segment.rests_early:
+        end, last, slopes[-2] = np.append(pulls[count - 1], end)[:3], controls[-5:-1], 0.0
     jerks = np.array([controls[:4], last]) @ [-1.0, 3.0, -3.0, 1.0] / step**3
     slopes[[0, -1]] = np.stack([start, end]) @ ACCELERATING * step**2 * jerks
     return slopes

@@ -11,10 +11,11 @@ TITLES = {
     "collision": "Clearance",
     "timing": "Timing",
     "tracking": "Tracking",
+    "measured": "On the robot",
     "servo": "Servos",
 }  # else the word itself
 SMALLER = {"s": ("ms", 1000.0), "m": ("mm", 1000.0)}  # for values below 1
-SYMBOLS = {"deg": "\u00b0", "SPARC": ""}
+SYMBOLS = {"deg": "\u00b0", "times": "\u00d7"}
 TIGHT = {"\u00b0"}  # units that stand at the figure
 
 

@@ -6,20 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import PPoly
 
-from kinesic.body.arrays import Flags, Floats
+from kinesic.body.arrays import Floats
+from kinesic.controller.eases import changes
+from kinesic.controller.passing import accelerations, speeds
+from kinesic.controller.waypoints import SMOOTHEST, Waypoints
+from kinesic.expressivity.easing import PARTS
 
 Hinges = tuple[int, ...]  # in joint order
 
-HOLD = 1e-9  # [rad] keys nearer than this are a hold
-
-
-@dataclass(frozen=True, eq=False)
-class Manner:
-    """How a spline passes its keys (Kochanek-Bartels; thesis 8.7, Sequential Variation)."""
-
-    tension: float = 0.0  # -1..1: 1 stops at each key
-    continuity: float = 0.0  # -1..0: a servo cannot jump in speed, so below 0 the speed at keys shrinks by 1 + c
-    bias: float = 0.0  # -1..1: 1 follows the incoming chord
+SHARES = np.arange(PARTS) / PARTS  # of a way, where an easing is told
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,52 +50,52 @@ class Wish:
         return values
 
 
-def wish(times: Floats, angles: Floats, keyed: Flags, manner: Manner, *, zero: float = 0.0) -> Wish:
+def wish(times: Floats, keys: Waypoints, *, zero: float = 0.0) -> Wish:
     """Joins the keys of each hinge by quintics that are smooth up to the acceleration.
 
-    Speeds at keys are the tangents of a non-uniform Kochanek-Bartels spline, zero at the ends, beside holds and where
-    the hinge turns back, and so bounded that the hinge stays between its keys; accelerations at keys are zero.
+    Speeds at keys are the tangents of a non-uniform Kochanek-Bartels spline, each key with its own tension, continuity
+    and bias; they are zero at the ends and beside holds, and carry a hinge beyond its keys only where its tension is
+    negative and only as far as its range goes. Easings move what the speeds at keys leave of a way.
 
     Args:
         times: (m,) [s] of the keys, increasing from key to key of each hinge.
-        angles: (m, n) [rad].
-        keyed: (m, n), which hinges have a key where; all have one in the first and the last row.
-        manner: tension, continuity and bias.
+        keys: what is passed, and how; all hinges have a key in the first and the last row.
         zero: [s] the time among `times` that is the block's zero.
 
     Returns:
         The wish; performance time starts at the first key.
     """
     together: dict[bytes, list[int]] = {}
-    for hinge, column in enumerate(keyed.T):
+    for hinge, column in enumerate(keys.keyed.T):
         together.setdefault(column.tobytes(), []).append(hinge)
     curves = {}
     for hinges in together.values():
-        rows = np.flatnonzero(keyed[:, hinges[0]])
-        at, values = times[rows] - times[0], angles[rows][:, hinges]
-        curves[tuple(hinges)] = PPoly(_quintics(np.diff(at), values, _tangents(at, values, manner)), at)
+        rows = np.flatnonzero(keys.keyed[:, hinges[0]])
+        curves[tuple(hinges)] = _curve(times[rows] - times[0], keys.part(rows, np.array(hinges)))
     return Wish(curves, zero - float(times[0]))
 
 
-def _tangents(times: Floats, values: Floats, manner: Manner) -> Floats:
-    """Speeds (k, h) at the keys of some hinges, from (k,) times and (k, h) values."""
-    speeds = np.zeros_like(values)
-    if len(times) < 3:
-        return speeds
-    steps, chords = np.diff(times)[:, None], np.diff(values, axis=0)
-    t, c, b = manner.tension, manner.continuity, manner.bias
-    inner = (1 - t) * (1 + c) * ((1 + b) * chords[:-1] + (1 - b) * chords[1:]) / (steps[:-1] + steps[1:])
-    held = (np.abs(chords[:-1]) < HOLD) | (np.abs(chords[1:]) < HOLD)
-    turning = chords[:-1] * chords[1:] < 0.0
-    bound = 2.0 * np.minimum(np.abs(chords[:-1]) / steps[:-1], np.abs(chords[1:]) / steps[1:])
-    speeds[1:-1] = np.where(held | turning, 0.0, np.clip(inner, -bound, bound))
-    return speeds
+def _curve(times: Floats, keys: Waypoints) -> PPoly:
+    """Of hinges that all have the same keys, at (k,) times."""
+    steps, passed = np.diff(times), speeds(times, keys)
+    plain = PPoly(_quintics(steps, keys.angles, passed, accelerations(times, keys, passed)), times)
+    if np.all(keys.easing[1:] == SMOOTHEST):
+        return plain
+    ways, carried = np.diff(keys.angles, axis=0), steps[:, None] * (passed[:-1] + passed[1:]) / 2
+    left = np.where((ways - carried) * ways > 0.0, ways - carried, 0.0)
+    fine = np.append((times[:-1, None] + steps[:, None] * SHARES).ravel(), times[-1])
+    states = np.stack([plain(fine, nu=order) for order in range(3)])
+    along = states[:, :-1].reshape(3, len(steps), PARTS, -1).transpose(0, 1, 3, 2)
+    added = changes(left, along, steps, keys)
+    states[:, :-1] += added.transpose(0, 1, 3, 2).reshape(3, len(fine) - 1, -1)
+    return PPoly(_quintics(np.diff(fine), *states), fine)
 
 
-def _quintics(steps: Floats, angles: Floats, speeds: Floats) -> Floats:
-    """(6, k, h) coefficients, highest power first, between (k + 1, h) keys with zero acceleration."""
-    h, v0 = steps[:, None], speeds[:-1]
-    d = angles[1:] - angles[:-1] - v0 * h
-    v = (speeds[1:] - v0) * h
-    none = np.zeros_like(d)
-    return np.stack([(6 * d - 3 * v) / h**5, (-15 * d + 7 * v) / h**4, (10 * d - 4 * v) / h**3, none, v0, angles[:-1]])
+def _quintics(steps: Floats, angles: Floats, speeds: Floats, accelerations: Floats) -> Floats:
+    """(6, k, h) coefficients, highest power first, between (k + 1, h) angles, speeds and accelerations."""
+    h, v0, a0 = steps[:, None], speeds[:-1], accelerations[:-1]
+    d = angles[1:] - angles[:-1] - v0 * h - a0 * h**2 / 2
+    v = (speeds[1:] - v0 - a0 * h) * h
+    a = (accelerations[1:] - a0) * h**2
+    high = [(6 * d - 3 * v + a / 2) / h**5, (-15 * d + 7 * v - a) / h**4, (10 * d - 4 * v + a / 2) / h**3]
+    return np.stack([*high, a0 / 2, v0, angles[:-1]])

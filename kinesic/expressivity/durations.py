@@ -1,6 +1,8 @@
 """Natural durations: how long each phase of each behaviour takes when the document does not say."""
 
 from collections.abc import Mapping
+from dataclasses import replace
+from itertools import pairwise
 
 from kinesic.bml.block import (
     Behaviour,
@@ -17,16 +19,17 @@ from kinesic.body.arrays import Floats
 from kinesic.body.robot import Side
 from kinesic.expressivity.gaze import aim, look_time
 from kinesic.expressivity.hands import REST, Poses, distance, pointing_poses, poses, resting
-from kinesic.expressivity.head import head_form
+from kinesic.expressivity.head import head_form, swing_time
+from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.lexicon import Lexicon
-from kinesic.expressivity.pace import FLOOR, Pace
-from kinesic.expressivity.phases import paths
+from kinesic.expressivity.pace import Pace
 from kinesic.expressivity.places import NO_TARGETS, find_target
-from kinesic.expressivity.style import Style
+from kinesic.expressivity.sources import manner_of
+from kinesic.expressivity.strokes import natural_times
+from kinesic.expressivity.style import Expressivity, Style
 from kinesic.expressivity.torso import lean, pose
 
-LEAST_SWING = 0.17  # [s] of the head, one way
-LEAST_LEAN = 0.3  # [s]
+LEAST_LEAN = 0.3  # [s] at ease
 LOOK = 1.0  # [s] that a gaze or a head direction is held
 POSTURE = 2.0  # [s] that a posture or a lean is held
 
@@ -37,12 +40,12 @@ def spans(
     """Natural seconds after the previous sync point of its type, for the behaviours that move head, torso or hands.
 
     Ways of the hands take Fitts' time, no less than servos do at ease; a post-stroke hold takes half the stroke
-    (Greta's rule). Temporal extent divides all of them, but no way is shorter than the servos need. Sync points that
-    a mapping leaves out take no time.
+    (Greta's rule). Temporal extent makes all of them shorter or longer, power the strokes, but no way is shorter than
+    the servos need. Sync points that a mapping leaves out take no time.
 
     Args:
         block: whose behaviours are asked.
-        style: of the performance; a behaviour's own manner goes over it.
+        style: of the performance; the document goes over it, and the style's settings over that.
         lexicon: of gestures.
         pace: of the robot that moves.
         targets: (3,) [m] in the world, over those of the robot.
@@ -51,69 +54,71 @@ def spans(
         Behaviour id -> sync point -> [s].
     """
     places = {**pace.robot.targets, **targets}
-    found = {
-        behaviour.id: _spans(behaviour, block, style.under(behaviour.manner), lexicon, pace, places)
-        for behaviour in block.behaviours
-    }
+    found = {behaviour.id: _spans(behaviour, block, style, lexicon, pace, places) for behaviour in block.behaviours}
     return {id: natural for id, natural in found.items() if natural}
 
 
-def stroke_spans(work: Poses, pace: Pace, temporal: float, *, held: bool = True) -> dict[str, float]:
+def stroke_spans(work: Poses, pace: Pace, manner: Expressivity, *, held: bool = True) -> dict[str, float]:
     """Phases of a gesture from rest to rest [s].
+
+    Power shortens the stroke, and a little the ways to it and back; how long the hand is held stays temporal extent's.
 
     Args:
         work: the stroke keys of the gesture.
         pace: of the robot that moves.
-        temporal: extent, -1 slow .. 1 fast.
+        manner: of the gesture; temporal extent and power are used.
         held: whether a post-stroke hold follows.
     """
-    ways = [pace.hand_time(way, temporal) for way in paths(work, resting(pace.robot))]
-    first, second = sum(ways[: work.stroke], 0.0), sum(ways[work.stroke :], 0.0)
+    ways = natural_times(work, pace, manner)
+    strokes = [0, work.stroke, *work.again]
+    first, *more = (sum(ways[before:key], 0.0) for before, key in pairwise(strokes))
+    hold = 0.5 * sum(natural_times(work, pace, replace(manner, power=0.0))) / work.times
     return {
-        "ready": _way(work, 0, pace, temporal),
+        "ready": _way(work, 0, pace, manner),
         "strokeStart": 0.0,
         "stroke": first,
-        "strokeEnd": second,
-        "relax": 0.5 * (first + second) if held else 0.0,
-        "end": _way(work, -1, pace, temporal),
+        **{f"stroke:{k}": time for k, time in enumerate(more, 2)},
+        "strokeEnd": sum(ways[strokes[-1] :], 0.0),
+        "relax": hold if held else 0.0,
+        "end": _way(work, -1, pace, manner),
     }
 
 
-def _way(work: Poses, key: int, pace: Pace, temporal: float) -> float:
+def _way(work: Poses, key: int, pace: Pace, manner: Expressivity) -> float:
     """Between rest and one key, of the hand that goes farther [s]."""
     rest = resting(pace.robot)
     farthest = max(distance(REST, row[key], rest[side]) for side, row in work.hands.items())
-    return max(FLOOR, pace.hand_time(farthest, temporal))
+    return pace.way_time(farthest, manner)
 
 
 def _spans(
     behaviour: Behaviour, block: Block, style: Style, lexicon: Lexicon, pace: Pace, places: Mapping[str, Floats]
 ) -> Mapping[str, float]:
     """Natural seconds of one behaviour; empty when it moves nothing."""
-    robot = pace.robot
+    robot, manner = pace.robot, manner_of(style, block, behaviour)
     match behaviour.action:
         case Gesture(lexeme, mode):
             match = lexicon.find(lexeme, mode)
             if match is None or not match.form.keys:
                 return {}
-            work = poses(match.form, robot, style)
-            return stroke_spans(work, pace, style.temporal, held=not match.form.rest)
+            work = poses(match.form, robot, manner)
+            return stroke_spans(work, pace, manner, held=not match.form.rest)
         case Pointing(target):
             place = find_target(target, places)
             if place is None:
                 return {}
             side: Side = "l" if place[1] > 0 else "r"
-            return stroke_spans(pointing_poses(place, side, robot), pace, style.temporal)
+            return stroke_spans(pointing_poses(place, side, robot), pace, manner)
         case Head() as head:
-            return _head_spans(head, pace, style)
+            return _head_spans(head, pace, manner)
         case Gaze() | HeadDirectionShift() as look:
             aimed = aim(look, block=block, robot=robot, targets=places) if robot.joints("neck") else None
-            return {} if aimed is None else _look_spans(look, look_time(aimed, pace, style.temporal))
+            return {} if aimed is None else _look_spans(look, look_time(aimed, pace, manner.temporal))
         case Torso() as torso:
-            leaned = lean(torso, robot, style.spatial)
-            return _held_spans(pace.turn_time("torso", leaned.turn, style.temporal)) if leaned else {}
+            leaned = lean(torso, robot, manner.spatial)
+            return _lean_spans(leaned.turn, pace, manner) if leaned else {}
         case Posture() as posture:
-            return _posture_spans(posture, lexicon, pace, style)
+            return _posture_spans(posture, lexicon, pace, manner, manner_of(style, block, behaviour, "torso"))
     return {}
 
 
@@ -123,24 +128,28 @@ def _look_spans(look: Gaze | HeadDirectionShift, way: float) -> dict[str, float]
     return {"ready": way, "relax": 0.0, "end": 0.0}
 
 
-def _head_spans(head: Head, pace: Pace, style: Style) -> dict[str, float]:
-    form = head_form(head, pace.robot, style.spatial)
-    swing = max(LEAST_SWING, pace.turn_time("neck", form.peak, style.temporal))
+def _head_spans(head: Head, pace: Pace, manner: Expressivity) -> dict[str, float]:
+    form = head_form(head, pace.robot, manner)
+    swing = swing_time(form, pace, manner)
     if form.kind == "direction":
         return {"ready": 0.85 * swing, "stroke": 0.15 * swing, "relax": LOOK, "end": swing}
     strokes = {f"stroke:{k}": 2 * swing for k in range(2, form.repetition + 1)}
-    return {"stroke": swing, **strokes, "strokeEnd": swing if form.kind == "nod" else 3 * swing}
+    last = (1 if form.kind == "nod" else 3) + 2 * form.more
+    return {"stroke": swing, **strokes, "strokeEnd": last * swing}
 
 
-def _posture_spans(posture: Posture, lexicon: Lexicon, pace: Pace, style: Style) -> dict[str, float]:
+def _lean_spans(turn: Turn, pace: Pace, manner: Expressivity) -> dict[str, float]:
+    there = pace.turn_time("torso", turn, manner.temporal, manner.power, usual=LEAST_LEAN)
+    return {"ready": there, "relax": POSTURE, "end": pace.turn_time("torso", turn, manner.temporal, usual=LEAST_LEAN)}
+
+
+def _posture_spans(
+    posture: Posture, lexicon: Lexicon, pace: Pace, manner: Expressivity, trunk: Expressivity
+) -> dict[str, float]:
     posed = pose(posture, lexicon, pace.robot)
     if posed is None:
         return {}
-    works = [poses(form, pace.robot, style) for form in posed.arms if not isinstance(form, str)]
-    ways = [_way(work, -1, pace, style.temporal) for work in works]
-    way = max([pace.turn_time("torso", posed.lean.turn, style.temporal), *ways])
-    return {"end": max(LEAST_LEAN, way)} if posture.shift else _held_spans(way)
-
-
-def _held_spans(way: float) -> dict[str, float]:
-    return {"ready": max(LEAST_LEAN, way), "relax": POSTURE, "end": max(LEAST_LEAN, way)}
+    works = [poses(form, pace.robot, manner) for form in posed.arms if not isinstance(form, str)]
+    ways = [_way(work, -1, pace, manner) for work in works]
+    way = max([pace.turn_time("torso", posed.lean.turn, trunk.temporal, usual=LEAST_LEAN), *ways])
+    return {"end": way} if posture.shift else {"ready": way, "relax": POSTURE, "end": way}

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Side
 from kinesic.expressivity.keyframes import Touch
+from kinesic.expressivity.paths import HandPath
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,6 +24,7 @@ class HandPose:
     shape: str | None = None  # hand shape, for robots with fingers
     openness: float = 0.0  # of the elbow, 0..1
     touch: Touch | None = None  # what the hand is laid on here
+    path: HandPath | None = None  # how it comes here from the key before [arm lengths]; None: straight
 
 
 @dataclass(frozen=True, eq=False)

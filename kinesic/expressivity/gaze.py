@@ -14,11 +14,15 @@ from kinesic.expressivity.head import direction, named, words
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.pace import Pace
 from kinesic.expressivity.places import find_target, unknown
-from kinesic.expressivity.turns import UPRIGHT, Hold, clipped, excess, held, plus, room, scaled
+from kinesic.expressivity.turns import UPRIGHT, Hold, axes, clipped, excess, held, plus, room, scaled
 
 AUDIENCE = "audience"  # who is looked at when the one that was meant is unknown
 HEAD_ALONE = radians(45)  # torsion beyond which the trunk turns along
 SHARE = 50.0  # [deg] of a whole offset in Greta's documents, which write it as a share of 1
+
+_LEAST_LOOK = 0.2  # [s]
+_HEAD_SPEED, _TRUNK_SPEED = radians(20), radians(30)  # [rad/s] peak speeds of the smallest looks
+_PEAK = 1.875  # peak over mean speed of minimum jerk
 
 _WITH_TRUNK = ("SHOULDER", "TORSO", "WAIST", "WHOLE")
 _OFFSETS = {"UP": (0, -1), "DOWN": (0, 1), "LEFT": (1, 0), "RIGHT": (-1, 0)}  # torsion, tilt
@@ -78,9 +82,17 @@ def hold(look: Aim, times: Mapping[str, float], *, part: Part, stays: bool, pace
 
 
 def look_time(look: Aim, pace: Pace, temporal: float = 0.0) -> float:
-    """Natural time of turning there [s]."""
+    """Natural time of turning there [s]: that of people, or the servos' ease where it is longer."""
     neck = plus(look.head, scaled(look.torso, -1.0))
-    return max(0.2, pace.turn_time("neck", neck, temporal), pace.turn_time("torso", look.torso, temporal))
+    head = pace.turn_time("neck", neck, temporal, usual=_usual(neck, _HEAD_SPEED))
+    trunk = pace.turn_time("torso", look.torso, temporal, usual=_usual(look.torso, _TRUNK_SPEED))
+    return max(_LEAST_LOOK, head, trunk)
+
+
+def _usual(turn: Turn, speed: float) -> float:
+    """What people take to look somewhere [s]: wide turns are faster, with Greta's peak speed of 4/3 a + `speed`."""
+    angle = max(map(abs, axes(turn)))
+    return _PEAK * angle / (4 / 3 * angle + speed)
 
 
 def _looking(

@@ -1,19 +1,21 @@
 """Reads Greta's gestuaries: gestures as XML (thesis 8.7)."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NoReturn
+from typing import NoReturn, TypeVar
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from kinesic.bml.block import BmlError
+from kinesic.bml.manner import openness_of
 from kinesic.bml.tree import Element, read_tree
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError, closest
 from kinesic.body.robot import Side
 from kinesic.expressivity.form import GestureForm, HandPose, StrokeKey
+from kinesic.expressivity.paths import HandPath, Kind, Three, Variation, shaped
 from kinesic.expressivity.space import position
 
 _SIDES: Mapping[str, Side] = {"left": "l", "right": "r"}
@@ -30,10 +32,16 @@ _TOUCHES: Mapping[str, tuple[float, float, float]] = {
     "hipwide": (0.46, -0.10, 0.12),
 }
 
+_KINDS: Mapping[str, Kind] = {name: name for name in ("line", "arc", "circle", "wave", "spiral")}
+_VARIATIONS: Mapping[str, Variation] = {"none": "none", "greater": "grows", "smaller": "shrinks"}
+
 # A body of which only proportions matter, to guess how the forearm of a posture lies [arm lengths].
 _SHOULDER = sealed([0.0, 0.37, 0.52])  # forward, outward, up
 _BONE = 0.5  # upper arm and forearm alike
 _ALONG_FOREARM = 0.94  # cosine of 20 deg: a hand nearer to the forearm's line than this need not be asked to point
+
+
+Listed = TypeVar("Listed")
 
 
 @dataclass(frozen=True)
@@ -66,11 +74,14 @@ class _Reader:
             self.fail(element, f"has no <{name}>")
         return child
 
+    def listed(self, element: Element, name: str, values: Mapping[str, Listed], default: str) -> Listed:
+        text = element.attributes.get(name, default)
+        if text.lower() not in values:
+            self.fail(element, f"{name} is {text!r}{closest(text.lower(), list(values))}")
+        return values[text.lower()]
+
     def truth(self, element: Element, name: str) -> bool:
-        text = element.attributes.get(name, "false")
-        if text.lower() not in _TRUTHS:
-            self.fail(element, f"{name} is {text!r}, must be true or false")
-        return _TRUTHS[text.lower()]
+        return self.listed(element, name, _TRUTHS, "false")
 
 
 def read_gestuary(path: Path) -> tuple[GestureForm, ...]:
@@ -123,7 +134,26 @@ def _form(reader: _Reader, gesture: Element) -> GestureForm:
         if posed:
             keys.append(StrokeKey(posed))
     category = gesture.attributes.get("category", "")
-    return GestureForm(reader.attribute(gesture, "id"), category, tuple(keys), rest=category.lower() == "rest")
+    moved = _with_somewhere_to_come_from(keys)
+    return GestureForm(reader.attribute(gesture, "id"), category, moved, rest=category.lower() == "rest")
+
+
+def _with_somewhere_to_come_from(keys: Sequence[StrokeKey]) -> tuple[StrokeKey, ...]:
+    """A trajectory in the first phase of a hand, which comes from nowhere, leads to the second."""
+    waiting: dict[Side, HandPath] = {}
+    met: set[Side] = set()
+    moved = []
+    for key in keys:
+        hands = {}
+        for side, pose in key.hands.items():
+            if side not in met and pose.path is not None:
+                waiting[side] = pose.path
+                hands[side] = replace(pose, path=None)
+            else:
+                hands[side] = replace(pose, path=pose.path or waiting.pop(side, None))
+            met.add(side)
+        moved.append(StrokeKey(hands))
+    return tuple(moved)
 
 
 def _pose(reader: _Reader, hand: Element, side: Side, before: HandPose | None) -> HandPose | None:
@@ -136,6 +166,8 @@ def _pose(reader: _Reader, hand: Element, side: Side, before: HandPose | None) -
         pose = before
     else:
         return None
+    trajectory = _first(hand, "Trajectory", "trajectory")
+    pose = replace(pose, path=None if trajectory is None else _path(reader, trajectory))
     shape = _first(hand, "handShape")
     if shape is not None:
         name = reader.attribute(shape, "value").lower()
@@ -143,7 +175,7 @@ def _pose(reader: _Reader, hand: Element, side: Side, before: HandPose | None) -
     turn = _first(hand, "wristOrientation")
     if turn is not None:
         pose = _turned(reader, turn, side, pose)
-    return replace(pose, openness=float(np.clip(reader.number(hand, "openness", "0"), 0.0, 1.0)))
+    return replace(pose, openness=openness_of(reader.number(hand, "openness", "0")))
 
 
 def _place(reader: _Reader, hand: Element, side: Side) -> tuple[Floats, tuple[bool, bool, bool]] | None:
@@ -164,6 +196,36 @@ def _place(reader: _Reader, hand: Element, side: Side) -> tuple[Floats, tuple[bo
         return position(*(reader.attribute(axis, "value") for axis in (x, y, z))), fixed
     except ValueError as error:
         reader.fail(place, str(error))
+
+
+def _path(reader: _Reader, trajectory: Element) -> HandPath:
+    """A trajectory: its type, and for each axis an element x, y or z with amplitude, frequency, shift and variations.
+
+    What an axis leaves out is 0; a trajectory without axes is as usual for its type. The variations are those of the
+    first axis that moves.
+    """
+    kind = reader.listed(trajectory, "type", _KINDS, "wave")
+    axes = {axis: element for axis in "xyz" for element in [_first(trajectory, axis, axis.upper())] if element}
+    if not axes or kind == "line":
+        return shaped(kind)
+
+    def three(name: str) -> Three:
+        x, y, z = (reader.number(axes[axis], name, "0") if axis in axes else 0.0 for axis in "xyz")
+        return x, y, z
+
+    size = three("amplitude")
+    moving = next((axes[axis] for axis, amplitude in zip("xyz", size, strict=True) if amplitude), trajectory)
+    try:
+        return shaped(
+            kind,
+            amplitude=size,
+            frequency=three("frequency"),
+            shift=three("shift"),
+            amplitude_variation=reader.listed(moving, "spatialVariation", _VARIATIONS, "none"),
+            frequency_variation=reader.listed(moving, "temporalVariation", _VARIATIONS, "none"),
+        )
+    except ValueError as error:
+        reader.fail(trajectory, str(error))
 
 
 def _touch(reader: _Reader, touch: Element, side: Side) -> Floats:

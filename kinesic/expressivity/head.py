@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import radians
 from typing import Literal
 
@@ -12,6 +12,8 @@ from kinesic.bml.block import Head
 from kinesic.body.robot import Robot
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.pace import Pace
+from kinesic.expressivity.passage import passage
+from kinesic.expressivity.style import Expressivity
 from kinesic.expressivity.turns import (
     MERGE,
     UPRIGHT,
@@ -28,6 +30,8 @@ from kinesic.expressivity.turns import (
 NOD = radians(20)  # peak of a nod of amount 1
 SHAKE = radians(25)  # of a shake of amount 1, to each side
 DIRECTION = radians(30)  # of a direction of amount 1, on each axis that it names
+SWING = 0.17  # [s] one way, at ease
+MORE = 2  # nods or shakes that full repetition adds
 
 _AHEAD = 0.85  # of a direction: where the head is when ready
 _DIRECTIONS = ("up", "down", "left", "right", "forward", "back")
@@ -44,6 +48,7 @@ class HeadForm:
     repetition: int = 1
     substitute: str = ""  # why it is not the lexeme itself
     clipped: str = ""  # what the neck's range took away
+    more: int = 0  # times that the manner adds
 
     @property
     def swings(self) -> tuple[float, ...]:
@@ -51,8 +56,8 @@ class HeadForm:
         if self.kind == "direction":
             return (1.0,)
         if self.kind == "nod":
-            return (1.0, 0.0) * self.repetition
-        return (1.0, -1.0) * self.repetition + (1.0, 0.0)
+            return (1.0, 0.0) * (self.repetition + self.more)
+        return (1.0, -1.0) * (self.repetition + self.more) + (1.0, 0.0)
 
 
 def words(lexeme: str) -> tuple[str, ...]:
@@ -70,25 +75,32 @@ def named(found: tuple[str, ...], *stems: str) -> bool:
     return any(word.startswith(stems) for word in found)
 
 
-def head_form(head: Head, robot: Robot, spatial: float) -> HeadForm:
+def head_form(head: Head, robot: Robot, manner: Expressivity) -> HeadForm:
     """The form of a head movement, inside the range of the neck.
 
     A nod of amount a peaks at a x 20 deg, a shake at a x 25 deg to each side, a direction at a x 30 deg on each
     axis that its words name: up and down tilt, left and right turn, and roll when the word is aside or tilt.
-    Spatial extent from -1 to 1 makes all of them up to half smaller or larger.
+    Spatial extent from -1 to 1 makes all of them up to half smaller or larger; repetition nods or shakes up to
+    `MORE` times more.
 
     Args:
         head: the behaviour.
         robot: whose neck moves.
-        spatial: extent, -1 tight .. 1 wide.
+        manner: of the head; spatial extent and repetition are used.
     """
     found = words(head.lexeme)
     kind, peak, substitute = _meaning(head.lexeme, found)
-    peak = scaled(peak, head.amount * size(found) * (1 + 0.5 * spatial))
+    peak = scaled(peak, head.amount * size(found) * (1 + 0.5 * manner.spatial))
     within = room(robot, "neck")
     lost = excess(peak, within)
     why = f"{lost:.1f} deg beyond the neck's range are left out" if lost > 0.05 else ""
-    return HeadForm(kind, clipped(peak, within), max(1, head.repetition), substitute, why)
+    more = 0 if kind == "direction" else round(MORE * max(0.0, manner.repetition))
+    return HeadForm(kind, clipped(peak, within), max(1, head.repetition), substitute, why, more)
+
+
+def swing_time(form: HeadForm, pace: Pace, manner: Expressivity) -> float:
+    """Natural time of one swing from upright to the peak [s]: temporal extent and power make it shorter or longer."""
+    return pace.turn_time("neck", form.peak, manner.temporal, manner.power, usual=SWING)
 
 
 def direction(found: tuple[str, ...]) -> Turn:
@@ -100,45 +112,62 @@ def direction(found: tuple[str, ...]) -> Turn:
     return Turn(torsion=side, tilt=tilt)
 
 
-def head_layer(form: HeadForm, times: Mapping[str, float], pace: Pace) -> Layer:
+def head_layer(form: HeadForm, times: Mapping[str, float], pace: Pace, manner: Expressivity) -> Layer:
     """The head movement in time.
 
-    A nod or shake swings between `strokeStart` and `strokeEnd`, first at its peak at `stroke`. A direction is
-    nearly there at `ready`, there at `stroke`, and held until `relax`.
+    A nod or shake swings between `strokeStart` and `strokeEnd`, first at its peak at `stroke`; of the times that the
+    manner adds only as many as the neck can do by then. A direction is nearly there at `ready`, there at `stroke`,
+    and held until `relax`.
 
     Args:
         form: of the movement.
         times: the seven sync points of a gesture [s].
         pace: of the robot whose neck moves.
+        manner: of the head.
     """
-    natural = pace.turn_time("neck", form.peak)
+    natural = swing_time(form, pace, manner)
     if form.kind == "direction":
-        return _held(form, times, natural)
-    return _swung(form, times, natural)
+        return _held(form, times, natural, manner)
+    least = pace.least_turn_time("neck", form.peak)
+    return _swung(_fitting(form, times, least), times, natural, manner)
 
 
-def _held(form: HeadForm, times: Mapping[str, float], natural: float) -> Layer:
+def _held(form: HeadForm, times: Mapping[str, float], natural: float, manner: Expressivity) -> Layer:
+    there, hold, back = (passage(manner, phase) for phase in ("stroke", "hold", "retraction"))
     start = departure(times["start"], times["stroke"], natural)
     leave = max(times["relax"], times["stroke"])
-    keys = [TurnKey(start, UPRIGHT)]
+    keys = [TurnKey(start, UPRIGHT, back)]
     if times["ready"] - start >= MERGE and times["stroke"] - times["ready"] >= MERGE:
-        keys.append(TurnKey(times["ready"], scaled(form.peak, _AHEAD)))
-    keys.append(TurnKey(times["stroke"], form.peak))
+        keys.append(TurnKey(times["ready"], scaled(form.peak, _AHEAD), passage(manner, "preparation")))
+    keys.append(TurnKey(times["stroke"], form.peak, there))
     if leave - times["stroke"] >= MERGE:
-        keys.append(TurnKey(leave, form.peak))
-    keys.append(TurnKey(arrival(keys[-1].time, times["end"], natural), UPRIGHT))
+        keys.append(TurnKey(leave, form.peak, hold))
+    keys.append(TurnKey(arrival(keys[-1].time, times["end"], natural), UPRIGHT, back))
     return tuple(keys)
 
 
-def _swung(form: HeadForm, times: Mapping[str, float], natural: float) -> Layer:
+def _swung(form: HeadForm, times: Mapping[str, float], natural: float, manner: Expressivity) -> Layer:
+    there, hold = passage(manner, "stroke"), passage(manner, "hold")
     swings = form.swings
     pinned = _pinned(times, len(swings) - 1, natural)
     moments = [float(time) for time in np.interp(range(len(swings)), list(pinned), list(pinned.values()))]
     start = departure(times["strokeStart"], moments[0], natural)
-    early = [TurnKey(times["start"], UPRIGHT)] if start - times["start"] >= MERGE else []
-    peaks = [TurnKey(time, scaled(form.peak, swing)) for time, swing in zip(moments, swings, strict=True)]
-    late = [TurnKey(times["end"], UPRIGHT)] if times["end"] - moments[-1] >= MERGE else []
-    return (*early, TurnKey(start, UPRIGHT), *peaks, *late)
+    early = [TurnKey(times["start"], UPRIGHT, hold)] if start - times["start"] >= MERGE else []
+    peaks = [TurnKey(time, scaled(form.peak, swing), there) for time, swing in zip(moments, swings, strict=True)]
+    late = [TurnKey(times["end"], UPRIGHT, hold)] if times["end"] - moments[-1] >= MERGE else []
+    return (*early, TurnKey(start, UPRIGHT, hold), *peaks, *late)
+
+
+def _fitting(form: HeadForm, times: Mapping[str, float], least: float) -> HeadForm:
+    """The form with as many added times as leave each swing what the neck needs [s]."""
+    span = times["strokeEnd"] - times["stroke"]
+    more = next((more for more in range(form.more, 0, -1) if span >= least * _count(form, more)), 0)
+    return replace(form, more=more)
+
+
+def _count(form: HeadForm, more: int) -> int:
+    """Swings after the first one."""
+    return len(replace(form, more=more).swings) - 1
 
 
 def _pinned(times: Mapping[str, float], last: int, natural: float) -> dict[int, float]:

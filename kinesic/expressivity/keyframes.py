@@ -8,6 +8,7 @@ from kinesic.bml.block import Notice, Timeline
 from kinesic.body.arrays import Floats
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Side
+from kinesic.expressivity.passage import Passage
 
 PartName = Literal["torso", "head", "l_hand", "r_hand"]
 Touch = Literal["hand", "forearm", "upper_arm", "head", "chest", "lap"]  # arm and hand: those of the other side
@@ -37,6 +38,9 @@ class Hand:
     reach: Reach | None = None  # in the world as if the torso stood upright; None: at rest
     aim: Floats | None = None  # (3,) [m] in the world: what the arm points at from wherever its shoulder then is
     touch: Touch | None = None  # what the hand is laid on; performed as a hover
+    openness: float = 0.0  # 0 the elbow hangs as the hand lets it .. 1 it stands far out
+    effort: float = 0.0  # 0 the shoulder stays .. 1 the arm pulls it along
+    passing: bool = False  # on a path: the elbow comes along as it is
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,8 +51,15 @@ class KeyFrame:
     torso: Turn
     head: Turn
     hands: Mapping[Side, Hand]
-    given: frozenset[PartName]  # parts that a behaviour asks for here; the others are filled by interpolation
+    given: frozenset[PartName]  # parts that a behaviour asks for here
     syncs: tuple[tuple[str, str], ...] = ()  # (behaviour id, sync point) that fall on this key
+    passages: Mapping[PartName, Passage] = field(default_factory=dict)  # of given parts; the others pass plainly
+    filled: frozenset[PartName] = frozenset()  # parts that are on their way here between keys of their own
+
+    @property
+    def told(self) -> frozenset[PartName]:
+        """Parts of which this frame knows where they are; the others go along with these."""
+        return self.given | self.filled
 
 
 @dataclass(frozen=True, eq=False)

@@ -56,6 +56,14 @@ class Lexicon:
             return Match(in_mode(form, mode))
         return self._substitute(lexeme, mode, category)
 
+    def sense(self, form: GestureForm) -> Sense:
+        """What is said about a gesture, whatever hands it is asked of."""
+        return next(
+            sense
+            for own, sense in zip(self.forms, self.senses, strict=True)
+            if (own.id, own.category) == (form.id, form.category)
+        )
+
     def _entry(self, lexeme: str, category: str | None) -> GestureForm | None:
         """The entry of this very name."""
         named = [form for form in self.forms if form.id.lower() == lexeme.lower()]

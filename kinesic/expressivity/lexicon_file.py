@@ -13,10 +13,11 @@ from kinesic.body.robot import Side
 from kinesic.expressivity.form import GestureForm, HandPose, StrokeKey
 from kinesic.expressivity.keyframes import Touch
 from kinesic.expressivity.meaning import Sense
+from kinesic.expressivity.paths import HandPath, Kind, Variation, shaped
+from kinesic.expressivity.shapes import HandShape
 from kinesic.expressivity.space import position
 
-Category = Literal["beat", "deictic", "iconic", "metaphoric", "emblem", "adaptor", "rest"]
-HandShape = Literal["open", "flat", "relaxed", "fist", "index", "pinch", "curved", "thumb", "two", "three", "four"]
+Category = Literal["beat", "deictic", "iconic", "metaphoric", "emblem", "adaptor", "emotion", "rest"]
 AxisName = Literal["forward", "outward", "up"]
 
 _AXES: tuple[AxisName, ...] = ("forward", "outward", "up")
@@ -34,6 +35,18 @@ class Strict(msgspec.Struct, forbid_unknown_fields=True):
     """A table whose unknown keys are errors."""
 
 
+class PathTable(Strict):
+    """How a hand comes to its key from the one before; axes in the order of `at`."""
+
+    kind: Kind
+    amplitude: float | tuple[float, float, float] | None = None  # [arm lengths]
+    frequency: float | tuple[float, float, float] | None = None  # turns on the whole way
+    shift: float | tuple[float, float, float] | None = None  # turns
+    amplitude_variation: Variation | None = None
+    frequency_variation: Variation = "none"
+    points: list[tuple[str | float, str | float, str | float]] = []  # as in `at`
+
+
 class HandTable(Strict):
     """One hand in one key."""
 
@@ -44,10 +57,13 @@ class HandTable(Strict):
     openness: float = 0.0  # 0..1
     fixed: list[AxisName] = []  # axes that spatial extent leaves alone
     touch: Touch | None = None  # what the hand is laid on
+    path: PathTable | None = None  # goes over that of the key
 
 
 class KeyTable(Strict):
     """One stroke key: either `both`, or a hand for itself."""
+
+    path: PathTable | None = None  # of each hand that has none of its own
 
     left: HandTable | None = None
     right: HandTable | None = None
@@ -60,6 +76,7 @@ class GestureTable(Strict):
     id: str
     keys: list[KeyTable]
     meanings: list[str] = []  # words that speak of it, the most characteristic first
+    says: str = ""  # what is done and what it means, in one line
 
 
 class GestureFile(Strict):
@@ -92,11 +109,12 @@ def _entries(path: Path) -> list[tuple[GestureForm, Sense]]:
             keys = tuple(_key(key) for key in table.keys)
             if not keys:
                 raise ValueError("has no keys, needs at least one")
+            _check_paths(keys)
         except ValueError as error:
             raise ConfigError(f"{path}: gesture {table.id}: {error}") from None
         form = GestureForm(table.id, file.category, keys, rest=file.category == "rest")
         own_words = [word for word in table.id.split("_") if word not in table.meanings]
-        entries.append((form, Sense((*table.meanings, *own_words), file.category)))
+        entries.append((form, Sense((*table.meanings, *own_words), file.category, table.says)))
     return entries
 
 
@@ -106,18 +124,44 @@ def _key(table: KeyTable) -> StrokeKey:
     if table.both is not None:
         if table.left is not None or table.right is not None:
             raise ValueError("a key has both and a single hand; write left and right, or both alone")
-        hands["l"] = hands["r"] = _pose(table.both)
+        hands["l"] = hands["r"] = _pose(table.both, table.path)
     if table.left is not None:
-        hands["l"] = _pose(table.left)
+        hands["l"] = _pose(table.left, table.path)
     if table.right is not None:
-        hands["r"] = _pose(table.right)
+        hands["r"] = _pose(table.right, table.path)
     if not hands:
         raise ValueError("a key without hands; give left, right or both")
     return StrokeKey(hands)
 
 
-def _pose(table: HandTable) -> HandPose:
-    """One hand."""
+def _check_paths(keys: tuple[StrokeKey, ...]) -> None:
+    """A path needs a key that it comes from."""
+    known: set[Side] = set()
+    for key in keys:
+        for side, pose in key.hands.items():
+            if pose.path is not None and side not in known:
+                kind = pose.path.kind
+                raise ValueError(f"a hand's first key has a path ({kind}), from nowhere; write the key where it begins")
+        known |= key.hands.keys()
+
+
+def _path(table: PathTable | None) -> HandPath | None:
+    """One path."""
+    if table is None:
+        return None
+    return shaped(
+        table.kind,
+        amplitude=table.amplitude,
+        frequency=table.frequency,
+        shift=table.shift,
+        amplitude_variation=table.amplitude_variation,
+        frequency_variation=table.frequency_variation,
+        points=tuple(position(*point) for point in table.points),
+    )
+
+
+def _pose(table: HandTable, path: PathTable | None) -> HandPose:
+    """One hand, which comes by its own path or that of its key."""
     if not 0.0 <= table.openness <= 1.0:
         raise ValueError(f"openness is {table.openness:g}, outside [0, 1]")
     forward, outward, up = (axis in table.fixed for axis in _AXES)
@@ -129,6 +173,7 @@ def _pose(table: HandTable) -> HandPose:
         table.shape,
         table.openness,
         table.touch,
+        _path(table.path or path),
     )
 
 

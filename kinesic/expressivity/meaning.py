@@ -32,6 +32,7 @@ class Sense:
 
     words: tuple[str, ...]
     category: str
+    says: str = ""  # what is done and what it means, in one line
 
 
 def read_lexeme(lexeme: str) -> Reading:

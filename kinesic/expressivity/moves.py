@@ -9,6 +9,7 @@ from kinesic.bml.block import (
     Gesture,
     Head,
     HeadDirectionShift,
+    Modality,
     NoticeType,
     Pointing,
     Posture,
@@ -24,10 +25,11 @@ from kinesic.expressivity.head import head_form, head_layer
 from kinesic.expressivity.keyframes import Outcome
 from kinesic.expressivity.lexicon import Lexicon, mirrored
 from kinesic.expressivity.pace import Pace
-from kinesic.expressivity.phases import Stroke
 from kinesic.expressivity.places import find_target, unknown
-from kinesic.expressivity.style import Style
-from kinesic.expressivity.turns import UPRIGHT, Hold, Layer, exclusive
+from kinesic.expressivity.sources import manner_of
+from kinesic.expressivity.strokes import Stroke
+from kinesic.expressivity.style import Expressivity, Style
+from kinesic.expressivity.turns import UPRIGHT, Hold, Layer, exclusive, passed
 
 REALISED = Outcome("realised")
 
@@ -47,9 +49,9 @@ class Scene:
         """Who performs."""
         return self.pace.robot
 
-    def style_of(self, timed: Timed) -> Style:
-        """The style of one behaviour."""
-        return self.style.under(timed.behaviour.manner)
+    def manner(self, timed: Timed, modality: Modality | None = None) -> Expressivity:
+        """The manner of one behaviour, in its own modality or in another."""
+        return manner_of(self.style, self.block, timed.behaviour, modality)
 
 
 @dataclass(frozen=True)
@@ -77,20 +79,39 @@ def dropped(why: str, type: NoticeType = NoticeType.CANNOT_CREATE_BEHAVIOR) -> M
 
 
 def gesture_move(timed: Timed, action: Gesture, scene: Scene) -> Move:
-    """A gesture of the lexicon; a one-handed one whose mode is open may take either hand."""
+    """A gesture of the lexicon; a one-handed one whose mode is open may take either hand.
+
+    A deictic one with a target points at it.
+    """
     match = scene.lexicon.find(action.lexeme, action.mode)
     if match is None:
         return dropped(f"the lexicon has no gesture for {action.lexeme}; `kinesic gestures list` shows what it has")
     form = match.form
     if not form.keys and not form.rest:
         return dropped(f"gesture {form.id} has no stroke")
-    style = scene.style_of(timed)
+    unmet = _unmet(action, form, scene)
+    if action.target is not None and not unmet:
+        return pointing_move(timed, Pointing(action.target, action.mode), scene)
+    manner = scene.manner(timed)
     options = [form]
     if action.mode == "unspecified" and len(form.sides) == 1 and not form.rest:
         options.append(mirrored(form))
-    works = tuple(poses(option, scene.robot, style) if option.keys else _hanging(SIDES) for option in options)
+    works = tuple(poses(option, scene.robot, manner) if option.keys else _hanging(SIDES) for option in options)
     outcome, warnings = _substituted(match.substitute)
-    return Move(outcome, strokes=(Stroke(timed.behaviour.id, timed.times, works, form.rest),), warnings=warnings)
+    stroke = Stroke(timed.behaviour.id, timed.times, works, form.rest, manner)
+    return Move(outcome, strokes=(stroke,), warnings=(*warnings, *unmet))
+
+
+def _unmet(action: Gesture, form: GestureForm, scene: Scene) -> tuple[Warned, ...]:
+    """Why a gesture does not meet its target; empty when it does, or has none."""
+    if action.target is None:
+        return ()
+    if find_target(action.target, scene.targets) is None:
+        return (Warned(NoticeType.NO_SUCH_TARGET, unknown(action.target, scene.targets)),)
+    if form.category != "deictic":
+        text = f"gesture {form.id} is no deictic one and leaves its target out"
+        return (Warned(NoticeType.CANNOT_CREATE_BEHAVIOR, text),)
+    return ()
 
 
 def pointing_move(timed: Timed, action: Pointing, scene: Scene) -> Move:
@@ -102,29 +123,31 @@ def pointing_move(timed: Timed, action: Pointing, scene: Scene) -> Move:
     both = Poses({side: work[side].hands[side] for side in SIDES}, work["l"].stroke)
     nearer = (work["l"], work["r"]) if place[1] > 0 else (work["r"], work["l"])
     options = {"left": (work["l"],), "right": (work["r"],), "both": (both,), "unspecified": nearer}
-    return Move(strokes=(Stroke(timed.behaviour.id, timed.times, options[action.mode]),))
+    return Move(
+        strokes=(Stroke(timed.behaviour.id, timed.times, options[action.mode], manner=scene.manner(timed, "gesture")),)
+    )
 
 
 def head_move(timed: Timed, action: Head, scene: Scene) -> Move:
     """A nod, a shake or a direction."""
     if not scene.robot.joints("neck"):
         return _lacking("neck", scene)
-    form = head_form(action, scene.robot, scene.style_of(timed).spatial)
+    form = head_form(action, scene.robot, scene.manner(timed))
     outcome, warnings = _substituted(form.substitute, form.clipped)
-    return Move(outcome, head=(head_layer(form, timed.times, scene.pace),), warnings=warnings)
+    return Move(outcome, head=(head_layer(form, timed.times, scene.pace, scene.manner(timed)),), warnings=warnings)
 
 
 def torso_move(timed: Timed, action: Torso, scene: Scene) -> Move:
     """A lean or a turn of the trunk that returns."""
     if not scene.robot.joints("torso"):
         return _lacking("torso", scene)
-    lean = torso.lean(action, scene.robot, scene.style_of(timed).spatial)
+    lean = torso.lean(action, scene.robot, scene.manner(timed).spatial)
     if lean is None:
         return dropped(f"torso movement {action.lexeme} is unknown; lean, recline, turn, left and right are known")
     if lean.clipped and lean.turn == UPRIGHT:
         return dropped(f"the trunk cannot: {lean.clipped}")
-    hold = torso.hold(lean.turn, timed.times, stays=False, pace=scene.pace)
-    return Move(torso=exclusive([hold]), warnings=_clipped(lean.clipped))
+    (layer,) = exclusive([torso.hold(lean.turn, timed.times, stays=False, pace=scene.pace)])
+    return Move(torso=(passed(layer, scene.manner(timed)),), warnings=_clipped(lean.clipped))
 
 
 def look_moves(looks: Sequence[Timed], scene: Scene) -> Mapping[str, Move]:
@@ -182,9 +205,8 @@ def posture_moves(postures: Sequence[Timed], scene: Scene) -> Mapping[str, Move]
         holds.append(torso.hold(pose.lean.turn, timed.times, stays=action.shift, pace=scene.pace))
         found.append((timed, Move(outcome, strokes=strokes, warnings=warnings)))
     for (timed, move), layer in zip(found, exclusive(holds), strict=True):
-        moves[timed.behaviour.id] = Move(
-            move.outcome, torso=_moving(layer), strokes=move.strokes, warnings=move.warnings
-        )
+        trunk = _moving(passed(layer, scene.manner(timed, "torso")))
+        moves[timed.behaviour.id] = Move(move.outcome, torso=trunk, strokes=move.strokes, warnings=move.warnings)
     return moves
 
 
@@ -204,7 +226,9 @@ def _looked(looks: Sequence[Timed], aims: Sequence[gaze.Aim], scene: Scene) -> d
         if k + 1 < len(heads) and (leave := heads[k].leave) is not None and heads[k + 1].start < leave:
             text = f"gives way to {looks[k + 1].behaviour.id} at {heads[k + 1].start:.2f} s"
             warnings += (Warned(NoticeType.IMPOSSIBLE_TO_SCHEDULE, text),)
-        moves[timed.behaviour.id] = Move(outcome, head=(head[k],), torso=_moving(trunk[k]), warnings=warnings)
+        manner = scene.manner(timed)
+        here, below = passed(head[k], manner), _moving(passed(trunk[k], manner))
+        moves[timed.behaviour.id] = Move(outcome, head=(here,), torso=below, warnings=warnings)
     return moves
 
 
@@ -212,7 +236,7 @@ def _posed(timed: Timed, arms: GestureForm | str, shift: bool, scene: Scene) -> 
     """Work that brings the arms into a rest pose, and back unless the posture stays."""
     times = timed.times
     if isinstance(arms, GestureForm):
-        work = poses(arms, scene.robot, scene.style_of(timed))
+        work = poses(arms, scene.robot, scene.manner(timed))
     else:
         work = _hanging(SIDES if arms == "both" else ("l",) if arms == "left" else ("r",))
     there = times["end"] if shift else times["ready"]

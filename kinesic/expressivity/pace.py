@@ -10,9 +10,15 @@ from kinesic.body.double_s import least_times
 from kinesic.body.limits import Limits
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.keyframes import Turn
+from kinesic.expressivity.style import NEUTRAL, Expressivity
 from kinesic.expressivity.turns import AXES, axes
 
-COMFORT = 1.15  # natural time over the shortest that the servos can do
+COMFORT = 1.3  # natural time over the shortest that the servos can do
+HASTE = 1.5  # factor on speed of a temporal extent of 1
+FORCE = 2.4  # of a power of 1; strokes at ease leave the servos room for all of it
+GATHERED = 1.5  # exponent of power: half of it does less than half, or the servos' limits would bind already
+WEAKNESS = 1.6  # factor on time of a power of -1
+CARRIED = 0.6  # of power: what preparation and retraction have of it (Greta's share)
 FLOOR = 0.25  # [s] of a preparation or retraction
 
 _BEGIN, _PER_BIT, _WIDTH = 0.1, 0.15, 0.05  # [s], [s] and [m] of a target in Fitts' law
@@ -24,9 +30,20 @@ _PROBE = 1e-5  # [rad] for the slope
 _DAMPING = 1e-3  # of an arm that can hardly move along some axis
 
 
-def quickness(temporal: float) -> float:
-    """Factor on speed of a temporal extent from -1 slow to 1 fast."""
-    return float(2.0 ** (0.6 * temporal))
+def hurried(ease: float, least: float, extent: float, most: float) -> float:
+    """A time under an extent from -1 to 1, which the fastest divides and the slowest multiplies by `most` [s].
+
+    It falls with the extent as long as servos can do with less: where the least time forbids the whole factor, the
+    fastest takes the least time, and what lies between shares what room there is.
+
+    Args:
+        ease: time at extent 0 [s].
+        least: that servos need [s].
+        extent: -1 slow .. 1 fast.
+        most: factor on speed at 1, from 1.
+    """
+    room = most if extent < 0 or least <= 0 else min(most, max(ease / least, 1.0))
+    return float(max(least, ease * room**-extent))
 
 
 def fitts(distance: float) -> float:
@@ -38,31 +55,47 @@ def fitts(distance: float) -> float:
 class Pace:
     """How fast a robot moves from rest to rest, and how fast it does so at ease.
 
-    A natural time is divided by `quickness` of the temporal extent, but never below what the servos need.
+    Temporal extent and power make a natural time shorter or longer, but never shorter than the servos need.
     """
 
     robot: Robot
     limits: Limits
 
-    def hand_time(self, distance: float, temporal: float = 0.0) -> float:
-        """Natural time of a hand's way [s]: Fitts' law, or the servos' ease where that is slower.
+    def stroke_time(self, distance: float, manner: Expressivity = NEUTRAL) -> float:
+        """Natural time of a hand's way in a stroke [s]: Fitts' law, or the servos' ease where that is slower.
 
         Args:
             distance: [m].
-            temporal: extent, -1 slow .. 1 fast.
+            manner: of the gesture; temporal extent and power are used.
         """
         least = self.least_hand_time(distance)
-        return max(least, max(fitts(distance), COMFORT * least) / quickness(temporal))
+        return _natural(max(fitts(distance), FORCE * least), least, manner.temporal, manner.power)
 
-    def turn_time(self, chain: str, turn: Turn, temporal: float = 0.0) -> float:
+    def way_time(self, distance: float, manner: Expressivity = NEUTRAL) -> float:
+        """Natural time of a hand's way to a stroke or back [s], at least `FLOOR`.
+
+        Args:
+            distance: [m].
+            manner: of the gesture; temporal extent and a share of power are used.
+        """
+        least = self.least_hand_time(distance)
+        ease = max(fitts(distance), COMFORT * least)
+        return max(FLOOR, _natural(ease, least, manner.temporal, CARRIED * manner.power))
+
+    def turn_time(
+        self, chain: str, turn: Turn, temporal: float = 0.0, power: float = 0.0, *, usual: float = 0.0
+    ) -> float:
         """Natural time of a rotation from upright [s].
 
         Args:
             chain: `neck` or `torso`.
             turn: where it goes.
             temporal: extent, -1 slow .. 1 fast.
+            power: of a stroke, -1 weak .. 1 forceful.
+            usual: what people take at least, when they are at ease [s].
         """
-        return self.least_turn_time(chain, turn) * max(1.0, COMFORT / quickness(temporal))
+        least = self.least_turn_time(chain, turn)
+        return _natural(max(usual, COMFORT * least), least, temporal, power)
 
     def least_hand_time(self, distance: float) -> float:
         """Shortest time of a hand's way [s] that an arm needs which stands well for it; grows with the way [m]."""
@@ -108,3 +141,9 @@ class Pace:
         hands = skeleton.frames(postures).origins[:, :, skeleton.segment(self.robot.chains[f"{side}_arm"][-1])]
         slopes: Floats = ((hands[:, 1:] - hands[:, :1]) / _PROBE).transpose(0, 2, 1)
         return slopes
+
+
+def _natural(ease: float, least: float, temporal: float, power: float) -> float:
+    """A time at ease under temporal extent and power [s]."""
+    paced = hurried(ease, least, temporal, HASTE)
+    return hurried(paced, least, power**GATHERED, FORCE) if power > 0 else hurried(paced, least, power, WEAKNESS)

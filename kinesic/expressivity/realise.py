@@ -23,10 +23,13 @@ from kinesic.bml.block import (
     Torso,
     Wait,
 )
+from kinesic.bml.constraints import placed
 from kinesic.body.arrays import Floats
-from kinesic.expressivity.gather import HANDS, Sequences, SyncPoint, gathered
+from kinesic.expressivity.gather import GATHER, HANDS, Gathering, Sequences
+from kinesic.expressivity.idle import OFF, Idling, filled
 from kinesic.expressivity.keyframes import KeyFrames, Outcome, PartName
 from kinesic.expressivity.lexicon import Lexicon
+from kinesic.expressivity.moments import SyncPoint
 from kinesic.expressivity.moves import (
     Move,
     Scene,
@@ -43,6 +46,7 @@ from kinesic.expressivity.pace import Pace
 from kinesic.expressivity.phases import Arranged, arranged
 from kinesic.expressivity.places import NO_TARGETS
 from kinesic.expressivity.style import Style
+from kinesic.expressivity.trunk import taking_part
 
 ALL: Mapping[str, str] = MappingProxyType({})  # nothing is left out
 
@@ -55,16 +59,20 @@ def keyframes(
     pace: Pace,
     targets: Mapping[str, Floats] = NO_TARGETS,
     without: Mapping[str, str] = ALL,
+    gathering: Gathering = "complex",
+    idling: Idling = OFF,
 ) -> KeyFrames:
     """Key frames of a block, and what became of each of its behaviours.
 
     Args:
         timeline: behaviours with times.
-        style: of the performance; a behaviour's own manner goes over it.
+        style: of the performance; the document goes over it, and the style's settings over that.
         lexicon: of gestures.
         pace: of the robot that performs.
         targets: (3,) [m] in the world, over those of the robot.
         without: ids of behaviours to leave out, and why.
+        gathering: how frames are filled, in which some parts have no key.
+        idling: what fills pauses.
 
     Raises:
         BmlError: a behaviour inside `required` cannot be performed.
@@ -73,30 +81,45 @@ def keyframes(
     scene = Scene(timeline.block, style, lexicon, pace, {**robot.targets, **targets})
     moves = _moves([timed for timed in timeline.timed if timed.behaviour.id not in without], scene)
     moves |= {id: dropped(why) for id, why in without.items()}
-    hands = arranged([stroke for move in moves.values() for stroke in move.strokes], pace)
-    moves = {id: _with_hands(move, hands.outcomes.get(id)) for id, move in moves.items()}
+    hands = arranged([stroke for move in moves.values() for stroke in move.strokes], pace, placed(timeline.block))
+    moves = {id: _with_hands(id, move, hands) for id, move in moves.items()}
     outcomes = {drop.behaviour.id: Outcome("dropped", drop.why) for drop in timeline.dropped}
     outcomes |= {id: move.outcome for id, move in moves.items()}
     _check_required(timeline.block, outcomes)
     uses = {id: _uses(id, move, hands) for id, move in moves.items()}
+    timeline = replace(timeline, timed=tuple(_moved(timed, hands.times) for timed in timeline.timed))
     syncs = [
         SyncPoint(time, timed.behaviour.id, sync)
         for timed in timeline.timed
         if uses[timed.behaviour.id]
         for sync, time in timed.times.items()
     ]
+    trunk = [
+        taking_part(work, scene.manner(timed, "torso"), pace)
+        for timed in timeline.timed
+        if isinstance(timed.behaviour.action, Gesture)
+        for work in hands.works
+        if work.id == timed.behaviour.id
+    ]
     sequences = Sequences(
-        torso=tuple(layer for move in moves.values() for layer in move.torso),
+        torso=(*(layer for move in moves.values() for layer in move.torso), *filter(None, trunk)),
         head=tuple(layer for move in moves.values() for layer in move.head),
         hands=hands.hands,
     )
+    sequences = filled(sequences, (timeline.start, timeline.end), idling, robot)
     return KeyFrames(
         timeline,
-        gathered(sequences, syncs, robot),
+        GATHER[gathering](sequences, syncs, robot),
         outcomes,
         uses,
         (*timeline.notices, *(notice for id, move in moves.items() for notice in _notices(scene.block, id, move))),
     )
+
+
+def _moved(timed: Timed, times: Mapping[str, Mapping[str, float]]) -> Timed:
+    """The behaviour with the sync points that neighbours of its hands moved, where the document left them open."""
+    moved = times.get(timed.behaviour.id)
+    return replace(timed, times={**timed.times, **moved}) if moved else timed
 
 
 def _moves(timed: list[Timed], scene: Scene) -> dict[str, Move]:
@@ -126,8 +149,10 @@ def _move(timed: Timed, scene: Scene) -> Move:
     return dropped(why, NoticeType.BEHAVIOR_TYPE_NOT_SUPPORTED)
 
 
-def _with_hands(move: Move, outcome: Outcome | None) -> Move:
+def _with_hands(id: str, move: Move, hands: Arranged) -> Move:
     """The move after the hands were given out."""
+    remarks = (Warned(NoticeType.IMPOSSIBLE_TO_SCHEDULE, text) for text in hands.remarks.get(id, ()))
+    move, outcome = replace(move, warnings=(*move.warnings, *remarks)), hands.outcomes.get(id)
     if outcome is None:
         return move
     if outcome.kind == "dropped":

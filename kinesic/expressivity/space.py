@@ -6,6 +6,7 @@ Three axes, written for a hand's own side: forward, outward (to the hand's own s
 
 from collections.abc import Mapping
 from dataclasses import replace
+from math import sqrt
 from typing import Literal
 
 import numpy as np
@@ -31,13 +32,14 @@ SECTORS: Mapping[Axis, Mapping[str, float]] = {
     "z": {"ZNear": 0.4, "ZMiddle": 0.65, "ZFar": 0.95},
 }
 
+EASE = 0.95  # [arm lengths] from the shoulder, beyond which spatial extent takes no hand
 HAND_GAP = 0.24  # [arm lengths] least distance between wrists or fingertips of two hands, each about 0.12 thick
 
 _HAND_LENGTH = 0.2  # [arm lengths] wrist to fingertips
 _HANGING_ELBOW = sealed([0.02, 0.42, 0.0])  # forward, outward, up: where the forearm comes from
 _FOLDED = {axis: {name.lower(): value for name, value in sectors.items()} for axis, sectors in SECTORS.items()}
 _GROWTH = sealed([0.25, 1.3, 0.6])  # forward, outward, up: spatial extent above 0
-_SHRINKING = sealed([0.25, 0.7, 0.25])  # and below
+_SHRINKING = sealed([0.25, 0.7, 0.35])  # and below
 
 
 def sector(axis: Axis, name: str) -> float:
@@ -85,7 +87,7 @@ def to_world(robot: Robot, side: Side, position: Floats) -> Floats:
 
 
 def extended(position: Floats, spatial: float, fixed: tuple[bool, bool, bool] = (False, False, False)) -> Floats:
-    """A position under spatial extent (Greta's factors; thesis 8.7, Gesture Volume).
+    """A position under spatial extent (thesis 8.7, Gesture Volume; Greta's factors, but for more upward shrinking).
 
     Args:
         position: (3,) forward, outward, up [arm lengths].
@@ -99,13 +101,42 @@ def extended(position: Floats, spatial: float, fixed: tuple[bool, bool, bool] = 
     return sealed(np.where(fixed, position, position * scale))
 
 
-def widened(key: StrokeKey, spatial: float) -> StrokeKey:
-    """A stroke key under spatial extent; two hands that would meet are moved apart, unless outward is fixed in both."""
+def widened(key: StrokeKey, spatial: float, robot: Robot) -> StrokeKey:
+    """A stroke key under spatial extent, as far as the arms reach with ease.
+
+    Two hands that would meet are moved apart, unless outward is fixed in both.
+    """
+    shoulder = _shoulder(robot)
     hands = {
-        side: replace(pose, position=extended(pose.position, spatial, pose.fixed)) for side, pose in key.hands.items()
+        side: replace(pose, position=_at_extent(pose.position, spatial, pose.fixed, shoulder))
+        for side, pose in key.hands.items()
     }
     wide = StrokeKey(hands)
     return wide if all(pose.fixed[1] for pose in hands.values()) else apart(wide)
+
+
+def _shoulder(robot: Robot) -> Floats:
+    """(3,) forward, outward, up of a shoulder's centre [arm lengths]."""
+    centre = robot.skeleton.straight.origins[robot.skeleton.segment(robot.chains["l_arm"][-3])]
+    return sealed((centre - robot.gesture_origin) / robot.arm_length)
+
+
+def _at_extent(position: Floats, spatial: float, fixed: tuple[bool, bool, bool], shoulder: Floats) -> Floats:
+    """A position under spatial extent; above 0 in proportion, so that the widest is still reached with ease."""
+    if spatial <= 0.0:
+        return extended(position, spatial, fixed)
+    widest = _reached(position, extended(position, 1.0, fixed), shoulder)
+    return sealed(position + spatial * (widest - position))
+
+
+def _reached(position: Floats, wide: Floats, shoulder: Floats) -> Floats:
+    """On the way from a position to a wider one, the last that the arm reaches with ease, or the position itself."""
+    way, out = wide - position, position - shoulder
+    radius = max(EASE, float(np.linalg.norm(out)))
+    if float(np.linalg.norm(wide - shoulder)) <= radius:
+        return wide
+    a, b, c = float(way @ way), float(way @ out), float(out @ out) - radius**2
+    return sealed(position + (sqrt(max(0.0, b * b - a * c)) - b) / a * way)
 
 
 def apart(key: StrokeKey) -> StrokeKey:

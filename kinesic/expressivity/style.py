@@ -1,48 +1,36 @@
-"""Style: the manner in which a whole performance is moved, and how a document overrides it."""
+"""Style: the manner in which a whole performance is moved, modality by modality."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
+from functools import cache
 from pathlib import Path
+from typing import get_args
 
 import msgspec
 
-from kinesic.bml.block import Manner
+from kinesic.bml.block import RANGES, Modality
 from kinesic.body.config import ConfigError, closest, locate, read
 
-RANGES: Mapping[str, tuple[float, float]] = {
-    "spatial": (-1.0, 1.0),
-    "temporal": (-1.0, 1.0),
-    "fluidity": (-1.0, 1.0),
-    "power": (-1.0, 1.0),
-    "tension": (-1.0, 1.0),
-    "repetition": (-1.0, 1.0),
-    "openness": (0.0, 1.0),
-}
+__all__ = ["MODALITIES", "NEUTRAL", "RANGES", "Expressivity", "Modality", "Setting", "Style", "preset"]
 
-
-class StyleTable(msgspec.Struct, forbid_unknown_fields=True):
-    """A file in `configs/styles/`: every parameter, so that a reader sees the whole manner."""
-
-    spatial: float
-    temporal: float
-    fluidity: float
-    power: float
-    tension: float
-    repetition: float
-    openness: float
+MODALITIES: tuple[Modality, ...] = get_args(Modality)
 
 
 @dataclass(frozen=True)
-class Style:
-    """Expressivity parameters (thesis 8.7; Hartmann's spatial, temporal, fluidity, power, repetition)."""
+class Expressivity:
+    """The numbers of one modality (thesis 8.7; Hartmann's spatial, temporal, fluidity, power, repetition, activation).
 
-    name: str = "neutral"
+    Raises:
+        ValueError: a number outside its range, which is named.
+    """
+
     spatial: float = 0.0  # -1 tight .. 1 wide
     temporal: float = 0.0  # -1 slow .. 1 fast
     fluidity: float = 0.0  # -1 jerky .. 1 flowing
     power: float = 0.0  # -1 weak .. 1 forceful
     tension: float = 0.0  # -1 loose .. 1 tense
     repetition: float = 0.0  # -1 single .. 1 repeated strokes
+    activation: float = 0.0  # -1 passive .. 1 animated: how much movement there is
     openness: float = 0.0  # 0 elbows at the body .. 1 elbows away from it
 
     def __post_init__(self) -> None:
@@ -50,6 +38,74 @@ class Style:
             value = getattr(self, name)
             if not least <= value <= most:
                 raise ValueError(f"{name} is {value:g}, outside [{least:g}, {most:g}]")
+
+
+NEUTRAL = Expressivity()  # as the lexicon has it
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One number that wins over every document, of one modality or of all."""
+
+    parameter: str
+    value: float
+    modality: Modality | None = None  # None: all
+
+    def __str__(self) -> str:
+        return (
+            f"{self.modality}.{self.parameter}={self.value:g}" if self.modality else f"{self.parameter}={self.value:g}"
+        )
+
+    def concerns(self, modality: Modality) -> bool:
+        """Whether it is about a modality."""
+        return self.modality in (None, modality)
+
+
+class PartTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What a modality of a style does differently."""
+
+    spatial: float | None = None
+    temporal: float | None = None
+    fluidity: float | None = None
+    power: float | None = None
+    tension: float | None = None
+    repetition: float | None = None
+    activation: float | None = None
+    openness: float | None = None
+
+
+class StyleTable(msgspec.Struct, forbid_unknown_fields=True):
+    """A file in `configs/styles/`: every parameter of all modalities, and what single ones do differently."""
+
+    spatial: float
+    temporal: float
+    fluidity: float
+    power: float
+    tension: float
+    repetition: float
+    activation: float
+    openness: float
+    gesture: PartTable = PartTable()
+    head: PartTable = PartTable()
+    torso: PartTable = PartTable()
+    face: PartTable = PartTable()
+
+    def expressivity(self, modality: Modality) -> Expressivity:
+        """The numbers of one modality."""
+        own = msgspec.structs.asdict(getattr(self, modality))
+        return Expressivity(**{name: getattr(self, name) if own[name] is None else own[name] for name in RANGES})
+
+
+@dataclass(frozen=True)
+class Style:
+    """A manner for each modality, and what of it no document may change."""
+
+    name: str = "neutral"
+    gesture: Expressivity = NEUTRAL
+    head: Expressivity = NEUTRAL
+    torso: Expressivity = NEUTRAL
+    face: Expressivity = NEUTRAL
+    settings: tuple[Setting, ...] = ()  # in force already; told again after the documents
 
     @classmethod
     def load(cls, name: str | Path = "neutral") -> "Style":
@@ -59,45 +115,69 @@ class Style:
             ConfigError: there is no such style, or its file is wrong.
         """
         path = locate("style", name)
-        try:
-            return cls(path.stem, **msgspec.structs.asdict(read(path, StyleTable)))
-        except ValueError as error:
-            raise error if isinstance(error, ConfigError) else ConfigError(f"{path}: {error}") from None
+        table = read(path, StyleTable)
+        found: dict[Modality, Expressivity] = {}
+        for modality in MODALITIES:
+            try:
+                found[modality] = table.expressivity(modality)
+            except ValueError as error:
+                raise ConfigError(f"{path}: {error}") from None
+        return cls(path.stem, settings=(), **found)
+
+    @classmethod
+    def uniform(cls, manner: Expressivity, name: str = "own") -> "Style":
+        """A style of which all modalities have the same numbers."""
+        return cls(name, manner, manner, manner, manner)
+
+    def of(self, modality: Modality) -> Expressivity:
+        """The numbers of one modality."""
+        found: Expressivity = getattr(self, modality)
+        return found
 
     def changed(self, settings: Iterable[str]) -> "Style":
-        """The style with single parameters set by texts such as `power=0.8`.
+        """The style with single numbers set by texts such as `power=0.8` or `head.power=0.8`, the last one winning.
 
         Raises:
             ConfigError: a text is not of this form, names no parameter, or its value is out of range.
         """
-        changes = dict(_setting(text) for text in settings)
-        try:
-            return self._with(changes)
-        except ValueError as error:
-            raise ConfigError(str(error)) from None
+        style = self
+        for setting in map(_setting, settings):
+            concerned = [part for part in MODALITIES if setting.concerns(part)]
+            parts = {part: replace(style.of(part), **{setting.parameter: setting.value}) for part in concerned}
+            style = replace(style, name=style.name, settings=(*style.settings, setting), **parts)
+        return style
 
-    def under(self, manner: Manner) -> "Style":
-        """The style of one behaviour: what its document says, and this style where it says nothing.
-
-        Documents use ranges of their own (an openness of 5 occurs), so their values are clipped to ours. The
-        manner's intensity is no parameter of style.
-        """
-        asked = {name: getattr(manner, name) for name in RANGES if getattr(manner, name) is not None}
-        return self._with({name: min(max(value, RANGES[name][0]), RANGES[name][1]) for name, value in asked.items()})
-
-    def _with(self, changes: Mapping[str, float]) -> "Style":
-        """The style with some parameters changed."""
-        return Style(self.name, **{name: changes.get(name, getattr(self, name)) for name in RANGES})
+    def numbers(self) -> Mapping[Modality, Mapping[str, float]]:
+        """All numbers by modality and name."""
+        return {modality: asdict(self.of(modality)) for modality in MODALITIES}
 
 
-def _setting(text: str) -> tuple[str, float]:
-    """`power=0.8` as name and value."""
-    name, equals, value = (part.strip() for part in text.partition("="))
+@cache
+def preset(name: str) -> Style:
+    """A style of `configs/styles/`, read once.
+
+    Raises:
+        ConfigError: there is no such style.
+    """
+    return Style.load(name)
+
+
+def _setting(text: str) -> Setting:
+    """`power=0.8` or `head.power=0.8` as what it sets."""
+    place, equals, written = (part.strip() for part in text.partition("="))
     if not equals:
         raise ConfigError(f"{text!r} is no setting of a style; write it as NAME=VALUE, such as power=0.8")
+    part, point, name = place.rpartition(".")
+    modality = next((known for known in MODALITIES if known == part), None)
+    if point and modality is None:
+        raise ConfigError(f"a style has no modality {part!r}{closest(part, MODALITIES)}")
     if name not in RANGES:
         raise ConfigError(f"a style has no {name}{closest(name, list(RANGES))}")
     try:
-        return name, float(value)
+        value = float(written)
     except ValueError:
-        raise ConfigError(f"{name} is {value!r}, not a number; such as {name}=0.8") from None
+        raise ConfigError(f"{place} is {written!r}, not a number; such as {place}=0.8") from None
+    least, most = RANGES[name]
+    if not least <= value <= most:
+        raise ConfigError(f"{place} is {value:g}, outside [{least:g}, {most:g}]")
+    return Setting(name, value, modality)

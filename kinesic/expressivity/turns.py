@@ -1,7 +1,8 @@
 """Rotations of head and torso in time: keys, layers that add up, and the range that holds them."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import degrees
 
 import numpy as np
@@ -9,6 +10,8 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.expressivity.keyframes import Turn
+from kinesic.expressivity.passage import PLAIN, Passage, Phase, passage
+from kinesic.expressivity.style import Expressivity
 
 AXES = ("torsion", "tilt", "roll")  # in the order of Turn; hinges of neck and torso are named after them
 UPRIGHT = Turn()
@@ -21,6 +24,7 @@ class TurnKey:
 
     time: float  # [s] block time
     turn: Turn
+    passage: Passage = PLAIN
 
 
 Layer = tuple[TurnKey, ...]  # in time order; straight between its keys, constant outside them
@@ -144,6 +148,15 @@ def _yielding(layer: Layer, other: Hold) -> Layer:
     """A layer that goes back to zero while another hold goes to its own rotation."""
     before = tuple(key for key in layer if key.time < other.start)
     return (*before, TurnKey(other.start, at(layer, other.start)), TurnKey(other.arrive, UPRIGHT))
+
+
+def passed(layer: Layer, manner: Expressivity) -> Layer:
+    """A layer whose keys are passed as a manner passes a hold: there, staying, and back upright."""
+    keys = [replace(key, passage=passage(manner, "retraction")) for key in layer[:1]]
+    for before, key in pairwise(layer):
+        phase: Phase = "hold" if key.turn == before.turn else "retraction" if key.turn == UPRIGHT else "stroke"
+        keys.append(replace(key, passage=passage(manner, phase)))
+    return tuple(keys)
 
 
 def departure(wanted: float, arrival: float, natural: float) -> float:

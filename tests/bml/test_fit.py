@@ -47,3 +47,17 @@ def test_a_hold_before_the_stroke_and_a_preparation_give_where_nothing_else_can(
 def test_no_time_at_all() -> None:
     assert set(times(start=1.0, end=1.0).values()) == {1.0}
     assert fit(GAZE_SYNCS, {}, {"start": 0.0, "end": 2.0}) == [0.0, 0.0, 2.0, 2.0]
+
+
+def test_strokes_that_are_done_once_more_give_way_before_the_first() -> None:
+    names = ("start", "stroke", "stroke:2", "stroke:3", "strokeEnd", "relax", "end")
+    spans = {"stroke": 0.4, "stroke:2": 0.5, "stroke:3": 0.5, "strokeEnd": 0.2, "relax": 0.3, "end": 0.4}
+
+    def found(end: float) -> dict[str, float]:
+        given = {"start": 0.0, "end": end}
+        return dict(zip(names, fit(names, spans, given, {"stroke:2", "stroke:3"}), strict=True))
+
+    assert found(2.0) == pytest.approx(dict(zip(names, (0, 0.4, 0.9, 1.4, 1.6, 1.6, 2.0), strict=True)))
+    assert found(1.5) == pytest.approx(dict(zip(names, (0, 0.4, 0.65, 0.9, 1.1, 1.1, 1.5), strict=True)))
+    assert found(1.0) == pytest.approx(dict(zip(names, (0, 0.4, 0.4, 0.4, 0.6, 0.6, 1.0), strict=True)))
+    assert found(0.5)["stroke"] == pytest.approx(0.2)

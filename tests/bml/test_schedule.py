@@ -52,6 +52,28 @@ def test_natural_spans_are_taken_over() -> None:
     assert at(found, "g:ready") == pytest.approx(8.25)
 
 
+REPEATED = {"g": {"ready": 0.5, "stroke": 0.3, "stroke:2": 0.6, "strokeEnd": 0.3, "relax": 0.2, "end": 0.5}}
+
+
+def test_a_stroke_that_style_repeats_has_sync_points_of_its_own() -> None:
+    block = parse('<bml id="b"><gesture id="g" lexeme="BEAT" stroke="2"/><gesture id="h" stroke="g:stroke:2"/></bml>')
+    found = schedule(block, {}, REPEATED)
+    assert list(found.timed[0].times)[3:6] == ["stroke", "stroke:2", "strokeEnd"]
+    assert at(found, "g:stroke") == 2.0
+    assert at(found, "g:stroke:2") == at(found, "h:stroke") == pytest.approx(2.6)
+    assert schedule(block, {}, {}).dropped[0].behaviour.id == "h"
+
+
+def test_repetition_gives_way_where_gestures_hang_on_one_another() -> None:
+    block = parse(
+        '<bml id="b"><gesture id="g" lexeme="BEAT" start="0"/><gesture id="h" start="g:end" stroke="2.8"/>'
+        '<constraint><before ref="h:start"><sync ref="g:relax"/></before></constraint></bml>'
+    )
+    times = schedule(block, {}, REPEATED).timed[0].times
+    assert times["stroke"] == pytest.approx(0.8)
+    assert times["stroke:2"] - times["stroke"] < 0.6
+
+
 def test_an_early_stroke_shortens_its_preparation_to_half_at_most(timed: Timing) -> None:
     natural = timed(gesture("g", 'stroke="5"'))
     preparation = at(natural, "g:ready") - at(natural, "g:start")

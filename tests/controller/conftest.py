@@ -13,7 +13,6 @@ from kinesic.controller.perform import facts, perform
 from kinesic.controller.performance import Performance
 from kinesic.controller.postures import Posture
 from kinesic.controller.trajectory import Trajectory
-from kinesic.controller.wish import Manner
 
 BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="block">{}</bml>'
 HURRIED = BLOCK.format(
@@ -55,6 +54,6 @@ def through() -> Callable[[Floats, Floats], Trajectory]:
     def made(times: Floats, angles: Floats) -> Trajectory:
         whole = (True,) * angles.shape[1]
         keys = tuple(Posture(float(time), sealed(row), whole) for time, row in zip(times, angles, strict=True))
-        return condition(keys, generous(angles.shape[1]), Manner()).trajectory
+        return condition(keys, generous(angles.shape[1])).trajectory
 
     return made

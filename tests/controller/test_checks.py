@@ -202,7 +202,7 @@ def test_current_is_compared_with_the_supply_where_there_is_one(done):
 
 def test_hands_that_tremble_are_warned(done):
     times = done.measured.times
-    tremble = 0.03 * np.sin(2 * np.pi * 3 * times)
+    tremble = 0.01 * np.sin(2 * np.pi * 5 * times)
     hands = {side: path + tremble[:, None] for side, path in done.measured.hands.items()}
     check = found(with_measured(done, hands=hands))["smoothness.hands"]
     assert check.status == "warn"

@@ -11,14 +11,16 @@ from kinesic.controller.clear import LAG_RESERVE
 from kinesic.controller.perform import facts
 from kinesic.controller.plan import plan
 from kinesic.expressivity.lexicon import mirrored
-from kinesic.expressivity.style import Style
+from kinesic.expressivity.style import Expressivity, Style
 
 FACTS = facts()
 ROBOT = FACTS.robot
 LEAST = ROBOT.least_clearance + LAG_RESERVE
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
-WILD = Style("wild", spatial=1, temporal=1, fluidity=1, power=1, tension=-1, repetition=1, openness=1)
-TIGHT = Style("tight", spatial=-1, temporal=-1, fluidity=-1, power=-1, tension=1, repetition=-1)
+WILD = Style.uniform(
+    Expressivity(spatial=1, temporal=1, fluidity=1, power=1, tension=-1, repetition=1, openness=1), "wild"
+)
+TIGHT = Style.uniform(Expressivity(spatial=-1, temporal=-1, fluidity=-1, power=-1, tension=1, repetition=-1), "tight")
 TOUCHES = {
     "hands_together": {("l_wrist", "r_wrist")},
     "hands_together_forward": {("l_wrist", "r_wrist")},

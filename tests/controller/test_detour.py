@@ -4,14 +4,16 @@ import numpy as np
 import pytest
 
 from kinesic.body.arrays import sealed
+from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
 from kinesic.controller.detour import LEAST_STEP, Course, led_around
 from kinesic.controller.postures import Posture
-from kinesic.controller.wish import Manner
 from kinesic.sim.distances import CapsuleDistances
+from kinesic.sim.dynamics import MujocoDynamics
 
 ROBOT = Robot.load()
 DISTANCES = CapsuleDistances(ROBOT)
+LIMITS = Limits.of(ROBOT, MujocoDynamics(ROBOT).load)
 REST = ROBOT.skeleton.rest
 LEFT, RIGHT = (list(ROBOT.joints(f"{side}_arm")) for side in ("l", "r"))
 LEAST = 0.014
@@ -29,7 +31,7 @@ def key(time, left=None, right=None):
 
 
 def course(*keys):
-    return Course(keys, sealed([posture.time for posture in keys]), Manner())
+    return Course(keys, sealed([posture.time for posture in keys]), ROBOT, LIMITS)
 
 
 CROSSING = course(
@@ -48,19 +50,19 @@ def least(made):
 def test_a_clear_motion_stays_as_it_is():
     clear = course(key(0.0), key(1.0, right=IN_FRONT), key(2.0))
     assert least(clear) >= LEAST
-    assert led_around(clear, ROBOT, DISTANCES, least=LEAST) is clear
+    assert led_around(clear, DISTANCES, least=LEAST) is clear
 
 
 def test_hands_in_one_place_go_round_one_another():
     together = course(key(0.0), key(1.0, left=IN_FRONT), key(1.4, right=IN_FRONT), key(1.8, left=HIGHER), key(3.0))
     assert least(together) < 0
-    led = led_around(together, ROBOT, DISTANCES, least=LEAST)
+    led = led_around(together, DISTANCES, least=LEAST)
     assert least(led) >= LEAST - 1e-3
 
 
 def test_keys_of_an_arm_stay_apart_and_in_order():
     together = course(key(0.0), key(1.0, left=IN_FRONT), key(1.4, right=IN_FRONT), key(1.8, left=HIGHER), key(3.0))
-    led = led_around(together, ROBOT, DISTANCES, least=LEAST)
+    led = led_around(together, DISTANCES, least=LEAST)
     for arm in (LEFT, RIGHT):
         own = [k for k, posture in enumerate(led.postures) if posture.keyed[arm[0]]]
         assert np.diff(led.planned[own]).min() >= LEAST_STEP - 1e-9

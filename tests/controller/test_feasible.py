@@ -12,7 +12,6 @@ from kinesic.controller.postures import Posture
 from kinesic.controller.segments import segments
 from kinesic.controller.shortage import shortage
 from kinesic.controller.trajectory import STEP
-from kinesic.controller.wish import Manner
 
 LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 ROWS = ((0, 0, 0, "start"), (0.4, 0.6, 0, "ready"), (0.6, -0.6, 1, "stroke"), (0.8, 0.6, 1, "relax"), (2, 0, 0, "end"))
@@ -64,6 +63,6 @@ def test_a_segment_that_is_lost_whatever_is_known_rests_in_the_end():
 
 def test_a_hinge_that_can_hardly_move_takes_long():
     weak = replace(LIMITS, duty=sealed([0.03, 0.03]))
-    motion = condition(KEYS, weak, Manner())
+    motion = condition(KEYS, weak)
     assert motion.planned[-1] > 10.0
     assert {met.quantity for met in motion.bottlenecks.values()} == {"duty"}

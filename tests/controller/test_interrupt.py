@@ -9,7 +9,6 @@ from kinesic.controller.interrupt import cut, joined, stopped
 from kinesic.controller.peaks import peaks
 from kinesic.controller.postures import Posture
 from kinesic.controller.trajectory import STEP, held
-from kinesic.controller.wish import Manner
 
 BOXES = ([-1.5] * 3, [1.5] * 3, [1.0, 4.0, 6.0], [10.0, 59.0, 350.0], [250.0, 1500.0, 8750.0])
 DUTY = ([0.05, 0.01, 0.002], [0.8, 0.18, 0.134], [0.58, 0.65, 0.79])
@@ -23,7 +22,7 @@ def random_postures(seed: int) -> tuple[Posture, ...]:
 
 
 def moving(seed: int):
-    return condition(random_postures(seed), LIMITS, Manner()).trajectory
+    return condition(random_postures(seed), LIMITS).trajectory
 
 
 def largest(trajectory) -> float:
@@ -65,7 +64,7 @@ def test_what_is_at_rest_stays():
 @pytest.mark.parametrize("seed", range(6))
 def test_another_motion_is_joined_without_a_step(seed):
     motion, postures = moving(seed), random_postures(50 + seed)
-    following = condition(postures, LIMITS, Manner())
+    following = condition(postures, LIMITS)
     time = np.random.default_rng(200 + seed).uniform(0, motion.duration)
     over = joined(motion, time, postures, following, LIMITS)
     assert largest(over.trajectory) <= 1.001
@@ -78,7 +77,7 @@ def test_another_motion_is_joined_without_a_step(seed):
 
 def test_one_that_begins_where_the_other_rests_is_not_delayed():
     postures = random_postures(3)
-    following = condition(postures, LIMITS, Manner())
+    following = condition(postures, LIMITS)
     over = joined(held(postures[0].angles), 0.05, postures, following, LIMITS)
     assert over.delay == 0.0
     assert over.trajectory.zero == pytest.approx(0.05 + following.trajectory.zero)

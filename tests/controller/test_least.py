@@ -9,7 +9,6 @@ from kinesic.controller.condition import condition
 from kinesic.controller.keys import Keys
 from kinesic.controller.least import full_speed, rest_to_rest
 from kinesic.controller.postures import Posture
-from kinesic.controller.wish import Manner
 
 LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 
@@ -25,10 +24,10 @@ def test_from_rest_to_rest_is_enough_and_full_speed_is_not(distance):
 
     keys = Keys.of(ends(1.0), LIMITS)
     enough, least = rest_to_rest(keys, LIMITS)[0, (0, 1)], full_speed(keys, LIMITS)[0, (0, 1)]
-    np.testing.assert_array_equal(condition(ends(enough), LIMITS, Manner()).planned, [0.0, enough])
+    np.testing.assert_array_equal(condition(ends(enough), LIMITS).planned, [0.0, enough])
     assert least <= enough
     if distance > 0.01:
-        short = condition(ends(0.7 * enough - 0.04), LIMITS, Manner(), lead_in=0.0)
+        short = condition(ends(0.7 * enough - 0.04), LIMITS, lead_in=0.0)
         assert least < short.planned[1] < 1.1 * enough
 
 

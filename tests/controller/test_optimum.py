@@ -12,7 +12,6 @@ from kinesic.controller.optimum import TOLERANCE, optimum
 from kinesic.controller.perform import facts, plan
 from kinesic.controller.postures import Posture
 from kinesic.controller.retime import strain
-from kinesic.controller.wish import Manner
 
 LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 1e-4, 1e-4, 0.9)))  # the duty never binds
 
@@ -23,7 +22,7 @@ def keys_of(*rows: tuple[float, float, str]) -> tuple[Posture, ...]:
 
 def test_from_rest_to_rest_it_is_the_double_s():
     ends = keys_of((0, 0, "start"), (0.1, 1.0, "stroke"))
-    keys, motion = Keys.of(ends, LIMITS), condition(ends, LIMITS, Manner(), lead_in=0.0)
+    keys, motion = Keys.of(ends, LIMITS), condition(ends, LIMITS, lead_in=0.0)
     best = optimum(keys, motion, LIMITS, 0.0)
     rise = 0.04
     double_s = 1 / 4 + 4 / 40 + rise
@@ -35,7 +34,7 @@ def test_from_rest_to_rest_it_is_the_double_s():
 
 def test_the_cheapest_key_gives():
     ends = keys_of((0, 0, "start"), (1.0, 1.0, "ready"), (1.1, 0.0, "stroke"), (2, 0, "end"))
-    keys, motion = Keys.of(ends, LIMITS), condition(ends, LIMITS, Manner())
+    keys, motion = Keys.of(ends, LIMITS), condition(ends, LIMITS)
     best = optimum(keys, motion, LIMITS, LEAD_IN)
     assert best.times[2] == pytest.approx(1.1, abs=1e-5)
     assert best.times[1] < 0.9
@@ -45,9 +44,7 @@ def test_the_cheapest_key_gives():
 def test_tighter_limits_strain_more():
     ends = keys_of((0, 0, "start"), (0.3, 1.0, "ready"), (0.5, 0.0, "stroke"), (2, 0, "end"))
     slow = replace(LIMITS, acceleration=sealed([20.0]))
-    found = [
-        optimum(Keys.of(ends, limits), condition(ends, limits, Manner()), limits, LEAD_IN) for limits in (LIMITS, slow)
-    ]
+    found = [optimum(Keys.of(ends, limits), condition(ends, limits), limits, LEAD_IN) for limits in (LIMITS, slow)]
     assert found[1].strain > 1.1 * found[0].strain
 
 
@@ -59,7 +56,7 @@ def test_crowded_blocks_are_strained_hardly_more_than_they_must():
         planned = plan(crowd(seed, lexemes), known)
         asked, ties = planned.postures.postures, bonds(planned.timeline)
         keys = Keys.of(asked, known.limits, ties)
-        motion = condition(asked, known.limits, known.manner, bonds=ties)
+        motion = condition(asked, known.limits, bonds=ties)
         found = optimum(keys, motion, known.limits, LEAD_IN)
         ours.append(strain(keys, motion.planned))
         best.append(found.strain)

@@ -10,7 +10,7 @@ from xml.sax.saxutils import quoteattr
 import pytest
 
 from kinesic.controller.facts import Facts
-from kinesic.controller.page import HERE, SCRIPTS, breakable, shift, verdict, write_page
+from kinesic.controller.page import HERE, SCRIPTS, breakable, departure, shift, verdict, write_page
 from kinesic.controller.perform import perform
 from kinesic.controller.performance import Performance
 from kinesic.controller.report import Json, report
@@ -62,7 +62,8 @@ def test_page_says_the_verdict_first_then_figures_then_pictures(text: str, data:
 def test_page_holds_every_table(text: str, data: dict[str, Json]) -> None:
     words = "".join(Outline(text).words)
     for row in (*data["checks"], *data["behaviours"], *data["warnings"]):
-        assert all(number(value) in words for value in row.values() if not isinstance(value, bool))
+        shown = [value for name, value in row.items() if name != "manner" and not isinstance(value, bool)]
+        assert all(number(value) in words for value in shown)
     for name in data["tracking"]["per_joint"]:
         assert name in words
     assert "No film: not recorded" in words
@@ -155,3 +156,17 @@ def test_verdict_names_what_fails(data: dict[str, Json]) -> None:
 def test_shift_and_breakable() -> None:
     assert [shift(seconds) for seconds in (0.0834, -0.0152)] == ["+83\u2009ms", "\u221215\u2009ms"]
     assert breakable("l_<b>") == "l_<wbr>&lt;b&gt;"
+
+
+def test_a_behaviour_tells_where_it_departs_from_its_style(known: Facts, tmp_path: Path) -> None:
+    bml = BLOCK.format('<head id="h" lexeme="NOD" start="0" kinesic:power="-0.5" kinesic:spatial="0"/>')
+    performance = perform(bml.replace("<bml", '<bml kinesic:temporal="0.25"'), known)
+    data = report(performance, source="x.bml")
+    (row,) = data["behaviours"]
+    assert departure(row, data["style"]) == "temporal 0.25 (block); power \u22120.5 (behaviour)"
+    assert departure({**row, "manner": None}, data["style"]) == ""
+    assert '<th class="wide">manner</th>' in page(performance, data, tmp_path)
+
+
+def test_the_table_has_no_manner_where_no_behaviour_departs(text: str) -> None:
+    assert '<th class="wide">manner</th>' not in text

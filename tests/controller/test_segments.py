@@ -53,3 +53,14 @@ def test_a_last_key_between_knots_is_met_before_the_end():
     last = [found for found in segments(times, KEYS, STEP) if found.hinge == 0][-1]
     assert last.places[-1] == pytest.approx(130.4)
     assert last.pairs[-1] == (4, 4)
+
+
+def test_a_path_between_two_keys_of_one_angle_is_no_hold():
+    rows = ((0.0, 0.0, True), (0.5, 0.7, True), (0.9, 0.9, False), (1.3, 0.7, True), (2.0, 0.0, True))
+    keys = Keys.of(tuple(Posture(t, sealed([a] * 2), (True, True), firm=firm) for t, a, firm in rows), LIMITS)
+    assert keys.own == ([0, 1, 3, 4], [0, 1, 3, 4])
+    assert keys.led(0).tolist() == [False, True, False]
+    assert [(found.hinge, found.first, found.led) for found in segments(keys.asked, keys, STEP)] == [
+        (0, 0, True),
+        (1, 0, True),
+    ]

@@ -31,6 +31,16 @@ def test_what_lacks_nothing_can_be_passed(pieces):
     assert (shortage(way(pieces, pieces / 2), LIMITS).amount <= 0) == passes(way(pieces, pieces / 2))
 
 
+@pytest.mark.parametrize("before", [0.9, 0.3, 0.1, 0.03, 0.021])
+def test_a_last_key_just_before_the_last_knot_is_solved_as_any_other(before):
+    places, angles = np.array([20.0, 40.0 - before]), np.array([0.8, 1.6])
+    late = Segment(0, 0, grid(40, STEP), 0.0, 1.6, places, angles, (*PAIRS, (2, 2)))
+    found = shortage(late, LIMITS)
+    assert found is not None
+    assert found.amount == pytest.approx(shortage(way(39, 20.0), LIMITS).amount, abs=1e-4)
+    assert np.isfinite(found.slopes).all()
+
+
 def test_the_amount_is_about_the_share_of_the_time():
     found = shortage(way(40, 20.0), LIMITS)
     longer = 40 * float(np.exp(found.amount))

@@ -57,7 +57,7 @@ def test_unknown_groups_and_zero_limits_have_tiles_too() -> None:
     [
         (0.0214, "m", ("21.4", "mm")),
         (2.0, "s", ("2", "s")),
-        (-0.00638, "SPARC", ("\u22120.0064", "")),
+        (-0.00638, "times", ("\u22120.0064", "\u00d7")),
         (None, "s", ("\u2013", "s")),
     ],
 )

@@ -1,11 +1,15 @@
-from dataclasses import replace
-
+import numpy as np
 import pytest
 
 from kinesic.bml.block import Behaviour, Block, Custom, Gaze, Gesture, Head, Manner, Place, Pointing, Posture, Torso
 from kinesic.expressivity.durations import spans
-from kinesic.expressivity.pace import FLOOR
-from kinesic.expressivity.style import Style
+from kinesic.expressivity.hands import poses
+from kinesic.expressivity.head import MORE
+from kinesic.expressivity.pace import FLOOR, FORCE
+from kinesic.expressivity.strokes import least_times
+from kinesic.expressivity.style import Expressivity, Style
+
+EXTENTS = np.linspace(-1.0, 1.0, 9)
 
 
 @pytest.fixture
@@ -34,10 +38,52 @@ def test_temporal_extent_of_the_document_makes_a_gesture_quicker(natural):
     assert all(quick[sync] < usual[sync] for sync in ("ready", "stroke", "end"))
 
 
-def test_repetition_lengthens_the_stroke(natural):
-    once, thrice = natural(Gesture("beat")), natural(Gesture("beat"), style=replace(Style(), repetition=1.0))
+def test_repetition_adds_strokes_after_the_first(natural):
+    once, thrice = natural(Gesture("beat")), natural(Gesture("beat"), style=Style.uniform(Expressivity(repetition=1.0)))
     assert thrice["stroke"] == pytest.approx(once["stroke"])
-    assert thrice["strokeEnd"] > 3 * once["stroke"]
+    assert thrice["stroke:2"] + thrice["stroke:3"] + thrice["strokeEnd"] > 2 * once["stroke"]
+
+
+@pytest.mark.parametrize("sync", ["ready", "stroke", "relax", "end"])
+def test_temporal_extent_shortens_every_phase_of_a_gesture(natural, sync):
+    times = [natural(Gesture("beat"), manner=Manner(temporal=extent))[sync] for extent in EXTENTS]
+    assert np.all(np.diff(times) < 0)
+    assert times[0] > 1.4 * times[4]
+
+
+@pytest.mark.parametrize("lexeme", ["beat", "stop", "large"])
+def test_power_halves_the_stroke_where_the_servos_allow_and_hurries_the_ways(natural, pace, lexicon, lexeme):
+    found = [natural(Gesture(lexeme), manner=Manner(power=power)) for power in EXTENTS]
+    for sync in ("ready", "stroke", "end"):
+        assert np.all(np.diff([of[sync] for of in found]) < 0)
+    neutral = poses(lexicon.find(lexeme).form, pace.robot, Expressivity())
+    least = sum(least_times(neutral, pace)[: neutral.stroke])
+    assert found[-1]["stroke"] == pytest.approx(max(found[4]["stroke"] / FORCE, least))
+    assert [of["relax"] for of in found] == pytest.approx([found[0]["relax"]] * len(EXTENTS))
+
+
+def test_temporal_extent_and_power_are_those_of_the_modality(natural):
+    style = Style(head=Expressivity(temporal=-1.0), torso=Expressivity(power=1.0))
+    assert natural(Head("NOD"), style=style)["stroke"] > 1.4 * natural(Head("NOD"))["stroke"]
+    assert natural(Torso("BodyLean"), style=style)["ready"] < natural(Torso("BodyLean"))["ready"]
+    assert natural(Gesture("beat"), style=style) == natural(Gesture("beat"))
+
+
+def test_power_sharpens_a_nod_and_repetition_adds_some(natural):
+    usual, sharp, more = (
+        natural(Head("NOD", repetition=2), manner=manner)
+        for manner in (Manner(), Manner(power=1.0), Manner(repetition=1.0))
+    )
+    assert sharp["stroke"] < usual["stroke"]
+    assert sharp["stroke:2"] == pytest.approx(2 * sharp["stroke"])
+    assert more["strokeEnd"] == pytest.approx(usual["strokeEnd"] + 2 * MORE * usual["stroke"])
+
+
+def test_the_trunk_of_a_posture_is_moved_in_its_own_manner(natural):
+    lean = Posture(poses=(("WHOLEBODY", "LEANING_FORWARD"),))
+    slow = natural(lean, style=Style(torso=Expressivity(temporal=-1.0)))
+    assert slow["ready"] > natural(lean)["ready"]
+    assert natural(lean, style=Style(gesture=Expressivity(temporal=-1.0))) == natural(lean)
 
 
 def test_a_nod_takes_a_span_for_each_stroke(natural):

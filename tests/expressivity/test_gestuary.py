@@ -105,7 +105,7 @@ def test_switched_off_and_empty_gestures_are_not_enabled(read):
         ("<hand/>", r"<hand> has no side"),
         (hand().replace('"0.3"', '"far"'), r"own\.xml:4: <horizontalLocation> value is 'far', not a number"),
         (hand().replace('"0.3"', '"nan"'), r"must be a finite number"),
-        (hand().replace('fixed="true"', 'fixed="maybe"'), r"fixed is 'maybe', must be true or false"),
+        (hand().replace('fixed="true"', 'fixed="maybe"'), r"fixed is 'maybe'; known: 0, 1, false, true"),
         (hand().replace("uniform", "symbolic"), r"0.3 is no sector of x; known: XEP"),
         (
             '<hand side="LEFT"><symbolicPosition><horizontalLocation value="XC"/></symbolicPosition></hand>',
@@ -163,3 +163,54 @@ def test_a_gestuary_comes_before_our_own_gestures():
         assert match.substitute == ""
         assert match.form.id.lower() == form.id.lower()
     assert lexicon.find("no_wag").form.id == "no_wag"
+
+
+CIRCLE = """<Trajectory type="CIRCLE">
+  <x amplitude="0.2" frequency="2" spatialVariation="GREATER"/><y amplitude="0.1" frequency="2" shift="0.25"/>
+</Trajectory>"""
+
+
+def moved(trajectory, **options):
+    return hand(**options).replace("</hand>", f"{trajectory}</hand>")
+
+
+def test_a_trajectory_leads_to_its_phase(read):
+    first, second = (key.hands["l"] for key in read(hand(), moved(CIRCLE)).keys)
+    assert first.path is None
+    assert second.path.kind == "circle"
+    assert second.path.amplitude == pytest.approx([0, 0.2, 0.1])
+    assert second.path.shift == pytest.approx([0, 0, 0.25])
+    assert second.path.turns == 2
+    assert second.path.amplitude_variation == "grows"
+
+
+def test_a_trajectory_in_the_first_phase_leads_to_the_second(read):
+    first, second = (key.hands["l"] for key in read(moved(CIRCLE), hand()).keys)
+    assert first.path is None
+    assert second.path.kind == "circle"
+
+
+def test_a_trajectory_is_not_inherited(read):
+    keys = read(hand(), moved(CIRCLE), hand()).keys
+    assert [key.hands["l"].path is None for key in keys] == [True, False, True]
+
+
+def test_a_trajectory_without_axes_is_as_usual(read):
+    assert read(hand(), moved('<Trajectory type="wave"/>')).keys[1].hands["l"].path.turns == 2
+
+
+@pytest.mark.parametrize(
+    ("trajectory", "said"),
+    [
+        ('<Trajectory type="circel"/>', r"own\.xml:\d+: <Trajectory> type is 'circel'; did you mean circle"),
+        (
+            '<Trajectory type="wave"><x amplitude="9" frequency="1"/></Trajectory>',
+            r"<Trajectory> amplitude is \[9, 0, 0\]",
+        ),
+        (CIRCLE.replace("GREATER", "MORE"), "spatialVariation is 'MORE'"),
+        (CIRCLE.replace('"0.2"', '"wide"'), "amplitude is 'wide', not a number"),
+    ],
+)
+def test_a_wrong_trajectory_is_located(read, trajectory, said):
+    with pytest.raises(ConfigError, match=said):
+        read(hand(), moved(trajectory))

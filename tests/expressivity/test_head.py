@@ -4,7 +4,9 @@ import pytest
 
 from kinesic.bml.block import GAZE_SYNCS, SHIFT_SYNCS, Block, Gaze, Head, HeadDirectionShift, NoticeType
 from kinesic.expressivity.gaze import aim
-from kinesic.expressivity.head import head_form, head_layer
+from kinesic.expressivity.head import MORE, SWING, head_form, head_layer, swing_time
+from kinesic.expressivity.passage import passage
+from kinesic.expressivity.style import Expressivity
 from kinesic.expressivity.turns import at, room
 
 
@@ -32,7 +34,7 @@ def frame_at(frames, time):
 
 @pytest.mark.parametrize("amount", [0.25, 0.5, 1.0])
 def test_a_nod_peaks_at_the_stroke(robot, pace, nod_times, amount):
-    layer = head_layer(head_form(Head("NOD", amount=amount), robot, 0.0), nod_times, pace)
+    layer = head_layer(head_form(Head("NOD", amount=amount), robot, Expressivity()), nod_times, pace, Expressivity())
     assert degrees(at(layer, 0.5).tilt) == pytest.approx(20 * amount)
     assert max(key.turn.tilt for key in layer) == at(layer, 0.5).tilt
     assert at(layer, 0.2).tilt == at(layer, 0.8).tilt == 0
@@ -47,21 +49,23 @@ def test_a_nod_beyond_the_neck_is_clipped_and_warned(perform, robot, nod_times):
 
 def test_repeated_nods_peak_at_each_stroke(robot, pace, nod_times):
     times = {**nod_times, "stroke:2": 0.9, "stroke:3": 1.5, "strokeEnd": 2.0, "relax": 2.0, "end": 2.0}
-    layer = head_layer(head_form(Head("NOD", repetition=3, amount=1.0), robot, 0.0), times, pace)
+    layer = head_layer(
+        head_form(Head("NOD", repetition=3, amount=1.0), robot, Expressivity()), times, pace, Expressivity()
+    )
     for time in (0.5, 0.9, 1.5):
         assert degrees(at(layer, time).tilt) == pytest.approx(20)
     assert at(layer, 0.7).tilt == at(layer, 2.0).tilt == 0
 
 
 def test_a_nod_without_room_after_its_stroke_still_returns(robot, pace, phases):
-    layer = head_layer(head_form(Head("NOD"), robot, 0.0), phases(1, 1, 1, 1, 1, 1, 1), pace)
+    layer = head_layer(head_form(Head("NOD"), robot, Expressivity()), phases(1, 1, 1, 1, 1, 1, 1), pace, Expressivity())
     assert layer[0].time < 1 < layer[-1].time
     assert layer[0].turn.tilt == layer[-1].turn.tilt == 0
     assert at(layer, 1.0).tilt > 0
 
 
 def test_a_shake_goes_to_both_sides(robot, pace, nod_times):
-    layer = head_layer(head_form(Head("SHAKE", amount=0.4), robot, 0.0), nod_times, pace)
+    layer = head_layer(head_form(Head("SHAKE", amount=0.4), robot, Expressivity()), nod_times, pace, Expressivity())
     turns = [round(degrees(key.turn.torsion), 6) for key in layer]
     assert max(turns) == 10
     assert min(turns) == -10
@@ -84,22 +88,22 @@ def test_a_shake_goes_to_both_sides(robot, pace, nod_times):
     ],
 )
 def test_words_of_a_lexeme_name_directions(robot, lexeme, torsion, tilt, roll):
-    form = head_form(Head(lexeme), robot, 0.0)
+    form = head_form(Head(lexeme), robot, Expressivity())
     assert form.substitute == ""
     peak = form.peak
     assert [degrees(angle) for angle in (peak.torsion, peak.tilt, peak.roll)] == pytest.approx([torsion, tilt, roll])
 
 
 def test_a_direction_is_held_until_relax(robot, pace, nod_times):
-    layer = head_layer(head_form(Head("Left"), robot, 0.0), nod_times, pace)
-    assert at(layer, 0.5) == at(layer, 0.9) == head_form(Head("Left"), robot, 0.0).peak
+    layer = head_layer(head_form(Head("Left"), robot, Expressivity()), nod_times, pace, Expressivity())
+    assert at(layer, 0.5) == at(layer, 0.9) == head_form(Head("Left"), robot, Expressivity()).peak
     assert 0 < at(layer, 0.1).torsion < at(layer, 0.5).torsion
     assert at(layer, 1.0).torsion == 0
 
 
 @pytest.mark.parametrize(("lexeme", "kind"), [("SPIN", "shake"), ("", "nod"), ("Y", "nod"), ("JOY_SIGNAL", "nod")])
 def test_other_lexemes_are_substituted(perform, nod_times, lexeme, kind, robot):
-    assert head_form(Head(lexeme), robot, 0.0).kind == kind
+    assert head_form(Head(lexeme), robot, Expressivity()).kind == kind
     frames = perform(("h", Head(lexeme), nod_times))
     assert frames.outcomes["h"].kind == "substituted"
     assert kind in frames.outcomes["h"].why
@@ -107,12 +111,12 @@ def test_other_lexemes_are_substituted(perform, nod_times, lexeme, kind, robot):
 
 
 def test_sizes(robot):
-    big, middle = (head_form(Head(lexeme), robot, 0.0).peak.tilt for lexeme in ("Nod_Big", "Nod_Middle"))
+    big, middle = (head_form(Head(lexeme), robot, Expressivity()).peak.tilt for lexeme in ("Nod_Big", "Nod_Middle"))
     assert big == pytest.approx(1.5 * middle)
 
 
 def test_spatial_extent_widens_head_movements(robot):
-    peaks = [head_form(Head("NOD"), robot, spatial).peak.tilt for spatial in (-1.0, 0.0, 1.0)]
+    peaks = [head_form(Head("NOD"), robot, Expressivity(spatial=spatial)).peak.tilt for spatial in (-1.0, 0.0, 1.0)]
     assert peaks == sorted(peaks)
     assert peaks[0] > 0
 
@@ -203,3 +207,39 @@ def test_a_nod_adds_to_a_gaze(perform, nod_times):
     head = frame_at(frames, 0.5).head
     assert degrees(head.tilt) == pytest.approx(20)
     assert head.torsion > 0.4
+
+
+def test_repetition_nods_more_as_far_as_there_is_time(robot, pace, phases):
+    form = head_form(Head("NOD"), robot, Expressivity(repetition=1.0))
+    assert (form.repetition, form.more) == (1, MORE)
+    assert head_form(Head("Left"), robot, Expressivity(repetition=1.0)).more == 0
+    assert head_form(Head("NOD", repetition=3), robot, Expressivity(repetition=-1.0)).more == 0
+
+    def peaks(end):
+        layer = head_layer(form, phases(0.0, 0.1, 0.2, 0.5, end, end, end), pace, Expressivity())
+        assert at(layer, 0.5).tilt == pytest.approx(form.peak.tilt)
+        assert at(layer, end).tilt == pytest.approx(0.0)
+        return sum(key.turn == form.peak for key in layer)
+
+    least = pace.least_turn_time("neck", form.peak)
+    assert [peaks(0.5 + swings * least + 0.01) for swings in (1, 3, 5, 9)] == [1, 2, 3, 3]
+
+
+def test_a_swing_is_quicker_with_temporal_extent_and_power(robot, pace):
+    form = head_form(Head("NOD"), robot, Expressivity())
+    usual = swing_time(form, pace, Expressivity())
+    assert usual >= SWING
+    for name in ("temporal", "power"):
+        slow, quick = (swing_time(form, pace, Expressivity(**{name: extent})) for extent in (-1.0, 1.0))
+        assert quick < usual < slow
+
+
+def test_keys_are_passed_as_the_manner_says(robot, pace, nod_times):
+    manner = Expressivity(tension=0.5, power=1.0)
+    nod = head_layer(head_form(Head("NOD"), robot, manner), nod_times, pace, manner)
+    peak = next(key for key in nod if key.turn.tilt > 0)
+    assert peak.passage == passage(manner, "stroke")
+    held = head_layer(head_form(Head("Left"), robot, manner), nod_times, pace, manner)
+    assert [key.passage for key in held] == [
+        passage(manner, phase) for phase in ("retraction", "preparation", "stroke", "hold", "retraction")
+    ]

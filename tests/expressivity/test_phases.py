@@ -7,10 +7,12 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.body.reach import Reach
 from kinesic.expressivity.form import StrokeKey
+from kinesic.expressivity.handkeys import HandKey, hand_at
 from kinesic.expressivity.hands import REST, Poses, pointing_poses, poses, resting, shoulder
 from kinesic.expressivity.keyframes import Hand
-from kinesic.expressivity.phases import HandKey, Stroke, arranged, hand_at, moments
-from kinesic.expressivity.style import Style
+from kinesic.expressivity.phases import arranged
+from kinesic.expressivity.strokes import Stroke, moments
+from kinesic.expressivity.style import Expressivity
 
 
 def reach(x, y, z):
@@ -36,18 +38,18 @@ def test_a_gesture_goes_from_rest_through_its_strokes_and_back(pace, phases):
     assert arranged([stroke], pace).hands["l"] == ()
 
 
-def test_one_key_is_exactly_at_the_stroke(robot, lexicon, phases):
+def test_one_key_is_exactly_at_the_stroke(robot, pace, lexicon, phases):
     for form in lexicon.forms:
         if form.keys:
-            keys = poses(form, robot, Style())
-            found = moments(keys, phases(0, 0.5, 0.6, 1.0, 1.7, 1.8, 2.5), resting(robot))
+            keys = poses(form, robot, Expressivity())
+            found = moments(keys, phases(0, 0.5, 0.6, 1.0, 1.7, 1.8, 2.5), pace)
             assert found[keys.stroke] == 1.0
             assert found[0] == 0.6 or keys.stroke == 0
             assert all(a < b for a, b in pairwise(found))
 
 
-def test_without_room_after_the_stroke_its_last_key_is_the_stroke(robot, phases):
-    found = moments(work(A, B, C, A), phases(0, 0.5, 0.6, 1.0, 1.0, 1.8, 2.5), resting(robot))
+def test_without_room_after_the_stroke_its_last_key_is_the_stroke(pace, phases):
+    found = moments(work(A, B, C, A), phases(0, 0.5, 0.6, 1.0, 1.0, 1.8, 2.5), pace)
     assert found[-1] == 1.0
 
 
@@ -61,7 +63,7 @@ def test_strokes_without_any_room_keep_the_stroke_key(pace, phases):
 def test_a_form_of_one_key_strokes_into_it(robot, lexicon):
     rest = resting(robot)["r"].position
     form = lexicon.find("arms_crossed", "right").form
-    near, there = (hand.reach.position for hand in poses(form, robot, Style()).hands["r"])
+    near, there = (hand.reach.position for hand in poses(form, robot, Expressivity()).hands["r"])
     np.testing.assert_allclose(near - there, 0.15 * (rest - there), atol=1e-12)
 
 
@@ -145,25 +147,31 @@ def test_pointing_puts_the_wrist_on_the_line_to_the_target(robot):
 def test_openness_lifts_the_elbow(robot, lexicon):
     form = lexicon.find("beat", "right").form
     form = replace(form, keys=tuple(StrokeKey({"r": replace(key.hands["r"], openness=0.0)}) for key in form.keys))
-    swivels = [poses(form, robot, Style(openness=o)).hands["r"][-1].reach.swivel for o in (0.0, 0.3, 1.0)]
-    assert swivels[0] is None
-    assert 0 < swivels[1] < swivels[2]
+    opened = [poses(form, robot, Expressivity(openness=o)).hands["r"][-1].openness for o in (0.0, 0.3, 1.0)]
+    assert opened == [0.0, 0.3, 1.0]
+
+
+@pytest.mark.parametrize(("power", "effort"), [(-1.0, 0.0), (0.0, 0.0), (0.7, 0.7)])
+def test_power_is_the_arms_effort(robot, lexicon, power, effort):
+    work = poses(lexicon.find("beat", "right").form, robot, Expressivity(power=power))
+    assert work.hands["r"][-1].effort == effort
 
 
 def test_repetition_repeats_the_stroke(robot, lexicon):
     form = lexicon.find("beat", "right").form
-    assert [poses(form, robot, Style(repetition=r)).count for r in (-1.0, 0.0, 0.5, 1.0)] == [2, 2, 4, 6]
+    assert [poses(form, robot, Expressivity(repetition=r)).count for r in (-1.0, 0.0, 0.5, 1.0)] == [2, 2, 4, 6]
 
 
 def test_between_two_keys_directions_turn_and_stay_unit(robot):
     rest = resting(robot)["r"]
     a = Hand(Reach(sealed([0, 0, 0]), pointing=sealed([1, 0, 0]), palm=sealed([0, 0, 1])))
-    b = Hand(Reach(sealed([1, 0, 0]), pointing=sealed([0, 1, 0]), swivel=0.5))
-    middle = hand_at((HandKey(0.0, a), HandKey(1.0, b)), 0.5, rest).reach
+    b = Hand(Reach(sealed([1, 0, 0]), pointing=sealed([0, 1, 0])), openness=0.6, effort=0.2)
+    way = hand_at((HandKey(0.0, a), HandKey(1.0, b)), 0.5, rest)
+    assert (way.openness, way.effort) == pytest.approx((0.3, 0.1))
+    middle = way.reach
     np.testing.assert_allclose(middle.position, [0.5, 0, 0])
     np.testing.assert_allclose(middle.pointing, [np.sqrt(0.5), np.sqrt(0.5), 0])
     assert middle.palm is None
-    assert middle.swivel == 0.5
     assert hand_at((HandKey(0.0, a), HandKey(1.0, b)), 0.25, rest).reach.palm is a.reach.palm
 
 

@@ -8,7 +8,7 @@ import pytest
 from kinesic.controller.bench.plan import unsaid, violations
 from kinesic.controller.checks import checks
 from kinesic.controller.perform import facts, perform
-from kinesic.expressivity.style import RANGES, Style
+from kinesic.expressivity.style import RANGES, Expressivity, Style
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 MODES = ("LEFT_HAND", "RIGHT_HAND", "BOTH_HANDS")
@@ -24,7 +24,7 @@ def known():
 
 def random_style(chance: random.Random) -> Style:
     values = {name: chance.choice([low, (low + high) / 2, high]) for name, (low, high) in RANGES.items()}
-    return Style("random", **values)
+    return Style.uniform(Expressivity(**values), "random")
 
 
 def random_block(chance: random.Random, lexemes: list[str]) -> str:

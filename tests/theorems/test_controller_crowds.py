@@ -8,7 +8,7 @@ import pytest
 from kinesic.controller.bench.crowd import crowd
 from kinesic.controller.bench.plan import unsaid, violations
 from kinesic.controller.perform import facts, plan
-from kinesic.expressivity.style import RANGES, Style
+from kinesic.expressivity.style import RANGES, Expressivity, Style
 
 
 @pytest.fixture(scope="module")
@@ -19,9 +19,9 @@ def known():
 @pytest.mark.parametrize("seed", [20, 21, 25])
 def test_crowded_blocks_keep_limits_and_say_what_moves(seed, known):
     chance = random.Random(seed)
-    style = Style("random", **{name: chance.choice(ends) for name, ends in RANGES.items()})
+    manner = Expressivity(**{name: chance.choice(ends) for name, ends in RANGES.items()})
     lexemes = [form.id for form in known.lexicon.forms]
-    planned = plan(crowd(seed, lexemes), replace(known, style=style))
+    planned = plan(crowd(seed, lexemes), replace(known, style=Style.uniform(manner)))
     assert violations(planned) == 0
     assert unsaid(planned) == (0, 0)
     assert any(abs(sync.planned - sync.asked) > 0.01 for sync in planned.syncs)

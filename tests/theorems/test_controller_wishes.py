@@ -13,7 +13,6 @@ from kinesic.controller.condition import LEAD_IN, condition
 from kinesic.controller.peaks import peaks
 from kinesic.controller.postures import Posture
 from kinesic.controller.syncs import SHIFT_TO_WARN
-from kinesic.controller.wish import Manner
 
 # of a trunk, a shoulder, an elbow and a wrist with common servos
 BOXES = ([-0.26, -0.87, 0.0, -1.05], [0.61, 2.97, 2.36, 1.05], [1.26, 4.44, 6.45, 5.95], [17.5, 58.9, 80.6, 350.0])
@@ -42,8 +41,7 @@ class Eased:
 
     easing: object
 
-    def __call__(self, times, angles, keyed, manner):
-        del manner
+    def __call__(self, times, keys):
         self_times, easing = times - times[0], self.easing
 
         def hinge(at, own, values):
@@ -51,7 +49,7 @@ class Eased:
             share = np.clip((at - own[gap]) / (own[gap + 1] - own[gap]), 0.0, 1.0)
             return values[gap] + easing(share) * (values[gap + 1] - values[gap])
 
-        return Sampled(self_times, angles, keyed, hinge)
+        return Sampled(self_times, keys.angles, keys.keyed, hinge)
 
 
 @dataclass(frozen=True)
@@ -62,9 +60,7 @@ class Tcb:
     c: float
     b: float
 
-    def __call__(self, times, angles, keyed, manner):
-        del manner
-
+    def __call__(self, times, keys):
         def hinge(at, own, values):
             h, d = np.diff(own), np.diff(values)
             leave, arrive = np.zeros(len(own)), np.zeros(len(own))
@@ -78,7 +74,7 @@ class Tcb:
             s = np.clip(s, 0.0, w)
             return values[gap] + m0 * s + ((3 * e / w - 2 * m0 - m1) / w) * s**2 + ((m0 + m1 - 2 * e / w) / w**2) * s**3
 
-        return Sampled(times - times[0], angles, keyed, hinge)
+        return Sampled(times - times[0], keys.angles, keys.keyed, hinge)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +112,7 @@ def check(rows, wishes):
         )
         for k, (time, (_, share, mask, sync)) in enumerate(zip(times, rows, strict=True))
     )
-    motion = condition(keys, LIMITS, Manner(), wishes=wishes)
+    motion = condition(keys, LIMITS, wishes=wishes)
     for name, peak in peaks(motion.trajectory, LIMITS).shares.items():
         assert peak.ratios.max() <= 1.001, name
     met = motion.trajectory.sample(motion.planned + motion.trajectory.zero)[0]

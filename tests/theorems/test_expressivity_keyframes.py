@@ -30,10 +30,10 @@ from kinesic.body.robot import SIDES, Robot
 from kinesic.expressivity.hands import poses, resting
 from kinesic.expressivity.keyframes import Hand, KeyFrames
 from kinesic.expressivity.lexicon import Lexicon, in_mode, mirrored
+from kinesic.expressivity.moments import TOGETHER
 from kinesic.expressivity.pace import Pace
 from kinesic.expressivity.realise import keyframes
-from kinesic.expressivity.style import Style
-from kinesic.expressivity.turns import MERGE
+from kinesic.expressivity.style import Expressivity, Style
 from kinesic.sim.dynamics import MujocoDynamics
 
 ROBOT = Robot.load()
@@ -46,7 +46,8 @@ targets = st.sampled_from(("left", "right", "audience", "bluebox", "1 0.2 0.9"))
 lexemes = st.sampled_from([form.id for form in LEXICON.forms] + ["xyzzy"])
 arms = st.sampled_from((("ARMS", "ARMS_CROSSED"), ("LEFT_ARM", "ARMS_NEUTRAL"), ("WHOLEBODY", "LEANING_FORWARD")))
 unit = st.floats(-1.0, 1.0)
-styles = st.builds(Style, spatial=unit, temporal=unit, repetition=unit, openness=st.floats(0.0, 1.0))
+manners = st.builds(Expressivity, unit, unit, unit, unit, unit, unit, unit, st.floats(0.0, 1.0))
+styles = st.builds(Style, st.just("any"), manners, manners, manners, manners)
 actions = st.one_of(
     st.builds(Gesture, lexemes, modes),
     st.builds(Pointing, targets, modes),
@@ -104,19 +105,29 @@ def same(a: Hand, b: Hand) -> bool:
 def test_every_sync_point_of_what_moves_is_on_a_key(timeline, style):
     found = performed(timeline, style)
     on = {sync: frame.time for frame in found.frames for sync in frame.syncs}
-    asked = {
-        (timed.behaviour.id, sync): time
-        for timed in timeline.timed
-        if found.uses[timed.behaviour.id]
-        for sync, time in timed.times.items()
-    }
+    asked, moved = (
+        {
+            (timed.behaviour.id, sync): time
+            for timed in of.timed
+            if found.uses[timed.behaviour.id]
+            for sync, time in timed.times.items()
+        }
+        for of in (timeline, found.timeline)
+    )
     assert set(on) == set(asked)
     assert sum(len(frame.syncs) for frame in found.frames) == len(asked)
-    strokes = sorted(time for (_, sync), time in asked.items() if sync.partition(":")[0] == "stroke")
-    for (behaviour, sync), time in asked.items():
-        assert abs(on[behaviour, sync] - time) < MERGE
-        if sync == "stroke" and not any(0 < abs(other - time) < 2 * MERGE for other in strokes):
+    strokes = sorted(time for (_, sync), time in moved.items() if sync.partition(":")[0] == "stroke")
+    for (behaviour, sync), time in moved.items():
+        assert abs(on[behaviour, sync] - time) < TOGETHER
+        if sync == "stroke" and not any(0 < abs(other - time) < 2 * TOGETHER for other in strokes):
             assert on[behaviour, sync] == time
+    for (behaviour, sync), time in asked.items():  # what gives way for another stroke of the same hand
+        later = moved[behaviour, sync] - time
+        assert (
+            later == 0.0
+            or (later > 0.0 and sync == "strokeStart")
+            or (later < 0.0 and (sync in ("strokeEnd", "relax", "end") or sync.startswith("stroke:")))
+        )
 
 
 @settings(max_examples=100, deadline=None)
@@ -128,7 +139,7 @@ def test_frames_are_whole_apart_and_between_rests(timeline, style):
     for frame in found.frames:
         assert set(frame.hands) == set(SIDES)
         assert frame.given <= PARTS
-    assert all(b.time - a.time >= MERGE - 1e-9 for a, b in pairwise(found.frames))
+    assert all(b.time - a.time >= TOGETHER - 1e-9 for a, b in pairwise(found.frames))
     if found.frames:
         first = found.frames[0]
         assert all(first.hands[side].reach is None for side in SIDES)
@@ -157,14 +168,14 @@ def test_realising_twice_gives_the_same(timeline, style):
 
 
 @settings(max_examples=60, deadline=None)
-@given(st.sampled_from([form for form in LEXICON.forms if len(form.sides) == 1]), styles)
-def test_left_mirrors_right(form, style):
+@given(st.sampled_from([form for form in LEXICON.forms if len(form.sides) == 1]), manners)
+def test_left_mirrors_right(form, manner):
     flip = np.array([1.0, -1.0, 1.0])
-    left = poses(in_mode(form, "left"), ROBOT, style).hands["l"]
-    right = poses(in_mode(form, "right"), ROBOT, style).hands["r"]
+    left = poses(in_mode(form, "left"), ROBOT, manner).hands["l"]
+    right = poses(in_mode(form, "right"), ROBOT, manner).hands["r"]
     for here, there in zip(left, right, strict=True):
         np.testing.assert_allclose(here.reach.position, there.reach.position * flip, atol=1e-12)
-        assert here.reach.swivel == there.reach.swivel
+        assert (here.openness, here.effort) == (there.openness, there.effort)
         for a, b in ((here.reach.palm, there.reach.palm), (here.reach.pointing, there.reach.pointing)):
             assert (a is None) == (b is None)
             if a is not None:

@@ -114,7 +114,7 @@ def stretch(crowded: Iterable[Plan]) -> list[Figure]:
     for planned in crowded:
         known, ties = planned.facts, bonds(planned.timeline)
         keys = Keys.of(planned.postures.postures, known.limits, ties)
-        motion = condition(planned.postures.postures, known.limits, known.manner, bonds=ties)
+        motion = condition(planned.postures.postures, known.limits, bonds=ties)
         if (moved := strain(keys, motion.planned)) < STRAINED:
             continue
         least = optimum(keys, motion, known.limits, LEAD_IN)

@@ -2,22 +2,25 @@
 
 from kinesic.controller.checks.check import Check, goal
 from kinesic.controller.performance import Performance
-from kinesic.controller.smoothness import spectral_arc_length
+from kinesic.controller.smoothness import dimensionless_jerk
 
-ROUGHER = 0.2  # of spectral arc length
+JERKIER = 2.0  # times the dimensionless jerk
 
 
 def motion_checks(performance: Performance) -> list[Check]:
-    """By how much the hands of the twin are less smooth than planned."""
-    rougher: dict[str, float] = {}
+    """How many times the planned jerk the hands of the twin have, both of them without dimension.
+
+    Spectral arc length would not tell: it is made for single reaches, and of several even a shaking hand's is short.
+    """
+    jerkier: dict[str, float] = {}
     for side, performed in performance.measured.hands.items():
         planned = performance.reference.smoothness[side]
         if planned is None:
             continue
-        found = spectral_arc_length(performed, period=performance.period)
+        found = dimensionless_jerk(performed, period=performance.period)
         if found is not None:
-            rougher[side] = planned - found
-    if not rougher:
+            jerkier[side] = found / planned
+    if not jerkier:
         return []
-    worst = max(rougher, key=lambda side: rougher[side])
-    return [goal("smoothness.hands", rougher[worst], ROUGHER, "SPARC", f"{worst}_hand")]
+    worst = max(jerkier, key=lambda side: jerkier[side])
+    return [goal("smoothness.hands", jerkier[worst], JERKIER, "times", f"{worst}_hand")]

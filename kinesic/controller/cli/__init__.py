@@ -9,12 +9,16 @@ from kinesic.bml.block import BmlError
 from kinesic.body.config import ConfigError
 from kinesic.controller.cli.bench import bench
 from kinesic.controller.cli.doctor import doctor
+from kinesic.controller.cli.face import face
 from kinesic.controller.cli.gestures import gestures
 from kinesic.controller.cli.perform import perform
 from kinesic.controller.cli.plan import plan
 from kinesic.controller.cli.robots import robots
+from kinesic.controller.cli.servos import servos
+from kinesic.controller.cli.sweep import sweep
 from kinesic.controller.cli.twin import twin
 from kinesic.controller.cli.validate import validate
+from kinesic.hardware.wire import BusError
 
 BAD_INPUT = 2
 
@@ -25,7 +29,7 @@ def kinesic() -> None:
     """Performs BML (Behavior Markup Language) on humanoids with servos."""
 
 
-for verb in (perform, validate, plan, robots, gestures, twin, bench, doctor):
+for verb in (perform, validate, plan, robots, gestures, face, sweep, twin, servos, bench, doctor):
     kinesic.add_command(verb)
 
 
@@ -33,8 +37,9 @@ def main() -> None:
     """Runs the command line; errors of input and configuration are one line on standard error."""
     try:
         sys.exit(kinesic(standalone_mode=False) or 0)
-    except (BmlError, ConfigError) as error:
-        click.echo(f"kinesic: {error}", err=True)
+    except (BmlError, ConfigError, BusError) as error:
+        for line in str(error).splitlines():
+            click.echo(f"kinesic: {line}", err=True)
         sys.exit(BAD_INPUT)
     except click.ClickException as error:
         error.show()

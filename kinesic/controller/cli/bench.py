@@ -1,29 +1,44 @@
 """`kinesic bench`: measures a part and prints each figure beside its goal."""
 
 import json
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 
 import click
 from rich.table import Table
 
-from kinesic.controller.bench import first, ik, plan, twin
+from kinesic.controller.bench import bus, expressivity, faults, first, ik, plan, twin
+from kinesic.controller.bench.figure import Figure
 from kinesic.controller.cli.console import console
 
-PARTS = {"ik": ik.bench, "plan": lambda: [*first.bench(), *plan.bench()], "twin": twin.bench}
+PARTS: Mapping[str, Callable[[], list[Figure]]] = {
+    "ik": ik.bench,
+    "expressivity": expressivity.bench,
+    "plan": lambda: [*first.bench(), *plan.bench()],
+    "twin": twin.bench,
+    "bus": lambda: [*bus.bench(), *faults.bench()],
+}
 
 
 @click.command()
 @click.argument("part", type=click.Choice([*PARTS, "all"]))
+@click.option("--matrix", is_flag=True, help="Of bus: prints the whole fault matrix instead, for every driver.")
 @click.option("--json", "as_json", is_flag=True, help="Prints a list of figures as JSON.")
 @click.option("--plots", type=click.Path(file_okay=False, path_type=Path), help="Draws into this folder, too.")
-def bench(part: str, as_json: bool, plots: Path | None) -> int:
+def bench(part: str, matrix: bool, as_json: bool, plots: Path | None) -> int:
     """Measures PART; timings are medians in a warm process."""
+    if matrix:
+        for lines in faults.tables():
+            click.echo(lines)
+        return 0
     names = list(PARTS) if part == "all" else [part]
     figures = [figure for name in names for figure in PARTS[name]()]
     if plots is not None:
         plots.mkdir(parents=True, exist_ok=True)
         ik.draw(figures, plots)
+        if "expressivity" in names:
+            expressivity.draw(plots)
     if as_json:
         click.echo(json.dumps([asdict(figure) | {"ok": figure.ok} for figure in figures], indent=1))
         return 0

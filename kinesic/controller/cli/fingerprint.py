@@ -4,6 +4,8 @@ import hashlib
 from collections.abc import Iterator
 from pathlib import Path
 
+from kinesic.body.calibration import calibration_path
+from kinesic.body.config import locate
 from kinesic.controller.cli.options import Settings
 
 PACKAGE = Path(__file__).resolve().parents[2]
@@ -18,7 +20,9 @@ def fingerprint(settings: Settings, *others: str) -> str:
         others: further options that name a file, or nothing.
     """
     digest = hashlib.sha256(repr((settings, others)).encode())
-    for file in (*_program(), *_named((settings.robot, settings.style, settings.lexicon, settings.targets, *others))):
+    calibration = calibration_path(locate("robot", settings.robot))
+    options = (settings.robot, calibration, settings.style, settings.lexicon, settings.targets, *others)
+    for file in (*_program(), *_named(options)):
         digest.update(hashlib.sha256(file.read_bytes()).digest())
     return digest.hexdigest()
 

@@ -9,13 +9,21 @@ from typing import Literal, get_args
 import click
 
 from kinesic.bml.block import Dialect
+from kinesic.body.config import names_of
 from kinesic.controller.facts import Facts
 from kinesic.controller.perform import facts
 from kinesic.controller.robots import load_robot
 from kinesic.controller.targets import read_targets
-from kinesic.expressivity.style import Style
+from kinesic.expressivity.gather import Gathering
+from kinesic.expressivity.idle import OFF, Idling, Liveliness
+from kinesic.expressivity.style import RANGES, Style
 
 DIALECTS = ["auto", *get_args(Dialect)]
+STYLE_HELP = f"Manner, unless documents say otherwise: {', '.join(names_of('style'))}, or a TOML file."
+SET_HELP = (
+    "One number of the manner, over documents too, -1 to 1: power=0.8 of all modalities, head.power=0.8 of one; "
+    f"of {', '.join(RANGES)} (openness 0 to 1). Repeat for more."
+)
 
 
 @dataclass(frozen=True)
@@ -28,6 +36,8 @@ class Settings:
     lexicon: Path | None
     targets: Path | None
     dialect: Dialect | Literal["auto"]
+    gathering: Gathering = "complex"
+    idling: Idling = OFF
 
     def facts(self) -> Facts:
         """Reads everything that the options name.
@@ -41,6 +51,8 @@ class Settings:
             lexicon=self.lexicon,
             targets=read_targets(self.targets) if self.targets else None,
             dialect=self.dialect,
+            gathering=self.gathering,
+            idling=self.idling,
         )
 
 
@@ -56,16 +68,23 @@ def planning(verb: Callable[..., int]) -> Callable[..., int]:
         lexicon: Path | None,
         targets: Path | None,
         dialect: Dialect | Literal["auto"],
+        gather: Gathering,
+        idle: Liveliness,
+        seed: int,
         **own: object,
     ) -> int:
-        return verb(settings=Settings(robot, style, changes, lexicon, targets, dialect), **own)
+        idling = Idling(idle, seed)
+        return verb(settings=Settings(robot, style, changes, lexicon, targets, dialect, gather, idling), **own)
 
     options = (
         click.option("--robot", default="upper22", show_default=True, help="Name, or a robot's TOML file."),
-        click.option("--style", default="neutral", show_default=True, help="Preset of expressivity."),
-        click.option("--set", "changes", multiple=True, metavar="NAME=VALUE", help="Changes a style, e.g. power=0.8."),
+        click.option("--style", default="neutral", show_default=True, help=STYLE_HELP),
+        click.option("--set", "changes", multiple=True, metavar="NAME=VALUE", help=SET_HELP),
         click.option("--lexicon", type=click.Path(path_type=Path), help="Gestures: TOML, or Greta's gestuary XML."),
         click.option("--dialect", type=click.Choice(DIALECTS), default="auto", help="How documents are read."),
+        click.option("--gather", type=click.Choice(get_args(Gathering)), default="complex", help="How frames fill up."),
+        click.option("--idle", type=click.Choice(get_args(Liveliness)), default="off", help="What fills pauses."),
+        click.option("--seed", type=int, default=0, show_default=True, help="Of everything random."),
         click.option("--targets", type=click.Path(path_type=Path), help="TOML of named points in the world [m]."),
     )
     decorated: Callable[..., int] = with_settings

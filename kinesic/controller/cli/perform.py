@@ -2,6 +2,7 @@
 
 import json
 import sys
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import get_args
@@ -10,31 +11,41 @@ import click
 from rich.table import Table
 
 from kinesic.bml.block import BmlError
+from kinesic.controller.bap import SUFFIX, read_bap
 from kinesic.controller.checks import Check, checks
 from kinesic.controller.cli.console import console
+from kinesic.controller.cli.live import FAULT, SinkNames, performed_live, write_live
 from kinesic.controller.cli.options import Settings, planning
+from kinesic.controller.cli.servos.ports import PORT_HELP, all_ports
 from kinesic.controller.cli.twins import HELP as TWIN_HELP
 from kinesic.controller.cli.twins import read_twins
+from kinesic.controller.facts import Facts
 from kinesic.controller.feedforward import Terms
 from kinesic.controller.following import following
+from kinesic.controller.imported import imported
+from kinesic.controller.live import Live
+from kinesic.controller.live_report import live_checks
 from kinesic.controller.output import Written, free_folder, write
 from kinesic.controller.page import verdict
-from kinesic.controller.perform import performances
+from kinesic.controller.perform import dry_runs, performances
 from kinesic.controller.performance import Performance
-from kinesic.controller.report import report
+from kinesic.controller.report import Json, report
+from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.sim.factors import Factors
 
 TERMS_HELP = "What of the servos is inverted: everything, what speed needs, or nothing."
+ON_HELP = "Who performs: twin, or servos,twin (the twin first). Space stops the servos, Ctrl-C folds them to rest."
 COLOURS = {"pass": "green", "warn": "yellow", "fail": "red"}
 
 
 @click.command()
 @click.argument("file")
 @planning
-@click.option("--on", "sinks", type=click.Choice(["twin"]), default="twin", show_default=True, help="Who performs.")
+@click.option("--on", "sinks", type=SinkNames(), default="twin", show_default=True, help=ON_HELP)
+@click.option("--port", "ports", multiple=True, metavar="NAME=PATH", help=PORT_HELP)
 @click.option("--twin", default="nominal", show_default=True, help=TWIN_HELP)
 @click.option("--feedforward", type=click.Choice(get_args(Terms)), default="full", show_default=True, help=TERMS_HELP)
 @click.option("--correction/--no-correction", default=True, help="Goals corrected by what the twin measures.")
-@click.option("--seed", type=int, default=0, show_default=True, help="Of everything random.")
 @click.option("--out", type=click.Path(path_type=Path), help="Folder of the report (default: out/NAME-TIME).")
 @click.option("--force", is_flag=True, help="Replaces an existing folder.")
 @click.option("--film/--no-film", default=True, help="A film of the twin, where OpenGL works.")
@@ -42,35 +53,61 @@ COLOURS = {"pass": "green", "warn": "yellow", "fail": "red"}
 def perform(
     file: str,
     settings: Settings,
-    sinks: str,
+    sinks: frozenset[str],
+    ports: tuple[str, ...],
     twin: str,
     feedforward: Terms,
     correction: bool,
-    seed: int,
     out: Path | None,
     force: bool,
     film: bool,
     as_json: bool,
 ) -> int:
-    """Performs FILE (- for standard input) and writes a report."""
-    text = read_document(file)
+    """Performs FILE (BML, a .bap motion, or - for BML from standard input) and writes a report.
+
+    On servos it is performed after the twin has performed it without a failed check.
+    """
     source = "stdin" if file == "-" else file
     folder = free_folder(out, source, force=force)
-    performance, *beside = performances(
-        text, read_twins(twin), settings.facts(), source=source, feedforward=feedforward, correction=correction
-    )
-    data = report(performance, source=source, seed=seed, beside=beside)
+    known = settings.facts()
+    paths = all_ports(ports, Manifest.of(known.robot).bauds) if "servos" in sinks else {}
+    performance, *beside = _performed(file, known, read_twins(twin), feedforward, correction)
+    data = report(performance, source=source, seed=settings.idling.seed, beside=beside)
     written = write(performance, data, folder, film=film)
+    live, log = None, None
+    if paths and data["ok"]:
+        live = performed_live(performance, paths, folder, quiet=as_json)
+        data, log = write_live(live, data, written)
     if as_json:
         click.echo(json.dumps(data, indent=1))
     else:
-        screen = console()
-        screen.print(_table(checks(performance)))
-        if beside:
-            screen.print(_side_by_side((performance, *beside)))
-        screen.print(verdict(data), highlight=False, markup=False, soft_wrap=True)
-    _print_paths(written, on_error=as_json)
+        _print_report((performance, *beside), live, data)
+    if paths and live is None:
+        click.echo("the servos did not move: a check of the twin failed", err=True)
+    _print_paths(written, log, on_error=as_json)
+    if live is not None and live.ending == "failed":
+        return FAULT
     return 0 if data["ok"] else 1
+
+
+def _print_report(performances: tuple[Performance, ...], live: Live | None, data: dict[str, Json]) -> None:
+    screen = console()
+    screen.print(_table((*checks(performances[0]), *(live_checks(live) if live is not None else ()))))
+    if len(performances) > 1:
+        screen.print(_side_by_side(performances))
+    screen.print(verdict(data), highlight=False, markup=False, soft_wrap=True)
+
+
+def _performed(
+    file: str, known: Facts, twins: Sequence[Factors], feedforward: Terms, correction: bool
+) -> tuple[Performance, ...]:
+    """A document, or a motion that others made, in all twins."""
+    if file.endswith(SUFFIX):
+        planned = imported(read_bap(Path(file), known.robot), known, source=file)
+        return dry_runs(planned, twins, feedforward=feedforward, correction=correction)
+    source = "stdin" if file == "-" else file
+    text = read_document(file)
+    return performances(text, twins, known, source=source, feedforward=feedforward, correction=correction)
 
 
 def read_document(file: str) -> bytes:
@@ -104,11 +141,13 @@ def _side_by_side(performances: tuple[Performance, ...]) -> Table:
     return table
 
 
-def _print_paths(written: Written, *, on_error: bool) -> None:
+def _print_paths(written: Written, log: Path | None, *, on_error: bool) -> None:
     if written.film is None:
         click.echo(f"film: none ({written.why_no_film})", err=on_error)
     else:
         click.echo(f"film: {written.film}", err=on_error)
     click.echo(f"measured: {written.measured}", err=on_error)
+    if log is not None:
+        click.echo(f"servos: {log}", err=on_error)
     click.echo(f"report: {written.report}", err=on_error)
     click.echo(f"page: {written.page}", err=on_error)

@@ -1,11 +1,13 @@
-"""`kinesic plan`: from BML to a motion in a file; nothing moves."""
+"""`kinesic plan`: from BML, or from a motion that others made, to a motion in a file; nothing moves."""
 
 from pathlib import Path
 
 import click
 
+from kinesic.controller.bap import SUFFIX, read_bap
 from kinesic.controller.cli.options import Settings, planning
 from kinesic.controller.cli.perform import read_document
+from kinesic.controller.imported import imported
 from kinesic.controller.motion_file import write_motion
 from kinesic.controller.perform import plan as plan_document
 
@@ -19,10 +21,12 @@ def plan(
     settings: Settings,
     out: Path,
 ) -> int:
-    """Plans FILE (- for standard input) and writes the motion."""
-    text = read_document(file)
+    """Plans FILE (BML, a .bap motion, or - for BML from standard input) and writes the motion."""
     known = settings.facts()
-    planned = plan_document(text, known, source="stdin" if file == "-" else file)
+    if file.endswith(SUFFIX):
+        planned = imported(read_bap(Path(file), known.robot), known, source=file)
+    else:
+        planned = plan_document(read_document(file), known, source="stdin" if file == "-" else file)
     write_motion(planned.trajectory, known.robot, out)
     for notice in planned.notices:
         click.echo(f"{notice.type.value} {notice.id}: {notice.text}", err=True)

@@ -106,9 +106,34 @@ def test_a_wrong_robot_is_one_line(name, kinesic, tmp_path):
     assert ended.err.count("\n") == 1
 
 
-def test_a_style_value_out_of_range_names_the_range(kinesic, tmp_path):
+@pytest.mark.parametrize(
+    ("setting", "taught"),
+    [
+        ("power=7", "power is 7, outside [-1, 1]"),
+        ("head.openness=-1", "head.openness is -1, outside [0, 1]"),
+        ("hed.power=0", "a style has no modality 'hed'; did you mean head?"),
+    ],
+)
+def test_a_wrong_setting_names_its_range_or_what_there_is(kinesic, tmp_path, setting, taught):
     document = tmp_path / "nod.bml"
     document.write_text(BML.format(NOD))
-    ended = kinesic("perform", document, "--set", "power=7")
+    ended = kinesic("perform", document, "--set", setting)
     assert ended.code == 2
-    assert ended.err == "kinesic: power is 7, outside [-1, 1]\n"
+    assert ended.err == f"kinesic: {taught}\n"
+
+
+@pytest.mark.parametrize(
+    ("attribute", "taught"),
+    [
+        ("kinesic:power='7'", "kinesic:power='7' is out of range; -1 to 1 is allowed"),
+        ("kinesic:stile='sad'", "kinesic:stile is no parameter; did you mean style?"),
+        ("kinesic:style='sat'", "kinesic:style='sat' is no style; did you mean sad?"),
+    ],
+)
+def test_a_wrong_manner_in_a_document_names_its_place(kinesic, tmp_path, attribute, taught):
+    document = tmp_path / "nod.bml"
+    document.write_text(BML.format(NOD.replace("/>", f" {attribute}/>")))
+    ended = kinesic("perform", document)
+    assert ended.code == 2
+    assert ended.err.startswith(f"kinesic: {document}:")
+    assert ended.err.endswith(f"{taught}\n")

@@ -1,5 +1,6 @@
 from dataclasses import replace
 
+from kinesic.body.robot import Robot
 from kinesic.controller.cli.fingerprint import fingerprint
 from kinesic.controller.cli.options import Settings
 
@@ -31,3 +32,12 @@ def test_what_is_in_a_named_file_counts(tmp_path):
         (lexicon / "own.toml").write_text(text)
         found.append(fingerprint(replace(SETTINGS, lexicon=lexicon), "nominal"))
     assert found[0] != found[1]
+
+
+def test_a_calibration_changes_it(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(Robot.load().path.read_text(encoding="utf-8"), encoding="utf-8")
+    mine = replace(SETTINGS, robot=str(path))
+    before = fingerprint(mine)
+    path.with_name("mine.calibration.toml").write_text('robot = "upper22"\n', encoding="utf-8")
+    assert fingerprint(mine) != before

@@ -88,3 +88,24 @@ def test_targets_from_a_file(kinesic, tmp_path):
 def test_an_unknown_verb_or_option_is_bad_input(kinesic):
     assert kinesic("dance").code == 2
     assert kinesic("perform", "x.bml", "--nonsense").code == 2
+
+
+def test_a_motion_in_bap_is_planned_and_performed_again(kinesic, tmp_path):
+    assert kinesic("plan", "-", "--out", "nod.bap", stdin=NOD).code == 0
+    ended = kinesic("plan", "nod.bap", "--out", "again.npz")
+    assert ended.code == 0
+    with np.load(tmp_path / "again.npz") as data:
+        tilt = data["angles"][:, list(data["names"]).index("skullbase_tilt")]
+    assert np.isclose(np.degrees(tilt.max()), 10.0, atol=0.3)
+    ended = kinesic("perform", "nod.bap", "--out", "performed", "--no-film")
+    assert ended.code == 0
+    report = json.loads((tmp_path / "performed" / "report.json").read_text())
+    assert report["ok"]
+    assert report["input"] == "nod.bap"
+
+
+def test_a_broken_bap_names_its_line(kinesic, tmp_path):
+    (tmp_path / "bad.bap").write_text("3.2 bad 25 1\n1 0\n0 1\n")
+    ended = kinesic("perform", "bad.bap")
+    assert ended.code == 2
+    assert ended.err == "kinesic: bad.bap:2: a mask of 2 words; must be 296 flags, each 0 or 1\n"

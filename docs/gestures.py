@@ -1,0 +1,61 @@
+"""Writes docs/gestures.md and draws docs/gestures.png: every gesture of the lexicon, by category."""
+
+from collections.abc import Iterator
+from itertools import groupby
+from pathlib import Path
+
+from kinesic.controller.gestures.played import played, show
+from kinesic.controller.gestures.sheet import MOST, sheet
+from kinesic.controller.gestures.vocabulary import Entry, vocabulary
+from kinesic.controller.perform import facts
+
+HERE = Path(__file__).parent
+KINDS = {
+    "adaptor": "What the hands do to the body and to things, beside the talk.",
+    "beat": "The rhythm of the talk: no picture, only stress.",
+    "deictic": "Pointing: at things, places, people and times.",
+    "emblem": "Agreed signs that need no words; performatives.",
+    "emotion": "What is felt, shown by hands and arms.",
+    "iconic": "A picture of a thing, or of what is done with it.",
+    "metaphoric": "An abstract thing as if it had a shape: image schemas.",
+    "rest": "Postures that stay until the next one.",
+}
+HEAD = """# The gestures
+
+Written by `docs/gestures.py` from `kinesic/configs/gestures/`: {count} gestures, no two alike. Two gestures count as
+two only if their hands, in neutral manner, go ways that differ by 5 cm RMS over both hands, or are turned by 30 deg RMS
+or shaped differently. [my-gestures.md](my-gestures.md) says how to write one.
+
+Each is drawn at its stroke, from the front, over the shadow of how its arms begin; the line is the palm's way through
+the stroke. The robot has no fingers: they are drawn to show the shape that a hand with fingers would take.
+`kinesic gestures render NAME --out NAME.png` draws one as key postures.
+
+![Every gesture at its stroke](gestures.png)
+
+`kinesic gestures list --json` prints the same as a vocabulary for a planner or a language model: a list of
+`{{id, category, says, meanings, hands, shapes, stroke_s, whole_s}}`; `id` is what BML's `lexeme` says, `meanings` are
+words that find the gesture too, the times are natural ones in neutral manner. Keys may be added, never renamed.
+"""
+
+
+def page(entries: list[Entry]) -> str:
+    """The page, in Markdown."""
+    return "\n".join([HEAD.format(count=len(entries)), *_tables(entries)])
+
+
+def _tables(entries: list[Entry]) -> Iterator[str]:
+    for category, group in groupby(entries, lambda entry: entry.category):
+        rows = list(group)
+        yield f"## {category} ({len(rows)})\n\n{KINDS[category]}\n"
+        yield "| gesture | what is done | hands | words |\n|---|---|---|---|"
+        for entry in rows:
+            hands = "both" if len(entry.hands) == 2 else entry.hands[0]
+            yield f"| `{entry.id}` | {entry.says} | {hands} | {', '.join(entry.meanings[:6])} |"
+        yield ""
+
+
+if __name__ == "__main__":
+    known = facts()
+    (HERE / "gestures.md").write_text(page(vocabulary(known.lexicon, known.pace)), encoding="utf-8")
+    shows = [show(form, played(form, known), MOST) for form in known.lexicon.forms]
+    sheet(shows, known.robot, HERE / "gestures.png")

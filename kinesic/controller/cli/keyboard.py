@@ -1,0 +1,32 @@
+"""Keys as they are pressed, while something else goes on."""
+
+import os
+import select
+import sys
+import termios
+import tty
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+MOST = 64  # [bytes] taken at once
+
+
+@contextmanager
+def pressed() -> Iterator[Callable[[], str]]:
+    """What has been pressed since the last call, without waiting; nothing where no terminal is."""
+    if not sys.stdin.isatty():
+        yield lambda: ""
+        return
+    terminal = sys.stdin.fileno()
+    before = termios.tcgetattr(terminal)
+    tty.setcbreak(terminal)
+    try:
+        yield lambda: _waiting(terminal)
+    finally:
+        termios.tcsetattr(terminal, termios.TCSADRAIN, before)
+
+
+def _waiting(terminal: int) -> str:
+    if not select.select([terminal], [], [], 0)[0]:
+        return ""
+    return os.read(terminal, MOST).decode(errors="replace")

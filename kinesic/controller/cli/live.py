@@ -1,0 +1,102 @@
+"""The robot's part of `kinesic perform`: ports, keyboard, and what is written and told afterwards."""
+
+import json
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+
+import click
+from rich.console import Console
+from rich.live import Live as Display
+
+from kinesic.controller.cli.keyboard import pressed
+from kinesic.controller.live import Live, Wish, perform_live
+from kinesic.controller.live_report import live_log, with_live
+from kinesic.controller.output import Written
+from kinesic.controller.page import write_page
+from kinesic.controller.performance import Performance
+from kinesic.controller.report import Json
+from kinesic.hardware.servos import Servos
+from kinesic.hardware.supervisor.channel import Status
+from kinesic.sim.log import write_log
+
+SINKS = ("twin", "servos")
+KEYS = "space: stop where it is; again: let go. Ctrl-C: fold to rest and let go."
+FAULT = 3
+
+
+class SinkNames(click.ParamType[frozenset[str]]):
+    """Names of sinks, with commas between them."""
+
+    name = "sinks"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> frozenset[str]:
+        """Their set."""
+        names = frozenset(str(value).split(","))
+        if names - set(SINKS):
+            self.fail(f"{value!r} is not one of {', '.join(SINKS)}, or several with commas between them", param, ctx)
+        return names
+
+
+def performed_live(performance: Performance, ports: dict[str, Path], folder: Path, *, quiet: bool) -> Live:
+    """Performs on the servos what the twin has performed; events are added to FOLDER/events.jsonl.
+
+    Raises:
+        BusError: a port or a servo is missing or wrong; nothing has moved.
+    """
+    servos = Servos(performance.plan.facts.robot, ports, log=folder / "events.jsonl")
+    if not quiet:
+        click.echo(KEYS, err=True)
+    with _interrupted() as interrupted, pressed() as keys, _display(quiet) as shown:
+
+        def wish() -> Wish:
+            if " " in keys():
+                return "stop"
+            return "end" if interrupted() else "go on"
+
+        return perform_live(performance, servos, wish=wish, shown=shown)
+
+
+def write_live(live: Live, data: dict[str, Json], written: Written) -> tuple[dict[str, Json], Path]:
+    """Writes the report anew with what the robot did, and its log; the report, and the path of the log."""
+    told = with_live(data, live)
+    written.report.write_text(json.dumps(told, indent=1), encoding="utf-8")
+    write_page(live.performance, told, film=written.film, path=written.page, no_film=written.why_no_film)
+    log = written.report.with_name("servos.npz")
+    write_log(live_log(live), live.performance.plan.facts.robot, log)
+    return told, log
+
+
+@contextmanager
+def _interrupted() -> Iterator[Callable[[], bool]]:
+    """Whether Ctrl-C has been pressed since the last call; it ends nothing else meanwhile."""
+    waiting: list[int] = []
+
+    def note(number: int, _frame: FrameType | None) -> None:
+        waiting.append(number)
+
+    before = signal.signal(signal.SIGINT, note)
+    try:
+        yield lambda: bool(waiting and waiting.pop())
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def _display(quiet: bool) -> Iterator[Callable[[Status], None]]:
+    """One line that tells how it goes, where there is a terminal."""
+    screen = Console(stderr=True)
+    if quiet or not screen.is_terminal:
+        yield lambda told: None
+        return
+    with Display(console=screen, transient=True) as display:
+        yield lambda told: display.update(_line(told))
+
+
+def _line(told: Status) -> str:
+    return (
+        f"{told.stage.value:9} {told.time:6.2f} s  {told.energised} servos on  {told.hottest:.0f} C  {told.volts:.1f} V"
+        f"{'' if not told.silent else f'  {told.silent} silent'}"
+    )

@@ -1,0 +1,1 @@
+"""A gesture played over the range of a parameter, and what that changes in the twin."""

@@ -1,0 +1,158 @@
+"""Idle motion: while nothing is asked, the trunk breathes and shifts its weight, and the gaze wanders a little.
+
+It is motion like any other, written as layers of torso and head: it adds to whatever they hold, and passes the same
+conditioning. It fills the pauses in which no part is used, and begins and ends at nothing.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from math import radians
+from typing import Literal
+
+import numpy as np
+
+from kinesic.body.robot import Robot
+from kinesic.expressivity.gather import Sequences
+from kinesic.expressivity.hands import REST
+from kinesic.expressivity.keyframes import Turn
+from kinesic.expressivity.turns import UPRIGHT, Layer, TurnKey, plus
+
+Liveliness = Literal["off", "calm", "lively"]
+Span = tuple[float, float]  # [s] from and to
+
+MARGIN = 0.3  # [s] between idle motion and what is asked for
+LEAST_PAUSE = 2.4  # [s] that is worth a breath
+
+
+@dataclass(frozen=True)
+class _Habit:
+    """How much a robot moves for its own sake; each number is the largest, and some chance takes part of it."""
+
+    breath: float  # [s] of one
+    rise: float  # [rad] that the trunk goes back with a breath
+    shift: float  # [rad] that the trunk leans and turns aside
+    glance: float  # [rad] that the head turns away
+    glances: float  # share of breaths that bring one
+
+
+_HABITS: Mapping[Liveliness, _Habit] = {
+    "calm": _Habit(breath=4.0, rise=radians(0.8), shift=radians(1.0), glance=radians(4.0), glances=0.4),
+    "lively": _Habit(breath=2.8, rise=radians(1.2), shift=radians(2.0), glance=radians(10.0), glances=0.7),
+}
+
+
+@dataclass(frozen=True)
+class Idling:
+    """What a robot does when nothing is asked."""
+
+    liveliness: Liveliness = "off"
+    seed: int = 0  # of what is left to chance; the same seed gives the same motion
+
+
+OFF = Idling()
+
+
+def filled(sequences: Sequences, whole: Span, idling: Idling, robot: Robot) -> Sequences:
+    """The sequences of a block, idle motion added to the parts that the robot has.
+
+    Args:
+        sequences: what is asked of the parts.
+        whole: [s] from the beginning of the block to its end.
+        idling: how lively, and by which chance.
+        robot: whose parts idle.
+    """
+    torso, head = idle(pauses(used(sequences), whole), idling)
+    return replace(
+        sequences,
+        torso=(*sequences.torso, torso) if torso and robot.joints("torso") else sequences.torso,
+        head=(*sequences.head, head) if head and robot.joints("neck") else sequences.head,
+    )
+
+
+def idle(free: Iterable[Span], idling: Idling) -> tuple[Layer, Layer]:
+    """Layers of torso and head that fill pauses.
+
+    Args:
+        free: [s] block time, in order, in which nothing is used.
+        idling: how lively, and by which chance.
+
+    Returns:
+        Of the torso and of the head, both empty when there is nothing to fill. The head stays level while the trunk
+        breathes.
+    """
+    if idling.liveliness == "off":
+        return (), ()
+    habit, chance = _HABITS[idling.liveliness], np.random.default_rng(idling.seed)
+    torso: list[TurnKey] = []
+    head: list[TurnKey] = []
+    for begin, end in free:
+        if end - begin - 2 * MARGIN >= LEAST_PAUSE:
+            times = _breaths((begin + MARGIN, end - MARGIN), habit, chance)
+            torso += [TurnKey(times[0], UPRIGHT), *_breathing(times, habit, chance), TurnKey(times[-1], UPRIGHT)]
+            head += [TurnKey(times[0], UPRIGHT), *_wandering(times, habit, chance), TurnKey(times[-1], UPRIGHT)]
+    return tuple(torso), tuple(head)
+
+
+def used(sequences: Sequences) -> tuple[Span, ...]:
+    """Spans in which a part moves, or is held away from its rest until it goes on [s]."""
+    turning = [
+        (a.time, b.time)
+        for layer in (*sequences.torso, *sequences.head)
+        for a, b in pairwise(layer)
+        if a.turn != UPRIGHT or b.turn != UPRIGHT
+    ]
+    reaching = [
+        (a.time, b.time)
+        for row in sequences.hands.values()
+        for a, b in pairwise(row)
+        if a.hand != REST or b.hand != REST
+    ]
+    return (*turning, *reaching)
+
+
+def pauses(busy: Iterable[Span], whole: Span) -> tuple[Span, ...]:
+    """What busy spans leave of a whole.
+
+    Args:
+        busy: [s] spans in which some part is used, in any order.
+        whole: [s] from the beginning to the end.
+    """
+    found: list[Span] = []
+    free = whole[0]
+    for begin, end in sorted(busy):
+        if begin > free:
+            found.append((free, min(begin, whole[1])))
+        free = max(free, end)
+    if free < whole[1]:
+        found.append((free, whole[1]))
+    return tuple(found)
+
+
+def _breaths(span: Span, habit: _Habit, chance: np.random.Generator) -> list[float]:
+    """Turning points of the breath [s], from the first to the last of a span, an even number of ways between them."""
+    count = 2 * max(1, round((span[1] - span[0]) / habit.breath))
+    shares = 1.0 + 0.15 * chance.uniform(-1.0, 1.0, count)
+    return [float(time) for time in span[0] + (span[1] - span[0]) * np.append(0.0, np.cumsum(shares)) / shares.sum()]
+
+
+def _breathing(times: list[float], habit: _Habit, chance: np.random.Generator) -> Iterator[TurnKey]:
+    """In goes the trunk back, out forward again; at some breaths the weight shifts to a side."""
+    weight = UPRIGHT
+    for k, time in enumerate(times[1:-1], 1):
+        if k % 4 == 1:
+            aside, turned = habit.shift * chance.uniform(-1.0, 1.0, 2)
+            weight = Turn(torsion=float(turned), roll=float(aside))
+        full = k % 2 * float(chance.uniform(0.7, 1.0))
+        yield TurnKey(time, plus(weight, Turn(tilt=-habit.rise * full)))
+
+
+def _wandering(times: list[float], habit: _Habit, chance: np.random.Generator) -> Iterator[TurnKey]:
+    """At some breaths the gaze goes elsewhere, and comes back with a later one."""
+    glance = UPRIGHT
+    for k, time in enumerate(times[1:-1], 1):
+        if k % 2:
+            away = float(chance.uniform()) < habit.glances
+            aside, down = chance.uniform(-1.0, 1.0, 2) * habit.glance * away
+            glance = Turn(torsion=float(aside), tilt=0.4 * float(down))
+        yield TurnKey(time, glance)

@@ -1,0 +1,86 @@
+"""How the trunk takes part in a gesture: it opens, and with power it goes along with the hands (thesis 8.7).
+
+Power turns the trunk at each stroke key by what the hands have moved since the key before (equation 8.7.1, in the
+proportions of Greta's `ExpressiveTorso`): forward where they go down, to the side where they go aside. Openness draws
+it back a little. The gesture's box goes along, so that the arms' postures stay what they are.
+"""
+
+from collections.abc import Mapping
+from itertools import pairwise
+from math import radians
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.body.reach import Reach
+from kinesic.body.robot import Side
+from kinesic.expressivity.hands import Poses, resting
+from kinesic.expressivity.keyframes import Turn
+from kinesic.expressivity.pace import Pace
+from kinesic.expressivity.strokes import Work
+from kinesic.expressivity.style import Expressivity
+from kinesic.expressivity.turns import MERGE, UPRIGHT, Layer, TurnKey, plus, scaled
+
+SWAY = 0.3  # [rad] of power 1, for hands that go very far
+RECLINE = radians(5)  # of openness 1
+HASTE = 0.7  # share of the time from key to key that the trunk may need
+STILL = 0.02  # arm lengths: hands that move less hold still, and the trunk with them
+
+
+def taking_part(work: Work, manner: Expressivity, pace: Pace) -> Layer:
+    """The trunk's rotation through one gesture, from upright to upright.
+
+    No step asks more of the trunk than it does in the time that the hands have, so that no stroke waits for it.
+
+    Args:
+        work: what the hands do, and when.
+        manner: of the torso; power and openness are used.
+        pace: of the robot.
+
+    Returns:
+        Empty when neither power nor openness asks for anything, when the gesture is a rest pose, or when the robot
+        has no torso.
+    """
+    power, openness = max(0.0, manner.power), manner.openness
+    if work.stroke.rest or not pace.robot.joints("torso") or power == openness == 0.0:
+        return ()
+    rest, times = resting(pace.robot), work.stroke.times
+    keys = [TurnKey(times["start"], UPRIGHT)]
+    swayed, recline = UPRIGHT, Turn(tilt=-RECLINE * openness)
+    for way, moment in zip(_ways(work.poses, rest, pace.robot.arm_length), work.moments, strict=True):
+        if float(np.linalg.norm(way)) > STILL:
+            swayed = _swayed(way, power)
+        if moment - keys[-1].time >= MERGE:
+            keys.append(TurnKey(moment, _managed(keys[-1], plus(swayed, recline), moment, pace)))
+    return (*keys, *_return(keys[-1], times, pace))
+
+
+def _ways(work: Poses, rest: Mapping[Side, Reach], unit: float) -> list[Floats]:
+    """From key to key, the first from rest: (3,) how far the middle of the hands has gone [arm lengths]."""
+    middles = [np.mean([rest[side].position for side in work.hands], axis=0)]
+    for k in range(work.count):
+        middles.append(
+            np.mean([(row[k].reach or rest[side]).position for side, row in work.hands.items()], axis=0),
+        )
+    return [(after - before) / unit for before, after in pairwise(middles)]
+
+
+def _swayed(way: Floats, power: float) -> Turn:
+    """Equation 8.7.1 for a way of the hands, x forward, y left, z up [arm lengths]."""
+    gain = SWAY * power / (float(np.linalg.norm(way)) + 1.0)
+    return Turn(torsion=gain * float(way[1]), tilt=-gain * float(way[2]))
+
+
+def _managed(key: TurnKey, wished: Turn, moment: float, pace: Pace) -> Turn:
+    """The part of the way to a rotation that the trunk manages by a moment [s]."""
+    change = plus(wished, scaled(key.turn, -1.0))
+    share = min(1.0, HASTE * (moment - key.time) / max(pace.least_turn_time("torso", change), MERGE))
+    return plus(key.turn, scaled(change, share**3))  # least times shrink no slower than the cube root of the way
+
+
+def _return(key: TurnKey, times: Mapping[str, float], pace: Pace) -> tuple[TurnKey, ...]:
+    """Staying until the hands relax, then going upright again."""
+    leave = max(times["relax"], key.time)
+    held = (TurnKey(leave, key.turn),) if leave - key.time >= MERGE else ()
+    least = pace.least_turn_time("torso", key.turn) / HASTE
+    return (*held, TurnKey(max(times["end"], leave + max(least, MERGE)), UPRIGHT))

@@ -1,0 +1,68 @@
+import json
+
+import pytest
+
+OWN = """
+category = "emotion"
+[[gesture]]
+id = "own"
+says = "The fist circles."
+meanings = ["swirl"]
+keys = [
+  { right = { at = [0.36, 0.40, 0.56], palm = "in", shape = "fist" } },
+  { right = { at = [0.36, 0.40, 0.56], palm = "in", shape = "fist" }, path = { kind = "circle" } },
+]
+"""
+
+
+def test_the_list_is_a_vocabulary(kinesic):
+    entries = json.loads(kinesic("gestures", "list", "--json").out)
+    assert len(entries) >= 150
+    fields = {"id", "category", "says", "meanings", "hands", "shapes", "stroke_s", "whole_s"}
+    assert all(fields <= set(entry) for entry in entries)
+    offer = next(entry for entry in entries if entry["id"] == "offer")
+    assert offer["category"] == "metaphoric"
+    assert "propose" in offer["meanings"]
+    assert offer["hands"] == ["right"]
+
+
+def test_a_category_is_listed_alone_and_a_wrong_one_is_named(kinesic):
+    listed = kinesic("gestures", "list", "--category", "emotion")
+    assert "joy_cheer" in listed.out
+    assert "greet_wave" not in listed.out
+    wrong = kinesic("gestures", "list", "--category", "emotions")
+    assert wrong.code == 2
+    assert wrong.err.startswith("kinesic: no category emotions; did you mean emotion?")
+
+
+def test_a_gesture_is_shown_with_words_shapes_and_paths(kinesic, tmp_path):
+    (tmp_path / "own.toml").write_text(OWN)
+    shown = kinesic("gestures", "show", "swirl", "--lexicon", "own.toml")
+    assert shown.code == 0
+    assert shown.out.startswith('own (emotion), substituted by own: "swirl"\nThe fist circles.\nmeanings: swirl, own\n')
+    assert "circle" in shown.out
+    assert "fist" in shown.out
+
+
+def test_one_gesture_is_drawn(kinesic, tmp_path):
+    (tmp_path / "own.toml").write_text(OWN)
+    ended = kinesic("gestures", "render", "own", "--lexicon", "own.toml", "--out", "own.png")
+    assert ended.code == 0
+    assert ended.out.splitlines()[-1] == "picture: own.png"
+    assert (tmp_path / "own.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("arguments", [(), ("offer", "--all"), ("xyzzy",)])
+def test_what_cannot_be_drawn_is_bad_input(kinesic, tmp_path, arguments):
+    ended = kinesic("gestures", "render", *arguments, "--out", "x.png")
+    assert ended.code == 2
+    assert not (tmp_path / "x.png").exists()
+
+
+def test_a_picture_that_cannot_be_written_is_one_line(kinesic):
+    ended = kinesic("gestures", "render", "offer", "--out", "nowhere/offer.png")
+    assert ended.code == 2
+    assert ended.err.count("\n") == 1
+    ended = kinesic("gestures", "render", "offer", "--out", "offer.xyz")
+    assert ended.code == 2
+    assert "xyz" in ended.err

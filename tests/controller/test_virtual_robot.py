@@ -1,0 +1,75 @@
+import numpy as np
+import pytest
+
+from kinesic.body.robot import Robot
+from kinesic.controller.virtual_robot import TwinPhysics
+from kinesic.hardware import packet
+from kinesic.hardware.registers import Mode, Register
+from kinesic.hardware.servo_map import ServoMap
+from kinesic.hardware.virtual.fittings import build, cables
+from kinesic.hardware.virtual.memory_wire import MemoryWire
+from kinesic.hardware.virtual.physics import LIMP, Demand
+from kinesic.sim.shafts import Shafts
+
+
+@pytest.fixture(scope="module")
+def robot() -> Robot:
+    return Robot.load()
+
+
+def test_shafts_stand_where_the_robot_rests(robot: Robot):
+    wires = cables(robot)
+    physics = TwinPhysics(robot, wires)
+    fittings = [fitting for wire in wires for fitting in wire.fittings]
+    for shaft, fitting in zip(physics.shafts(), fittings, strict=True):
+        assert shaft.angle / Register.PRESENT_POSITION.field.scale == pytest.approx(fitting.ticks, abs=0.5)
+
+
+def test_goals_in_ticks_move_the_twin_as_goals_in_radians_do(robot: Robot):
+    wires = cables(robot)
+    physics, plain = TwinPhysics(robot, wires), Shafts(robot)
+    wiring = ServoMap.of(robot)
+    goals = np.array(robot.skeleton.rest)
+    goals[list(robot.joints("r_arm"))] += 0.3
+    ticks = wiring.scale.ticks(goals)
+    of = {servo: int(tick) for servos, tick in zip(wiring.servos, ticks, strict=True) for servo in servos.ids}
+    scale = Register.GOAL_POSITION.field.scale
+    demands = [Demand("angle", of[fitting.servo] * scale) for wire in wires for fitting in wire.fittings]
+    for _ in range(100):
+        physics.advance(0.01, demands)
+        plain.advance(0.01, wiring.scale.angles(ticks), np.ones(len(goals)))
+    np.testing.assert_allclose(physics.body.angles, plain.angles, atol=1e-9)
+
+
+def test_the_servos_of_a_tandem_share_its_torque(robot: Robot):
+    wires = cables(robot)
+    physics = TwinPhysics(robot, wires)
+    ids = [fitting.servo for fitting in wires[0].fittings]
+    demands = [Demand("angle", shaft.angle) for shaft in physics.shafts()]
+    demands[ids.index(2)] = LIMP
+    demands[ids.index(3)] = demands[ids.index(3)]._replace(value=demands[ids.index(3)].value + 1.0)
+    physics.advance(0.02, demands)
+    tilt = robot.skeleton.joint("vl5_tilt")
+    assert 0.4 < abs(physics.body.loads[tilt]) <= 0.5 + 1e-9
+
+
+@pytest.mark.parametrize(
+    ("mode", "goal", "value"), [(Mode.VELOCITY, Register.GOAL_VELOCITY, 40), (Mode.PWM, Register.GOAL_PWM, 200)]
+)
+def test_other_modes_move_it_too(robot: Robot, mode: Mode, goal: Register, value: int):
+    wires = cables(robot)
+    plant, buses = build(wires, TwinPhysics(robot, wires))
+    wire = MemoryWire(buses["body"])
+    neck = next(servos.ids[0] for servos in ServoMap.of(robot).servos if servos.hinge == "skullbase_torsion")
+    for register, data in ((Register.OPERATING_MODE, mode.value), (Register.TORQUE_ENABLE, 1), (goal, value)):
+        wire.write(packet.write(neck, register.field.address, register.field.pack(data)))
+        wire.read(wire.now() + 0.01)
+    buses["body"].advance(wire.now() + 0.3)
+    servo = next(servo for servo in plant.servos if servo.id == neck)
+    servo.electronics.show()
+    speed = servo.memory[Register.PRESENT_VELOCITY]
+    if mode is Mode.VELOCITY:
+        assert speed == pytest.approx(value, rel=0.2)
+    else:
+        assert 0 < speed < 350
+    assert servo.memory[Register.PRESENT_POSITION] > 2060

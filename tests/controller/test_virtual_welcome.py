@@ -1,0 +1,58 @@
+"""The same greeting, by kinesic's bus and by dynamixel-sdk as it comes, over the wire into the twin."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from kinesic.body.config import CONFIGS
+from kinesic.controller.feedforward import lead
+from kinesic.controller.perform import plan
+from kinesic.controller.plan import Plan
+from kinesic.controller.play import RATE, commands, ticks
+from kinesic.controller.virtual_robot import TwinPhysics
+from kinesic.hardware.bus import Servo
+from kinesic.hardware.models import MODELS
+from kinesic.hardware.registers import Register
+from kinesic.hardware.servo_map import ServoMap
+from kinesic.hardware.virtual.drivers import Driver, KinesicDriver, SdkDriver
+from kinesic.hardware.virtual.fittings import build, cables
+from kinesic.hardware.virtual.memory_wire import MemoryWire
+
+PERIOD = 1 / RATE
+SEEN = 500  # cycles: the first wave and some of what is said
+
+
+@pytest.fixture(scope="module")
+def planned() -> Plan:
+    return plan((CONFIGS / "bml" / "welcome.bml").read_bytes())
+
+
+@pytest.mark.parametrize(("opens", "rmse"), [(KinesicDriver, 0.2), (SdkDriver, 1.0)])
+def test_it_follows_the_plan(planned: Plan, opens: Callable[..., Driver], rmse: float):
+    robot = planned.facts.robot
+    wiring = ServoMap.of(robot)
+    wires = cables(robot)
+    physics = TwinPhysics(robot, wires)
+    plant, buses = build(wires, physics)
+    wire = MemoryWire(buses["body"])
+    servos = [Servo(fitting.servo, MODELS[fitting.model]) for fitting in wires[0].fittings]
+    hinges = [next(k for k, s in enumerate(wiring.servos) if servo.id in s.ids) for servo in servos]
+    for servo, fitting in zip(plant.servos, wires[0].fittings, strict=True):
+        servo.write(Register.GOAL_POSITION.field.address, fitting.ticks.to_bytes(4, "little"))
+        servo.write(Register.TORQUE_ENABLE.field.address, b"\1")
+    driver = opens(wire, servos, PERIOD)
+    times = ticks(planned.duration)[:SEEN]
+    setpoints = lead(planned.trajectory, times, robot, planned.facts.dynamics, period=PERIOD, delay=0.002)
+    began = wire.now() + 1.0
+    errors, moving = [], []
+    for command in commands(planned.trajectory, times, setpoints):
+        wire.sleep(began + command.time)
+        buses["body"].advance(wire.now())
+        errors.append(physics.body.angles - command.angles)
+        moving.append(np.abs(command.speeds) > 0.05 * robot.speed_limits)
+        driver.cycle(wiring.scale.ticks(command.goals)[hinges])
+    off = np.abs(np.degrees(np.array(errors)))[np.array(moving)]
+    assert np.sqrt(np.mean(off**2)) <= rmse
+    assert np.percentile(off, 95) <= 2.5
+    assert off.max() <= 5.0

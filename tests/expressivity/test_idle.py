@@ -1,0 +1,80 @@
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kinesic.bml.block import Gaze, Gesture, Wait
+from kinesic.expressivity.idle import LEAST_PAUSE, MARGIN, Idling, idle, pauses
+from kinesic.expressivity.realise import keyframes
+from kinesic.expressivity.style import Style
+from kinesic.expressivity.turns import UPRIGHT, axes, total
+
+LIVELY = Idling("lively", 7)
+spans = st.lists(
+    st.tuples(st.floats(0, 50), st.floats(0, 10)).map(lambda pair: (pair[0], pair[0] + pair[1])), max_size=6
+)
+
+
+def test_off_is_still():
+    assert idle([(0.0, 60.0)], Idling()) == ((), ())
+
+
+@given(spans, st.integers(0, 5))
+def test_it_moves_in_pauses_alone_and_begins_and_ends_at_nothing(busy, seed):
+    free = pauses(busy, (0.0, 50.0))
+    for layer in idle(free, Idling("lively", seed)):
+        if not layer:
+            continue
+        times = [key.time for key in layer]
+        assert times == sorted(set(times))
+        inside = np.concatenate([np.linspace(begin - MARGIN, end + MARGIN, 20) for begin, end in busy] or [[0.0]])
+        np.testing.assert_allclose(total([layer], inside), 0.0, atol=1e-12)
+        assert layer[0].turn == layer[-1].turn == UPRIGHT
+
+
+@given(spans)
+def test_pauses_and_busy_spans_make_the_whole(busy):
+    free = pauses(busy, (0.0, 50.0))
+    for time in np.linspace(0.05, 49.95, 97):
+        assert any(a <= time <= b for a, b in [*busy, *free])
+    assert all(b <= c for (_, b), (c, _) in pairwise(free))
+
+
+def test_the_same_seed_gives_the_same_motion_and_another_another():
+    assert idle([(0.0, 30.0)], LIVELY) == idle([(0.0, 30.0)], LIVELY)
+    assert idle([(0.0, 30.0)], LIVELY) != idle([(0.0, 30.0)], Idling("lively", 8))
+
+
+@pytest.mark.parametrize("part", [0, 1])
+def test_calm_moves_less_than_lively_and_both_a_little(part):
+    times = np.linspace(0.0, 60.0, 600)
+    calm, lively = (
+        float(np.abs(total([idle([(0.0, 60.0)], Idling(liveliness, 3))[part]], times)).max())
+        for liveliness in ("calm", "lively")
+    )
+    assert 0.0 < calm < lively < np.radians(12)
+
+
+def test_a_short_pause_is_left_still():
+    assert idle([(0.0, LEAST_PAUSE + 2 * MARGIN - 0.01)], LIVELY) == ((), ())
+    assert idle([(0.0, LEAST_PAUSE + 2 * MARGIN + 0.01)], LIVELY)[0]
+
+
+def test_what_is_asked_stays_as_it_is(timeline, pace, lexicon, phases):
+    gesture = ("g", Gesture("offer", "left"), phases(8, 9, 9, 9.6, 9.6, 10, 11))
+    gaze = ("z", Gaze(target="left"), {"start": 15.0, "ready": 15.5, "relax": 17.0, "end": 17.5})
+    built = timeline(gesture, gaze, ("w", Wait(), {"start": 0.0, "end": 30.0}))
+    still, moving = (
+        keyframes(built, style=Style(), lexicon=lexicon, pace=pace, idling=idling) for idling in (Idling(), LIVELY)
+    )
+    asked = {(id, sync): frame for frame in still.frames for id, sync in frame.syncs}
+    met = {(id, sync): frame for frame in moving.frames for id, sync in frame.syncs}
+    assert len(moving.frames) > len(still.frames) + 10
+    assert asked.keys() == met.keys()
+    for point, frame in asked.items():
+        other = met[point]
+        assert frame.time == other.time
+        assert (*axes(frame.torso), *axes(frame.head)) == pytest.approx((*axes(other.torso), *axes(other.head)))
+    assert all(not frame.given & {"l_hand", "r_hand"} for frame in moving.frames if not 8 <= frame.time <= 11)

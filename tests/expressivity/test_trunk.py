@@ -1,0 +1,82 @@
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from kinesic.bml.block import Gesture
+from kinesic.expressivity.style import Expressivity, Style
+from kinesic.expressivity.trunk import HASTE, RECLINE
+from kinesic.expressivity.turns import axes, plus, scaled
+
+
+def styled(**numbers) -> Style:
+    return Style.uniform(Expressivity(**numbers))
+
+
+@pytest.fixture
+def calm(phases):
+    return phases(0, 1, 1, 1.6, 1.6, 2.2, 3.4)
+
+
+def torso(frames):
+    return np.array([axes(frame.torso) for frame in frames.frames])
+
+
+def test_without_power_and_openness_the_trunk_stays_upright(perform, calm):
+    frames = perform(("g", Gesture("beat", "left"), calm), style=styled(power=0.0, spatial=1.0))
+    assert not torso(frames).any()
+    assert not any("torso" in frame.given for frame in frames.frames)
+
+
+def test_more_power_turns_the_trunk_more_and_weakness_does_not(perform, calm):
+    turned = [
+        np.abs(torso(perform(("g", Gesture("beat", "left"), calm), style=styled(power=power)))).max()
+        for power in (-1.0, 0.0, 0.3, 0.6, 1.0)
+    ]
+    assert turned[:2] == [0.0, 0.0]
+    assert turned[1:] == sorted(turned[1:])
+    assert np.radians(2) < turned[-1] < np.radians(15)
+
+
+def test_the_trunk_goes_back_as_hands_rise_and_forward_as_they_fall(perform, calm):
+    frames = perform(("g", Gesture("beat", "left"), calm), style=styled(power=1.0))
+    at = {sync: frame.torso for frame in frames.frames for _, sync in frame.syncs}
+    assert at["ready"].tilt < 0.0 < at["stroke"].tilt
+    assert at["start"] == at["end"]
+    assert at["stroke"] == at["relax"]
+
+
+def test_left_and_right_turn_the_other_way(perform, calm):
+    left, right = (
+        torso(perform(("g", Gesture("offer", side), calm), style=styled(power=1.0))) for side in ("left", "right")
+    )
+    np.testing.assert_allclose(left, right * [-1, 1, -1], atol=1e-12)
+    assert np.abs(left[:, 0]).max() > 0.0
+
+
+def test_openness_draws_the_trunk_back(perform, calm):
+    tilts = [
+        torso(perform(("g", Gesture("beat", "left"), calm), style=styled(openness=openness)))[:, 1].min()
+        for openness in (0.5, 1.0)
+    ]
+    assert tilts == pytest.approx([-0.5 * RECLINE, -RECLINE])
+
+
+def test_the_trunk_never_needs_more_time_than_the_hands_have(perform, phases, pace):
+    for ready in (0.06, 0.2, 0.5):
+        times = phases(0, ready, ready, 2 * ready, 2 * ready, 2.5 * ready, 3 * ready)
+        frames = perform(("g", Gesture("beat", "left"), times), style=styled(power=1.0, openness=1.0))
+        keys = [(frame.time, frame.torso) for frame in frames.frames if "torso" in frame.given]
+        for (begin, a), (end, b) in pairwise(keys):
+            least = pace.least_turn_time("torso", plus(b, scaled(a, -1.0)))
+            assert least <= HASTE * (end - begin) * (1 + 1e-9) + 1e-9
+
+
+def test_a_rest_pose_leaves_the_trunk_alone(perform, calm):
+    frames = perform(("g", Gesture("arms_crossed"), calm), style=styled(power=1.0, openness=1.0))
+    assert not torso(frames).any()
+
+
+def test_the_torsos_own_numbers_count(perform, calm):
+    style = styled(power=1.0).changed(["torso.power=0"])
+    assert not torso(perform(("g", Gesture("beat", "left"), calm), style=style)).any()

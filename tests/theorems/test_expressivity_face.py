@@ -1,0 +1,95 @@
+"""What holds for whatever a face is asked to show."""
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kinesic.bml.block import FACE_SYNCS, Behaviour, Block, Face, Place, Speech, Timed, Timeline
+from kinesic.body.action_units import CHANNELS
+from kinesic.body.utterance import Phoneme, Script, Utterance
+from kinesic.expressivity.eyes import Habits, Look
+from kinesic.expressivity.face_units import face
+
+TIMES = np.arange(0.0, 6.0, 0.02)
+LEXEMES = ("joy", "anger", "surprise", "RAISE_LEFT_BROW", "CLOSE_EYES", "REPEATED_BLINK", "Qwrtz")
+seconds = st.floats(0.0, 5.0)
+faces = st.builds(
+    Face,
+    st.lists(st.sampled_from(LEXEMES), max_size=2).map(tuple),
+    st.none(),
+    amount=st.floats(-1, 3),
+    shift=st.booleans(),
+)
+numbered = st.builds(
+    Face,
+    st.just(()),
+    st.integers(0, 100),
+    side=st.sampled_from(["left", "right", "both"]),
+    amount=st.floats(0, 1),
+    shift=st.booleans(),
+)
+gazes = st.lists(st.builds(Look, seconds, st.floats(-1, 1), st.floats(-1, 1), seconds), max_size=3)
+
+
+@st.composite
+def timelines(draw: st.DrawFn) -> Timeline:
+    timed = []
+    for number, action in enumerate(draw(st.lists(faces | numbered, max_size=4))):
+        start, peak, relax, end = sorted(draw(st.tuples(seconds, seconds, seconds, seconds)))
+        times = (
+            {"start": start, "end": end}
+            if action.shift
+            else dict(zip(FACE_SYNCS, (start, peak, relax, end), strict=True))
+        )
+        timed.append(Timed(Behaviour(f"f{number}", "face", action, Place(1, 1)), times))
+    speech = Behaviour("s", "speech", Speech(Script("x")), Place(1, 1))
+    timed.append(Timed(speech, {"start": draw(seconds), "end": 6.0}))
+    return Timeline(Block("b", tuple(each.behaviour for each in timed)), tuple(timed))
+
+
+@st.composite
+def utterances(draw: st.DrawFn) -> Utterance:
+    now, found = 0.0, []
+    for symbol in draw(st.text("pbmaiuoftsʃw \u02c8\u02d0☃", max_size=12)):
+        duration = draw(st.floats(0.0, 0.3))
+        found.append(Phoneme(symbol, now, duration))
+        now += duration
+    return Utterance(now, {}, tuple(found))
+
+
+@settings(max_examples=80, deadline=None)
+@given(timelines(), utterances(), gazes, st.integers(0, 9))
+def test_intensities_are_shares_of_known_units(timeline: Timeline, said: Utterance, looks: list[Look], seed: int):
+    found = face(timeline, {"s": said}, TIMES, habits=Habits(seed), looks=looks)
+    assert found.keys() <= set(CHANNELS)
+    for values in found.values():
+        assert values.shape == TIMES.shape
+        assert np.all(np.isfinite(values))
+        assert values.min() >= 0.0
+        assert values.max() <= 1.0
+        assert not values.flags.writeable
+
+
+@settings(max_examples=40, deadline=None)
+@given(timelines(), utterances(), st.integers(0, 9))
+def test_a_face_is_a_function_of_time(timeline: Timeline, said: Utterance, seed: int):
+    whole = face(timeline, {"s": said}, TIMES, habits=Habits(seed))
+    again = face(timeline, {"s": said}, TIMES, habits=Habits(seed))
+    assert whole.keys() == again.keys()
+    assert all(np.array_equal(whole[channel], again[channel]) for channel in whole)
+    half = face(timeline, {"s": said}, TIMES[::2])
+    every = face(timeline, {"s": said}, TIMES)
+    for channel, values in half.items():
+        np.testing.assert_allclose(values, every[channel][::2], atol=1e-12)
+
+
+@settings(max_examples=60, deadline=None)
+@given(timelines(), utterances())
+def test_lips_close_on_p_b_and_m_whatever_is_felt(timeline: Timeline, said: Utterance):
+    begin = timeline.timed[-1].times["start"]
+    found = face(timeline, {"s": said}, TIMES)
+    for sound in said.phonemes:
+        since = TIMES - begin - sound.start
+        during = (since >= 0.0) & (since <= sound.duration)
+        if sound.symbol in ("p", "b", "m") and during.any():
+            np.testing.assert_allclose(found["24"][during], 1.0)
