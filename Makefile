@@ -16,7 +16,7 @@ demo: .venv/.stamp-demo
 	@$(BIN)/kinesic perform kinesic/configs/bml/welcome.bml --out out/demo --force
 
 test: .venv/.stamp-test
-	@$(BIN)/python -m pytest
+	@$(BIN)/python -m pytest -n auto --dist loadfile
 
 check: .venv/.stamp-test
 	@$(BIN)/ruff check

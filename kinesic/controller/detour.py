@@ -67,8 +67,16 @@ class Course:
             ),
         )
 
+    def keyed_alike(self, arms: list[Arm]) -> list[Arm]:
+        """Arms with the same keys as one, so that mirrored arms stay mirrored."""
+        found: dict[tuple[bool, ...], Arm] = {}
+        for arm in arms:
+            keys = tuple(posture.keyed[arm[0]] for posture in self.postures)
+            found[keys] = (*found.get(keys, ()), *arm)
+        return list(found.values())
+
     def extended(self, time: float, angles: Floats, arm: Arm) -> "Course":
-        """With one more key at a block time, for the hinges of an arm."""
+        """With one more key at a block time, for the hinges of an arm, or of two that have the same keys."""
         own = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]
         asked = float(np.interp(time, self.planned[own], [self.postures[k].time for k in own]))
         while asked in {posture.time for posture in self.postures}:
@@ -151,8 +159,8 @@ def _with_a_key(course: Course, time: float, arms: list[Arm], distances: Distanc
         clear = apart(start, joints, course.robot, distances, least=least, room=least + ROOM)
         if clear is not None:
             change = course
-            for arm in arms:
-                change = change.extended(time, clear, arm)
+            for together in course.keyed_alike(arms):
+                change = change.extended(time, clear, together)
             yield change
 
 

@@ -18,18 +18,17 @@ from kinesic.hardware.goals import GoalFrame
 from kinesic.hardware.health import BLOCK, CELLS, SIZE, Records
 from kinesic.hardware.listener import Listener
 from kinesic.hardware.models import Model
-from kinesic.hardware.question import Answer, Question, question_to
+from kinesic.hardware.overdue import Overdue
+from kinesic.hardware.question import Question, question_to
 from kinesic.hardware.registers import WATCHDOG_TRIPPED, Register
 from kinesic.hardware.roster import Roster
 from kinesic.hardware.slack import MOST
 from kinesic.hardware.ticks import Ticks
 from kinesic.hardware.wire import BusError, Wire
 
-SHARE = 0.95  # of the period that a cycle may use
+SHARE, HOST = 0.95, 0.0005  # of the period that a cycle may use, or all but so much of it [s]
 ROUNDS = 4  # times that a missing servo is asked again in one cycle
 ASKING = 22  # [bytes] of a fast question and its answer but for the servos
-LAG = 0.004  # [s] beyond its own time by which an answer is clearly older than the question
-OWED = 0.05  # [s] beyond its own time during which an answer that did not come may still come
 RETRY = 0.05  # [s] between two looks for a lost port
 
 
@@ -64,16 +63,16 @@ class Bus:
         self._gate = Gate(tuple(servo.model for servo in servos), period)
         self._roster = Roster(len(servos))
         self._listener = Listener(wire)
+        self._overdue = Overdue(self._gate, self._listener)
         self._queue: deque[bytes] = deque()
         self._events: list[Event] = []
         self._told, self._signature = self._gate.blocks, self._gate.signature
         self._lost = False
         self._looked = -RETRY
-        self._owed = -OWED
         self._begun = self._asked = 0.0  # [s] this cycle, and everybody in it
         self._question, self._places = self._next_question()
         self._whole = True  # whether its answer has come
-        self._unfinished: tuple[Question, Place, bytes] | None = None  # one whose answer has come in part
+        self._mum = False  # whether nobody was asked in this cycle
 
     def put(self, register: Register, values: Mapping[int, int]) -> None:
         """Writes a register of some servos (id -> raw value) with the next cycle, before its goals.
@@ -104,10 +103,12 @@ class Bus:
             if self._lost and not self._regained():
                 self._queue.clear()
                 return
-            self._catch_up(self.wire.read(self._begun))
+            self._overdue.catch_up(self.wire.read(self._begun), self._begun)
             self._listener.forget()
+            self._mum = self._overdue.in_doubt
             goal_frame = self._frame.filled(goals) if goals is not None else b""
-            self._listener.say(b"".join((*self._queue, goal_frame, self._question.data)))
+            question = b"" if self._mum else self._question.data
+            self._listener.say(b"".join((*self._queue, goal_frame, question)))
             self._asked = self._listener.asked
             self._queue.clear()
         except BusError as error:
@@ -117,9 +118,7 @@ class Bus:
         """The second half of a cycle."""
         if not self._lost:
             try:
-                self._whole = self._listen(self._question, self._places, patient=self._listener.mute)
-                self._repair()
-                self._unfinished = None if self._whole else (self._question, self._places, self._listener.heard)
+                self._hear()
             except BusError as error:
                 self._lose(error)
         self._note()
@@ -140,31 +139,32 @@ class Bus:
     @property
     def _end(self) -> float:
         """[s] when the cycle should be over."""
-        return self._begun + SHARE * self.period
+        return self._begun + max(SHARE * self.period, self.period - HOST)
+
+    def _hear(self) -> None:
+        """The answer to all, and what can be mended of it."""
+        overdue = self._overdue
+        if self._mum:
+            overdue.overhear(self._question, self._places, self._end)
+            return
+        self._whole = self._listen(self._question, self._places, patient=self._listener.mute)
+        overdue.note(fresh=bool(self._gate.fresh.any()))
+        self._repair()
+        overdue.keep(self._question, self._places, whole=self._whole)
 
     def _listen(self, question: Question, places: Place, *, strict: bool = False, patient: bool = False) -> bool:
         """Waits for the answer to what was said last, and believes what is plausible of it; whether it was whole."""
-        listener, end = self._listener, self._end
+        listener, overdue, end = self._listener, self._overdue, self._end
         answer = listener.hear(question, end=end, strict=strict, patient=patient)
-        while answer is not None and self._is_late(places, answer, listener.spoken(question.length)):
-            self._gate.admit_late(places, answer, listener.asked)
+        while answer is not None and overdue.is_of_earlier(question, places, answer):
             answer = listener.hear(question, end=end, strict=strict, patient=patient, again=True)
-        if answer is not None and not answer.whole and listener.asked <= self._owed:
-            leeway = LAG + listener.spoken(question.length)
-            answer = self._gate.without_late(places, answer, listener.asked, leeway=leeway)
+        if answer is not None:
+            answer = overdue.without_earlier(question, places, answer)
         if answer is None or not answer.whole:
-            self._owed = listener.asked + listener.spoken(question.length) + OWED
+            overdue.missed(question)
         if answer is not None:
             self._gate.admit(places, answer, min(listener.asked, self.wire.now()))
         return answer is not None and answer.whole
-
-    def _is_late(self, places: Place, answer: Answer, duration: float) -> bool:
-        """Whether this answers an earlier question."""
-        asked = self._listener.asked
-        if not answer.whole or asked > self._owed:
-            return False
-        first = int(np.arange(len(self.ids))[places][0])
-        return self._listener.early or self._gate.is_late(first, answer.blocks[0], asked, leeway=LAG + duration)
 
     def _repair(self) -> None:
         """Uses what is left of the cycle: asks again who is missing, sets cells anew, tries a silent servo."""
@@ -180,8 +180,8 @@ class Bus:
             self._look_again()
         for place in tuple(gate.forgetful):
             self._remind(place)
-        if self._unfinished is not None and not gate.fresh.all():
-            self._catch_up(self._listener.heard)
+        if not gate.fresh.all():
+            self._overdue.catch_up(self._listener.heard, self._begun)
         alone = roster.next_alone(self.wire.now())
         if alone is not None and self._ask((alone[0],), must=alone[1]):
             roster.asked_alone(alone[0], self.wire.now())
@@ -227,22 +227,10 @@ class Bus:
             self._whole = True
             self._listener.slack.took(MOST)
 
-    def _catch_up(self, overdue: bytes) -> None:
-        """What comes after its cycle may still complete its answer."""
-        if self._unfinished is None or not overdue:
-            return
-        question, places, heard = self._unfinished
-        answer = question.answer(heard + overdue)
-        if answer.found.any():
-            self._gate.admit_late(places, answer, self._begun)
-        if answer.whole:
-            self._listener.slack.took(MOST)
-        self._unfinished = None if answer.whole else (question, places, heard + overdue)
-
     def _note(self) -> None:
         """Draws the conclusions of a cycle: who is asked next, and what is worth telling."""
         gate, roster = self._gate, self._roster
-        if not (gate.fresh.all() and roster.whole) and not self._lost:
+        if not (gate.fresh.all() and roster.whole) and not (self._lost or self._mum):
             gone, back = roster.heard(gate.fresh | gate.late)
             for place in gone:
                 self._tell(self.ids[place], "silent", "no answer in five cycles")

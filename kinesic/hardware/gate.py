@@ -21,7 +21,7 @@ from kinesic.hardware.registers import CLOCK_WRAP, SPEED, TICK, Register
 BY_HAND = 2 * TICKS_PER_TURN  # [ticks/s] that a limp joint may be pushed
 SURE = 2.0  # times its speed limit that a servo may seem to move
 LEEWAY = 40  # [ticks] that a joint may jump at any time
-LEAP = 5  # [C] between two records
+LEAP, RUSH = 5, 60.0  # [C], [C/s] that a servo may seem to warm between two records
 LATEST = CLOCK_WRAP // 2  # [ms] of the servo's clock beyond which "newer" is "older"
 TRUST = 3  # records from the past in a row after which the servo's clock must have started anew
 
@@ -52,6 +52,7 @@ class Gate:
         self._span = 2 * self._reach.astype(np.uint32)
         self._doubts: dict[int, np.void] = {}
         self._stale: dict[int, int] = {}  # records from the past, in a row
+        self._unset: set[int] = set()  # places of those whose clock is no longer compared with the wire's
         self._none, self._every = self.fresh, np.ones(count, dtype=np.bool_)
         self._ones = np.ones(count)
 
@@ -73,6 +74,7 @@ class Gate:
             self.fresh = self._every
             self._doubts.clear()
             self._stale.clear()
+            self._unset.clear()
             return
         blocks, times, fresh = self.blocks.copy(), self.times.copy(), self.fresh.copy()
         for index, block in self._heard(places, answer):
@@ -80,6 +82,7 @@ class Gate:
                 blocks[index], times[index], fresh[index] = block, time, True
                 self._doubts.pop(index, None)
                 self._stale.pop(index, None)
+                self._unset.discard(index)
         self.blocks, self.times, self.fresh, self.signature = blocks, times, fresh, signature(blocks)
 
     def admit_late(self, places: Place, answer: Answer, now: float) -> None:
@@ -110,6 +113,8 @@ class Gate:
     def is_late(self, place: int, block: np.void, time: float, *, leeway: float) -> bool:
         """Whether a record was taken clearly before a time [s], more than a leeway [s], by the servo's clock."""
         elapsed = time - self.times[place]
+        if place in self._unset:
+            return False
         return bool(elapsed < LATEST / 1000 and self._since(place, block) / 1000 < elapsed - leeway)
 
     def without_late(self, places: Place, answer: Answer, time: float, *, leeway: float) -> Answer:
@@ -137,6 +142,10 @@ class Gate:
         self._doubts.pop(place, None)
         self._stale.pop(place, None)
 
+    def distrust_clocks(self) -> None:
+        """Servos' clocks and the wire's have moved apart: the next answer in time tells anew by how much."""
+        self._unset = set(range(len(self.blocks)))
+
     def _since(self, index: int, block: np.void) -> int:
         """[ms] of the servo's clock since the last record."""
         return (int(block["tick"]) - int(self.blocks[index]["tick"])) % CLOCK_WRAP
@@ -151,7 +160,7 @@ class Gate:
         if elapsed < LATEST / 1000 and not 0 < self._since(index, block) < LATEST:
             self._stale[index] = self._stale.get(index, 0) + 1
             return self._stale[index] > TRUST
-        if self._ordinary(block, self.blocks[index], self._pace[index] * elapsed):
+        if self._ordinary(block, self.blocks[index], self._pace[index], elapsed):
             return True
         doubt = self._doubts.get(index)
         if doubt is not None and self._repeated(block, doubt):
@@ -160,12 +169,12 @@ class Gate:
         self.doubted.add(index)
         return False
 
-    def _ordinary(self, block: np.void, before: np.void, reach: float) -> bool:
+    def _ordinary(self, block: np.void, before: np.void, pace: float, elapsed: float) -> bool:
         """Whether nothing about a record surprises."""
         jump = abs(int(block["position"]) - int(before["position"]))
         leap = abs(int(block["temperature"]) - int(before["temperature"]))
         confirmed = (block["error"] >= ALERT) == (block["hardware_error"] > 0)
-        return bool(jump <= reach + LEEWAY and leap <= LEAP and confirmed)
+        return bool(jump <= pace * elapsed + LEEWAY and leap <= LEAP + RUSH * elapsed and confirmed)
 
     def _repeated(self, block: np.void, doubt: np.void) -> bool:
         """Whether a surprise was said twice."""

@@ -1,6 +1,7 @@
 """Sends a question and waits for its answer, as long as it may still come and no longer."""
 
 from dataclasses import dataclass
+from math import inf, isfinite
 
 from kinesic.hardware.packet import STATUS_OVERHEAD, Instruction, Reader
 from kinesic.hardware.question import Answer, Question
@@ -8,7 +9,7 @@ from kinesic.hardware.slack import LEAST, Slack
 from kinesic.hardware.wire import BITS_PER_BYTE, Wire
 
 BURST = 62  # [bytes] that USB adapters hand over at once
-GAP = 0.0003  # [s] of quiet beyond the usual
+GAP = 0.0003  # [s] by which an answer may pause beyond the usual
 RESTLESS = 50  # answers after a damaged one
 
 
@@ -65,38 +66,49 @@ class Listener:
         Raises:
             BusError: the port is gone.
         """
-        ideal = self.asked + self.spoken(question.length)
-        last = end if patient else min(ideal + self.slack.wait, end)
-        gap = self.spoken(BURST) + self.slack.usual + GAP
-        wait = _Wait(ideal, last if strict else max(last, ideal + LEAST), gap, patient)
+        wait = self._wait(question, end, strict=strict, patient=patient)
+        ideal = wait.ideal
         raw, self._rest = self._rest if again else b"", b""
         begun, limit = self._begun(wait)
         raw += begun
         if begun:
-            limit = wait.until(self.wire.now(), self.spoken(question.length - len(raw)))
+            limit = wait.until(self.wire.now(), len(raw))
         while True:
             if len(raw) >= question.length or question.complete(raw):
                 answer = question.answer(raw)
                 if answer.whole:
                     self._understood(raw, answer, ideal)
                     return answer
-                if question.complete(raw):
+                if not patient and (len(raw) >= answer.end or question.complete(raw)):
                     break
+                if wait.longer(answer.end):
+                    limit = wait.until(self.wire.now(), len(raw))
             chunk = self.wire.read(limit)
             if not chunk:
                 break
             raw += chunk
-            limit = wait.until(self.wire.now(), self.spoken(question.length - len(raw)))
+            wait.came(self.wire.now(), len(raw), len(chunk))
+            limit = wait.until(self.wire.now(), len(raw))
         self._restless = RESTLESS
         self.heard += raw
         self.mute = not raw
         return question.answer(raw) if raw else None
 
+    def _wait(self, question: Question, end: float, *, strict: bool, patient: bool) -> "_Wait":
+        """How long to wait for what was said last; see `hear`."""
+        usual, ideal = self.slack.usual, self.asked + self.spoken(question.length)
+        last = end if patient else min(ideal + self.slack.wait, end)
+        if not strict:
+            last = max(last, ideal + LEAST)
+        # what breaks off could be asked again within the cycle, but not after the time of the whole
+        tight = question.chained and ideal + usual <= end < ideal + self.spoken(question.length) + usual
+        return _Wait(self.asked, self._byte, question.length, usual, last, max(last, end), patient, tight)
+
     def _begun(self, wait: "_Wait") -> tuple[bytes, float]:
         """Sleeps while nothing can be missed; what has come by then, and until when more may come [s]."""
         wire, due = self.wire, self.asked + self.spoken(BURST) + self.slack.wait
-        if self._restless and not wait.patient:
-            return b"", min(wait.last, self.asked + wait.gap)
+        if (self._restless or wait.tight) and not wait.patient:
+            return b"", wait.until(self.asked, 0)
         if wait.patient or due >= wait.ideal:
             wire.sleep(wait.ideal)
             return b"", wait.last
@@ -130,21 +142,46 @@ class Listener:
         return None
 
 
-@dataclass(frozen=True)
+@dataclass
 class _Wait:
-    """How long an answer is waited for."""
+    """How long an answer is waited for: what breaks off falls behind the bytes that the wire could have brought."""
 
-    ideal: float  # [s] when its last byte is out
+    asked: float  # [s] when the question is out
+    byte: float  # [s]
+    length: int  # [bytes] of the answer
+    usual: float  # [s] that its last bytes stay in the adapter
     last: float  # [s] when waiting ends
-    gap: float  # [s] of quiet within which more may come
+    end: float  # [s] when it ends at the latest
     patient: bool  # whatever the gaps
+    tight: bool  # whether a broken one must be noticed at once
+    behind: float = inf  # [s] by which the answer has been late at least
 
-    def until(self, now: float, lacking: float) -> float:
-        """Until when more may come [s], while bytes of `lacking` [s] have not.
+    @property
+    def ideal(self) -> float:
+        """[s] when its last byte is out."""
+        return self.asked + self.byte * self.length
 
-        What is neither here nor in the adapter when all of it must be out never was.
-        """
+    def came(self, now: float, octets: int, news: int) -> None:
+        """Bytes have come; so many are here, and so many are new: fewer than a burst have stayed in the adapter."""
+        stayed = self.usual if news < BURST else 0.0
+        self.behind = max(0.0, min(self.behind, now - self.asked - self.byte * octets - stayed))
+
+    def until(self, now: float, octets: int) -> float:
+        """Until when more may come [s], when so many bytes are here."""
+        lacking, burst = self.length - octets, self.byte * BURST
         if self.patient:
             return self.last
-        broken = now >= self.ideal and lacking > self.gap
-        return now if broken else min(self.last, now + self.gap)
+        if not self.tight:
+            # what is neither here nor in the adapter when all of it must be out never was
+            gap = burst + self.usual + GAP
+            return now if now >= self.ideal and self.byte * lacking > gap else min(self.last, now + gap)
+        pause = self.byte * lacking + self.usual if lacking < BURST else max(burst, self.usual)
+        behind = self.behind if isfinite(self.behind) else 0.0
+        return min(self.asked + behind + self.byte * octets + pause + GAP, self.last)
+
+    def longer(self, length: int) -> bool:
+        """Whether bytes were added to the answer, so that its end comes later."""
+        added = length > self.length
+        if added:
+            self.length, self.last = length, self.end
+        return added

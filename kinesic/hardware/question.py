@@ -39,7 +39,7 @@ class Answer(NamedTuple):
     blocks: Records  # (m,) of dtype BLOCK; only those found mean something
     found: Flags  # (m,)
     whole: bool  # all were found
-    end: int  # [bytes] that belong to it, and what came before it
+    end: int  # [bytes] where it ends, or where it should if it is not whole
 
 
 class Question(Protocol):
@@ -57,11 +57,15 @@ class Question(Protocol):
     def length(self) -> int:
         """[bytes] of a full answer."""
 
+    @property
+    def chained(self) -> bool:
+        """Whether a servo that keeps silent ends the answer."""
+
     def answer(self, raw: bytes) -> Answer:
         """Reads what has come: all bytes so far, noise and older answers included."""
 
     def complete(self, raw: bytes) -> bool:
-        """Whether all bytes of the answer have come, sound or not."""
+        """Whether the last servo has said its last byte, whatever came of the others."""
 
 
 @dataclass(frozen=True)
@@ -82,6 +86,11 @@ class FastQuestion:
     def length(self) -> int:
         """[bytes] of a full answer."""
         return HEAD + BLOCK.itemsize * len(self.servos)
+
+    @property
+    def chained(self) -> bool:
+        """See `Question`."""
+        return True
 
     @cached_property
     def _head(self) -> bytes:
@@ -110,13 +119,13 @@ class FastQuestion:
 
     def answer(self, raw: bytes) -> Answer:
         """See `Question`."""
-        start = raw.find(self._head)
-        end = start + self.length
-        if start >= 0 and len(raw) >= end:
+        first = start = raw.find(self._head)
+        while 0 <= start <= len(raw) - self.length:
             blocks = self._sound(raw, start)
             if blocks is not None:
-                return Answer(blocks, self._all, True, end)
-        return self._salvaged(raw, start)
+                return Answer(blocks, self._all, True, start + self.length)
+            start = raw.find(self._head, start + 1)  # behind an answer to other servos, this one may stand
+        return self._salvaged(raw, first)
 
     def _sound(self, raw: bytes, start: int) -> Records | None:
         """The blocks of an undamaged answer; None if it is not."""
@@ -133,9 +142,7 @@ class FastQuestion:
         return None if wrong.any() else np.frombuffer(raw, BLOCK, count, offset)
 
     def complete(self, raw: bytes) -> bool:
-        """See `Question`: the last block, sound, ends an answer that has lost bytes."""
-        if len(raw) >= max(0, raw.find(self._head)) + self.length:
-            return True
+        """See `Question`: the last block, sound, ends an answer, though it may have lost bytes."""
         last = raw[-BLOCK.itemsize :]
         if len(raw) < BLOCK.itemsize + 2 or last[1] != self.servos[-1]:
             return False
@@ -152,7 +159,7 @@ class FastQuestion:
         blocks: Records = np.zeros(len(self.servos), dtype=BLOCK)
         found: Flags = np.zeros(len(self.servos), dtype=np.bool_)
         if len(raw) < BLOCK.itemsize:
-            return Answer(blocks, found, False, len(raw))
+            return Answer(blocks, found, False, self.length)
         windows = _Windows.of(raw)
         at, before = (start + HEAD if start >= 0 else HEAD), self._first
         place = 0
@@ -165,7 +172,7 @@ class FastQuestion:
             found[place] = True
             before = int(_CARRIED[windows.crcs[at]])
             place, at = place + 1, at + BLOCK.itemsize
-        return Answer(blocks, found, bool(found.all()), len(raw))
+        return Answer(blocks, found, bool(found.all()), at + BLOCK.itemsize * (len(self.servos) - place))
 
     def _next_sound(self, place: int, at: int, before: int, windows: "_Windows") -> tuple[int, int] | None:
         """Place and offset of the next sound block, from where the block of `place` should stand."""
@@ -218,6 +225,11 @@ class PlainQuestion:
         """[bytes] of a full answer without stuffing."""
         return (STATUS_OVERHEAD + SIZE) * len(self.servos)
 
+    @property
+    def chained(self) -> bool:
+        """See `Question`."""
+        return False
+
     def answer(self, raw: bytes) -> Answer:
         """See `Question`."""
         blocks: Records = np.zeros(len(self.servos), dtype=BLOCK)
@@ -229,7 +241,8 @@ class PlainQuestion:
             whole = bytes((status.error, status.id)) + status.data + bytes(2)
             blocks[place] = np.frombuffer(whole, BLOCK, 1)[0]
             found[place] = True
-        return Answer(blocks, found, bool(found.all()), len(raw))
+        lacking = (STATUS_OVERHEAD + SIZE) * int((~found).sum())
+        return Answer(blocks, found, bool(found.all()), len(raw) + lacking)
 
     def complete(self, raw: bytes) -> bool:
         """See `Question`: stuffing may make each status longer, so only time tells."""

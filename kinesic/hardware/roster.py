@@ -1,8 +1,8 @@
 """Whom the bus asks: everybody in time, the doubtful last, the silent not at all, except one by one.
 
-In a joint reply each servo waits for the one before it, so a silent one may cut off those that stand behind it. It
-is therefore asked last, and after five misses no longer with the others. It is asked alone whenever a cycle has time
-to spare, at the latest every 0.2 s, and one answer brings it back.
+In a joint reply each servo waits for the one before it, so a silent one may cut off those that stand behind it: the
+first who is missing is the suspect. He is asked last of all, and after five misses no longer with the others. Then he
+is asked alone whenever a cycle has time to spare, at the latest every 0.2 s, and one answer brings him back.
 """
 
 import numpy as np
@@ -33,6 +33,7 @@ class Roster:
         if fresh.all() and self.whole:
             return (), ()
         answered = fresh.tolist()
+        suspect = next((k for k in self.order if not answered[k]), None)
         self._misses = [0 if ok else misses + 1 for ok, misses in zip(answered, self._misses, strict=True)]
         silent = [misses >= PATIENCE for misses in self._misses]
         if all(silent):
@@ -42,7 +43,7 @@ class Roster:
         back = tuple(k for k, quiet in enumerate(silent) if not quiet and self.silent[k])
         self.silent = np.array(silent, dtype=np.bool_)
         asked = [k for k, quiet in enumerate(silent) if not quiet] or range(len(silent))
-        self.order = tuple(sorted(asked, key=lambda k: self._misses[k] > 0))
+        self.order = tuple(sorted(asked, key=lambda k: (self._misses[k] > 0, k == suspect)))
         return gone, back
 
     def next_alone(self, now: float) -> tuple[int, bool] | None:

@@ -1,8 +1,8 @@
 """How long to wait for an answer beyond what its bytes need on the wire: learnt, because hosts and USB differ.
 
 A tight fixed timeout fails on a loaded host, a wide one lets every lost answer cost a cycle. So the 90 % quantile of
-what answers took is followed, up by 9 steps for one that took longer and down by 1 for one that did not. One late
-answer in ten may be missed: it is accepted when it comes.
+what answers took is followed, up by 9 steps for one that took longer, but hardly beyond it, and down by 1 for one that
+did not. One late answer in ten may be missed: it is accepted when it comes.
 """
 
 LEAST, MOST = 0.002, 0.020  # [s]
@@ -28,5 +28,7 @@ class Slack:
 
     def took(self, excess: float) -> None:
         """Learns from an answer that came [s] later than its bytes needed."""
-        step = QUANTILE if excess > self._usual else QUANTILE - 1
-        self._usual = min(max(self._usual + STEP * step / (1 - QUANTILE), 0.0), MOST)
+        if excess > self._usual:
+            self._usual = min(self._usual + STEP * QUANTILE / (1 - QUANTILE), excess + 2 * STEP, MOST)
+        else:
+            self._usual = max(self._usual - STEP, 0.0)

@@ -248,3 +248,28 @@ def test_an_adapter_slower_than_the_period_makes_records_old_and_nothing_worse(r
     cycles = made.run(100, np.full(7, MID))
     assert not any(event.kind == "silent" for cycle in cycles for event in cycle.events)
     assert max(cycle.ages.max() for cycle in cycles[20:]) < 0.06
+
+
+@pytest.mark.parametrize("kind", ["corrupt", "drop", "truncate", "duplicate", "noise", "lost"])
+def test_a_wire_that_is_busy_for_four_fifths_of_the_time_leaves_enough_to_ask_again(rig: Make, kind: str):
+    made = rig(26, period=0.0108, faults=plan(kind, rate=0.01, start=0.2))
+    made.energise()
+    cycles = made.run(200, np.full(26, MID))
+    assert fresh_share(cycles) >= 0.999
+    assert np.quantile([cycle.duration for cycle in cycles], 0.99) < made.bus.period
+
+
+def test_a_silent_servo_cuts_off_the_others_only_once(rig: Make):
+    made = rig(26, period=0.0108)
+    made.run(5)
+    made.plant.servos[2].mute = True
+    cycles = made.run(100)
+    others = [np.delete(cycle.fresh, 2) for cycle in cycles]
+    assert all(fresh.all() for fresh in others[2:])
+
+
+def test_an_answer_that_is_later_than_its_cycle_costs_that_cycle_alone(rig: Make):
+    made = rig(14, faults=plan("late", start=0.5, seconds=0.008))
+    made.energise()
+    whole = [bool(cycle.fresh.all()) for cycle in made.run(50, np.full(14, MID))]
+    assert whole.count(False) == 1

@@ -84,6 +84,11 @@ def test_after_a_silence_a_joint_may_be_elsewhere(gate: Gate):
     assert told(gate, blocks(1500, position=3500), 1.5) == [True, True]
 
 
+def test_who_has_not_been_heard_for_long_may_have_warmed(gate: Gate):
+    assert told(gate, blocks(1200, temperature=40 + LEAP + 10), 1.2) == [True, True]
+    assert told(gate, blocks(1210, temperature=40 + LEAP + 10 + LEAP + 2), 1.21) == [True, False]
+
+
 @pytest.mark.parametrize("tick", [1000, 990, 900])
 def test_a_record_from_the_past_is_none(gate: Gate, tick: int):
     assert told(gate, blocks(tick, 2060)) == [False, False]
@@ -127,6 +132,14 @@ def test_a_late_record_counts_from_when_it_was_taken(gate: Gate):
 def test_a_record_is_late_by_the_servos_clock(gate: Gate):
     assert gate.is_late(0, blocks(1005)[0], 1.02, leeway=0.004)
     assert not gate.is_late(0, blocks(1019)[0], 1.02, leeway=0.004)
+
+
+def test_a_clock_that_is_not_trusted_proves_nothing_until_the_next_record(gate: Gate):
+    gate.distrust_clocks()
+    assert not gate.is_late(0, blocks(1005)[0], 1.02, leeway=0.004)
+    gate.admit(ALL, answer(blocks(1005)), 1.02)
+    assert gate.times.tolist() == [1.02, 1.02]
+    assert gate.is_late(0, blocks(1010)[0], 1.04, leeway=0.004)
 
 
 def test_who_did_not_answer_keeps_the_record(gate: Gate):

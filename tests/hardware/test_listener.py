@@ -90,6 +90,23 @@ def test_an_answer_that_breaks_off_is_given_up_when_its_bytes_should_be_here():
     assert made.wire.now() == pytest.approx(READY)
 
 
+def test_where_time_is_short_an_answer_that_breaks_off_is_given_up_at_once():
+    made = listener((28e-5 + BURST * 1e-5, joint()[:BURST]), (0.0018, joint()[BURST:100]))
+    answer = made.hear(QUESTION, end=READY + 0.003)
+    assert answer is not None
+    assert answer.found.sum() == 4
+    assert made.wire.now() < READY - 0.0005
+
+
+def test_an_answer_to_which_bytes_were_added_is_heard_to_its_end():
+    at = 8 + 22 * 3
+    longer = joint()[: at + 22] + joint()[at:]
+    made = listener((READY - 0.001, longer[:300]), (READY, longer[300 : len(joint())]), (READY + 0.0013, longer[-22:]))
+    answer = made.hear(QUESTION, end=END)
+    assert answer is not None
+    assert answer.whole
+
+
 def test_after_a_damaged_answer_every_burst_is_looked_at():
     made = listener((0.002, joint()[:BURST]), (0.0085, joint()[:30]), (0.2, b""))
     made.hear(QUESTION, end=END)

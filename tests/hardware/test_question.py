@@ -119,7 +119,23 @@ def test_an_answer_that_has_lost_bytes_is_known_to_be_over():
     assert FAST.complete(RAW[:50] + RAW[60:])
     assert not FAST.complete(RAW[:-1])
     assert not FAST.complete(RAW[:-BLOCK_SIZE])
+    assert not FAST.complete(RAW[:-1] + b"\0")
     assert not FAST.complete(b"")
+
+
+def test_an_answer_stands_behind_one_to_other_servos():
+    other = bytearray(RAW)
+    other[HEAD + 1] = 99
+    answer = FAST.answer(bytes(other) + RAW)
+    assert answer.whole
+    assert answer.end == len(other) + len(RAW)
+
+
+def test_where_a_damaged_answer_ends_is_foretold():
+    at = HEAD + BLOCK_SIZE * 4
+    assert FAST.answer(RAW[: at + 30]).end == len(RAW)
+    assert FAST.answer(RAW[: at + BLOCK_SIZE] + RAW[at : at + 60]).end == len(RAW) + BLOCK_SIZE
+    assert FAST.answer(RAW[:-1] + b"\0").end == len(RAW)
 
 
 def test_servos_that_were_not_asked_are_not_heard():

@@ -26,6 +26,14 @@ def test_who_missed_is_asked_last():
     assert roster.order == (0, 1, 2, 3)
 
 
+def test_the_first_who_is_missing_is_asked_last_of_all():
+    roster = Roster(5)
+    roster.heard(missing(5, 1, 3, 4))
+    assert roster.order == (0, 2, 3, 4, 1)
+    roster.heard(missing(5, 4, 1))
+    assert roster.order == (0, 2, 3, 1, 4)
+
+
 def test_who_misses_five_times_is_asked_alone():
     roster = Roster(3)
     told = [roster.heard(missing(3, 1)) for _ in range(PATIENCE)]
