@@ -96,7 +96,8 @@ class SerialWire:
     def _opened(self) -> serial.Serial:
         try:
             port = serial.Serial(str(self._path), self._baud, timeout=0, exclusive=True)
-            ioctl(port.fileno(), termios.TIOCEXCL)
+            if not os.ttyname(port.fileno()).startswith("/dev/pts/"):  # those would stay shut after us, to all but root
+                ioctl(port.fileno(), termios.TIOCEXCL)
             port.reset_input_buffer()
         except (OSError, ValueError, termios.error) as error:
             raise _refusal(self._path, self._baud, error) from None
