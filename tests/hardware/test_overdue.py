@@ -8,16 +8,18 @@ import pytest
 from kinesic.hardware.overdue import STUCK
 from kinesic.hardware.registers import Register
 
+from .conftest import Rig
+
 MID = 2048
-Make = Callable  # of a rig, see conftest
+Make = Callable[..., Rig]
 
 
-def miss_a_cycle(made: object) -> None:
+def miss_a_cycle(made: Rig) -> None:
     """From now on, answers are suspected to be late."""
-    for servo in made.plant.servos:  # type: ignore[attr-defined]
+    for servo in made.plant.servos:
         servo.mute = True
-    made.run(1)  # type: ignore[attr-defined]
-    for servo in made.plant.servos:  # type: ignore[attr-defined]
+    made.run(1)
+    for servo in made.plant.servos:
         servo.mute = False
 
 

@@ -43,7 +43,7 @@ def opened(count: int, faults: FaultPlan) -> tuple[Bus, MemoryWire, Plant]:
 def test_nothing_is_raised_and_nothing_wrong_is_believed(
     rates: dict[str, float], befalls: list[Mishap], count: int, seed: int
 ):
-    weather = tuple(Mishap(kind, rate=rate) for kind, rate in rates.items() if rate)  # type: ignore[arg-type]
+    weather = tuple(Mishap(kind, rate=rate) for kind, rate in rates.items() if rate)
     bus, wire, _ = opened(
         count, FaultPlan(tuple(m for m in befalls if m.kind != "unplug" or m.start > 0.01) + weather, seed)
     )

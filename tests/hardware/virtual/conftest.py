@@ -56,7 +56,7 @@ class Line:
 
 
 def line_of(*servos: int, **changes: object) -> Line:
-    fittings = [Fitting(servo, **changes) for servo in servos or (1,)]  # type: ignore[arg-type]
+    fittings = [Fitting(servo, **changes) for servo in servos or (1,)]
     return Line(Cable("body", tuple(fittings)))
 
 

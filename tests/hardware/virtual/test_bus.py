@@ -19,7 +19,7 @@ IDS = tuple(range(1, 15))
 
 def troubled(*mishaps: Mishap, count: int = 3, **changes: object) -> Line:
     fittings = tuple(Fitting(servo) for servo in range(1, count + 1))
-    return Line(Cable("body", fittings, faults=FaultPlan(mishaps), **changes))  # type: ignore[arg-type]
+    return Line(Cable("body", fittings, faults=FaultPlan(mishaps), **changes))
 
 
 def blocks(reply: bytes, size: int) -> list[tuple[int, int, bytes]]:

@@ -6,7 +6,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from kinesic.hardware.virtual.drivers import KinesicDriver, SdkDriver
+from kinesic.body.arrays import Floats
+from kinesic.hardware.virtual.drivers import KinesicDriver, Reading, SdkDriver
 from kinesic.hardware.virtual.matrix import PERIOD, Case, Result, cases, trial
 from kinesic.hardware.virtual.matrix_table import COLUMNS, rows, text
 
@@ -66,7 +67,7 @@ def test_the_same_seed_is_the_same_run():
 
 def test_a_lie_is_noticed():
     class Liar(SdkDriver):
-        def cycle(self, goals):  # type: ignore[no-untyped-def]
+        def cycle(self, goals: Floats) -> Reading:
             reading = super().cycle(goals)
             return replace(reading, positions=reading.positions + np.array([100, 0]))
 

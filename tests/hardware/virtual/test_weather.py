@@ -8,7 +8,7 @@ DATA = bytes(range(20))
 
 
 def struck(kind: Kind, *, seed: int = 1, **changes: object) -> list[bytes]:
-    weather = Weather(FaultPlan((Mishap(kind, **changes),), seed))  # type: ignore[arg-type]
+    weather = Weather(FaultPlan((Mishap(kind, **changes),), seed))
     return [heard.data for heard in weather.replies([Sent(1, DATA)], 0.0)]
 
 
