@@ -26,13 +26,14 @@ def save(pixels: Pixels, path: Path) -> None:
         raise DisplayError(f"{path}: {error.strerror or error}") from None
 
 
-def save_film(frames: Sequence[Pixels], path: Path, *, rate: float) -> None:
-    """Writes an animated WebP that repeats for ever.
+def save_film(frames: Sequence[Pixels], path: Path, *, rate: float, once: bool = False) -> None:
+    """Writes an animated WebP.
 
     Args:
         frames: in their order, at least one.
         path: ending in .webp.
         rate: [Hz] of frames.
+        once: whether it stops at its last frame, instead of repeating for ever.
 
     Raises:
         DisplayError: another ending, or the file cannot be written.
@@ -42,7 +43,13 @@ def save_film(frames: Sequence[Pixels], path: Path, *, rate: float) -> None:
     first, *others = (Image.fromarray(frame) for frame in frames)
     try:
         first.save(
-            path, save_all=True, append_images=others, duration=round(1e3 / rate), loop=0, quality=QUALITY, method=2
+            path,
+            save_all=True,
+            append_images=others,
+            duration=round(1e3 / rate),
+            loop=1 if once else 0,
+            quality=QUALITY,
+            method=2,
         )
     except OSError as error:
         raise DisplayError(f"{path}: {error.strerror or error}") from None

@@ -15,6 +15,7 @@ from kinesic.controller.cli.perform import perform
 from kinesic.controller.cli.plan import plan
 from kinesic.controller.cli.robots import robots
 from kinesic.controller.cli.servos import servos
+from kinesic.controller.cli.study import study
 from kinesic.controller.cli.sweep import sweep
 from kinesic.controller.cli.twin import twin
 from kinesic.controller.cli.validate import validate
@@ -29,7 +30,7 @@ def kinesic() -> None:
     """Performs BML (Behavior Markup Language) on humanoids with servos."""
 
 
-for verb in (perform, validate, plan, robots, gestures, face, sweep, twin, servos, bench, doctor):
+for verb in (perform, validate, plan, robots, gestures, face, study, sweep, twin, servos, bench, doctor):
     kinesic.add_command(verb)
 
 
