@@ -4,7 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from kinesic.controller.interrupt import joined, stopped
+from kinesic.controller.interrupt import stopped
+from kinesic.controller.merge import replaced
 from kinesic.controller.perform import facts, plan
 
 CUT = 2.0  # [s]
@@ -17,8 +18,8 @@ other = plan(nod, known)
 halted = stopped(running.trajectory, CUT, known.limits)
 print(f"at rest {1000 * (halted.duration - CUT):.0f} ms after the cut")
 
-over = joined(running.trajectory, CUT, other.postures.postures, other.motion, known.limits)
-print(f"nods instead, {1000 * over.delay:.0f} ms later than from rest")
+over = replaced(running.trajectory, CUT, other)
+print(f"nods instead, {over.zero - CUT:.2f} s after the cut")
 
 before, after = running.trajectory.at(CUT), over.trajectory.at(CUT)
 for quantity in ("angles", "speeds", "accelerations"):

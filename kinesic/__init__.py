@@ -1,11 +1,13 @@
 """kinesic performs BML on humanoids with servos."""
 
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 __version__ = "0.1.0"
-__all__ = ["Robot", "__version__", "perform", "plan"]
+__all__ = ["Robot", "__version__", "client", "perform", "plan"]
 
 if TYPE_CHECKING:
+    from kinesic import client
     from kinesic.body.robot import Robot
     from kinesic.controller.perform import perform, plan
 
@@ -16,6 +18,8 @@ def __getattr__(name: str) -> object:
         from kinesic.body.robot import Robot  # noqa: PLC0415 - only when asked for
 
         return Robot
+    if name == "client":
+        return import_module("kinesic.client")
     if name in ("plan", "perform"):
         from kinesic.controller import perform as module  # noqa: PLC0415 - only when asked for
 

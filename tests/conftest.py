@@ -1,10 +1,12 @@
 """What must be so before any test module is imported.
 
 MuJoCo reads MUJOCO_GL when it is first imported: kinesic decides before. And whoever runs the tests may have calibrated
-a robot: here nobody has.
+a robot: here nobody has. A shell lets what it runs in the background ignore Ctrl-C, which programs would inherit that
+tests start and interrupt.
 """
 
 import os
+import signal
 import tempfile
 
 from kinesic.sim import gl
@@ -13,3 +15,6 @@ gl.prepare()
 
 _nobody = tempfile.TemporaryDirectory(prefix="kinesic-tests-")  # removed when the interpreter ends
 os.environ["XDG_CONFIG_HOME"] = _nobody.name
+
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -5,10 +5,71 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Literal
 
-from kinesic.body.utterance import Script
+from kinesic.bml.actions import (
+    Action,
+    Activate,
+    Command,
+    Custom,
+    Face,
+    Gaze,
+    Gesture,
+    Head,
+    HeadDirectionShift,
+    Interrupt,
+    Locomotion,
+    Mode,
+    ParameterChange,
+    Pointing,
+    Posture,
+    Speech,
+    Torso,
+    Wait,
+)
 
-Mode = Literal["left", "right", "both", "unspecified"]
-Dialect = Literal["bml-1.0", "draft", "none", "fml-apml"]
+__all__ = [
+    "FACE_SYNCS",
+    "GAZE_SYNCS",
+    "GESTURE_SYNCS",
+    "RANGES",
+    "SHIFT_SYNCS",
+    "Action",
+    "Activate",
+    "Behaviour",
+    "Block",
+    "BmlError",
+    "Command",
+    "Composition",
+    "Custom",
+    "Dialect",
+    "Drop",
+    "Face",
+    "Gaze",
+    "Gesture",
+    "Head",
+    "HeadDirectionShift",
+    "Interrupt",
+    "Locomotion",
+    "Manner",
+    "Modality",
+    "Mode",
+    "Notice",
+    "NoticeType",
+    "Order",
+    "ParameterChange",
+    "Place",
+    "Pointing",
+    "Posture",
+    "Speech",
+    "Succession",
+    "SyncRef",
+    "Synchronize",
+    "Timed",
+    "Timeline",
+    "Torso",
+    "Wait",
+]
+
+Dialect = Literal["bml-1.0", "draft", "none", "fml-apml", "smartbody", "json"]
 
 GESTURE_SYNCS = ("start", "ready", "strokeStart", "stroke", "strokeEnd", "relax", "end")
 GAZE_SYNCS = ("start", "ready", "relax", "end")
@@ -47,6 +108,19 @@ class Composition(Enum):
     MERGE = "MERGE"
     APPEND = "APPEND"
     REPLACE = "REPLACE"
+
+
+@dataclass(frozen=True)
+class Succession:
+    """Which blocks a block follows, goes before, stops or starts, beside its composition; all by their ids."""
+
+    after: tuple[str, ...] = ()  # it begins when these have ended
+    chunk_after: tuple[str, ...] = ()  # it begins when these subside: while they retract
+    before: tuple[str, ...] = ()  # these begin when it has ended
+    chunk_before: tuple[str, ...] = ()  # these begin when it subsides
+    preplanned: bool = False  # it begins when it is activated
+    interrupts: tuple[str, ...] = ()  # these stop when it begins
+    activates: tuple[str, ...] = ()  # these, preplanned, begin with it
 
 
 class NoticeType(Enum):
@@ -98,112 +172,6 @@ class Manner:
 
 
 @dataclass(frozen=True)
-class Gesture:
-    """A gesture of the lexicon."""
-
-    lexeme: str
-    mode: Mode = "unspecified"
-    target: str | None = None
-
-
-@dataclass(frozen=True)
-class Pointing:
-    """Pointing at a target: a name, or "x y z" in the world [m]."""
-
-    target: str
-    mode: Mode = "unspecified"
-
-
-@dataclass(frozen=True)
-class Head:
-    """A head movement that returns: NOD, SHAKE, or a direction of Greta's lexicon."""
-
-    lexeme: str
-    repetition: int = 1
-    amount: float = 0.5
-
-
-@dataclass(frozen=True)
-class HeadDirectionShift:
-    """A head direction that stays: a target, or a lexeme of Greta's."""
-
-    target: str
-
-
-@dataclass(frozen=True)
-class Gaze:
-    """Looking at a target, or in a direction off the present one."""
-
-    target: str | None = None
-    influence: str | None = None
-    offset_angle: float = 0.0  # [deg]
-    offset_direction: str | None = None
-    shift: bool = False  # gazeShift: it stays
-
-
-@dataclass(frozen=True)
-class Face:
-    """Facial expression: lexemes, or one action unit."""
-
-    lexemes: tuple[str, ...] = ()
-    action_unit: int | None = None
-    side: Literal["left", "right", "both"] = "both"
-    amount: float = 0.5
-    shift: bool = False  # faceShift: it stays
-
-
-@dataclass(frozen=True)
-class Posture:
-    """Body posture by stance and poses."""
-
-    stance: str | None = None
-    poses: tuple[tuple[str, str], ...] = ()  # (part, lexeme)
-    shift: bool = False  # postureShift: it stays
-
-
-@dataclass(frozen=True)
-class Torso:
-    """Greta's torso movement: a lexeme such as BodyLean."""
-
-    lexeme: str
-    amount: float = 0.5
-
-
-@dataclass(frozen=True)
-class Locomotion:
-    """Going somewhere."""
-
-    target: str
-    manner: str = "WALK"
-
-
-@dataclass(frozen=True)
-class Speech:
-    """Something said; its sync points are start, end and the marks of the script."""
-
-    script: Script
-
-
-@dataclass(frozen=True)
-class Wait:
-    """Nothing, for a while."""
-
-    duration: float | None = None  # [s]
-
-
-@dataclass(frozen=True)
-class Custom:
-    """A behaviour of an extension, by its name with prefix."""
-
-    name: str
-
-
-Action = (
-    Gesture | Pointing | Head | HeadDirectionShift | Gaze | Face | Posture | Torso | Locomotion | Speech | Wait | Custom
-)
-
-
-@dataclass(frozen=True)
 class Behaviour:
     """One thing that the body is asked to do."""
 
@@ -248,6 +216,8 @@ class Block:
     notices: tuple[Notice, ...] = ()
     source: str = "<text>"  # file name, for messages
     manners: Mapping[Modality, Manner] = field(default_factory=dict)  # of all its behaviours of a modality
+    succession: Succession = Succession()
+    pause: float | None = None  # [s] of its speeches, where they do not say; None: as is usual
 
 
 @dataclass(frozen=True)

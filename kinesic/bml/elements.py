@@ -25,13 +25,19 @@ from kinesic.bml.block import (
 )
 from kinesic.bml.manner import lexeme, reference_of
 from kinesic.bml.reading import Named, Reading, number, whole
+from kinesic.bml.recording import pause_of
+from kinesic.bml.references import SYNC_ATTRIBUTES
 from kinesic.bml.script import script_of
 from kinesic.bml.syncref import LONGEST
 
 MOST_STROKES = 100  # of one head movement
 LAST_ACTION_UNIT = 99
 
+INFLUENCES = ("EYES", "HEAD", "NECK", "SHOULDER", "CHEST", "TORSO", "WAIST", "WHOLE", "AUTO")
+DIRECTIONS = ("NONE", "RIGHT", "LEFT", "UP", "DOWN", "UPRIGHT", "UPLEFT", "DOWNLEFT", "DOWNRIGHT")
+
 _MODES: dict[str, Mode] = {"left": "left", "right": "right", "both": "both", "unspecified": "unspecified"}
+_ROTATIONS = {"X": "NOD", "Y": "SHAKE", "Z": "TILT"}  # of the draft: about which axis
 _SIDES: dict[str, Literal["left", "right", "both"]] = {"left": "left", "right": "right", "both": "both"}
 
 
@@ -49,7 +55,8 @@ def _pointing(named: Named, reading: Reading) -> Action:
 
 def _head(named: Named, reading: Reading) -> Action:
     strokes = whole(named, "repetition", reading, default=1, largest=MOST_STROKES)
-    return Head(_lexeme(named, "lexeme", "rotation", "type"), strokes, number(named, "amount", reading, default=0.5))
+    asked = _lexeme(named, "lexeme", "rotation", "type")
+    return Head(_ROTATIONS.get(asked.upper(), asked), strokes, number(named, "amount", reading, default=0.5))
 
 
 def _head_direction(named: Named, _: Reading) -> Action:
@@ -59,9 +66,9 @@ def _head_direction(named: Named, _: Reading) -> Action:
 def _gaze(named: Named, reading: Reading) -> Action:
     return Gaze(
         target=named.word("target") or None,
-        influence=named.word("influence", "modality").upper() or None,
+        influence=_influence(named, reading),
         offset_angle=number(named, "offsetAngle", reading, default=0.0),
-        offset_direction=named.word("offsetDirection").upper() or None,
+        offset_direction=_one_of(DIRECTIONS, named, reading, "offsetDirection"),
         shift=named.element.local == "gazeShift",
     )
 
@@ -109,7 +116,7 @@ def _locomotion(named: Named, _: Reading) -> Action:
 
 
 def _speech(named: Named, reading: Reading) -> Action:
-    return Speech(script_of(named, reading))
+    return Speech(script_of(named, reading), pause_of(named.element, reading))
 
 
 def _wait(named: Named, reading: Reading) -> Action:
@@ -143,8 +150,69 @@ ACTIONS: dict[str, Callable[[Named, Reading], Action]] = {
 }
 
 
+_FACE = ("lexeme", "au", "side", "amount", "type")
+ATTRIBUTES: dict[str, tuple[str, ...]] = {  # that are read, beside the id and the sync points
+    "gesture": ("lexeme", "type", "mode", "hand", "target"),
+    "pointing": ("target", "mode", "hand"),
+    "head": ("lexeme", "rotation", "type", "action", "repetition", "amount"),
+    "headDirectionShift": ("target", "lexeme"),
+    "gaze": ("target", "type", "influence", "modality", "offsetAngle", "offsetDirection"),
+    "gazeShift": ("target", "type", "influence", "modality", "offsetAngle", "offsetDirection"),
+    "face": _FACE,
+    "faceLexeme": _FACE,
+    "faceFacs": _FACE,
+    "faceShift": _FACE,
+    "posture": ("stance",),
+    "postureShift": ("stance",),
+    "torso": ("lexeme", "amount"),
+    "locomotion": ("target", "manner", "type"),
+    "speech": ("text", "type", "language", "voice"),
+    "wait": ("duration", "max-wait"),
+}
+INSIDE: dict[str, tuple[str, ...]] = {  # attributes that are read of elements inside behaviours and of constraints
+    "lexeme": ("lexeme", "amount"),
+    "facs": ("au", "side", "amount"),
+    "stance": ("type",),
+    "pose": ("part", "lexeme"),
+    "description": ("type", "priority"),
+    "text": (),
+    "sync": ("id", "ref"),
+    "tm": ("id",),
+    "mark": ("name",),
+    "constraint": ("id",),
+    "synchronize": ("ref",),
+    "before": ("ref",),
+    "after": ("ref",),
+}
+_ALWAYS = frozenset({"id", "xmlns", *(name.lower() for name in SYNC_ATTRIBUTES)})
+
+
+def unknown_attributes(named: Named) -> list[str]:
+    """Names of attributes without prefix that a behaviour's element has, and that nobody reads."""
+    read = ATTRIBUTES.get(named.element.local)
+    if read is None:
+        return []
+    return [name for name in named.attributes if name not in read and name.lower() not in _ALWAYS]
+
+
 def _lexeme(named: Named, *names: str) -> str:
     return reference_of(named.element) or lexeme(named.word(*names))
+
+
+def _influence(named: Named, reading: Reading) -> str | None:
+    """The widest part that takes part; AUTO leaves it to the angle, as saying nothing does."""
+    found = _one_of(INFLUENCES, named, reading, "influence", "modality")
+    return None if found == "AUTO" else found
+
+
+def _one_of(known: tuple[str, ...], named: Named, reading: Reading, *names: str) -> str | None:
+    """An attribute in capitals; None, with a notice, when it is none of those that are known."""
+    written = named.word(*names).upper()
+    meant = written.replace("_", "")
+    if meant and meant not in known:
+        what = f"{names[0]} '{written}' is passed over; known are {', '.join(known)}"
+        reading.note(NoticeType.PARSING_FAILURE, what, behaviour=named.id)
+    return meant if meant in known else None
 
 
 def _mode(named: Named, reading: Reading) -> Mode:

@@ -5,11 +5,10 @@ Elements and attributes: facts, BML 1.0 section 2.7. Times in seconds, to the mi
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Literal
 from xml.etree.ElementTree import Element, SubElement, tostring
 
 from kinesic.bml.block import FACE_SYNCS, GESTURE_SYNCS, Notice
-from kinesic.bml.namespaces import BML_1_0
+from kinesic.bml.namespaces import BML_1_0, KINESIC, OWN_PREFIX
 
 _NAMED = frozenset({*GESTURE_SYNCS, *FACE_SYNCS})
 
@@ -40,7 +39,8 @@ def prediction(
     root = _root("predictionFeedback", character)
     SubElement(root, "bml", id=block, globalStart=_seconds(zero + start), globalEnd=_seconds(zero + end))
     for behaviour, points in times.items():
-        element = SubElement(root, types.get(behaviour, "behavior"), id=f"{block}:{behaviour}")
+        name = types.get(behaviour, "behavior").rpartition(":")[2]  # prefixes are declared nowhere here
+        element = SubElement(root, name, id=f"{block}:{behaviour}")
         for sync, time in points.items():
             if sync in _NAMED:
                 element.set(sync, _seconds(time))
@@ -50,16 +50,42 @@ def prediction(
 
 
 def block_progress(
-    block: str, point: Literal["start", "relax", "end"], global_time: float, *, character: str | None = None
+    block: str,
+    point: str,
+    global_time: float,
+    *,
+    character: str | None = None,
+    state: str | None = None,
+    measured: float | None = None,
 ) -> str:
-    """Writes a blockProgress: a block has reached a point at a global time [s]."""
+    """Writes a blockProgress: a block has reached a point.
+
+    Args:
+        block: id of the block.
+        point: start, relax or end.
+        global_time: [s].
+        character: id of the character, if there are several.
+        state: of the block when it ends before its time, in our namespace.
+        measured: global time [s] at which the body was seen to be there, in our namespace.
+    """
     root = _root("blockProgress", character)
     root.attrib.update(id=f"{block}:{point}", globalTime=_seconds(global_time))
+    if state is not None:
+        _own(root, "state", state)
+    if measured is not None:
+        _own(root, "measuredGlobalTime", _seconds(measured))
     return _written(root)
 
 
 def sync_point_progress(
-    block: str, behaviour: str, sync: str, time: float, global_time: float, *, character: str | None = None
+    block: str,
+    behaviour: str,
+    sync: str,
+    time: float,
+    global_time: float,
+    *,
+    character: str | None = None,
+    measured: float | None = None,
 ) -> str:
     """Writes a syncPointProgress: a sync point was reached.
 
@@ -70,9 +96,13 @@ def sync_point_progress(
         time: since the start of the block [s].
         global_time: [s].
         character: id of the character, if there are several.
+        measured: global time [s] at which the body was seen to be there, in our namespace with its lag.
     """
     root = _root("syncPointProgress", character)
     root.attrib.update(id=f"{block}:{behaviour}:{sync}", time=_seconds(time), globalTime=_seconds(global_time))
+    if measured is not None:
+        _own(root, "measuredGlobalTime", _seconds(measured))
+        _own(root, "lag", _seconds(measured - global_time))
     return _written(root)
 
 
@@ -82,6 +112,12 @@ def warning(notice: Notice, *, character: str | None = None) -> str:
     root.attrib.update(id=notice.id, type=notice.type.value)
     root.text = notice.text
     return _written(root)
+
+
+def _own(root: Element, name: str, value: str) -> None:
+    """An attribute in our namespace, which is declared where it is used."""
+    root.set(f"xmlns:{OWN_PREFIX}", KINESIC)
+    root.set(f"{OWN_PREFIX}:{name}", value)
 
 
 def _root(name: str, character: str | None) -> Element:

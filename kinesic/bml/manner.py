@@ -27,6 +27,7 @@ from kinesic.bml.block import (
 )
 from kinesic.bml.namespaces import own_attributes
 from kinesic.bml.reading import Named, Reading, finite
+from kinesic.bml.recording import PAUSE
 from kinesic.bml.tree import Element
 from kinesic.body.config import closest, names_of
 
@@ -137,7 +138,8 @@ def _said(element: Element) -> Iterator[tuple[str, str, Place]]:
     for child in description.children if description is not None else ():
         yield child.name, child.text.strip(), child.place
     for name, text in own_attributes(element).items():
-        yield name, text.strip(), element.place
+        if name.rpartition(":")[2] != PAUSE:
+            yield name, text.strip(), element.place
 
 
 def _told(manner: Manner, name: str, parameter: str, text: str, place: Place, reading: Reading) -> Manner:

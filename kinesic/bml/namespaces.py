@@ -7,10 +7,18 @@ EXTENSIONS = "http://www.bml-initiative.org/bml/coreextensions-1.0"
 DRAFTS = ("http://www.mindmakers.org/projects/BML", "org.mindmakers.bml")
 GRETA = "VIBNameSpace"
 KINESIC = "urn:kinesic"  # expressivity: kinesic:power="0.8"
+ASAP = "http://www.asap-project.org/bmla"
+ELCKERLYC = "http://hmi.ewi.utwente.nl/bmlt"  # ASAP's predecessor
 
 CORE = frozenset({"", BML_1_0, EXTENSIONS, GRETA, *DRAFTS})
 CORE_PREFIXES = frozenset({"bml", "ext", "greta"})  # meant when nobody declares them
 OWN_PREFIX = "kinesic"  # likewise
+COMPOSING = frozenset({ASAP, ELCKERLYC})  # extensions in which blocks say what they do to one another
+COMPOSING_PREFIXES = frozenset({"bmla", "bmlt"})  # likewise
+COMPOSING_ATTRIBUTES = frozenset(  # in lower case
+    {"appendafter", "chunkafter", "prependbefore", "chunkbefore", "preplan", "interrupt", "onstart"}
+    | {"allowexternalrefs"}  # always allowed
+)
 NEUTRAL_PREFIXES = frozenset({"xml", "xmlns", "xsi"})
 
 
@@ -50,6 +58,18 @@ def own_attributes(element: Element) -> dict[str, str]:
     return found
 
 
+def extension_attributes(element: Element) -> dict[str, str]:
+    """Attributes by which blocks say what they do to one another, by local name."""
+    return {name.rpartition(":")[2]: value for name, value in element.attributes.items() if is_composing(name, element)}
+
+
+def is_composing(name: str, element: Element) -> bool:
+    """Whether a name with prefix, of an element or its attribute, is of an extension for what blocks do to others."""
+    prefix = name.rpartition(":")[0]
+    uri = element.scope.get(prefix)
+    return bool(prefix) and (prefix in COMPOSING_PREFIXES if uri is None else uri in COMPOSING)
+
+
 def foreign_attributes(element: Element, *, home: str | None) -> list[str]:
     """Names, with prefix, of attributes of unknown extensions."""
     prefixed = [name for name in element.attributes if ":" in name]
@@ -59,6 +79,7 @@ def foreign_attributes(element: Element, *, home: str | None) -> list[str]:
         if (prefix := name.rpartition(":")[0]) not in NEUTRAL_PREFIXES
         and not _is_core(prefix, element.scope.get(prefix), home)
         and not _is_own(prefix, element.scope.get(prefix))
+        and not (is_composing(name, element) and name.rpartition(":")[2].lower() in COMPOSING_ATTRIBUTES)
     ]
 
 

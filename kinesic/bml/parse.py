@@ -1,18 +1,22 @@
-"""BML text to a Block: BML 1.0, the mindmakers draft, Greta's dialect, and the <bml> inside an FML document."""
+"""BML text to a Block: BML 1.0, the mindmakers draft, Greta's dialect, SmartBody's fragments, and BML as JSON."""
 
 from collections.abc import Collection, Iterator
 from typing import Literal
 
-from kinesic.bml.block import Action, Behaviour, Block, Composition, Custom, Dialect, NoticeType, Speech
-from kinesic.bml.elements import ACTIONS
+from kinesic.bml.block import Action, Behaviour, Block, Custom, Dialect, NoticeType, Speech
+from kinesic.bml.commands import command_of, is_command
+from kinesic.bml.composition import composition_of
+from kinesic.bml.document import read_document
+from kinesic.bml.elements import ACTIONS, unknown_attributes
 from kinesic.bml.manner import manner_of, manners_of
-from kinesic.bml.namespaces import BML_1_0, DRAFTS, core_attributes, foreign_attributes, is_core, namespace
+from kinesic.bml.namespaces import core_attributes, foreign_attributes, is_core, namespace
 from kinesic.bml.reading import Named, Reading
-from kinesic.bml.references import Constraint, References, check_references
-from kinesic.bml.refusal import refusal
+from kinesic.bml.recording import pause_of
+from kinesic.bml.references import SYNC_ATTRIBUTES, Constraint, References, check_references
+from kinesic.bml.richer import richest
 from kinesic.bml.script import PROSODY
 from kinesic.bml.syncref import Names
-from kinesic.bml.tree import BOUNDS, Bounds, Element, read_tree
+from kinesic.bml.tree import BOUNDS, Bounds, Element
 
 UNNAMED = "block"  # id of a block that has none
 MOST_BEHAVIOURS = 1000  # in one block
@@ -27,6 +31,7 @@ def parse(
     dialect: Dialect | Literal["auto"] = "auto",
     strict: bool = False,
     known_blocks: Collection[str] = (),
+    unnamed: str = UNNAMED,
     bounds: Bounds = BOUNDS,
 ) -> Block:
     """Reads one <bml>.
@@ -37,23 +42,23 @@ def parse(
         dialect: `auto` takes it from root and namespace.
         strict: refuse behaviours of unknown types, which are `Custom` otherwise.
         known_blocks: ids of other blocks, which then may have hyphens in references.
+        unnamed: id of a block that has none.
         bounds: largest size and depth.
 
     Raises:
         BmlError: the document is refused: broken XML, a number out of range, or a reference to a behaviour that exists
             nowhere.
     """
-    root = read_tree(text, source=source, bounds=bounds)
-    bml = _only_bml(root, source)
-    home = namespace(bml)
-    found = _dialect(root, home) if dialect == "auto" else dialect
-    about = Named(bml.attributes.get("id", "").strip() or UNNAMED, bml, core_attributes(bml, home=home))
+    document = read_document(text, source=source, bounds=bounds)
+    bml, home = document.bml, namespace(document.bml)
+    found = document.dialect if dialect == "auto" else dialect
+    about = Named(bml.attributes.get("id", "").strip() or unnamed, bml, core_attributes(bml, home=home))
     reading = Reading(source, about.id, found, home)
     needs_id = found == "bml-1.0" or dialect == "draft"  # Greta's blocks have the draft's namespace, but seldom an id
     if needs_id and not bml.attributes.get("id", "").strip():
-        reading.note(NoticeType.PARSING_FAILURE, f"<bml> has no id: it is called '{UNNAMED}'")
+        reading.note(NoticeType.PARSING_FAILURE, f"<bml> has no id: it is called '{unnamed}'")
     named = _named(bml, reading)
-    _note_foreign(bml, reading)
+    _note_foreign(bml, named, reading)
     if strict:
         _refuse_unknown(named, reading)
     bare = [_bare(name, required, reading) for name, required in named]
@@ -62,44 +67,22 @@ def parse(
     cued = [references.cues(behaviour, name) for behaviour, (name, _) in zip(bare, named, strict=True)]
     behaviours = tuple(behaviour for behaviour, _ in cued)
     manners = manners_of(bml, reading)
+    composition, succession = composition_of(about, document.root, reading)
     constraints = (*(order for _, orders in cued for order in orders), *_constraints(bml, references))
     check_references(behaviours, constraints, reading)
     return Block(
         id=about.id,
         behaviours=behaviours,
         constraints=constraints,
-        composition=_composition(about, root, reading),
+        composition=composition,
         character=about.word("characterId", "character") or None,
         dialect=found,
         notices=tuple(reading.notices),
         source=source,
         manners=manners,
+        succession=succession,
+        pause=pause_of(bml, reading),
     )
-
-
-def _only_bml(root: Element, source: str) -> Element:
-    found = list(_every_bml(root))
-    if not found:
-        raise refusal(source, root.place, f"<{root.name}> holds no <bml>", "a <bml> element is expected")
-    if len(found) > 1:
-        raise refusal(source, found[1].place, "a second <bml>", "send each <bml> as a document of its own")
-    return found[0]
-
-
-def _every_bml(element: Element) -> Iterator[Element]:
-    if element.local == "bml":
-        yield element
-        return
-    for child in element.children:
-        yield from _every_bml(child)
-
-
-def _dialect(root: Element, home: str | None) -> Dialect:
-    if root.local == "fml-apml":
-        return "fml-apml"
-    if home == BML_1_0:
-        return "bml-1.0"
-    return "draft" if home in DRAFTS else "none"
 
 
 def _elements(bml: Element, home: str | None, *, required: bool = False) -> Iterator[tuple[Element, bool]]:
@@ -109,7 +92,7 @@ def _elements(bml: Element, home: str | None, *, required: bool = False) -> Iter
         if is_known and child.local == "required":
             yield from _elements(child, home, required=True)
         elif not is_known or child.local not in _SILENT:
-            yield child, required
+            yield richest(child, known=ACTIONS, times=SYNC_ATTRIBUTES, home=home), required
         if is_known and child.local == "speech":
             inner = (part for part in child.children if part.local in ACTIONS and is_core(part, home=home))
             yield from ((part, required) for part in inner)
@@ -128,7 +111,8 @@ def _named(bml: Element, reading: Reading) -> list[tuple[Named, bool]]:
         written = element.attributes.get("id", "").strip()
         if not written and reading.dialect == "bml-1.0":
             reading.note(NoticeType.PARSING_FAILURE, f"<{element.name}> in line {element.place.line} has no id")
-        own = written if written and written not in seen else _free(written or element.local, taken)
+        stem = written or element.written.rpartition(":")[2]
+        own = written if written and written not in seen else _free(stem, taken)
         if written and own != written:
             what = f"the id '{written}' is used again in line {element.place.line}: that one is called '{own}'"
             reading.note(NoticeType.PARSING_FAILURE, what, behaviour=own)
@@ -149,9 +133,10 @@ def _bare(named: Named, required: bool, reading: Reading) -> Behaviour:
     """A behaviour that has not got its times yet."""
     element = named.element
     known = is_core(element, home=reading.home) and element.local in ACTIONS
-    action: Action = ACTIONS[element.local](named, reading) if known else Custom(element.name)
+    command = None if known else command_of(named, reading)
+    action: Action = ACTIONS[element.local](named, reading) if known else command or Custom(element.name)
     manner = manner_of(named, action, reading)
-    return Behaviour(named.id, element.name, action, element.place, manner=manner, required=required)
+    return Behaviour(named.id, element.written, action, element.place, manner=manner, required=required)
 
 
 def _names(block: str, behaviours: list[Behaviour], known_blocks: Collection[str]) -> Names:
@@ -173,39 +158,27 @@ def _constraints(bml: Element, references: References, *, required: bool = False
                 yield from references.constraints(child, required=required)
 
 
-def _note_foreign(bml: Element, reading: Reading) -> None:
-    """One notice for each attribute of an unknown extension, wherever and however often it stands."""
-    seen: set[str] = set()
-    for element in (bml, *(element for element, _ in _elements(bml, reading.home))):
-        if element is not bml and not is_core(element, home=reading.home):
-            continue
-        for name in foreign_attributes(element, home=reading.home):
-            if name not in seen:
-                seen.add(name)
-                what = f"the attribute {name} (line {element.place.line}) is not known and passed over"
-                reading.note(NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED, what)
+def _note_foreign(bml: Element, named: list[tuple[Named, bool]], reading: Reading) -> None:
+    """One notice for each attribute of an unknown extension or name, wherever and however often it stands."""
+    found = [(name, bml) for name in foreign_attributes(bml, home=reading.home)]
+    for behaviour, _ in named:
+        element = behaviour.element
+        if is_core(element, home=reading.home):
+            unread = (*foreign_attributes(element, home=reading.home), *unknown_attributes(behaviour))
+            found += [(name, element) for name in unread]
+    seen: set[tuple[str, str]] = set()
+    for name, element in found:
+        key = (name, "" if ":" in name else element.local)
+        if key not in seen:
+            seen.add(key)
+            where = f"<{element.written}> (line {element.place.line})"
+            what = f"the attribute {name} of {where} is not known and passed over"
+            reading.note(NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED, what)
 
 
 def _refuse_unknown(named: list[tuple[Named, bool]], reading: Reading) -> None:
     for name, _ in named:
-        if not (is_core(name.element, home=reading.home) and name.element.local in ACTIONS):
+        is_known = is_core(name.element, home=reading.home) and name.element.local in ACTIONS
+        if not is_known and not is_command(name.element):
             what = f"<{name.element.name}> is no behaviour that is known"
             raise reading.refuse(name.element.place, what, f"known are {', '.join(sorted(ACTIONS))}")
-
-
-def _composition(about: Named, root: Element, reading: Reading) -> Composition:
-    written = about.word("composition") or root.attributes.get("composition", "").strip()
-    kind = written.lower().partition("(")[0].strip()
-    meant = {
-        "": Composition.MERGE,
-        "merge": Composition.MERGE,
-        "blend": Composition.MERGE,
-        "append": Composition.APPEND,
-        "append-after": Composition.APPEND,
-        "chunk-after": Composition.APPEND,
-        "replace": Composition.REPLACE,
-    }.get(kind)
-    if meant is None or "(" in written:
-        taken = (meant or Composition.MERGE).value
-        reading.note(NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED, f"composition '{written}' is taken as {taken}")
-    return meant or Composition.MERGE

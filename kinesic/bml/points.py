@@ -8,12 +8,15 @@ from kinesic.bml.block import (
     GESTURE_SYNCS,
     SHIFT_SYNCS,
     Action,
+    Activate,
     Dialect,
     Face,
     Gaze,
     Gesture,
     Head,
+    Interrupt,
     Locomotion,
+    ParameterChange,
     Posture,
     Speech,
     Wait,
@@ -51,6 +54,8 @@ def sync_points(action: Action, dialect: Dialect, spans: Iterable[str] = ()) -> 
             return ("start", *(mark.name for mark in script.marks), "end")
         case Gaze(shift=True) | Face(shift=True) | Posture(shift=True) | Wait():
             return SHIFT_SYNCS
+        case Interrupt() | Activate() | ParameterChange():
+            return SHIFT_SYNCS
         case Face():
             return _DRAFT_FACE_SYNCS if is_draft else FACE_SYNCS
         case Gaze() | Posture():
@@ -79,6 +84,8 @@ def natural_spans(action: Action, given: Mapping[str, float]) -> dict[str, float
     match action:
         case Gaze(shift=True) | Face(shift=True) | Posture(shift=True):
             usual: Mapping[str, float] = {"end": _SHIFT}
+        case Interrupt() | Activate() | ParameterChange():
+            usual = {}
         case Wait(duration):
             usual = {"end": _WAIT if duration is None else duration}
         case Head(repetition=count):

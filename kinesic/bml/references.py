@@ -11,7 +11,7 @@ from kinesic.bml.tree import Element
 
 Constraint = Synchronize | Order
 
-_SYNC_ATTRIBUTES = (
+SYNC_ATTRIBUTES = (
     "start",
     "ready",
     "strokeStart",
@@ -21,7 +21,8 @@ _SYNC_ATTRIBUTES = (
     "relax",
     "end",
 )
-_BY_LOWER_CASE = {name.lower(): name for name in _SYNC_ATTRIBUTES}  # dialects misspell the case
+_ARRIVALS = ("ready", "attackPeak")  # of what stays, whose end is when it has come
+_BY_LOWER_CASE = {name.lower(): name for name in SYNC_ATTRIBUTES}  # dialects misspell the case
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,8 @@ class References:
         points = sync_points(behaviour.action, self.reading.dialect)
         for name, text in named.attributes.items():
             sync = _BY_LOWER_CASE.get(name.lower())
+            if sync in _ARRIVALS and sync not in points and "end" not in named.attributes:
+                sync = "end"
             if sync is None or sync in syncs or not text.strip():
                 continue
             if sync not in points:

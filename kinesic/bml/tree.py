@@ -19,6 +19,7 @@ class Bounds:
 
     size: int = 4_000_000  # [bytes]
     depth: int = 64  # elements inside one another
+    elements: int = 20_000
 
 
 BOUNDS = Bounds()
@@ -33,6 +34,12 @@ class Element:
     content: tuple["Element | str", ...]
     place: Place  # of the start tag
     scope: Mapping[str, str]  # prefix -> namespace, "" for the default
+    called: str = ""  # as written, where the name is another dialect's in words of BML
+
+    @property
+    def written(self) -> str:
+        """Name as the document has it."""
+        return self.called or self.name
 
     @property
     def local(self) -> str:
@@ -67,10 +74,11 @@ class _Open:
 class _Builder:
     """Collects what expat reports, and refuses what is too deep or declares entities."""
 
-    def __init__(self, source: str, bounds: Bounds, encoding: str | None) -> None:
+    def __init__(self, source: str, bounds: Bounds, encoding: str | None, around: str) -> None:
         self.root: Element | None = None
-        self._source, self._bounds = source, bounds
+        self._source, self._bounds, self._around = source, bounds, around
         self._open: list[_Open] = []
+        self._count = 0
         self.parser = expat.ParserCreate(encoding)
         self.parser.buffer_text = True
         self.parser.StartElementHandler = self._start
@@ -81,7 +89,19 @@ class _Builder:
 
     @property
     def place(self) -> Place:
-        return Place(self.parser.CurrentLineNumber, self.parser.CurrentColumnNumber + 1)
+        return self.placed(self.parser.CurrentLineNumber, self.parser.CurrentColumnNumber)
+
+    def placed(self, line: int, offset: int) -> Place:
+        """A place in the text itself, by line from 1 and characters from 0 as expat counts them."""
+        return Place(line, max(1, offset + 1 - (len(self._around) if line == 1 else 0)))
+
+    def parse(self, text: bytes) -> None:
+        """Reads the whole text, inside an element of our own where one is to be thought around it."""
+        if self._around:
+            self.parser.Parse(self._around.encode(), False)
+            self.parser.Parse(text, False)
+            text = self._around.replace("<", "</").encode()
+        self.parser.Parse(text, True)
 
     def _start(self, name: str, attributes: dict[str, str]) -> None:
         if len(self._open) == self._bounds.depth:
@@ -91,6 +111,10 @@ class _Builder:
                 f"<{name}> is the {self._bounds.depth + 1}th element inside one another",
                 f"at most {self._bounds.depth} are read",
             )
+        self._count += 1
+        if self._count > self._bounds.elements:
+            what = f"more than {self._bounds.elements} elements"
+            raise refusal(self._source, self.place, what, "split the document")
         outer = self._open[-1].scope if self._open else MappingProxyType({"": ""})
         self._open.append(_Open(name, attributes, self.place, _scope(outer, attributes)))
 
@@ -121,7 +145,7 @@ def _scope(outer: Mapping[str, str], attributes: Mapping[str, str]) -> Mapping[s
     return MappingProxyType({**outer, **declared}) if declared else outer
 
 
-def read_tree(text: str | bytes, *, source: str, bounds: Bounds = BOUNDS) -> Element:
+def read_tree(text: str | bytes, *, source: str, bounds: Bounds = BOUNDS, around: str = "") -> Element:
     """Reads a document.
 
     Bytes are decoded as their XML declaration says; a `str` is taken as it is, whatever it declares.
@@ -130,6 +154,7 @@ def read_tree(text: str | bytes, *, source: str, bounds: Bounds = BOUNDS) -> Ele
         text: the document.
         source: its name, for messages.
         bounds: largest size and depth; the size is checked before anything is read.
+        around: name of an element that is thought around the text, which then may be a row of elements.
 
     Raises:
         BmlError: too large, too deep, empty, not well-formed, or with entities.
@@ -141,11 +166,11 @@ def read_tree(text: str | bytes, *, source: str, bounds: Bounds = BOUNDS) -> Ele
         )
     if not text.strip():
         raise refusal(source, start, "the document is empty", "a <bml> element is expected")
-    builder = _Builder(source, bounds, "utf-8" if isinstance(text, str) else None)
+    builder = _Builder(source, bounds, "utf-8" if isinstance(text, str) else None, around and f"<{around}>")
     try:
-        builder.parser.Parse(text.encode("utf-8") if isinstance(text, str) else text, True)
+        builder.parse(text.encode("utf-8") if isinstance(text, str) else text)
     except expat.ExpatError as error:
-        place = Place(error.lineno, error.offset + 1)
+        place = builder.placed(error.lineno, error.offset)
         raise refusal(source, place, f"not XML: {expat.ErrorString(error.code)}", "well-formed XML is needed") from None
     except UnicodeEncodeError as error:
         what = f"character {error.start} is no character of Unicode"

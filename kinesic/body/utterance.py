@@ -1,8 +1,15 @@
-"""Speech as facts: the text that is asked for, and when its marks and phonemes fall."""
+"""Speech as facts: the text that is asked for, what it sounds like, and when its marks and phonemes fall."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
+from pathlib import Path
+from typing import Literal, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Samples = NDArray[np.float32]
+Stress = Literal["prosody", "emphasis", "say-as", "voice"]
 
 
 @dataclass(frozen=True)
@@ -14,12 +21,52 @@ class Mark:
 
 
 @dataclass(frozen=True)
+class Pause:
+    """Silence in a text, before the character at `position`."""
+
+    position: int
+    duration: float  # [s]
+    after: int = 0  # so many of the marks at this position come before it, the others after it
+
+
+@dataclass(frozen=True)
+class Emphasis:
+    """A stretch of text that is said in a way of its own, in the words of SSML."""
+
+    begin: int  # first character
+    end: int  # after the last character
+    element: Stress
+    attributes: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A sound that is played instead of an engine's, and when the marks fall in it."""
+
+    path: Path  # of a WAV file
+    marks: tuple[tuple[str, float], ...] = ()  # name, [s] from the start of the file
+
+
+@dataclass(frozen=True)
 class Script:
     """Text to be said, with marks between its words."""
 
     text: str
     marks: tuple[Mark, ...] = ()
-    language: str = "en"
+    language: str = "en"  # BCP 47 tag, or the name of a language as the document has it
+    pauses: tuple[Pause, ...] = ()
+    emphases: tuple[Emphasis, ...] = ()  # outer ones before those inside them
+    recording: Recording | None = None
+
+    def stops(self) -> tuple[Mark | Pause, ...]:
+        """Marks and pauses in their order."""
+        placed: list[tuple[int, float, Mark | Pause]] = []
+        count: dict[int, int] = {}
+        for mark in self.marks:
+            rank = count[mark.position] = count.get(mark.position, 0) + 1
+            placed.append((mark.position, rank, mark))
+        placed += [(pause.position, pause.after + 0.5, pause) for pause in self.pauses]
+        return tuple(stop for *_, stop in sorted(placed, key=lambda place: place[:2]))
 
 
 @dataclass(frozen=True)
@@ -31,6 +78,26 @@ class Phoneme:
     duration: float  # [s]
 
 
+@dataclass(frozen=True, eq=False)
+class Sound:
+    """Samples of one channel."""
+
+    rate: int  # [Hz]
+    samples: Samples  # (m,) -1..1
+
+    @property
+    def duration(self) -> float:
+        """[s]."""
+        return len(self.samples) / self.rate
+
+    @classmethod
+    def of(cls, rate: int, samples: ArrayLike) -> "Sound":
+        """Takes a read-only copy of (m,) samples."""
+        own: Samples = np.array(samples, dtype=np.float32)
+        own.setflags(write=False)
+        return cls(rate, own)
+
+
 @dataclass(frozen=True)
 class Utterance:
     """A script as it will be said."""
@@ -39,10 +106,12 @@ class Utterance:
     marks: Mapping[str, float] = field(default_factory=dict)  # name -> [s] from the start of the utterance
     phonemes: tuple[Phoneme, ...] = ()
     voice: str = ""  # the engine that says it
+    sound: Sound | None = None  # None: it is known how long it takes, but not heard
+    remarks: tuple[str, ...] = ()  # what the listener does not get as asked
 
 
 class Voice(Protocol):
     """A speech engine: a pure function from text to facts about its sound."""
 
-    def say(self, script: Script, /, *, rate: float = 1.0) -> Utterance:
-        """Says a script at a rate (1: normal, 2: twice as fast)."""
+    def say(self, script: Script, /, *, rate: float = 1.0, pitch: float = 1.0) -> Utterance:
+        """Says a script at a rate (1: normal, 2: twice as fast) and a pitch (times the voice's own)."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.controller.bonds import Bond
-from kinesic.controller.condition import Conditioned, condition
+from kinesic.controller.condition import LEAD_IN, Conditioned, condition
 from kinesic.controller.facts import Facts
 from kinesic.controller.postures import Posture
 from kinesic.controller.trajectory import STEP, Trajectory
@@ -19,7 +19,12 @@ ATTEMPTS = 6
 
 
 def certified(
-    keys: tuple[Posture, ...], facts: Facts, bonds: tuple[Bond, ...] = (), *, ease: float = 1.0
+    keys: tuple[Posture, ...],
+    facts: Facts,
+    bonds: tuple[Bond, ...] = (),
+    *,
+    ease: float = 1.0,
+    lead_in: float = LEAD_IN,
 ) -> Conditioned:
     """The conditioned motion through keys, no drive above its full duty if that can be.
 
@@ -28,8 +33,9 @@ def certified(
         facts: limits and dynamics.
         bonds: between sync points of different behaviours.
         ease: share of the limits with which key times are found.
+        lead_in: [s] by which the first key may come earlier.
     """
-    motion = condition(keys, facts.limits, bonds=bonds, ease=ease)
+    motion = condition(keys, facts.limits, bonds=bonds, ease=ease, lead_in=lead_in)
     share = np.ones(len(facts.limits.duty))
     for attempt in range(ATTEMPTS):
         peaks = duties(motion.trajectory, facts)
@@ -39,7 +45,7 @@ def certified(
         share[over] *= TIGHTER / peaks[over]
         if attempt >= ATTEMPTS // 2:  # the pull may come from any hinge
             share *= TIGHTER
-        motion = condition(keys, facts.limits.times(share), bonds=bonds, ease=ease)
+        motion = condition(keys, facts.limits.times(share), bonds=bonds, ease=ease, lead_in=lead_in)
     return motion
 
 

@@ -32,6 +32,7 @@ class Facts:
     dialect: Dialect | Literal["auto"] = "auto"  # how documents are read
     gathering: Gathering = "complex"  # how key frames are filled
     idling: Idling = OFF  # what fills pauses
+    pause: float = 0.0  # [s] longest pause before a word that waits for the body, where documents do not say
 
     @cached_property
     def limits(self) -> Limits:

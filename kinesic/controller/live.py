@@ -49,7 +49,9 @@ class Live:
         """Those in which time went on and every servo was heard."""
         found: list[Status] = []
         for told in self.history:
-            if (not found or told.time > found[-1].time) and np.isfinite([*told.angles, *told.goals]).all():
+            if (not found or told.time > found[-1].time) and np.isfinite(
+                [*told.angles, *told.goals, *told.taken]
+            ).all():
                 found.append(told)
         return tuple(found)
 
@@ -65,28 +67,49 @@ class Live:
 
     @cached_property
     def angles(self) -> Floats:
-        """(k, n) [rad] measured."""
+        """(k, n) [rad] measured, each at its own time."""
         return self._table("angles")
+
+    @cached_property
+    def taken(self) -> Floats:
+        """(k, n) [s] since the first row's clock when each angle was measured."""
+        return sealed(self._table("taken") - (self._rows[0].clock if self._rows else 0.0))
+
+    @cached_property
+    def followed(self) -> Floats:
+        """(k, n) [rad] measured, as it was at the clock of each row."""
+        if not self._rows:
+            return self.angles
+        joints = [np.interp(self.clocks, taken, seen) for taken, seen in zip(self.taken.T, self.angles.T, strict=True)]
+        return sealed(np.transpose(joints).reshape(self.angles.shape))
 
     @cached_property
     def goals(self) -> Floats:
         """(k, n) [rad] sent."""
         return self._table("goals")
 
-    def _table(self, name: Literal["angles", "goals"]) -> Floats:
+    def _table(self, name: Literal["angles", "goals", "taken"]) -> Floats:
         joints = len(self.performance.plan.facts.robot.skeleton.hinges)
         return sealed(np.reshape([getattr(told, name) for told in self._rows], (len(self._rows), joints)))
 
     @cached_property
     def errors(self) -> Floats:
-        """(k, n) [rad] measured minus planned at the same performance time.
+        """(k, n) [rad] measured minus planned at the performance time when it was measured.
 
-        NaN where the hinge is not moving, and while time is slowed down: the plan's speeds do not hold then.
+        NaN where nothing new was measured, where the hinge is not moving, and while time is slowed down: the plan's
+        speeds do not hold then.
         """
-        angles, speeds, _ = self.performance.plan.trajectory.sample(self.times)
-        moving: Flags = np.abs(speeds) > MOVING * self.performance.plan.facts.limits.speed
+        if not self._rows:
+            return self.angles
+        trajectory = self.performance.plan.trajectory
+        planned = np.empty((2, *self.angles.shape))
+        for k, taken in enumerate(self.taken.T):
+            found = trajectory.sample(np.interp(taken, self.clocks, self.times))
+            planned[:, :, k] = found[0][:, k], found[1][:, k]
+        moving: Flags = np.abs(planned[1]) > MOVING * self.performance.plan.facts.limits.speed
         whole = np.array([[told.scale > FULL] for told in self._rows], dtype=np.bool_).reshape(-1, 1)
-        return np.where(moving & whole, self.angles - angles, np.nan)
+        news: Flags = np.diff(self.taken, axis=0, prepend=-np.inf) > 0.0
+        return np.where(moving & whole & news, self.angles - planned[0], np.nan)
 
     @cached_property
     def performed(self) -> float:
@@ -100,7 +123,7 @@ class Live:
         wanted = self.performance.reference.arrivals
         if len(self.times) < 2:
             return dict.fromkeys(wanted)
-        return lags(wanted, self.times, paths(self.angles, self.performance.plan.facts.robot))
+        return lags(wanted, self.times, paths(self.followed, self.performance.plan.facts.robot))
 
 
 def perform_live(

@@ -96,4 +96,4 @@ def _servos(live: Live, figures: Mapping[str, float]) -> dict[str, Json]:
 
 def live_log(live: Live) -> Log:
     """Goals sent and angles measured, as `kinesic twin fit` reads them."""
-    return Log(live.clocks, live.goals, live.angles)
+    return Log(live.clocks, live.goals, live.followed)

@@ -1,10 +1,9 @@
 """A motion to begin with at once: at rest at every key, so slow that no program has to be solved.
 
 Its times come from closed forms, its path from quintics; limits hold by construction and are checked on the control
-points. A better plan takes it over while it runs, where that changes nothing that is past; else it plays to its end.
+points. A better plan goes on with it while it runs: see `restyle`.
 """
 
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -13,17 +12,15 @@ from kinesic.bml.block import Block
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.controller.bonds import Bond
-from kinesic.controller.clear import LAG_RESERVE, scan
 from kinesic.controller.condition import Conditioned
 from kinesic.controller.facts import Facts
 from kinesic.controller.grid import grid
-from kinesic.controller.interrupt import cut
 from kinesic.controller.keys import Keys
 from kinesic.controller.plan import Plan, plan
 from kinesic.controller.postures import Posture
 from kinesic.controller.quadratic import nearest
 from kinesic.controller.retime import relaxed
-from kinesic.controller.segments import Segment, pieces, segments
+from kinesic.controller.segments import pieces, segments
 from kinesic.controller.trajectory import STEP, Trajectory
 from kinesic.controller.waypoints import Waypoints
 from kinesic.controller.wish import wish
@@ -34,9 +31,6 @@ PEAK_JERK = 60.0  # in distance / duration^3
 RESERVE = 1.03  # on its duration, for what the grid makes of it
 LEAST_GAP = 0.06  # [s] of a gap in which something moves
 LONGER = 1.1  # on gaps that do not suffice after all
-AHEAD = 3  # keys of the better plan that a hinge may pass before it is on its way
-LEAST = 3  # pieces from three control points to three others
-SAME = 1e-9  # [s]
 
 
 def opening(block: Block, facts: Facts) -> Plan:
@@ -102,66 +96,3 @@ def _stepwise(times: Floats, keys: Keys, limits: Limits) -> Trajectory | None:
             return None
         controls[segment.controls, segment.hinge] = found
     return Trajectory(sealed(controls), -float(times[0]))
-
-
-def taken_over(running: Plan, better: Plan, time: float) -> Plan | None:
-    """The running plan, gone over into a better one that is on its way already.
-
-    Sync points only move from the running plan's times to the better one's.
-
-    Args:
-        running: what has begun.
-        better: another plan of the same block, without lead-in.
-        time: [s] performance time from which the running motion may be left, at the next knot.
-
-    Returns:
-        None when a key of the better plan is past, a hinge cannot catch up, or the way between the two is not clear.
-    """
-    facts, knot = running.facts, cut(running.trajectory, time)
-    keys = Keys.of(better.postures.postures, facts.limits)
-    late = running.motion.planned + running.trajectory.zero > knot * STEP
-    if abs(running.trajectory.zero - better.trajectory.zero) > SAME or len(late) != len(keys.asked):
-        return None
-    if np.any(late & (better.motion.planned + better.trajectory.zero < (knot + LEAST) * STEP)):
-        return None
-    columns = [_caught_up(running.trajectory, better, keys, knot, hinge) for hinge in range(len(facts.limits.lower))]
-    found = [column for column in columns if column is not None]
-    if len(found) < len(columns):
-        return None
-    motion = Trajectory(sealed(np.stack(found, axis=1)), running.trajectory.zero)
-    times, clearance = scan(motion, facts.distances)
-    if clearance.distances[clearance.worst] < facts.robot.least_clearance + LAG_RESERVE:
-        return None
-    planned = np.where(late, better.motion.planned, running.motion.planned)
-    return replace(
-        better,
-        motion=replace(better.motion, trajectory=motion, planned=sealed(planned)),
-        clearance=clearance,
-        clearance_times=times,
-    )
-
-
-def _caught_up(running: Trajectory, better: Plan, keys: Keys, knot: int, hinge: int) -> Floats | None:
-    """Control points of a hinge that leaves one motion at a knot and is on the other by one of its next keys."""
-    own, after = running.controls[:, hinge], better.trajectory.controls[:, hinge]
-    places = (better.motion.planned[keys.own[hinge]] - better.motion.planned[0]) / STEP
-    coming = np.flatnonzero(places >= knot + LEAST)
-    for ahead in range(min(AHEAD, len(coming))):
-        begin, passed = int(places[coming[ahead]]), coming[:ahead]
-        bridge = Segment(
-            hinge,
-            knot,
-            grid(begin - knot, STEP),
-            float(own[knot + 1]),
-            float(after[begin + 1]),
-            places[passed] - knot,
-            keys.angles[np.array(keys.own[hinge])[passed], hinge],
-            (),
-            entry=tuple(map(float, own[knot : knot + 3])),
-            exit=tuple(map(float, after[begin : begin + 3])),
-        )
-        way = better.trajectory.sample(knot * STEP + bridge.grid.knots)[0][:, hinge]
-        found = nearest(bridge, way, better.facts.limits)
-        if found is not None:
-            return np.concatenate([own[: knot + 3], found[3:-3], after[begin:]])
-    return None

@@ -7,14 +7,23 @@ from datetime import datetime
 from pathlib import Path
 
 from kinesic.body.config import ConfigError
+from kinesic.controller.faces import asks_face, faced
 from kinesic.controller.page import write_page
 from kinesic.controller.performance import Performance
+from kinesic.controller.plan import Plan
+from kinesic.controller.play import play, ticks
 from kinesic.controller.report import Json
+from kinesic.controller.sound import sound, write_wav
+from kinesic.face.display import DisplayError
+from kinesic.face.recording import Recording
 from kinesic.sim.film import FilmError
 from kinesic.sim.film import film as write_film
 from kinesic.sim.log import write_log
 
 FILM_RATE = 12.5  # [Hz]
+FACE_RATE = 16  # [Hz] lips move faster than arms: no closure of theirs is left out
+NOT_ASKED = "not asked for"
+FACE_SIDE = 256  # pixels
 
 
 @dataclass(frozen=True)
@@ -26,6 +35,9 @@ class Written:
     measured: Path  # what the twin did, as `kinesic twin fit` reads it
     film: Path | None
     why_no_film: str = ""
+    face: Path | None = None  # a film of it
+    why_no_face: str = ""
+    voice: Path | None = None  # what is heard
 
 
 def free_folder(asked: Path | None, source: str, *, force: bool = False) -> Path:
@@ -49,15 +61,47 @@ def emptied(folder: Path) -> Path:
 
 
 def write(performance: Performance, data: dict[str, Json], folder: Path, *, film: bool = True) -> Written:
-    """Writes report.json, report.html, measured.npz and, where OpenGL works, the film of the twin."""
+    """Writes report.json, report.html, measured.npz, speech.wav and, where OpenGL works, films of twin and face."""
+    plan = performance.plan
     report = emptied(folder) / "report.json"
-    report.write_text(json.dumps(data, indent=1), encoding="utf-8")
-    picture, why = _filmed(performance, folder / "film.webp") if film else (None, "not asked for")
+    picture, why = _filmed(performance, folder / "film.webp") if film else (None, NOT_ASKED)
+    face, why_not = _face(plan, folder / "face.webp") if film else (None, NOT_ASKED)
     measured = folder / "measured.npz"
-    write_log(performance.measured, performance.plan.facts.robot, measured)
+    write_log(performance.measured, plan.facts.robot, measured)
+    voice, heard = folder / "speech.wav", sound(plan)
+    if heard is not None:
+        write_wav(heard, voice)
     page = folder / "report.html"
-    write_page(performance, data, film=picture, path=page, no_film=why)
-    return Written(report, page, measured, picture, why)
+    written = Written(report, page, measured, picture, why, face, why_not, None if heard is None else voice)
+    tell(written, performance, data)
+    return written
+
+
+def tell(written: Written, performance: Performance, data: dict[str, Json]) -> None:
+    """Writes the report and its page, over older ones."""
+    written.report.write_text(json.dumps(data, indent=1), encoding="utf-8")
+    write_page(
+        performance,
+        data,
+        film=written.film,
+        path=written.page,
+        no_film=written.why_no_film,
+        face=written.face,
+        no_face=written.why_no_face,
+        voice=written.voice,
+    )
+
+
+def _face(plan: Plan, path: Path) -> tuple[Path | None, str]:
+    """The path of the face's film, or why there is none."""
+    if not asks_face(plan):
+        return None, "nothing is asked of it"
+    times = ticks(plan.duration, rate=FACE_RATE)
+    try:
+        play(faced(plan, times), Recording(path, plan.facts.robot, rate=FACE_RATE, side=FACE_SIDE))
+    except DisplayError as error:
+        return None, str(error)
+    return path, ""
 
 
 def _filmed(performance: Performance, path: Path) -> tuple[Path | None, str]:

@@ -22,12 +22,13 @@ from kinesic.controller.tiles import SEVERITY, number, tiles
 from kinesic.expressivity.style import MODALITIES, RANGES
 
 FILM_TYPES = {".webp": "image/webp", ".png": "image/png", ".gif": "image/gif"}
+SOUND_TYPES = {".wav": "audio/wav"}
 PARTS = {"l_hand": "left hand", "r_hand": "right hand"}
 FIRST_LOADS = 6  # hinges that are shown at once
 FIRST_CHAPTERS = 6  # behaviours likewise
 OUTCOMES = {"dropped": 0, "substituted": 1, "realised": 2}
 HERE = Path(__file__).parent
-SCRIPTS = ("shapes.js", "scene.js", "replay.js")
+SCRIPTS = ("shapes.js", "scene.js", "film.js", "replay.js")
 
 
 def write_page(
@@ -37,6 +38,9 @@ def write_page(
     film: Path | None,
     path: Path,
     no_film: str = "not recorded",
+    face: Path | None = None,
+    no_face: str = "not recorded",
+    voice: Path | None = None,
 ) -> None:
     """Writes the report for people.
 
@@ -46,9 +50,12 @@ def write_page(
         film: animated picture of the performance (.webp, .png or .gif), which becomes a part of the page.
         path: of the page.
         no_film: why there is none.
+        face: animated picture of the face (.webp), on performance time, which the replay shows in step.
+        no_face: why there is none.
+        voice: what is heard (.wav), on performance time, whose clock the replay then follows.
 
     Raises:
-        ValueError: the film is of another type.
+        ValueError: a film or the sound is of another type.
     """
     environment = Environment(
         loader=FileSystemLoader(HERE), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
@@ -73,8 +80,11 @@ def write_page(
         loads=(strained[:FIRST_LOADS], strained[FIRST_LOADS:]),
         continuous=CONTINUOUS,
         draw=draw(performance),
-        film=None if film is None else _embedded(film),
+        film=None if film is None else _embedded(film, FILM_TYPES),
         no_film=no_film,
+        face=None if face is None else _embedded(face, {".webp": FILM_TYPES[".webp"]}),
+        no_face=no_face,
+        voice=None if voice is None else _embedded(voice, SOUND_TYPES),
         zero=performance.plan.trajectory.zero,
         score=score(performance),
         joints=list(joints(performance)),
@@ -143,8 +153,8 @@ def _rows(data: Mapping[str, Json], name: str) -> list[dict[str, Json]]:
     return [row for row in table if isinstance(row, dict)] if isinstance(table, list) else []
 
 
-def _embedded(film: Path) -> str:
-    """A film as a data URI."""
-    if film.suffix not in FILM_TYPES:
-        raise ValueError(f"{film} cannot be shown in a page; known: {', '.join(FILM_TYPES)}")
-    return f"data:{FILM_TYPES[film.suffix]};base64,{base64.b64encode(film.read_bytes()).decode()}"
+def _embedded(file: Path, types: Mapping[str, str]) -> str:
+    """A file as a data URI."""
+    if file.suffix not in types:
+        raise ValueError(f"{file} cannot be shown in a page; known: {', '.join(types)}")
+    return f"data:{types[file.suffix]};base64,{base64.b64encode(file.read_bytes()).decode()}"

@@ -19,6 +19,8 @@ from kinesic.controller.plan import Plan
 from kinesic.controller.plan import plan as plan_block
 from kinesic.controller.play import RATE, commands, play_together, ticks
 from kinesic.controller.reference import Reference
+from kinesic.controller.voice import VoiceName
+from kinesic.controller.voice import voice as make_voice
 from kinesic.expressivity.gather import Gathering
 from kinesic.expressivity.idle import OFF, Idling
 from kinesic.expressivity.lexicon import Lexicon
@@ -27,7 +29,6 @@ from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.dynamics import MujocoDynamics
 from kinesic.sim.factors import NOMINAL, Factors
 from kinesic.sim.twin import Twin
-from kinesic.speech.durations import DurationModel
 
 
 def facts(
@@ -39,24 +40,29 @@ def facts(
     dialect: Dialect | Literal["auto"] = "auto",
     gathering: Gathering = "complex",
     idling: Idling = OFF,
+    voice: VoiceName = "durations",
+    pause: float = 0.0,
 ) -> Facts:
-    """What planning needs, with MuJoCo's dynamics and the built-in voice.
+    """What planning needs, with MuJoCo's dynamics.
+
+    The voice is the silent one unless another is asked for, so that times are the same on every machine.
 
     Raises:
-        ConfigError: robot, style or lexicon is missing or wrong.
+        ConfigError: robot, style, lexicon or voice is missing or wrong.
     """
     body = robot if isinstance(robot, Robot) else Robot.load(robot)
     return Facts(
         robot=body,
         style=style if isinstance(style, Style) else Style.load(style),
         lexicon=Lexicon.load(lexicon),
-        voice=DurationModel(),
+        voice=make_voice(voice),
         dynamics=MujocoDynamics(body),
         distances=CapsuleDistances(body),
         targets=dict(targets or {}),
         dialect=dialect,
         gathering=gathering,
         idling=idling,
+        pause=pause,
     )
 
 

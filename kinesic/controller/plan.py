@@ -1,12 +1,12 @@
 """The straight line, from a block of BML to a motion that the servos can follow; pure."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 
 import numpy as np
 
-from kinesic.bml.block import Block, Notice, Speech, Timeline
+from kinesic.bml.block import Block, Notice, Timeline
 from kinesic.bml.schedule import schedule
 from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Clearance
@@ -17,8 +17,11 @@ from kinesic.controller.clear import Conditioner, cleared, culprits
 from kinesic.controller.condition import Conditioned
 from kinesic.controller.facts import Facts
 from kinesic.controller.keys import Keys
+from kinesic.controller.pauses import Waiting, allowed, lateness, lengthened, wanted
+from kinesic.controller.pauses import notices as pause_notices
 from kinesic.controller.postures import Postures, postures
 from kinesic.controller.smaller import smaller
+from kinesic.controller.spoken import remarks, spoken
 from kinesic.controller.syncs import SyncTime, shifts, sync_times
 from kinesic.controller.trajectory import Trajectory
 from kinesic.controller.waypoints import Waypoints
@@ -28,6 +31,8 @@ from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.expressivity.realise import keyframes
 
 STILL = 0.1  # [s] of a wish for nothing
+ROUNDS = 3  # of planning, in which pauses are made longer
+ATTEMPTS = 3  # to say it with pauses that are as long as they must be
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,20 +63,62 @@ class Plan:
         return max(self.trajectory.duration, self.trajectory.zero + self.timeline.end)
 
 
-def plan(block: Block, facts: Facts, *, conditioned: Conditioner = certified) -> Plan:
+def plan(
+    block: Block,
+    facts: Facts,
+    *,
+    conditioned: Conditioner = certified,
+    utterances: Mapping[str, Utterance] | None = None,
+) -> Plan:
     """Plans a whole block.
 
-    A behaviour whose motion cannot be kept clear of the body is dropped by name, and the rest is planned again.
+    Where the body would be late for a word and the block allows it, a pause is made before the word, and all is
+    planned again. A behaviour whose motion cannot be kept clear of the body is dropped by name, and the rest is
+    planned again.
+
+    Args:
+        block: what was asked.
+        facts: everything else.
+        conditioned: makes a motion one that the servos can follow.
+        utterances: each speech by its id, when that is decided; no further pause is made then.
 
     Raises:
         BmlError: something `required` cannot be performed.
     """
     began = perf_counter()
-    utterances = {
-        behaviour.id: facts.voice.say(behaviour.action.script)
-        for behaviour in block.behaviours
-        if isinstance(behaviour.action, Speech)
-    }
+    found = _planned(block, facts, utterances or spoken(block, facts), conditioned)
+    waiting: tuple[Waiting, ...] = ()
+    if utterances is None and (most := allowed(block, facts.pause)):
+        found, waiting = _unhurried(found, most, conditioned)
+    notices = (*remarks(block, found.utterances), *pause_notices(block, waiting), *found.notices)
+    return replace(found, notices=notices, seconds=perf_counter() - began)
+
+
+def _unhurried(found: Plan, most: Mapping[str, float], conditioned: Conditioner) -> tuple[Plan, tuple[Waiting, ...]]:
+    """A plan with pauses before the words that the body would miss, as long as that makes it better."""
+    block, facts = found.timeline.block, found.facts
+    waiting: tuple[Waiting, ...] = ()
+    for _ in range(ROUNDS):
+        more, said = wanted(found.timeline, found.syncs, most, waiting), found.utterances
+        for _ in range(ATTEMPTS):
+            more = lengthened(more, said)
+            said = spoken(block, facts, more)
+        if more == waiting:
+            break
+        better = _planned(block, facts, said, conditioned)
+        if _worst(better) >= _worst(found):
+            break
+        found, waiting = better, more
+    return found, waiting
+
+
+def _worst(planned: Plan) -> float:
+    """[s] by which the body misses a word at worst."""
+    return max((abs(late) for late, _ in lateness(planned.timeline, planned.syncs).values()), default=0.0)
+
+
+def _planned(block: Block, facts: Facts, utterances: Mapping[str, Utterance], conditioned: Conditioner) -> Plan:
+    """Plans a block with what it says."""
     natural = spans(block, style=facts.style, lexicon=facts.lexicon, pace=facts.pace, targets=facts.targets)
     timeline = schedule(block, utterances, natural)
     without: dict[str, str] = {}
@@ -100,7 +147,7 @@ def plan(block: Block, facts: Facts, *, conditioned: Conditioner = certified) ->
             *shifts(block, syncs, frames, motion, facts.robot),
             *smaller(block, solved.postures, frames, motion, facts.robot),
         ),
-        seconds=perf_counter() - began,
+        seconds=0.0,
     )
 
 

@@ -1,12 +1,14 @@
 """The one loop: a trajectory becomes commands at the ticks of a clock, and sinks follow them."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
+from itertools import repeat
+from time import monotonic, sleep
 
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.command import Command, Sink
+from kinesic.body.command import NO_FACE, Command, Sink
 from kinesic.controller.feedforward import Lead
 from kinesic.controller.trajectory import Trajectory
 
@@ -19,11 +21,39 @@ def ticks(duration: float, *, rate: int = RATE, settle: float = SETTLE) -> Float
     return np.arange(int(np.ceil((duration + settle) * rate)) + 1) / rate
 
 
-def commands(trajectory: Trajectory, times: Floats, setpoints: Lead) -> Iterator[Command]:
-    """One command per tick, at (m,) performance times."""
+def commands(
+    trajectory: Trajectory,
+    times: Floats,
+    setpoints: Lead,
+    faces: Sequence[Mapping[str, float]] | None = None,
+) -> Iterator[Command]:
+    """One command per tick.
+
+    Args:
+        trajectory: of the motion.
+        times: (m,) [s] performance time.
+        setpoints: what servos are told at these times.
+        faces: what the face shows at these times; None: nothing, for sinks that have none.
+    """
     angles, speeds, accelerations = (sealed(values) for values in trajectory.sample(times))
-    for row in zip(times.tolist(), angles, speeds, accelerations, setpoints.goals, strict=True):
+    shown = repeat(NO_FACE, len(times)) if faces is None else faces
+    for row in zip(times.tolist(), angles, speeds, accelerations, setpoints.goals, shown, strict=True):
         yield Command(*row)
+
+
+def paced(stream: Iterable[Command], *, clock: Callable[[], float] = monotonic) -> Iterator[Command]:
+    """Commands at their times on the wall's clock, which begins with the first; late ones follow at once.
+
+    Args:
+        stream: in the order of their times.
+        clock: seconds that pass.
+    """
+    began = clock()
+    for command in stream:
+        early = began + command.time - clock()
+        if early > 0:
+            sleep(early)
+        yield command
 
 
 def play(stream: Iterable[Command], sink: Sink) -> None:

@@ -19,6 +19,9 @@
     Object.entries(data.motions).map(([name, text]) => [name, new Int16Array(bytes(text).buffer)]),
   );
   const duties = bytes(data.duties);
+  const filmed = document.querySelector("img.filmed"); // null: there is no film of the face
+  const showFace = filmed ? filmOf(part("face"), bytes(filmed.src.split(",")[1])) : () => {};
+  const voice = document.querySelector("audio"); // null: nothing is heard
 
   const mixed = (rows, unit, time) => {
     const place = Math.min(Math.max(time / data.end, 0), 1) * (data.frames - 1);
@@ -98,17 +101,35 @@
       .join(", ");
     const duty = mixed(duties, data.duty_step, time);
     const worst = duty.indexOf(Math.max(...duty));
+    showFace(time);
     part("load").textContent = worst < 0 ? "" : `busiest servo: ${data.hinges[worst]}, duty ${duty[worst].toFixed(2)}`;
     redraw();
   };
   const seek = (to) => {
     fresh = false;
     time = Math.min(Math.max(to, 0), data.end);
+    speak();
     tell();
   };
+
+  // While the voice is heard its clock is the replay's; before, after and without it time is that of the browser.
+  const speak = () => {
+    if (!voice) return;
+    voice.playbackRate = Number(speedChoice.value);
+    if (!playing || time >= voice.duration) {
+      voice.pause();
+      return;
+    }
+    voice.currentTime = time;
+    voice.play().catch(() => voice.pause());
+  };
+  const passed = (now) =>
+    voice && !voice.paused && !voice.ended
+      ? Math.max(voice.currentTime, 0)
+      : time + ((now - last) / 1000) * Number(speedChoice.value);
   const tick = (now) => {
     if (!playing) return;
-    time += ((now - last) / 1000) * Number(speedChoice.value);
+    time = passed(now);
     last = now;
     if (time >= data.end) {
       time = data.end;
@@ -121,9 +142,10 @@
     playing = on;
     stage.classList.toggle("playing", on);
     playButton.setAttribute("aria-label", on ? "Pause" : "Play");
-    if (!on) return;
-    if (fresh || time >= data.end) time = 0;
+    if (on && (fresh || time >= data.end)) time = 0;
     fresh = false;
+    speak();
+    if (!on) return;
     last = performance.now();
     requestAnimationFrame(tick);
   };
@@ -134,6 +156,8 @@
   slider.addEventListener("input", () => seek(Number(slider.value)));
   playButton.addEventListener("click", () => play(!playing));
   ghostChoice.addEventListener("change", redraw);
+  speedChoice.addEventListener("change", speak);
+  if (voice) part("heard").addEventListener("change", (event) => (voice.muted = !event.target.checked));
   stage.addEventListener("keydown", (event) => {
     if (event.target.matches("select, button, input") && event.key === " " && event.target !== slider) return;
     if (event.key === " ") {

@@ -54,6 +54,7 @@ def report(
         "ok": all(check.status != "fail" for check in verdicts),
         "checks": [_check(check) for check in verdicts],
         "behaviours": _behaviours(performance),
+        "speech": _speech(plan),
         "sync": _syncs(performance),
         "tracking": _tracking(performance),
         "limits": _limits(performance),
@@ -63,7 +64,7 @@ def report(
         "power": _power(performance),
         "twins": {each.twin_name: asdict(following(each)) for each in (performance, *beside)},
         "warnings": [{"type": n.type.value, "id": n.id, "text": n.text} for n in plan.notices],
-        "feedback": list(feedback(plan)),
+        "feedback": list(feedback(plan, performance.lags)),
         "timing": _timing(performance, checking),
     }
 
@@ -123,6 +124,14 @@ def _behaviours(performance: Performance) -> list[Json]:
             }
         )
     return found
+
+
+def _speech(plan: Plan) -> list[Json]:
+    """Who says what is said, and whether it is heard."""
+    return [
+        {"id": name, "voice": said.voice, "duration_s": said.duration, "heard": said.sound is not None}
+        for name, said in plan.utterances.items()
+    ]
 
 
 def _syncs(performance: Performance) -> list[Json]:

@@ -7,6 +7,7 @@ from itertools import pairwise
 from kinesic.bml.block import (
     Behaviour,
     Block,
+    Face,
     Gaze,
     Gesture,
     Head,
@@ -22,22 +23,25 @@ from kinesic.expressivity.hands import REST, Poses, distance, pointing_poses, po
 from kinesic.expressivity.head import head_form, swing_time
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.lexicon import Lexicon
-from kinesic.expressivity.pace import Pace
+from kinesic.expressivity.pace import HASTE, Pace
 from kinesic.expressivity.places import NO_TARGETS, find_target
+from kinesic.expressivity.posture import pose
 from kinesic.expressivity.sources import manner_of
 from kinesic.expressivity.strokes import natural_times
 from kinesic.expressivity.style import Expressivity, Style
-from kinesic.expressivity.torso import lean, pose
+from kinesic.expressivity.torso import lean
 
 LEAST_LEAN = 0.3  # [s] at ease
 LOOK = 1.0  # [s] that a gaze or a head direction is held
 POSTURE = 2.0  # [s] that a posture or a lean is held
+ATTACK, DECAY = 0.3, 0.4  # [s] in which an expression of the face comes and goes
+FACE_SHIFT = 0.8  # [s] in which one that stays comes
 
 
 def spans(
     block: Block, *, style: Style, lexicon: Lexicon, pace: Pace, targets: Mapping[str, Floats] = NO_TARGETS
 ) -> Mapping[str, Mapping[str, float]]:
-    """Natural seconds after the previous sync point of its type, for the behaviours that move head, torso or hands.
+    """Natural seconds after the previous sync point of its type, for the behaviours that move something.
 
     Ways of the hands take Fitts' time, no less than servos do at ease; a post-stroke hold takes half the stroke
     (Greta's rule). Temporal extent makes all of them shorter or longer, power the strokes, but no way is shorter than
@@ -117,6 +121,9 @@ def _spans(
         case Torso() as torso:
             leaned = lean(torso, robot, manner.spatial)
             return _lean_spans(leaned.turn, pace, manner) if leaned else {}
+        case Face(shift=shift):
+            haste = HASTE**manner.temporal
+            return {"end": FACE_SHIFT / haste} if shift else {"attackPeak": ATTACK / haste, "end": DECAY / haste}
         case Posture() as posture:
             return _posture_spans(posture, lexicon, pace, manner, manner_of(style, block, behaviour, "torso"))
     return {}
@@ -151,5 +158,7 @@ def _posture_spans(
         return {}
     works = [poses(form, pace.robot, manner) for form in posed.arms if not isinstance(form, str)]
     ways = [_way(work, -1, pace, manner) for work in works]
-    way = max([pace.turn_time("torso", posed.lean.turn, trunk.temporal, usual=LEAST_LEAN), *ways])
+    turns = [pace.turn_time("torso", posed.lean.turn, trunk.temporal, usual=LEAST_LEAN)]
+    turns.append(pace.turn_time("neck", posed.head, trunk.temporal, usual=LEAST_LEAN))
+    way = max([*turns, *ways])
     return {"end": way} if posture.shift else {"ready": way, "relax": POSTURE, "end": way}

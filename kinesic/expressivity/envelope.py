@@ -1,4 +1,4 @@
-"""How an expression comes and goes: from nothing to its peak, a while there, and back, without a jerk."""
+"""How an expression comes and goes: from nothing to its peak, a while there, and back, in some manner."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -7,8 +7,15 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.expressivity.easing import eased
+from kinesic.expressivity.style import NEUTRAL, Expressivity
 
 QUICKEST = 0.06  # [s] in which a muscle of the face can do anything
+WIDEST = 0.5  # more intensity of a spatial extent of 1, and less of -1
+OVERSHOOT = 0.25  # of the intensity, by which a power of 1 goes over what it then holds
+SETTLING = 0.35  # [s] from there to what is held
+FADING = 0.4  # of the intensity, that a power of -1 loses while it holds
+LONGEST = 2.0  # [s] that this takes
+BRIDGED = 1.0  # [s] between two expressions, over which a fluidity of 1 leads from one into the other
 
 
 @dataclass(frozen=True)
@@ -35,9 +42,36 @@ class Envelope:
         relax = max(times["relax"], peak)
         return cls(start, peak, relax, max(times["end"], relax + QUICKEST))
 
-    def at(self, times: Floats) -> Floats:
-        """(m,) shares of the peak, 0..1, at (m,) times."""
-        risen = eased("minimum_jerk", (times - self.start) / (self.peak - self.start))
-        if np.isinf(self.end):
-            return risen
-        return np.minimum(risen, 1.0 - eased("minimum_jerk", (times - self.relax) / (self.end - self.relax)))
+    def at(self, times: Floats, manner: Expressivity = NEUTRAL) -> Floats:
+        """(m,) shares of the intensity at (m,) times, 0..1 in a neutral manner.
+
+        Every manner keeps the four times. Power brings the expression on early and lets it overshoot; weakness lets it
+        come late and fade. Of a jerky one the ways begin and end abruptly. A wide one is more than asked, a tight less.
+
+        Args:
+            times: [s].
+            manner: of the face; spatial extent, power and fluidity are used. What comes out may exceed 1.
+        """
+        shares = _way(_early((times - self.start) / (self.peak - self.start), manner.power), manner.fluidity)
+        if not np.isinf(self.end):
+            shares = np.minimum(shares, 1.0 - _way((times - self.relax) / (self.end - self.relax), manner.fluidity))
+        return np.asarray((1.0 + WIDEST * manner.spatial) * shares * self._level(times, manner.power))
+
+    def _level(self, times: Floats, power: float) -> Floats | float:
+        """(m,) what is held, as a share of what was asked."""
+        if power > 0:
+            return 1.0 + OVERSHOOT * power * (1.0 - eased("minimum_jerk", (times - self.peak) / SETTLING))
+        held = min(max(self.relax - self.peak, QUICKEST), LONGEST)
+        return 1.0 + FADING * power * eased("minimum_jerk", (times - self.peak) / held) if power else 1.0
+
+
+def _early(shares: Floats, power: float) -> Floats:
+    """Shares of the time of coming, as a forceful or a weak expression takes them."""
+    x = np.clip(shares, 0.0, 1.0)
+    return 1.0 - (1.0 - x) ** (1.0 + power) if power > 0 else x ** (1.0 - power)
+
+
+def _way(shares: Floats, fluidity: float) -> Floats:
+    """Shares of a way at shares of its time."""
+    smooth = eased("minimum_jerk", shares)
+    return smooth if fluidity >= 0 else smooth - fluidity * (eased("linear", shares) - smooth)

@@ -1,7 +1,8 @@
 """What eyes do by themselves and for a gaze: they blink, flit about, and look at something before the head does.
 
 Blinks come by chance, 4 s apart on average (A. R. Bentivoglio et al., Analysis of blink rate patterns in normal
-subjects, Movement Disorders 1997, has 17 in a minute at rest), and with wide turns of the gaze. A saccade takes
+subjects, Movement Disorders 1997, has 17 in a minute at rest), with wide turns of the gaze, and when somebody begins to
+speak (W. S. Condon and W. D. Ogston, A segmentation of behavior, J. Psychiatric Research 1967). A saccade takes
 21 ms + 2.2 ms per degree (A. T. Bahill, M. R. Clark and L. Stark, The main sequence, Mathematical Biosciences 1975).
 """
 
@@ -49,16 +50,19 @@ class Habits:
     saccades: bool = True
 
 
-def blink_times(span: tuple[float, float], looks: Sequence[Look], seed: int) -> tuple[float, ...]:
+def blink_times(
+    span: tuple[float, float], looks: Sequence[Look], seed: int, *, also: Sequence[float] = ()
+) -> tuple[float, ...]:
     """When blinks begin [s], in order, at least `LEAST_GAP` apart; those with wide turns of the gaze first.
 
     Args:
         span: [s] from and to; a longer one has the same blinks and more.
         looks: of the gaze.
         seed: of the chance.
+        also: [s] other moments that bring a blink.
     """
     chance = np.random.default_rng((seed, 1))
-    turns = [moment for look in looks if look.angle > WIDE_TURN for moment in (look.start, look.end)]
+    turns = [moment for look in looks if look.angle > WIDE_TURN for moment in (look.start, look.end)] + [*also]
     found: list[float] = []
     for moment in sorted(turns):
         if span[0] <= moment < span[1] and (not found or moment - found[-1] >= LEAST_GAP):

@@ -1,9 +1,11 @@
 """The face in time: what is asked, said and done by habit, as action units; the stronger wins for each.
 
-A pure function of the times that are asked for, on the clock of the block: `controller.play` asks once for all ticks.
+A pure function of the times that are asked for, on the clock of the block: the controller asks once for all ticks.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -12,16 +14,20 @@ from kinesic.body.action_units import unknown_unit
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import NO_FACE
 from kinesic.body.utterance import Utterance
-from kinesic.expressivity.envelope import Envelope
+from kinesic.expressivity.envelope import BRIDGED, Envelope
 from kinesic.expressivity.expression import Expression, expression
 from kinesic.expressivity.eyes import AHEAD, Habits, Look, blink_times, blinking, flitting, gaze_units, looking
 from kinesic.expressivity.keyframes import Outcome
+from kinesic.expressivity.sources import manner_of
+from kinesic.expressivity.style import Expressivity, Style
 from kinesic.expressivity.visemes import SEAL, visemes
 
 LEAST = 1e-3  # intensity below which an action unit is not told
 
 SPEAKING = 0.3  # intensity at which speech has the mouth for itself
 PRESSED = (SEAL, "23", "28")  # action units that would keep it closed
+BEFORE = 0.15  # [s] a speech, when a blink begins
+PLAIN = Style()
 
 Channels = Mapping[str, Floats]  # key of Command.face -> (m,) 0..1
 
@@ -31,6 +37,7 @@ def face(
     utterances: Mapping[str, Utterance],
     times: Floats,
     *,
+    style: Style = PLAIN,
     habits: Habits | None = None,
     looks: Sequence[Look] = (),
     head: Floats | None = None,
@@ -45,6 +52,7 @@ def face(
         timeline: behaviours with times.
         utterances: id of a speech -> how it is said.
         times: (m,) [s] block time, increasing.
+        style: of the performance, whose manner of the face the expressions are shown in; documents go over it.
         habits: of the eyes; None: they do nothing unasked.
         looks: directions of the gaze, in order.
         head: (m, 2) [rad] left and up, where the head points in the world; None: straight ahead.
@@ -53,8 +61,9 @@ def face(
         Action units that are ever shown.
     """
     spoken = strongest(_mouths(timeline, utterances, times))
-    asked = _opened(strongest(_expressions(timeline, times)), spoken)
-    eyes = strongest(_eyes(times, habits, looks, np.zeros((len(times), 2)) if head is None else head))
+    asked = _opened(strongest(_expressions(timeline, times, style)), spoken)
+    ahead = np.zeros((len(times), 2))
+    eyes = strongest(_eyes(times, habits, looks, ahead if head is None else head, _onsets(timeline, utterances)))
     found = strongest((asked, spoken, eyes))
     shares = {channel: sealed(np.clip(values, 0.0, 1.0)) for channel, values in found.items()}
     return {channel: values for channel, values in shares.items() if values.max(initial=0.0) >= LEAST}
@@ -101,25 +110,50 @@ def _opened(asked: Channels, spoken: Channels) -> Channels:
     return {channel: values * shut if channel in PRESSED else values for channel, values in asked.items()}
 
 
-def _expressions(timeline: Timeline, times: Floats) -> Iterator[Channels]:
+@dataclass(frozen=True)
+class _Showing:
+    """One expression in time."""
+
+    envelope: Envelope
+    shown: Expression
+    manner: Expressivity
+
+    def at(self, times: Floats) -> Floats:
+        """(m,) shares of what it shows."""
+        return self.envelope.at(times, self.manner)
+
+
+def _expressions(timeline: Timeline, times: Floats, style: Style) -> Iterator[Channels]:
     """Of the behaviours that return, and of those that stay."""
-    staying: list[tuple[Envelope, Expression]] = []
-    for timed in timeline.timed:
-        action = timed.behaviour.action
-        if not isinstance(action, Face):
-            continue
-        envelope, shown = Envelope.of(timed.times, stays=action.shift), expression(action)
-        if action.shift:
-            staying.append((envelope, shown))
-        else:
-            course = envelope.at(times) * _flutter(shown, times - envelope.start)
-            yield {channel: intensity * course for channel, intensity in shown.units.items()}
-    staying.sort(key=lambda pair: pair[0].start)
+    going, staying = (_showings(timeline, style, shift=shift) for shift in (False, True))
+    for each in _bridged(going):
+        course = each.at(times) * _flutter(each.shown, times - each.envelope.start)
+        yield {channel: intensity * course for channel, intensity in each.shown.units.items()}
     left = np.ones(len(times))
-    for envelope, shown in reversed(staying):
-        risen = envelope.at(times)
-        yield {channel: intensity * risen * left for channel, intensity in shown.units.items()}
-        left = left * (1.0 - risen)
+    for each in reversed(staying):
+        course = each.at(times) * left
+        yield {channel: intensity * course for channel, intensity in each.shown.units.items()}
+        left = left * (1.0 - each.envelope.at(times))
+
+
+def _showings(timeline: Timeline, style: Style, *, shift: bool) -> list[_Showing]:
+    """The expressions that stay, or those that do not, in order of their starts."""
+    found = [
+        _Showing(Envelope.of(timed.times, stays=shift), expression(action), manner_of(style, timeline.block, behaviour))
+        for timed in timeline.timed
+        if isinstance(action := (behaviour := timed.behaviour).action, Face) and action.shift == shift
+    ]
+    return sorted(found, key=lambda each: each.envelope.start)
+
+
+def _bridged(showings: Sequence[_Showing]) -> list[_Showing]:
+    """Expressions in order of their starts; a flowing one that the next soon follows lasts until that has come."""
+    found = list(showings)
+    for k, (one, other) in enumerate(pairwise(showings)):
+        gap = other.envelope.start - one.envelope.end
+        if one.manner.fluidity > 0 and 0.0 <= gap <= BRIDGED * one.manner.fluidity:
+            found[k] = replace(one, envelope=replace(one.envelope, end=other.envelope.peak))
+    return found
 
 
 def _flutter(shown: Expression, since: Floats) -> Floats | float:
@@ -134,11 +168,18 @@ def _mouths(timeline: Timeline, utterances: Mapping[str, Utterance], times: Floa
             yield visemes(utterance.phonemes, times, start=timed.times["start"])
 
 
+def _onsets(timeline: Timeline, utterances: Mapping[str, Utterance]) -> list[float]:
+    """[s] a little before each speech."""
+    return [timed.times["start"] - BEFORE for timed in timeline.timed if _said(timed, utterances)]
+
+
 def _said(timed: Timed, utterances: Mapping[str, Utterance]) -> Utterance | None:
     return utterances.get(timed.behaviour.id) if isinstance(timed.behaviour.action, Speech) else None
 
 
-def _eyes(times: Floats, habits: Habits | None, looks: Sequence[Look], head: Floats) -> Iterator[Channels]:
+def _eyes(
+    times: Floats, habits: Habits | None, looks: Sequence[Look], head: Floats, onsets: Sequence[float]
+) -> Iterator[Channels]:
     """Where the eyes look, and their blinks."""
     ordered = [AHEAD, *sorted(looks, key=lambda look: look.start)]
     angles = looking(ordered, times, head)
@@ -147,5 +188,5 @@ def _eyes(times: Floats, habits: Habits | None, looks: Sequence[Look], head: Flo
         if habits.saccades:
             angles = angles + flitting(span, times, habits.seed)
         if habits.blinks:
-            yield blinking(blink_times(span, ordered, habits.seed), times)
+            yield blinking(blink_times(span, ordered, habits.seed, also=onsets), times)
     yield gaze_units(angles)

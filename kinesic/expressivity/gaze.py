@@ -1,4 +1,4 @@
-"""Gaze and head direction: where the head looks, for a while or for good, and when the trunk turns along."""
+"""Gaze and head direction: where eyes and head look, for a while or for good, and when the trunk turns along."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from kinesic.bml.block import Block, Gaze, HeadDirectionShift
+from kinesic.body.action_units import ASIDE, DOWNWARD, UPWARD
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.expressivity.head import direction, named, words
@@ -17,14 +18,18 @@ from kinesic.expressivity.places import find_target, unknown
 from kinesic.expressivity.turns import UPRIGHT, Hold, axes, clipped, excess, held, plus, room, scaled
 
 AUDIENCE = "audience"  # who is looked at when the one that was meant is unknown
+EYES = (Turn(-ASIDE, -UPWARD), Turn(ASIDE, DOWNWARD))  # how far they turn in the head
+TRUNK_LAG = 0.12  # [s] that the trunk sets out after the head
 HEAD_ALONE = radians(45)  # torsion beyond which the trunk turns along
 SHARE = 50.0  # [deg] of a whole offset in Greta's documents, which write it as a share of 1
+SHARED = ("draft", "none", "fml-apml")  # dialects in which they are
 
 _LEAST_LOOK = 0.2  # [s]
 _HEAD_SPEED, _TRUNK_SPEED = radians(20), radians(30)  # [rad/s] peak speeds of the smallest looks
 _PEAK = 1.875  # peak over mean speed of minimum jerk
 
-_WITH_TRUNK = ("SHOULDER", "TORSO", "WAIST", "WHOLE")
+# of a turn the trunk takes at least so much when its part is named
+_TRUNK_SHARES = {"SHOULDER": 0.25, "CHEST": 0.25, "TORSO": 0.25, "WAIST": 0.4, "WHOLE": 0.4}
 _OFFSETS = {"UP": (0, -1), "DOWN": (0, 1), "LEFT": (1, 0), "RIGHT": (-1, 0)}  # torsion, tilt
 
 Part = Literal["head", "torso"]
@@ -37,9 +42,13 @@ class Aim:
 
     head: Turn  # away from upright, the torso's part included
     torso: Turn = UPRIGHT
+    eyes: Turn = UPRIGHT  # in the head: what is left for them once it is there
     substitute: str = ""  # why it is not what was asked
     missing: str = ""  # what is wrong with the target
     clipped: str = ""  # what the ranges took away
+
+
+STRAIGHT = Aim(UPRIGHT)
 
 
 def aim(
@@ -48,18 +57,20 @@ def aim(
     block: Block,
     robot: Robot,
     targets: Mapping[str, Floats],
-    base: Turn = UPRIGHT,
+    base: Aim = STRAIGHT,
 ) -> Aim | None:
     """Where a gaze or a head direction shift looks.
 
-    An unknown target is substituted by the audience. Robots have no moving eyes, so the head does their part.
+    An unknown target is substituted by the audience. The head goes all the way, as far as its range allows, and eyes
+    the rest; of a gaze that is asked of the eyes alone they do what they can, and the head the rest.
 
     Args:
         action: the behaviour.
         block: whose dialect says how offsets are written.
         robot: whose eyes look; it has a neck.
         targets: (3,) [m] in the world, by name.
-        base: direction of the head that an offset without a target starts from.
+        base: what is looked at for good: an offset without a target starts from there, eyes alone leave head and trunk
+            as they are there, and neck or head alone the trunk.
 
     Returns:
         None when neither the target nor an audience is known.
@@ -68,17 +79,23 @@ def aim(
         found = words(action.target)
         place = find_target(action.target, targets)
         if place is None and named(found, "up", "down", "left", "right", "aside", "neutral", "tilt"):
-            return _limited(scaled(direction(found), 0.5), influence=None, robot=robot)
-        return _looking(action.target, place, UPRIGHT, None, robot, targets)
+            return _limited(scaled(direction(found), 0.5), influence=None, robot=robot, base=base)
+        return _looking(action.target, place, UPRIGHT, None, robot, targets, base)
     offset = _offset(action, block)
     if action.target is None:
-        return _limited(plus(base, offset), influence=action.influence, robot=robot)
-    return _looking(action.target, find_target(action.target, targets), offset, action.influence, robot, targets)
+        return _limited(plus(base.head, offset), influence=action.influence, robot=robot, base=base)
+    return _looking(action.target, find_target(action.target, targets), offset, action.influence, robot, targets, base)
 
 
 def hold(look: Aim, times: Mapping[str, float], *, part: Part, stays: bool, pace: Pace) -> Hold:
-    """When a part goes there and, unless it stays, back."""
-    return held(look.head if part == "head" else look.torso, times, natural=look_time(look, pace), stays=stays)
+    """When a part goes there and, unless it stays, back; the trunk sets out after the head, where it has the time."""
+    natural = look_time(look, pace)
+    if part == "head":
+        return held(look.head, times, natural=natural, stays=stays)
+    arrive = times.get("ready", times["end"])
+    spare = arrive - times["start"] - pace.turn_time("torso", look.torso)
+    late = min(max(spare, 0.0), TRUNK_LAG)
+    return held(look.torso, {**times, "start": times["start"] + late}, natural=natural, stays=stays)
 
 
 def look_time(look: Aim, pace: Pace, temporal: float = 0.0) -> float:
@@ -96,15 +113,21 @@ def _usual(turn: Turn, speed: float) -> float:
 
 
 def _looking(
-    name: str, place: Floats | None, offset: Turn, influence: str | None, robot: Robot, targets: Mapping[str, Floats]
+    name: str,
+    place: Floats | None,
+    offset: Turn,
+    influence: str | None,
+    robot: Robot,
+    targets: Mapping[str, Floats],
+    base: Aim,
 ) -> Aim | None:
     """Towards a named target, or the audience in its place."""
     if place is not None:
-        return _limited(plus(_towards(place, robot), offset), influence=influence, robot=robot)
+        return _limited(plus(_towards(place, robot), offset), influence=influence, robot=robot, base=base)
     if AUDIENCE not in targets:
         return None
     turn = plus(_towards(targets[AUDIENCE], robot), offset)
-    return _limited(turn, influence=influence, robot=robot, missing=unknown(name, targets))
+    return _limited(turn, influence=influence, robot=robot, base=base, missing=unknown(name, targets))
 
 
 def _towards(place: Floats, robot: Robot) -> Turn:
@@ -120,7 +143,7 @@ def _towards(place: Floats, robot: Robot) -> Turn:
 def _offset(gaze: Gaze, block: Block) -> Turn:
     """The offset of a gaze; of drafts and of Greta's dialect, an angle up to 1 is a share of `SHARE`."""
     angle = gaze.offset_angle
-    if block.dialect != "bml-1.0" and abs(angle) <= 1:
+    if block.dialect in SHARED and abs(angle) <= 1:
         angle *= SHARE
     text = (gaze.offset_direction or "").upper()
     sides = np.array([_OFFSETS[word] for word in _OFFSETS if word in text])
@@ -130,23 +153,29 @@ def _offset(gaze: Gaze, block: Block) -> Turn:
     return Turn(torsion=float(torsion), tilt=float(tilt))
 
 
-def _limited(turn: Turn, *, influence: str | None, robot: Robot, missing: str = "") -> Aim:
-    """The rotation shared between head and trunk, inside their ranges."""
-    parts = (influence or "").upper()
-    trunk = 0.0
-    if not parts or any(part in parts for part in _WITH_TRUNK):
-        trunk = copysign(max(0.0, abs(turn.torsion) - HEAD_ALONE), turn.torsion)
-    torso = clipped(Turn(torsion=trunk), room(robot, "torso"))
-    neck = plus(turn, scaled(torso, -1.0))
-    lost = excess(neck, room(robot, "neck"))
+def _limited(turn: Turn, *, influence: str | None, robot: Robot, base: Aim, missing: str = "") -> Aim:
+    """The rotation shared between eyes, head and trunk, inside their ranges."""
+    parts, seeing = (influence or "").upper(), EYES if "eyes" in robot.sites else (UPRIGHT, UPRIGHT)
+    alone = clipped(plus(turn, scaled(base.head, -1.0)), seeing) if parts == "EYES" else UPRIGHT
+    head = plus(turn, scaled(alone, -1.0))
+    share = max((least for part, least in _TRUNK_SHARES.items() if part in parts), default=0.0)
+    torso = base.torso
+    if not parts or share:
+        trunk = copysign(max(share * abs(head.torsion), abs(head.torsion) - HEAD_ALONE), head.torsion)
+        torso = clipped(Turn(torsion=trunk), room(robot, "torso"))
+    neck = plus(head, scaled(torso, -1.0))
+    turned = plus(torso, clipped(neck, room(robot, "neck")))
+    rest = plus(turn, scaled(turned, -1.0))
+    lost = excess(rest, seeing)
     return Aim(
-        head=plus(torso, clipped(neck, room(robot, "neck"))),
+        head=turned,
         torso=torso,
-        substitute=f"looks at the {AUDIENCE}: {missing}" if missing else _without_eyes(parts),
+        eyes=clipped(rest, seeing),
+        substitute=f"looks at the {AUDIENCE}: {missing}" if missing else _without_eyes(parts, robot),
         missing=missing,
         clipped=f"{lost:.0f} deg beyond the neck's range are left out" if lost > 0.5 else "",
     )
 
 
-def _without_eyes(influence: str) -> str:
-    return "the head looks, as the eyes do not move" if influence == "EYES" else ""
+def _without_eyes(influence: str, robot: Robot) -> str:
+    return "the head looks, as the robot has no eyes" if influence == "EYES" and "eyes" not in robot.sites else ""

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from kinesic.bml.block import BmlError
 from kinesic.bml.manner import openness_of
-from kinesic.bml.tree import Element, read_tree
+from kinesic.bml.tree import Bounds, Element, read_tree
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError, closest
 from kinesic.body.robot import Side
@@ -19,6 +19,8 @@ from kinesic.expressivity.paths import HandPath, Kind, Three, Variation, shaped
 from kinesic.expressivity.space import position
 
 _SIDES: Mapping[str, Side] = {"left": "l", "right": "r"}
+LARGEST = Bounds(size=40_000_000, elements=1_000_000)  # of a lexicon
+
 _INHERITED = "empty"  # the hand shape that means: as before
 _TRUTHS: Mapping[str, bool] = {"true": True, "1": True, "false": False, "0": False}
 
@@ -91,7 +93,7 @@ def read_gestuary(path: Path) -> tuple[GestureForm, ...]:
         ConfigError: the file is missing, is no gestuary, or a gesture in it is wrong.
     """
     try:
-        root = read_tree(path.read_bytes(), source=str(path))
+        root = read_tree(path.read_bytes(), source=str(path), bounds=LARGEST)
     except OSError as error:
         raise ConfigError(f"{path}: {error.strerror}") from None
     except BmlError as error:

@@ -8,10 +8,10 @@ from kinesic.bml.block import Gaze, HeadDirectionShift, Timeline
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.expressivity.eyes import Look
-from kinesic.expressivity.gaze import aim
+from kinesic.expressivity.gaze import STRAIGHT, aim
 from kinesic.expressivity.moves import stays
 from kinesic.expressivity.places import NO_TARGETS
-from kinesic.expressivity.turns import UPRIGHT
+from kinesic.expressivity.turns import plus
 
 
 def looks(timeline: Timeline, robot: Robot, targets: Mapping[str, Floats] = NO_TARGETS) -> tuple[Look, ...]:
@@ -26,16 +26,17 @@ def looks(timeline: Timeline, robot: Robot, targets: Mapping[str, Floats] = NO_T
         return ()
     places = {**robot.targets, **targets}
     found: list[Look] = []
-    base = UPRIGHT
+    base = STRAIGHT
     for timed in sorted(timeline.timed, key=lambda each: each.times["start"]):
         action = timed.behaviour.action
         if not isinstance(action, Gaze | HeadDirectionShift):
             continue
         aimed = aim(action, block=timeline.block, robot=robot, targets=places, base=base)
         if aimed is not None:
-            base = aimed.head if stays(action) else base
+            base = aimed if stays(action) else base
             end = np.inf if stays(action) else timed.times["relax"]
-            found.append(Look(timed.times["start"], aimed.head.torsion, -aimed.head.tilt, end))
+            there = plus(aimed.head, aimed.eyes)
+            found.append(Look(timed.times["start"], there.torsion, -there.tilt, end))
     return tuple(found)
 
 

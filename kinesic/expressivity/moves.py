@@ -1,7 +1,8 @@
 """What each behaviour makes of itself: turns of head and torso, work for the hands, and what became of the wish."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 
 from kinesic.bml.block import (
     Block,
@@ -24,12 +25,13 @@ from kinesic.expressivity.hands import REST, Poses, pointing_poses, poses
 from kinesic.expressivity.head import head_form, head_layer
 from kinesic.expressivity.keyframes import Outcome
 from kinesic.expressivity.lexicon import Lexicon, mirrored
+from kinesic.expressivity.moments import TOGETHER
 from kinesic.expressivity.pace import Pace
 from kinesic.expressivity.places import find_target, unknown
 from kinesic.expressivity.sources import manner_of
 from kinesic.expressivity.strokes import Stroke
 from kinesic.expressivity.style import Expressivity, Style
-from kinesic.expressivity.turns import UPRIGHT, Hold, Layer, exclusive, passed
+from kinesic.expressivity.turns import UPRIGHT, Layer, exclusive, passed
 
 REALISED = Outcome("realised")
 
@@ -96,8 +98,8 @@ def gesture_move(timed: Timed, action: Gesture, scene: Scene) -> Move:
     options = [form]
     if action.mode == "unspecified" and len(form.sides) == 1 and not form.rest:
         options.append(mirrored(form))
-    works = tuple(poses(option, scene.robot, manner) if option.keys else _hanging(SIDES) for option in options)
-    outcome, warnings = _substituted(match.substitute)
+    works = tuple(poses(option, scene.robot, manner) if option.keys else hanging(SIDES) for option in options)
+    outcome, warnings = substituted(match.substitute)
     stroke = Stroke(timed.behaviour.id, timed.times, works, form.rest, manner)
     return Move(outcome, strokes=(stroke,), warnings=(*warnings, *unmet))
 
@@ -133,7 +135,7 @@ def head_move(timed: Timed, action: Head, scene: Scene) -> Move:
     if not scene.robot.joints("neck"):
         return _lacking("neck", scene)
     form = head_form(action, scene.robot, scene.manner(timed))
-    outcome, warnings = _substituted(form.substitute, form.clipped)
+    outcome, warnings = substituted(form.substitute, form.clipped)
     return Move(outcome, head=(head_layer(form, timed.times, scene.pace, scene.manner(timed)),), warnings=warnings)
 
 
@@ -162,9 +164,13 @@ def look_moves(looks: Sequence[Timed], scene: Scene) -> Mapping[str, Move]:
     moves: dict[str, Move] = {}
     aims: list[gaze.Aim] = []
     performed: list[Timed] = []
-    base = UPRIGHT
-    for timed in sorted(looks, key=lambda timed: timed.times["start"]):
+    base = gaze.STRAIGHT
+    for timed, other in _in_turn(looks):
         action = timed.behaviour.action
+        if other is not None:
+            why = f"{other.behaviour.id} looks elsewhere from the same moment"
+            moves[timed.behaviour.id] = dropped(why, NoticeType.IMPOSSIBLE_TO_SCHEDULE)
+            continue
         if not isinstance(action, Gaze | HeadDirectionShift):
             raise TypeError(f"{timed.behaviour.id} is a {type(action).__name__}, no gaze and no head direction")
         aim = gaze.aim(action, block=scene.block, robot=scene.robot, targets=scene.targets, base=base)
@@ -172,42 +178,25 @@ def look_moves(looks: Sequence[Timed], scene: Scene) -> Mapping[str, Move]:
             why = unknown(action.target or "", scene.targets)
             moves[timed.behaviour.id] = dropped(why, NoticeType.NO_SUCH_TARGET)
             continue
-        base = aim.head if stays(action) else base
+        base = aim if stays(action) else base
         aims.append(aim)
         performed.append(timed)
     return moves | _looked(performed, aims, scene)
 
 
+def _in_turn(looks: Sequence[Timed]) -> Iterator[tuple[Timed, Timed | None]]:
+    """Looks in order of their starts, each with another of its kind that takes its place before it has begun."""
+    ordered = sorted(looks, key=lambda timed: timed.times["start"])
+    for timed, other in zip_longest(ordered, ordered[1:]):
+        action = timed.behaviour.action
+        same = other is not None and type(other.behaviour.action) is type(action) and not stays(action)
+        at_once = same and other.times["start"] - timed.times["start"] < TOGETHER
+        yield timed, other if at_once else None
+
+
 def stays(action: object) -> bool:
     """Whether a behaviour changes what others return to."""
     return isinstance(action, HeadDirectionShift) or (isinstance(action, Gaze | Posture) and action.shift)
-
-
-def posture_moves(postures: Sequence[Timed], scene: Scene) -> Mapping[str, Move]:
-    """Postures, of which the later wins from its start: the trunk leans, the arms take rest poses."""
-    moves: dict[str, Move] = {}
-    holds: list[Hold] = []
-    found: list[tuple[Timed, Move]] = []
-    for timed in sorted(postures, key=lambda timed: timed.times["start"]):
-        action = timed.behaviour.action
-        if not isinstance(action, Posture):
-            raise TypeError(f"{timed.behaviour.id} is a {type(action).__name__}, no posture")
-        pose = torso.pose(action, scene.lexicon, scene.robot)
-        if pose is None:
-            names = ", ".join(f"{lexeme} of {part}" for part, lexeme in action.poses)
-            moves[timed.behaviour.id] = dropped(f"no pose {names}; leaning, and rest poses of the arms, are known")
-            continue
-        if pose.lean.clipped and pose.lean.turn == UPRIGHT and not pose.arms:
-            moves[timed.behaviour.id] = dropped(f"the trunk cannot: {pose.lean.clipped}")
-            continue
-        outcome, warnings = _substituted(pose.left_out, pose.lean.clipped)
-        strokes = tuple(stroke for arms in pose.arms for stroke in _posed(timed, arms, action.shift, scene))
-        holds.append(torso.hold(pose.lean.turn, timed.times, stays=action.shift, pace=scene.pace))
-        found.append((timed, Move(outcome, strokes=strokes, warnings=warnings)))
-    for (timed, move), layer in zip(found, exclusive(holds), strict=True):
-        trunk = _moving(passed(layer, scene.manner(timed, "torso")))
-        moves[timed.behaviour.id] = Move(move.outcome, torso=trunk, strokes=move.strokes, warnings=move.warnings)
-    return moves
 
 
 def _looked(looks: Sequence[Timed], aims: Sequence[gaze.Aim], scene: Scene) -> dict[str, Move]:
@@ -222,41 +211,22 @@ def _looked(looks: Sequence[Timed], aims: Sequence[gaze.Aim], scene: Scene) -> d
     head, trunk = exclusive(heads), exclusive(trunks)
     moves: dict[str, Move] = {}
     for k, (timed, aim) in enumerate(zip(looks, aims, strict=True)):
-        outcome, warnings = _substituted(aim.substitute, aim.clipped, aim.missing)
+        outcome, warnings = substituted(aim.substitute, aim.clipped, aim.missing)
         if k + 1 < len(heads) and (leave := heads[k].leave) is not None and heads[k + 1].start < leave:
             text = f"gives way to {looks[k + 1].behaviour.id} at {heads[k + 1].start:.2f} s"
             warnings += (Warned(NoticeType.IMPOSSIBLE_TO_SCHEDULE, text),)
         manner = scene.manner(timed)
-        here, below = passed(head[k], manner), _moving(passed(trunk[k], manner))
+        here, below = passed(head[k], manner), moving(passed(trunk[k], manner))
         moves[timed.behaviour.id] = Move(outcome, head=(here,), torso=below, warnings=warnings)
     return moves
 
 
-def _posed(timed: Timed, arms: GestureForm | str, shift: bool, scene: Scene) -> tuple[Stroke, ...]:
-    """Work that brings the arms into a rest pose, and back unless the posture stays."""
-    times = timed.times
-    if isinstance(arms, GestureForm):
-        work = poses(arms, scene.robot, scene.manner(timed))
-    else:
-        work = _hanging(SIDES if arms == "both" else ("l",) if arms == "left" else ("r",))
-    there = times["end"] if shift else times["ready"]
-    back = times["end"] if shift else times["relax"]
-    taken = Stroke(timed.behaviour.id, _at_once(times["start"], there), (work,), rest=True)
-    left = Stroke(timed.behaviour.id, _at_once(back, times["end"]), (_hanging(tuple(work.hands)),), rest=True)
-    return (taken,) if shift else (taken, left)
-
-
-def _at_once(start: float, arrive: float) -> dict[str, float]:
-    """Sync points of work that is done when it arrives."""
-    return {"start": start} | dict.fromkeys(("ready", "strokeStart", "stroke", "strokeEnd", "relax", "end"), arrive)
-
-
-def _hanging(sides: Sequence[Side]) -> Poses:
+def hanging(sides: Sequence[Side]) -> Poses:
     """Arms that hang."""
     return Poses(dict.fromkeys(sides, (REST,)), stroke=0)
 
 
-def _moving(layer: Layer) -> tuple[Layer, ...]:
+def moving(layer: Layer) -> tuple[Layer, ...]:
     """The layer, unless it is upright all the time."""
     return (layer,) if any(key.turn != UPRIGHT for key in layer) else ()
 
@@ -269,7 +239,7 @@ def _clipped(text: str) -> tuple[Warned, ...]:
     return (Warned(NoticeType.CANNOT_CREATE_BEHAVIOR, text),) if text else ()
 
 
-def _substituted(why: str, clipped: str = "", missing: str = "") -> tuple[Outcome, tuple[Warned, ...]]:
+def substituted(why: str, clipped: str = "", missing: str = "") -> tuple[Outcome, tuple[Warned, ...]]:
     """The outcome of a behaviour that is performed, by something else if there is a reason, and its warnings."""
     type = NoticeType.NO_SUCH_TARGET if missing else NoticeType.CANNOT_CREATE_BEHAVIOR
     warnings = (Warned(type, why),) if why else ()

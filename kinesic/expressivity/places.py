@@ -11,12 +11,17 @@ NO_TARGETS: Mapping[str, Floats] = MappingProxyType({})
 
 
 def find_target(text: str, targets: Mapping[str, Floats]) -> Floats | None:
-    """(3,) [m] in the world of a target: its name in any case, or "x y z" in metres; None when it is neither."""
+    """(3,) [m] in the world of a target: its name in any case, or "x y z" in metres; None when it is neither.
+
+    A part of somebody, such as `user:l_wrist`, is where the whole is, unless it has a place of its own.
+    """
     if text in targets:
         return targets[text]
     folded = {name.lower(): place for name, place in targets.items()}
-    if text.strip().lower() in folded:
-        return folded[text.strip().lower()]
+    name = text.strip().lower()
+    for whole in (name, name.partition(":")[0]):
+        if whole in folded:
+            return folded[whole]
     try:
         numbers = [float(part) for part in text.replace(",", " ").split()]
     except ValueError:

@@ -5,16 +5,20 @@ from dataclasses import replace
 from types import MappingProxyType
 
 from kinesic.bml.block import (
+    Activate,
     Behaviour,
     Block,
     BmlError,
     Custom,
+    Face,
     Gaze,
     Gesture,
     Head,
     HeadDirectionShift,
+    Interrupt,
     Notice,
     NoticeType,
+    ParameterChange,
     Pointing,
     Posture,
     Speech,
@@ -25,6 +29,7 @@ from kinesic.bml.block import (
 )
 from kinesic.bml.constraints import placed
 from kinesic.body.arrays import Floats
+from kinesic.expressivity.face_units import outcome
 from kinesic.expressivity.gather import GATHER, HANDS, Gathering, Sequences
 from kinesic.expressivity.idle import OFF, Idling, filled
 from kinesic.expressivity.keyframes import KeyFrames, Outcome, PartName
@@ -39,12 +44,12 @@ from kinesic.expressivity.moves import (
     head_move,
     look_moves,
     pointing_move,
-    posture_moves,
     torso_move,
 )
 from kinesic.expressivity.pace import Pace
 from kinesic.expressivity.phases import Arranged, arranged
 from kinesic.expressivity.places import NO_TARGETS
+from kinesic.expressivity.posing import posture_moves
 from kinesic.expressivity.style import Style
 from kinesic.expressivity.trunk import taking_part
 
@@ -141,12 +146,24 @@ def _move(timed: Timed, scene: Scene) -> Move:
             return head_move(timed, action, scene)
         case Torso() as action:
             return torso_move(timed, action, scene)
-        case Speech() | Wait():
+        case Face() as action:
+            return _face_move(action)
+        case Speech() | Wait() | Interrupt() | Activate() | ParameterChange():
             return Move()
         case Custom(name):
             return dropped(f"nothing is known of {name}", NoticeType.CUSTOM_BEHAVIOUR_NOT_SUPPORTED)
     why = f"no part of robot {scene.robot.name} does {timed.behaviour.type}"
     return dropped(why, NoticeType.BEHAVIOR_TYPE_NOT_SUPPORTED)
+
+
+def _face_move(action: Face) -> Move:
+    """A face: it moves no hinge, and `face_units` works out what it shows when somebody looks."""
+    found = outcome(action)
+    if found.kind == "dropped":
+        return dropped(found.why)
+    beyond = "" if 0.0 <= action.amount <= 1.0 else f"amount {action.amount:g} is cut to the range from 0 to 1"
+    told = filter(None, (found.why, beyond))
+    return Move(found, warnings=tuple(Warned(NoticeType.CANNOT_CREATE_BEHAVIOR, text) for text in told))
 
 
 def _with_hands(id: str, move: Move, hands: Arranged) -> Move:

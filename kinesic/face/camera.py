@@ -1,4 +1,4 @@
-"""Where the face is looked at from."""
+"""Where the face is looked at from, and how the head is turned before it."""
 
 import math
 from dataclasses import dataclass
@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinesic.body.arrays import Floats
+from kinesic.body.rotation import about
 from kinesic.face.display import DisplayError
 
 PIVOT = (-0.055, 0.0, -0.028)  # [m] middle of the head, round which the camera goes
@@ -21,6 +22,7 @@ class Camera:
     yaw_deg: float = 0.0  # 0 is frontal, 90 shows the left side of the head, 180 the back
     distance: float = 0.85  # [m] from the middle of the head
     field_deg: float = 19.0  # of view, upright
+    turn: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [rad] of the head: to its left, up, and over to its right
 
     def __post_init__(self) -> None:
         if not math.isfinite(self.yaw_deg):
@@ -33,7 +35,7 @@ class Camera:
         yaw = math.radians(self.yaw_deg)
         towards = np.array([math.cos(yaw), math.sin(yaw), 0.0])
         up = np.array([0.0, 0.0, 1.0])
-        rotation = np.array([np.cross(up, towards), up, towards])
+        rotation = np.array([np.cross(up, towards), up, towards]) @ turned(*self.turn)
         found = np.eye(4)
         found[:3, :3] = rotation
         found[:3, 3] = rotation @ -np.array(PIVOT) - np.array([0.0, 0.0, self.distance])
@@ -50,4 +52,11 @@ class Camera:
         return found
 
 
+def turned(left: float, up: float, over: float) -> Floats:
+    """(3, 3) how a head stands that turned to its left, then up, then over to its right [rad]."""
+    x, y, z = np.eye(3)
+    return np.asarray(about(z, left) @ about(y, -up) @ about(x, over))
+
+
 FRONT = Camera()
+CLOSE = Camera(field_deg=15.0)  # the face fills the picture

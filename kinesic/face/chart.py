@@ -6,11 +6,13 @@ the rest position belongs to the vertex. The mask keeps them off the back of the
 """
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from kinesic.body.arrays import Floats
-from kinesic.face.mesh import PARTS, Mesh
+from kinesic.face.mesh import PARTS, Indices, Mesh
 
+ROUND = 4 * np.pi  # width of the whole chart
 AXIS = 1.6  # how far behind the eyes the cylinder has its axis
 LEFT_RIGHT = (-1.8, 1.8)  # of the window that is drawn
 LOW_HIGH = (-2.2, 1.6)
@@ -28,7 +30,7 @@ HAIRLINE = (  # [deg] round from the front, height
     (140.0, -0.75),
     (180.0, -1.0),
 )
-MOUTH = (0.5, -1.4, -0.8)  # where its inside is looked for: to the side, from below, to above
+MOUTH = (0.6, -1.45, -0.8)  # where its inside is looked for: to the side, from below, to above
 THROAT = -1.0  # and how far back; the neck is behind
 BEFORE = 0.1  # how far the face is in front of it
 CROWN = -1.15  # how far forward the middle is that the hairline goes round
@@ -41,7 +43,7 @@ def window() -> tuple[float, float, float, float]:
 
 
 def places(mesh: Mesh) -> Floats:
-    """(v, 4) of each vertex: a, y, front mask, height over the hairline.
+    """(v, 4) of each vertex: a, y, front mask less three times how far inside the mouth, height over the hairline.
 
     For the eyes: direction at rest from the centre of the eyeball as left, up, forward; then 0. For teeth and tongue
     the third is how far forward they are.
@@ -49,7 +51,8 @@ def places(mesh: Mesh) -> Floats:
     rest = mesh.positions / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
     forward, left, up = rest.T
     mask = np.clip((forward - FRONT[0]) / (FRONT[1] - FRONT[0]), 0.0, 1.0)
-    found = np.stack([2 * np.arctan2(left, forward + AXIS), up, mask * mask * (3 - 2 * mask), hair(rest)], axis=1)
+    mask = mask * mask * (3 - 2 * mask) - 3 * mouth(mesh)
+    found = np.stack([2 * np.arctan2(left, forward + AXIS), up, mask, hair(rest)], axis=1)
     eyes = mesh.vertices("eyes")
     spokes = mesh.positions[eyes] - mesh.eyes[np.where(mesh.positions[eyes, 1] > 0.0, 0, 1)]
     spokes /= np.linalg.norm(spokes, axis=1, keepdims=True)
@@ -57,6 +60,26 @@ def places(mesh: Mesh) -> Floats:
     found[inside, 2] = forward[inside]
     found[eyes] = np.column_stack([spokes[:, [1, 2, 0]], np.zeros(len(eyes))])
     return found
+
+
+def unrolled(place: Floats, triangles: Indices) -> tuple[NDArray[np.intp], Floats, Indices]:
+    """Cuts a mesh open behind the head, where the chart's right end meets its left one.
+
+    Args:
+        place: (v, 4) of `places`.
+        triangles: (t, 3) corners.
+
+    Returns:
+        (w,) which vertex each is, the mesh's own first; (w, 4) places; (t, 3) corners, none of them across the seam.
+    """
+    corners = place[triangles, 0]
+    torn = np.ptp(corners, axis=1) > ROUND / 2
+    low = torn[:, None] & (corners < 0.0)
+    twice, which = np.unique(triangles[low], return_inverse=True)
+    found = triangles.copy()
+    found[low] = len(place) + which
+    again = place[twice] + np.array([ROUND, 0.0, 0.0, 0.0])
+    return np.concatenate([np.arange(len(place)), twice]), np.concatenate([place, again]), found
 
 
 def mouth(mesh: Mesh) -> Floats:

@@ -4,9 +4,12 @@ The room `face` shows the robot's face: action units become shapes of a mesh, wi
 window or in a file. OpenGL is optional everywhere; a machine without it gets one error that tells how to mend it.
 """
 
+import importlib
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol, cast
+
+from kinesic.face.opengl import driver
 
 if TYPE_CHECKING:
     import moderngl
@@ -26,21 +29,33 @@ def offscreen() -> Iterator["moderngl.Context"]:
     Raises:
         DisplayError: moderngl is not installed, or there is no OpenGL driver.
     """
-    try:
-        import moderngl  # noqa: PLC0415 - optional
-    except ImportError:
-        raise DisplayError(f"moderngl is not installed; {INSTALL_LIBRARY}") from None
-    try:
-        context = moderngl.create_context(
-            standalone=True,
-            backend="egl",  # type: ignore[arg-type, unused-ignore] # the stub asks for a dict, the library for a name
-        )
-    except Exception as error:  # the library raises nothing more precise
-        raise DisplayError(f"no OpenGL: {error}; {INSTALL_DRIVER}") from error
+    drawing, found = library(), driver()
+    if found.fault:
+        raise DisplayError(f"no OpenGL: {found.fault}; {INSTALL_DRIVER}")
+    context = drawing.create_context(standalone=True, backend="egl", libegl=found.egl, libgl=found.gl)
     try:
         yield context
     finally:
         context.release()
+
+
+class Library(Protocol):
+    """What is used of moderngl to begin with; its own types want tables where the library wants names."""
+
+    def create_context(self, *, standalone: bool = ..., **settings: object) -> "moderngl.Context":
+        """Opens a context, or takes one that is there."""
+
+
+def library() -> Library:
+    """The library that draws.
+
+    Raises:
+        DisplayError: it is not installed.
+    """
+    try:
+        return cast(Library, importlib.import_module("moderngl"))
+    except ImportError:
+        raise DisplayError(f"moderngl is not installed; {INSTALL_LIBRARY}") from None
 
 
 def available() -> str | None:

@@ -11,44 +11,47 @@ import moderngl
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.face.passes import ScreenPass, Size, Target, Value, texture
+from kinesic.face.geometry import Seen
+from kinesic.face.passes import ScreenPass, Target, Value, texture
 from kinesic.face.presets import Estimator, Occlusion, Pattern
 
 SIDE = 4  # pixels of the pattern along an axis
 SEED = 3
+OPEN = (1.0, 0.0, 0.0, 0.0)  # the backdrop
 
 
 class OcclusionPass:
     """Finds how open each pixel of the head is."""
 
-    def __init__(self, context: moderngl.Context, size: Size, occlusion: Occlusion) -> None:
-        self.occlusion = occlusion
+    def __init__(self, context: moderngl.Context, seen: Seen, occlusion: Occlusion) -> None:
+        self.occlusion, self._seen = occlusion, seen
         estimator = get_args(Estimator).index(occlusion.estimator)
 
-        def target() -> Target:
-            found = Target(context, (-(-size[0] // occlusion.coarse), -(-size[1] // occlusion.coarse)), ("1f4",), None)
-            found.textures[0].filter = (moderngl.LINEAR, moderngl.LINEAR)
-            return found
+        def over_head(fragment: str, **defines: int) -> ScreenPass:
+            target = Target(context, seen.position.size, ("4f4",), seen.depth)
+            target.textures[0].filter = (moderngl.LINEAR, moderngl.LINEAR)
+            return ScreenPass(context, fragment, target, where=seen.where, defines=defines)
 
-        self._march = ScreenPass(context, "occlusion", target(), everywhere=True, defines={"ESTIMATOR": estimator})
-        self._blurs = [ScreenPass(context, "blur", target(), everywhere=True) for _ in range(2)]
+        self.march = over_head("occlusion", ESTIMATOR=estimator)
+        self.blurs = () if occlusion.exact else (over_head("blur"), over_head("blur"))
         angles = np.zeros((SIDE, SIDE)) if occlusion.exact else directions(occlusion.pattern)
-        self._pattern = texture(context, np.stack([np.cos(angles), np.sin(angles)], axis=-1), half=False)
+        self._pattern = texture(context, np.stack([np.cos(angles), np.sin(angles)], axis=-1), "f4")
 
-    def draw(self, position: moderngl.Texture, normal: moderngl.Texture, scale: float) -> Target:
-        """Openness of each pixel, 0..1.
+    def draw(self, scale: float) -> Target:
+        """Openness of each pixel, 0..1, in the first component.
+
+        The normals are those of the geometry; wrinkles would be smeared by the blur.
 
         Args:
-            position: of the G-buffer.
-            normal: of the geometry; wrinkles would be smeared by the blur.
             scale: [pixels/m] at the middle of the head.
         """
-        told = self.occlusion
+        told, seen = self.occlusion, self._seen
         steps, marched = told.size // 2, told.size if told.exact else 2
         turn = pi / marched
-        counts = {"side": SIDE, "coarse": told.coarse}
         rings = np.arange(1, steps + 1)
+        across, up = (1.0 / side for side in seen.position.size)
         values: dict[str, Value] = {
+            "pixel": (across, up),
             "turn": (cos(turn), sin(turn)),
             "stride": told.radius * scale / (steps + 1),
             "radius": told.radius,
@@ -56,11 +59,12 @@ class OcclusionPass:
         }
         if told.estimator != "horizon":
             values["all"] = float((rings * wendland(rings / (steps + 1))).sum())
-        inputs = {"position": position, "normal": normal, "pattern": self._pattern}
-        found = self._march.draw(inputs, values, counts | {"directions": marched, "steps": steps})
-        for blur, axis in zip(() if told.exact else self._blurs, ((1.0, 0.0), (0.0, 1.0)), strict=False):
-            inputs = {"position": position, "normal": normal, "noisy": found.textures[0]}
-            found = blur.draw(inputs, {"axis": axis}, counts)
+        inputs = {"position": seen.position, "normal": seen.normal, "pattern": self._pattern}
+        self.march.clear(*OPEN)
+        found = self.march.draw(inputs, values, {"side": SIDE, "directions": marched, "steps": steps})
+        for blur, axis in zip(self.blurs, ((across, 0.0), (0.0, up)), strict=False):
+            blur.clear(*OPEN)
+            found = blur.draw({"noisy": found.textures[0]}, {"axis": axis}, {"side": SIDE})
         return found
 
 

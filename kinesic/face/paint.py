@@ -5,13 +5,14 @@ Nothing is an image asset; everything is drawn from a few figures and a seed. Co
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from types import MappingProxyType
 
 import numpy as np
 from PIL import Image, ImageDraw
 from scipy.ndimage import gaussian_filter
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, sealed
 from kinesic.face.chart import LEFT_RIGHT, LOW_HIGH
 from kinesic.face.mesh import Variant
 
@@ -72,6 +73,7 @@ FLUSHED = (  # a, y, half width, strength
 )
 
 
+@cache
 def skin(complexion: Complexion) -> Floats:
     """(n, n, 4) skin over the chart's window, first row at the bottom; the last is how dry it is, 0 on the lips."""
     random = np.random.default_rng(SEED)
@@ -88,14 +90,16 @@ def skin(complexion: Complexion) -> Floats:
         amount * gaussian_filter(random.standard_normal((RESOLUTION, RESOLUTION)), size, mode="wrap") * size
         for size, amount in ((1.2, 0.035), (7.0, 0.05))
     )
-    mottled = mottled * _step(y, low, low + 0.5) * _step(-y, -high, -high + 0.3)  # the border's row goes on for ever
+    inside = _step(y, low, low + 0.5) * _step(-y, -high, -high + 0.3) * _step(-np.abs(a), -right, -right + 0.4)
+    mottled = mottled * inside  # the border's pixels go on for ever
     found *= 1.0 + mottled[..., None] * np.array([0.6, 1.0, 1.0])
     red = _lips(np.abs(a), y)
     found = _mixed(found, complexion.lips, 0.85 * red)
     found = _mixed(found, complexion.hair, _brows(complexion, random))
-    return np.concatenate([found, 1.0 - red[..., None]], axis=2).clip(0.0, 1.0)
+    return sealed(np.concatenate([found, 1.0 - red[..., None]], axis=2).clip(0.0, 1.0))
 
 
+@cache
 def iris(complexion: Complexion) -> Floats:
     """(n, n, 3) an eye seen along its axis, of half width `EYE` radii of the eyeball."""
     random = np.random.default_rng(SEED)
@@ -108,7 +112,7 @@ def iris(complexion: Complexion) -> Floats:
     found = _mixed(found, (0.003, 0.003, 0.003), 1.0 - _step(radius, PUPIL - 0.02, PUPIL + 0.02))
     white = np.array([0.74, 0.70, 0.67]) - np.array([0.10, 0.22, 0.22]) * _step(radius, 0.45, 0.95)[..., None]
     found = _mixed(found, white, _step(radius, IRIS - 0.015, IRIS + 0.035))
-    return np.asarray(found.reshape(IRIS_RESOLUTION, FINE, IRIS_RESOLUTION, FINE, 3).mean(axis=(1, 3)))
+    return sealed(found.reshape(IRIS_RESOLUTION, FINE, IRIS_RESOLUTION, FINE, 3).mean(axis=(1, 3)))
 
 
 def _lips(a: Floats, y: Floats) -> Floats:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 
 import moderngl
 import numpy as np
@@ -14,19 +14,27 @@ from kinesic.body.arrays import Floats
 SHADERS = Path(__file__).parent / "shaders"
 VERSION = "#version 330 core\n"
 
+Where = Literal["head", "marked", "marking", "everywhere"]
+PASSES: Mapping[Where, str] = (
+    MappingProxyType(  # how the far plane's depth, 1, must compare to what the depth buffer has
+        {"head": ">", "marked": "==", "marking": "1", "everywhere": "1"}
+    )
+)
 Size: TypeAlias = tuple[int, int]  # width, height [pixels]
+Rectangle: TypeAlias = tuple[int, int, int, int]  # left, low, width, height [pixels]
 Value: TypeAlias = float | Sequence[float] | Floats
 Values: TypeAlias = Mapping[str, Value]
 
 
 def program(
-    context: moderngl.Context, vertex: str, fragment: str, defines: Mapping[str, int] | None = None
+    context: moderngl.Context, vertex: str, *fragments: str, defines: Mapping[str, int] = MappingProxyType({})
 ) -> moderngl.Program:
-    """Compiles two files of `shaders`, with numbers for the names that they leave open."""
-    head = VERSION + "".join(f"#define {name} {value}\n" for name, value in (defines or {}).items())
+    """Compiles files of `shaders`, of which later ones use earlier ones; numbers fill in names that they leave open."""
+    head = VERSION + "".join(f"#define {name} {value}\n" for name, value in defines.items())
     return context.program(
         vertex_shader=VERSION + (SHADERS / f"{vertex}.vert.glsl").read_text(encoding="utf-8"),
-        fragment_shader=head + (SHADERS / f"{fragment}.frag.glsl").read_text(encoding="utf-8"),
+        fragment_shader=head
+        + "".join((SHADERS / f"{each}.frag.glsl").read_text(encoding="utf-8") for each in fragments),
     )
 
 
@@ -39,11 +47,17 @@ def tell(shader: moderngl.Program, values: Values, kind: str = "f4") -> None:
         member.write(np.asarray(value, dtype=kind).tobytes())
 
 
-def texture(context: moderngl.Context, pixels: Floats, *, half: bool = True) -> moderngl.Texture:
-    """A texture of (height, width, components), first row at the bottom, smooth within and clamped at its border."""
+def texture(context: moderngl.Context, pixels: Floats, kind: Literal["f1", "f2", "f4"] = "f2") -> moderngl.Texture:
+    """A texture that is smooth within and clamped at its border.
+
+    Args:
+        context: to draw in.
+        pixels: (height, width, components), first row at the bottom.
+        kind: of a component: a byte for 0..1, or a float of 2 or 4 bytes.
+    """
     height, width, components = pixels.shape
-    kind = "f2" if half else "f4"
-    found = context.texture((width, height), components, np.ascontiguousarray(pixels, dtype=kind).tobytes(), dtype=kind)
+    told = np.rint(255 * pixels).astype(np.uint8) if kind == "f1" else np.ascontiguousarray(pixels, dtype=kind)
+    found = context.texture((width, height), components, told.tobytes(), alignment=1, dtype=kind)
     found.filter = (moderngl.LINEAR, moderngl.LINEAR)
     found.repeat_x = found.repeat_y = False
     return found
@@ -63,11 +77,33 @@ class Target:
             formats: components and type of each, such as "4f2" or "3f1".
             depth: of the head, or None for a pass that covers everything.
         """
-        self.textures = [context.texture(size, int(each[0]), dtype=each[1:]) for each in formats]
-        for each in self.textures:
+        textures = [context.texture(size, int(each[0]), dtype=each[1:]) for each in formats]
+        for each in textures:
             each.filter = (moderngl.NEAREST, moderngl.NEAREST)
             each.repeat_x = each.repeat_y = False
+        self._hold(context, textures, depth)
+
+    @classmethod
+    def of(
+        cls, context: moderngl.Context, textures: Sequence[moderngl.Texture], depth: moderngl.Renderbuffer | None
+    ) -> "Target":
+        """A target of textures that are there."""
+        found = cls.__new__(cls)
+        found._hold(context, textures, depth)
+        return found
+
+    def _hold(
+        self, context: moderngl.Context, textures: Sequence[moderngl.Texture], depth: moderngl.Renderbuffer | None
+    ) -> None:
+        self._context, self.textures = context, list(textures)
         self.frame = context.framebuffer(self.textures, depth)
+
+    def copy(self, texture: moderngl.Texture) -> None:
+        """Fills the first texture with the pixels of another; what depth the frame has stays."""
+        onto, found = (self._context.framebuffer([each]) for each in (self.textures[0], texture))
+        self._context.copy_framebuffer(onto, found)
+        onto.release()
+        found.release()
 
     def read(self, number: int = 0) -> Floats:
         """(height, width, components) pixels of one of the textures, first row on top."""
@@ -84,7 +120,7 @@ class Target:
 
 
 class ScreenPass:
-    """A fragment shader over the pixels of the head, or over all, that reads textures and writes a target."""
+    """A fragment shader over some pixels of the screen, that reads textures and writes a target."""
 
     def __init__(
         self,
@@ -92,37 +128,73 @@ class ScreenPass:
         fragment: str,
         target: Target,
         *,
-        everywhere: bool = False,
-        defines: Mapping[str, int] | None = None,
+        where: Where = "head",
+        defines: Mapping[str, int] = MappingProxyType({}),
     ) -> None:
-        self.context, self.target, self.everywhere = context, target, everywhere
-        target.frame.depth_mask = False  # the head stays where it is, whatever is drawn or cleared
-        self.shader = program(context, "screen", fragment, defines)
+        self.context, self.target, self.where = context, target, where
+        target.frame.depth_mask = where == "marking"  # the head stays where it is, whatever is drawn or cleared
+        self.shader = program(context, "screen", fragment, defines=defines)
         corners = context.buffer(np.array([-1, -1, 3, -1, -1, 3], dtype="f4").tobytes())
         self.triangle = context.vertex_array(self.shader, [(corners, "2f", "corner")])
 
     def draw(
         self,
         inputs: Mapping[str, moderngl.Texture],
-        values: Values,
+        values: Values = MappingProxyType({}),
         counts: Mapping[str, int] = MappingProxyType({}),
+        *,
+        within: Rectangle | None = None,
+        added: bool = False,
     ) -> Target:
-        """Runs the shader on inputs, by the names of its samplers, and values and counts, by those of its uniforms."""
+        """Runs the shader.
+
+        Args:
+            inputs: by the names of its samplers.
+            values: by the names of its uniforms.
+            counts: the same, for whole numbers.
+            within: no pixel outside is touched.
+            added: to what the target holds, instead of in its place.
+        """
         for place, (name, found) in enumerate(inputs.items()):
             found.use(place)
             self.shader[name] = place
         tell(self.shader, values)
         tell(self.shader, counts, "i4")
+        if within is not None:
+            self.target.frame.scissor = within
         self.target.frame.use()
-        if self.everywhere:
-            self.context.disable(moderngl.DEPTH_TEST)
-        else:
-            self.context.enable(moderngl.DEPTH_TEST)
-            self.context.depth_func = ">"
+        tested = moderngl.NOTHING if self.where == "everywhere" else moderngl.DEPTH_TEST
+        self.context.enable_only(tested | (moderngl.BLEND if added else moderngl.NOTHING))
+        self.context.depth_func = PASSES[self.where]
+        self.context.blend_func = moderngl.ONE, moderngl.ONE
         self.triangle.render(moderngl.TRIANGLES, vertices=3)
+        if within is not None:  # it would hold for clearing and copying, too
+            self.context.scissor = None
         return self.target
 
-    def clear(self) -> Target:
-        """The target with zeros."""
-        self.target.frame.clear()
+    def clear(self, red: float = 0.0, green: float = 0.0, blue: float = 0.0, alpha: float = 0.0) -> Target:
+        """The target in one colour."""
+        self.target.frame.clear(red, green, blue, alpha)
         return self.target
+
+
+class Marks:
+    """Pixels that a fragment shader does not discard, for passes over those alone, and what it writes there.
+
+    What one shader skips, a software renderer still works out; what the depth test rejects, it does not.
+    """
+
+    def __init__(self, context: moderngl.Context, fragment: str, size: Size, formats: Sequence[str] = ()) -> None:
+        self.depth = context.depth_renderbuffer(size)
+        self.target = Target(context, size, formats, self.depth)
+        self._pass = ScreenPass(context, fragment, self.target, where="marking")
+
+    def draw(self, inputs: Mapping[str, moderngl.Texture], values: Values = MappingProxyType({})) -> None:
+        """Marks anew."""
+        self.target.frame.clear(depth=0.0)
+        self._pass.draw(inputs, values)
+
+    def share(self) -> float:
+        """How much of the screen is marked."""
+        depths = self.target.frame.read(components=1, attachment=-1, dtype="f4")
+        return float((np.frombuffer(depths, np.float32) > 0.0).mean())

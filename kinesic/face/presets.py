@@ -20,7 +20,6 @@ class Occlusion:
     exact: bool = False  # else separable
     estimator: Estimator = "angular"
     pattern: Pattern = "hammersley"  # in which directions turn from pixel to pixel
-    coarse: int = 2  # pixels of the picture along a side of one of the occlusion
     radius: float = 0.024  # [m] within which surfaces occlude
     strength: float = 1.7
 
@@ -30,7 +29,28 @@ class Scattering:
     """Light that spreads under the skin (thesis 5.1 and 5.2)."""
 
     width: float = 0.0035  # [m] that red light spreads
-    threshold: float = 0.93  # of openness: only pixels occluded more than this are filtered; 1 filters all
+    threshold: float = 0.93  # of openness: pixels more open than this and even are left as they are; 1 filters all
+    steps: int = 3  # samples on each side
+
+
+@dataclass(frozen=True)
+class Shadow:
+    """The soft shadow of the key light (thesis 12.1)."""
+
+    lamp: float = 0.15  # [m] across: the wider, the softer
+    away: float = 1.2  # [m] from the middle of the head to the lamp
+    blockers: int = 4  # samples along a side where what is in the way is looked for
+    taps: int = 6  # samples along a side of what is compared
+    coloured: bool = False  # what light shines through tints it
+
+
+@dataclass(frozen=True)
+class Focus:
+    """Depth of field (thesis 12.1)."""
+
+    circle: float = 0.03  # radius of confusion at its widest, as a share of the picture's height
+    within: float = 0.03  # [m] from the nearer eye that is sharp, too
+    taps: int = 24
 
 
 @dataclass(frozen=True)
@@ -41,8 +61,11 @@ class Preset:
     subdivided: bool = False  # four times the faces
     wrinkles: bool = True
     occlusion: Occlusion | None = None
-    scattering: Scattering | None = None  # needs occlusion, which steers it
-    shadow: bool = False  # of the key light
+    scattering: Scattering | None = None  # steered by occlusion, if there is any
+    shadow: Shadow | None = None
+    focus: Focus | None = None
+    eyeshade: bool = False  # worn by the head, translucent
+    coarse: int = 2  # pixels along a side of one that occlusion and shadow are found for
     smooth: bool = True  # edges
     samples: int = 1  # pixels drawn along each side of a pixel shown
 
@@ -52,13 +75,14 @@ PRESETS: Mapping[str, Preset] = MappingProxyType(
         preset.name: preset
         for preset in (
             Preset("draft", wrinkles=False, smooth=False),
-            Preset("normal", shadow=True, occlusion=Occlusion(), scattering=Scattering()),
+            Preset("normal", shadow=Shadow(), occlusion=Occlusion(), scattering=Scattering()),
             Preset(
                 "full",
                 subdivided=True,
                 occlusion=Occlusion(size=21),
-                scattering=Scattering(threshold=1.0),
-                shadow=True,
+                scattering=Scattering(threshold=1.0, steps=5),
+                shadow=Shadow(blockers=6, taps=8, coloured=True),
+                focus=Focus(),
                 samples=2,
             ),
         )

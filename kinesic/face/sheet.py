@@ -6,10 +6,9 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from kinesic.body.action_units import UNITS
-from kinesic.face.camera import Camera
+from kinesic.face.camera import CLOSE, Camera
 from kinesic.face.portrait import Pixels, Portrait
 
-CLOSE = Camera(field_deg=15.0)  # the face fills the picture
 LOW, HIGH = 0.4, 1.0
 KINDS = ((LOW, 0.0), (LOW, 1.0), (HIGH, 0.0), (HIGH, 1.0))  # intensity and gain of the wrinkles of each picture
 ACROSS = 3  # action units in a row

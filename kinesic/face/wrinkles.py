@@ -86,6 +86,18 @@ def maps(resolution: int = RESOLUTION) -> Floats:
     return sealed(found)
 
 
+@cache
+def reaches() -> Floats:
+    """(12, 2, 2) lowest and highest a and y at which each map has any height."""
+    found = np.zeros((MAPS, 2, 2))
+    low, span = np.array([LEFT_RIGHT[0], LOW_HIGH[0]]), np.array([np.ptp(LEFT_RIGHT), np.ptp(LOW_HIGH)])
+    for number, height in enumerate(maps()):
+        rows, columns = np.nonzero(height)
+        ends = np.array([[columns.min(), rows.min()], [columns.max() + 1, rows.max() + 1]])
+        found[number] = low + ends * span / len(height)
+    return sealed(found)
+
+
 def shares(told: Floats) -> Floats:
     """(2, 12) how much of each map is shown on the left and on the right half of the face.
 

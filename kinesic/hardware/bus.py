@@ -131,8 +131,10 @@ class Bus:
             records=gate.blocks,
             times=gate.times,
             fresh=gate.fresh,
+            late=gate.late,
             silent=self._roster.silent,
             lost=self._lost,
+            signature=gate.signature,
             events=events,
         )
 
@@ -143,14 +145,16 @@ class Bus:
 
     def _hear(self) -> None:
         """The answer to all, and what can be mended of it."""
-        overdue = self._overdue
+        overdue, mute = self._overdue, self._listener.mute
         if self._mum:
             overdue.overhear(self._question, self._places, self._end)
             return
-        self._whole = self._listen(self._question, self._places, patient=self._listener.mute)
+        self._whole = self._listen(self._question, self._places, patient=mute)
         overdue.note(fresh=bool(self._gate.fresh.any()))
         self._repair()
-        overdue.keep(self._question, self._places, whole=self._whole)
+        if self._gate.late.any() or (mute and self._gate.fresh.any()):
+            self._listener.tardy = bool(self._gate.late.any())
+        overdue.keep(self._question, self._places, asked=self._asked, whole=self._whole)
 
     def _listen(self, question: Question, places: Place, *, strict: bool = False, patient: bool = False) -> bool:
         """Waits for the answer to what was said last, and believes what is plausible of it; whether it was whole."""
@@ -160,6 +164,8 @@ class Bus:
             answer = listener.hear(question, end=end, strict=strict, patient=patient, again=True)
         if answer is not None:
             answer = overdue.without_earlier(question, places, answer)
+        if answer is not None and answer.whole:
+            overdue.catch_up(listener.before, self._begun)
         if answer is None or not answer.whole:
             overdue.missed(question)
         if answer is not None:
@@ -168,15 +174,19 @@ class Bus:
 
     def _repair(self) -> None:
         """Uses what is left of the cycle: asks again who is missing, sets cells anew, tries a silent servo."""
-        gate, roster = self._gate, self._roster
+        gate, roster, listener = self._gate, self._roster, self._listener
         if gate.fresh.all():
             return
         for _ in range(ROUNDS):
             missing = [k for k in roster.order if not gate.fresh[k] and k not in gate.forgetful]
             # who is missing first may have cut off the others: he is asked last
             suspect_last = (*missing[1:], *missing[:1])
+            mute = listener.mute
             if not missing or not self._ask(suspect_last[: self._room()]):
                 break
+            if mute and not listener.mute:
+                # what was only lost is made good now; what was late has been spoilt by asking again
+                listener.tardy = 2 * int(gate.fresh.sum()) < len(missing)
             self._look_again()
         for place in tuple(gate.forgetful):
             self._remind(place)
@@ -220,6 +230,8 @@ class Bus:
     def _look_again(self) -> None:
         """While others were asked again, the rest of the answer to all may have come."""
         answer, gate = self._question.answer(self._listener.heard), self._gate
+        if not answer.whole:
+            answer = self._overdue.without_earlier(self._question, self._places, answer)
         news = answer.found & ~gate.fresh[self._places]
         if news.any():
             gate.admit(self._places, answer._replace(found=news, whole=False), self._asked)

@@ -43,8 +43,10 @@ class Cycle:
     records: Records  # (n,) of dtype HEALTH and more: the last one believed, zeros before the first
     times: Floats  # (n,) [s] when it was taken; -inf: never
     fresh: Flags  # (n,) taken in this cycle
+    late: Flags  # (n,) whose record of an earlier cycle has come in this one, dated by the servo's clock
     silent: Flags  # (n,) in quarantine
     lost: bool  # the port is gone
+    signature: bytes  # of the records: while it stays, torque, errors, watchdogs and temperatures do
     events: tuple[Event, ...]
 
     @cached_property

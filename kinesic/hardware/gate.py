@@ -85,13 +85,23 @@ class Gate:
                 self._unset.discard(index)
         self.blocks, self.times, self.fresh, self.signature = blocks, times, fresh, signature(blocks)
 
-    def admit_late(self, places: Place, answer: Answer, now: float) -> None:
-        """Believes answers to an earlier question, if they are news; when they were given, the servo's clock tells."""
+    def admit_late(self, places: Place, answer: Answer, now: float, *, asked: float | None = None) -> None:
+        """Believes answers to an earlier question, if they are news; when they were given, the servo's clock tells.
+
+        Args:
+            places: of the answer's servos among all.
+            answer: CRC and id checked.
+            now: [s].
+            asked: [s] when that question was asked, if it is known: who is heard for the first time is dated by it.
+        """
         blocks, times, late = self.blocks.copy(), self.times.copy(), self.late.copy()
         for index, block in self._heard(places, answer):
-            since = self._since(index, block)
-            if 0 < since < LATEST and self._believed(index, block, now):
-                blocks[index], times[index], late[index] = block, min(now, times[index] + since / 1000), True
+            since, known = self._since(index, block), times[index] > -inf
+            given = times[index] + since / 1000 if known else asked
+            if given is None:
+                continue
+            if (not known or 0 < since < LATEST) and self._believed(index, block, now):
+                blocks[index], times[index], late[index] = block, min(now, given), True
         self.blocks, self.times, self.late, self.signature = blocks, times, late, signature(blocks)
 
     def _heard(self, places: Place, answer: Answer) -> list[tuple[int, np.void]]:

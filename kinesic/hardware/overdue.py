@@ -27,7 +27,7 @@ class Overdue:
         """Nothing yet."""
         self._gate, self._listener = gate, listener
         self._until = -inf  # [s] when nothing more will come
-        self._unfinished: tuple[Question, Place, bytes] | None = None  # one whose answer has come in part
+        self._unfinished: tuple[Question, Place, bytes, float] | None = None  # its answer so far; when it was asked
         self._set_aside = False  # whether this cycle brought what seems to be older
         self._seeming = 0  # cycles in a row that brought nothing else, see STUCK
 
@@ -62,9 +62,9 @@ class Overdue:
         leeway = LAG + listener.spoken(question.length)
         return self._gate.without_late(places, answer, listener.asked, leeway=leeway)
 
-    def keep(self, question: Question, places: Place, *, whole: bool) -> None:
-        """The cycle is over; unless its answer was whole, the rest may still come."""
-        self._unfinished = None if whole else (question, places, self._listener.heard)
+    def keep(self, question: Question, places: Place, *, asked: float, whole: bool) -> None:
+        """The cycle is over; unless the answer to what was asked [s] was whole, the rest may still come."""
+        self._unfinished = None if whole else (question, places, self._listener.heard, asked)
         self._set_aside = False
 
     def catch_up(self, more: bytes, time: float) -> None:
@@ -76,13 +76,13 @@ class Overdue:
         """
         if self._unfinished is None or not more:
             return
-        question, places, heard = self._unfinished
+        question, places, heard, asked = self._unfinished
         answer = question.answer(heard + more)
         if answer.found.any():
-            self._gate.admit_late(places, answer, time)
+            self._gate.admit_late(places, answer, time, asked=asked)
         if answer.whole:
             self._listener.slack.took(MOST)
-        self._unfinished = None if answer.whole else (question, places, heard + more)
+        self._unfinished = None if answer.whole else (question, places, heard + more, asked)
 
     def note(self, *, fresh: bool) -> None:
         """Everybody has been asked, and something fresh has come or not."""

@@ -33,8 +33,9 @@ class Roster:
         if fresh.all() and self.whole:
             return (), ()
         answered = fresh.tolist()
-        suspect = next((k for k in self.order if not answered[k]), None)
         self._misses = [0 if ok else misses + 1 for ok, misses in zip(answered, self._misses, strict=True)]
+        once = max(self._misses) == 1 and not any(answered)  # that may be the wire, or all are late
+        suspect = None if once else next((k for k in self.order if not answered[k]), None)
         silent = [misses >= PATIENCE for misses in self._misses]
         if all(silent):
             # nobody hears us: that is the wire's fault, and nobody holds up the others

@@ -52,8 +52,10 @@ class SerialWire:
         rest = memoryview(data)
         try:
             while rest:
-                select.select((), (self._file,), ())
-                rest = rest[os.write(self._file, rest) :]
+                try:
+                    rest = rest[os.write(self._file, rest) :]
+                except BlockingIOError:  # no room for now
+                    select.select((), (self._file,), ())
         except (OSError, ValueError, termios.error) as error:
             raise self._gone(error) from None
 

@@ -13,8 +13,14 @@ QUANTILE = 0.9
 class Slack:
     """The wait of one bus."""
 
-    def __init__(self) -> None:
-        self._usual = 0.0015  # [s] the quantile so far
+    def __init__(self, usual: float = 0.0015, *, fall: float = 0.0) -> None:
+        """Begins with a guess.
+
+        Args:
+            usual: [s] the quantile to begin with.
+            fall: share of it by which it may come down at once, where the guess is far too high.
+        """
+        self._usual, self._fall = usual, fall
 
     @property
     def wait(self) -> float:
@@ -31,4 +37,4 @@ class Slack:
         if excess > self._usual:
             self._usual = min(self._usual + STEP * QUANTILE / (1 - QUANTILE), excess + 2 * STEP, MOST)
         else:
-            self._usual = max(self._usual - STEP, 0.0)
+            self._usual = max(self._usual - max(STEP, self._fall * self._usual), 0.0)

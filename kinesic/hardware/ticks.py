@@ -1,6 +1,7 @@
 """The one place where radians become ticks, and ticks radians."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,10 +31,20 @@ class Scale:
         Raises:
             ValueError: an angle is not finite.
         """
+        return self.nearest(angles).astype(np.int64)
+
+    def nearest(self, angles: Floats) -> Floats:
+        """`ticks`, as whole numbers of floating point."""
         if not np.isfinite(angles).all():
             raise ValueError(f"angles are {angles}, must be finite")
-        return np.rint(self.zeros + self.turns * TICKS_PER_RADIAN * angles).astype(np.int64)
+        nearest: Floats = np.rint(self.zeros + self._per_radian * angles)
+        return nearest
 
     def angles(self, ticks: Ticks | Floats) -> Floats:
         """(..., n) [rad] of (..., n) ticks."""
-        return (ticks - self.zeros) / (self.turns * TICKS_PER_RADIAN)
+        return (ticks - self.zeros) / self._per_radian
+
+    @cached_property
+    def _per_radian(self) -> Floats:
+        """(n,) [ticks/rad] of the hinge."""
+        return self.turns * TICKS_PER_RADIAN

@@ -2,11 +2,11 @@
 
 import math
 import re
-from bisect import bisect_left
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import accumulate
 
-from kinesic.body.utterance import Phoneme, Script, Utterance
+from kinesic.body.utterance import Mark, Pause, Phoneme, Script, Utterance
 from kinesic.speech.spelling import VOWELS, mora_sounds, number_sounds, syllables, word_sounds
 
 SYLLABLE = 0.18  # [s]
@@ -31,44 +31,68 @@ _TOKEN = re.compile(
 _PAUSES = {"sentence": SENTENCE_PAUSE, "phrase": PHRASE_PAUSE}
 
 
+@dataclass(frozen=True)
 class DurationModel:
     """A voice that speaks 150 to 180 English words in a minute, always the same way."""
 
-    def say(self, script: Script, /, *, rate: float = 1.0) -> Utterance:
+    remark: str = ""  # of every utterance: why this voice says it, where another was wanted
+
+    def say(self, script: Script, /, *, rate: float = 1.0, pitch: float = 1.0) -> Utterance:
         """Times a script.
 
-        A word takes its syllables and a little more, a pause the longest that its punctuation asks for; nothing is
-        silent before the first word or after the last. A mark falls at the start of the next word, or at the end.
+        A word takes its syllables and a little more, a pause the longest that its punctuation asks for, or what the
+        script has there, which no rate changes; nothing is silent before the first word or after the last, unless the
+        script has a pause there. A mark falls at the start of the next word, at the start of a pause that it stands
+        before, or at the end.
 
         Args:
-            script: what to say; of marks with the same name the first counts.
+            script: what to say; of marks with the same name the first counts. How words are stressed is passed over.
             rate: 1 is normal, 2 is twice as fast; above 0.
+            pitch: not heard.
 
         Raises:
             ValueError: the rate is not a number above 0.
         """
         if not (math.isfinite(rate) and rate > 0):
             raise ValueError(f"rate is {rate}, must be a finite number above 0")
-        now, pause = 0.0, 0.0
-        positions: list[int] = []
-        starts: list[float] = []
-        phonemes: list[Phoneme] = []
-        for token in _TOKEN.finditer(script.text):
-            kind = token.lastgroup or ""
-            if kind in _PAUSES:
-                pause = max(pause, _PAUSES[kind]) if starts else 0.0
-                continue
-            now, pause = now + pause, 0.0
-            sounds, duration = _spoken(kind, token.group(), script.language)
-            positions.append(token.start())
-            starts.append(now)
-            phonemes += _spread(sounds, now, duration, rate)
-            now += duration
+        now, silence, between, begun = 0.0, 0.0, 0.0, False
+        waiting: list[str] = []
         marks: dict[str, float] = {}
-        for mark in script.marks:
-            following = bisect_left(positions, mark.position)
-            marks.setdefault(mark.name, (starts[following] if following < len(starts) else now) / rate)
-        return Utterance(now / rate, marks, tuple(phonemes), "durations")
+        phonemes: list[Phoneme] = []
+        for piece in _pieces(script):
+            if isinstance(piece, Mark):
+                waiting.append(piece.name)
+            elif isinstance(piece, Pause):
+                for name in waiting:
+                    marks.setdefault(name, now + between)
+                waiting = []
+                between += piece.duration
+            elif (kind := piece.lastgroup or "") in _PAUSES:
+                silence = max(silence, _PAUSES[kind] / rate) if begun else 0.0
+            else:
+                now += max(silence, between)
+                silence, between, begun = 0.0, 0.0, True
+                for name in waiting:
+                    marks.setdefault(name, now)
+                waiting = []
+                sounds, duration = _spoken(kind, piece.group(), script.language)
+                phonemes += _spread(sounds, now, duration / rate)
+                now += duration / rate
+        now += between
+        for name in waiting:
+            marks.setdefault(name, now)
+        remarks = (self.remark,) if self.remark else ()
+        return Utterance(now, marks, tuple(phonemes), "durations", remarks=remarks)
+
+
+def _pieces(script: Script) -> Iterator[Mark | Pause | re.Match[str]]:
+    """Marks, pauses and tokens of the text in their order; what stands inside a word comes after it."""
+    stops = list(script.stops())
+    for token in _TOKEN.finditer(script.text):
+        while stops and stops[0].position <= token.start():
+            yield stops.pop(0)
+        yield token
+    yield from stops
 
 
 def _spoken(kind: str, text: str, language: str) -> tuple[tuple[str, ...], float]:
@@ -79,11 +103,9 @@ def _spoken(kind: str, text: str, language: str) -> tuple[tuple[str, ...], float
     return sounds, WORD + SYLLABLE * syllables(sounds)
 
 
-def _spread(sounds: Sequence[str], start: float, duration: float, rate: float) -> list[Phoneme]:
-    """Sounds one after the other from start to start + duration, divided by the rate."""
+def _spread(sounds: Sequence[str], start: float, duration: float) -> list[Phoneme]:
+    """Sounds one after the other from start to start + duration."""
     shares = [VOWEL_SHARE if sound in VOWELS else 1.0 for sound in sounds]
-    ends = [start + duration * part / sum(shares) for part in accumulate(shares, initial=0.0)]
-    return [
-        Phoneme(sound, begin / rate, (end - begin) / rate)
-        for sound, begin, end in zip(sounds, ends, ends[1:], strict=False)
-    ]
+    whole = sum(shares)
+    ends = [start + duration * part / whole for part in accumulate(shares, initial=0.0)]
+    return [Phoneme(sound, begin, end - begin) for sound, begin, end in zip(sounds, ends, ends[1:], strict=False)]

@@ -141,7 +141,7 @@ def test_after_and_before_in_attributes_are_orders() -> None:
         ("blend", Composition.MERGE, 0),
         ("APPEND", Composition.APPEND, 0),
         ("replace", Composition.REPLACE, 0),
-        ("APPEND-AFTER(a,b)", Composition.APPEND, 1),
+        ("APPEND-AFTER(a,b)", Composition.APPEND, 0),
         ("overlap", Composition.MERGE, 1),
     ],
 )

@@ -5,7 +5,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.double_s import least_stop
 from kinesic.body.limits import Limits
 from kinesic.controller.condition import condition
-from kinesic.controller.interrupt import cut, joined, stopped
+from kinesic.controller.interrupt import cut, stopped
 from kinesic.controller.peaks import peaks
 from kinesic.controller.postures import Posture
 from kinesic.controller.trajectory import STEP, held
@@ -59,25 +59,3 @@ def test_a_motion_is_left_at_the_next_knot():
 def test_what_is_at_rest_stays():
     still = held(np.array([0.1, 0.2, 0.3]), 0.1)
     np.testing.assert_array_equal(stopped(still, 0.05, LIMITS).controls, still.controls[:8])
-
-
-@pytest.mark.parametrize("seed", range(6))
-def test_another_motion_is_joined_without_a_step(seed):
-    motion, postures = moving(seed), random_postures(50 + seed)
-    following = condition(postures, LIMITS)
-    time = np.random.default_rng(200 + seed).uniform(0, motion.duration)
-    over = joined(motion, time, postures, following, LIMITS)
-    assert largest(over.trajectory) <= 1.001
-    at = cut(motion, time) * STEP
-    for before, after in zip(motion.sample(np.array([at])), over.trajectory.sample(np.array([at])), strict=True):
-        np.testing.assert_allclose(after, before, atol=1e-9)
-    reached = over.trajectory.sample(following.planned[1:] + over.trajectory.zero)[0]
-    np.testing.assert_allclose(reached, [posture.angles for posture in postures[1:]], atol=1e-7)
-
-
-def test_one_that_begins_where_the_other_rests_is_not_delayed():
-    postures = random_postures(3)
-    following = condition(postures, LIMITS)
-    over = joined(held(postures[0].angles), 0.05, postures, following, LIMITS)
-    assert over.delay == 0.0
-    assert over.trajectory.zero == pytest.approx(0.05 + following.trajectory.zero)

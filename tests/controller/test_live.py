@@ -1,8 +1,10 @@
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
 from kinesic.controller.live import Live, Wish, perform_live
 from kinesic.controller.live_report import live_checks, live_log, with_live
@@ -19,6 +21,11 @@ NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h
 @pytest.fixture(scope="module")
 def performance() -> Performance:
     return perform(NOD)
+
+
+def told(status: Status, goals: Floats, angles: Floats) -> Status:
+    """With angles measured at its clock."""
+    return replace(status, goals=goals, angles=angles, taken=np.full(len(angles), status.clock))
 
 
 class Actor:
@@ -54,7 +61,7 @@ class Actor:
         rows = np.array([command.angles for command in self.told])
         seen = [np.interp(np.array(times) - self.late, times, row) for row in rows.T]
         found = [
-            Status(Stage.ACTIVE, 100.0 + c.time, c.time, 1.0, 23, faulty=self.faulty, goals=c.goals, angles=angles)
+            told(Status(Stage.ACTIVE, 100.0 + c.time, c.time, 1.0, 23, faulty=self.faulty), c.goals, angles)
             for c, angles in zip(self.told, np.transpose(seen), strict=True)
         ]
         return (Status(stage=Stage.HOLD), *found[: round(self.part * len(found))])
@@ -144,8 +151,18 @@ def test_samples_of_silent_servos_and_of_standing_time_do_not_count(performance:
     rows = list(live.history)
     gone = rows[20].angles.copy()
     gone[3] = np.nan
-    rows[20] = Status(Stage.ACTIVE, rows[20].clock, rows[20].time, 1.0, goals=rows[20].goals, angles=gone)
+    rows[20] = replace(rows[20], angles=gone)
     rows.insert(30, rows[29])
     again = Live(live.performance, tuple(rows), (), "performed")
     assert len(again.times) == len(live.times) - 1
     assert (np.diff(again.times) > 0).all()
+
+
+def test_an_old_angle_is_compared_with_the_plan_of_its_own_time_and_counts_once(performance: Performance):
+    live = perform_live(performance, Actor())
+    rows = list(live.history)
+    for k in range(1, len(rows), 2):
+        rows[k] = replace(rows[k], angles=rows[k - 1].angles, taken=rows[k - 1].taken)
+    again = Live(live.performance, tuple(rows), (), "performed")
+    assert np.nanmax(np.abs(again.errors)) < 1e-6
+    assert np.isfinite(again.errors).sum() == pytest.approx(np.isfinite(live.errors).sum() / 2, rel=0.2)

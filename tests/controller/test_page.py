@@ -120,6 +120,27 @@ def test_film_becomes_part_of_the_page(hurried: Performance, data: dict[str, Jso
         page(hurried, data, tmp_path, tmp_path / "film.mp4")
 
 
+def test_voice_and_face_become_part_of_the_page(hurried: Performance, data: dict[str, Json], tmp_path: Path) -> None:
+    face, voice = tmp_path / "face.webp", tmp_path / "speech.wav"
+    for path in (face, voice):
+        path.write_bytes(path.name.encode())
+    write_page(hurried, data, film=None, path=tmp_path / "x.html", face=face, voice=voice)
+    tags = Outline((tmp_path / "x.html").read_text(encoding="utf-8")).tags
+    sources = {tag: attributes["src"] for tag, attributes in tags if tag in ("img", "audio")}
+    for tag, kind, path in (("img", "image/webp", face), ("audio", "audio/wav", voice)):
+        assert sources[tag] == f"data:{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"
+    with pytest.raises(ValueError, match=r"speech\.mp3 cannot be shown"):
+        write_page(hurried, data, film=None, path=tmp_path / "x.html", voice=tmp_path / "speech.mp3")
+
+
+def test_the_page_says_who_speaks_and_why_no_face_is_seen(text: str, data: dict[str, Json]) -> None:
+    (spoken,) = data["speech"]
+    assert spoken["voice"]
+    words = "".join(Outline(text).words)
+    assert f"s is spoken by {spoken['voice']}, not heard" in words
+    assert "No film of the face: not recorded" in words
+
+
 def test_names_from_strangers_stay_text(known: Facts, tmp_path: Path) -> None:
     gesture = f'<gesture id={quoteattr(HOSTILE)} lexeme="beat" start="0" stroke="0.1"/>'
     performance = perform(BLOCK.format(gesture), known)

@@ -1,17 +1,21 @@
 """Documents that others wrote: nearly all their gestures, heads and gazes are performed."""
 
+import json
 import os
 from collections import Counter
 from pathlib import Path
 
 import pytest
 
-from kinesic.bml.block import BmlError, Gaze, Gesture, Head, Manner, Speech
+from kinesic.bml.block import Action, Block, BmlError, Gaze, Gesture, Head, Manner, Pointing, Speech
 from kinesic.bml.manner import modality_of
 from kinesic.bml.parse import parse
 from kinesic.bml.schedule import schedule
+from kinesic.body.arrays import sealed
 from kinesic.body.utterance import Utterance
 from kinesic.expressivity.durations import spans
+from kinesic.expressivity.keyframes import KeyFrames
+from kinesic.expressivity.places import NO_TARGETS
 from kinesic.expressivity.realise import keyframes
 from kinesic.expressivity.sources import told
 from kinesic.expressivity.style import RANGES, Style, preset
@@ -26,6 +30,16 @@ def performed(path: Path, pace, lexicon) -> Counter:
         block = parse(path.read_text(encoding="utf-8", errors="replace"), source=path.name)
     except BmlError:
         return Counter()
+    outcomes = played(block, pace, lexicon).outcomes
+    return Counter(
+        outcomes[behaviour.id].kind
+        for behaviour in block.behaviours
+        if isinstance(behaviour.action, Gesture | Head | Gaze)
+    )
+
+
+def played(block: Block, pace, lexicon, targets=NO_TARGETS) -> KeyFrames:
+    """The key frames of a block."""
     utterances = {
         behaviour.id: Utterance(
             LETTER * max(1, len(behaviour.action.script.text)),
@@ -34,14 +48,11 @@ def performed(path: Path, pace, lexicon) -> Counter:
         for behaviour in block.behaviours
         if isinstance(behaviour.action, Speech)
     }
-    natural = spans(block, style=Style(), lexicon=lexicon, pace=pace)
-    frames = keyframes(schedule(block, utterances, natural), style=Style(), lexicon=lexicon, pace=pace)
+    natural = spans(block, style=Style(), lexicon=lexicon, pace=pace, targets=targets)
+    timeline = schedule(block, utterances, natural)
+    frames = keyframes(timeline, style=Style(), lexicon=lexicon, pace=pace, targets=targets)
     assert set(frames.outcomes) == {behaviour.id for behaviour in block.behaviours}
-    return Counter(
-        frames.outcomes[behaviour.id].kind
-        for behaviour in block.behaviours
-        if isinstance(behaviour.action, Gesture | Head | Gaze)
-    )
+    return frames
 
 
 def test_nearly_all_gestures_heads_and_gazes_are_performed(pace, lexicon):
@@ -51,6 +62,35 @@ def test_nearly_all_gestures_heads_and_gazes_are_performed(pace, lexicon):
     counts = sum((performed(path, pace, lexicon) for path in sorted(folder.rglob("*.xml"))), Counter())
     assert counts.total() > 100
     assert counts["dropped"] <= 0.05 * counts.total()
+
+
+def test_fragments_are_performed_or_warned_of_by_name(pace, lexicon):
+    file = CORPUS / "smartbody" / "fragments.jsonl"
+    if not file.is_file():
+        pytest.skip(f"no corpus at {CORPUS}; KINESIC_CORPUS names another place")
+    rows = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
+    counts: dict[str, Counter] = {}
+    for row in rows:
+        if row["dynamic"]:
+            continue
+        block = parse(row["bml"])
+        targets = {each.action.target: sealed([1.5, 0.3, 1.2]) for each in block.behaviours if is_aimed(each.action)}
+        frames = played(block, pace, lexicon, targets)
+        for behaviour in block.behaviours:
+            outcome = frames.outcomes[behaviour.id]
+            name = "pointing" if isinstance(behaviour.action, Pointing) else behaviour.type
+            counts.setdefault(name, Counter())[outcome.kind] += 1
+            if outcome.kind == "dropped":
+                told = [each.text for each in frames.notices if each.id == f"{block.id}:{behaviour.id}"]
+                assert told
+                assert behaviour.type.rpartition(":")[2] in f"{behaviour.id} {told}"
+    for name in ("gaze", "head", "gesture", "face", "speech", "pointing"):
+        assert counts[name].total() > 0
+        assert counts[name]["dropped"] <= 0.05 * counts[name].total(), (name, counts[name])
+
+
+def is_aimed(action: Action) -> bool:
+    return isinstance(action, Gaze | Pointing) and action.target is not None
 
 
 def test_what_the_documents_carry_of_expressivity_is_what_behaviours_are_moved_with():

@@ -1,7 +1,20 @@
 import numpy as np
 import pytest
 
-from kinesic.bml.block import Behaviour, Block, Custom, Gaze, Gesture, Head, Manner, Place, Pointing, Posture, Torso
+from kinesic.bml.block import (
+    Behaviour,
+    Block,
+    Custom,
+    Face,
+    Gaze,
+    Gesture,
+    Head,
+    Manner,
+    Place,
+    Pointing,
+    Posture,
+    Torso,
+)
 from kinesic.expressivity.durations import spans
 from kinesic.expressivity.hands import poses
 from kinesic.expressivity.head import MORE
@@ -49,6 +62,12 @@ def test_temporal_extent_shortens_every_phase_of_a_gesture(natural, sync):
     times = [natural(Gesture("beat"), manner=Manner(temporal=extent))[sync] for extent in EXTENTS]
     assert np.all(np.diff(times) < 0)
     assert times[0] > 1.4 * times[4]
+
+
+@pytest.mark.parametrize("shift", [False, True])
+def test_temporal_extent_hurries_a_face(natural, shift):
+    found = [natural(Face(("smile",), shift=shift), manner=Manner(temporal=extent)) for extent in (-1.0, 0.0, 1.0)]
+    assert all(slow > usual > quick for slow, usual, quick in zip(*(of.values() for of in found), strict=True))
 
 
 @pytest.mark.parametrize("lexeme", ["beat", "stop", "large"])

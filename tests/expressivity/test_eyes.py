@@ -40,6 +40,11 @@ def test_wide_turns_of_the_gaze_bring_a_blink_small_ones_do_not():
     assert not {3.0, 6.0} & set(blink_times((0.0, 10.0), [narrow], 1))
 
 
+def test_a_blink_comes_when_it_is_asked_for_unless_one_has_just_been():
+    assert {2.0, 4.0} <= set(blink_times((0.0, 10.0), (), 1, also=[2.0, 2.5, 4.0]))
+    assert 2.5 not in blink_times((0.0, 10.0), (), 1, also=[2.0, 2.5, 4.0])
+
+
 def test_a_blink_closes_both_eyes_fully_and_is_soon_over():
     found = blinking([2.0], TIMES)
     assert found.keys() == {"L45", "R45"}

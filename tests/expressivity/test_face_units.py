@@ -9,6 +9,7 @@ from kinesic.body.command import NO_FACE
 from kinesic.body.utterance import Utterance
 from kinesic.expressivity.eyes import Habits, Look
 from kinesic.expressivity.face_units import face, outcome, told
+from kinesic.expressivity.style import Expressivity, Style
 from kinesic.speech.durations import DurationModel
 
 TIMES = np.arange(-0.5, 8.0, 0.01)
@@ -61,6 +62,30 @@ def test_an_expression_that_stays_gives_way_to_the_next():
     assert at(found["L15"], 7.0) == pytest.approx(0.9)
 
 
+def test_the_style_of_the_face_and_no_other_is_used():
+    asked = scheduled('<faceLexeme id="f" lexeme="smile" start="1" attackPeak="1.5" relax="3" end="4"/>')
+    wide = Expressivity(spatial=0.5)
+    plain, own, other = (
+        face(*asked, TIMES, style=style)["L12"] for style in (Style(), Style(face=wide), Style(head=wide))
+    )
+    np.testing.assert_array_equal(other, plain)
+    assert own.max() == pytest.approx(1.25 * plain.max())
+
+
+def test_a_flowing_face_goes_from_one_expression_into_the_next():
+    asked = scheduled(
+        '<faceLexeme id="f" lexeme="smile" start="1" attackPeak="1.3" relax="2" end="2.4"/>'
+        '<faceLexeme id="g" lexeme="RAISE_BROWS" start="2.7" attackPeak="3" relax="4" end="4.4"/>'
+    )
+    plain, flowing = (face(*asked, TIMES, style=Style(face=Expressivity(fluidity=f)))["L12"] for f in (0.0, 0.5))
+    assert at(plain, 2.6) == 0.0
+    assert at(flowing, 2.6) > 0.05
+    assert at(flowing, 3.01) == 0.0
+    assert at(flowing, 2.0) == at(plain, 2.0)
+    far = face(*asked, TIMES, style=Style(face=Expressivity(fluidity=0.2)))["L12"]
+    np.testing.assert_array_equal(far, plain)
+
+
 def test_repeated_blinks_are_several():
     found = face(
         *scheduled('<faceLexeme id="f" lexeme="REPEATED_BLINK" start="1" attackPeak="1.1" relax="2.4" end="2.5"/>'),
@@ -93,6 +118,11 @@ def test_eyes_blink_and_flit_only_by_habit():
     assert {"L45", "R45"} <= lively.keys() <= set(CHANNELS)
     still = face(timeline, said, TIMES, habits=Habits(seed=3, saccades=False))
     assert still.keys() == {"L45", "R45"}
+
+
+def test_eyes_blink_before_a_speech():
+    found = face(*scheduled('<speech id="s" start="2"><text>Hello</text></speech>'), TIMES, habits=Habits(seed=0))
+    assert at(found["L45"], 1.92) == pytest.approx(1.0)
 
 
 def test_the_gaze_turns_the_eyes():

@@ -1,13 +1,15 @@
-from math import degrees, radians
+from dataclasses import replace
+from math import atan2, degrees, radians
 
 import pytest
 
 from kinesic.bml.block import GAZE_SYNCS, SHIFT_SYNCS, Block, Gaze, Head, HeadDirectionShift, NoticeType
+from kinesic.body.action_units import ASIDE
 from kinesic.expressivity.gaze import aim
 from kinesic.expressivity.head import MORE, SWING, head_form, head_layer, swing_time
 from kinesic.expressivity.passage import passage
 from kinesic.expressivity.style import Expressivity
-from kinesic.expressivity.turns import at, room
+from kinesic.expressivity.turns import UPRIGHT, at, room
 
 
 @pytest.fixture
@@ -141,13 +143,34 @@ def test_the_trunk_helps_beyond_45_degrees(looks):
     assert degrees(look.torso.torsion) == pytest.approx(45)
     assert degrees(look.head.torsion) == pytest.approx(90)
     assert looks(Gaze("0.07 1.0 1.13", influence="NECK")).torso.torsion == 0
-    assert looks(Gaze("0.5 0.1 1.13", influence="WAIST")).torso.torsion == 0
+    assert looks(Gaze("0.5 0.1 1.13")).torso.torsion == 0
+    asked = looks(Gaze("0.5 0.1 1.13", influence="WAIST"))
+    assert asked.torso.torsion == pytest.approx(0.4 * asked.head.torsion)
 
 
-def test_eyes_are_done_by_the_head(perform):
+def test_eyes_asked_alone_leave_the_head_until_they_can_no_more(perform, looks):
+    near, far = looks(Gaze("1.07 0.3 1.13", influence="EYES")), looks(Gaze("1.07 1.0 1.13", influence="EYES"))
+    assert near.head == near.torso == UPRIGHT
+    assert near.eyes.torsion == pytest.approx(atan2(0.3, 1.0))
+    assert far.eyes.torsion == ASIDE
+    assert far.head.torsion == pytest.approx(radians(45) - ASIDE)
     frames = perform(("g", Gaze("left", influence="EYES"), gaze_times(0.0, 1.0, 2.0, 3.0)))
-    assert frames.outcomes["g"].kind == "substituted"
-    assert "eyes" in frames.outcomes["g"].why
+    assert frames.outcomes["g"].kind == "realised"
+
+
+def test_eyes_go_on_where_the_neck_ends(looks):
+    look = looks(Gaze("-0.17 1.0 1.13", influence="NECK"))
+    assert degrees(look.head.torsion + look.eyes.torsion) == pytest.approx(103.5, abs=0.1)
+    assert look.eyes.torsion > 0.1
+    assert not look.clipped
+
+
+def test_a_robot_without_eyes_looks_with_its_head(robot):
+    blind = replace(robot, sites={name: site for name, site in robot.sites.items() if name != "eyes"})
+    found = aim(Gaze("left", influence="EYES"), block=Block("b", ()), robot=blind, targets=blind.targets)
+    assert found.eyes == UPRIGHT
+    assert found.head.torsion > 0.5
+    assert "no eyes" in found.substitute
 
 
 def test_an_unknown_target_is_the_audience(perform, looks):

@@ -3,8 +3,9 @@ from dataclasses import replace
 import pytest
 
 from kinesic.bml.block import Gesture, Head, Manner, Posture, Torso
-from kinesic.expressivity.moves import Scene, head_move, posture_moves, torso_move
+from kinesic.expressivity.moves import Scene, head_move, torso_move
 from kinesic.expressivity.passage import passage
+from kinesic.expressivity.posing import posture_moves
 from kinesic.expressivity.style import Expressivity, Style
 
 STYLE = Style("mine", Expressivity(power=0.1), Expressivity(power=0.2), Expressivity(power=0.3))

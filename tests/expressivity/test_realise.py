@@ -116,7 +116,8 @@ def test_targets_of_the_user_go_over_those_of_the_pace(timeline, pace, lexicon, 
 @pytest.mark.parametrize(
     ("action", "type"),
     [
-        (Face(("RAISE_BROWS",)), NoticeType.BEHAVIOR_TYPE_NOT_SUPPORTED),
+        (Face(("Qwrtz",)), NoticeType.CANNOT_CREATE_BEHAVIOR),
+        (Face(action_unit=99), NoticeType.CANNOT_CREATE_BEHAVIOR),
         (Locomotion("door"), NoticeType.BEHAVIOR_TYPE_NOT_SUPPORTED),
         (Custom("bmlt:breathe"), NoticeType.CUSTOM_BEHAVIOUR_NOT_SUPPORTED),
     ],
@@ -125,6 +126,24 @@ def test_what_the_robot_cannot_do_is_dropped(perform, action, type):
     frames = perform(("b", action, {"start": 0.0, "end": 1.0}))
     assert frames.outcomes["b"].kind == "dropped"
     assert [notice.type for notice in frames.notices] == [type]
+
+
+def test_a_face_is_realised_without_a_hinge(perform):
+    times = {"start": 0.0, "attackPeak": 0.3, "relax": 1.0, "end": 1.5}
+    frames = perform(("b", Face(("RAISE_BROWS",)), times), ("c", Face(("joy", "Qwrtz")), times))
+    assert frames.outcomes["b"].kind == "realised"
+    assert frames.outcomes["c"].kind == "substituted"
+    assert frames.uses["b"] == frozenset()
+    assert [notice.id for notice in frames.notices] == ["bml1:c"]
+    assert frames.frames == ()
+
+
+@pytest.mark.parametrize("amount", [1.5, -0.1])
+def test_an_intensity_that_no_face_has_is_cut_and_warned(perform, amount):
+    times = {"start": 0.0, "attackPeak": 0.3, "relax": 1.0, "end": 1.5}
+    frames = perform(("b", Face(action_unit=12, amount=amount), times))
+    assert frames.outcomes["b"].kind == "realised"
+    assert [notice.text for notice in frames.notices] == [f"amount {amount:g} is cut to the range from 0 to 1"]
 
 
 def test_a_required_behaviour_that_is_dropped_refuses_the_block(perform, beat):

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from kinesic.face.chart import LEFT_RIGHT, LOW_HIGH, hair, mouth, places, window
+from kinesic.face.chart import LEFT_RIGHT, LOW_HIGH, ROUND, hair, mouth, places, unrolled, window
 from kinesic.face.mesh import VARIANTS, Variant, load
 
 
@@ -10,8 +10,27 @@ def test_the_mask_is_nothing_at_every_vertex_behind(variant: Variant):
     mesh = load(variant)
     place, skin = places(mesh), mesh.vertices("skin")
     forward = mesh.positions[skin, 0] / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
-    assert np.all(place[skin, 2][forward < -0.6] == 0.0)
-    assert np.all(place[skin, 2][forward > -0.4] == 1.0)
+    assert np.all(place[skin, 2][forward < -0.6] <= 0.0)
+    outside = mouth(mesh)[skin] == 0.0
+    assert np.all(place[skin, 2][(forward > -0.4) & outside] == 1.0)
+    assert np.all(place[skin, 2][~outside] < 1.0)
+
+
+def test_the_seam_is_cut_open():
+    """Painting and hair must not be squeezed into the triangles where the chart's ends meet."""
+    mesh = load()
+    place = places(mesh)
+    skin = mesh.parts[mesh.triangles[:, 0]] == 0
+    assert (np.ptp(place[mesh.triangles[skin], 0], axis=1) > ROUND / 2).sum() > 20
+    sources, cut, triangles = unrolled(place, mesh.triangles)
+    np.testing.assert_array_equal(sources[triangles], mesh.triangles)
+    moved = cut - place[sources]
+    assert set(np.unique(moved[:, 0])) <= {0.0, ROUND}
+    assert np.all(moved[:, 1:] == 0.0)
+    wide = np.ptp(cut[triangles[skin], 0], axis=1) > ROUND / 2
+    heights = mesh.positions[mesh.triangles[skin][wide], 2]
+    assert wide.sum() < 8
+    assert np.all(heights > 0.08)  # only round the crown, where the chart has its pole
 
 
 def test_no_face_that_the_mask_lets_through_crosses_the_seam():

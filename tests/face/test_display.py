@@ -1,8 +1,10 @@
+import os
+import subprocess
 import sys
-from types import ModuleType
 
 import pytest
 
+from kinesic.face import opengl
 from kinesic.face.display import INSTALL_DRIVER, INSTALL_LIBRARY, DisplayError, available, offscreen
 
 
@@ -39,13 +41,33 @@ def test_a_missing_library_names_the_command(monkeypatch: pytest.MonkeyPatch):
     assert available() == str(caught.value)
 
 
-def test_a_missing_driver_names_the_command(monkeypatch: pytest.MonkeyPatch):
-    class Driverless(ModuleType):
-        def create_context(self, **_: object) -> None:
-            raise Exception("libGL.so not loaded")
+@pytest.mark.parametrize(
+    ("variable", "value", "says"),
+    [
+        ("MESA_GL_VERSION_OVERRIDE", "2.1", "OpenGL is 2.1 here, a face needs 3.3"),
+        ("__EGL_VENDOR_LIBRARY_FILENAMES", "/nowhere", "EGL finds no device to draw with"),
+        ("LIBGL_DRIVERS_PATH", "/nowhere", "EGL does not start"),
+    ],
+)
+def test_a_driver_that_cannot_is_one_line(variable: str, value: str, says: str):
+    draws()
+    words = [sys.executable, "-c", "from kinesic.face.display import available; print(available())"]
+    told = subprocess.run(words, env={**os.environ, variable: value}, capture_output=True, text=True, check=True).stdout
+    if told.strip() == "None":
+        pytest.skip(f"this driver does not listen to {variable}")
+    assert says in told
+    assert told.strip().endswith(INSTALL_DRIVER)
+    assert told.count("\n") == 1
 
-    monkeypatch.setitem(sys.modules, "moderngl", Driverless("moderngl"))
-    with pytest.raises(DisplayError, match=r"libGL\.so not loaded") as caught, offscreen():
-        pass
-    assert INSTALL_DRIVER in str(caught.value)
-    assert "\n" not in str(caught.value)
+
+def test_missing_libraries_are_named(monkeypatch: pytest.MonkeyPatch):
+    pytest.importorskip("moderngl")
+    monkeypatch.setattr(opengl, "EGL", "libabsent.so.1")
+    opengl.driver.cache_clear()
+    try:
+        reason = available()
+    finally:
+        opengl.driver.cache_clear()
+    assert reason is not None
+    assert reason.startswith("no OpenGL: libabsent.so.1 cannot be loaded")
+    assert reason.endswith(INSTALL_DRIVER)

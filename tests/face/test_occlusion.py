@@ -10,6 +10,7 @@ import pytest
 from kinesic.body.arrays import Floats
 from kinesic.face.camera import FRONT
 from kinesic.face.display import offscreen
+from kinesic.face.geometry import Seen
 from kinesic.face.occlusion import SIDE, OcclusionPass, directions, radical_inverse, samples, wendland
 from kinesic.face.passes import texture
 from kinesic.face.portrait import Portrait
@@ -17,14 +18,15 @@ from kinesic.face.presets import Estimator, Occlusion, Pattern
 
 SIZE = 128
 SCALE = 2000.0  # [pixels/m] of the scenes
-FINE = Occlusion(size=21, coarse=1)
+FINE = Occlusion(size=21)
 
 
 def opened(context: moderngl.Context, scene: tuple[Floats, Floats], occlusion: Occlusion) -> Floats:
     """(height, width) openness of a scene of positions with parts, and normals; first row at the bottom."""
-    position, normal = (texture(context, each, half=False) for each in scene)
-    marched = OcclusionPass(context, (SIZE, SIZE), occlusion)
-    return marched.draw(position, normal, SCALE).read()[::-1, :, 0]
+    position, normal = (texture(context, each, "f4") for each in scene)
+    for each in (position, normal):
+        each.filter = (moderngl.NEAREST, moderngl.NEAREST)
+    return OcclusionPass(context, Seen(position, normal), occlusion).draw(SCALE).read()[::-1, :, 0]
 
 
 def plane() -> tuple[Floats, Floats]:
@@ -41,14 +43,25 @@ def step() -> tuple[Floats, Floats]:
     return position, normal
 
 
+def heap() -> tuple[Floats, Floats]:
+    """Boxes on a wall: more is hidden than on any face."""
+    position, normal = plane()
+    random = np.random.default_rng(5)
+    for _ in range(30):
+        left, low = random.integers(0, SIZE - 10, 2)
+        wide, tall = random.integers(6, 40, 2)
+        position[low : low + tall, left : left + wide, 2] = random.uniform(0.002, 0.02) - 0.8
+    return position, normal
+
+
 def of_face(portrait: Portrait, occlusion: Occlusion) -> tuple[Floats, Floats]:
     """(height, width) openness of a face and where it is."""
     geometry = portrait.pipeline.geometry
     with geometry.context as context:
         buffer = geometry.draw({"26": 0.6, "12": 0.5}, FRONT)
-        marched = OcclusionPass(context, portrait.size, occlusion)
+        marched = OcclusionPass(context, geometry.seen, occlusion)
         scale = portrait.size[1] / (2 * FRONT.distance * np.tan(np.radians(FRONT.field_deg) / 2))
-        found = marched.draw(*buffer.textures[:2], scale).read()[..., 0]
+        found = marched.draw(scale).read()[..., 0]
         return found, buffer.read(0)[..., 3] > 0.0
 
 
@@ -78,6 +91,26 @@ def test_separable_is_near_to_exact_on_a_face(portrait: Portrait, estimator: Est
     error = np.sqrt(np.mean((separable - exact)[face] ** 2))
     assert error <= (0.02 if estimator == "angular" else 0.05)
     assert np.corrcoef(separable[face], exact[face])[0, 1] > 0.95
+
+
+@pytest.mark.parametrize("estimator", get_args(Estimator))
+def test_separable_is_near_to_exact_where_much_is_hidden(drawable: None, estimator: Estimator):
+    told = replace(FINE, estimator=estimator)
+    with offscreen() as context:
+        separable, exact = (opened(context, heap(), replace(told, exact=kind)) for kind in (False, True))
+    assert exact.mean() < 0.97
+    assert exact.std() > 0.03
+    assert np.sqrt(np.mean((separable - exact) ** 2)) < 0.3 * exact.std()
+    assert np.corrcoef(separable.ravel(), exact.ravel())[0, 1] > 0.95
+
+
+@pytest.mark.parametrize("pattern", get_args(Pattern))
+def test_every_pattern_serves_where_much_is_hidden(drawable: None, pattern: Pattern):
+    with offscreen() as context:
+        exact, separable = (
+            opened(context, heap(), replace(FINE, pattern=pattern, exact=kind)) for kind in (True, False)
+        )
+    assert np.sqrt(np.mean((separable - exact) ** 2)) < 0.05
 
 
 def test_directions_that_turn_come_nearer_to_exact_than_fixed_ones(drawable: None, monkeypatch: pytest.MonkeyPatch):

@@ -2,14 +2,22 @@ import dataclasses
 
 import numpy as np
 import pytest
+from scipy.ndimage import binary_erosion
 
 from kinesic.face.camera import Camera
 from kinesic.face.display import DisplayError, offscreen
 from kinesic.face.portrait import Pixels, Portrait
-from kinesic.face.presets import DRAFT, FULL, NORMAL, PRESETS, preset
+from kinesic.face.presets import DRAFT, FULL, NORMAL, PRESETS, Preset, Shadow, preset
 
 YAWS = range(-90, 91, 30)
 SIDE = 256
+GRIN = {"6": 1.0, "12": 1.0, "1": 1.0}
+
+
+@pytest.fixture(scope="module")
+def everything(drawable: None) -> Pixels:
+    with Portrait(size=(96, 80), preset=FULL) as portrait:
+        return portrait.draw(GRIN)
 
 
 def face_of(pixels: Pixels) -> np.ndarray:
@@ -99,6 +107,41 @@ def test_full_has_the_finer_mesh(drawable: None):
     with Portrait(size=(64, 64), preset=dataclasses.replace(FULL, samples=2)) as portrait:
         assert portrait.draw({"12": 1.0}).shape == (64, 64, 3)
         assert len(portrait.mesh.faces) > 20_000
+
+
+@pytest.mark.parametrize(
+    "off",
+    [
+        {"wrinkles": False},
+        {"occlusion": None},
+        {"scattering": None},
+        {"shadow": None},
+        {"shadow": Shadow()},
+        {"focus": None},
+        {"smooth": False},
+        {"samples": 1},
+        {"subdivided": False},
+        {"coarse": 1},
+    ],
+)
+def test_each_effect_can_be_switched(everything: Pixels, off: dict[str, object]):
+    with Portrait(size=(96, 80), preset=dataclasses.replace(FULL, **off)) as portrait:
+        without = portrait.draw(GRIN)
+    apart = np.abs(without.astype(int) - everything.astype(int)).max(axis=2)
+    assert apart.max() > 0
+    assert apart.mean() < 12.0  # still the same face
+
+
+@pytest.mark.parametrize("preset", [DRAFT, NORMAL])
+@pytest.mark.parametrize("yaw", [140, 160, 180, -140])
+def test_nothing_of_the_face_is_painted_where_the_chart_has_its_seam(preset: Preset, yaw: int):
+    """On the neck, seen from behind, colours change slowly; a squeezed face would be a red line."""
+    with Portrait(size=(512, 512), preset=preset) as portrait:
+        neck = portrait.draw({"4": 1.0, "12": 1.0}, Camera(yaw_deg=yaw))[315:430].astype(int)
+    inside = binary_erosion(neck[..., 0] > 140, np.ones((9, 17)))
+    assert inside.sum() > 10_000
+    redness = neck[..., 0] - neck[..., 1]
+    assert np.abs(np.diff(redness, axis=1))[inside[:, 1:]].max() <= 8
 
 
 def test_presets_are_known_by_name():

@@ -2,14 +2,35 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from kinesic.face.camera import Camera
+from kinesic.body.arrays import Floats
+from kinesic.face.camera import FRONT, Camera
 from kinesic.face.lights import LIGHTS
 from kinesic.face.portrait import Portrait
-from kinesic.face.presets import DRAFT
+from kinesic.face.presets import DRAFT, Preset, Shadow
 from kinesic.face.shadow import lamp_view
 
 SIZE = (128, 128)
+SHADED = replace(DRAFT, shadow=Shadow(), coarse=1)
+
+
+def drawn(preset: Preset, camera: Camera = FRONT) -> NDArray[np.int64]:
+    with Portrait(size=SIZE, preset=preset) as portrait:
+        return portrait.draw({}, camera).astype(np.int64)
+
+
+def reached(shadow: Shadow, *, eyeshade: bool = False) -> tuple[Floats, Floats]:
+    """(height, width, 3) light of the key 0..1, and (height, width, 4) what is seen."""
+    preset = replace(SHADED, shadow=shadow, eyeshade=eyeshade)
+    with Portrait(size=(256, 256), preset=preset) as portrait:
+        portrait.draw({})
+        pipeline = portrait.pipeline
+        with pipeline.geometry.context:
+            seen = pipeline.geometry.target.read()
+            texture = pipeline.shade(FRONT)
+            light = np.frombuffer(texture.read(), np.uint8).reshape(256, 256, 4)[::-1, :, :3]
+            return light / 255.0, seen
 
 
 def test_a_lamp_sees_the_middle_of_the_head_in_its_middle():
@@ -22,11 +43,11 @@ def test_a_lamp_sees_the_middle_of_the_head_in_its_middle():
     assert nearer[2] < 0.0  # nearer to the lamp is less deep
 
 
+@pytest.mark.parametrize("coarse", [1, 2])
 @pytest.mark.parametrize("yaw", [0.0, 60.0, 180.0])
-def test_a_shadow_only_darkens_and_falls_on_the_neck(drawable: None, yaw: float):
+def test_a_shadow_only_darkens_and_falls_on_the_neck(drawable: None, yaw: float, coarse: int):
     camera = Camera(yaw_deg=yaw)
-    with Portrait(size=SIZE, preset=DRAFT) as bare, Portrait(size=SIZE, preset=replace(DRAFT, shadow=True)) as shaded:
-        one, other = (each.draw({}, camera).astype(int) for each in (bare, shaded))
+    one, other = drawn(DRAFT, camera), drawn(replace(SHADED, coarse=coarse), camera)
     assert (other - one).max() <= 1
     darker = (one - other).max(axis=2) > 15
     assert 0.005 < darker.mean() < 0.3
@@ -35,6 +56,48 @@ def test_a_shadow_only_darkens_and_falls_on_the_neck(drawable: None, yaw: float)
 
 
 def test_the_forehead_does_not_shade_itself(drawable: None):
-    with Portrait(size=SIZE, preset=DRAFT) as bare, Portrait(size=SIZE, preset=replace(DRAFT, shadow=True)) as shaded:
-        one, other = (each.draw({}).astype(int)[34:46, 50:78] for each in (bare, shaded))
+    one, other = (drawn(preset)[34:46, 50:78] for preset in (DRAFT, SHADED))
     assert np.abs(one - other).max() <= 2
+
+
+def test_a_wider_lamp_has_wider_penumbras(drawable: None):
+    partly = [
+        float(np.mean((light > 0.1) & (light < 0.9))) for light in (reached(Shadow(lamp=w))[0] for w in (0.02, 0.3))
+    ]
+    assert partly[1] > 1.5 * partly[0] > 0.0
+
+
+def test_a_penumbra_grows_with_the_distance_of_what_casts_it(drawable: None):
+    """The edge of the jaw's shadow starts at the jaw, and ends on the other shoulder."""
+    light, seen = reached(Shadow(lamp=0.3))
+    below = (seen[..., 3] == 1.0) & (np.arange(256)[:, None] > 196)
+    partly = ((light[..., 0] > 0.1) & (light[..., 0] < 0.9) & below).sum(axis=0)
+    at_the_jaw, far_from_it = partly[102:109], partly[125:140]
+    assert at_the_jaw.min() > 0
+    assert np.median(far_from_it) > 2 * np.median(at_the_jaw)
+
+
+def test_light_through_an_eyeshade_takes_on_its_colour(drawable: None):
+    plain, _ = reached(Shadow())
+    uncoloured, seen = reached(Shadow(), eyeshade=True)
+    coloured, _ = reached(Shadow(coloured=True), eyeshade=True)
+    skin = seen[..., 3] == 1.0
+    np.testing.assert_allclose(uncoloured[skin], plain[skin], atol=1 / 255)  # what lets light through has its own map
+    red, green, blue = coloured[skin].T
+    tinted = green - red > 0.1
+    assert 0.02 < tinted.mean() < 0.5
+    assert np.all(green[tinted] >= blue[tinted])
+    untouched = np.abs(coloured - plain)[skin].max(axis=1) < 1 / 255
+    assert untouched.mean() > 0.3
+    forehead = skin & (np.arange(256)[:, None] < 110)
+    assert (coloured[forehead][:, 1] - coloured[forehead][:, 0]).mean() > 5 * (
+        coloured[skin & ~forehead][:, 1] - coloured[skin & ~forehead][:, 0]
+    ).mean()
+
+
+def test_lashes_cast_a_faint_shadow(drawable: None):
+    plain, seen = reached(Shadow())
+    coloured, _ = reached(Shadow(coloured=True))
+    darker = (plain - coloured).max(axis=2) > 0.02
+    assert 0 < darker.sum() < 0.05 * (seen[..., 3] > 0).sum()
+    assert (coloured - plain).max() <= 1 / 255

@@ -8,6 +8,9 @@ import pytest
 from PIL import Image
 
 from kinesic.controller.cli import main
+from kinesic.face import portrait
+from kinesic.face.mesh import load
+from kinesic.face.window import has_display
 
 
 def typed(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
@@ -35,9 +38,57 @@ def test_a_film_rises_and_falls(drawable: None, tmp_path: Path, monkeypatch: pyt
         assert film.n_frames > 20  # equal neighbours are one frame of WebP
 
 
+BML = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">
+<speech id="s"><text>My mum.</text></speech><faceLexeme id="f" lexeme="smile" start="0" attackPeak="0.3"/></bml>"""
+
+
+@pytest.fixture
+def document(tmp_path: Path) -> Path:
+    path = tmp_path / "b.bml"
+    path.write_text(BML)
+    return path
+
+
+@pytest.mark.parametrize(("name", "wide"), [("x.webp", 32), ("x.png", 2048)])
+def test_a_document_becomes_a_film_or_a_strip(
+    drawable: None, document: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, wide: int
+):
+    out = tmp_path / name
+    words = ["--bml", str(document), "--out", str(out), "--size", "32", "--preset", "draft", "--voice", "durations"]
+    assert typed(monkeypatch, *words) == 0
+    with Image.open(out) as film:
+        assert film.width <= wide
+        assert film.width * film.height * getattr(film, "n_frames", 1) >= 10 * 32 * 32
+
+
+def test_an_emotion_is_what_its_units_show(drawable: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    for name, words in (("a.png", ["--emotion", "smile"]), ("b.png", ["--au", "6=0.5,12=0.9"])):
+        assert typed(monkeypatch, *words, "--out", str(tmp_path / name), "--size", "48", "--preset", "draft") == 0
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+
+
+@pytest.mark.parametrize("words", [[], ["--bml", "b.bml"], ["--sheet"]])
+def test_without_display_and_file_there_is_nothing_to_draw_on(
+    words: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    if has_display():
+        pytest.skip("this system has a display in any case")
+    assert typed(monkeypatch, *words) == 2
+    assert capsys.readouterr().err == ("kinesic: no display for a window; --out X.png, X.webp or X.mp4 writes a file\n")
+
+
+def test_one_thing_is_drawn_at_a_time(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
+    assert typed(monkeypatch, "--au", "1=1", "--sheet", "--out", "x.png") == 2
+    assert "choose one" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("words", "says"),
     [
+        (["--emotion", "Qwrtz"], "no expression is called so; there are raise"),
+        (["--bml", "nowhere.bml"], "nowhere.bml: No such file"),
         (["--au", "99=1"], "no action unit 99"),
         (["--au", "1=1.5"], "action unit 1 is 1.5"),
         (["--au", "1=nan"], "action unit 1 is nan"),
@@ -54,6 +105,17 @@ def test_bad_input_is_one_line(
     assert says in error
     assert error.count("\n") == 1
     assert not (tmp_path / "x.png").exists()
+
+
+def test_a_missing_head_is_one_line(
+    drawable: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    monkeypatch.setattr(load, "__kwdefaults__", {"path": tmp_path / "head.npz"})
+    portrait._head.cache_clear()
+    assert typed(monkeypatch, "--out", str(tmp_path / "x.png")) == 2
+    error = capsys.readouterr().err
+    assert "head.npz: no such file; it is part of kinesic: install kinesic again" in error
+    assert error.count("\n") == 1
 
 
 def test_a_machine_without_opengl_is_told_what_to_install(

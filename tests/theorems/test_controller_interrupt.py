@@ -3,12 +3,11 @@
 from functools import lru_cache
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinesic.controller.bench.passage import passage
-from kinesic.controller.interrupt import cut, joined, stopped
+from kinesic.controller.interrupt import cut, stopped
 from kinesic.controller.peaks import peaks
 from kinesic.controller.perform import facts, plan
 from kinesic.controller.plan import Plan
@@ -42,14 +41,3 @@ def test_stops_at_random_and_stops_while_stopping(first, second):
     begin = cut(motion, time) * STEP
     again = begin + second * (halted.duration - begin)
     check(halted, stopped(halted, again, known().limits), cut(halted, again))
-
-
-@settings(max_examples=6, deadline=None)
-@given(st.floats(0.0, 1.0))
-def test_goes_over_into_another_motion_at_random(share):
-    motion, other = planned(0).trajectory, planned(1)
-    time = share * motion.duration
-    over = joined(motion, time, other.postures.postures, other.motion, known().limits)
-    check(motion, over.trajectory, cut(motion, time))
-    end = over.trajectory.controls[-1]
-    assert end == pytest.approx(other.trajectory.controls[-1], abs=1e-9)

@@ -3,19 +3,28 @@
 Everything is in virtual time: the figures are those of wire, servos and driver, whatever the machine does meanwhile.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
 from kinesic.controller.bench.figure import Figure
+from kinesic.hardware.virtual import lerobot
 from kinesic.hardware.virtual.drivers import KinesicDriver, SdkDriver
+from kinesic.hardware.virtual.lerobot import LerobotDriver
 from kinesic.hardware.virtual.matrix import PERIOD, Case, Opens, Result, cases, matrix, trial
 from kinesic.hardware.virtual.matrix_table import text
 
 SERVOS, BAUD, SEEDS = 14, 1_000_000, (0, 1, 2)
 SIZES, BAUDS = (7, 14, 26), (57_600, 1_000_000, 4_000_000)  # of the whole matrix
 FRESH, P99, TOLD, WRONG = 99.9, 1.0, 1.0, 0.0  # [%] at 1 % faults, [periods], [periods], [count]
-DRIVERS: Mapping[str, Opens] = {driver.name: driver for driver in (KinesicDriver, SdkDriver)}
+DRIVERS: Mapping[str, Opens] = {
+    KinesicDriver.name: KinesicDriver,
+    SdkDriver.name: SdkDriver,
+    LerobotDriver.name: LerobotDriver,
+    f"{LerobotDriver.name}, 3 retries": partial(LerobotDriver, retries=3),
+}
+MISSING: Mapping[str, Callable[[], str]] = {name: lerobot.missing for name in DRIVERS if LerobotDriver.name in name}
 
 
 def bench() -> list[Figure]:
@@ -54,6 +63,10 @@ def _word(name: str) -> str:
 def tables(
     *, sizes: Sequence[int] = SIZES, bauds: Sequence[int] = BAUDS, seeds: Sequence[int] = SEEDS
 ) -> Iterator[str]:
-    """The whole matrix, a table for each driver; it takes many minutes."""
+    """The whole matrix, a table for each driver, or why there is none; it takes many minutes."""
     for name, opens in DRIVERS.items():
+        why = MISSING.get(name, str)()
+        if why:
+            yield f"{name}\n\nnull: {why}\n"
+            continue
         yield f"{name}\n\n{text(list(matrix(opens, sizes=sizes, bauds=bauds, seeds=seeds)))}\n"

@@ -14,6 +14,7 @@ from kinesic.controller.cli.gestures import gestures
 from kinesic.controller.cli.perform import perform
 from kinesic.controller.cli.plan import plan
 from kinesic.controller.cli.robots import robots
+from kinesic.controller.cli.serve import serve
 from kinesic.controller.cli.servos import servos
 from kinesic.controller.cli.study import study
 from kinesic.controller.cli.sweep import sweep
@@ -30,7 +31,7 @@ def kinesic() -> None:
     """Performs BML (Behavior Markup Language) on humanoids with servos."""
 
 
-for verb in (perform, validate, plan, robots, gestures, face, study, sweep, twin, servos, bench, doctor):
+for verb in (perform, validate, plan, serve, robots, gestures, face, study, sweep, twin, servos, bench, doctor):
     kinesic.add_command(verb)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 from rich.table import Table
 
-from kinesic.controller.bench import bus, expressivity, faults, first, ik, plan, twin
+from kinesic.controller.bench import bml, bus, expressivity, face, faults, first, ik, live, plan, speech, twin
 from kinesic.controller.bench.figure import Figure
 from kinesic.controller.cli.console import console
 
@@ -18,6 +18,8 @@ PARTS: Mapping[str, Callable[[], list[Figure]]] = {
     "plan": lambda: [*first.bench(), *plan.bench()],
     "twin": twin.bench,
     "bus": lambda: [*bus.bench(), *faults.bench()],
+    "bml": lambda: [*bml.bench(), *speech.bench(), *live.bench()],
+    "face": face.bench,
 }
 
 

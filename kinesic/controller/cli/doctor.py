@@ -11,8 +11,9 @@ from kinesic.controller.cli.console import console
 from kinesic.face import display
 from kinesic.ik import KERNEL
 from kinesic.sim import gl
+from kinesic.speech import engine, port_audio
 
-EXTRAS = {"speech (espeak-ng)": ("espeakng_loader", "speech"), "studio (viser)": ("viser", "studio")}
+EXTRAS = {"studio (viser)": ("viser", "studio")}
 
 
 @click.command()
@@ -23,6 +24,8 @@ def doctor() -> int:
     table.add_row("ik kernel", KERNEL)
     table.add_row("film (MuJoCo, OpenGL)", gl.fault() or "works")
     table.add_row("face (moderngl, EGL)", display.available() or "works")
+    table.add_row("speech (espeak-ng)", engine.fault() or "works")
+    table.add_row("loudspeaker (PortAudio)", port_audio.fault() or "works")
     for name, (module, extra) in EXTRAS.items():
         present = importlib.util.find_spec(module) is not None
         table.add_row(name, "installed" if present else f"not installed: pip install 'kinesic[{extra}]'")

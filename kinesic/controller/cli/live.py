@@ -1,6 +1,5 @@
 """The robot's part of `kinesic perform`: ports, keyboard, and what is written and told afterwards."""
 
-import json
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -11,18 +10,21 @@ import click
 from rich.console import Console
 from rich.live import Live as Display
 
+from kinesic.controller.aloud import Aloud
 from kinesic.controller.cli.keyboard import pressed
+from kinesic.controller.cli.loudspeaker import loudspeaker
 from kinesic.controller.live import Live, Wish, perform_live
 from kinesic.controller.live_report import live_log, with_live
-from kinesic.controller.output import Written
-from kinesic.controller.page import write_page
+from kinesic.controller.output import Written, tell
 from kinesic.controller.performance import Performance
+from kinesic.controller.plan import Plan
 from kinesic.controller.report import Json
+from kinesic.controller.sound import sound
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.sim.log import write_log
 
-SINKS = ("twin", "servos")
+SINKS = ("twin", "servos", "face")
 KEYS = "space: stop where it is; again: let go. Ctrl-C: fold to rest and let go."
 FAULT = 3
 
@@ -40,30 +42,71 @@ class SinkNames(click.ParamType[frozenset[str]]):
         return names
 
 
-def performed_live(performance: Performance, ports: dict[str, Path], folder: Path, *, quiet: bool) -> Live:
-    """Performs on the servos what the twin has performed; events are added to FOLDER/events.jsonl.
+def performed_live(
+    performance: Performance,
+    ports: dict[str, Path],
+    folder: Path,
+    *,
+    quiet: bool,
+    told: Callable[[Status], None] = lambda status: None,
+) -> Live:
+    """Performs on the servos, and aloud, what the twin has performed; events are added to FOLDER/events.jsonl.
+
+    Args:
+        performance: of the twin.
+        ports: of the robot's buses.
+        folder: of the report.
+        quiet: nothing is shown in the terminal.
+        told: hears how it goes.
 
     Raises:
         BusError: a port or a servo is missing or wrong; nothing has moved.
     """
-    servos = Servos(performance.plan.facts.robot, ports, log=folder / "events.jsonl")
-    if not quiet:
-        click.echo(KEYS, err=True)
-    with _interrupted() as interrupted, pressed() as keys, _display(quiet) as shown:
+    plan = performance.plan
+    with speaking(plan) as said:
+        servos = Servos(plan.facts.robot, ports, log=folder / "events.jsonl")
+        if not quiet:
+            click.echo(KEYS, err=True)
+        with _interrupted() as interrupted, pressed() as keys, _display(quiet) as shown:
+            return perform_live(performance, servos, wish=_wish(keys, interrupted), shown=_all(shown, said, told))
 
-        def wish() -> Wish:
-            if " " in keys():
-                return "stop"
-            return "end" if interrupted() else "go on"
 
-        return perform_live(performance, servos, wish=wish, shown=shown)
+@contextmanager
+def speaking(plan: Plan) -> Iterator[Callable[[Status], None]]:
+    """What is said in a plan is heard meanwhile at the time that the servos tell, where there is a loudspeaker."""
+    heard = sound(plan)
+    if heard is None:
+        yield lambda status: None
+        return
+    with loudspeaker() as speaker:
+        yield Aloud(heard, speaker) if speaker is not None else lambda status: None
+
+
+def _all(*listeners: Callable[[Status], None]) -> Callable[[Status], None]:
+    """All of them hear."""
+
+    def hear(status: Status) -> None:
+        for listener in listeners:
+            listener(status)
+
+    return hear
+
+
+def _wish(keys: Callable[[], str], interrupted: Callable[[], bool]) -> Callable[[], Wish]:
+    """What somebody at the keyboard wants."""
+
+    def wish() -> Wish:
+        if " " in keys():
+            return "stop"
+        return "end" if interrupted() else "go on"
+
+    return wish
 
 
 def write_live(live: Live, data: dict[str, Json], written: Written) -> tuple[dict[str, Json], Path]:
     """Writes the report anew with what the robot did, and its log; the report, and the path of the log."""
     told = with_live(data, live)
-    written.report.write_text(json.dumps(told, indent=1), encoding="utf-8")
-    write_page(live.performance, told, film=written.film, path=written.page, no_film=written.why_no_film)
+    tell(written, live.performance, told)
     log = written.report.with_name("servos.npz")
     write_log(live_log(live), live.performance.plan.facts.robot, log)
     return told, log

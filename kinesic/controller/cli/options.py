@@ -14,6 +14,7 @@ from kinesic.controller.facts import Facts
 from kinesic.controller.perform import facts
 from kinesic.controller.robots import load_robot
 from kinesic.controller.targets import read_targets
+from kinesic.controller.voice import VoiceName
 from kinesic.expressivity.gather import Gathering
 from kinesic.expressivity.idle import OFF, Idling, Liveliness
 from kinesic.expressivity.style import RANGES, Style
@@ -24,6 +25,9 @@ SET_HELP = (
     "One number of the manner, over documents too, -1 to 1: power=0.8 of all modalities, head.power=0.8 of one; "
     f"of {', '.join(RANGES)} (openness 0 to 1). Repeat for more."
 )
+
+VOICE_HELP = "Who speaks: espeak is heard, durations is silent; auto takes espeak where it is installed."
+PAUSE_HELP = "Longest pause before a word for which the body would be late, unless documents say otherwise."
 
 
 @dataclass(frozen=True)
@@ -38,6 +42,8 @@ class Settings:
     dialect: Dialect | Literal["auto"]
     gathering: Gathering = "complex"
     idling: Idling = OFF
+    voice: VoiceName = "auto"
+    pause: float = 0.0
 
     def facts(self) -> Facts:
         """Reads everything that the options name.
@@ -53,6 +59,8 @@ class Settings:
             dialect=self.dialect,
             gathering=self.gathering,
             idling=self.idling,
+            voice=self.voice,
+            pause=self.pause,
         )
 
 
@@ -71,10 +79,13 @@ def planning(verb: Callable[..., int]) -> Callable[..., int]:
         gather: Gathering,
         idle: Liveliness,
         seed: int,
+        voice: VoiceName,
+        pause: float,
         **own: object,
     ) -> int:
         idling = Idling(idle, seed)
-        return verb(settings=Settings(robot, style, changes, lexicon, targets, dialect, gather, idling), **own)
+        settings = Settings(robot, style, changes, lexicon, targets, dialect, gather, idling, voice, pause)
+        return verb(settings=settings, **own)
 
     options = (
         click.option("--robot", default="upper22", show_default=True, help="Name, or a robot's TOML file."),
@@ -85,6 +96,8 @@ def planning(verb: Callable[..., int]) -> Callable[..., int]:
         click.option("--gather", type=click.Choice(get_args(Gathering)), default="complex", help="How frames fill up."),
         click.option("--idle", type=click.Choice(get_args(Liveliness)), default="off", help="What fills pauses."),
         click.option("--seed", type=int, default=0, show_default=True, help="Of everything random."),
+        click.option("--voice", type=click.Choice(get_args(VoiceName)), default="auto", help=VOICE_HELP),
+        click.option("--pause", type=click.FloatRange(0.0, 60.0), default=0.0, metavar="SECONDS", help=PAUSE_HELP),
         click.option("--targets", type=click.Path(path_type=Path), help="TOML of named points in the world [m]."),
     )
     decorated: Callable[..., int] = with_settings

@@ -19,6 +19,8 @@ from kinesic.controller.cli.options import Settings, planning
 from kinesic.controller.cli.servos.ports import PORT_HELP, all_ports
 from kinesic.controller.cli.twins import HELP as TWIN_HELP
 from kinesic.controller.cli.twins import read_twins
+from kinesic.controller.cli.watching import following as following_face
+from kinesic.controller.cli.watching import watched, watching
 from kinesic.controller.facts import Facts
 from kinesic.controller.feedforward import Terms
 from kinesic.controller.following import following
@@ -34,7 +36,10 @@ from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.sim.factors import Factors
 
 TERMS_HELP = "What of the servos is inverted: everything, what speed needs, or nothing."
-ON_HELP = "Who performs: twin, or servos,twin (the twin first). Space stops the servos, Ctrl-C folds them to rest."
+ON_HELP = (
+    "Who performs, with commas between: twin (always first), servos, face (in a window where there is a display). "
+    "Space stops the servos, Ctrl-C folds them to rest."
+)
 COLOURS = {"pass": "green", "warn": "yellow", "fail": "red"}
 
 
@@ -48,7 +53,7 @@ COLOURS = {"pass": "green", "warn": "yellow", "fail": "red"}
 @click.option("--correction/--no-correction", default=True, help="Goals corrected by what the twin measures.")
 @click.option("--out", type=click.Path(path_type=Path), help="Folder of the report (default: out/NAME-TIME).")
 @click.option("--force", is_flag=True, help="Replaces an existing folder.")
-@click.option("--film/--no-film", default=True, help="A film of the twin, where OpenGL works.")
+@click.option("--film/--no-film", default=True, help="Films of the twin and of the face, where OpenGL works.")
 @click.option("--json", "as_json", is_flag=True, help="Prints the report as JSON.")
 def perform(
     file: str,
@@ -74,10 +79,13 @@ def perform(
     performance, *beside = _performed(file, known, read_twins(twin), feedforward, correction)
     data = report(performance, source=source, seed=settings.idling.seed, beside=beside)
     written = write(performance, data, folder, film=film)
-    live, log = None, None
-    if paths and data["ok"]:
-        live = performed_live(performance, paths, folder, quiet=as_json)
-        data, log = write_live(live, data, written)
+    live, log, planned = None, None, performance.plan
+    with watching(known.robot, asked="face" in sinks, beside=written.film if "twin" in sinks else None) as preview:
+        if paths and data["ok"]:
+            live = performed_live(performance, paths, folder, quiet=as_json, told=following_face(planned, preview))
+            data, log = write_live(live, data, written)
+        elif preview is not None:
+            watched(planned, preview)
     if as_json:
         click.echo(json.dumps(data, indent=1))
     else:
@@ -142,10 +150,11 @@ def _side_by_side(performances: tuple[Performance, ...]) -> Table:
 
 
 def _print_paths(written: Written, log: Path | None, *, on_error: bool) -> None:
-    if written.film is None:
-        click.echo(f"film: none ({written.why_no_film})", err=on_error)
-    else:
-        click.echo(f"film: {written.film}", err=on_error)
+    films = (("film", written.film, written.why_no_film), ("face", written.face, written.why_no_face))
+    for name, path, why in films:
+        click.echo(f"{name}: none ({why})" if path is None else f"{name}: {path}", err=on_error)
+    if written.voice is not None:
+        click.echo(f"voice: {written.voice}", err=on_error)
     click.echo(f"measured: {written.measured}", err=on_error)
     if log is not None:
         click.echo(f"servos: {log}", err=on_error)

@@ -8,7 +8,7 @@ import numpy as np
 
 from kinesic.controller.study.design import Stimulus
 from kinesic.expressivity.envelope import Envelope
-from kinesic.face.camera import Camera
+from kinesic.face.camera import CLOSE
 from kinesic.face.files import save, save_film
 from kinesic.face.portrait import Pixels, Portrait
 from kinesic.face.presets import NORMAL, Preset
@@ -16,7 +16,6 @@ from kinesic.face.presets import NORMAL, Preset
 RATE = 24.0  # [Hz] of films
 COURSE = Envelope(0.2, 0.7, 1.5, 2.0)  # [s] of an expression: from rest, up, held, and gone
 SECONDS = 2.2  # of a film
-CLOSE = Camera(field_deg=15.0)  # the face fills the picture
 
 
 def file_of(stimulus: Stimulus) -> str:

@@ -1,29 +1,27 @@
 // Takes the pattern out of the occlusion, along one axis, without crossing edges.
-uniform sampler2D position;
-uniform sampler2D normal;
 uniform sampler2D noisy;
-uniform vec2 axis;
-uniform int coarse;
-uniform int side;  // pixels of the pattern
+uniform vec2 axis;  // of a step, in texture coordinates
+uniform int side;   // pixels of the pattern
 
 const float EDGE = 0.006;  // [m]
 
-out float open;
+in vec2 uv;
+
+out vec4 smoothed;  // as the occlusion has it
+
+float up(vec2 n) { return sqrt(max(1.0 - dot(n, n), 0.0)); }
 
 void main() {
-    ivec2 here = ivec2(gl_FragCoord.xy), way = ivec2(axis);
-    vec4 at = texelFetch(position, here * coarse, 0);
-    vec3 n = texelFetch(normal, here * coarse, 0).xyz;
+    vec4 at = textureLod(noisy, uv, 0.0);
+    vec3 n = vec3(at.zw, up(at.zw));
     float sum = 0.0, weights = 1e-6;
-    int reach = at.w > 0.0 ? side / 2 : -1;
+    int reach = at.y < 0.0 ? side / 2 : -1;
     for (int k = -reach; k <= reach; ++k) {
-        ivec2 there = here + k * way;
-        vec4 other = texelFetch(position, there * coarse, 0);
+        vec4 other = textureLod(noisy, uv + float(k) * axis, 0.0);
         float weight = abs(k) == reach ? 0.5 : 1.0;  // together as wide as the pattern
-        weight *= max(1.0 - abs(other.z - at.z) / EDGE, 0.0) * max(dot(n, texelFetch(normal, there * coarse, 0).xyz), 0.0)
-                * float(other.w == at.w);
-        sum += weight * texelFetch(noisy, there, 0).r;
+        weight *= max(1.0 - abs(other.y - at.y) / EDGE, 0.0) * max(dot(n, vec3(other.zw, up(other.zw))), 0.0);
+        sum += weight * other.x;
         weights += weight;
     }
-    open = at.w > 0.0 ? sum / weights : 1.0;
+    smoothed = vec4(at.y < 0.0 ? sum / weights : 1.0, at.yzw);
 }

@@ -1,9 +1,8 @@
-// The picture: light times colour over a plain background, as the screen wants it.
-uniform sampler2D position;
+// The picture: light times colour, as the screen wants it.
 uniform sampler2D diffuse;
 uniform sampler2D colour;
-uniform vec2 size;
-uniform vec3 backdrop;
+
+in vec2 uv;
 
 out vec4 picture;
 
@@ -14,13 +13,8 @@ vec3 encoded(vec3 light) {
 }
 
 void main() {
-    ivec2 here = ivec2(gl_FragCoord.xy);
-    vec2 from = gl_FragCoord.xy / size - vec2(0.5, 0.55);
-    vec3 light = backdrop * (1.25 - 1.3 * dot(from, from));
-    if (texelFetch(position, here, 0).w > 0.0) {
-        vec4 lit = texelFetch(diffuse, here, 0);
-        light = lit.rgb * texelFetch(colour, here, 0).rgb + lit.a;
-    }
+    vec4 lit = textureLod(diffuse, uv, 0.0);
+    vec3 root = textureLod(colour, uv, 0.0).rgb, light = lit.rgb * root * root + lit.a;
     light = light * (1.0 + light * 0.12) / (1.0 + light * 0.35);
     picture = vec4(encoded(clamp(light, 0.0, 1.0)), 1.0);
 }

@@ -5,7 +5,7 @@ uniform mat4 projection;
 in vec3 position;  // [m]
 in vec3 normal;
 in vec4 place;     // skin: chart a and y, front mask, height over the hairline; eyes: direction at rest
-in vec2 matter;    // part, nearness to the tip of a lash or how far inside the mouth
+in vec2 matter;    // part; of a lash nearness to the tip, of a film its share
 
 out vec3 seen;     // [m] in the frame of the camera
 out vec3 facing;

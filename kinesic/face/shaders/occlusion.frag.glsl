@@ -3,20 +3,22 @@
 uniform sampler2D position;
 uniform sampler2D normal;
 uniform sampler2D pattern;  // cosine and sine of the first direction, interleaved over the screen
-uniform int coarse;         // pixels of the G-buffer along a side of one of these
 uniform int side;           // pixels of the pattern along an axis
 uniform int directions;     // marched, each both ways
 uniform int steps;          // along each half of a direction
 uniform vec2 turn;          // cosine and sine of the angle between directions
 uniform float stride;       // [pixels] of a step
+uniform vec2 pixel;         // in texture coordinates
 uniform float radius;       // [m] beyond which nothing occludes
 uniform float strength;
-
 uniform float all;          // weights of one march if everything were in the way
 
+const float APART = 8.0;      // [m] between parts, so that blurring keeps them apart
 const float BIAS = 0.10;      // sine of the elevation under which a surface does not occlude itself
 
-out float open;
+in vec2 uv;
+
+out vec4 found;  // openness 0..1; depth [m] less that of the part, 0 on the background; x and y of the normal
 
 float wendland(float t) {
     float u = max(1.0 - t, 0.0);
@@ -39,19 +41,18 @@ float occluded(vec3 p, vec3 n, vec4 at) {
 }
 
 void main() {
-    ivec2 cell = ivec2(gl_FragCoord.xy), here = cell * coarse;
-    vec4 at = texelFetch(position, here, 0);
+    vec4 at = textureLod(position, uv, 0.0);
     vec3 p = at.xyz;
     int marched = at.w > 0.0 ? directions : 0;
-    vec3 n = texelFetch(normal, here, 0).xyz;
-    vec2 way = texelFetch(pattern, cell % side, 0).rg;
+    vec3 n = textureLod(normal, uv, 0.0).xyz;
+    vec2 way = texelFetch(pattern, ivec2(gl_FragCoord.xy) % side, 0).rg;
     float sum = 0.0;
     for (int direction = 0; direction < marched; ++direction) {
         for (int sign = -1; sign <= 1; sign += 2) {
             float blocked = 0.0;
             for (int k = 1; k <= steps; ++k) {
-                ivec2 there = here + ivec2(round(way * (float(sign * k) * stride)));
-                float taken = occluded(p, n, texelFetch(position, there, 0));
+                vec2 there = uv + way * (float(sign * k) * stride) * pixel;
+                float taken = occluded(p, n, textureLod(position, there, 0.0));
 #if ESTIMATOR == 3
                 blocked = max(blocked, 0.4 * taken);
 #else
@@ -62,5 +63,6 @@ void main() {
         }
         way = vec2(turn.x * way.x - turn.y * way.y, turn.y * way.x + turn.x * way.y);
     }
-    open = clamp(1.0 - strength * sum / float(2 * directions), 0.0, 1.0);
+    float open = clamp(1.0 - strength * sum / float(2 * directions), 0.0, 1.0);
+    found = at.w > 0.0 ? vec4(open, at.z - APART * at.w, n.xy) : vec4(1.0, vec3(0.0));
 }

@@ -3,8 +3,10 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinesic.body.arrays import Flags, Floats
 from kinesic.body.servo import TICKS_PER_TURN
@@ -18,6 +20,7 @@ from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.ticks import Ticks
 
 RECENT = 4.0  # periods
+Kind = TypeVar("Kind", bound=np.generic)
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +31,8 @@ class Snapshot:
     records: Records  # (m,)
     times: Floats  # (m,) [s] when each record was taken; minus infinity: never
     recent: Flags  # (m,) whose record is at most `RECENT` periods old
-    lost: Flags  # (m,) whose port is gone
+    lost: bool  # whether a port is gone
+    signature: bytes  # while it stays, torque, errors, watchdogs and temperatures do
     events: tuple[tuple[str, Event], ...]  # with the name of the bus
 
     @cached_property
@@ -110,12 +114,14 @@ class Axes:
         told = {} if goals is None else {name: goals[part] for name, part in self._parts.items()}
         cycles = self._buses.cycle(told)
         limit = RECENT * self._period
+        each = tuple(cycles.values())
         return Snapshot(
             time=time,
-            records=np.concatenate([cycle.records for cycle in cycles.values()]),
-            times=np.concatenate([cycle.times for cycle in cycles.values()]),
-            recent=np.concatenate([cycle.ages <= limit for cycle in cycles.values()]),
-            lost=np.concatenate([np.full(len(cycle.servos), cycle.lost) for cycle in cycles.values()]),
+            records=_row([cycle.records for cycle in each]),
+            times=_row([cycle.times for cycle in each]),
+            recent=_row([cycle.ages <= limit for cycle in each]),
+            lost=any(cycle.lost for cycle in each),
+            signature=b"".join(cycle.signature for cycle in each),
             events=tuple((name, event) for name, cycle in cycles.items() for event in cycle.events),
         )
 
@@ -149,6 +155,11 @@ class Axes:
     def close(self) -> None:
         """Gives all ports back."""
         self._buses.close()
+
+
+def _row(parts: Sequence[NDArray[Kind]]) -> NDArray[Kind]:
+    """What all buses say, one behind the other."""
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def folded(positions: Floats) -> Floats:

@@ -11,6 +11,7 @@ import tempfile
 import zlib
 from dataclasses import dataclass, field
 from math import nan
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,7 @@ LOOKS = 50  # at a row that is being written
 STAGES = tuple(Stage)
 POLICIES: tuple[Policy, ...] = ("hold", "limp")
 _WORDS = ("written", "read", "ended", "release", "estop", "told", "cycles")
+_PLACES = {name: place for place, name in enumerate(_WORDS)}
 _TEXT = 400  # [bytes] of an event
 
 
@@ -38,7 +40,7 @@ class Status:
     """What the supervisor tells in every cycle."""
 
     stage: Stage = Stage.CLOSED
-    clock: float = 0.0  # [s] of the machine's monotonic clock, when this was told
+    clock: float = 0.0  # [s] of the machine's monotonic clock, when it was this performance time
     time: float = nan  # [s] performance time; NaN before the first command
     scale: float = 0.0  # how fast it runs
     energised: int = 0  # servos with torque
@@ -49,6 +51,9 @@ class Status:
     faulty: bool = False
     angles: Floats = field(default_factory=_nothing)  # (n,) [rad] measured; NaN for a servo that did not answer
     goals: Floats = field(default_factory=_nothing)  # (n,) [rad]
+    taken: Floats = field(
+        default_factory=_nothing
+    )  # (n,) [s] of that clock, when each angle was measured; NaN likewise
 
     def time_at(self, clock: float) -> float:
         """[s] performance time at another time [s] of the machine's monotonic clock, a moment later."""
@@ -75,8 +80,8 @@ class Channel:
         """On memory of `size(joints, capacity)` bytes, all zero at first."""
         self.capacity, self._memory = capacity, memory
         self._commands = _command(joints)
-        self._words = dict(zip(_WORDS, np.frombuffer(memory, "<u8", len(_WORDS))[:, None], strict=True))
         start = 8 * len(_WORDS)
+        self._words = memoryview(memory)[:start].cast("Q")
         self._status: Rows = np.frombuffer(memory, _status(joints), HISTORY, start)
         start += self._status.nbytes
         self._events: Rows = np.frombuffer(memory, _EVENT, EVENTS, start)
@@ -86,11 +91,11 @@ class Channel:
 
     def word(self, name: str) -> int:
         """A counter or a wish."""
-        return int(self._words[name][0])
+        return self._words[_PLACES[name]]
 
     def set(self, name: str, value: int) -> None:
         """Sets a counter or a wish of this side."""
-        self._words[name][0] = value
+        self._words[_PLACES[name]] = value
 
     @property
     def room(self) -> int:
@@ -102,7 +107,7 @@ class Channel:
         if self.room <= 0:
             return False
         number = self.word("written")
-        _store(self._ring, number % self.capacity, number + 1, time=time, goals=goals)
+        _store(self._ring, number % self.capacity, number + 1, time, goals)
         self.set("written", number + 1)
         return True
 
@@ -122,10 +127,7 @@ class Channel:
     def tell(self, status: Status) -> None:
         """The supervisor tells how it is."""
         number = self.word("cycles")
-        values = {name: getattr(status, name) for name in _FIGURES}
-        stage = STAGES.index(status.stage)
-        vectors = {"angles": status.angles, "goals": status.goals}
-        _store(self._status, number % HISTORY, number + 1, stage=stage, **vectors, **values)
+        _store(self._status, number % HISTORY, number + 1, STAGES.index(status.stage), *_row(status))
         self.set("cycles", number + 1)
 
     def status(self) -> Status:
@@ -152,7 +154,7 @@ class Channel:
         """The supervisor tells of an event."""
         number = self.word("told")
         kind, text = note.kind.encode(), note.text.encode()[:_TEXT]
-        _store(self._events, number % EVENTS, number + 1, clock=note.clock, servo=note.servo, kind=kind, text=text)
+        _store(self._events, number % EVENTS, number + 1, note.clock, note.servo, kind, text)
         self.set("told", number + 1)
 
     def notes(self) -> tuple[Note, ...]:
@@ -182,11 +184,14 @@ def _told(row: np.void) -> Status:
         faulty=bool(row["faulty"]),
         angles=sealed(row["angles"]),
         goals=sealed(row["goals"]),
+        taken=sealed(row["taken"]),
     )
 
 
 _SILENT = Status()
+_VECTORS = ("angles", "goals", "taken")
 _FIGURES = ("clock", "time", "scale", "energised", "hottest", "volts", "silent", "late", "faulty")
+_row = attrgetter(*_FIGURES, *_VECTORS)
 
 
 def _command(joints: int) -> np.dtype[np.void]:
@@ -195,7 +200,7 @@ def _command(joints: int) -> np.dtype[np.void]:
 
 def _status(joints: int) -> np.dtype[np.void]:
     kinds = [(name, "<i8" if isinstance(getattr(_SILENT, name), int) else "<f8") for name in _FIGURES]
-    vectors = [("angles", "<f8", (joints,)), ("goals", "<f8", (joints,))]
+    vectors = [(name, "<f8", (joints,)) for name in _VECTORS]
     return np.dtype([("number", "<u8"), ("stage", "<i8"), *kinds, *vectors, ("crc", "<u8")])
 
 
@@ -226,11 +231,9 @@ def mapped(descriptor: int, octets: int) -> mmap.mmap:
     return mmap.mmap(descriptor, octets)
 
 
-def _store(rows: Rows, place: int, number: int, **values: object) -> None:
+def _store(rows: Rows, place: int, number: int, *values: object) -> None:
     row = np.zeros(1, dtype=rows.dtype)
-    row["number"] = number
-    for name, value in values.items():
-        row[name] = value
+    row[0] = (number, *values, 0)
     row["crc"] = zlib.crc32(row.tobytes()[:-8])
     rows[place] = row[0]
 

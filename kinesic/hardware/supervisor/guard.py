@@ -1,6 +1,7 @@
 """The host's own limits on goals: whatever is asked, no goal leaves its range, jumps, or runs away from its servo."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -20,7 +21,7 @@ class Bounds:
     speed: Floats  # (m,) [ticks/s]
     lead: Floats  # (m,) [ticks] that goals may be ahead of their servos
 
-    @property
+    @cached_property
     def acceleration(self) -> Floats:
         """(m,) [ticks/s^2]."""
         return self.speed / RISE
@@ -52,10 +53,11 @@ def guarded(course: Course, wanted: Floats, present: Floats, seconds: float, bou
     Returns:
         The course, and (m,) whose wish was not granted.
     """
-    known = np.where(np.isfinite(present), present, course.goals)
-    low = np.maximum(bounds.lower, np.minimum(known - bounds.lead, course.goals))
-    high = np.minimum(bounds.upper, np.maximum(known + bounds.lead, course.goals))
-    target = np.clip(wanted, np.minimum(low, bounds.upper), np.maximum(high, bounds.lower))
+    near = bool((np.abs(wanted - present) <= bounds.lead).all())  # that is so in nearly every cycle; not if one is NaN
+    if near and bool((wanted >= bounds.lower).all()) and bool((wanted <= bounds.upper).all()):
+        target = wanted
+    else:
+        target = _granted(course, wanted, present, bounds)
     speeds = (target - course.goals) / seconds
     change = bounds.acceleration * seconds
     steady = np.abs(speeds) <= bounds.speed * (1 + SLACK)
@@ -64,7 +66,23 @@ def guarded(course: Course, wanted: Floats, present: Floats, seconds: float, bou
         caught = _catching(course, target, seconds, bounds)
         speeds = np.where(steady, speeds, caught)
     goals = course.goals + speeds * seconds
-    return Course(sealed(goals), sealed(speeds)), ~steady | (np.abs(target - wanted) > 0.5)
+    refused = ~steady if target is wanted else ~steady | (np.abs(target - wanted) > 0.5)
+    return Course(_locked(goals), _locked(speeds)), refused
+
+
+def _granted(course: Course, wanted: Floats, present: Floats, bounds: Bounds) -> Floats:
+    """(m,) [ticks] what is wanted, but inside the range and not too far ahead of the servo."""
+    known = np.where(np.isfinite(present), present, course.goals)
+    low = np.maximum(bounds.lower, np.minimum(known - bounds.lead, course.goals))
+    high = np.minimum(bounds.upper, np.maximum(known + bounds.lead, course.goals))
+    target: Floats = np.clip(wanted, np.minimum(low, bounds.upper), np.maximum(high, bounds.lower))
+    return target
+
+
+def _locked(values: Floats) -> Floats:
+    """The same array, which nobody else holds, read-only."""
+    values.setflags(write=False)
+    return values
 
 
 def _catching(course: Course, target: Floats, seconds: float, bounds: Bounds) -> Floats:

@@ -147,14 +147,31 @@ class Manifest:
         """(m,) [ticks] of error at which each servo gives full power."""
         return sealed([member.full for member in self.members])
 
-    def angles(self, ticks: Floats) -> Floats:
+    def angles(self, ticks: Floats, *, whole: bool = False) -> Floats:
         """(n,) [rad] of (m,) ticks; tandems are averaged, and joints of which nothing is known (NaN) are NaN."""
-        turned = self.scale.angles(ticks)
-        known = np.isfinite(turned)
+        return self.means(self.scale.angles(ticks), whole=whole)
+
+    def means(self, values: Floats, *, whole: bool = False) -> Floats:
+        """(n,) means over the servos of each joint of (m,) values; NaN where nothing is known.
+
+        Args:
+            values: NaN where nothing is known.
+            whole: whether all are known, which saves looking.
+        """
+        if whole:
+            return self._shares @ values
+        known = np.isfinite(values)
         count = len(self.rest)
-        sums = np.bincount(self.joints[known], weights=turned[known], minlength=count)
+        sums = np.bincount(self.joints[known], weights=values[known], minlength=count)
         numbers = np.bincount(self.joints[known], minlength=count)
         return np.where(numbers > 0, sums / np.maximum(numbers, 1), np.nan)
+
+    @cached_property
+    def _shares(self) -> Floats:
+        """(n, m) by which `means` weighs the servos of each joint; NaN for a joint without one."""
+        mine = (self.joints == np.arange(len(self.rest))[:, None]).astype(np.float64)
+        number = mine.sum(axis=1, keepdims=True)
+        return np.where(number > 0, mine / np.maximum(number, 1), np.nan)
 
 
 def _members(robot: Robot, servos: HingeServos, joint: int) -> list[Member]:

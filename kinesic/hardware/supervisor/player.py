@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from kinesic.body.arrays import Floats, sealed
+from kinesic.body.arrays import Floats
 from kinesic.hardware.supervisor.score import Score, whole
 from kinesic.hardware.supervisor.settings import Settings
 from kinesic.hardware.supervisor.tempo import Tempo, advanced
@@ -34,7 +34,7 @@ class Player:
     @property
     def left(self) -> float:
         """[s] of performance that are known and not performed."""
-        return max(0.0, self._score.end - self.tempo.time) if self.begun else 0.0
+        return max(0.0, self._score.end - self.tempo.time)  # it ends at minus infinity while there is none
 
     @property
     def still(self) -> bool:
@@ -104,5 +104,5 @@ class Player:
         if self._source == "score":
             self.tempo = advanced(self.tempo, seconds, wanted=wanted, end=self._score.end, slow=slow)
             self._score.forget(self.tempo.time)
-            return sealed(self._score.at(self.tempo.time))
+            return self._score.at(self.tempo.time)
         return None

@@ -17,6 +17,7 @@ import msgspec
 
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
+from kinesic.hardware.real_time import granted
 from kinesic.hardware.serial_wire import SerialWire
 from kinesic.hardware.supervisor.channel import Channel, mapped, size
 from kinesic.hardware.supervisor.journal import Journal
@@ -51,7 +52,7 @@ def run(order: Order, planner: Callable[[], bool], asked: Callable[[], bool]) ->
     joints = len(manifest.rest)
     channel = Channel(mapped(order.memory, size(joints)), joints)
     settings, journal = order.settings, Journal(Path(order.log) if order.log else None)
-    watchdog = settings.watchdog if _real_time() else settings.patient_watchdog
+    watchdog = settings.watchdog if granted(PRIORITY) else settings.patient_watchdog
 
     def opens(bus: str) -> Wire:
         return SerialWire(order.ports[bus], manifest.bauds[bus])
@@ -115,14 +116,3 @@ def _line(descriptor: int) -> bytes:
     while not line.endswith(b"\n") and (byte := os.read(descriptor, 1)):
         line += byte
     return line
-
-
-def _real_time() -> bool:
-    """Asks the host for real time; whether it grants it."""
-    if sys.platform != "linux":
-        return False
-    try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
-    except OSError:
-        return False
-    return True

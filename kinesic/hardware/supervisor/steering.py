@@ -35,7 +35,7 @@ class Steering:
         """(n,) [rad] of the goals; NaN while they are not known."""
         if self._course is None:
             return np.full(len(self._manifest.rest), np.nan)
-        return self._manifest.angles(self._course.goals)
+        return self._manifest.angles(self._course.goals, whole=True)
 
     @property
     def arrived(self) -> bool:
@@ -75,12 +75,13 @@ class Steering:
             return np.zeros(len(self._wish), dtype=np.bool_)
         asked = self._wish
         if angles is not None:
-            ticks = self._manifest.scale.ticks(angles[self._manifest.joints]).astype(np.float64)
-            asked = np.where(self._given_up, self._wish, ticks)
-        self._wish = np.clip(asked, self._bounds.lower, self._bounds.upper)
+            asked = self._manifest.scale.nearest(angles.take(self._manifest.joints))
+            if self._given_up.any():
+                asked = np.where(self._given_up, self._wish, asked)
+        self._wish = np.maximum(np.minimum(asked, self._bounds.upper), self._bounds.lower)
         self._course, refused = guarded(self._course, self._wish, present, seconds, self._bounds)
-        outside: Flags = self._wish != asked
-        return refused | outside
+        refused |= self._wish != asked
+        return refused
 
     def give_up(self, stuck: Flags, present: Floats) -> None:
         """Servos that cannot move are pushed no more: from now on they hold where they are.
@@ -114,6 +115,8 @@ class Steering:
             limp: (m,) who they are.
             present: (m,) [ticks]; NaN where nobody knows.
         """
+        if not limp.any():
+            return
         known = limp & np.isfinite(present)
         if self._course is not None and known.any():
             self.put(known, folded(present[known]))

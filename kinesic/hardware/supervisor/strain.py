@@ -84,5 +84,5 @@ def derating(strain: Strain, records: Records, strength: Strength) -> Floats:
     """(m,) how fast, 0..1, each servo lets the performance be; 1: as planned."""
     by_work = (HARD - strain.work) / (HARD - EASY)
     by_heat = (strength.celsius - HOT - records["temperature"]) / (COOL - HOT)
-    share: Floats = np.clip(np.minimum(by_work, by_heat), 0.0, 1.0)
+    share: Floats = np.maximum(0.0, np.minimum(np.minimum(by_work, by_heat), 1.0))  # clip takes several times as long
     return share

@@ -66,7 +66,7 @@ class Supervisor:
         self._last: Snapshot | None = None
         self._since = self._clock = 0.0  # [s] in this stage; of the last cycle
         self._failures = self._halted = 0
-        self._limited = False
+        self._limited = self._alone = False  # whether goals were cut, and the planner is gone, in the last cycle
 
     @property
     def done(self) -> bool:
@@ -86,6 +86,7 @@ class Supervisor:
         now = axes.now()
         seconds = min(max(now - self._clock, LEAST), 2 * self._settings.period)
         self._clock = now
+        self._alone = not self._planner()
         most = TAKEN if self._steering.player.left < AHEAD else 0
         for time, goals in self._channel.commands(most):
             if not self._steering.player.take(time, goals):
@@ -127,10 +128,11 @@ class Supervisor:
 
     def _goals(self) -> Ticks | None:
         """What goes out."""
-        limp = ~self._watch.energised
-        if self._procedure is not None:
-            limp[self._concerns] = False  # the procedure says where they are
-        self._steering.follow_limp(limp, self._watch.present)
+        if not self._watch.all_energised:
+            limp = ~self._watch.energised
+            if self._procedure is not None:
+                limp[self._concerns] = False  # the procedure says where they are
+            self._steering.follow_limp(limp, self._watch.present)
         return self._steering.ticks()
 
     # what is known
@@ -138,21 +140,21 @@ class Supervisor:
     @property
     def _gone(self) -> bool:
         """Whether the planner has left without a word."""
-        return not self._planner() and not self._channel.word("ended")
+        return self._alone and not self._channel.word("ended")
 
     def _facts(self) -> Facts:
         player, watch, stage = self._steering.player, self._watch, self.state.stage
         lasted, estop = self._clock - self._since, self._channel.word("estop")
         gone, ended = self._gone, bool(self._channel.word("ended"))
         resting = stage is Stage.HOLD and lasted > self._settings.patience
-        alone = self.state.stopped and not self._planner()  # nobody can release it any more
+        alone = self.state.stopped and self._alone  # nobody can release it any more
         vain = alone or resting or (not watch.answering and lasted > self._settings.patience)
         enough = DONE if stage in MOVING or ended else self._settings.lead - DONE
         return Facts(
-            energised=bool(watch.energised.any()),
+            energised=watch.any_energised,
             answering=watch.answering,
             well=watch.well and self._procedure is None,
-            limp=bool(watch.limp.any()),
+            limp=watch.any_limp,
             begun=player.begun,
             due=not gone and player.left > enough,
             ended=gone or (ended and (player.left <= DONE or vain)),
@@ -177,7 +179,7 @@ class Supervisor:
             events.append("back")
         if watch.tripped and not watch.lost:
             events.append("tripped")
-        failures = int(watch.failed.sum())
+        failures = int(np.count_nonzero(watch.failed))
         if failures > self._failures:
             names = ", ".join(self.manifest.members[k].hinge for k in np.flatnonzero(watch.failed))
             self._note("failed", f"{names}: shut down, or cannot move")
@@ -294,4 +296,4 @@ class Supervisor:
         self._teller.note(self.now(), kind, text, servo)
 
     def _tell(self) -> None:
-        self._teller.tell(self.now(), self.state, self._watch, self._steering, self.late)
+        self._teller.tell(self._clock, self.state, self._watch, self._steering, self.late)

@@ -1,6 +1,7 @@
 """What the records say about the servos as a whole: who answers, who works too hard, who has failed."""
 
 from collections.abc import Sequence
+from math import inf
 
 import numpy as np
 
@@ -11,9 +12,11 @@ from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.preparing import Table
 from kinesic.hardware.supervisor.strain import Strain, Strength, derating, strained
 
+WEIGH = 0.05  # [s] between two looks at currents and temperatures
+
 
 class Watch:
-    """Looks at every cycle."""
+    """Looks at every cycle; at how hard servos work, which changes slowly, at every few."""
 
     def __init__(self, manifest: Manifest, tables: Sequence[Table]) -> None:
         """Nobody has been heard yet.
@@ -23,84 +26,65 @@ class Watch:
             tables: their registers, in its order; none if they are not known yet.
         """
         count = len(manifest.members)
+        nobody: Flags = np.zeros(count, dtype=np.bool_)
         self._manifest, self._strength = manifest, Strength.of(tables)
-        self._strain = Strain.none(count)
-        self._snapshot: Snapshot | None = None
-        self._nobody: Flags = np.zeros(count, dtype=np.bool_)
-        self._stuck = self._nobody
+        self._strain, self._since = Strain.none(count), inf  # [s] since it was looked at
+        self._signature = b""  # of what was judged last
+        self.records: Records | None = None  # (m,) the last ones; None before the first
+        self.present: Floats = np.full(count, np.nan)  # (m,) [ticks]; NaN for who has not answered lately
+        self.taken: Floats = self.present  # (m,) [s] when that was so
+        self.scale = 0.0  # how fast, 0..1, the hardest-working servo lets the performance be
+        self.lost = False  # whether a port is gone
+        self.answering = False  # whether all have answered lately
+        self.everybody = False  # whether all have, be a port gone since
+        self.heard: Flags = nobody  # (m,) who has answered lately
+        self.energised: Flags = nobody  # (m,) who had torque when heard last
+        self.stuck: Flags = nobody  # (m,) who could not move, once
+        self.failed: Flags = nobody  # (m,) who has a hardware error, or is stuck
+        self.limp: Flags = nobody  # (m,) who could have torque, and has none
+        self.any_energised = self.all_energised = self.any_limp = False
+        self.tripped = False  # whether servos with torque were stopped by their watchdog
+        self._fit = False  # whether all have torque, and none has failed
 
     def look(self, snapshot: Snapshot, goals: Floats | None, seconds: float) -> None:
         """One more cycle; goals are (m,) [ticks]."""
-        self._snapshot = snapshot
+        self.records, recent = snapshot.records, snapshot.recent
+        self.everybody = everybody = bool(recent.all())
+        self.present = snapshot.positions if everybody else np.where(recent, snapshot.positions, np.nan)
+        self.taken = snapshot.times if everybody else np.where(recent, snapshot.times, np.nan)
+        self._since += seconds
+        weighed = self._since >= WEIGH
+        if weighed:
+            self._weigh(snapshot, goals)
+        settled = everybody and self.answering and not weighed and not snapshot.lost
+        if not settled or snapshot.signature != self._signature:
+            self._judge(snapshot)
+
+    def _weigh(self, snapshot: Snapshot, goals: Floats | None) -> None:
+        """How hard they work."""
         if goals is not None:
-            self._strain = strained(self._strain, snapshot.records, goals, seconds, self._strength)
-            self._stuck = self._stuck | (self._strain.stuck & snapshot.torque)
+            passed = min(self._since, 2 * WEIGH)
+            self._strain = strained(self._strain, snapshot.records, goals, passed, self._strength)
+            self.stuck = self.stuck | (self._strain.stuck & snapshot.torque)
+        self.scale = float(derating(self._strain, snapshot.records, self._strength).min())
+        self._since = 0.0
 
-    @property
-    def records(self) -> Records | None:
-        """(m,) the last ones; None before the first."""
-        return self._snapshot.records if self._snapshot is not None else None
-
-    @property
-    def lost(self) -> bool:
-        """Whether a port is gone."""
-        return self._snapshot is not None and bool(self._snapshot.lost.any())
-
-    @property
-    def heard(self) -> Flags:
-        """(m,) who has answered lately."""
-        return self._snapshot.recent if self._snapshot is not None else self._nobody
-
-    @property
-    def answering(self) -> bool:
-        """Whether all have."""
-        return bool(self.heard.all()) and not self.lost
-
-    @property
-    def energised(self) -> Flags:
-        """(m,) who had torque when heard last."""
-        return self._snapshot.torque if self._snapshot is not None else self._nobody
-
-    @property
-    def failed(self) -> Flags:
-        """(m,) who has a hardware error, or cannot move."""
-        errors = self._snapshot.errors if self._snapshot is not None else self._stuck
-        return np.asarray(errors | self._stuck)
-
-    @property
-    def stuck(self) -> Flags:
-        """(m,) who cannot move, once."""
-        return self._stuck
-
-    @property
-    def limp(self) -> Flags:
-        """(m,) who could have torque, and has none."""
-        return np.asarray(self.heard & ~self.energised & ~self.failed)
-
-    @property
-    def tripped(self) -> bool:
-        """Whether servos with torque were stopped by their watchdog."""
-        return self._snapshot is not None and bool((self._snapshot.tripped & self.energised).any())
-
-    @property
-    def scale(self) -> float:
-        """How fast, 0..1, the hardest-working servo lets the performance be."""
-        if self._snapshot is None:
-            return 0.0
-        return float(derating(self._strain, self._snapshot.records, self._strength).min())
+    def _judge(self, snapshot: Snapshot) -> None:
+        """What follows from all that."""
+        self._signature, self.lost, self.heard = snapshot.signature, snapshot.lost, snapshot.recent
+        self.answering = self.everybody and not snapshot.lost
+        self.energised = snapshot.torque
+        self.failed = snapshot.errors | self.stuck
+        self.limp = self.heard & ~self.energised & ~self.failed
+        self.any_energised, self.all_energised = bool(self.energised.any()), bool(self.energised.all())
+        self.any_limp = bool(self.limp.any())
+        self.tripped = bool((snapshot.tripped & self.energised).any())
+        self._fit = bool((self.energised & ~self.failed).all()) and not self.tripped
 
     @property
     def well(self) -> bool:
         """Whether the performance may go on."""
-        fit = self.energised & ~self.failed
-        return self.answering and bool(fit.all()) and not self.tripped and self.scale > 0.0
-
-    @property
-    def present(self) -> Floats:
-        """(m,) [ticks]; NaN for who has not answered lately."""
-        if self._snapshot is None:
-            return np.full(len(self._nobody), np.nan)
-        return np.where(self.heard, self._snapshot.positions, np.nan)
+        return self.answering and self._fit and self.scale > 0.0
 
     @property
     def held_joints(self) -> frozenset[int]:

@@ -1,8 +1,9 @@
 """One half-duplex wire with virtual servos on it: bytes and their times in, bytes and their times out.
 
 The clock is the caller's, so that time may be real or virtual. Bytes take ten bits each; the host's adapter hands on
-what it has when `PIECE` bytes are full, or the latency timer after the last. Who talks into a reply spoils both: the
-servos do not understand the packet, and the adapter does not hear what they say meanwhile.
+what it has when `PIECE` bytes are full, or when its latency timer has run since it did so last (FTDI, AN232B-04); the
+last ones wait for the whole timer. Who talks into a reply spoils both: the servos do not understand the packet, and the
+adapter does not hear what they say meanwhile.
 """
 
 from collections import deque
@@ -107,7 +108,8 @@ class VirtualBus:
     def _collide(self, begun: float, ended: float) -> None:
         """The host talks while servos do: nobody hears what is said meanwhile."""
         self._reader.clear()
-        self._coming = deque(piece.without(begun, ended) for piece in self._coming)
+        spoilt = (piece.without(begun, ended) for piece in self._coming)
+        self._coming = deque(piece for piece in spoilt if piece.data)
 
     def _answer(self, packet: Packet, clock: float, byte: float) -> float:
         """Lets the servos obey and answer; the time [s] when the wire is silent again."""
@@ -123,12 +125,13 @@ class VirtualBus:
     def _deliver(self, heard: list[Heard], clock: float, byte: float) -> float:
         """Cuts what comes along the wire into the adapter's pieces."""
         piece, late = bytearray(), 0.0
+        full = min(PIECE, max(1, int(self._latency / byte))) if self._latency else PIECE
         for part in heard:
             clock += part.delay
             late = max(late, part.late)
             data = part.data
-            while len(piece) + len(data) >= PIECE:
-                room = PIECE - len(piece)
+            while len(piece) + len(data) >= full:
+                room = full - len(piece)
                 clock += byte * room
                 self._post(Piece(clock + late, clock, byte, bytes(piece + data[:room])))
                 piece.clear()

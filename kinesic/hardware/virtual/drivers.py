@@ -28,6 +28,7 @@ class Reading:
     positions: Ticks  # (n,)
     times: Floats  # (n,) [s] on the wire's clock when each was taken; NEVER
     fresh: Flags  # (n,) taken in this cycle
+    late: Flags  # (n,) of which a position of an earlier cycle has come in this one, with its right time
     alerts: Flags  # (n,) known to have a hardware error
 
 
@@ -54,7 +55,8 @@ class KinesicDriver:
     def cycle(self, goals: Ticks) -> Reading:
         """See `Driver`."""
         cycle = self._bus.cycle(goals)
-        return Reading(cycle.positions, cycle.times, cycle.fresh, cycle.each("hardware_error") != 0)
+        alerts = cycle.each("hardware_error") != 0
+        return Reading(cycle.positions, cycle.times, cycle.fresh, cycle.late, alerts)
 
 
 class PlainPort(WirePort):
@@ -96,4 +98,5 @@ class SdkDriver:
             raw = [self._places.getData(servo, field.address, field.size) for servo in self._ids]
             self._positions = np.array(raw, dtype=np.uint32).astype(np.int32).astype(np.int64)
             self._times = np.full(len(self._ids), self._wire.now())
-        return Reading(self._positions, self._times, fresh, np.zeros(len(self._ids), dtype=np.bool_))
+        none: Flags = np.zeros(len(self._ids), dtype=np.bool_)
+        return Reading(self._positions, self._times, fresh, none, none)

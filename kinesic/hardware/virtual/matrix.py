@@ -27,6 +27,7 @@ PERIOD = 0.01  # [s]
 AMPLITUDE, TURN = 200, 2.0  # [ticks], [s] of the motion
 TOLERANCE = 3  # [ticks] within which a position is true
 MEMORY = 0.01  # [s] more than a period, around a position's time, in which it must have been true
+ROOM = 1.25  # times what the wire needs that a period is at least
 STRIKE = 0.5  # [s] of motion before the faults that have a time
 RATES = (0.01, 0.05)
 MIXED: tuple[Kind, ...] = ("corrupt", "drop", "truncate", "duplicate", "noise", "lost")
@@ -40,6 +41,7 @@ class Case:
 
     name: str
     mishaps: tuple[Mishap, ...] = ()
+    cycles: int = 300  # of a trial
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +55,8 @@ class Result:
     refused: str = ""  # why it would not drive these servos
     exceptions: int = 0
     wrong: int = 0  # positions given as true that never were
-    fresh: float = 0.0  # share of the positions that servos could give which were taken in their cycle
+    fresh: float = 0.0  # share of the positions that servos could give which came, be it late but with their time
+    prompt: float = 0.0  # share that came in the cycle that asked for them
     oldest: float = 0.0  # [s] of a position at the end of its cycle
     durations: Floats = field(default_factory=lambda: np.zeros(1))  # (m,) [s] of the cycles
     told: float | None = None  # [s] from the begin of the first cycle with a hardware error until told; None: never
@@ -65,7 +68,9 @@ class Result:
 
 def cases() -> tuple[Case, ...]:
     """The faults of the matrix that a bus alone can meet."""
-    rates = [Case(f"{kind} {rate:.0%}", (Mishap(kind, rate=rate),)) for rate in RATES for kind in (*MIXED, "late")]
+    rates = [Case(f"{kind} {rate:.0%}", (Mishap(kind, rate=rate),)) for rate in RATES for kind in MIXED]
+    # the first late answer of a wire is taken for a lost one: what matters is how many follow
+    late = [Case(f"late {rate:.0%}", (Mishap("late", rate=rate),), cycles=1500) for rate in RATES]
     alerts = [
         Case(f"alert {error.name.lower()}", (Mishap("alert", (2,), start=STRIKE, value=error.value),))
         for error in HardwareError
@@ -73,6 +78,7 @@ def cases() -> tuple[Case, ...]:
     return (
         Case("calm"),
         *rates,
+        *late,
         Case("mixed 6 x 2%", tuple(Mishap(kind, rate=0.02) for kind in MIXED)),
         Case("requests lost 1%", (Mishap("lost", rate=0.01, way="request"),)),
         Case("silent", (Mishap("silent", (2,), start=STRIKE),)),
@@ -88,7 +94,7 @@ def cases() -> tuple[Case, ...]:
     )
 
 
-def trial(case: Case, opens: Opens, *, servos: int, baud: int, seed: int, cycles: int = 300) -> Result:
+def trial(case: Case, opens: Opens, *, servos: int, baud: int, seed: int, cycles: int | None = None) -> Result:
     """Drives virtual servos through a fault.
 
     Args:
@@ -97,7 +103,7 @@ def trial(case: Case, opens: Opens, *, servos: int, baud: int, seed: int, cycles
         servos: how many.
         baud: [bit/s].
         seed: of the faults.
-        cycles: how many, one each period or as fast as the driver can.
+        cycles: how many, one each period or as fast as the driver can; by default the case's.
     """
     plan = FaultPlan(case.mishaps, seed)
     fittings = tuple(Fitting(servo, model=MODEL) for servo in range(1, servos + 1))
@@ -105,7 +111,7 @@ def trial(case: Case, opens: Opens, *, servos: int, baud: int, seed: int, cycles
     plant, buses = build([Cable("trial", fittings, baud=baud, faults=built)])
     bus = buses["trial"]
     wire = MemoryWire(bus)
-    period = max(PERIOD, 1.25 * _ideal(servos, baud))
+    period = max(PERIOD, ROOM * _ideal(servos, baud, fast=not plan.of(frozenset({"old_firmware"}))))
     try:
         driver = opens(wire, [Servo(fitting.servo, MODELS[MODEL]) for fitting in fittings], period)
     except BusError as error:
@@ -114,12 +120,13 @@ def trial(case: Case, opens: Opens, *, servos: int, baud: int, seed: int, cycles
     for servo in plant.servos:
         servo.write(Register.TORQUE_ENABLE.field.address, b"\1")
     bus.expose(FaultPlan(tuple(m for m in plan.mishaps if m.kind not in BUILD_KINDS), seed) if case.mishaps else CALM)
-    return _Watch(case, plant, bus, wire, period).driven(driver, cycles, baud, seed)
+    return _Watch(case, plant, bus, wire, period).driven(driver, cycles or case.cycles, baud, seed)
 
 
-def _ideal(servos: int, baud: int) -> float:
-    """[s] of a cycle with the full record of every servo: 14 + 5 n, 14 + n and 8 + 22 n bytes."""
-    return (36 + 28 * servos) * 10 / baud + 0.001
+def _ideal(servos: int, baud: int, *, fast: bool) -> float:
+    """[s] of a cycle with the full record of every servo: 14 + 5 n, 14 + n, and 8 + 22 n or 29 n bytes."""
+    octets = 36 + 28 * servos if fast else 28 + 35 * servos
+    return octets * 10 / baud + 0.001
 
 
 class _Watch:
@@ -133,7 +140,8 @@ class _Watch:
     def driven(self, driver: Driver, cycles: int, baud: int, seed: int) -> Result:
         """A motion of so many cycles."""
         wire, starts = self._wire, self._places()
-        exceptions = wrong = fresh = able = 0
+        exceptions = wrong = prompt = later = able = 0
+        owed = np.zeros(len(starts), dtype=np.int64)  # cycles that have not brought a position
         oldest, told, failed, durations = 0.0, None, None, []
         for k in range(cycles):
             wire.sleep(self._began + k * self._period)
@@ -154,7 +162,11 @@ class _Watch:
             if reading is None:
                 continue
             wrong += self._lies(reading)
-            fresh += int(reading.fresh.sum())
+            prompt += int(reading.fresh.sum())
+            belated = reading.late & (owed > 0)
+            later += int(belated.sum())
+            owed += ~reading.fresh
+            owed -= belated
             heard = reading.times > begun - 10.0
             oldest = max([oldest, *(ended - reading.times[heard]).tolist()])
             if told is None and reading.alerts.any():
@@ -166,7 +178,8 @@ class _Watch:
             seed=seed,
             exceptions=exceptions,
             wrong=wrong,
-            fresh=fresh / max(able, 1),
+            fresh=(prompt + later) / max(able, 1),
+            prompt=prompt / max(able, 1),
             oldest=oldest,
             durations=np.array(durations),
             told=told,

@@ -3,7 +3,7 @@ import json
 import numpy as np
 
 NOD = b'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" start="0.2"/></bml>'
-FACE = b'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><faceLexeme id="f" lexeme="OPEN_MOUTH"/></bml>'
+WALK = b'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><locomotion id="w" target="door"/></bml>'
 
 
 def test_plan_writes_a_motion(kinesic, tmp_path):
@@ -19,7 +19,7 @@ def test_validate_searches_folders_and_ends_with_totals(kinesic, tmp_path):
     folder = tmp_path / "documents"
     folder.mkdir()
     (folder / "nod.bml").write_bytes(NOD)
-    (folder / "face.xml").write_bytes(FACE)
+    (folder / "walk.xml").write_bytes(WALK)
     (folder / "broken.xml").write_bytes(b"<bml>")
     (folder / "notes.txt").write_bytes(b"not a document")
     ended = kinesic("validate", folder, "--json", "--jobs", "2", "--out", "reports")
@@ -27,11 +27,11 @@ def test_validate_searches_folders_and_ends_with_totals(kinesic, tmp_path):
     outcomes = {entry["file"].split("/")[-1]: entry for entry in found["documents"]}
     assert {name: entry["outcome"] for name, entry in outcomes.items()} == {
         "nod.bml": "performed",
-        "face.xml": "refused",
+        "walk.xml": "refused",
         "broken.xml": "refused",
     }
     assert ":1:" in outcomes["broken.xml"]["error"]
-    assert "can perform none of its behaviours" in outcomes["face.xml"]["error"]
+    assert "can perform none of its behaviours" in outcomes["walk.xml"]["error"]
     assert json.loads((tmp_path / outcomes["nod.bml"]["report"]).read_text())["ok"]
     assert found["totals"]["documents"] == 3
     assert found["totals"]["performed"] == 1

@@ -54,7 +54,14 @@ def test_status_is_what_was_told_last(ends):
     for k in range(3):
         supervisor.tell(
             Status(
-                Stage.ACTIVE, clock=5.0 + k, time=1.0 + k, scale=0.5, energised=4, angles=np.ones(3), goals=np.zeros(3)
+                Stage.ACTIVE,
+                clock=5.0 + k,
+                time=1.0 + k,
+                scale=0.5,
+                energised=4,
+                angles=np.ones(3),
+                goals=np.zeros(3),
+                taken=np.zeros(3),
             )
         )
     told = planner.status()
@@ -65,7 +72,7 @@ def test_status_is_what_was_told_last(ends):
 
 def test_history_is_every_cycle_once_and_of_too_many_the_last(ends):
     planner, supervisor = ends
-    vectors = {"angles": np.zeros(3), "goals": np.zeros(3)}
+    vectors = {name: np.zeros(3) for name in ("angles", "goals", "taken")}
     for k in range(HISTORY + 10):
         supervisor.tell(Status(Stage.HOLD, clock=float(k), **vectors))
     clocks = [told.clock for told in planner.history()]

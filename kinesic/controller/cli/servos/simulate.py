@@ -10,14 +10,17 @@ from types import FrameType
 import click
 
 from kinesic.body.config import ConfigError
+from kinesic.controller.cli.twins import read_twins
 from kinesic.controller.robots import load_robot
 from kinesic.controller.virtual_robot import TwinPhysics
+from kinesic.hardware.real_time import granted
 from kinesic.hardware.registers import BAUD_RATES
 from kinesic.hardware.virtual.faults import CALM, KINDS, FaultPlan
 from kinesic.hardware.virtual.fittings import build, cables
 from kinesic.hardware.virtual.pty import PtyPort, serve
 
 PHYSICS = ("servo", "twin")
+PRIORITY = 30  # above a supervisor on the same machine: servos are never late
 
 
 @click.command(
@@ -33,10 +36,11 @@ PHYSICS = ("servo", "twin")
     show_default=True,
     help="What turns the shafts: each servo's motor for itself, or the robot's twin.",
 )
+@click.option("--twin", default="nominal", show_default=True, help="nominal, pessimistic, or a TOML of factors.")
 @click.option("--faults", type=click.Path(path_type=Path, dir_okay=False), help="TOML of what goes wrong.")
 @click.option("--baud", type=int, help="Baud rate of all servos, instead of the robot file's.")
 @click.option("--folder", type=click.Path(path_type=Path, file_okay=False), help="Where the ports appear.")
-def simulate(robot: str, physics: str, faults: Path | None, baud: int | None, folder: Path | None) -> int:
+def simulate(robot: str, physics: str, twin: str, faults: Path | None, baud: int | None, folder: Path | None) -> int:
     """Simulates a robot's servos behind pseudo-terminals, and prints their paths, until it is stopped."""
     if baud is not None and baud not in BAUD_RATES:
         raise ConfigError(f"--baud is {baud}, must be one of {', '.join(str(rate) for rate in BAUD_RATES)}")
@@ -46,9 +50,10 @@ def simulate(robot: str, physics: str, faults: Path | None, baud: int | None, fo
     if not wires:
         raise ConfigError(f"{body.path}: no [[bus]], so there are no servos to simulate")
     try:
-        _, buses = build(wires, TwinPhysics(body, wires) if physics == "twin" else None)
+        _, buses = build(wires, TwinPhysics(body, wires, factors=read_twins(twin)[0]) if physics == "twin" else None)
     except ValueError as error:
         raise ConfigError(f"--physics twin: {error}") from None
+    granted(PRIORITY)
     stopped = _stopped_by_signals()
     with tempfile.TemporaryDirectory(prefix="kinesic-servos-") as place:
         home = Path(place) if folder is None else folder

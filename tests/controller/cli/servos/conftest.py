@@ -2,6 +2,8 @@
 
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from math import radians
 from pathlib import Path
 from threading import Event, Thread
@@ -11,6 +13,7 @@ import pytest
 from kinesic.body.robot import Robot
 from kinesic.hardware.registers import Register
 from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.hardware.virtual.faults import CALM, FaultPlan
 from kinesic.hardware.virtual.fittings import build, cables
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.physics import FirstOrder
@@ -25,10 +28,11 @@ Posture = Callable[[str], float]  # hinge -> [deg] from where it stood
 class Table:
     """Servos that lie on a table."""
 
-    def __init__(self) -> None:
+    def __init__(self, faults: FaultPlan = CALM) -> None:
         robot = Robot.load()
         self.members = Manifest.of(robot).members
-        (self.cable,) = cables(robot)
+        (cable,) = cables(robot)
+        self.cable = replace(cable, faults=faults)
         places = [fitting.ticks * Register.PRESENT_POSITION.field.scale for fitting in self.cable.fittings]
         self.physics = FirstOrder([fitting.motor for fitting in self.cable.fittings], places)
         self.plant, buses = build([self.cable], self.physics)
@@ -84,15 +88,23 @@ def table(monkeypatch: pytest.MonkeyPatch) -> Table:
     return found
 
 
-@pytest.fixture
-def served(tmp_path: Path) -> Iterator[Table]:
+@contextmanager
+def serving(found: Table, port: Path) -> Iterator[Table]:
     """A table behind a port of this machine, in real time."""
-    found, stop = Table(), Event()
-    found.port = tmp_path / "port"
+    stop = Event()
+    found.port = port
     terminal = PtyPort(found.bus, found.port)
     terminal.exchange(0.0)
     thread = Thread(target=serve, args=([terminal], lambda: not stop.is_set()))
     thread.start()
-    yield found
-    stop.set()
-    thread.join()
+    try:
+        yield found
+    finally:
+        stop.set()
+        thread.join()
+
+
+@pytest.fixture
+def served(tmp_path: Path) -> Iterator[Table]:
+    with serving(Table(), tmp_path / "port") as found:
+        yield found

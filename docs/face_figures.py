@@ -1,0 +1,55 @@
+"""Writes what `kinesic bench face --json` measured into docs/face.md; wants its output."""
+
+import json
+import sys
+from pathlib import Path
+
+PAGE = Path(__file__).with_name("face.md")
+BEGIN, END = "<!-- figures -->", "<!-- end of figures -->"
+MARKS = {True: "met", False: "missed", None: ""}
+ESTIMATORS = {"crytek": "Crytek", "obscurance": "vol. obscurance", "horizon": "horizon", "angular": "angular"}
+TABLE = tuple(f"face.occlusion.{estimator}_" for estimator in ESTIMATORS)
+
+figures = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
+values = {figure["name"]: figure["value"] for figure in figures}
+notes = {figure["name"]: figure["why"].removeprefix("thesis, GTX 480: ") for figure in figures}
+
+
+def number(value: float) -> str:
+    """Three digits, or all before the point."""
+    return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
+
+
+def told(name: str) -> str:
+    """A value to three digits, and what the thesis measured."""
+    if values[name] is None:
+        return "-"
+    return number(values[name]) + (f" ({notes[name].removeprefix('thesis: ')})" if notes[name] else "")
+
+
+rows = [
+    "Table 3.1 at 1024 x 768, 41 000 triangles: milliseconds here, and in brackets the thesis's on a GTX 480.",
+    "",
+    "| size | | " + " | ".join(ESTIMATORS.values()) + " |",
+    "|---|---|" + "---|" * len(ESTIMATORS),
+]
+for size in (5, 11, 21):
+    for kind, head in (
+        ("exact", f"{size} x {size}, exact"),
+        ("separable", f"{size} x 2, separable"),
+        ("ratio", "times faster"),
+        ("rmse", "error, RMS"),
+    ):
+        cells = [told(f"face.occlusion.{estimator}_{size}_{kind}") for estimator in ESTIMATORS]
+        rows.append(f"| {size} | {head} | " + " | ".join(cells) + " |")
+rows += ["", "| figure | value | goal | |", "|---|---|---|---|"]
+for figure in figures:
+    if figure["goal"] is None and figure["name"].startswith(TABLE):
+        continue
+    value = "-" if figure["value"] is None else f"{number(figure['value'])} {figure['unit']}".strip()
+    sign = ">=" if figure["better"] == "higher" else "<="
+    goal = "" if figure["goal"] is None else f"{sign} {figure['goal']:g}"
+    rows.append(f"| `{figure['name']}` | {value} | {goal} | {MARKS[figure['ok']]} |")
+before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
+after = rest.split(END)[1]
+PAGE.write_text("\n".join([before + BEGIN, "", *rows, "", END + after]), encoding="utf-8")

@@ -1,0 +1,46 @@
+"""Draws docs/face-light.png: what each effect adds, and the head from every side."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from kinesic.face.camera import Camera
+from kinesic.face.portrait import Pixels, Portrait
+from kinesic.face.presets import DRAFT, FULL, NORMAL, Preset
+
+SIDE, LABEL = 194, 18
+SMILE = {"6": 0.8, "12": 0.9, "1": 0.4}
+ASIDE = Camera(yaw_deg=-28.0, field_deg=17.0)
+ONE_BY_ONE = (
+    ("light alone", DRAFT),
+    ("+ wrinkles", replace(DRAFT, wrinkles=True, smooth=True)),
+    ("+ occlusion", replace(NORMAL, shadow=None, scattering=None)),
+    ("+ shadow", replace(NORMAL, scattering=None)),
+    ("+ skin: normal", NORMAL),
+    ("full", FULL),
+    ("an eyeshade", replace(FULL, eyeshade=True)),
+)
+ROUND = ((-90.0, {"4": 1.0}), (-60.0, {"27": 0.8}), (-30.0, {"20": 1.0}), (0.0, SMILE))
+ROUND += ((45.0, {"1": 1.0, "2": 1.0}), (90.0, {"10": 1.0, "4": 0.6}), (180.0, {"12": 1.0}))
+
+
+def drawn(preset: Preset, units: dict[str, float], camera: Camera) -> Pixels:
+    """One picture."""
+    with Portrait(preset=preset, size=(SIDE, SIDE)) as portrait:
+        return portrait.draw(units, camera)
+
+
+def labelled(pixels: Pixels, text: str) -> Pixels:
+    """A picture under its name."""
+    paper = Image.new("RGB", (SIDE, SIDE + LABEL), (250, 250, 250))
+    ImageDraw.Draw(paper).text((4, 3), text, fill=(40, 40, 40))
+    paper.paste(Image.fromarray(pixels), (0, LABEL))
+    return np.asarray(paper)
+
+
+effects = [labelled(drawn(preset, SMILE, ASIDE), name) for name, preset in ONE_BY_ONE]
+views = [labelled(drawn(NORMAL, units, Camera(yaw_deg=yaw)), f"normal, {yaw:g} deg") for yaw, units in ROUND]
+sheet = Image.fromarray(np.concatenate([np.concatenate(effects, axis=1), np.concatenate(views, axis=1)]))
+sheet.save(Path(__file__).with_name("face-light.png"), optimize=True)

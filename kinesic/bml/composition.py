@@ -1,0 +1,123 @@
+"""How a block meets others: what it waits for, whom it stops, and the states of its life.
+
+Values and states: facts, BML 1.0 sections 2.6 and 2.7; the extension attributes are ASAP's and its predecessor's.
+"""
+
+import re
+from collections.abc import Mapping
+from enum import Enum
+from typing import Literal
+
+from kinesic.bml.block import Block, Composition, NoticeType, Succession
+from kinesic.bml.namespaces import extension_attributes
+from kinesic.bml.reading import Named, Reading
+from kinesic.bml.tree import Element
+
+Until = Literal["relax", "end"]  # what must have come of another block
+
+_KINDS = {
+    "": Composition.MERGE,
+    "merge": Composition.MERGE,
+    "blend": Composition.MERGE,  # Greta's default
+    "append": Composition.APPEND,
+    "append-after": Composition.APPEND,
+    "chunk-after": Composition.APPEND,
+    "replace": Composition.REPLACE,
+}
+_WRITTEN = re.compile(r"\s*([\w-]*)\s*(?:\((.*)\))?\s*", re.DOTALL)
+_SEPARATOR = re.compile(r"[\s,]+")
+
+
+class State(Enum):
+    """Where a block is in its life."""
+
+    IN_PREP = "IN_PREP"  # it is being planned
+    PENDING = "PENDING"  # planned, to be activated
+    LURKING = "LURKING"  # waits for others
+    IN_EXEC = "IN_EXEC"
+    SUBSIDING = "SUBSIDING"  # all its behaviours retract
+    DONE = "DONE"
+    REVOKED = "REVOKED"  # taken back before it began
+    INTERRUPTED = "INTERRUPTED"
+    FAILED = "FAILED"
+
+    @property
+    def is_playing(self) -> bool:
+        """Whether it has begun and is not over."""
+        return self in (State.IN_EXEC, State.SUBSIDING)
+
+
+def composition_of(about: Named, root: Element, reading: Reading) -> tuple[Composition, Succession]:
+    """Reads how a block asks to meet others.
+
+    Args:
+        about: the <bml>.
+        root: of the document, which may say it for the <bml> inside.
+        reading: gets a notice about what is not understood.
+    """
+    written = about.word("composition") or root.attributes.get("composition", "").strip()
+    matched = _WRITTEN.fullmatch(written)
+    name, inside = (matched[1].lower(), matched[2]) if matched else (written, None)
+    kind = _KINDS.get(name)
+    takes_ids = name in ("append-after", "chunk-after")
+    if kind is None or (inside is not None and not takes_ids):
+        taken = (kind or Composition.MERGE).value
+        reading.note(NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED, f"composition '{written}' is taken as {taken}")
+    more = {key.lower(): value for key, value in extension_attributes(about.element).items()}
+    named = _ids(inside) if takes_ids else ()
+    return kind or Composition.MERGE, Succession(
+        after=(*(named if name == "append-after" else ()), *_ids(more.get("appendafter"))),
+        chunk_after=(*(named if name == "chunk-after" else ()), *_ids(more.get("chunkafter"))),
+        before=_ids(more.get("prependbefore")),
+        chunk_before=_ids(more.get("chunkbefore")),
+        preplanned=more.get("preplan", "").strip().lower() in ("true", "1", "yes"),
+        interrupts=_ids(more.get("interrupt")),
+        activates=_ids(more.get("onstart")),
+    )
+
+
+def awaited(block: Block, present: Mapping[str, State]) -> dict[str, Until]:
+    """What must come of which other blocks before a block begins.
+
+    APPEND without ids waits for all that were sent before, those left aside that nobody has activated.
+
+    Args:
+        block: that is to begin.
+        present: id -> state of every block that is not over, in the order in which they were sent.
+    """
+    succession, waits = block.succession, dict[str, Until]()
+    if block.composition is Composition.APPEND and not (succession.after or succession.chunk_after):
+        waits |= {id: "end" for id, state in present.items() if state is not State.PENDING}
+    waits |= dict.fromkeys(succession.chunk_after, "relax")
+    waits |= dict.fromkeys(succession.after, "end")
+    return {id: until for id, until in waits.items() if id in present and id != block.id}
+
+
+def held_back(block: Block, present: Mapping[str, State]) -> dict[str, Until]:
+    """Blocks that have not begun and, by this block's wish, wait for it."""
+    succession = block.succession
+    waits: dict[str, Until] = {
+        **dict.fromkeys(succession.chunk_before, "relax"),
+        **dict.fromkeys(succession.before, "end"),
+    }
+    waiting = (State.IN_PREP, State.PENDING, State.LURKING)
+    return {id: until for id, until in waits.items() if present.get(id) in waiting and id != block.id}
+
+
+def goes_round(waits: Mapping[str, Mapping[str, Until]], start: str) -> bool:
+    """Whether a block waits, over others, for itself."""
+    seen: set[str] = set()
+    fringe = list(waits.get(start, ()))
+    while fringe:
+        name = fringe.pop()
+        if name == start:
+            return True
+        if name not in seen:
+            seen.add(name)
+            fringe += waits.get(name, ())
+    return False
+
+
+def _ids(text: str | None) -> tuple[str, ...]:
+    """Ids between commas or spaces, each once."""
+    return tuple(dict.fromkeys(filter(None, _SEPARATOR.split(text or ""))))

@@ -1,0 +1,149 @@
+"""Talks to `kinesic serve`, with nothing but the standard library.
+
+Example:
+    ```python
+    from kinesic.client import Client
+
+    with Client() as robot:
+        for message in robot.perform('<bml id="b1"><head id="nod" lexeme="NOD" start="0"/></bml>'):
+            print(message)
+    ```
+"""
+
+import json
+import re
+import socket
+from collections import deque
+from collections.abc import Iterator
+from selectors import EVENT_READ, DefaultSelector
+from types import TracebackType
+from typing import Self
+
+PORT = 8864
+_END = b"\0"
+_CHUNK = 65_536  # [bytes] read at once
+_ID = re.compile(r"""<(?:\w+:)?bml\b[^>]*?\sid\s*=\s*["']([^"']+)["']""")
+
+
+class Client:
+    """A connection to a server. Messages are BML feedback (XML), or answers to control messages (JSON).
+
+    One thread may send while another one receives.
+    """
+
+    def __init__(
+        self, host: str = "127.0.0.1", port: int = PORT, *, token: str | None = None, timeout: float = 10.0
+    ) -> None:
+        """Connects.
+
+        Args:
+            host: of the server.
+            port: of the server.
+            token: that the server asks for.
+            timeout: [s] to connect, and to hand a message over.
+
+        Raises:
+            OSError: nobody is there.
+            PermissionError: the token is wrong, or missing.
+        """
+        self._socket = socket.create_connection((host, port), timeout)
+        self._rest, self._messages = bytearray(), deque[str]()
+        if token is not None:
+            self.do("hello", token=token)
+            answer = json.loads(self.receive(timeout) or "{}")
+            if answer.get("told") != "welcome":
+                self.close()
+                raise PermissionError(answer.get("why", "the server does not answer"))
+
+    def send(self, bml: str) -> None:
+        """Sends a document; it is performed as soon as its composition allows.
+
+        Raises:
+            OSError: the server is gone.
+        """
+        self.send_bytes(bml.encode())
+
+    def send_bytes(self, message: bytes) -> None:
+        """Sends a message as it is; it must not contain a NUL byte.
+
+        Raises:
+            OSError: the server is gone.
+        """
+        self._socket.sendall(message + _END)
+
+    def do(self, verb: str, **values: object) -> None:
+        """Sends a control message: stop, resume, interrupt, style, status, ping (see docs/serve.md).
+
+        Raises:
+            OSError: the server is gone.
+        """
+        self.send(json.dumps({"do": verb} | values))
+
+    def stop(self) -> None:
+        """Emergency stop: comes to rest in the least time and takes no block until `resume`."""
+        self.do("stop")
+
+    def receive(self, timeout: float | None = None) -> str | None:
+        """The next message; None when none came in time.
+
+        Args:
+            timeout: [s] to wait; None: as long as it takes.
+
+        Raises:
+            ConnectionError: the server is gone.
+        """
+        while not self._messages:
+            if not self._is_heard(timeout):
+                return None
+            data = self._socket.recv(_CHUNK)
+            if not data:
+                raise ConnectionError("the server has closed the connection")
+            *whole, rest = (self._rest + data).split(_END)
+            self._rest = bytearray(rest)
+            self._messages += (message.decode().strip() for message in whole)
+        return self._messages.popleft()
+
+    def perform(self, bml: str) -> Iterator[str]:
+        """Sends a document, and yields all messages until its block has ended or was refused.
+
+        Args:
+            bml: with an id of its own, by which its end is known.
+
+        Raises:
+            ConnectionError: the server is gone.
+        """
+        found = _ID.search(bml)
+        name = found[1] if found else "block"
+        ends = (f'<blockProgress xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{name}:end"',)
+        self.send(bml)
+        while True:
+            message = self.receive()
+            if message is None:
+                return
+            yield message
+            if message.startswith(ends) or _refuses(message, name):
+                return
+
+    def close(self) -> None:
+        """Leaves; what was sent is performed all the same."""
+        self._socket.close()
+
+    def _is_heard(self, timeout: float | None) -> bool:
+        """Whether something comes in time; the socket's own timeout is that of sending, maybe in another thread."""
+        with DefaultSelector() as waiting:
+            waiting.register(self._socket, EVENT_READ)
+            return bool(waiting.select(timeout))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def _refuses(message: str, name: str) -> bool:
+    """Whether a message says that nothing will come of a block."""
+    head = message[: message.find(">")]
+    return head.startswith("<warningFeedback") and (f' id="{name}"' in head and "PARSING_FAILURE" in head)

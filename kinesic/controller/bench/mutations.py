@@ -1,0 +1,107 @@
+"""Documents as nobody should write them: mutations of others, the same for the same seed."""
+
+import random
+import re
+from collections.abc import Callable
+
+NUMBERS = (
+    b"1e308",
+    b"-1e9",
+    b"nan",
+    b"inf",
+    b"0",
+    b"-0.000001",
+    b"99999999999999999999",
+    b"1e-320",
+    b"",
+    b"abc",
+    b"1,5",
+)
+DEEP = 3000  # elements
+LONG = 20_000  # [bytes]
+
+_ATTRIBUTE = re.compile(rb'(\w+)="([^"]*)"')
+_ELEMENT = re.compile(rb"<(\w+)[^<>]*/>")
+
+
+def mutated(document: bytes, seed: int) -> bytes:
+    """A document with one to three mutations.
+
+    Args:
+        document: any.
+        seed: of all choices.
+    """
+    chance = random.Random(seed)
+    for _ in range(chance.randint(1, 3)):
+        document = chance.choice(MUTATIONS)(document, chance)
+    return document
+
+
+def _truncated(document: bytes, chance: random.Random) -> bytes:
+    return document[: chance.randrange(len(document) + 1)]
+
+
+def _flipped(document: bytes, chance: random.Random) -> bytes:
+    """Some bytes with one bit changed."""
+    data = bytearray(document)
+    for _ in range(chance.randint(1, 8) if data else 0):
+        data[chance.randrange(len(data))] ^= 1 << chance.randrange(8)
+    return bytes(data)
+
+
+def _swapped(document: bytes, chance: random.Random) -> bytes:
+    """The values of two attributes exchanged."""
+    found = list(_ATTRIBUTE.finditer(document))
+    if len(found) < 2:
+        return document
+    one, two = sorted(chance.sample(found, 2), key=lambda match: match.start())
+    parts = (document[: one.start(2)], two[2], document[one.end(2) : two.start(2)], one[2], document[two.end(2) :])
+    return b"".join(parts)
+
+
+def _with_number(document: bytes, chance: random.Random) -> bytes:
+    """An attribute with a number that makes no sense."""
+    found = list(_ATTRIBUTE.finditer(document))
+    if not found:
+        return document
+    one = chance.choice(found)
+    return document[: one.start(2)] + chance.choice(NUMBERS) + document[one.end(2) :]
+
+
+def _deepened(document: bytes, chance: random.Random) -> bytes:
+    place = chance.randrange(len(document) + 1)
+    depth = chance.choice((10, 60, 70, DEEP))
+    return document[:place] + b"<a>" * depth + b"</a>" * depth + document[place:]
+
+
+def _repeated(document: bytes, chance: random.Random) -> bytes:
+    """An element many times over."""
+    found = list(_ELEMENT.finditer(document))
+    if not found:
+        return document
+    one = chance.choice(found)
+    return document[: one.end()] + one[0] * chance.choice((1, 3, 40)) + document[one.end() :]
+
+
+def _lengthened(document: bytes, chance: random.Random) -> bytes:
+    place = chance.randrange(len(document) + 1)
+    return document[:place] + bytes([chance.randrange(256)]) * LONG + document[place:]
+
+
+def _spliced(document: bytes, chance: random.Random) -> bytes:
+    """A piece of it elsewhere once more."""
+    begin, end = sorted(chance.randrange(len(document) + 1) for _ in range(2))
+    place = chance.randrange(len(document) + 1)
+    return document[:place] + document[begin:end] + document[place:]
+
+
+MUTATIONS: tuple[Callable[[bytes, random.Random], bytes], ...] = (
+    _truncated,
+    _flipped,
+    _swapped,
+    _with_number,
+    _deepened,
+    _repeated,
+    _lengthened,
+    _spliced,
+)

@@ -1,0 +1,125 @@
+"""Messages as bytes: how they are told apart in a stream, and those that are not BML.
+
+A message is UTF-8 text that ends with a NUL byte, which no XML and no JSON contains; on a WebSocket it is one message.
+Text that begins with `{` and has a key `do` is a control message, anything else is a document.
+"""
+
+from typing import Literal
+
+import msgspec
+from msgspec import Struct
+
+END = b"\0"
+MOST_CONTROL = 4096  # [bytes] of a control message
+BLANK = b" \t\r\n\xef\xbb\xbf"  # may stand around a message
+
+
+class Frames:
+    """Cuts a stream into messages, whatever pieces it comes in."""
+
+    def __init__(self, most: int) -> None:
+        """For messages of so many bytes at most."""
+        self._most = most
+        self._rest = bytearray()
+
+    @property
+    def half(self) -> bool:
+        """Whether a message has begun and not ended."""
+        return bool(self._rest)
+
+    def fed(self, data: bytes) -> list[bytes]:
+        """Messages that are complete now, without those that are empty.
+
+        Raises:
+            ValueError: one is longer than it may be.
+        """
+        *ends, rest = data.split(END)
+        whole = []
+        for end in ends:
+            self._add(end)
+            if self._rest:
+                whole.append(bytes(self._rest))
+            self._rest.clear()
+        self._add(rest)
+        return whole
+
+    def _add(self, piece: bytes) -> None:
+        self._rest += piece if self._rest else piece.lstrip(BLANK)
+        if len(self._rest) > self._most:
+            raise ValueError(f"a message has {len(self._rest)} bytes or more, at most {self._most} are read: split it")
+
+
+class Hello(Struct, tag="hello", tag_field="do", forbid_unknown_fields=True):
+    """The first message where a token is asked for."""
+
+    token: str
+
+
+class Stop(Struct, tag="stop", tag_field="do", forbid_unknown_fields=True):
+    """Emergency stop: comes to rest in the least time and takes no block until `resume`."""
+
+
+class Resume(Struct, tag="resume", tag_field="do", forbid_unknown_fields=True):
+    """Back to rest after a stop; blocks are taken again."""
+
+
+class Interrupt(Struct, tag="interrupt", tag_field="do", forbid_unknown_fields=True):
+    """Ends a block, or all of them, softly."""
+
+    block: str | None = None
+
+
+class Restyle(Struct, tag="style", tag_field="do", forbid_unknown_fields=True):
+    """Another manner, for what plays and what comes."""
+
+    style: str | None = None  # name
+    set: tuple[str, ...] = ()  # NAME=VALUE, as the command line's --set
+    amount: float | None = None  # of movements, 0..1
+    block: str | None = None  # of this block alone
+
+
+class Enquiry(Struct, tag="status", tag_field="do", forbid_unknown_fields=True):
+    """Asks how it goes."""
+
+
+class Ping(Struct, tag="ping", tag_field="do", forbid_unknown_fields=True):
+    """Asks whether anybody is there."""
+
+    id: str = ""
+
+
+Control = Hello | Stop | Resume | Interrupt | Restyle | Enquiry | Ping
+Verb = Literal["hello", "stop", "resume", "interrupt", "style", "status", "ping"]
+
+
+class _Verb(Struct):
+    do: str
+
+
+_controls = msgspec.json.Decoder(Control)
+_verbs = msgspec.json.Decoder(_Verb)
+
+
+def control(message: bytes) -> Control | None:
+    """The control message that this is; None for a document.
+
+    Raises:
+        ValueError: it is one, and wrong; what would have worked.
+    """
+    text = message.strip(BLANK)
+    if not text.startswith(b"{") or len(text) > MOST_CONTROL:
+        return None
+    try:
+        _verbs.decode(text)
+    except (msgspec.DecodeError, UnicodeDecodeError):
+        return None
+    try:
+        found: Control = _controls.decode(text)
+    except msgspec.ValidationError as error:
+        raise ValueError(f"{error}; see docs/serve.md for what may be done") from None
+    return found
+
+
+def told(what: str, **values: object) -> str:
+    """An answer that is not BML, as JSON."""
+    return msgspec.json.encode({"told": what} | values).decode()

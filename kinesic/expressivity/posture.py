@@ -1,0 +1,119 @@
+"""Postures: what trunk, arms and head do of a stance and of poses, for a while or as the rest that others return to."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from kinesic.bml.block import Mode, Posture
+from kinesic.body.robot import Robot
+from kinesic.expressivity.form import GestureForm
+from kinesic.expressivity.head import direction, named, words
+from kinesic.expressivity.keyframes import Turn
+from kinesic.expressivity.lexicon import Lexicon
+from kinesic.expressivity.torso import Lean, limited, trunk_direction
+from kinesic.expressivity.turns import UPRIGHT, clipped, plus, room, scaled
+
+BENT = 0.5  # amount of a lean that is part of a posture
+
+_ARMS: Mapping[str, Mode] = {"ARMS": "both", "LEFT_ARM": "left", "RIGHT_ARM": "right"}
+_TRUNK = ("BODY", "TORSO", "SPINE", "TRUNK")
+_WHOLE = "WHOLEBODY"
+_HELD = {"open": "welcome"}  # poses of the arms that are the end of a gesture
+_EASE = ("neutral", "idle", "stand", "rest", "hang", "side")  # words for arms that hang
+
+Arms = GestureForm | Mode  # a rest form; a mode: these arms hang
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """A posture: what trunk, head and arms do of it."""
+
+    lean: Lean
+    arms: tuple[Arms, ...] = ()
+    head: Turn = UPRIGHT
+    left_out: str = ""  # what the robot cannot do of it
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """What one pose asks of the body."""
+
+    lean: Turn = UPRIGHT
+    arms: Arms | None = None
+    head: Turn = UPRIGHT
+
+
+def pose(posture: Posture, lexicon: Lexicon, robot: Robot) -> Pose | None:
+    """What this robot does of a posture: it leans and turns its head as asked, and puts its arms in rest poses.
+
+    Of a stance it does what its upper body has part in: who sits has the hands in the lap, who crouches bends forward,
+    who stands lets them hang. A pose of the arms goes before.
+
+    Returns:
+        None when it can do nothing of what was asked.
+    """
+    parts: list[_Part] = []
+    left_out: list[str] = []
+    for name, lexeme in posture.poses:
+        part = _part(name.upper(), lexeme, lexicon)
+        if part is None:
+            left_out.append(f"no pose {lexeme} of {name}")
+        else:
+            parts.append(part)
+    arms = tuple(part.arms for part in parts if part.arms is not None)
+    stance = (posture.stance or "").upper()
+    if stance:
+        stood = _stance(stance, lexicon, stays=posture.shift)
+        if stood is None:
+            left_out.append(f"no stance {posture.stance}, as the base is fixed")
+        else:
+            parts.append(replace(stood, arms=None))
+            arms = arms or ((stood.arms,) if stood.arms is not None else ())
+    if not parts:
+        return None
+    leaned, bowed = UPRIGHT, UPRIGHT
+    for part in parts:
+        leaned, bowed = plus(leaned, part.lean), plus(bowed, part.head)
+    return Pose(limited(leaned, robot), arms, clipped(bowed, room(robot, "neck")), "; ".join(left_out))
+
+
+def _stance(stance: str, lexicon: Lexicon, *, stays: bool) -> _Part | None:
+    match stance:
+        case "STANDING":
+            return _Part(arms="both" if stays else None)
+        case "SITTING":
+            return _Part(arms=_arms("lap", "both", lexicon))
+        case "CROUCHING":
+            return _Part(lean=scaled(trunk_direction(("forward",)) or UPRIGHT, BENT))
+    return None
+
+
+def _part(name: str, lexeme: str, lexicon: Lexicon) -> _Part | None:
+    """What one pose asks of trunk, arms or head; None when it asks for nothing that they can."""
+    found = words(lexeme)
+    if name in _ARMS:
+        arms = _arms(lexeme, _ARMS[name], lexicon)
+        return None if arms is None else _Part(arms=arms)
+    if name == "HEAD":
+        turned = named(found, "up", "down", "left", "right", "forward", "back", "aside", "tilt", "neutral")
+        return _Part(head=scaled(direction(found), BENT)) if turned else None
+    if name == _WHOLE or name in _TRUNK:
+        leaned = trunk_direction(found)
+        arms = None if name != _WHOLE or leaned not in (None, UPRIGHT) else _arms(lexeme, "both", lexicon)
+        if leaned is not None or arms is not None:
+            return _Part(lean=scaled(leaned or UPRIGHT, BENT), arms=arms)
+    return None
+
+
+def _arms(lexeme: str, mode: Mode, lexicon: Lexicon) -> Arms | None:
+    """The rest form of a pose of the arms, or the arms that hang; None when the lexicon knows none."""
+    found = words(lexeme)
+    if named(found, *_EASE):
+        return mode
+    held = next((form for word, form in _HELD.items() if word in found), None)
+    if held is not None and (match := lexicon.find(held, mode)) is not None and match.form.keys:
+        return replace(match.form, keys=match.form.keys[-1:], rest=True)
+    match = lexicon.find(lexeme, mode, category="rest")
+    if match is not None and match.substitute:
+        telling = "_".join(word for word in found if not word.startswith(("arm", "hand")))
+        match = lexicon.find(telling, mode) if telling else None
+    return match.form if match is not None and match.form.rest and match.form.keys else None

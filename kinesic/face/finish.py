@@ -1,0 +1,70 @@
+"""What is done to a picture when all its light is there: depth of field, smooth edges, fewer pixels."""
+
+import moderngl
+
+from kinesic.face.camera import Camera
+from kinesic.face.geometry import Geometry
+from kinesic.face.passes import Marks, ScreenPass, Size, Target, Value
+from kinesic.face.presets import Focus, Preset
+
+
+class FocusPass:
+    """Depth of field: sharp where the nearer eye is (thesis 12.1)."""
+
+    def __init__(self, context: moderngl.Context, geometry: Geometry, focus: Focus) -> None:
+        self.focus, self._geometry = focus, geometry
+        self._gather = ScreenPass(context, "focus", Target(context, geometry.size, ("4f1",), None), where="everywhere")
+
+    def draw(self, picture: Target, camera: Camera) -> Target:
+        """The picture out of focus where it is too near or too far."""
+        told, (width, height) = self.focus, self._geometry.size
+        view = camera.view()
+        eyes = self._geometry.mesh.eyes @ view[:3, :3].T + view[:3, 3]
+        values: dict[str, Value] = {
+            "lens": (told.circle * height / width, told.circle),
+            "sharp": float(-eyes[:, 2].max()),
+            "within": told.within,
+        }
+        found, position = picture.textures[0], self._geometry.target.textures[0]
+        found.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        return self._gather.draw({"position": position, "picture": found}, values, {"taps": told.taps})
+
+
+class SmoothPass:
+    """Takes the stairs off edges."""
+
+    def __init__(self, context: moderngl.Context, size: Size) -> None:
+        self._marks = Marks(context, "mark_edges", size)
+        self._pixel = tuple(1.0 / side for side in size)
+        smoothed = Target(context, size, ("4f1",), self._marks.depth)
+        self._smooth = ScreenPass(context, "smooth", smoothed, where="marked")
+
+    def draw(self, picture: Target) -> Target:
+        """The picture with smooth edges."""
+        found = picture.textures[0]
+        self._marks.draw({"picture": found})
+        found.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        self._smooth.target.copy(found)
+        return self._smooth.draw({"picture": found}, {"pixel": self._pixel})
+
+
+class Finish:
+    """All of that which a preset asks for."""
+
+    def __init__(self, context: moderngl.Context, geometry: Geometry, preset: Preset, size: Size) -> None:
+        self._focus = FocusPass(context, geometry, preset.focus) if preset.focus else None
+        self._smooth = SmoothPass(context, geometry.size) if preset.smooth else None
+        self._shrink = None
+        self._samples = preset.samples
+        if preset.samples > 1:
+            self._shrink = ScreenPass(context, "shrink", Target(context, size, ("4f1",), None), where="everywhere")
+
+    def draw(self, picture: Target, camera: Camera) -> Target:
+        """The picture as it is shown."""
+        if self._focus:
+            picture = self._focus.draw(picture, camera)
+        if self._smooth:
+            picture = self._smooth.draw(picture)
+        if self._shrink:
+            picture = self._shrink.draw({"picture": picture.textures[0]}, {"samples": self._samples})
+        return picture

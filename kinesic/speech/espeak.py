@@ -1,0 +1,133 @@
+"""A voice that is heard: espeak-ng, in a process of its own for each utterance.
+
+What it says is the same in every run. When its marks and sounds fall is told by its own events, to the sample; a
+mark is moved on to the onset of the word that it stands before, because a sound that begins with closed lips or
+tongue is silent at first (12 to 49 ms at a normal rate).
+"""
+
+import math
+import re
+from bisect import bisect_left
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from kinesic.body.utterance import Mark, Pause, Phoneme, Script, Sound, Utterance
+from kinesic.speech.durations import DurationModel
+from kinesic.speech.engine import Heard, SpeechError, engine, fault, listen
+from kinesic.speech.languages import voice_of
+from kinesic.speech.ssml import ssml
+
+WORDS_PER_MINUTE = 175  # of espeak-ng at rate 1
+SLOWEST, FASTEST = 80, 450  # words per minute
+MIDDLE, HIGHEST = 50, 99  # espeak-ng's pitch: 50 more is an octave up
+REMEMBERED = 64  # utterances of one run
+LONGEST = 25_000  # characters, about half an hour: more than a block may last
+
+_CLOSING = re.compile(r"^[\s\"'\u2019\u201d\u00bb)\]]*[.,;:!?\u2026\u3002\uff0c\uff01\uff1f\u3001]")
+
+
+class Espeak:
+    """The voices of espeak-ng, with phonemes of the International Phonetic Alphabet."""
+
+    def say(self, script: Script, /, *, rate: float = 1.0, pitch: float = 1.0) -> Utterance:
+        """Says a script.
+
+        A pause of the script lasts as long as it says at every rate. Where the engine fails, the utterance is silent
+        and has a remark that tells why.
+
+        Args:
+            script: what to say; of marks with the same name the first counts.
+            rate: 1 is 175 words in a minute; 80 to 450 words are possible, and nearer ones are taken.
+            pitch: times that of the voice, half to twice.
+
+        Raises:
+            ValueError: rate or pitch is not a number above 0.
+        """
+        for name, value in (("rate", rate), ("pitch", pitch)):
+            if not (math.isfinite(value) and value > 0):
+                raise ValueError(f"{name} is {value}, must be a finite number above 0")
+        return _said(script, rate, pitch)
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _said(script: Script, rate: float, pitch: float) -> Utterance:
+    place = engine()
+    if place is None:
+        return DurationModel(f"nothing is heard: {fault()}").say(script, rate=rate)
+    if len(script.text) > LONGEST:
+        why = f"a text of {len(script.text)} characters is too long for one speech, at most {LONGEST} are said"
+        return DurationModel(f"nothing is heard: {why}").say(replace(script, text=script.text[:LONGEST]), rate=rate)
+    voice, remark = voice_of(script.language, place.data)
+    words = min(max(round(WORDS_PER_MINUTE * rate), SLOWEST), FASTEST)
+    height = min(max(round(MIDDLE * (1 + math.log2(pitch))), 0), HIGHEST)
+    try:
+        heard = listen(ssml(script), place, voice=voice, words_per_minute=words, pitch=height)
+    except SpeechError as error:
+        return DurationModel(f"nothing is heard: {error}").say(script, rate=rate)
+    utterance = _timed(script, heard)
+    return replace(utterance, remarks=tuple(filter(None, (remark, *utterance.remarks))))
+
+
+def _timed(script: Script, heard: Heard) -> Utterance:
+    """An answer in seconds, without the silence that the engine puts after the last word."""
+    ends = [sample for _, sample in heard.phonemes[1:]]
+    sounds = [(symbol, begin, end) for (symbol, begin), end in zip(heard.phonemes, ends, strict=False) if symbol]
+    spoken = sounds[-1][2] if sounds else 0
+    trailing = sum(pause.duration for pause in script.pauses if not _has_word(script.text[pause.position :]))
+    length = spoken + round(trailing * heard.rate)
+    samples, said = np.zeros(length), np.frombuffer(heard.samples, dtype="<i2")[:spoken]
+    samples[: len(said)] = said / 32768
+    places, lost = _places(script, heard, [begin for _, begin, _ in sounds], spoken)
+    marks: dict[str, float] = {}
+    for stop, place in zip(script.stops(), places, strict=True):
+        if isinstance(stop, Mark):
+            marks.setdefault(stop.name, min(place, length) / heard.rate)
+    remark = f"espeak-ng does not tell when {', '.join(lost)} falls: it is estimated" if lost else ""
+    return Utterance(
+        length / heard.rate,
+        marks,
+        tuple(Phoneme(symbol, begin / heard.rate, (end - begin) / heard.rate) for symbol, begin, end in sounds),
+        "espeak-ng",
+        Sound.of(heard.rate, samples),
+        (remark,) if remark else (),
+    )
+
+
+def _places(script: Script, heard: Heard, onsets: Sequence[int], spoken: int) -> tuple[list[int], list[str]]:
+    """The sample of each stop of a script, never going back, and the marks of which the engine told nothing.
+
+    A mark moves on to the onset of the next word, unless a pause or closing punctuation is between them.
+    """
+    stops = script.stops()
+    told = {int(number): sample for number, sample in heard.marks}
+    anchors = {0: 0, len(script.text): spoken} | {stops[number].position: told[number] for number in told}
+    known = sorted(anchors)
+    found: list[int] = []
+    lost: list[str] = []
+    for number, stop in enumerate(stops):
+        place = told.get(number)
+        if place is None:
+            place = round(float(np.interp(stop.position, known, [anchors[position] for position in known])))
+            if isinstance(stop, Mark):
+                lost.append(stop.name)
+        if _is_before_word(script, number):
+            following = bisect_left(onsets, place)
+            place = onsets[following] if following < len(onsets) else place
+        found.append(max([place, *found[-1:]]))
+    return found, lost
+
+
+def _is_before_word(script: Script, number: int) -> bool:
+    """Whether nothing separates a stop from the word after it."""
+    position = script.stops()[number].position
+    later = (stop.position for stop in script.stops()[number + 1 :] if isinstance(stop, Pause))
+    if any(not _has_word(script.text[position:pause]) for pause in later):
+        return False
+    return not _CLOSING.match(script.text[position:])
+
+
+def _has_word(text: str) -> bool:
+    return any(character.isalnum() for character in text)

@@ -1,0 +1,159 @@
+"""BML as JSON: the same blocks as from XML, the words of web realizers, and what is refused."""
+
+import json
+from typing import Any
+
+import pytest
+
+from kinesic.bml.block import (
+    Action,
+    BmlError,
+    Composition,
+    Custom,
+    Face,
+    Gaze,
+    Gesture,
+    Head,
+    NoticeType,
+    Order,
+    Place,
+    Posture,
+    Speech,
+    Synchronize,
+    SyncRef,
+    Torso,
+)
+from kinesic.bml.parse import parse
+from kinesic.body.utterance import Mark
+
+
+@pytest.mark.parametrize(
+    ("behaviour", "action"),
+    [
+        ({"type": "gesture", "lexeme": "beat", "mode": "LEFT_HAND"}, Gesture("beat", "left")),
+        ({"type": "gesture", "lexeme": "beat", "hand": "NON_DOMINANT"}, Gesture("beat", "left")),
+        ({"type": "head", "lexeme": "NOD", "repetition": 2, "amount": 1}, Head("NOD", 3, 1.0)),
+        ({"type": "gaze", "target": "user", "influence": "EYES"}, Gaze("user", "EYES")),
+        ({"type": "gaze", "target": "UP_LEFT"}, Gaze(offset_angle=20.0, offset_direction="UPLEFT")),
+        ({"type": "gaze", "target": "FRONT", "shift": True}, Gaze("audience", shift=True)),
+        ({"type": "face", "lexeme": "SMILE"}, Face(("SMILE",), amount=1.0)),
+        ({"type": "face", "lexeme": [{"lexeme": "A"}, {"lexeme": "B"}], "amount": 0.3}, Face(("A", "B"), amount=0.3)),
+        ({"type": "faceEmotion", "emotion": "FEAR", "shift": True}, Face(("FEAR",), amount=1.0, shift=True)),
+        ({"type": "faceFacs", "au": 12, "side": "LEFT", "amount": 0.5}, Face((), 12, "left", 0.5)),
+        ({"type": "blink", "start": 1}, Face((), 45, amount=1.0)),
+        ({"type": "gesture", "bodyMovement": "TILT_FORWARD", "amount": 1}, Torso("TILT_FORWARD", 1.0)),
+        ({"type": "posture", "stance": {"type": "SITTING"}, "shift": True}, Posture("SITTING", shift=True)),
+        (
+            {"type": "postureShift", "pose": [{"part": "ARMS", "lexeme": "ARMS_OPEN"}]},
+            Posture(poses=(("ARMS", "ARMS_OPEN"),), shift=True),
+        ),
+        ({"type": "lights", "colour": "red"}, Custom("lights")),
+    ],
+)
+def test_what_an_object_means(behaviour: dict[str, Any], action: Action) -> None:
+    block = parse(json.dumps([behaviour]))
+    assert [each.action for each in block.behaviours] == [action]
+    assert block.behaviours[0].type == behaviour["type"]
+    assert block.dialect == "json"
+
+
+def test_json_and_xml_make_the_same_block() -> None:
+    text = {
+        "id": "b1",
+        "characterId": "robot",
+        "composition": "APPEND",
+        "behaviours": [
+            {"type": "speech", "id": "s", "text": ["now ", {"sync": "m1"}, "here"]},
+            {"type": "gesture", "id": "g", "lexeme": "beat", "stroke": "s:m1", "end": 3.5},
+        ],
+        "required": [
+            {"type": "head", "id": "h", "lexeme": "NOD", "start": "g:end+0.5"},
+            {"type": "before", "ref": "h:end", "refs": ["s:end"]},
+        ],
+        "constraints": [
+            {"type": "after", "ref": "s:end", "refs": ["h:start"]},
+            {"type": "synchronize", "refs": ["s:start", "1.5"]},
+        ],
+    }
+    xml = (
+        '<bml id="b1" characterId="robot" composition="APPEND"><speech id="s"><text>now <sync id="m1"/>here</text>'
+        '</speech><gesture id="g" lexeme="beat" stroke="s:m1" end="3.5"/><required><head id="h" lexeme="NOD" '
+        'start="g:end+0.5"/><constraint><before ref="h:end"><sync ref="s:end"/></before></constraint></required>'
+        '<constraint><after ref="s:end"><sync ref="h:start"/></after><synchronize><sync ref="s:start"/>'
+        '<sync ref="1.5"/></synchronize></constraint></bml>'
+    )
+    here, there = parse(json.dumps(text)), parse(xml)
+    assert (here.id, here.character, here.composition) == ("b1", "robot", Composition.APPEND)
+    assert [(b.id, b.action, b.syncs, b.required) for b in here.behaviours] == [
+        (b.id, b.action, b.syncs, b.required) for b in there.behaviours
+    ]
+    assert [_constraint(each) for each in here.constraints] == [_constraint(each) for each in there.constraints]
+    speech = here.behaviours[0].action
+    assert isinstance(speech, Speech)
+    assert (speech.script.text, speech.script.marks) == ("now here", (Mark("m1", 4),))
+
+
+def _constraint(constraint: Synchronize | Order) -> tuple[object, ...]:
+    if isinstance(constraint, Synchronize):
+        return constraint.refs, constraint.required
+    return constraint.earlier, constraint.later, constraint.required
+
+
+@pytest.mark.parametrize("key", ["data", "behaviors", "behaviours"])
+def test_an_envelope_is_looked_into(key: str) -> None:
+    behaviours = [{"type": "head", "lexeme": "NOD"}]
+    assert len(parse(json.dumps({"type": "behaviours", "composition": "REPLACE", key: behaviours})).behaviours) == 1
+    assert parse(json.dumps({"bml": {"id": "b", key: behaviours}})).id == "b"
+
+
+def test_a_number_is_a_time_and_a_peak_a_stroke() -> None:
+    (behaviour,) = parse('[{"type": "gesture", "id": "g", "lexeme": "beat", "start": 0.1, "attackPeak": 1}]').behaviours
+    assert behaviour.syncs == {
+        "start": SyncRef("block", "bml", "start", offset=0.1),
+        "stroke": SyncRef("block", "bml", "start", offset=1.0),
+    }
+
+
+def test_objects_know_their_places() -> None:
+    block = parse('[\n {"type": "head",\n  "lexeme": "NOD"}, {"type": "gaze", "target": "user"}\n]')
+    assert [each.place for each in block.behaviours] == [Place(2, 2), Place(3, 21)]
+
+
+def test_what_nobody_reads_is_warned_of() -> None:
+    block = parse('[{"type": "gesture", "lexeme": "beat", "handshape": "FLAT"}]')
+    assert [(notice.type, "handshape" in notice.text) for notice in block.notices] == [
+        (NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED, True)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("[", "f:1:2: not JSON: Expecting value"),
+        ("{'a': 1}", "f:1:2: not JSON"),
+        ('[{"type": "head"}', "f:1:18: not JSON: ',' is missing"),
+        ('{"a": 1}', "f:1:1: the object has no 'behaviours'"),
+        ('[{"lexeme": "NOD"}]', "f:1:2: a behaviour has no type"),
+        ("[1]", "f:1:1: a behaviour has no type"),
+        ('{"constraints": [\n {"type": "order"}]}', "f:2:2: no constraint; its type is one of synchronize"),
+        ("[] []", "f:1:3: something follows"),
+        ("[" * 100, "levels inside one another"),
+        ('[{"type": "head", "start": NaN}]', "f:1:2: start: 'nan' is no sync reference"),
+        ('[{"type": "head", "amount": 1e9}]', "f:1:2: amount='1000000000.0' is out of range"),
+        ("[{1: 2}]", "f:1:4: 1 is no name"),
+        ('[{"type": "he<ad"}]', "f:1:2: the type 'he<ad' is no name"),
+        (r'[{"type": "head", "id": "\ud800"}]', "character 55296 is no character of a text"),
+        (r'[{"type": "head", "id": "\u0000"}]', "character 0 is no character of a text"),
+        ('[{"type": "head", "repetition": ' + 5000 * "9" + "}]", "not JSON: Exceeds the limit"),
+    ],
+)
+def test_what_is_refused(text: str, what: str) -> None:
+    with pytest.raises(BmlError) as refused:
+        parse(text, source="f")
+    assert what in str(refused.value)
+    assert "; " in str(refused.value)
+
+
+@pytest.mark.parametrize("text", ["[]", '{"behaviours": []}', " \n[] ", b"\xef\xbb\xbf[]"])
+def test_nothing_to_do_is_an_empty_block(text: str | bytes) -> None:
+    assert parse(text).behaviours == ()

@@ -1,0 +1,124 @@
+"""What clients may not do: each is refused by a rule that is named, and the others notice nothing."""
+
+import json
+import re
+import socket
+
+import pytest
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import connect
+
+from kinesic.client import Client
+
+BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
+NOD = '<head id="h" lexeme="NOD" start="0"/>'
+
+
+def test_without_the_token_nothing_is_taken(guarded):
+    with Client(port=guarded.port) as client:
+        client.send(BLOCK.format("b", NOD))
+        assert "a token is needed" in json.loads(client.receive(20))["why"]
+        assert json.loads(client.receive(20))["code"] == 1008
+        with pytest.raises(ConnectionError):
+            client.receive(20)
+    with pytest.raises(PermissionError, match="the token is wrong"):
+        Client(port=guarded.port, token="guess")
+    with pytest.raises(InvalidStatus, match="401"):
+        connect(f"ws://127.0.0.1:{guarded.port}", additional_headers={"Authorization": "Bearer guess"})
+
+
+def test_an_emergency_stop_needs_the_token_too(guarded):
+    with Client(port=guarded.port) as client:
+        client.stop()
+        assert json.loads(client.receive(20))["told"] == "refused"
+    assert not guarded.open.desk.performer.loop.halted
+
+
+def test_with_the_token_it_is_as_ever(guarded):
+    with Client(port=guarded.port, token="open sesame") as client:
+        assert re.search(r'id="welcome:end"', list(client.perform(BLOCK.format("welcome", NOD)))[-1])
+    with connect(f"ws://127.0.0.1:{guarded.port}", additional_headers={"Authorization": "Bearer open sesame"}) as web:
+        web.send('{"do": "ping"}')
+        assert "pong" in web.recv(20)
+
+
+def test_whoever_says_nothing_is_sent_away(guarded):
+    with socket.create_connection(("127.0.0.1", guarded.port), 20) as silent:
+        assert silent.makefile("rb").read() == b""
+
+
+def test_an_oversized_block_is_refused_by_tcp(guarded):
+    with Client(port=guarded.port, token="open sesame") as client:
+        client.send("<bml>" + "x" * 3000)
+        assert "rule message" in client.receive(20)
+        assert json.loads(client.receive(20))["code"] == 1009
+
+
+def test_an_oversized_block_is_refused_by_websocket(guarded):
+    headers = {"Authorization": "Bearer open sesame"}
+    with connect(f"ws://127.0.0.1:{guarded.port}", additional_headers=headers) as web:
+        web.send("<bml>" + "x" * 3000)
+        with pytest.raises(ConnectionClosed) as closed:
+            web.recv(20)
+    assert closed.value.rcvd.code == 1009
+
+
+def test_a_block_that_is_too_deep_is_refused(guarded):
+    with Client(port=guarded.port, token="open sesame") as client:
+        client.send("<a>" * 10 + "</a>" * 10)
+        assert "at most 8 are read" in client.receive(20)
+
+
+def test_a_block_that_lasts_too_long_is_refused(guarded):
+    with Client(port=guarded.port, token="open sesame") as client:
+        client.send(BLOCK.format("endless", '<gesture id="g" lexeme="BEAT" stroke="30"/>'))
+        assert "rule duration: endless lasts 31 s, at most 20 s are taken" in client.receive(20)
+
+
+@pytest.mark.parametrize("ends", [True, False])
+def test_half_a_message_is_refused(guarded, ends):
+    with socket.create_connection(("127.0.0.1", guarded.port), 20) as plain:
+        plain.sendall(b'{"do": "hello", "token": "open sesame"}\0<bml id="b">')
+        if ends:
+            plain.shutdown(socket.SHUT_WR)
+        stream = plain.makefile("rb").read().decode()
+    assert "rule half" in stream
+    assert "1008" in stream
+
+
+def test_too_many_messages_are_refused_one_by_one(guarded):
+    with Client(port=guarded.port, token="open sesame") as client:
+        for _ in range(40):
+            client.do("ping")
+        answers = [client.receive(20) for _ in range(40)]
+    assert 9 <= sum("pong" in answer for answer in answers) < 40
+    assert any("rule rate" in answer for answer in answers)
+
+
+def test_too_many_clients_are_sent_away(guarded, becomes):
+    assert becomes(lambda: not guarded.open.desk._guests)
+    clients = [Client(port=guarded.port, token="open sesame") for _ in range(4)]
+    try:
+        with Client(port=guarded.port) as more:
+            more.do("ping")
+            assert json.loads(more.receive(20))["code"] == 1013
+    finally:
+        for client in clients:
+            client.close()
+
+
+def test_a_client_that_never_reads_is_sent_away(guarded, becomes):
+    assert becomes(lambda: not guarded.open.desk._guests)
+    with (
+        Client(port=guarded.port, token="open sesame") as never,
+        Client(port=guarded.port, token="open sesame") as other,
+    ):
+        assert becomes(lambda: len(guarded.open.desk._guests) == 2)
+        guest = min(guarded.open.desk._guests.values(), key=lambda each: each.number)
+        for _ in range(300):
+            guarded.tasks.call_soon_threadsafe(guest.put, "x" * 50_000)
+        assert becomes(lambda: guest.number not in guarded.open.desk._guests)
+        other.do("ping")
+        assert "pong" in other.receive(20)
+        told = never.receive(20)
+        assert told.startswith("x") or "messages were dropped" in told

@@ -1,0 +1,102 @@
+"""The twin behind a pseudo-terminal performs the greeting in real time, driven by kinesic and by the unmodified SDK."""
+
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from dynamixel_sdk import COMM_SUCCESS, GroupSyncRead, GroupSyncWrite, PacketHandler, PortHandler
+
+from kinesic.body.arrays import Floats
+from kinesic.body.config import CONFIGS
+from kinesic.controller.feedforward import lead
+from kinesic.controller.live import DELAY, FULL
+from kinesic.controller.perform import plan
+from kinesic.controller.plan import Plan
+from kinesic.controller.play import RATE, commands, ticks
+from kinesic.hardware.servo_map import ServoMap
+from kinesic.hardware.servos import Servos
+from kinesic.hardware.supervisor.settings import Settings
+from kinesic.hardware.supervisor.stages import Stage
+
+SEEN = 350  # commands: the first wave
+STALL = 0.015  # [s] between two cycles, beyond which the machine was busy with others
+AFTER = 0.15  # [s] in which a robot catches up after that
+GOALS = (1.0, 2.5, 5.0)  # [deg] RMSE, 95th percentile, largest
+
+
+@pytest.fixture(scope="module")
+def planned() -> Plan:
+    return plan((CONFIGS / "bml" / "welcome.bml").read_bytes())
+
+
+@pytest.fixture
+def port(tmp_path: Path) -> Iterator[Path]:
+    command = [sys.executable, "-m", "kinesic", "servos", "simulate", "--physics", "twin", "--folder", str(tmp_path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline().startswith("body: ")
+        yield tmp_path / "body"
+        process.terminate()
+
+
+def followed(planned: Plan, clocks: Floats, times: Floats, angles: Floats) -> None:
+    """Measured angles at performance times are those of the plan, wherever the machine let the driver do its work."""
+    stalls = clocks[1:][np.diff(clocks) > STALL]
+    calm = np.array([not ((clock - stalls >= 0) & (clock - stalls < AFTER)).any() for clock in clocks])
+    wanted, speeds, _ = planned.trajectory.sample(times)
+    moving = (np.abs(speeds) > 0.05 * planned.facts.robot.speed_limits) & calm[:, None]
+    if moving.sum() < 500:
+        pytest.skip("the machine was too busy for real time")
+    off = np.degrees(np.abs(angles - wanted))[moving]
+    found = (float(np.sqrt(np.mean(off**2))), float(np.percentile(off, 95)), float(off.max()))
+    assert all(error <= goal for error, goal in zip(found, GOALS, strict=True)), found
+
+
+def test_kinesic_moves_the_twin_through_the_port(planned: Plan, port: Path):
+    robot, times = planned.facts.robot, ticks(planned.duration)[:SEEN]
+    setpoints = lead(planned.trajectory, times, robot, planned.facts.dynamics, period=1 / RATE, delay=DELAY)
+    servos = Servos(robot, {"body": port}, settings=Settings(pace=2.0, patience=0.1))
+    for command in commands(planned.trajectory, times, setpoints):
+        servos.write(command)
+    servos.close()
+    ran = [told for told in servos.history() if told.stage is Stage.ACTIVE and told.scale > FULL]
+    rows = [told for told in ran if np.isfinite(told.taken).all()]
+    clocks, taken = np.array([told.clock for told in rows]), np.array([told.taken.mean() for told in rows])
+    at = np.interp(taken, clocks, [told.time for told in rows])
+    followed(planned, clocks, at, np.array([told.angles for told in rows]))
+
+
+def test_the_sdk_moves_the_twin_through_the_port(planned: Plan, port: Path):
+    robot, times = planned.facts.robot, ticks(planned.duration)[:SEEN]
+    wiring = ServoMap.of(robot)
+    setpoints = lead(planned.trajectory, times, robot, planned.facts.dynamics, period=1 / RATE, delay=DELAY)
+    hinges = {servo: k for k, servos in enumerate(wiring.servos) for servo in servos.ids}
+    handler, protocol = PortHandler(str(port)), PacketHandler(2.0)
+    assert handler.openPort()
+    assert handler.setBaudRate(1_000_000)
+    read, write = GroupSyncRead(handler, protocol, 132, 4), GroupSyncWrite(handler, protocol, 116, 4)
+    for servo in hinges:
+        protocol.write1ByteTxRx(handler, servo, 64, 1)
+        read.addParam(servo)
+    began, rows = time.monotonic() + 0.1, list[tuple[float, float, Floats]]()
+    for command in commands(planned.trajectory, times, setpoints):
+        time.sleep(max(0.0, began + command.time - time.monotonic()))
+        now = time.monotonic()
+        goals = wiring.scale.ticks(command.goals)
+        write.clearParam()
+        for servo, hinge in hinges.items():
+            write.addParam(servo, list(int(goals[hinge]).to_bytes(4, "little")))
+        write.txPacket()
+        asked = time.monotonic()
+        if read.fastSyncRead() == COMM_SUCCESS:
+            seen = np.zeros(len(wiring.servos))
+            for servo, hinge in hinges.items():
+                seen[hinge] = read.getData(servo, 132, 4)
+            rows.append((now, asked + (14 + 6 * len(hinges)) * 10e-6 - began, wiring.scale.angles(seen)))
+    handler.closePort()
+    clocks, at, angles = (np.array(column) for column in zip(*rows, strict=True))
+    followed(planned, clocks, at, angles)

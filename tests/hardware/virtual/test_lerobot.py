@@ -1,0 +1,106 @@
+"""lerobot as a driver of the fault matrix: through a double that has its interface, and itself where it is installed."""
+
+import sys
+from enum import Enum
+from functools import partial
+from types import ModuleType, SimpleNamespace
+
+import pytest
+from dynamixel_sdk import COMM_SUCCESS, GroupSyncRead, GroupSyncWrite, PacketHandler, PortHandler
+
+from kinesic.hardware.virtual import lerobot
+from kinesic.hardware.virtual.lerobot import LerobotDriver
+from kinesic.hardware.virtual.matrix import Result, cases, trial
+
+CASES = {case.name: case for case in cases()}
+NUMBERS = {"xm430-w350": 1020}
+ADDRESSES = {"Goal_Position": 116, "Present_Position": 132}
+
+
+class Double:
+    """The part of lerobot's bus that the driver uses, on the SDK."""
+
+    def __init__(self, port: str, motors: dict[str, SimpleNamespace]) -> None:
+        self.motors, self.port_handler = motors, PortHandler(port)
+        self.packets = PacketHandler(2.0)
+        self.sync_reader = GroupSyncRead(self.port_handler, self.packets, 0, 4)
+        self.sync_writer = GroupSyncWrite(self.port_handler, self.packets, 0, 4)
+
+    def connect(self, handshake: bool = True) -> None:
+        assert handshake
+        assert not self.port_handler.is_open
+        assert self.port_handler.openPort()
+        for name, motor in self.motors.items():
+            number, _, _ = self.packets.ping(self.port_handler, motor.id)
+            if number != NUMBERS[motor.model]:
+                raise RuntimeError(f"check failed\n\n{name}: found {number}\n\nFull expected motor list: all of them")
+
+    def sync_write(self, data_name: str, values: dict[str, int], *, normalize: bool, num_retry: int) -> None:
+        assert not normalize
+        self.sync_writer.clearParam()
+        self.sync_writer.start_address = ADDRESSES[data_name]
+        for name, value in values.items():
+            self.sync_writer.addParam(self.motors[name].id, list(value.to_bytes(4, "little")))
+        self.sync_writer.txPacket()
+
+    def sync_read(self, data_name: str, *, normalize: bool, num_retry: int) -> dict[str, int]:
+        assert not normalize
+        address = self.sync_reader.start_address = ADDRESSES[data_name]
+        self.sync_reader.clearParam()
+        for motor in self.motors.values():
+            self.sync_reader.addParam(motor.id)
+        for _ in range(1 + num_retry):
+            if self.sync_reader.txRxPacket() == COMM_SUCCESS:
+                return {name: self.sync_reader.getData(motor.id, address, 4) for name, motor in self.motors.items()}
+        raise ConnectionError("Failed to sync read")
+
+
+@pytest.fixture
+def double(monkeypatch: pytest.MonkeyPatch) -> None:
+    """lerobot is installed, so it seems."""
+    motors, dynamixel = ModuleType("lerobot.motors"), ModuleType("lerobot.motors.dynamixel")
+    way = Enum("MotorNormMode", ["DEGREES"])
+    vars(motors).update(
+        MotorNormMode=way, Motor=lambda id, model, norm_mode: SimpleNamespace(id=id, model=model, way=norm_mode)
+    )
+    vars(dynamixel).update(DynamixelMotorsBus=Double)
+    for module in (ModuleType("lerobot"), motors, dynamixel):
+        monkeypatch.setitem(sys.modules, module.__name__, module)
+
+
+def tried(name: str, *, retries: int = 0, cycles: int = 60) -> Result:
+    opens = partial(LerobotDriver, retries=retries)
+    return trial(CASES[name], opens, servos=5, baud=1_000_000, seed=1, cycles=cycles)
+
+
+@pytest.mark.usefixtures("double")
+def test_it_drives_the_servos_of_the_matrix():
+    found = tried("calm")
+    assert lerobot.missing() == ""
+    assert (found.exceptions, found.wrong, found.fresh) == (0, 0, 1.0)
+    assert found.duration(50) < 0.01
+
+
+@pytest.mark.usefixtures("double")
+def test_a_failed_read_is_an_exception_or_costs_retries():
+    once, again = tried("lost 5%"), tried("lost 5%", retries=3)
+    assert once.exceptions > 0
+    assert again.exceptions == 0
+    assert again.duration(99) > 0.01
+
+
+@pytest.mark.usefixtures("double")
+def test_servos_that_it_refuses_are_refused_in_one_line():
+    assert tried("wrong model").refused == "check failed servo2: found 1060"
+
+
+def test_what_is_not_installed_is_said(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setitem(sys.modules, "lerobot", None)
+    assert lerobot.missing().startswith("lerobot is not installed: ")
+
+
+def test_itself_drives_them_too():
+    if why := lerobot.missing():
+        pytest.skip(why)
+    found = tried("calm")
+    assert (found.exceptions, found.wrong, found.fresh) == (0, 0, 1.0)

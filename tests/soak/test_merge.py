@@ -1,0 +1,103 @@
+"""Hundreds of blocks laid over what runs, and put in its place, at random moments (`make soak`)."""
+
+import random
+
+import numpy as np
+import pytest
+
+from kinesic.bml.parse import parse
+from kinesic.controller.bench.cuts import CUTS, cuts
+from kinesic.controller.busy import freed, held
+from kinesic.controller.certify import duties
+from kinesic.controller.clear import LAG_RESERVE, scan
+from kinesic.controller.crossing import knot_at, lengthened
+from kinesic.controller.merge import merged, replaced
+from kinesic.controller.opening import opening
+from kinesic.controller.peaks import peaks
+from kinesic.controller.perform import facts
+from kinesic.controller.plan import plan
+from kinesic.controller.release import released, tail
+from kinesic.controller.trajectory import held as resting
+
+ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+MODES = ("LEFT_HAND", "RIGHT_HAND", "BOTH_HANDS")
+BLOCKS, STEPS = 60, 400
+PAST = 0.1  # [s] that is kept
+
+pytestmark = pytest.mark.soak
+
+
+@pytest.fixture(scope="module")
+def known():
+    return facts()
+
+
+def random_block(chance: random.Random, lexemes: list[str]) -> str:
+    """One behaviour, or three."""
+    lexeme, mode, side = chance.choice(lexemes), chance.choice(MODES), chance.choice(("left", "right"))
+    gesture = f'<gesture id="g" lexeme="{lexeme}" mode="{mode}"/>'
+    kinds = [
+        f'<head id="h" lexeme="NOD" amount="{chance.random():.2f}" repetition="{chance.randint(1, 3)}"/>',
+        f'<head id="h" lexeme="SHAKE" amount="{chance.random():.2f}"/>',
+        gesture,
+        gesture,
+        gesture,
+        f'<gaze id="z" target="{side}" start="0" end="{chance.uniform(1, 4):.2f}"/>',
+        f'<pointing id="p" target="{side}"/>',
+        f'<gazeShift id="z" target="{side}"/>',
+        f'<headDirectionShift id="z" target="{side}"/>',
+        '<posture id="l" start="0" end="3"><pose part="WHOLEBODY" lexeme="LEANING_FORWARD"/></posture>',
+        f'<gesture id="g" lexeme="{lexeme}" mode="{mode}" stroke="0.9"/><head id="h" lexeme="NOD" start="1"/>'
+        f'<gesture id="k" lexeme="{chance.choice(lexemes)}" mode="{mode}" stroke="2.5"/>',
+    ]
+    return ROOT.format(chance.choice(kinds))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_an_endless_stream_of_blocks(seed, known):
+    chance = random.Random(seed)
+    lexemes = [form.id for form in known.lexicon.forms]
+    planner = opening if seed % 2 else plan
+    pool = [planner(parse(random_block(chance, lexemes)), known) for _ in range(BLOCKS)]
+    motion, now, playing = resting(known.robot.skeleton.rest), 0.0, []
+    least = known.robot.least_clearance + LAG_RESERVE
+    for step in range(STEPS):
+        now += chance.expovariate(1 / 0.6)
+        left = tail(motion, max(0.0, now - PAST))
+        shift = motion.zero - left.zero
+        motion, now = left, now - shift
+        playing = [each.earlier(shift) for each in playing]
+        playing = [each for each in playing if any(need.end > now or need.stays for need in each.busy)]
+        needs = held((need for each in playing for need in each.busy), now)
+        deed = chance.random()
+        if deed < 0.85:
+            found = merged(motion, now, chance.choice(pool), begin=now, busy=needs)
+            after, playing = found.trajectory, [*playing, found]
+        elif deed < 0.93:
+            found = replaced(motion, now, chance.choice(pool))
+            after, playing = found.trajectory, [found]
+        elif playing:
+            gone = playing.pop(chance.randrange(len(playing)))
+            others = [need for each in playing for need in each.busy]
+            free = freed(gone.busy, np.ptp(gone.layer.controls, axis=0) > 0.0, now, known.robot, others=others)
+            after = released(motion, now, free, known, layer=gone.layer, others=others)
+        else:
+            continue
+        count = knot_at(now) + 3
+        same = [lengthened(each.controls, count)[:count] for each in (motion, after)]
+        np.testing.assert_allclose(*same, atol=1e-8, err_msg=f"step {step}")
+        for name, peak in peaks(after, known.limits).shares.items():
+            assert peak.ratios.max() <= 1.001, (step, name)
+        assert duties(after, known).max() <= 1.0, step
+        assert scan(after, known.distances)[1].distances.min() >= least - 1e-4, step
+        assert len(after.controls) < 2500, step
+        motion = after
+
+
+def test_every_cut_keeps_every_limit(known):
+    found = cuts(known, CUTS, seed=1)
+    worst = max(found, key=lambda cut: cut.ratio)
+    assert worst.ratio <= 1.001, worst
+    assert max(cut.step for cut in found) <= 1e-8
+    assert min(cut.clearance for cut in found) >= 0.0
+    assert sum(cut.dropped for cut in found) == 0

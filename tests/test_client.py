@@ -1,0 +1,172 @@
+"""The client, and the examples that use it, at a real server; brokers are real ones too."""
+
+import json
+import re
+import shutil
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from queue import Queue
+from textwrap import dedent
+from urllib.parse import quote_plus
+
+import pytest
+
+import kinesic.client
+from kinesic.client import Client
+from kinesic.controller.bench.live import Server, opened
+
+EXAMPLES = Path(__file__).parent.parent / "examples"
+NOD = '<head id="h" lexeme="NOD" start="0"/>'
+PATIENCE = 30.0  # [s]
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[Server]:
+    with opened() as found:
+        yield found
+
+
+def test_the_example_of_its_docstring_works(server, capsys, monkeypatch):
+    code = dedent(re.search(r"```python\n(.*?)```", kinesic.client.__doc__, re.DOTALL)[1])
+    monkeypatch.setattr(kinesic.client.Client.__init__, "__defaults__", ("127.0.0.1", server.port))
+    exec(compile(code, "docstring", "exec"), {})
+    assert 'id="b1:end"' in capsys.readouterr().out
+
+
+def test_nobody_there_is_an_error_of_the_system(server):
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        with pytest.raises(ConnectionRefusedError):
+            Client(port=free.getsockname()[1])
+
+
+def test_waiting_for_nothing_ends_in_time(server):
+    with Client(port=server.port) as client:
+        assert client.receive(0.0) is None
+        assert client.receive(0.05) is None
+
+
+def test_a_refused_block_ends_its_performance(server):
+    with Client(port=server.port) as client:
+        told = list(client.perform('<bml id="bad"><head id="h" start="h:end+nonsense:1:2:3:4"/></bml'))
+    assert "PARSING_FAILURE" in told[-1]
+
+
+def test_every_control_message_has_its_verb(server):
+    with Client(port=server.port) as client:
+        client.stop()
+        assert json.loads(client.receive(PATIENCE)) == {"told": "stopped"}
+        client.do("resume")
+        client.do("ping", id="x")
+        assert json.loads(client.receive(PATIENCE)) == {"told": "pong", "id": "x"}
+
+
+def test_the_example_of_a_client(server):
+    done = subprocess.run(
+        [sys.executable, EXAMPLES / "06_live.py", str(server.port)], capture_output=True, text=True, check=True
+    )
+    assert "second:end" in done.stdout
+    assert '"told":"status"' in done.stdout
+
+
+@contextmanager
+def coilmq() -> Iterator[int]:
+    program = Path(sys.executable).with_name("coilmq")
+    if not program.exists():
+        pytest.skip("coilmq is not installed")
+    port = _free()
+    with _process(program, "-p", str(port)):
+        _await(port)
+        yield port
+
+
+@contextmanager
+def activemq() -> Iterator[int]:
+    jars = Path("/usr/share/java")
+    if shutil.which("java") is None or not (jars / "activemq-run.jar").exists():
+        pytest.skip("ActiveMQ is not installed")
+    port = _free()
+    places = "/usr/share/activemq/lib/*:/usr/share/java/*"
+    broker = f"broker:(stomp://127.0.0.1:{port})?persistent=false&useJmx=false"
+    with _process("java", "-cp", places, "org.apache.activemq.console.Main", "start", broker):
+        _await(port)
+        yield port
+
+
+@pytest.mark.parametrize("broker", [coilmq, pytest.param(activemq, marks=pytest.mark.soak)])
+def test_greta_s_topics(server, broker):
+    stomp = pytest.importorskip("stomp")
+    with broker() as port, _example("07_greta_stomp.py", server.port, port):
+        heard, link = _listening(stomp, port, "/topic/greta.output.feedback.BML")
+        link.send("/topic/greta.BML", f'<bml id="greta-{port}">{NOD}</bml>')
+        _until(heard, f'id="greta-{port}:end"')
+        link.disconnect()
+
+
+@pytest.mark.parametrize("broker", [coilmq, pytest.param(activemq, marks=pytest.mark.soak)])
+@pytest.mark.parametrize("encoded", [False, True])
+def test_smartbody_s_messages(server, broker, encoded):
+    stomp = pytest.importorskip("stomp")
+    name = f"sbm_test_{int(encoded)}_{broker.__name__}"
+    xml = f'<?xml version="1.0" encoding="UTF-8"?>\n<act><bml>{NOD}</bml></act>'
+    rest = f"ChrBrad ALL {name} {xml}"
+    with broker() as port, _example("08_smartbody_vhmsg.py", server.port, port):
+        heard, link = _listening(stomp, port, "/topic/DEFAULT_SCOPE")
+        link.send("/topic/DEFAULT_SCOPE", f"vrSpeak {quote_plus(rest) if encoded else rest}")
+        _until(heard, f"vrAgentBML ChrBrad ALL {name} start")
+        _until(heard, f"vrAgentBML ChrBrad ALL {name} end complete")
+        link.disconnect()
+
+
+def _listening(stomp, port, topic):
+    """Everything that comes to a topic, and the link by which it comes."""
+    heard, link, listener = Queue(), stomp.Connection([("127.0.0.1", port)]), stomp.ConnectionListener()
+    listener.on_message = lambda frame: heard.put(frame.body)
+    link.set_listener("test", listener)
+    link.connect(wait=True)
+    link.subscribe(topic, id="test")
+    return heard, link
+
+
+def _until(heard, wanted):
+    while wanted not in heard.get(timeout=PATIENCE):
+        pass
+
+
+@contextmanager
+def _example(name: str, *ports: int) -> Iterator[None]:
+    """An example that runs, and has said so."""
+    with _process(sys.executable, EXAMPLES / name, *map(str, ports)) as process:
+        assert "performs" in process.stdout.readline()
+        time.sleep(0.3)  # until the broker has its subscription
+        yield
+
+
+@contextmanager
+def _process(*command: str | Path) -> Iterator[subprocess.Popen]:
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
+
+
+def _free() -> int:
+    with socket.socket() as found:
+        found.bind(("127.0.0.1", 0))
+        return found.getsockname()[1]
+
+
+def _await(port: int) -> None:
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        with socket.socket() as probe:
+            if probe.connect_ex(("127.0.0.1", port)) == 0:
+                return
+        time.sleep(0.05)
+    pytest.fail("the broker does not start")

@@ -1,0 +1,53 @@
+"""What holds for every script that the engine says."""
+
+from xml.etree.ElementTree import fromstring
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from kinesic.body.utterance import Emphasis, Mark, Pause, Script
+from kinesic.speech.engine import fault
+from kinesic.speech.espeak import Espeak
+from kinesic.speech.ssml import ssml
+
+pytestmark = pytest.mark.skipif(bool(fault()), reason=fault() or "works")
+FEW = settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+WORDS = st.lists(
+    st.sampled_from(["one", "Banana,", "the.", "3.5", "naïve?", "(Hmm)", "don't", "Dr.", "—", "&", "<b>"])
+).map(" ".join)
+TEXTS = WORDS | st.text(max_size=60)
+
+
+@st.composite
+def scripts(draw: st.DrawFn, texts: st.SearchStrategy[str] = TEXTS) -> Script:
+    text = draw(texts)
+    places = st.integers(0, len(text))
+    positions = sorted(draw(st.lists(places, max_size=6)))
+    pauses = draw(st.lists(st.builds(Pause, places, st.sampled_from([0.05, 0.2]), st.integers(0, 2)), max_size=3))
+    spans = draw(st.lists(st.tuples(places, places), max_size=3))
+    emphases = tuple(Emphasis(min(span), max(span), "prosody", (("pitch", "high"),)) for span in spans)
+    marks = tuple(Mark(f"m{k}", position) for k, position in enumerate(positions))
+    return Script(text, marks, pauses=tuple(pauses), emphases=emphases)
+
+
+@given(scripts())
+def test_every_script_is_well_formed_and_keeps_its_words(script: Script):
+    written = "".join(fromstring(ssml(script)).itertext())
+    kept = "".join(character for character in script.text if character.isalnum())
+    assert "".join(character for character in written if character.isalnum()) == kept
+
+
+@FEW
+@given(scripts())
+def test_marks_and_sounds_keep_their_order_and_stay_inside(script: Script):
+    said = Espeak().say(script)
+    times = [said.marks[stop.name] for stop in script.stops() if isinstance(stop, Mark)]
+    assert times == sorted(times)
+    assert all(0.0 <= time <= said.duration for time in times)
+    ends = [0.0, *(phoneme.start + phoneme.duration for phoneme in said.phonemes)]
+    assert all(phoneme.duration >= 0.0 for phoneme in said.phonemes)
+    assert all(phoneme.start >= end - 1e-9 for phoneme, end in zip(said.phonemes, ends, strict=False))
+    assert ends[-1] <= said.duration + 1e-9
+    assert said.sound is not None
+    assert said.sound.duration == pytest.approx(said.duration)
