@@ -241,4 +241,4 @@ def test_a_sample_of_random_cuts_keeps_every_limit(known):
 
 def test_figures_of_cuts(monkeypatch):
     monkeypatch.setattr(cuts, "CUTS", 10)
-    assert {figure.name for figure in cuts.bench() if figure.ok is False} <= {"bml.live_merged"}
+    assert {figure.name for figure in cuts.bench() if figure.ok is False} <= {"bml.live.merged"}

@@ -15,6 +15,7 @@ from statistics import median
 import numpy as np
 
 from kinesic.controller.bench.figure import Figure
+from kinesic.controller.bench.supervising import supervising
 from kinesic.hardware.bus import Bus, Servo
 from kinesic.hardware.models import MODELS
 from kinesic.hardware.opening import open_bus
@@ -30,6 +31,7 @@ COUNTS = (7, 14, 20, 26)
 BAUDS = (57_600, 1_000_000, 2_000_000, 4_000_000)
 MODEL = "xm430_w350"
 CYCLES, PASSES = 200, 5
+UNIT = "% of a core"
 RATE_GOAL, HEALTH_GOAL, CPU_GOAL = 95.0, 100.0, 10.0  # [%], [Hz], [%]
 FLAT_OUT = 1e-4  # [s] period of a bus that has no time to spare
 SWING = 50  # [ticks] that goals move to and fro
@@ -113,7 +115,7 @@ def bench() -> list[Figure]:
                 hertz = 1 / (wire_s + host_s)
                 figures.append(Figure("bus.rate_full_health", hertz, "Hz", HEALTH_GOAL, "higher"))
     with tempfile.TemporaryDirectory() as folder:
-        figures.append(load(Path(folder) / "port"))
+        figures += load(Path(folder) / "port")
     return figures
 
 
@@ -157,23 +159,32 @@ def _servos(count: int) -> list[Servo]:
     return [Servo(k + 1, MODELS[MODEL]) for k in range(count)]
 
 
-def load(link: Path) -> Figure:
-    """CPU share of a loop at 100 Hz, system calls included."""
-    name, unit = f"bus.cpu_{REAL_COUNT}_servos", "% of a core"
+def load(link: Path) -> list[Figure]:
+    """CPU shares of a loop at 100 Hz and of the whole supervisor, system calls included."""
+    names = [f"bus.cpu_{REAL_COUNT}_servos", f"bus.cpu_supervisor_{REAL_COUNT}_servos"]
+    shares: list[float | None] = [None, None]
     context = multiprocessing.get_context("spawn")
     stop = context.Event()
     servos = context.Process(target=_serve, args=(str(link), stop), daemon=True)
     servos.start()
     try:
-        if not _appears(link):
-            return Figure(name, None, unit, CPU_GOAL, "lower", why="the virtual servos did not start")
-        wire = SerialWire(link, REAL_BAUD)
-        share = _share_of_core(open_bus(wire, _servos(REAL_COUNT), period=REAL_PERIOD))
-        wire.close()
+        if _appears(link):
+            wire = SerialWire(link, REAL_BAUD)
+            loop = _share_of_core(open_bus(wire, _servos(REAL_COUNT), period=REAL_PERIOD))
+            wire.close()
+            whole = supervising(
+                link, model=MODEL, count=REAL_COUNT, baud=REAL_BAUD, period=REAL_PERIOD, seconds=REAL_SECONDS
+            )
+            shares = [loop, whole]
     finally:
         stop.set()
         servos.join()
-    return Figure(name, 100 * share, unit, CPU_GOAL, "lower")
+    return [
+        Figure(name, None, UNIT, CPU_GOAL, "lower", why="the virtual servos did not start")
+        if share is None
+        else Figure(name, 100 * share, UNIT, CPU_GOAL, "lower")
+        for name, share in zip(names, shares, strict=True)
+    ]
 
 
 def _share_of_core(driver: Bus) -> float:

@@ -48,12 +48,12 @@ def bench() -> list[Figure]:
     known = facts()
     found = cuts(known, CUTS)
     return [
-        Figure("bml.live_merged", 1000 * median(_merging(known)), "ms", 15.0, "lower"),
-        Figure("bml.live_replaced_ratio", max(cut.ratio for cut in found), "of limit", 1.001, "lower"),
-        Figure("bml.live_replaced_step", max(cut.step for cut in found), "rad", 1e-8, "lower"),
-        Figure("bml.live_replaced_clearance", min(cut.clearance for cut in found), "m", 0.0, "higher"),
-        Figure("bml.live_replaced_delay", max(cut.delay for cut in found), "s", None, "lower"),
-        Figure("bml.live_replaced_dropped", float(sum(cut.dropped for cut in found)), "count", 0.0, "lower"),
+        Figure("bml.live.merged", 1000 * median(_merging(known)), "ms", 15.0, "lower"),
+        Figure("bml.live.replaced_ratio", max(cut.ratio for cut in found), "of limit", 1.001, "lower"),
+        Figure("bml.live.replaced_step", max(cut.step for cut in found), "rad", 1e-8, "lower"),
+        Figure("bml.live.replaced_clearance", min(cut.clearance for cut in found), "m", 0.0, "higher"),
+        Figure("bml.live.replaced_delay", max(cut.delay for cut in found), "s", None, "lower"),
+        Figure("bml.live.replaced_dropped", float(sum(cut.dropped for cut in found)), "count", 0.0, "lower"),
     ]
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 from rich.table import Table
 
-from kinesic.controller.bench import bml, bus, expressivity, face, faults, first, ik, live, plan, speech, twin
+from kinesic.controller.bench import bml, bus, cuts, expressivity, face, faults, first, ik, live, plan, speech, twin
 from kinesic.controller.bench.figure import Figure
 from kinesic.controller.cli.console import console
 
@@ -18,7 +18,7 @@ PARTS: Mapping[str, Callable[[], list[Figure]]] = {
     "plan": lambda: [*first.bench(), *plan.bench()],
     "twin": twin.bench,
     "bus": lambda: [*bus.bench(), *faults.bench()],
-    "bml": lambda: [*bml.bench(), *speech.bench(), *live.bench()],
+    "bml": lambda: [*bml.bench(), *speech.bench(), *cuts.bench(), *live.bench()],
     "face": face.bench,
 }
 

@@ -1,7 +1,6 @@
 """What the records say about the servos as a whole: who answers, who works too hard, who has failed."""
 
 from collections.abc import Sequence
-from math import inf
 
 import numpy as np
 
@@ -28,7 +27,7 @@ class Watch:
         count = len(manifest.members)
         nobody: Flags = np.zeros(count, dtype=np.bool_)
         self._manifest, self._strength = manifest, Strength.of(tables)
-        self._strain, self._since = Strain.none(count), inf  # [s] since it was looked at
+        self._strain, self._since = Strain.none(count), WEIGH  # [s] since it was looked at
         self._signature = b""  # of what was judged last
         self.records: Records | None = None  # (m,) the last ones; None before the first
         self.present: Floats = np.full(count, np.nan)  # (m,) [ticks]; NaN for who has not answered lately
@@ -63,8 +62,7 @@ class Watch:
     def _weigh(self, snapshot: Snapshot, goals: Floats | None) -> None:
         """How hard they work."""
         if goals is not None:
-            passed = min(self._since, 2 * WEIGH)
-            self._strain = strained(self._strain, snapshot.records, goals, passed, self._strength)
+            self._strain = strained(self._strain, snapshot.records, goals, self._since, self._strength)
             self.stuck = self.stuck | (self._strain.stuck & snapshot.torque)
         self.scale = float(derating(self._strain, snapshot.records, self._strength).min())
         self._since = 0.0

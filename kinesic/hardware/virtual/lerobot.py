@@ -94,7 +94,7 @@ class LerobotDriver:
 
 
 def _motors(wire: Wire, servos: Mapping[str, Servo]) -> _Motors:
-    """lerobot's bus, whose port is a wire."""
+    """Lerobot's bus, whose port is a wire."""
     dynamixel, motors = import_module(MODULE), import_module(MOTORS)
     way = motors.MotorNormMode.DEGREES
     known = {name: motors.Motor(each.id, each.model.name.replace("_", "-"), way) for name, each in servos.items()}

@@ -192,3 +192,20 @@ def test_an_end_while_a_servo_is_silent_folds_and_lets_go(desk: Make):
     made.channel.set("ended", 1)
     made.until(Stage.CLOSED, within=15.0)
     assert not made.true(TORQUE).any()
+
+
+def test_a_servo_that_falls_silent_stops_time_until_it_is_heard_again(desk: Make):
+    made = desk().active(6.0)
+    made.plant.servos[2].mute = True
+    made.until(Stage.DEGRADED, within=0.2)
+    made.run(0.6)
+    stood = made.status.time
+    assert made.status.scale == 0.0
+    assert made.status.silent == 1
+    made.run(0.3)
+    assert made.status.time == stood
+    made.plant.servos[2].mute = False
+    made.until(Stage.ACTIVE, within=2.0)
+    made.run(0.5)
+    assert made.status.time > stood
+    assert made.true(TORQUE).all()

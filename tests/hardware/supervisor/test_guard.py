@@ -4,7 +4,8 @@ import pytest
 from kinesic.hardware.supervisor.guard import Bounds, Course, guarded
 
 STEP = 0.01
-BOUNDS = Bounds(np.array([100.0]), np.array([4000.0]), np.array([2000.0]), np.array([300.0]))
+LIMITS = (np.array([100.0]), np.array([4000.0]), np.array([2000.0]), np.array([300.0]))
+BOUNDS = Bounds(*LIMITS)
 UNKNOWN = np.array([np.nan])
 
 
@@ -50,3 +51,23 @@ def test_a_goal_does_not_run_away_from_a_servo_that_stands():
 def test_a_servo_that_was_pushed_away_is_not_followed_by_a_jump():
     course, _ = guarded(Course.still(np.array([2000.0])), np.array([2000.0]), np.array([1000.0]), STEP, BOUNDS)
     assert course.goals[0] == 2000.0
+
+
+def test_what_others_do_changes_nothing_for_a_servo():
+    """A servo that nobody has heard makes the others be looked at more closely: with the same result."""
+    rng, two = np.random.default_rng(1), Bounds(*(np.repeat(each, 2) for each in LIMITS))
+    for _ in range(300):
+        goal, speed = rng.uniform(100, 4000), rng.uniform(-2000, 2000)
+        wanted, present = goal + rng.normal(0, 60), goal + rng.normal(0, 200)
+        alone, refused = guarded(
+            Course(np.array([goal]), np.array([speed])), np.array([wanted]), np.array([present]), STEP, BOUNDS
+        )
+        both, refusals = guarded(
+            Course(np.array([goal, 2000.0]), np.array([speed, 0.0])),
+            np.array([wanted, 2000.0]),
+            np.array([present, np.nan]),
+            STEP,
+            two,
+        )
+        assert both.goals[0] == alone.goals[0]
+        assert refusals[0] == refused[0]

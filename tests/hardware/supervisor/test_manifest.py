@@ -36,6 +36,11 @@ def test_what_is_not_known_is_nan_and_half_a_tandem_is_enough(robot: Robot):
     assert np.isnan(manifest.angles(ticks)).tolist() == [False, True, False, False]
 
 
+def test_known_to_be_whole_it_is_the_same(robot: Robot):
+    manifest, values = Manifest.of(robot), np.array([3.0, 5.0, -1.0, 0.25, 7.0])
+    np.testing.assert_allclose(manifest.means(values, whole=True), manifest.means(values), rtol=1e-12)
+
+
 def test_an_inverted_servo_has_its_range_the_other_way_round(robot: Robot):
     twist = Manifest.of(robot).members[3]
     assert (twist.lower, twist.upper) == (2048 - 967, 2048 + 967)

@@ -1,4 +1,4 @@
-"""lerobot as a driver of the fault matrix: through a double that has its interface, and itself where it is installed."""
+"""lerobot as a driver of the fault matrix: a double with its interface, and itself where it is installed."""
 
 import sys
 from enum import Enum

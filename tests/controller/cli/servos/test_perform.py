@@ -35,6 +35,11 @@ def test_servos_perform_what_the_twin_has(kinesic, served, nod: Path, tmp_path: 
     assert len(log.times) > 50
     assert (out / "events.jsonl").stat().st_size > 0
     assert "measured.performed" in ended.out
+    fitted = kinesic("twin", "fit", out / "servos.npz", "--free", "latency", "--json")
+    assert fitted.code == 0, fitted.err
+    found = json.loads(fitted.out)
+    assert {e["figure"] for e in found["estimates"]} == {"latency"}
+    assert found["after_deg"] <= found["before_deg"]
     assert "On the robot" in (out / "report.html").read_text(encoding="utf-8")
 
 

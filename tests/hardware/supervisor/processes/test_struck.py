@@ -1,0 +1,74 @@
+"""Wires and servos fail in the middle of a performance. Times are compared with what the machine's stalls allow."""
+
+import time
+
+import numpy as np
+import pytest
+
+from kinesic.hardware.supervisor.stages import Stage
+from kinesic.hardware.wire import BusError
+
+
+def test_a_port_that_is_pulled_and_put_back_is_held_and_goes_on(rig):
+    servos = rig.opened()
+    rig.write(servos, 30.0)
+    rig.moving(servos)
+    rig.strike("unplug left 0.5")
+    pulled = time.monotonic()
+    rig.wait(lambda: rig.entered(Stage.HOLD, after=pulled))
+    rig.wait(lambda: servos.state().stage is Stage.ACTIVE)
+    released = time.monotonic()
+    servos.release()
+    servos.close()
+    record = rig.end()
+    away = record.times[(record.plugged[:, 0] == 0) & (record.times > pulled) & (record.times < released)]
+    held = rig.entered(Stage.HOLD, after=away[-1])
+    assert held is not None
+    assert held - away[-1] < 0.25 + 2 * record.stall(away[-1], held)
+    assert (record.torque[(record.times >= pulled) & (record.times < released)] == 1).all()
+    assert not record.torque[-1].any()
+
+
+def test_a_servo_that_reboots_rejoins_without_a_jump(rig):
+    servos = rig.opened()
+    rig.write(servos, 30.0)
+    rig.moving(servos)
+    struck = time.monotonic()
+    rig.strike("reboot left 3 0.13")
+    rig.wait(lambda: rig.entered(Stage.ARM, after=struck))
+    rig.wait(lambda: servos.state().stage is Stage.ACTIVE)
+    released = time.monotonic()
+    servos.release()
+    servos.close()
+    record = rig.end()
+    window = (record.times >= struck) & (record.times < released)
+    torque, goals, places = (each[window][:, 2] for each in (record.torque, record.goals, record.places))
+    back = int(np.flatnonzero(np.diff(torque) > 0)[0]) + 1
+    assert abs(goals[back] - places[back]) <= 2
+    assert np.abs(places[back : back + 10] - places[back - 1]).max() <= 2
+    assert torque[-1] == 1
+
+
+def test_a_servo_that_fails_is_the_reason_that_is_given(rig):
+    servos = rig.opened()
+    rig.write(servos, 20.0)
+    rig.moving(servos)
+    rig.strike("alert left 3 32")
+    rig.wait(lambda: not servos.running)
+    assert servos.state().faulty
+    with pytest.raises(BusError, match="released the servos and ended: l_flexion: shut down"):
+        rig.write(servos, 0.0)
+    servos.close()
+    assert not rig.end().torque[-1].any()
+
+
+def test_an_emergency_stop_holds_until_it_is_released(rig):
+    servos = rig.opened()
+    rig.write(servos, 20.0)
+    rig.moving(servos)
+    servos.stop()
+    rig.wait(lambda: servos.state().stage is Stage.STOPPED)
+    assert servos.state().energised == 5
+    servos.release()
+    servos.close()
+    assert not rig.end().torque[-1].any()
