@@ -48,16 +48,12 @@ def test_tighter_limits_strain_more():
     assert found[1].strain > 1.1 * found[0].strain
 
 
-def test_crowded_blocks_are_strained_hardly_more_than_they_must():
+def test_a_crowded_block_is_strained_hardly_more_than_it_must():
     known = facts()
     lexemes = [form.id for form in known.lexicon.forms]
-    ours, best = [], []
-    for seed in (1, 2):
-        planned = plan(crowd(seed, lexemes), known)
-        asked, ties = planned.postures.postures, bonds(planned.timeline)
-        keys = Keys.of(asked, known.limits, ties)
-        motion = condition(asked, known.limits, bonds=ties)
-        found = optimum(keys, motion, known.limits, LEAD_IN)
-        ours.append(strain(keys, motion.planned))
-        best.append(found.strain)
-    assert sum(ours) <= 1.25 * sum(best)
+    planned = plan(crowd(1, lexemes), known)
+    asked, ties = planned.postures.postures, bonds(planned.timeline)
+    keys = Keys.of(asked, known.limits, ties)
+    motion = condition(asked, known.limits, bonds=ties)
+    found = optimum(keys, motion, known.limits, LEAD_IN)
+    assert strain(keys, motion.planned) <= 1.25 * found.strain
