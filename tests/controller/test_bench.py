@@ -11,8 +11,8 @@ from kinesic.controller.perform import facts
 
 @pytest.fixture
 def brief(monkeypatch):
-    """Two repetitions are enough to see that the figures are there."""
-    monkeypatch.setattr(plan, "REPETITIONS", 2)
+    """One or two repetitions are enough to see that the figures are there."""
+    monkeypatch.setattr(plan, "REPETITIONS", 1)
     monkeypatch.setattr(plan, "CROWDS", 1)
     monkeypatch.setattr(first, "REPETITIONS", 2)
     monkeypatch.setattr(twin, "REPETITIONS", 2)

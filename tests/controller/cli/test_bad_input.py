@@ -68,12 +68,13 @@ def test_dropped_by_name_and_the_rest_performs(name, kinesic, tmp_path):
     assert any(warning["id"] == "b:x" for warning in data["warnings"])
 
 
-def test_a_block_of_915_s_is_performed(kinesic, tmp_path):
+@pytest.mark.parametrize("seconds", [215, pytest.param(915, marks=pytest.mark.soak)])
+def test_a_long_block_is_performed(kinesic, tmp_path, seconds):
     path = tmp_path / "long.bml"
-    path.write_text(BML.format(NOD + '<head id="late" lexeme="NOD" start="914" end="915"/>'))
+    path.write_text(BML.format(NOD + f'<head id="late" lexeme="NOD" start="{seconds - 1}" end="{seconds}"/>'))
     ended = kinesic("perform", path, "--out", "there", "--no-film", "--json")
     assert ended.code == 0, ended.err
-    assert json.loads(ended.out)["timing"]["duration_s"] >= 915
+    assert json.loads(ended.out)["timing"]["duration_s"] >= seconds
 
 
 def test_missing_robot_file(kinesic, tmp_path):
