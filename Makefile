@@ -15,9 +15,8 @@ OPENGL := libegl1 libgl1-mesa-dri libopengl0 libgl1
 demo: .venv/.stamp-demo
 	@$(BIN)/kinesic perform kinesic/configs/bml/welcome.bml --out out/demo --force
 
-# One process more than there are processors, for many tests wait for real time to pass.
 test: .venv/.stamp-test
-	@$(BIN)/python -m pytest -n $$(($$(nproc) + 1)) --dist loadfile
+	@$(BIN)/python -m pytest -n auto --dist loadfile
 
 check: .venv/.stamp-test
 	@$(BIN)/ruff check
