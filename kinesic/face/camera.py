@@ -41,11 +41,16 @@ class Camera:
         found[:3, 3] = rotation @ -np.array(PIVOT) - np.array([0.0, 0.0, self.distance])
         return found
 
+    def lens(self, aspect: float) -> tuple[float, float]:
+        """Half of what is seen at a distance of 1, across and up."""
+        half = math.tan(math.radians(self.field_deg) / 2)
+        return half * aspect, half
+
     def projection(self, aspect: float) -> Floats:
         """(4, 4) of perspective, for a picture of an aspect (width / height)."""
-        scale = 1.0 / math.tan(math.radians(self.field_deg) / 2)
+        across, up = self.lens(aspect)
         found = np.zeros((4, 4))
-        found[0, 0], found[1, 1] = scale / aspect, scale
+        found[0, 0], found[1, 1] = 1.0 / across, 1.0 / up
         found[2, 2] = (FAR + NEAR) / (NEAR - FAR)
         found[2, 3] = 2 * FAR * NEAR / (NEAR - FAR)
         found[3, 2] = -1.0

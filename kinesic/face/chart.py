@@ -5,11 +5,13 @@ between the eyes, from the middle between them. Wrinkles and painting are drawn 
 the rest position belongs to the vertex. The mask keeps them off the back of the head, where the chart has its seam.
 """
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, sealed
 from kinesic.face.mesh import PARTS, Indices, Mesh
 
 ROUND = 4 * np.pi  # width of the whole chart
@@ -42,6 +44,7 @@ def window() -> tuple[float, float, float, float]:
     return 1 / (right - left), 1 / (high - low), -left / (right - left), -low / (high - low)
 
 
+@lru_cache(maxsize=4)
 def places(mesh: Mesh) -> Floats:
     """(v, 4) of each vertex: a, y, front mask less three times how far inside the mouth, height over the hairline.
 
@@ -59,7 +62,7 @@ def places(mesh: Mesh) -> Floats:
     inside = np.isin(mesh.parts, [PARTS.index("teeth"), PARTS.index("tongue")])
     found[inside, 2] = forward[inside]
     found[eyes] = np.column_stack([spokes[:, [1, 2, 0]], np.zeros(len(eyes))])
-    return found
+    return sealed(found)
 
 
 def unrolled(place: Floats, triangles: Indices) -> tuple[NDArray[np.intp], Floats, Indices]:

@@ -4,7 +4,7 @@ import moderngl
 
 from kinesic.face.camera import Camera
 from kinesic.face.geometry import Geometry
-from kinesic.face.passes import Marks, ScreenPass, Size, Target, Value
+from kinesic.face.passes import Marks, Rectangle, ScreenPass, Size, Target, Value
 from kinesic.face.presets import Focus, Preset
 
 
@@ -13,7 +13,9 @@ class FocusPass:
 
     def __init__(self, context: moderngl.Context, geometry: Geometry, focus: Focus) -> None:
         self.focus, self._geometry = focus, geometry
-        self._gather = ScreenPass(context, "focus", Target(context, geometry.size, ("4f1",), None), where="everywhere")
+        blurred = Target(context, geometry.size, ("4f1",), None)
+        defines = {"TAPS": focus.taps}
+        self._gather = ScreenPass(context, blurred, "form", "focus", where="everywhere", defines=defines)
 
     def draw(self, picture: Target, camera: Camera) -> Target:
         """The picture out of focus where it is too near or too far."""
@@ -25,26 +27,27 @@ class FocusPass:
             "sharp": float(-eyes[:, 2].max()),
             "within": told.within,
         }
-        found, position = picture.textures[0], self._geometry.target.textures[0]
+        found, form = picture.textures[0], self._geometry.target.textures[0]
         found.filter = (moderngl.LINEAR, moderngl.LINEAR)
-        return self._gather.draw({"position": position, "picture": found}, values, {"taps": told.taps})
+        return self._gather.draw({"form": form, "picture": found}, values)
 
 
 class SmoothPass:
     """Takes the stairs off edges."""
 
     def __init__(self, context: moderngl.Context, size: Size) -> None:
-        self._marks = Marks(context, "mark_edges", size)
+        self._marks = Marks(context, ("mark_edges",), size)
         self._pixel = tuple(1.0 / side for side in size)
         smoothed = Target(context, size, ("4f1",), self._marks.depth)
-        self._smooth = ScreenPass(context, "smooth", smoothed, where="marked")
+        self._smooth = ScreenPass(context, smoothed, "smooth", where="marked")
 
-    def draw(self, picture: Target) -> Target:
-        """The picture with smooth edges."""
+    def draw(self, picture: Target, within: Rectangle | None) -> Target:
+        """The picture with smooth edges where there may be any."""
         found = picture.textures[0]
-        self._marks.draw({"picture": found})
+        found.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        self._marks.draw({"picture": found}, {"pixel": self._pixel}, within=within)
         found.filter = (moderngl.LINEAR, moderngl.LINEAR)
-        self._smooth.target.copy(found)
+        self._smooth.target.copy(picture)
         return self._smooth.draw({"picture": found}, {"pixel": self._pixel})
 
 
@@ -55,16 +58,16 @@ class Finish:
         self._focus = FocusPass(context, geometry, preset.focus) if preset.focus else None
         self._smooth = SmoothPass(context, geometry.size) if preset.smooth else None
         self._shrink = None
-        self._samples = preset.samples
+        self._geometry, self._samples = geometry, preset.samples
         if preset.samples > 1:
-            self._shrink = ScreenPass(context, "shrink", Target(context, size, ("4f1",), None), where="everywhere")
+            self._shrink = ScreenPass(context, Target(context, size, ("4f1",), None), "shrink", where="everywhere")
 
     def draw(self, picture: Target, camera: Camera) -> Target:
         """The picture as it is shown."""
         if self._focus:
             picture = self._focus.draw(picture, camera)
         if self._smooth:
-            picture = self._smooth.draw(picture)
+            picture = self._smooth.draw(picture, None if self._focus else self._geometry.covered)
         if self._shrink:
             picture = self._shrink.draw({"picture": picture.textures[0]}, {"samples": self._samples})
         return picture

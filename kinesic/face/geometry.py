@@ -1,20 +1,19 @@
 """The head's G-buffer: what each pixel of it shows."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Literal
 
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from kinesic.body.arrays import Flags, Floats
+from kinesic.body.arrays import Floats
 from kinesic.face.camera import Camera
 from kinesic.face.chart import places, unrolled
 from kinesic.face.eyeshade import eyeshade
 from kinesic.face.heads import steadied
 from kinesic.face.mesh import PARTS, Mesh
-from kinesic.face.passes import Marks, Rectangle, Size, Target, Where, program, tell
+from kinesic.face.passes import Rectangle, Size, Target, program, tell
 from kinesic.face.units import deformed
 
 Layer = Literal["skin", "organs", "lashes", "film"]
@@ -24,40 +23,7 @@ MARGIN = 3  # [pixels] round a rectangle
 FILM = (0.30, 0.95, 0.45)  # what an eyeshade lets through, linear
 COVER = 0.5  # share of its pixels that are drawn
 GLOSS = 0.5
-
-
-@dataclass(frozen=True, eq=False)
-class Seen:
-    """Where each pixel of the head is and where it faces, for passes that need no more."""
-
-    position: moderngl.Texture
-    normal: moderngl.Texture
-    depth: moderngl.Renderbuffer | None = None
-    where: Where = "everywhere"
-
-
-class Coarse:
-    """A G-buffer of fewer pixels."""
-
-    def __init__(self, context: moderngl.Context, target: Target, pixels: int) -> None:
-        """Makes the textures.
-
-        Args:
-            context: to draw in.
-            target: the whole G-buffer.
-            pixels: of it along a side of one of these.
-        """
-        self._whole, self._pixels = target.textures, pixels
-        width, height = (-(-side // pixels) for side in target.textures[0].size)
-        self._marks = Marks(context, "shrink_geometry", (width, height), ("4f4", "4f4"))
-        position, normal = self._marks.target.textures
-        self.seen = Seen(position, normal, self._marks.depth, "marked")
-
-    def draw(self) -> None:
-        """Takes its pixels from the whole."""
-        sides = zip(self._whole[0].size, self.seen.position.size, strict=True)
-        offset = [(self._pixels // 2 + 0.5) / whole - 0.5 / own for whole, own in sides]
-        self._marks.draw({"position": self._whole[0], "normal": self._whole[1]}, {"offset": offset})
+APART = 8.0  # as form.frag.glsl has it
 
 
 class Geometry:
@@ -85,11 +51,10 @@ class Geometry:
         """
         self.context, self.mesh, self.size = context, mesh, size
         self.depth = context.depth_renderbuffer(size)
-        self.target = Target(context, size, ("4f4", "4f4", "4f4"), self.depth)  # position and part, normal, place
+        self.target = Target(context, size, ("4f4", "4f4"), self.depth)  # form, place
         self.target.frame.depth_mask = True
-        position, normal, _ = self.target.textures
-        self.seen = Seen(position, normal, self.depth, "head")
-        self._emptied = context.framebuffer([position], self.depth)  # what is not on the head is read nowhere else
+        form, _ = self.target.textures
+        self._emptied = context.framebuffer([form], self.depth)  # what is not on the head is read nowhere else
         self._iris = iris
         self.place = places(drawn_on)
         skin = mesh.parts == PARTS.index("skin")
@@ -107,8 +72,8 @@ class Geometry:
         }
         if shaded:
             self._layers["film"] = self._film(mesh)
-        skins, organs = (program(context, "geometry", fragment) for fragment in ("skin", "organs"))
-        film = program(context, "geometry", "door", "film")
+        skins, organs = (program(context, "geometry", "form", fragment) for fragment in ("skin", "organs"))
+        film = program(context, "geometry", "form", "door", "film")
         self._shaders = (skins, organs, film)
         self._solid = (self.drawn(skins, "skin"), self.drawn(organs, "organs"))
         self.thin: tuple[Layer, ...] = ("lashes", "film") if shaded else ("lashes",)
@@ -123,11 +88,13 @@ class Geometry:
         return self.context.vertex_array(shader, buffers, indices)
 
     def draw(self, units: Mapping[str, float], camera: Camera) -> Target:
-        """Position [m] in the camera's frame and part + 1; normal and detail; place in the chart, or colour."""
+        """Normal, with depth and part; place in the chart, or colour."""
         vertices = self._vertices(units, camera)
         self._moving.write(vertices[self._sources].astype("f4").tobytes())
-        view, projection = camera.view(), camera.projection(self.size[0] / self.size[1])
-        self._on_screen = self._pixels(vertices[:, :3], projection @ view)
+        aspect = self.size[0] / self.size[1]
+        view, projection, self.lens = camera.view(), camera.projection(aspect), camera.lens(aspect)
+        self.on_screen = self._pixels(vertices[:, :3], projection @ view)
+        self.covered = self.rectangle(self.on_screen) if "film" not in self._layers else (0, 0, *self.size)
         for shader in self._shaders:
             tell(shader, {"view": view.T, "projection": projection.T})
         self._iris.use(0)
@@ -143,13 +110,24 @@ class Geometry:
             each.render()
         return self.target
 
-    def rectangle(self, vertices: Flags) -> Rectangle:
-        """Where on the screen some vertices were drawn last, and what lies between them."""
-        if not vertices.any():
-            return 0, 0, 0, 0
-        found = self._on_screen[vertices]
-        low = np.clip(np.floor(found.min(axis=0)).astype(int) - MARGIN, 0, self.size)
-        high = np.clip(np.ceil(found.max(axis=0)).astype(int) + MARGIN, 0, self.size)
+    def parts(self) -> NDArray[np.intp]:
+        """(height, width) place in PARTS of what was drawn last at each pixel, and 1 more; 0 is the background."""
+        where = self.target.read(0)[..., 3]
+        return np.where(where < 0.0, np.floor(where / -APART) + 1.0, 0.0).astype(np.intp)
+
+    def positions(self) -> Floats:
+        """(height, width, 3) [m] where that is in the camera's frame."""
+        where = self.target.read(0)[..., 3]
+        depth = where + APART * np.floor(where / -APART)
+        (across, up), (width, height) = self.lens, self.size
+        right, down = ((np.arange(side) + 0.5) / side * 2.0 - 1.0 for side in (width, height))
+        x, y = np.meshgrid(-across * right, up * down)
+        return np.stack([x * depth, y * depth, depth], axis=-1)
+
+    def rectangle(self, points: Floats) -> Rectangle:
+        """The pixels round (2, k) points of the screen, and what lies between them."""
+        low = np.clip(np.floor(points.min(axis=1)).astype(int) - MARGIN, 0, self.size)
+        high = np.clip(np.ceil(points.max(axis=1)).astype(int) + MARGIN, 0, self.size)
         return int(low[0]), int(low[1]), int(high[0] - low[0]), int(high[1] - low[1])
 
     def _vertices(self, units: Mapping[str, float], camera: Camera) -> Floats:
@@ -162,9 +140,10 @@ class Geometry:
         return np.concatenate([positions + normals * self._hair[:, None], normals], axis=1)
 
     def _pixels(self, positions: Floats, onto: Floats) -> Floats:
-        """(v, 2) where a (4, 4) matrix puts (v, 3) positions on the screen."""
-        flat = positions @ onto[[0, 1, 3], :3].T + onto[[0, 1, 3], 3]
-        return np.asarray((0.5 * flat[:, :2] / flat[:, 2:] + 0.5) * self.size)
+        """(2, v) where a (4, 4) matrix puts (v, 3) positions on the screen."""
+        x, y, w = onto[[0, 1, 3], :3] @ positions.T + onto[[0, 1, 3], 3:]
+        width, height = self.size
+        return np.stack([(0.5 * x / w + 0.5) * width, (0.5 * y / w + 0.5) * height])
 
     def _film(self, mesh: Mesh) -> tuple[moderngl.Buffer, moderngl.Buffer, moderngl.Buffer]:
         """The buffers of an eyeshade."""

@@ -56,9 +56,10 @@ class Mesh:
 
     def normals(self, positions: Floats) -> Floats:
         """(v, 3) unit normals outward, weighted by area, of the mesh with its vertices at (v, 3) positions."""
-        a, b, c, d = (positions[self.faces[:, k]] for k in range(4))
+        a, b, c, d = positions.take(self.faces.T, axis=0)
         sums = self._around @ np.cross(c - a, d - b)
-        return np.asarray(sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-12))
+        squares = np.einsum("vi,vi->v", sums, sums)
+        return np.asarray(sums / np.maximum(np.sqrt(squares), 1e-12)[:, None])
 
     def subdivided(self) -> "Mesh":
         """The same head with every face cut into four (Catmull-Clark); its first vertices are this mesh's.

@@ -11,9 +11,9 @@ import moderngl
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.face.geometry import Seen
 from kinesic.face.passes import ScreenPass, Target, Value, texture
 from kinesic.face.presets import Estimator, Occlusion, Pattern
+from kinesic.face.seen import Seen
 
 SIDE = 4  # pixels of the pattern along an axis
 SEED = 3
@@ -29,11 +29,11 @@ class OcclusionPass:
 
         def over_head(fragment: str, **defines: int) -> ScreenPass:
             target = Target(context, seen.position.size, ("4f4",), seen.depth)
-            target.textures[0].filter = (moderngl.LINEAR, moderngl.LINEAR)
-            return ScreenPass(context, fragment, target, where=seen.where, defines=defines)
+            return ScreenPass(context, target, fragment, where=seen.where, defines=defines)
 
-        self.march = over_head("occlusion", ESTIMATOR=estimator)
-        self.blurs = () if occlusion.exact else (over_head("blur"), over_head("blur"))
+        steps, marched = occlusion.size // 2, occlusion.size if occlusion.exact else 2
+        self.march = over_head("occlusion", ESTIMATOR=estimator, SIDE=SIDE, DIRECTIONS=marched, STEPS=steps)
+        self.blurs = () if occlusion.exact else (over_head("blur", SIDE=SIDE), over_head("blur", SIDE=SIDE))
         angles = np.zeros((SIDE, SIDE)) if occlusion.exact else directions(occlusion.pattern)
         self._pattern = texture(context, np.stack([np.cos(angles), np.sin(angles)], axis=-1), "f4")
 
@@ -61,10 +61,10 @@ class OcclusionPass:
             values["all"] = float((rings * wendland(rings / (steps + 1))).sum())
         inputs = {"position": seen.position, "normal": seen.normal, "pattern": self._pattern}
         self.march.clear(*OPEN)
-        found = self.march.draw(inputs, values, {"side": SIDE, "directions": marched, "steps": steps})
+        found = self.march.draw(inputs, values)
         for blur, axis in zip(self.blurs, ((across, 0.0), (0.0, up)), strict=False):
             blur.clear(*OPEN)
-            found = blur.draw({"noisy": found.textures[0]}, {"axis": axis}, {"side": SIDE})
+            found = blur.draw({"noisy": found.textures[0]}, {"axis": axis})
         return found
 
 

@@ -1,6 +1,7 @@
 """Passes of the deferred pipeline: programs, the textures they write, and passes over the whole screen."""
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
 from typing import Literal, TypeAlias
@@ -38,13 +39,13 @@ def program(
     )
 
 
-def tell(shader: moderngl.Program, values: Values, kind: str = "f4") -> None:
+def tell(shader: moderngl.Program, values: Values) -> None:
     """Sets uniforms of a program, matrices and arrays of vectors row by row."""
     for name, value in values.items():
         member = shader[name]
         if not isinstance(member, moderngl.Uniform):
             raise TypeError(f"{name} is no uniform")
-        member.write(np.asarray(value, dtype=kind).tobytes())
+        member.write(np.asarray(value, dtype="f4").tobytes())
 
 
 def texture(context: moderngl.Context, pixels: Floats, kind: Literal["f1", "f2", "f4"] = "f2") -> moderngl.Texture:
@@ -98,12 +99,14 @@ class Target:
         self._context, self.textures = context, list(textures)
         self.frame = context.framebuffer(self.textures, depth)
 
-    def copy(self, texture: moderngl.Texture) -> None:
-        """Fills the first texture with the pixels of another; what depth the frame has stays."""
-        onto, found = (self._context.framebuffer([each]) for each in (self.textures[0], texture))
-        self._context.copy_framebuffer(onto, found)
-        onto.release()
-        found.release()
+    def copy(self, other: "Target") -> None:
+        """Fills the first texture with the pixels of another target's; what depth the frame has stays."""
+        self._context.copy_framebuffer(self.first, other.first)
+
+    @cached_property
+    def first(self) -> moderngl.Framebuffer:
+        """The first texture alone."""
+        return self._context.framebuffer([self.textures[0]])
 
     def read(self, number: int = 0) -> Floats:
         """(height, width, components) pixels of one of the textures, first row on top."""
@@ -125,15 +128,15 @@ class ScreenPass:
     def __init__(
         self,
         context: moderngl.Context,
-        fragment: str,
         target: Target,
-        *,
+        *fragments: str,
         where: Where = "head",
         defines: Mapping[str, int] = MappingProxyType({}),
     ) -> None:
         self.context, self.target, self.where = context, target, where
         target.frame.depth_mask = where == "marking"  # the head stays where it is, whatever is drawn or cleared
-        self.shader = program(context, "screen", fragment, defines=defines)
+        self.shader = program(context, "screen", *fragments, defines=defines)
+        self._places: dict[str, int] = {}  # of textures, by the names of their samplers
         corners = context.buffer(np.array([-1, -1, 3, -1, -1, 3], dtype="f4").tobytes())
         self.triangle = context.vertex_array(self.shader, [(corners, "2f", "corner")])
 
@@ -141,7 +144,6 @@ class ScreenPass:
         self,
         inputs: Mapping[str, moderngl.Texture],
         values: Values = MappingProxyType({}),
-        counts: Mapping[str, int] = MappingProxyType({}),
         *,
         within: Rectangle | None = None,
         added: bool = False,
@@ -151,15 +153,14 @@ class ScreenPass:
         Args:
             inputs: by the names of its samplers.
             values: by the names of its uniforms.
-            counts: the same, for whole numbers.
             within: no pixel outside is touched.
             added: to what the target holds, instead of in its place.
         """
-        for place, (name, found) in enumerate(inputs.items()):
-            found.use(place)
-            self.shader[name] = place
+        for name, found in inputs.items():
+            if name not in self._places:
+                self._places[name] = self.shader[name] = len(self._places)
+            found.use(self._places[name])
         tell(self.shader, values)
-        tell(self.shader, counts, "i4")
         if within is not None:
             self.target.frame.scissor = within
         self.target.frame.use()
@@ -184,15 +185,23 @@ class Marks:
     What one shader skips, a software renderer still works out; what the depth test rejects, it does not.
     """
 
-    def __init__(self, context: moderngl.Context, fragment: str, size: Size, formats: Sequence[str] = ()) -> None:
+    def __init__(
+        self, context: moderngl.Context, fragments: Sequence[str], size: Size, formats: Sequence[str] = ()
+    ) -> None:
         self.depth = context.depth_renderbuffer(size)
         self.target = Target(context, size, formats, self.depth)
-        self._pass = ScreenPass(context, fragment, self.target, where="marking")
+        self._pass = ScreenPass(context, self.target, *fragments, where="marking")
 
-    def draw(self, inputs: Mapping[str, moderngl.Texture], values: Values = MappingProxyType({})) -> None:
-        """Marks anew."""
+    def draw(
+        self,
+        inputs: Mapping[str, moderngl.Texture],
+        values: Values = MappingProxyType({}),
+        *,
+        within: Rectangle | None = None,
+    ) -> None:
+        """Marks anew, and nothing outside a rectangle."""
         self.target.frame.clear(depth=0.0)
-        self._pass.draw(inputs, values)
+        self._pass.draw(inputs, values, within=within)
 
     def share(self) -> float:
         """How much of the screen is marked."""

@@ -2,10 +2,9 @@
 
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
 from kinesic.body.arrays import Flags, Floats
-from kinesic.face.chart import window
+from kinesic.face.chart import ROUND, window
 from kinesic.face.geometry import Geometry
 from kinesic.face.mesh import PARTS
 from kinesic.face.passes import ScreenPass, Target, Value, texture
@@ -13,7 +12,6 @@ from kinesic.face.wrinkles import MAPS, maps, reaches
 
 BUMP = 0.022  # height of a wrinkle of depth 1, in distances between the eyes
 GROUP = 4  # maps in a texture
-COARSEST = 0.25  # width of a face of the mesh, in the chart
 
 
 class ReliefPass:
@@ -21,43 +19,57 @@ class ReliefPass:
 
     def __init__(self, context: moderngl.Context, geometry: Geometry) -> None:
         def over_head(fragment: str, kind: str) -> ScreenPass:
-            return ScreenPass(context, fragment, Target(context, geometry.size, (kind,), geometry.depth))
+            return ScreenPass(context, Target(context, geometry.size, (kind,), geometry.depth), "form", fragment)
 
         self._geometry = geometry
         self._relief, self._bend = over_head("relief", "1f4"), over_head("bend", "4f4")
+        self._unbent = Target.of(context, geometry.target.textures[:1], None)
         self._pixel = tuple(1.0 / side for side in geometry.size)
         self._unit = float(geometry.mesh.eyes[0, 1] - geometry.mesh.eyes[1, 1])
         packed = np.moveaxis(maps(), 0, -1)
         self._maps = [texture(context, packed[..., first : first + GROUP]) for first in range(0, MAPS, GROUP)]
-        chart = geometry.place[:, :2]
-        low, high = np.moveaxis(reaches(), 1, 0)[:, :, None]
-        near = np.all((chart > low - COARSEST) & (chart < high + COARSEST), axis=2)
-        self._near = near & (geometry.mesh.parts == PARTS.index("skin"))
+        number, self._near = np.nonzero(_wrinkled(geometry))
+        self._first = np.searchsorted(number, np.arange(MAPS))
 
     def draw(self, shown: Floats) -> tuple[moderngl.Texture, moderngl.Texture]:
-        """Heights of the wrinkles, and unit normals bent by them, over the G-buffer that was just drawn.
+        """Heights of wrinkles over the G-buffer that was just drawn, and its first texture with normals bent by them.
 
         Args:
             shown: (2, 12) how much of each wrinkle map, on the left and on the right half of the face.
         """
-        position, normal, place = self._geometry.target.textures
+        form, place = self._geometry.target.textures
         relief = self._relief.clear().textures[0]
         if not shown.any():  # most of the time nothing is, in a face that talks
-            return relief, normal
+            return relief, form
+        corners = self._corners()
         for first, drawn in zip(range(0, MAPS, GROUP), self._maps, strict=True):
             left, right = shown[:, first : first + GROUP]
             here = np.flatnonzero((left + right) > 0.0)
             if len(here):
                 values: dict[str, Value] = {"left": left, "right": right, "chart": window()}
-                within = self._geometry.rectangle(self._under(here + first))
-                inputs = {"position": position, "place": place, "maps": drawn}
+                within = self._geometry.rectangle(corners[:, here + first].reshape(2, -1))
+                inputs = {"form": form, "place": place, "maps": drawn}
                 self._relief.draw(inputs, values, within=within, added=True)
-        self._bend.target.copy(normal)
-        within = self._geometry.rectangle(self._under(np.flatnonzero(shown.any(axis=0))))
-        inputs = {"position": position, "normal": normal, "relief": relief}
-        bent = self._bend.draw(inputs, {"pixel": self._pixel, "bump": BUMP * self._unit}, within=within)
+        self._bend.target.copy(self._unbent)
+        within = self._geometry.rectangle(corners[:, shown.any(axis=0)].reshape(2, -1))
+        values = {"lens": self._geometry.lens, "pixel": self._pixel, "bump": BUMP * self._unit}
+        bent = self._bend.draw({"form": form, "relief": relief}, values, within=within)
         return relief, bent.textures[0]
 
-    def _under(self, numbers: NDArray[np.intp]) -> Flags:
-        """(v,) which vertices some of the wrinkle maps may reach."""
-        return np.asarray(self._near[numbers].any(axis=0))
+    def _corners(self) -> Floats:
+        """(2, 12, 2) lowest and highest of the screen's coordinates that each map may reach."""
+        points = self._geometry.on_screen.take(self._near, axis=1)
+        ends = (each.reduceat(points, self._first, axis=1) for each in (np.minimum, np.maximum))
+        return np.stack(list(ends), axis=2)
+
+
+def _wrinkled(geometry: Geometry) -> Flags:
+    """(12, v) which vertices belong to a triangle that has something of each wrinkle map."""
+    mesh = geometry.mesh
+    corners = geometry.place[mesh.triangles, :2]
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    whole = (high - low)[:, 0] < ROUND / 2  # not cut by the chart's seam
+    found = np.zeros((MAPS, len(mesh.positions)), dtype=bool)
+    for near, (lowest, highest) in zip(found, reaches(), strict=True):
+        near[mesh.triangles[whole & np.all((low < highest) & (high > lowest), axis=1)]] = True
+    return np.asarray(found & (mesh.parts == PARTS.index("skin")))

@@ -11,39 +11,42 @@ from kinesic.face.presets import Scattering
 
 
 class ScatterPass:
-    """Filters diffuse light in place, along one axis and then along the other."""
+    """Filters diffuse light along one axis and then along the other, and mends the picture where it did."""
 
     def __init__(self, context: moderngl.Context, geometry: Geometry, lit: Target, scattering: Scattering) -> None:
-        self.scattering, self._lit, self._position = scattering, lit, geometry.target.textures[0]
+        self.scattering, self._geometry = scattering, geometry
         self._pixel = [1.0 / side for side in geometry.size]
-        self._marks = Marks(context, "mark_skin", geometry.size)
-        diffuse, uneven = lit.textures
-        self._uneven = Target.of(context, [uneven], None)
-        self._half = Target(context, geometry.size, ("4f4",), self._marks.depth)
-        back = Target.of(context, [diffuse], self._marks.depth)
-        self._across = ScreenPass(context, "scatter", self._half, where="marked")
-        self._up = ScreenPass(context, "scatter", back, where="marked")
+        self._marks = Marks(context, ("mark_skin",), geometry.size)
+        picture, diffuse, colour = lit.textures
+        self._diffuse, self._colour = (Target.of(context, [each], None) for each in (diffuse, colour))
+        half = Target(context, geometry.size, ("4f4",), self._marks.depth)
+        mended = Target.of(context, [picture], self._marks.depth)
+        self._across, self._up = (
+            ScreenPass(context, onto, *fragments, where="marked", defines={"STEPS": scattering.steps, "LAST": last})
+            for fragments, onto, last in ((("scatter",), half, 0), (("compose", "scatter"), mended, 1))
+        )
 
     def clear(self) -> None:
         """Nothing is uneven, before light is drawn."""
-        self._uneven.frame.clear()
+        self._colour.frame.clear()
 
     def draw(self, bent: moderngl.Texture, scale: float) -> None:
         """Lets the light spread.
 
         Args:
-            bent: normals.
+            bent: normals, with depth and part.
             scale: [pixels/m] at the middle of the head.
         """
         told = self.scattering
-        self._marks.draw({"uneven": self._uneven.textures[0]})
-        self._half.copy(self._lit.textures[0])
-        pace = told.width / told.steps
-        values: dict[str, Value] = {"pace": pace, "width": told.width}
-        across, up = (pace * scale * side for side in self._pixel)
-        for each, axis, diffuse in ((self._across, (across, 0.0), self._lit), (self._up, (0.0, up), self._half)):
-            inputs = {"position": self._position, "bent": bent, "diffuse": diffuse.textures[0]}
-            each.draw(inputs, values | {"axis": axis}, {"steps": told.steps})
+        colour = self._colour.textures[0]
+        self._marks.draw({"colour": colour}, within=self._geometry.covered)
+        values: dict[str, Value] = {"width": told.width}
+        across, up = (told.width / told.steps * scale * side for side in self._pixel)
+        half = self._across.target
+        half.copy(self._diffuse)
+        self._across.draw({"bent": bent, "diffuse": self._diffuse.textures[0]}, values | {"axis": (across, 0.0)})
+        inputs = {"bent": bent, "diffuse": half.textures[0], "colour": colour}
+        self._up.draw(inputs, values | {"axis": (0.0, up)})
 
     def marked(self) -> float:
         """Share of the picture that was filtered last."""

@@ -11,9 +11,10 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.face.camera import Camera
-from kinesic.face.geometry import Geometry, Seen
+from kinesic.face.geometry import Geometry
 from kinesic.face.passes import ScreenPass, Target, Value, program, tell
 from kinesic.face.presets import Shadow
+from kinesic.face.seen import Seen
 
 SIDE = 512  # pixels of the map
 REACH = 0.22  # [m] that it covers round the middle of the head, across
@@ -28,26 +29,28 @@ class ShadowPass:
         self.shadow, self._seen = shadow, seen
         reached = Target(context, seen.position.size, ("4f1",), seen.depth)
         reached.textures[0].filter = (moderngl.LINEAR, moderngl.LINEAR)
-        defines = {"COLOURED": int(shadow.coloured)}
-        self._shade = ScreenPass(context, "shade", reached, where=seen.where, defines=defines)
+        defines = {"COLOURED": int(shadow.coloured), "BLOCKERS": shadow.blockers, "TAPS": shadow.taps}
+        self._shade = ScreenPass(context, reached, "shade", where=seen.where, defines=defines)
         solid = program(context, "geometry", "shadow")
         self._solid = _Map(context, [], solid, [geometry.drawn(solid, "skin")])
         self._thin: _Map | None = None
         if shadow.coloured:
             self._tints = Target(context, (SIDE, SIDE), ("4f1",), None).textures
-            tinted = program(context, "geometry", "door", "tint")
+            tinted = program(context, "geometry", "form", "door", "tint")
             self._thin = _Map(context, self._tints, tinted, [geometry.drawn(tinted, each) for each in geometry.thin])
 
-    def draw(self, towards: Floats, camera: Camera) -> Target:
-        """Light of the key at each pixel, 0..1 for each colour.
+    def draw(self, towards: Floats, camera: Camera, around: moderngl.Texture) -> Target:
+        """Light of the key at each pixel, 0..1 for each colour, and how open it is to the light around.
 
         Args:
             towards: (3,) unit vector to the lamp in the camera's frame.
             camera: that the G-buffer was drawn from.
+            around: how open each pixel is, in the first component.
         """
         told, seen = self.shadow, self._seen
         lamp, view = lamp_view(towards, camera.distance), camera.view()
-        inputs = {"position": seen.position, "normal": seen.normal, "depths": self._solid.draw(view, lamp)}
+        inputs = {"position": seen.position, "normal": seen.normal, "open": around}
+        inputs["depths"] = self._solid.draw(view, lamp)
         if self._thin is not None:
             inputs |= {"tint_depths": self._thin.draw(view, lamp), "tints": self._tints[0]}
         values: dict[str, Value] = {
@@ -58,7 +61,7 @@ class ShadowPass:
             "nearest": SHARPEST / (2 * REACH),
         }
         self._shade.clear(1.0, 1.0, 1.0, 1.0)
-        return self._shade.draw(inputs, values, {"blockers": told.blockers, "taps": told.taps})
+        return self._shade.draw(inputs, values)
 
 
 class _Map:

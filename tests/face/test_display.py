@@ -69,5 +69,6 @@ def test_missing_libraries_are_named(monkeypatch: pytest.MonkeyPatch):
     finally:
         opengl.driver.cache_clear()
     assert reason is not None
-    assert reason.startswith("no OpenGL: libabsent.so.1 cannot be loaded")
+    assert reason.startswith("no OpenGL: libabsent.so.1 ")  # and others, where there are none
+    assert "cannot be loaded" in reason
     assert reason.endswith(INSTALL_DRIVER)

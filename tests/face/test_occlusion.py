@@ -10,11 +10,11 @@ import pytest
 from kinesic.body.arrays import Floats
 from kinesic.face.camera import FRONT
 from kinesic.face.display import offscreen
-from kinesic.face.geometry import Seen
 from kinesic.face.occlusion import SIDE, OcclusionPass, directions, radical_inverse, samples, wendland
 from kinesic.face.passes import texture
 from kinesic.face.portrait import Portrait
 from kinesic.face.presets import Estimator, Occlusion, Pattern
+from kinesic.face.seen import Seen, SeenPass
 
 SIZE = 128
 SCALE = 2000.0  # [pixels/m] of the scenes
@@ -58,11 +58,11 @@ def of_face(portrait: Portrait, occlusion: Occlusion) -> tuple[Floats, Floats]:
     """(height, width) openness of a face and where it is."""
     geometry = portrait.pipeline.geometry
     with geometry.context as context:
-        buffer = geometry.draw({"26": 0.6, "12": 0.5}, FRONT)
-        marched = OcclusionPass(context, geometry.seen, occlusion)
+        geometry.draw({"26": 0.6, "12": 0.5}, FRONT)
+        marched = OcclusionPass(context, SeenPass(context, geometry).draw(), occlusion)
         scale = portrait.size[1] / (2 * FRONT.distance * np.tan(np.radians(FRONT.field_deg) / 2))
         found = marched.draw(scale).read()[..., 0]
-        return found, buffer.read(0)[..., 3] > 0.0
+        return found, geometry.parts() > 0
 
 
 def test_separable_costs_four_times_less_at_21():

@@ -20,15 +20,15 @@ def drawn(preset: Preset, camera: Camera = FRONT) -> NDArray[np.int64]:
         return portrait.draw({}, camera).astype(np.int64)
 
 
-def reached(shadow: Shadow, *, eyeshade: bool = False) -> tuple[Floats, Floats]:
-    """(height, width, 3) light of the key 0..1, and (height, width, 4) what is seen."""
+def reached(shadow: Shadow, *, eyeshade: bool = False) -> tuple[Floats, NDArray[np.intp]]:
+    """(height, width, 3) light of the key 0..1, and (height, width) parts that are seen, 1 for skin."""
     preset = replace(SHADED, shadow=shadow, eyeshade=eyeshade)
     with Portrait(size=(256, 256), preset=preset) as portrait:
         portrait.draw({})
         pipeline = portrait.pipeline
         with pipeline.geometry.context:
-            seen = pipeline.geometry.target.read()
-            texture = pipeline.shade(FRONT)
+            seen = pipeline.geometry.parts()
+            texture = pipeline.reach(FRONT)
             light = np.frombuffer(texture.read(), np.uint8).reshape(256, 256, 4)[::-1, :, :3]
             return light / 255.0, seen
 
@@ -70,7 +70,7 @@ def test_a_wider_lamp_has_wider_penumbras(drawable: None):
 def test_a_penumbra_grows_with_the_distance_of_what_casts_it(drawable: None):
     """The edge of the jaw's shadow starts at the jaw, and ends on the other shoulder."""
     light, seen = reached(Shadow(lamp=0.3))
-    below = (seen[..., 3] == 1.0) & (np.arange(256)[:, None] > 196)
+    below = (seen == 1) & (np.arange(256)[:, None] > 196)
     partly = ((light[..., 0] > 0.1) & (light[..., 0] < 0.9) & below).sum(axis=0)
     at_the_jaw, far_from_it = partly[102:109], partly[125:140]
     assert at_the_jaw.min() > 0
@@ -81,7 +81,7 @@ def test_light_through_an_eyeshade_takes_on_its_colour(drawable: None):
     plain, _ = reached(Shadow())
     uncoloured, seen = reached(Shadow(), eyeshade=True)
     coloured, _ = reached(Shadow(coloured=True), eyeshade=True)
-    skin = seen[..., 3] == 1.0
+    skin = seen == 1
     np.testing.assert_allclose(uncoloured[skin], plain[skin], atol=1 / 255)  # what lets light through has its own map
     red, green, blue = coloured[skin].T
     tinted = green - red > 0.1
@@ -99,5 +99,5 @@ def test_lashes_cast_a_faint_shadow(drawable: None):
     plain, seen = reached(Shadow())
     coloured, _ = reached(Shadow(coloured=True))
     darker = (plain - coloured).max(axis=2) > 0.02
-    assert 0 < darker.sum() < 0.05 * (seen[..., 3] > 0).sum()
+    assert 0 < darker.sum() < 0.05 * (seen > 0).sum()
     assert (coloured - plain).max() <= 1 / 255

@@ -36,18 +36,19 @@ class Bent:
     def covered(self, camera: Camera) -> Floats:
         """(height, width) 1 on the head."""
         with self.context():
-            return np.sign(self.pipeline.geometry.draw({}, camera).read(0)[..., 3])
+            self.pipeline.geometry.draw({}, camera)
+            return np.sign(self.pipeline.geometry.parts())
 
     def flat(self, camera: Camera = FRONT) -> Floats:
         """(height, width, 3) of the G-buffer."""
         with self.context():
-            return self.pipeline.geometry.draw({}, camera).read(1)[..., :3] * self.covered(camera)[..., None]
+            return self.pipeline.geometry.draw({}, camera).read()[..., :3] * self.covered(camera)[..., None]
 
     def places(self, camera: Camera = FRONT) -> tuple[Floats, NDArray[np.intp]]:
         """(height, width, 4) places in the chart, and (height, width) parts, 0 for none and 1 for skin."""
         with self.context():
             buffer = self.pipeline.geometry.draw({}, camera)
-            return buffer.read(2), np.rint(buffer.read(0)[..., 3]).astype(np.intp)
+            return buffer.read(1), self.pipeline.geometry.parts()
 
     def context(self):
         return self.pipeline.geometry.context
@@ -150,16 +151,27 @@ def test_the_back_of_the_head_has_no_wrinkles_from_any_side(bent: Bent, yaw: flo
     camera = Camera(yaw_deg=yaw)
     everything = {str(unit): 1.0 for unit in UNITS}
     changed = np.any(bent.normals(everything, camera) != bent.normals({}, camera), axis=2)
+    geometry, view, mesh = bent.pipeline.geometry, camera.view(), bent.pipeline.geometry.mesh
     with bent.context():
-        seen = bent.pipeline.geometry.draw({}, camera).read(0)
-    view = camera.view()
-    in_head = (seen[..., :3] - view[:3, 3]) @ view[:3, :3]
-    mesh = bent.pipeline.geometry.mesh
-    behind = (seen[..., 3] > 0) & (in_head[..., 0] / (mesh.eyes[0, 1] - mesh.eyes[1, 1]) < BACK - 0.05)
+        geometry.draw({}, camera)
+        seen, positions = geometry.parts() > 0, geometry.positions()
+    in_head = (positions - view[:3, 3]) @ view[:3, :3]
+    behind = seen & (in_head[..., 0] / (mesh.eyes[0, 1] - mesh.eyes[1, 1]) < BACK - 0.05)
     assert behind.sum() > 500 or abs(yaw) < 45
     assert not changed[behind].any()
     if yaw == 180.0:
         assert not changed.any()
+
+
+@pytest.mark.parametrize("yaw", VIEWS)
+def test_nothing_of_a_wrinkle_lies_outside_the_rectangle_that_is_drawn(
+    bent: Bent, yaw: float, monkeypatch: pytest.MonkeyPatch
+):
+    camera, everything = Camera(yaw_deg=yaw), {str(unit): 1.0 for unit in UNITS}
+    found = bent.normals(everything, camera)
+    geometry = bent.pipeline.geometry
+    monkeypatch.setattr(geometry, "rectangle", lambda _: (0, 0, *geometry.size))
+    np.testing.assert_allclose(found, bent.normals(everything, camera), atol=1e-4)
 
 
 def test_wrinkles_do_not_depend_on_how_far_the_camera_is(bent: Bent):

@@ -60,4 +60,5 @@ def _covered(portrait: Portrait, units: dict[str, float], camera: Camera) -> flo
     """Share of the picture that the head covers."""
     geometry = portrait.pipeline.geometry
     with geometry.context:
-        return float((geometry.draw(units, camera).read()[..., 3] > 0.0).mean())
+        geometry.draw(units, camera)
+        return float((geometry.parts() > 0).mean())

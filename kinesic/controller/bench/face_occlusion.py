@@ -14,11 +14,11 @@ from scipy.ndimage import maximum_filter
 from kinesic.body.arrays import Flags, Floats
 from kinesic.controller.bench.lab import difference
 from kinesic.face.camera import FRONT
-from kinesic.face.geometry import Seen
 from kinesic.face.occlusion import OcclusionPass, samples
 from kinesic.face.passes import texture
 from kinesic.face.portrait import Portrait
 from kinesic.face.presets import NORMAL, Estimator, Occlusion, Pattern
+from kinesic.face.seen import Seen, SeenPass
 
 TABLE_SIZE = (1024, 768)  # pixels; the thesis has 50 000 triangles, the finer head has 41 000
 REPETITIONS = 5
@@ -38,12 +38,13 @@ def occlusion(sizes: Sequence[int]) -> dict[str, float]:
     with Portrait(preset=replace(NORMAL, subdivided=True), size=TABLE_SIZE) as portrait:
         geometry = portrait.pipeline.geometry
         with geometry.context as context:
-            head = geometry.draw(UNITS, FRONT).read()[..., 3] > 0.0
+            geometry.draw(UNITS, FRONT)
+            head, seen = geometry.parts() > 0, SeenPass(context, geometry).draw()
             scale = TABLE_SIZE[1] / (2 * FRONT.distance * np.tan(np.radians(FRONT.field_deg) / 2))
             for estimator in get_args(Estimator):
                 for size in sizes:
                     told = Occlusion(size=size, estimator=estimator)
-                    found |= _compared(context, geometry.seen, told, scale, head)
+                    found |= _compared(context, seen, told, scale, head)
             found |= _on_boxes(context)
     return found | _on_the_picture()
 
@@ -125,7 +126,7 @@ def _on_the_picture() -> dict[str, float]:
         with Portrait(preset=preset) as portrait:
             pictures.append(portrait.draw(UNITS))
             with portrait.pipeline.geometry.context:
-                head = portrait.pipeline.geometry.target.read()[..., 3] > 0.0
+                head = portrait.pipeline.geometry.parts() > 0
     apart = difference(*pictures)[maximum_filter(head, 3)]
     return {
         "face.occlusion.lab_mean": float(apart.mean()),

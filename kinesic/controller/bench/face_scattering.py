@@ -45,7 +45,7 @@ def _drawn(told: Scattering | None) -> tuple[Pixels, float, Flags]:
     with Portrait(preset=_preset(told)) as portrait:
         pixels, pipeline = portrait.draw(UNITS), portrait.pipeline
         with pipeline.geometry.context:
-            skin = pipeline.geometry.target.read()[..., 3] == 1.0
+            skin = pipeline.geometry.parts() == 1
             return pixels, pipeline.scatter.marked() if pipeline.scatter else 0.0, skin
 
 

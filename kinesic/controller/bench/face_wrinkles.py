@@ -28,7 +28,8 @@ class _Head:
     def normals(self, units: dict[str, float], camera: Camera = FRONT) -> Floats:
         """(height, width, 3), 0 off the head."""
         with self._pipeline.geometry.context:
-            seen = self._pipeline.geometry.draw({}, camera).read()[..., 3:] > 0.0
+            self._pipeline.geometry.draw({}, camera)
+            seen = self._pipeline.geometry.parts()[..., None] > 0
             _, bent = self._pipeline.relief.draw(shares(intensities(units)))
             width, height = bent.size
             pixels = np.frombuffer(bent.read(), np.float32).reshape(height, width, 4)[::-1, :, :3]
@@ -37,17 +38,17 @@ class _Head:
     def changed_behind(self, units: dict[str, float], camera: Camera) -> int:
         """How many pixels of the back of the head wrinkles change."""
         changed = np.any(self.normals(units, camera) != self.normals({}, camera), axis=2)
-        mesh = self._pipeline.geometry.mesh
-        with self._pipeline.geometry.context:
-            seen = self._pipeline.geometry.draw({}, camera).read()
-        view = camera.view()
-        forward = (seen[..., :3] - view[:3, 3]) @ view[:3, 0] / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
-        return int(changed[(seen[..., 3] > 0.0) & (forward < BEHIND)].sum())
+        geometry, mesh, view = self._pipeline.geometry, self._pipeline.geometry.mesh, camera.view()
+        with geometry.context:
+            geometry.draw({}, camera)
+            seen, positions = geometry.parts() > 0, geometry.positions()
+        forward = (positions - view[:3, 3]) @ view[:3, 0] / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
+        return int(changed[seen & (forward < BEHIND)].sum())
 
     def support(self, numbers: tuple[int, ...]) -> Flags:
         """(height, width) where some maps have height, and a little round it."""
         with self._pipeline.geometry.context:
-            place = self._pipeline.geometry.draw({}, FRONT).read(2)
+            place = self._pipeline.geometry.draw({}, FRONT).read(1)
         drawn = binary_dilation(np.any(maps()[list(numbers)] != 0.0, axis=0), iterations=MARGIN)
         scale, offset = np.array(window()).reshape(2, 2)
         column, row = np.moveaxis(np.clip((place[..., :2] * scale + offset) * len(drawn), 0, len(drawn) - 1), -1, 0)

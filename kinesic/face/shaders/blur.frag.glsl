@@ -1,9 +1,9 @@
-// Takes the pattern out of the occlusion, along one axis, without crossing edges.
+// Takes the pattern, SIDE pixels wide, out of the occlusion, along one axis, without crossing edges.
 uniform sampler2D noisy;
 uniform vec2 axis;  // of a step, in texture coordinates
-uniform int side;   // pixels of the pattern
 
 const float EDGE = 0.006;  // [m]
+const int REACH = SIDE / 2;
 
 in vec2 uv;
 
@@ -15,10 +15,9 @@ void main() {
     vec4 at = textureLod(noisy, uv, 0.0);
     vec3 n = vec3(at.zw, up(at.zw));
     float sum = 0.0, weights = 1e-6;
-    int reach = at.y < 0.0 ? side / 2 : -1;
-    for (int k = -reach; k <= reach; ++k) {
+    for (int k = -REACH; k <= REACH; ++k) {
         vec4 other = textureLod(noisy, uv + float(k) * axis, 0.0);
-        float weight = abs(k) == reach ? 0.5 : 1.0;  // together as wide as the pattern
+        float weight = abs(k) == REACH ? 0.5 : 1.0;  // together as wide as the pattern
         weight *= max(1.0 - abs(other.y - at.y) / EDGE, 0.0) * max(dot(n, vec3(other.zw, up(other.zw))), 0.0);
         sum += weight * other.x;
         weights += weight;

@@ -7,18 +7,16 @@ in vec3 normal;
 in vec4 place;     // skin: chart a and y, front mask, height over the hairline; eyes: direction at rest
 in vec2 matter;    // part; of a lash nearness to the tip, of a film its share
 
-out vec3 seen;     // [m] in the frame of the camera
 out vec3 facing;
 out vec4 placed;
-flat out float part;
+flat out float kind;
 out float detail;
 
 void main() {
     vec4 at = view * vec4(position, 1.0);
-    seen = at.xyz;
     facing = mat3(view) * normal;
     placed = place;
-    part = matter.x;
+    kind = matter.x;
     detail = matter.y;
     gl_Position = projection * at;
 }

@@ -1,15 +1,13 @@
 // Marks where brightness changes between neighbours.
 uniform sampler2D picture;
+uniform vec2 pixel;  // in texture coordinates
 
-const vec3 BRIGHT = vec3(0.299, 0.587, 0.114);
+in vec2 uv;
 
-float bright(ivec2 at) { return dot(texelFetch(picture, at, 0).rgb, BRIGHT); }
+float bright(float x, float y) { return textureLod(picture, uv + vec2(x, y) * pixel, 0.0).a; }
 
 void main() {
-    ivec2 here = ivec2(gl_FragCoord.xy), last = textureSize(picture, 0) - 1;
-    ivec2 before = max(here - 1, ivec2(0)), after = min(here + 1, last);
-    float nw = bright(ivec2(before.x, after.y)), ne = bright(after);
-    float sw = bright(before), se = bright(ivec2(after.x, before.y)), own = bright(here);
+    float nw = bright(-1.0, 1.0), ne = bright(1.0, 1.0), sw = bright(-1.0, -1.0), se = bright(1.0, -1.0), own = bright(0.0, 0.0);
     float low = min(own, min(min(nw, ne), min(sw, se))), high = max(own, max(max(nw, ne), max(sw, se)));
     if (high - low <= max(0.04, 0.125 * high)) discard;
 }

@@ -1,11 +1,9 @@
 // Ambient occlusion (thesis chapter 3): how much of the light around reaches each pixel, judged by marching over the
 // G-buffer. Exact: along every direction. Separable: along two at right angles that turn from pixel to pixel.
+// SIDE pixels has the pattern along an axis; DIRECTIONS are marched, each both ways, with STEPS on each half.
 uniform sampler2D position;
 uniform sampler2D normal;
 uniform sampler2D pattern;  // cosine and sine of the first direction, interleaved over the screen
-uniform int side;           // pixels of the pattern along an axis
-uniform int directions;     // marched, each both ways
-uniform int steps;          // along each half of a direction
 uniform vec2 turn;          // cosine and sine of the angle between directions
 uniform float stride;       // [pixels] of a step
 uniform vec2 pixel;         // in texture coordinates
@@ -43,14 +41,13 @@ float occluded(vec3 p, vec3 n, vec4 at) {
 void main() {
     vec4 at = textureLod(position, uv, 0.0);
     vec3 p = at.xyz;
-    int marched = at.w > 0.0 ? directions : 0;
     vec3 n = textureLod(normal, uv, 0.0).xyz;
-    vec2 way = texelFetch(pattern, ivec2(gl_FragCoord.xy) % side, 0).rg;
+    vec2 way = texelFetch(pattern, ivec2(gl_FragCoord.xy) % SIDE, 0).rg;
     float sum = 0.0;
-    for (int direction = 0; direction < marched; ++direction) {
+    for (int direction = 0; direction < DIRECTIONS; ++direction) {
         for (int sign = -1; sign <= 1; sign += 2) {
             float blocked = 0.0;
-            for (int k = 1; k <= steps; ++k) {
+            for (int k = 1; k <= STEPS; ++k) {
                 vec2 there = uv + way * (float(sign * k) * stride) * pixel;
                 float taken = occluded(p, n, textureLod(position, there, 0.0));
 #if ESTIMATOR == 3
@@ -63,6 +60,6 @@ void main() {
         }
         way = vec2(turn.x * way.x - turn.y * way.y, turn.y * way.x + turn.x * way.y);
     }
-    float open = clamp(1.0 - strength * sum / float(2 * directions), 0.0, 1.0);
+    float open = clamp(1.0 - strength * sum / float(2 * DIRECTIONS), 0.0, 1.0);
     found = at.w > 0.0 ? vec4(open, at.z - APART * at.w, n.xy) : vec4(1.0, vec3(0.0));
 }

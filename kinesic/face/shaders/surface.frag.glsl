@@ -1,26 +1,20 @@
 // The colour of each pixel: skin and hair as they are painted in the chart, everything else as it was drawn.
-uniform sampler2D position;
 uniform sampler2D place;
-uniform sampler2D relief;
 uniform sampler2D skin;  // square root of the colour, painted in the chart; how dry it is
 uniform vec4 chart;      // maps place to texture: scale, then offset
 uniform vec3 hair;       // colour
 uniform float level;     // of detail of the painting, whose pixels are about as large as the screen's
 
-const float SKIN = 1.0;
 const vec3 GUMS = vec3(0.11, 0.028, 0.025);
 const float LOCK = 3.0;  // strands
 const vec2 STRANDS = vec2(150.0, 9.0);  // per unit of the chart
-
-in vec2 uv;
-
-out vec4 colour;  // square root of the linear; how much it shines
 
 float noise(vec2 p) {
     return fract(52.9829189 * fract(dot(floor(p), vec2(0.06711056, 0.00583715))));
 }
 
-void main() {
+// Square root of the linear colour; how much it shines.
+vec4 surface(vec2 uv, bool is_skin, float height) {
     vec4 where = textureLod(place, uv, 0.0);
     vec4 painted = textureLod(skin, where.xy * chart.xy + chart.zw, level);
     vec2 comb = vec2(where.x * STRANDS.x + 6.0 * where.y, where.y * STRANDS.y);
@@ -30,7 +24,7 @@ void main() {
     float head = smoothstep(-0.06, 0.12, where.w + 0.09 * (strand - 0.5));
     vec3 base = mix(painted.rgb * painted.rgb, hair * (0.6 + 0.8 * strand), head);
     base = mix(base, GUMS, clamp(-where.z, 0.0, 1.0));
-    base *= 1.0 + 0.18 * min(textureLod(relief, uv, 0.0).r, 0.0);
+    base *= 1.0 + 0.18 * min(height, 0.0);
     vec4 skinned = vec4(sqrt(base), mix(mix(0.75, 0.30, painted.a), 0.35, head));
-    colour = textureLod(position, uv, 0.0).w == SKIN ? skinned : where;
+    return is_skin ? skinned : where;
 }

@@ -1,14 +1,13 @@
 // What the key's light takes on where it shines through, as the lamp sees it.
 in vec4 placed;
-flat in float part;
+flat in float kind;
 in float detail;
 
-const float LASHES = 4.0;
 const vec3 LASH = vec3(0.10, 0.06, 0.05);
 
 out vec4 tint;
 
 void main() {
-    if (hole(part == LASHES ? 0.7 * (1.0 - detail) : detail)) discard;
-    tint = vec4(part == LASHES ? LASH : placed.rgb * placed.rgb, 1.0);
+    if (hole(kind == LASHES ? 0.7 * (1.0 - detail) : detail)) discard;
+    tint = vec4(kind == LASHES ? LASH : placed.rgb * placed.rgb, 1.0);
 }
