@@ -113,9 +113,10 @@ class Live:
 
     @cached_property
     def performed(self) -> float:
-        """Share of the plan that was performed."""
+        """Share of the plan that was performed, whether every servo was heard or not."""
         end = self.performance.reference.times[-1]
-        return float(self.times[-1] / end) if len(self.times) and end > 0.0 else 0.0
+        reached = max((told.time for told in self.history if np.isfinite(told.time)), default=0.0)
+        return float(reached / end) if end > 0.0 else 0.0
 
     @cached_property
     def lags(self) -> dict[SyncTime, float | None]:

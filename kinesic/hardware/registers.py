@@ -6,6 +6,7 @@ between models (figures, missing registers, indirect cells) is in `models`.
 
 from dataclasses import dataclass
 from enum import Enum
+from functools import cached_property
 from math import pi
 
 from kinesic.body.servo import DUTY_FULL, TICKS_PER_TURN
@@ -39,7 +40,7 @@ class Field:
     scale: float = 1.0  # units per count
     firmware: int = 0  # the first that has it, in the larger families
 
-    @property
+    @cached_property
     def end(self) -> int:
         """The first address behind it."""
         return self.address + self.size
@@ -81,6 +82,11 @@ class Register(Enum):
     """Every register of the series but the indirect cells."""
 
     __hash__ = object.__hash__  # members are unique, and Enum's own hash is Python
+    field: Field
+    """Where it stands and what it holds."""
+
+    def __init__(self, field: Field) -> None:
+        self.field = field  # asked for at every access, where Enum's `value` is slow
 
     MODEL_NUMBER = _read_only(0, 2)
     MODEL_INFORMATION = _read_only(2, 4)
@@ -143,11 +149,6 @@ class Register(Enum):
     EXTERNAL_PORT_DATA_1 = Field(152, 2, upper=4095)
     EXTERNAL_PORT_DATA_2 = Field(154, 2, upper=4095)
     EXTERNAL_PORT_DATA_3 = Field(156, 2, upper=4095)
-
-    @property
-    def field(self) -> Field:
-        """Where it stands and what it holds."""
-        return self.value
 
 
 class HardwareError(Enum):

@@ -254,7 +254,7 @@ def test_an_adapter_slower_than_the_period_makes_records_old_and_nothing_worse(r
 def test_a_wire_that_is_busy_for_four_fifths_of_the_time_leaves_enough_to_ask_again(rig: Make, kind: str):
     made = rig(26, period=0.0108, faults=plan(kind, rate=0.01, start=0.2))
     made.energise()
-    cycles = made.run(200, np.full(26, MID))
+    cycles = made.run(120, np.full(26, MID))
     assert fresh_share(cycles) >= 0.999
     assert np.quantile([cycle.duration for cycle in cycles], 0.99) < made.bus.period
 

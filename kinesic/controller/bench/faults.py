@@ -4,6 +4,7 @@ Everything is in virtual time: the figures are those of wire, servos and driver,
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -13,7 +14,7 @@ from kinesic.hardware.virtual import lerobot
 from kinesic.hardware.virtual.drivers import KinesicDriver, SdkDriver
 from kinesic.hardware.virtual.lerobot import LerobotDriver
 from kinesic.hardware.virtual.matrix import PERIOD, Case, Opens, Result, cases, matrix, trial
-from kinesic.hardware.virtual.matrix_table import text
+from kinesic.hardware.virtual.matrix_table import record, text
 
 SERVOS, BAUD, SEEDS = 14, 1_000_000, (0, 1, 2)
 SIZES, BAUDS = (7, 14, 26), (57_600, 1_000_000, 4_000_000)  # of the whole matrix
@@ -60,13 +61,26 @@ def _word(name: str) -> str:
     return name.replace(" x ", "_").replace(" ", "_").replace("%", "")
 
 
-def tables(
+@dataclass(frozen=True, eq=False)
+class Fared:
+    """How one driver fared in the whole matrix."""
+
+    driver: str
+    why: str  # it was not tried; empty where it was
+    results: Sequence[Result]
+
+    def __str__(self) -> str:
+        return f"{self.driver}\n\n{f'null: {self.why}' if self.why else text(self.results)}\n"
+
+    def record(self) -> dict[str, object]:
+        """For a machine to read."""
+        return {"driver": self.driver, "why": self.why, "trials": [record(result) for result in self.results]}
+
+
+def compared(
     *, sizes: Sequence[int] = SIZES, bauds: Sequence[int] = BAUDS, seeds: Sequence[int] = SEEDS
-) -> Iterator[str]:
-    """The whole matrix, a table for each driver, or why there is none; it takes many minutes."""
+) -> Iterator[Fared]:
+    """The whole matrix for every driver that is installed; it takes many minutes."""
     for name, opens in DRIVERS.items():
         why = MISSING.get(name, str)()
-        if why:
-            yield f"{name}\n\nnull: {why}\n"
-            continue
-        yield f"{name}\n\n{text(list(matrix(opens, sizes=sizes, bauds=bauds, seeds=seeds)))}\n"
+        yield Fared(name, why, [] if why else list(matrix(opens, sizes=sizes, bauds=bauds, seeds=seeds)))

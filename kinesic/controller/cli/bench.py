@@ -25,14 +25,17 @@ PARTS: Mapping[str, Callable[[], list[Figure]]] = {
 
 @click.command()
 @click.argument("part", type=click.Choice([*PARTS, "all"]))
-@click.option("--matrix", is_flag=True, help="Of bus: prints the whole fault matrix instead, for every driver.")
+@click.option("--matrix", is_flag=True, help="Of bus: the whole fault matrix instead, for every driver.")
 @click.option("--json", "as_json", is_flag=True, help="Prints a list of figures as JSON.")
 @click.option("--plots", type=click.Path(file_okay=False, path_type=Path), help="Draws into this folder, too.")
 def bench(part: str, matrix: bool, as_json: bool, plots: Path | None) -> int:
     """Measures PART; timings are medians in a warm process."""
     if matrix:
-        for lines in faults.tables():
-            click.echo(lines)
+        if as_json:
+            click.echo(json.dumps([fared.record() for fared in faults.compared()], indent=1))
+            return 0
+        for fared in faults.compared():
+            click.echo(fared)
         return 0
     names = list(PARTS) if part == "all" else [part]
     figures = [figure for name in names for figure in PARTS[name]()]

@@ -66,7 +66,8 @@ class Supervisor:
         self._last: Snapshot | None = None
         self._since = self._clock = 0.0  # [s] in this stage; of the last cycle
         self._failures = self._halted = 0
-        self._limited = self._alone = False  # whether goals were cut, and the planner is gone, in the last cycle
+        # whether, in the last cycle, goals were cut, the planner was gone, and no command was to follow those taken
+        self._limited = self._alone = self._ended = False
 
     @property
     def done(self) -> bool:
@@ -87,6 +88,7 @@ class Supervisor:
         seconds = min(max(now - self._clock, LEAST), 2 * self._settings.period)
         self._clock = now
         self._alone = not self._planner()
+        self._ended = bool(self._channel.word("ended"))  # asked before commands are taken, as it is said after them
         most = TAKEN if self._steering.player.left < AHEAD else 0
         for time, goals in self._channel.commands(most):
             if not self._steering.player.take(time, goals):
@@ -140,12 +142,12 @@ class Supervisor:
     @property
     def _gone(self) -> bool:
         """Whether the planner has left without a word."""
-        return self._alone and not self._channel.word("ended")
+        return self._alone and not self._ended
 
     def _facts(self) -> Facts:
         player, watch, stage = self._steering.player, self._watch, self.state.stage
         lasted, estop = self._clock - self._since, self._channel.word("estop")
-        gone, ended = self._gone, bool(self._channel.word("ended"))
+        gone, ended = self._gone, self._ended
         resting = stage is Stage.HOLD and lasted > self._settings.patience
         alone = self.state.stopped and self._alone  # nobody can release it any more
         vain = alone or resting or (not watch.answering and lasted > self._settings.patience)

@@ -52,6 +52,7 @@ class Result:
     servos: int
     baud: int
     seed: int
+    period: float  # [s]
     refused: str = ""  # why it would not drive these servos
     exceptions: int = 0
     wrong: int = 0  # positions given as true that never were
@@ -115,7 +116,7 @@ def trial(case: Case, opens: Opens, *, servos: int, baud: int, seed: int, cycles
     try:
         driver = opens(wire, [Servo(fitting.servo, MODELS[MODEL]) for fitting in fittings], period)
     except BusError as error:
-        return Result(case.name, servos, baud, seed, refused=str(error).splitlines()[0])
+        return Result(case.name, servos, baud, seed, period, refused=str(error).splitlines()[0])
     bus.advance(wire.now())
     for servo in plant.servos:
         servo.write(Register.TORQUE_ENABLE.field.address, b"\1")
@@ -176,6 +177,7 @@ class _Watch:
             servos=len(starts),
             baud=baud,
             seed=seed,
+            period=self._period,
             exceptions=exceptions,
             wrong=wrong,
             fresh=(prompt + later) / max(able, 1),

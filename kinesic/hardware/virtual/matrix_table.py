@@ -1,4 +1,4 @@
-"""The table of the fault matrix."""
+"""The fault matrix as a table, and as records."""
 
 from collections.abc import Sequence
 
@@ -48,6 +48,25 @@ def _row(name: str, servos: int, baud: int, group: Sequence[Result]) -> tuple[st
         *(f"{1000 * figure:.2f}" for figure in figures),
         f"{1000 * max(told):.1f}" if told else "",
     )
+
+
+def record(result: Result) -> dict[str, str | float | None]:
+    """One trial for a machine to read: shares from 0 to 1, times in seconds."""
+    return {
+        "case": result.case,
+        "servos": result.servos,
+        "baud": result.baud,
+        "seed": result.seed,
+        "period_s": result.period,
+        "refused": result.refused,
+        "exceptions": result.exceptions,
+        "wrong": result.wrong,
+        "fresh": result.fresh,
+        "prompt": result.prompt,
+        "oldest_s": result.oldest,
+        "p99_s": result.duration(99),
+        "told_s": result.told,
+    }
 
 
 def text(results: Sequence[Result]) -> str:

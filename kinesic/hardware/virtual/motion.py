@@ -97,10 +97,11 @@ class Motion:
 
     def show(self, shaft: Shaft, time: float) -> None:
         """Writes what the sensors feel into the registers."""
-        memory, sign = self._memory, self._sign
+        memory, sign, offset = self._memory, self._sign, self._offset
+        turns = TICKS_PER_TURN * self._turns
         place, pace = self._profile.at(time - self._since)
         ongoing = time - self._since < self._profile.duration
-        here, way = round(self.ticks(shaft.angle)), round(self.ticks(place))
+        here, way = (round(sign * angle / TICK + offset - turns) for angle in (shaft.angle, place))
         speed = round(sign * shaft.speed / SPEED)
         status = _FORMS[self._profile.form] if ongoing else 0
         if memory[Register.OPERATING_MODE] in ANGLE_MODES:

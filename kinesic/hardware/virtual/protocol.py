@@ -58,6 +58,8 @@ def _plain(servo: int, instruction: int, parameters: bytes, servos: Servos) -> I
 
 def _mixed(one: bytes, other: bytes) -> bytes:
     """Two servos talking at once: a low level wins."""
+    if not one:
+        return other
     return bytes(a & b for a, b in zip_longest(one, other, fillvalue=0xFF))
 
 

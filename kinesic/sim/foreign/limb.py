@@ -60,7 +60,7 @@ def common_point(anchors: Floats, axes: Floats, near: Floats, pull: float = 1e-3
 
 def distances(point: Floats, anchors: Floats, axes: Floats) -> Floats:
     """(k,) [m] from a point to each line."""
-    found: Floats = np.linalg.norm(np.cross(point - anchors, axes), axis=1)
+    found: Floats = np.linalg.norm(_cross(point - anchors, axes), axis=1)
     return found
 
 
@@ -71,11 +71,11 @@ def foot(point: Floats, anchor: Floats, axis: Floats) -> Floats:
 
 def nearest_to_line(anchor: Floats, axis: Floats, other: Floats, direction: Floats) -> Floats:
     """(3,) [m] the point of a line that is nearest to another line; to its anchor where they are parallel."""
-    across = np.cross(axis, direction)
+    across = _cross(axis, direction)
     size = float(across @ across)
     if size < 1e-6:
         return foot(other, anchor, axis)
-    along = float(np.cross(other - anchor, direction) @ across) / size
+    along = float(_cross(other - anchor, direction) @ across) / size
     return sealed(anchor + along * axis)
 
 
@@ -83,3 +83,9 @@ def unit(vector: Floats) -> Floats:
     """The vector in length 1; zero stays zero."""
     length = float(np.linalg.norm(vector))
     return vector / length if length > 0 else vector
+
+
+def _cross(one: Floats, other: Floats) -> Floats:
+    """(3,) or (k, 3) as `np.cross`, which spends ten times as long on choosing axes."""
+    (a, b, c), (d, e, f) = one.T, other.T
+    return np.array([b * f - c * e, c * d - a * f, a * e - b * d]).T

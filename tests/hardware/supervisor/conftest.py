@@ -92,7 +92,8 @@ class Desk:
         due = supervisor.now() + self.settings.period
         supervisor.step()
         came = (self.true(Register.TORQUE_ENABLE) != 0) & (torque == 0)
-        self.jumps += np.abs(self.true(Register.GOAL_POSITION) - self.here)[came].tolist()
+        if came.any():
+            self.jumps += np.abs(self.true(Register.GOAL_POSITION) - self.here)[came].tolist()
         supervisor.sleep(due)
         self.pass_time(0.0)
 

@@ -39,6 +39,24 @@ def test_what_is_set_already_is_not_written_again(desk: Make):
     assert not any(line.startswith("configured") for line in made.kinds()[before:])
 
 
+def test_a_planner_that_says_all_at_once_within_a_cycle_is_performed(desk: Make, monkeypatch: pytest.MonkeyPatch):
+    made = desk()
+    made.open()
+    commands = made.channel.commands
+
+    def then_all_is_said(most: int) -> object:
+        found = commands(most)
+        made.perform(1.0)
+        made.channel.set("ended", 1)
+        monkeypatch.undo()
+        return found
+
+    monkeypatch.setattr(made.channel, "commands", then_all_is_said)
+    made.until(Stage.ACTIVE)
+    made.until(Stage.CLOSED)
+    assert made.status.time == pytest.approx(1.0, abs=PERIOD)
+
+
 def test_a_performance_is_followed_and_ends_at_rest_and_limp(desk: Make):
     made = desk()
     made.open()

@@ -9,9 +9,7 @@ from kinesic.body.servo import Drive, ServoModel
 from kinesic.sim.foreign.servos import servo
 from kinesic.sim.foreign.tree import BASE, Joint
 
-UNKNOWN = Joint(
-    "j", BASE, np.zeros(3), np.array([0.0, 0, 1]), 0.0, None, None, None, None, None, None, None, None
-)  # fmt: skip
+UNKNOWN = Joint("j", BASE, np.zeros(3), np.array([0.0, 0, 1]), 0.0, None, None, None, None, None, None, None, None)
 
 
 def drive(table):

@@ -44,15 +44,40 @@ class Record:
         return float(np.diff(times).max())
 
 
-class Rig:
-    """Virtual servos in a process of their own."""
+class Table:
+    """Virtual servos in a process of their own, for one test after another until one leaves them out of order."""
 
     def __init__(self, robot: Robot, folder: Path) -> None:
-        self.robot, self.folder, self.log = robot, folder, folder / "events.jsonl"
-        self._process = subprocess.Popen(
-            [sys.executable, str(HERE / "served.py"), str(robot.path), str(folder)], stdin=subprocess.PIPE
-        )
-        self.wait(lambda: all((folder / name).exists() for name in BUSES))
+        self.folder, self.in_order = folder, True
+        command = [sys.executable, str(HERE / "served.py"), str(robot.path), str(folder)]
+        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        Rig.wait(lambda: all((folder / name).exists() for name in BUSES))
+
+    def tell(self, line: str) -> None:
+        assert self._process.stdin is not None
+        self._process.stdin.write(line.encode() + b"\n")
+        self._process.stdin.flush()
+
+    def record(self, since: float) -> Record:
+        """From a time [s] until now."""
+        assert self._process.stdout is not None
+        self.tell("show")
+        assert self._process.stdout.readline() == b"shown\n"
+        rows = np.loadtxt(self.folder / "record")
+        rows = rows[rows[:, 0] >= since]
+        shown = rows[:, 3:].reshape(len(rows), 5, 4)
+        return Record(rows[:, 0], rows[:, 1:3], shown[:, :, 0], shown[:, :, 1], shown[:, :, 2], shown[:, :, 3])
+
+    def close(self) -> None:
+        self._process.communicate(timeout=PATIENCE)
+
+
+class Rig:
+    """What a test does with the servos on a table, and what it learns of them."""
+
+    def __init__(self, robot: Robot, table: Table, folder: Path) -> None:
+        self.robot, self.folder, self.log = robot, table.folder, folder / "events.jsonl"
+        self._table, self._began = table, time.monotonic()
 
     @staticmethod
     def wait(until: Callable[[], object]) -> None:
@@ -101,18 +126,12 @@ class Rig:
         return process
 
     def strike(self, line: str) -> None:
-        assert self._process.stdin is not None
-        self._process.stdin.write(line.encode() + b"\n")
-        self._process.stdin.flush()
+        self._table.in_order = self._table.in_order and not line.startswith("alert")  # which only a reboot ends
+        self._table.tell(line)
 
-    def end(self) -> Record:
-        """Ends the servos."""
-        if self._process.stdin is not None and not self._process.stdin.closed:
-            self._process.stdin.close()
-            self._process.wait(PATIENCE)
-        rows = np.loadtxt(self.folder / "record")
-        shown = rows[:, 3:].reshape(len(rows), 5, 4)
-        return Record(rows[:, 0], rows[:, 1:3], shown[:, :, 0], shown[:, :, 1], shown[:, :, 2], shown[:, :, 3])
+    def record(self) -> Record:
+        """What the servos have done in this test."""
+        return self._table.record(self._began)
 
     def events(self) -> list[tuple[float, str, str]]:
         lines = [json.loads(line) for line in self.log.read_text().splitlines()]
@@ -126,8 +145,26 @@ class Rig:
         return None
 
 
+@pytest.fixture(scope="session")
+def tables(robot: Robot, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[[], Table]]:
+    """The table of the test before, or a new one."""
+    made: list[Table] = []
+
+    def table() -> Table:
+        if made and not made[-1].in_order:
+            made.pop().close()
+        if not made:
+            made.append(Table(robot, tmp_path_factory.mktemp("table")))
+        return made[-1]
+
+    yield table
+    for each in made:
+        each.close()
+
+
 @pytest.fixture
-def rig(robot: Robot, tmp_path: Path) -> Iterator[Rig]:
-    made = Rig(robot, tmp_path)
+def rig(robot: Robot, tables: Callable[[], Table], tmp_path: Path) -> Iterator[Rig]:
+    table = tables()
+    made = Rig(robot, table, tmp_path)
     yield made
-    made.end()
+    table.in_order = table.in_order and not made.record().torque[-1].any()

@@ -3,7 +3,7 @@
 `python served.py ROBOT FOLDER`: ports appear in FOLDER under the names of the buses. Lines on standard input strike:
 `unplug BUS SECONDS`, `reboot BUS ID SECONDS`, `alert BUS ID BITS`; its end ends the program. Each line of FOLDER/record
 is the plant's time on the machine's monotonic clock, whether each port is plugged in, then torque, goal, watchdog and
-position of each servo.
+position of each servo. After the line `show` the record is complete until now, which a line on standard output tells.
 """
 
 import os
@@ -37,17 +37,25 @@ def main(robot: str, folder: Path) -> None:
     began, written = time.monotonic(), 0.0
     with (folder / "record").open("w") as record:
 
+        def show() -> None:
+            rows = [[*(s.memory[r] for r in SHOWN), s.electronics.here()] for s in plant.servos]
+            figures = [int(port.descriptor is not None) for port in ports] + [v for row in rows for v in row]
+            record.write(f"{began + plant.time:.6f} " + " ".join(map(str, figures)) + "\n")
+
         def running() -> bool:
             nonlocal written
             if plant.time - written >= EVERY:
                 written = plant.time
-                rows = [[*(s.memory[r] for r in SHOWN), s.electronics.here()] for s in plant.servos]
-                figures = [int(port.descriptor is not None) for port in ports] + [v for row in rows for v in row]
-                record.write(f"{began + plant.time:.6f} " + " ".join(map(str, figures)) + "\n")
+                show()
             if not select.select([0], [], [], 0)[0]:
                 return True
             line = os.read(0, 4096).decode()
             for words in map(str.split, line.splitlines()):
+                if words == ["show"]:
+                    show()
+                    record.flush()
+                    os.write(1, b"shown\n")
+                    continue
                 buses[words[1]].expose(FaultPlan((mishap(words[0], *map(float, words[2:])),)))
             return bool(line)
 

@@ -32,7 +32,7 @@ def test_the_supervisor_killed_leaves_servos_stopped_with_torque_and_the_next_on
     time.sleep(0.2)
     released = time.monotonic()
     heir.close()
-    record = rig.end()
+    record = rig.record()
     slack = 2 * record.stall(killed, killed + 0.5)
     stopped = (record.times >= killed + WATCHDOG + 0.02 + slack) & (record.times < released)
     assert (record.watchdogs[stopped][0] == -1).all()
@@ -47,7 +47,7 @@ def test_the_planner_killed_is_held_and_then_folded_and_released(rig):
     killed = rig.kill(planner.pid)
     planner.wait(PATIENCE)
     rig.wait(lambda: rig.entered(Stage.CLOSED))
-    record = rig.end()
+    record = rig.record()
     held, folded = rig.entered(Stage.HOLD, after=killed), rig.entered(Stage.FOLD, after=killed)
     assert held is not None
     assert folded is not None
@@ -65,7 +65,7 @@ def test_ctrl_c_folds_at_once_whatever_was_still_to_be_performed(rig):
     assert planner.wait(PATIENCE) != 0
     rig.wait(lambda: rig.entered(Stage.CLOSED))
     assert rig.entered(Stage.FOLD) is not None
-    assert not rig.end().torque[-1].any()
+    assert not rig.record().torque[-1].any()
 
 
 def test_a_supervisor_that_is_asked_to_end_folds_and_lets_go(rig):
@@ -78,4 +78,4 @@ def test_a_supervisor_that_is_asked_to_end_folds_and_lets_go(rig):
     with pytest.raises(BusError, match="has released the servos and ended"):
         rig.write(servos, 0.0)
     servos.close()
-    assert not rig.end().torque[-1].any()
+    assert not rig.record().torque[-1].any()

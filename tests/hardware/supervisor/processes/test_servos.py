@@ -30,7 +30,7 @@ def test_a_performance_ends_at_rest_and_no_servo_is_energised(rig):
     servos.close()
     assert not servos.running
     assert servos.state().stage is Stage.CLOSED
-    record = rig.end()
+    record = rig.record()
     assert record.torque.max() == 1
     assert not record.torque[-1].any()
     came = (np.diff(record.torque, axis=0) > 0).nonzero()
@@ -46,7 +46,7 @@ def test_writing_never_waits_for_the_supervisor(rig):
     rig.moving(servos)
     servos.release()
     servos.close()
-    assert not rig.end().torque[-1].any()
+    assert not rig.record().torque[-1].any()
 
 
 def test_a_port_is_for_one_supervisor_only(rig):
@@ -76,4 +76,4 @@ def test_goals_that_are_no_numbers_are_refused(rig):
     with pytest.raises(BusError, match="must be 4 finite numbers"):
         servos.write(Command(0.0, still, still, still, np.full(4, np.nan)))
     servos.close()
-    assert not rig.end().torque.any()
+    assert not rig.record().torque.any()

@@ -20,7 +20,7 @@ def test_a_port_that_is_pulled_and_put_back_is_held_and_goes_on(rig):
     released = time.monotonic()
     servos.release()
     servos.close()
-    record = rig.end()
+    record = rig.record()
     away = record.times[(record.plugged[:, 0] == 0) & (record.times > pulled) & (record.times < released)]
     held = rig.entered(Stage.HOLD, after=away[-1])
     assert held is not None
@@ -40,7 +40,7 @@ def test_a_servo_that_reboots_rejoins_without_a_jump(rig):
     released = time.monotonic()
     servos.release()
     servos.close()
-    record = rig.end()
+    record = rig.record()
     window = (record.times >= struck) & (record.times < released)
     torque, goals, places = (each[window][:, 2] for each in (record.torque, record.goals, record.places))
     back = int(np.flatnonzero(np.diff(torque) > 0)[0]) + 1
@@ -59,7 +59,7 @@ def test_a_servo_that_fails_is_the_reason_that_is_given(rig):
     with pytest.raises(BusError, match="released the servos and ended: l_flexion: shut down"):
         rig.write(servos, 0.0)
     servos.close()
-    assert not rig.end().torque[-1].any()
+    assert not rig.record().torque[-1].any()
 
 
 def test_an_emergency_stop_holds_until_it_is_released(rig):
@@ -71,4 +71,4 @@ def test_an_emergency_stop_holds_until_it_is_released(rig):
     assert servos.state().energised == 5
     servos.release()
     servos.close()
-    assert not rig.end().torque[-1].any()
+    assert not rig.record().torque[-1].any()
