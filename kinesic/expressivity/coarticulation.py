@@ -5,7 +5,8 @@ from dataclasses import dataclass, field, replace
 
 from kinesic.bml.block import GESTURE_SYNCS
 from kinesic.body.robot import SIDES, Side
-from kinesic.expressivity.hands import Poses, distance, resting
+from kinesic.expressivity.engaged import Engaged
+from kinesic.expressivity.hands import REST, Poses, distance, resting
 from kinesic.expressivity.keyframes import Outcome
 from kinesic.expressivity.pace import Pace
 from kinesic.expressivity.strokes import Stroke, Work, least_times, worked
@@ -28,7 +29,7 @@ class Allotted:
     times: Mapping[str, Mapping[str, float]]  # behaviour id -> sync points that moved [s]
 
 
-def allotted(strokes: Sequence[Stroke], pace: Pace, tied: Tied) -> Allotted:
+def allotted(strokes: Sequence[Stroke], pace: Pace, tied: Tied, engaged: Sequence[Engaged] = ()) -> Allotted:
     """Gives every stroke its hands.
 
     A stroke that would begin before an earlier one of its hand has ended takes the other hand if one of its options
@@ -37,12 +38,16 @@ def allotted(strokes: Sequence[Stroke], pace: Pace, tied: Tied) -> Allotted:
     two hands are shared out between a two-handed stroke and another; else it is dropped. A rest pose never stands in
     the way: it is taken when the hand is free.
 
+    A stroke keeps clear of hands that other blocks need where one of its options lets it; where none does, they count
+    for nothing, and whoever lays the blocks over one another judges.
+
     Args:
         strokes: in the order of the document.
         pace: of the robot.
         tied: what the document places; all sync points of behaviours that are missing.
+        engaged: hands that other blocks need.
     """
-    hands = _Hands(pace, tied)
+    hands = _Hands(pace, tied, engaged)
     for stroke in sorted(strokes, key=lambda stroke: stroke.times["strokeStart"]):
         hands.give(stroke)
     works = {id(work): work for row in hands.works.values() for work in row}.values()
@@ -56,15 +61,20 @@ class _Hands:
 
     pace: Pace
     tied: Tied
+    engaged: Sequence[Engaged]
     works: dict[Side, list[Work]] = field(default_factory=lambda: {side: [] for side in SIDES})
     outcomes: dict[str, Outcome] = field(default_factory=dict)
     times: dict[str, dict[str, float]] = field(default_factory=dict)
 
     def give(self, stroke: Stroke) -> None:
         """Finds hands for a stroke, or drops it."""
-        if stroke.rest or not self._clashes(stroke, stroke.options[0]):
+        if stroke.rest:
             self._take(stroke, stroke.options[0])
-        elif not (self._takes_other(stroke) or self._makes_room(stroke) or self._shares(stroke)):
+            return
+        free = tuple(option for option in stroke.options if not self._engagements(stroke, option))
+        ways = (self._finds_free, self._makes_room)
+        given = any(way(stroke, options) for options in (free, stroke.options) for way in ways)
+        if not given and not self._shares(stroke):
             self.outcomes[stroke.id] = Outcome("dropped", self._why(stroke))
 
     def _take(self, stroke: Stroke, option: Poses) -> None:
@@ -85,19 +95,36 @@ class _Hands:
         found = {side: [work for work in self.works[side] if _overlap(work, stroke)] for side in sorted(option.hands)}
         return {side: works for side, works in found.items() if works}
 
-    def _takes_other(self, stroke: Stroke) -> bool:
-        """Whether another option finds its hands free."""
-        for option in stroke.options[1:]:
+    def _engagements(self, stroke: Stroke, option: Poses) -> list[Engaged]:
+        """What other blocks need the hands for, so that they cannot come in time, in time order."""
+        met = [
+            each
+            for each in self.engaged
+            if each.side in option.hands and each.meets(stroke.times, self._way(option, each.side))
+        ]
+        return sorted(met, key=lambda each: each.begin)
+
+    def _way(self, option: Poses, side: Side) -> float:
+        """The shortest time in which a hand comes to a stroke from rest: from elsewhere it takes about as long [s]."""
+        return self.pace.least_hand_time(distance(REST, option.hands[side][0], resting(self.pace.robot)[side]))
+
+    def _finds_free(self, stroke: Stroke, options: Sequence[Poses]) -> bool:
+        """Whether one of some options finds its hands free."""
+        for option in options:
             if not self._clashes(stroke, option):
-                hand = " and ".join(_NAMES[side] for side in sorted(option.hands))
-                self.outcomes[stroke.id] = Outcome("substituted", f"moved to the {hand} hand: {self._why(stroke)}")
+                if option is not stroke.options[0]:
+                    self._tell_moved(stroke, option)
                 self._take(stroke, option)
                 return True
         return False
 
-    def _makes_room(self, stroke: Stroke) -> bool:
-        """Whether strokes that overlap can be moved apart for one of the options."""
-        for option in stroke.options:
+    def _tell_moved(self, stroke: Stroke, option: Poses) -> None:
+        hand = " and ".join(_NAMES[side] for side in sorted(option.hands))
+        self.outcomes[stroke.id] = Outcome("substituted", f"moved to the {hand} hand: {self._why(stroke)}")
+
+    def _makes_room(self, stroke: Stroke, options: Sequence[Poses]) -> bool:
+        """Whether strokes that overlap can be moved apart for one of some options."""
+        for option in options:
             later, earlier = stroke, dict[int, tuple[Work, Work]]()
             for side, works in self._clashes(stroke, option).items():
                 for work in works:
@@ -105,6 +132,8 @@ class _Hands:
                     later, shorter = self._apart(shorter, later, option, side)
                     earlier[id(work)] = work, shorter
             if not any(_overlap(shorter, later) for _, shorter in earlier.values()):
+                if option is not stroke.options[0] and self._engagements(stroke, stroke.options[0]):
+                    self._tell_moved(stroke, option)
                 for work, shorter in earlier.values():
                     self._replace(work, shorter)
                 self._note(stroke, later)
@@ -197,10 +226,16 @@ class _Hands:
 
     def _why(self, stroke: Stroke) -> str:
         """What is in the way of the first option."""
-        side, works = next(iter(self._clashes(stroke, stroke.options[0]).items()))
-        begins, ends = stroke.times["strokeStart"], works[-1].at("strokeEnd")
-        busy = f"the {_NAMES[side]} hand is busy with the stroke of {works[-1].id} until {ends:.2f} s"
-        return f"its stroke begins at {begins:.2f} s, {busy}"
+        usual = stroke.options[0]
+        clashes = self._clashes(stroke, usual)
+        if clashes:
+            side, works = next(iter(clashes.items()))
+            busy = f"the stroke of {works[-1].id} until {works[-1].at('strokeEnd'):.2f} s"
+        else:
+            other = self._engagements(stroke, usual)[0]
+            side, way = other.side, self._way(usual, other.side)
+            busy = f"{other.by} until {other.end:.2f} s, and needs {way:.2f} s to come"
+        return f"its stroke begins at {stroke.times['strokeStart']:.2f} s, the {_NAMES[side]} hand is busy with {busy}"
 
 
 def _overlap(work: Work, stroke: Stroke) -> bool:

@@ -1,6 +1,7 @@
 """The lexicon: from a lexeme and a mode to the form of a gesture, or to a sensible substitute."""
 
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 
 from kinesic.bml.block import Mode
@@ -33,9 +34,7 @@ class Lexicon:
         Raises:
             ConfigError: a file is missing or wrong.
         """
-        entries = read_gestures(CONFIGS / "gestures")
-        if path is not None:
-            entries = _entries(Path(path)) + entries
+        entries = (*(() if path is None else _entries(Path(path))), *_own())
         return cls(tuple(form for form, _ in entries), tuple(sense for _, sense in entries))
 
     def find(self, lexeme: str, mode: Mode = "unspecified", category: str | None = None) -> Match | None:
@@ -110,6 +109,12 @@ def _doubled(key: StrokeKey) -> StrokeKey:
     """A one-handed key and its mirror image."""
     pose = next(iter(key.hands.values()))
     return apart(StrokeKey({"l": pose, "r": pose}))
+
+
+@cache
+def _own() -> tuple[tuple[GestureForm, Sense], ...]:
+    """The entries of `configs/gestures/`, which are many and do not change while a program runs."""
+    return tuple(read_gestures(CONFIGS / "gestures"))
 
 
 def _entries(path: Path) -> list[tuple[GestureForm, Sense]]:

@@ -8,6 +8,7 @@ from types import MappingProxyType
 from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Side
 from kinesic.expressivity.coarticulation import Tied, allotted
+from kinesic.expressivity.engaged import Engaged
 from kinesic.expressivity.handkeys import HandKey
 from kinesic.expressivity.hands import REST, distance, resting
 from kinesic.expressivity.keyframes import Hand, Outcome
@@ -33,16 +34,19 @@ class Arranged:
     works: tuple[Work, ...] = ()  # what both hands do, in time order
 
 
-def arranged(strokes: Sequence[Stroke], pace: Pace, tied: Tied = ALL_TIED) -> Arranged:
+def arranged(
+    strokes: Sequence[Stroke], pace: Pace, tied: Tied = ALL_TIED, *, engaged: Sequence[Engaged] = ()
+) -> Arranged:
     """Gives every stroke its hands (see `allotted`) and joins the strokes of each hand.
 
     Args:
         strokes: in the order of the document.
         pace: of the robot, whose hands rest at `robot.skeleton.rest`.
         tied: sync points that the document places; all of behaviours that are missing.
+        engaged: hands that other blocks need.
     """
     rest = resting(pace.robot)
-    given = allotted(strokes, pace, tied)
+    given = allotted(strokes, pace, tied, engaged)
     sides: dict[str, frozenset[Side]] = {}
     for side in SIDES:
         for work in given.works[side]:

@@ -1,6 +1,6 @@
 """The stage: from behaviours with times to key frames of the whole upper body."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -29,6 +29,7 @@ from kinesic.bml.block import (
 )
 from kinesic.bml.constraints import placed
 from kinesic.body.arrays import Floats
+from kinesic.expressivity.engaged import Engaged
 from kinesic.expressivity.face_units import outcome
 from kinesic.expressivity.gather import GATHER, HANDS, Gathering, Sequences
 from kinesic.expressivity.idle import OFF, Idling, filled
@@ -66,6 +67,7 @@ def keyframes(
     without: Mapping[str, str] = ALL,
     gathering: Gathering = "complex",
     idling: Idling = OFF,
+    engaged: Sequence[Engaged] = (),
 ) -> KeyFrames:
     """Key frames of a block, and what became of each of its behaviours.
 
@@ -78,6 +80,7 @@ def keyframes(
         without: ids of behaviours to leave out, and why.
         gathering: how frames are filled, in which some parts have no key.
         idling: what fills pauses.
+        engaged: hands that other blocks need meanwhile.
 
     Raises:
         BmlError: a behaviour inside `required` cannot be performed.
@@ -86,7 +89,8 @@ def keyframes(
     scene = Scene(timeline.block, style, lexicon, pace, {**robot.targets, **targets})
     moves = _moves([timed for timed in timeline.timed if timed.behaviour.id not in without], scene)
     moves |= {id: dropped(why) for id, why in without.items()}
-    hands = arranged([stroke for move in moves.values() for stroke in move.strokes], pace, placed(timeline.block))
+    strokes = [stroke for move in moves.values() for stroke in move.strokes]
+    hands = arranged(strokes, pace, placed(timeline.block), engaged=engaged)
     moves = {id: _with_hands(id, move, hands) for id, move in moves.items()}
     outcomes = {drop.behaviour.id: Outcome("dropped", drop.why) for drop in timeline.dropped}
     outcomes |= {id: move.outcome for id, move in moves.items()}

@@ -5,8 +5,9 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.reach import Reach
+from kinesic.expressivity.engaged import Engaged
 from kinesic.expressivity.handkeys import hand_at
-from kinesic.expressivity.hands import REST, Poses, resting
+from kinesic.expressivity.hands import REST, Poses, distance, resting
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.phases import arranged
 from kinesic.expressivity.strokes import Stroke, least_times
@@ -110,6 +111,74 @@ def test_one_hand_is_left_away_only_once(pace, phases):
     found = arranged([first, second, third], pace)
     assert found.outcomes["g3"].kind == "dropped"
     assert found.sides == {"g1": {"l"}, "g2": {"r"}}
+
+
+@pytest.fixture
+def either(phases):
+    """A gesture of the right hand or, if need be, of the left."""
+    return Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (right(A, B), Poses({"l": (L, M)}, 1)))
+
+
+RIGHT, LEFT = Engaged("r", 0.2, 1.1, "a:g"), Engaged("l", 1.0, 1.3, "a:h")
+
+
+def test_a_gesture_leaves_a_hand_to_another_block_and_says_so(pace, either):
+    found = arranged([either], pace, engaged=[RIGHT])
+    assert found.sides == {"g1": {"l"}}
+    assert found.outcomes["g1"].kind == "substituted"
+    why = (
+        "moved to the left hand: its stroke begins at 0.60 s, the right hand is busy with a:g until 1.10 s, and needs "
+    )
+    assert found.outcomes["g1"].why.startswith(why)
+
+
+@pytest.mark.parametrize("sooner", [0.0, 0.01])
+def test_a_hand_is_free_as_soon_as_it_has_the_time_to_come(pace, either, sooner):
+    way = pace.least_hand_time(distance(REST, A, resting(pace.robot)["r"]))
+    before, after = Engaged("r", -5.0, 0.6 - way + sooner, "a:g"), Engaged("r", 1.5 + way - sooner, 9.0, "a:g")
+    for other in (before, after):
+        found = arranged([either], pace, engaged=[other])
+        assert found.sides == {"g1": {"l"} if sooner else {"r"}}
+        assert (found.outcomes != {}) == (sooner > 0.0)
+
+
+def test_a_gesture_whose_hands_are_all_needed_elsewhere_is_as_without(pace, either):
+    found = arranged([either], pace, engaged=[RIGHT, LEFT])
+    assert found.sides == {"g1": {"r"}}
+    assert found.outcomes == {}
+
+
+def test_a_gesture_of_one_hand_never_goes_to_the_other(pace, phases):
+    fixed = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (right(A, B),))
+    found = arranged([fixed], pace, engaged=[RIGHT])
+    assert found.sides == {"g1": {"r"}}
+    assert found.outcomes == {}
+
+
+def test_a_rest_pose_does_not_mind_what_other_blocks_need(pace, either):
+    folded = Stroke("p", either.times, either.options, rest=True)
+    assert arranged([folded], pace, engaged=[RIGHT]).sides == {"p": {"r"}}
+
+
+def test_of_two_gestures_beside_another_block_one_makes_room_on_the_free_hand(pace, overlapping):
+    mirrored = [Poses({"l": tuple(reversed(row))}, 1) for row in ((M, L, M), (L, M))]
+    open_ = [
+        Stroke(stroke.id, stroke.times, (*stroke.options, other))
+        for stroke, other in zip(overlapping, mirrored, strict=True)
+    ]
+    found = arranged(open_, pace, FREE, engaged=[Engaged("r", 0.0, 9.0, "a:g")])
+    assert found.sides == {"g1": {"l"}, "g2": {"l"}}
+    assert {outcome.kind for outcome in found.outcomes.values()} == {"substituted"}
+    assert "the right hand is busy with a:g" in found.outcomes["g2"].why
+
+
+def test_a_gesture_makes_room_rather_than_take_a_hand_that_another_block_needs(pace, overlapping):
+    first, second = overlapping
+    second = Stroke(second.id, second.times, (*second.options, Poses({"l": (L, M)}, 1)))
+    assert arranged([first, second], pace, FREE).sides["g2"] == {"l"}
+    found = arranged([first, second], pace, FREE, engaged=[Engaged("l", 0.0, 9.0, "a:g")])
+    assert found.sides["g2"] == {"r"}
+    assert found.outcomes == {}
 
 
 def test_gestures_of_different_hands_are_done_together(pace, phases):

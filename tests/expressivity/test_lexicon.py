@@ -14,7 +14,10 @@ from kinesic.expressivity.space import to_world
 
 ROBOT = Robot.load()
 LEXICON = Lexicon.load()
-FORMS = pytest.mark.parametrize("form", LEXICON.forms, ids=lambda form: form.id)
+CATEGORIES = sorted({form.category for form in LEXICON.forms})
+FORMS = pytest.mark.parametrize(  # by category: a test for each gesture would cost more than what it looks at
+    "forms", [tuple(form for form in LEXICON.forms if form.category == name) for name in CATEGORIES], ids=CATEGORIES
+)
 MODES = ("left", "right", "both", "unspecified")
 
 
@@ -45,72 +48,79 @@ def test_there_are_gestures_of_every_category():
 
 @FORMS
 @pytest.mark.parametrize("mode", MODES)
-def test_every_hand_is_within_reach_and_clear_of_the_other(form, mode):
-    frames = ROBOT.skeleton.frames(ROBOT.skeleton.rest)
-    for key in in_mode(form, mode).keys:
-        wrists = {side: world(side, pose) for side, pose in key.hands.items()}
-        for side, wrist in wrists.items():
-            shoulder = frames.origins[ROBOT.skeleton.segment(f"{side}_shoulder")] / ROBOT.arm_length
-            assert 0.35 <= np.linalg.norm(wrist - shoulder) <= 1.15
-        if len(wrists) == 2:
-            assert np.linalg.norm(wrists["l"] - wrists["r"]) >= 0.2
+def test_every_hand_is_within_reach_and_clear_of_the_other(forms, mode):
+    for form in forms:
+        frames = ROBOT.skeleton.frames(ROBOT.skeleton.rest)
+        for key in in_mode(form, mode).keys:
+            wrists = {side: world(side, pose) for side, pose in key.hands.items()}
+            for side, wrist in wrists.items():
+                shoulder = frames.origins[ROBOT.skeleton.segment(f"{side}_shoulder")] / ROBOT.arm_length
+                assert 0.35 <= np.linalg.norm(wrist - shoulder) <= 1.15, form.id
+            if len(wrists) == 2:
+                assert np.linalg.norm(wrists["l"] - wrists["r"]) >= 0.2, form.id
 
 
 @FORMS
-def test_no_hand_is_inside_trunk_or_head(form):
-    for key in form.keys:
-        for pose in key.hands.values():
-            forward, outward, up = pose.position
-            assert forward >= 0.35 or outward >= 0.4 or pose.touch == "lap"  # below the trunk
-            assert up < 0.75 or np.hypot(forward, outward) >= 0.3
+def test_no_hand_is_inside_trunk_or_head(forms):
+    for form in forms:
+        for key in form.keys:
+            for pose in key.hands.values():
+                forward, outward, up = pose.position
+                assert forward >= 0.35 or outward >= 0.4 or pose.touch == "lap", form.id  # below the trunk
+                assert up < 0.75 or np.hypot(forward, outward) >= 0.3, form.id
 
 
 @FORMS
-def test_a_stroke_can_be_seen(form):
-    if form.rest:
-        return
-    assert len(form.keys) >= 2
-    rows = [[key.hands[side] for key in form.keys if side in key.hands] for side in form.sides]
-    ways = [[way(a, b) for a, b in pairwise(row)] for row in rows]
-    assert max(map(sum, ways)) >= 0.12 or not any(ways)
+def test_a_stroke_can_be_seen(forms):
+    for form in forms:
+        if form.rest:
+            continue
+        assert len(form.keys) >= 2, form.id
+        rows = [[key.hands[side] for key in form.keys if side in key.hands] for side in form.sides]
+        ways = [[way(a, b) for a, b in pairwise(row)] for row in rows]
+        assert max(map(sum, ways)) >= 0.12 or not any(ways), form.id
 
 
 @FORMS
-def test_directions_are_units_and_not_parallel(form):
-    for pose in (pose for key in form.keys for pose in key.hands.values()):
-        assert pose.palm is not None
-        assert pose.pointing is not None
-        assert np.linalg.norm(pose.palm) == pytest.approx(1.0)
-        assert np.linalg.norm(pose.pointing) == pytest.approx(1.0)
-        assert abs(pose.palm @ pose.pointing) < 0.9
+def test_directions_are_units_and_not_parallel(forms):
+    for form in forms:
+        for pose in (pose for key in form.keys for pose in key.hands.values()):
+            assert pose.palm is not None, form.id
+            assert pose.pointing is not None, form.id
+            assert np.linalg.norm(pose.palm) == pytest.approx(1.0), form.id
+            assert np.linalg.norm(pose.pointing) == pytest.approx(1.0), form.id
+            assert abs(pose.palm @ pose.pointing) < 0.9, form.id
 
 
 @FORMS
-def test_the_mirror_image_is_exact_and_its_own_inverse(form):
-    image = mirrored(form)
-    for key, other in zip(form.keys, image.keys, strict=True):
-        for side, pose in key.hands.items():
-            opposite = "r" if side == "l" else "l"
-            assert np.array_equal(world(side, pose) * [1, -1, 1], world(opposite, other.hands[opposite]))
-    assert [key.hands for key in mirrored(image).keys] == [key.hands for key in form.keys]
+def test_the_mirror_image_is_exact_and_its_own_inverse(forms):
+    for form in forms:
+        image = mirrored(form)
+        for key, other in zip(form.keys, image.keys, strict=True):
+            for side, pose in key.hands.items():
+                opposite = "r" if side == "l" else "l"
+                assert np.array_equal(world(side, pose) * [1, -1, 1], world(opposite, other.hands[opposite])), form.id
+        assert [key.hands for key in mirrored(image).keys] == [key.hands for key in form.keys], form.id
 
 
 @FORMS
-def test_left_and_right_mirror_each_other(form):
-    if len(form.sides) == 2:
-        return
-    left, right = in_mode(form, "left"), in_mode(form, "right")
-    assert (left.sides, right.sides) == ({"l"}, {"r"})
-    for one, other in zip(left.keys, right.keys, strict=True):
-        assert np.array_equal(world("l", one.hands["l"]) * [1, -1, 1], world("r", other.hands["r"]))
+def test_left_and_right_mirror_each_other(forms):
+    for form in forms:
+        if len(form.sides) == 2:
+            continue
+        left, right = in_mode(form, "left"), in_mode(form, "right")
+        assert (left.sides, right.sides) == ({"l"}, {"r"}), form.id
+        for one, other in zip(left.keys, right.keys, strict=True):
+            assert np.array_equal(world("l", one.hands["l"]) * [1, -1, 1], world("r", other.hands["r"])), form.id
 
 
 @FORMS
-def test_a_mode_yields_its_sides(form):
-    assert in_mode(form, "left").sides == {"l"}
-    assert in_mode(form, "right").sides == {"r"}
-    assert in_mode(form, "both").sides == set(SIDES)
-    assert in_mode(form, "unspecified") is form
+def test_a_mode_yields_its_sides(forms):
+    for form in forms:
+        assert in_mode(form, "left").sides == {"l"}, form.id
+        assert in_mode(form, "right").sides == {"r"}, form.id
+        assert in_mode(form, "both").sides == set(SIDES), form.id
+        assert in_mode(form, "unspecified") is form, form.id
 
 
 def test_one_side_of_a_two_handed_form_is_what_this_hand_does():
@@ -125,11 +135,12 @@ def test_both_hands_of_an_inward_form_stay_apart():
 
 
 @FORMS
-def test_names_are_found_in_any_case_and_with_their_category(form):
-    for lexeme in (form.id, form.id.upper(), f"{form.category}={form.id.title()}"):
-        match = LEXICON.find(lexeme)
-        assert match.form is form
-        assert match.substitute == ""
+def test_names_are_found_in_any_case_and_with_their_category(forms):
+    for form in forms:
+        for lexeme in (form.id, form.id.upper(), f"{form.category}={form.id.title()}"):
+            match = LEXICON.find(lexeme)
+            assert match.form is form, form.id
+            assert match.substitute == "", form.id
 
 
 @pytest.mark.parametrize(

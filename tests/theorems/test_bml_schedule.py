@@ -16,7 +16,13 @@ from kinesic.bml.schedule import schedule
 from kinesic.body.utterance import Utterance
 
 CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
-FILES = sorted(path for folder in ("greta/bml", "openbmlparser", "asap") for path in (CORPUS / folder).rglob("*.xml"))
+REFUSED = ("testinvalidxml.xml", "testspeech_unknownbehavior.xml")
+FILES = sorted(
+    path
+    for folder in ("greta/bml", "openbmlparser", "asap")
+    for path in (CORPUS / folder).rglob("*.xml")
+    if path.name not in REFUSED
+)
 SECONDS_PER_LETTER = 0.1
 EXACT = 1e-9  # [s]
 POINTS = ("start", "ready", "strokeStart", "stroke", "strokeEnd", "relax", "end")
@@ -74,7 +80,7 @@ def documents(draw: st.DrawFn) -> str:
     return f'<bml id="b" xmlns="http://www.bml-initiative.org/bml/bml-1.0">{"".join(parts)}</bml>'
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=200, deadline=None)
 @given(documents())
 def test_equalities_are_exact_and_points_never_go_back(text: str) -> None:
     block = parse(text)
@@ -92,7 +98,7 @@ def test_equalities_are_exact_and_points_never_go_back(text: str) -> None:
         assert left == pytest.approx(right, abs=EXACT)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=120, deadline=None)
 @given(documents())
 def test_constraints_hold_when_nothing_is_dropped(text: str) -> None:
     block = parse(text)
@@ -109,7 +115,7 @@ def test_constraints_hold_when_nothing_is_dropped(text: str) -> None:
             assert all(_time(constraint.earlier, times) <= _time(ref, times) + EXACT for ref in constraint.later)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=80, deadline=None)
 @given(documents(), st.permutations([f"n{i}" for i in range(5)]))
 def test_names_do_not_matter(text: str, names: list[str]) -> None:
     block = parse(text)
@@ -117,7 +123,7 @@ def test_names_do_not_matter(text: str, names: list[str]) -> None:
     _assert_same(_scheduled(block), _scheduled(_renamed(block, new)), new, shift=0.0)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=80, deadline=None)
 @given(documents(), st.integers(0, 400).map(lambda quarter: quarter / 4))
 def test_the_origin_of_time_does_not_matter(text: str, shift: float) -> None:
     """Behaviours that hang on an absolute time move with it; the others stay."""
@@ -133,8 +139,6 @@ def test_the_origin_of_time_does_not_matter(text: str, shift: float) -> None:
 
 @pytest.mark.parametrize("path", FILES or [pytest.param(None, marks=pytest.mark.skip(f"no corpus at {CORPUS}"))])
 def test_names_and_origin_do_not_matter_in_documents(path: Path) -> None:
-    if path.name in ("testinvalidxml.xml", "testspeech_unknownbehavior.xml"):
-        pytest.skip("is refused")
     block = _shifted(_grounded(parse(path.read_bytes(), source=path.name)), 50.0)
     new = {behaviour.id: f"n{index}" for index, behaviour in enumerate(block.behaviours)}
     _assert_same(_scheduled(block), _scheduled(_shifted(_renamed(block, new), 30.0)), new, shift=30.0)

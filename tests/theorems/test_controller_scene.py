@@ -28,6 +28,8 @@ INSIDES = (
     '<gaze id="z" target="left"/>',
     '<bmla:interrupt id="i" target="b1" start="0.3"/><gesture id="g" lexeme="BEAT" mode="RIGHT_HAND" start="i:start"/>',
     '<bmla:interrupt id="i" target="b2" include="g"/><bmla:activate id="a" target="b3" start="0.2"/>',
+    '<pointing id="p" target="audience" mode="RIGHT_HAND"/>',
+    '<torso id="t" lexeme="lean" amount="1" start="0" end="1.6"/>',
     '<speech id="s"><text>Good <sync id="m"/>morning</text></speech><head id="h" lexeme="NOD" stroke="s:m"/>',
 )
 WIDE = '<gesture id="g" lexeme="large" mode="BOTH_HANDS"/><head id="h" lexeme="SHAKE" repetition="3"/>'

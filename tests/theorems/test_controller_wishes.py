@@ -129,7 +129,7 @@ def check(rows, wishes):
     assert not motion.bottlenecks or shifted > 0.0
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(rows, wished)
 def test_any_wish_is_made_one_that_servos_can_follow(rows, wishes):
     check(rows, wishes)

@@ -100,7 +100,7 @@ def same(a: Hand, b: Hand) -> bool:
     return np.array_equal(a.reach.position, b.reach.position)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(timelines(), styles)
 def test_every_sync_point_of_what_moves_is_on_a_key(timeline, style):
     found = performed(timeline, style)

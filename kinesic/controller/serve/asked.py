@@ -14,6 +14,7 @@ from kinesic.controller.facts import Facts
 from kinesic.controller.serve.around import Around, anchored, refers_elsewhere
 from kinesic.controller.spoken import spoken
 from kinesic.expressivity.durations import spans
+from kinesic.expressivity.engaged import Engaged
 
 ALONE = Around()
 
@@ -40,6 +41,7 @@ class Asked:
     zero: float = 0.0  # [s] global time at which its time 0 is expected
     is_anchored: bool = False  # it refers to other blocks, so that `zero` is to be kept
     is_decided: bool = False  # what it says is under way, so that it is said as it is
+    engaged: tuple[Engaged, ...] = ()  # hands that other blocks need meanwhile
 
     @property
     def notices(self) -> tuple[Notice, ...]:
@@ -47,13 +49,17 @@ class Asked:
         return self.timeline.notices
 
     @property
+    def times(self) -> Mapping[str, Mapping[str, float]]:
+        """Sync points by behaviour, block time [s]."""
+        return {timed.behaviour.id: timed.times for timed in self.timeline.timed}
+
+    @property
     def prediction(self) -> str:
         """The predictionFeedback as XML."""
-        times = {timed.behaviour.id: timed.times for timed in self.timeline.timed}
         types = {behaviour.id: behaviour.type for behaviour in self.block.behaviours}
         start, end = self.timeline.start, self.timeline.end
         character = self.block.character
-        return prediction(self.block.id, start, end, times, types=types, zero=self.zero, character=character)
+        return prediction(self.block.id, start, end, self.times, types=types, zero=self.zero, character=character)
 
 
 def asked(message: Message, facts: Facts, *, around: Around = ALONE, bounds: Bounds = BOUNDS) -> Asked:

@@ -6,6 +6,7 @@ from kinesic.bml.block import Composition, Notice, NoticeType
 from kinesic.bml.composition import State
 from kinesic.controller.merge import Merged, merged, replaced
 from kinesic.controller.serve.agenda import Due, ordered, times_of, without
+from kinesic.controller.serve.aiming import aimed_again
 from kinesic.controller.serve.ending import Told, ended, stopped
 from kinesic.controller.serve.meeting import busy, heard
 from kinesic.controller.serve.stage import Scene
@@ -51,6 +52,8 @@ def started(scene: Scene, staged: Staged, now: float) -> tuple[Scene, Told]:
     staged = replace(staged, told=(staged.zero, staged.times))
     own = (replace(due, time=max(due.time, now)) for due in staged.agenda())  # what lies in the past is told at once
     scene = replace(scene.put(staged), agenda=ordered(scene.agenda, tuple(own)))
+    scene, astray = aimed_again(before, scene, now)
+    dues += astray
     return _activated(scene, staged.block.succession.activates, now, dues)
 
 

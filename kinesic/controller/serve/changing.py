@@ -20,6 +20,7 @@ from kinesic.body.config import ConfigError
 from kinesic.controller.plan import Plan
 from kinesic.controller.restyle import restyled
 from kinesic.controller.serve.agenda import Due, ordered, retimed, times_of
+from kinesic.controller.serve.aiming import aimed_again
 from kinesic.controller.serve.asked import Asked, again
 from kinesic.controller.serve.stage import Scene
 from kinesic.controller.serve.staged import Ready, Staged
@@ -59,7 +60,9 @@ def improved(scene: Scene, block_id: str, better: Plan, now: float) -> Scene | N
     kept = {id: at for id, at in times_of(over.syncs).items() if id in staged.times}
     left = replace(staged, ready=Ready(staged.ready.asked, better), merged=over, times=kept)
     agenda = retimed(scene.agenda, block_id, left.agenda(), now)
-    return _told(replace(scene, motion=over.trajectory, agenda=agenda), staged, left, now)
+    after = _told(replace(scene, motion=over.trajectory, agenda=agenda), staged, left, now)
+    after, astray = aimed_again(scene, after, now)
+    return replace(after, agenda=ordered(astray, after.agenda))
 
 
 def _says_the_same(better: Plan, plan: Plan) -> bool:

@@ -6,8 +6,8 @@ from asyncio import StreamReader, get_running_loop, to_thread
 from collections.abc import AsyncIterator, Callable
 from threading import Thread
 
+from kinesic.controller.serve.line import CHUNK
 from kinesic.controller.serve.rules import Rules
-from kinesic.controller.serve.stream import CHUNK
 from kinesic.controller.serve.wire import END, Frames
 
 

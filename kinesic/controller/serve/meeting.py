@@ -2,13 +2,35 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Protocol
 
-from kinesic.bml.block import Interrupt, Notice, NoticeType
+from kinesic.bml.block import Block, Composition, Interrupt, Notice, NoticeType
+from kinesic.body.robot import SIDES
 from kinesic.controller.busy import Busy
+from kinesic.controller.serve.agenda import Times
+from kinesic.controller.serve.around import LEAD
+from kinesic.controller.serve.asked import Asked
 from kinesic.controller.serve.stage import Scene
 from kinesic.controller.serve.staged import Spoken, Staged
+from kinesic.expressivity.engaged import Engaged
 
 Cuts = Mapping[tuple[str, str], float]  # block and behaviour -> [s] global time at which it will be interrupted
+
+
+class Coming(Protocol):
+    """A block that has times."""
+
+    @property
+    def block(self) -> Block:
+        """What was asked."""
+
+    @property
+    def zero(self) -> float:
+        """Global time of its time 0 [s]."""
+
+    @property
+    def times(self) -> Times:
+        """Of its sync points, block time [s]."""
 
 
 def interrupted_by(action: Interrupt, staged: Staged) -> frozenset[str]:
@@ -16,10 +38,11 @@ def interrupted_by(action: Interrupt, staged: Staged) -> frozenset[str]:
     return (frozenset(action.include) or frozenset(staged.times)) & staged.times.keys() - frozenset(action.exclude)
 
 
-def cuts(scene: Scene, coming: Staged) -> Cuts:
+def cuts(scene: Scene, coming: Coming) -> Cuts:
     """What blocks that play, and one that comes, are going to interrupt."""
     found: dict[tuple[str, str], float] = {}
-    for by in (*scene.playing, coming):
+    blocks: tuple[Coming, ...] = (*scene.playing, coming)
+    for by in blocks:
         for behaviour in by.block.behaviours:
             action = behaviour.action
             target = scene.find(action.target) if isinstance(action, Interrupt) else None
@@ -30,10 +53,29 @@ def cuts(scene: Scene, coming: Staged) -> Cuts:
     return found
 
 
-def busy(scene: Scene, coming: Staged) -> tuple[Busy, ...]:
+def busy(scene: Scene, coming: Coming) -> tuple[Busy, ...]:
     """What other blocks need of the body, in performance time, each as long as it will be let."""
     ends = {f"{block}:{id}": scene.performance(time) for (block, id), time in cuts(scene, coming).items()}
     return tuple(_until(each, ends[each.behaviour]) if each.behaviour in ends else each for each in scene.busy)
+
+
+def among(scene: Scene, asked: Asked) -> Asked:
+    """The block with the hands that others need meanwhile, as far as one can tell before it is planned.
+
+    It may begin later than expected by the time to plan it. One that takes the place of others, or stops them, finds
+    their hands free; when one begins that waits to be activated, nobody knows.
+    """
+    succession, zero = asked.block.succession, scene.performance(asked.zero)
+    if asked.block.composition is Composition.REPLACE or succession.preplanned:
+        return asked
+    engaged = [
+        Engaged(side, each.ready - zero - LEAD, each.relax - zero, each.behaviour)
+        for each in busy(scene, asked)
+        if each.relax > zero + asked.timeline.start and each.behaviour.partition(":")[0] not in succession.interrupts
+        for side in SIDES
+        if f"{side}_hand" in each.roles
+    ]
+    return replace(asked, engaged=tuple(engaged))
 
 
 def heard(scene: Scene, coming: Staged) -> tuple[Staged, tuple[Notice, ...]]:

@@ -29,6 +29,7 @@ from kinesic.controller.serve.mail import (
     Wanted,
     Warm,
 )
+from kinesic.controller.serve.meeting import among
 from kinesic.controller.serve.rules import Rules
 from kinesic.controller.serve.rules import refused as refused_by
 from kinesic.controller.serve.scene import Due, Ready, Scene, begun, changed, improved, interrupted, passed, ready
@@ -171,7 +172,8 @@ class Planning:
     def _plan(self, document: Document) -> None:
         message = Message(document.text, document.sender, document.source)
         try:
-            known = asked(message, self._scene.facts, around=self._scene.around(self._clock.now()), bounds=self._bounds)
+            around = self._scene.around(self._clock.now())
+            known = among(self._scene, asked(message, self._scene.facts, around=around, bounds=self._bounds))
             if known.timeline.end - known.timeline.start > self._rules.duration:
                 what = (
                     f"{known.block.id} lasts {known.timeline.end:.0f} s, at most {self._rules.duration:g} s are taken"

@@ -15,6 +15,7 @@ from kinesic.controller.facts import Facts
 from kinesic.controller.opening import opening
 from kinesic.controller.plan import plan
 from kinesic.controller.serve.agenda import Due, ordered
+from kinesic.controller.serve.aiming import aimed_again
 from kinesic.controller.serve.asked import Asked
 from kinesic.controller.serve.beginning import activated, started
 from kinesic.controller.serve.changing import changed, improved, parameter_changed, taken
@@ -50,11 +51,12 @@ def ready(asked: Asked, facts: Facts) -> Ready:
     """
     moving = [each for each in asked.timeline.timed if modality_of(each.behaviour.action) not in (None, "face")]
     times = [time for each in moving for time in each.times.values()]
+    block, engaged = asked.block, asked.engaged
     if asked.is_decided:
-        return Ready(asked, plan(asked.block, facts, conditioned=AT_ONCE, utterances=asked.utterances))
+        return Ready(asked, plan(block, facts, conditioned=AT_ONCE, utterances=asked.utterances, engaged=engaged))
     if len(moving) <= SMALL and max(times, default=0.0) - min(times, default=0.0) <= BRIEF:
-        return Ready(asked, plan(asked.block, facts, conditioned=AT_ONCE))
-    return Ready(asked, opening(asked.block, facts), is_provisional=True)
+        return Ready(asked, plan(block, facts, conditioned=AT_ONCE, engaged=engaged))
+    return Ready(asked, opening(block, facts, engaged=engaged), is_provisional=True)
 
 
 def begun(scene: Scene, ready: Ready, now: float) -> tuple[Scene, tuple[Due, ...]]:
@@ -118,12 +120,14 @@ def interrupted(scene: Scene, now: float, block: str | None = None) -> tuple[Sce
         now: [s] global time.
         block: its id; None: all, those that wait too.
     """
-    scene, told = passed(scene, now)
-    for staged in scene.blocks:
+    before, told = passed(scene, now)
+    scene = before
+    for staged in before.blocks:
         if block in (None, staged.id):
             scene, dues = stopped(scene, staged, now, "it was interrupted")
             told += dues
-    return scene, told
+    scene, astray = aimed_again(before, scene, now)
+    return scene, (*told, *astray)
 
 
 def _happened(scene: Scene, due: Due, now: float) -> tuple[Scene, tuple[Due, ...]]:
@@ -161,8 +165,11 @@ def _commanded(
         return parameter_changed(scene, staged, behaviour, action, now)
     chosen = interrupted_by(action, other)
     if chosen == other.times.keys():
-        return stopped(scene, other, now, f"{staged.id} interrupts it")
-    return left_out(scene, other, chosen, now)
+        after, told = stopped(scene, other, now, f"{staged.id} interrupts it")
+    else:
+        after, told = left_out(scene, other, chosen, now)
+    after, astray = aimed_again(scene, after, now)
+    return after, (*told, *astray)
 
 
 def _held_back(scene: Scene, staged: Staged) -> Scene:

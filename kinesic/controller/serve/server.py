@@ -21,8 +21,9 @@ from kinesic.body.config import ConfigError
 from kinesic.controller.serve.console import Console
 from kinesic.controller.serve.desk import Desk
 from kinesic.controller.serve.guest import POLICY, TOO_BIG, Guest
+from kinesic.controller.serve.line import HalfError, Line
 from kinesic.controller.serve.rules import refused
-from kinesic.controller.serve.stream import HalfError, Stream
+from kinesic.controller.serve.stream import Stream
 from kinesic.controller.serve.websocket import WebSocket
 from kinesic.controller.serve.wire import BLANK, END
 
@@ -58,7 +59,7 @@ async def listen(desk: Desk, host: str, port: int) -> Listener:
 
     async def client(reader: StreamReader, writer: StreamWriter) -> None:
         present.add(writer)
-        with suppress(ConnectionError, TimeoutError, HalfError):
+        with suppress(OSError, HalfError):  # who leaves may do so in any way
             if len(present) <= DOORWAY * desk.rules.clients:  # those too many are told so, but not without end
                 await _welcome(desk, reader, writer)
         present.discard(writer)
@@ -89,11 +90,12 @@ async def _welcome(desk: Desk, reader: StreamReader, writer: StreamWriter) -> No
             if not data:
                 return
             first += data
+    line = Line(reader, writer, desk.rules.patience)
     if first.startswith(REQUEST):
-        wire = WebSocket(reader, writer, first, desk.rules)
+        wire = WebSocket(line, first, desk.rules.message)
         await _attend(desk, wire, desk.joined(name, trusted=await wire.opened(desk.is_right, open_house=desk.is_open)))
     elif first.lstrip(BLANK).startswith(DOCUMENT):
-        await _attend(desk, Stream(reader, writer, first, desk.rules), desk.joined(name))
+        await _attend(desk, Stream(line, first, desk.rules.message), desk.joined(name))
 
 
 async def _attend(desk: Desk, wire: Wire, guest: Guest) -> None:

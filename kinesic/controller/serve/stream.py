@@ -1,16 +1,9 @@
 """A client by TCP: messages that end with NUL, both ways."""
 
-from asyncio import StreamReader, StreamWriter, timeout
 from collections.abc import AsyncIterator, Callable
 
-from kinesic.controller.serve.rules import Rules
+from kinesic.controller.serve.line import HalfError, Line
 from kinesic.controller.serve.wire import END, Frames, told
-
-CHUNK = 65_536  # [bytes] read at once
-
-
-class HalfError(EOFError):
-    """The connection ended, or came to a halt, within a message."""
 
 
 class Stream:
@@ -18,17 +11,15 @@ class Stream:
 
     lingers = True
 
-    def __init__(self, reader: StreamReader, writer: StreamWriter, first: bytes, rules: Rules) -> None:
+    def __init__(self, line: Line, first: bytes, most: int) -> None:
         """Takes over a connection.
 
         Args:
-            reader: from the client.
-            writer: to it.
+            line: to the client.
             first: what has been read already.
-            rules: how long messages may be, and may take.
+            most: how long a message may be [bytes].
         """
-        self._reader, self._writer, self._first = reader, writer, first
-        self._frames, self._patience = Frames(rules.message), rules.patience
+        self._line, self._first, self._frames = line, first, Frames(most)
 
     async def messages(self, hurry: Callable[[], bool]) -> AsyncIterator[bytes]:
         """Messages as they come, until the client ends its side.
@@ -44,11 +35,7 @@ class Stream:
         while data:
             for message in self._frames.fed(data):
                 yield message
-            try:
-                async with timeout(self._patience if self._frames.half or hurry() else None):
-                    data = await self._reader.read(CHUNK)
-            except TimeoutError:
-                raise HalfError(f"nothing came for {self._patience:g} s") from None
+            data = await self._line.read(hurry=self._frames.half or hurry())
         if self._frames.half:
             raise HalfError("the connection ended")
 
@@ -58,14 +45,10 @@ class Stream:
         Raises:
             TimeoutError: the client does not read.
         """
-        self._writer.write(message.encode() + b"\n" + END)
-        async with timeout(self._patience):
-            await self._writer.drain()
+        await self._line.write([message.encode() + b"\n" + END])
 
     async def close(self, code: int, why: str) -> None:
         """Says why, and ends the connection."""
         if why:
             await self.send(told("closed", code=code, why=why))
-        self._writer.close()
-        async with timeout(self._patience):
-            await self._writer.wait_closed()
+        await self._line.close()

@@ -1,6 +1,5 @@
 """A client by WebSocket: one message is one message."""
 
-from asyncio import StreamReader, StreamWriter, timeout
 from collections.abc import AsyncIterator, Callable
 from urllib.parse import urlsplit
 
@@ -9,8 +8,7 @@ from websockets.http11 import Request
 from websockets.protocol import State
 from websockets.server import ServerProtocol
 
-from kinesic.controller.serve.rules import Rules
-from kinesic.controller.serve.stream import CHUNK, HalfError
+from kinesic.controller.serve.line import HalfError, Line
 
 HERE = ("localhost", "127.0.0.1", "::1", None)  # whose pages may connect without a token
 DATA = (Opcode.TEXT, Opcode.BINARY, Opcode.CONT)
@@ -21,17 +19,16 @@ class WebSocket:
 
     lingers = False
 
-    def __init__(self, reader: StreamReader, writer: StreamWriter, first: bytes, rules: Rules) -> None:
+    def __init__(self, line: Line, first: bytes, most: int) -> None:
         """Takes over a connection whose request is still to be read.
 
         Args:
-            reader: from the client.
-            writer: to it.
+            line: to the client.
             first: what has been read already.
-            rules: how long messages may be, and may take.
+            most: how long a message may be [bytes].
         """
-        self._reader, self._writer, self._rules = reader, writer, rules
-        self._protocol = ServerProtocol(max_size=rules.message)
+        self._line, self._most = line, most
+        self._protocol = ServerProtocol(max_size=most)
         self._protocol.receive_data(first)
         self._half = False  # a message has begun and not ended
 
@@ -65,7 +62,7 @@ class WebSocket:
         self._protocol.send_response(response)
         await self._flush()
         if self._protocol.state is not State.OPEN:
-            self._writer.close()
+            await self._line.close()
             raise HalfError("refused")
         return token is not None
 
@@ -90,7 +87,7 @@ class WebSocket:
                 self._half = bool(pieces)
             await self._flush()
             if self._protocol.parser_exc is not None:
-                raise ValueError(f"at most {self._rules.message} bytes are read: {self._protocol.parser_exc}")
+                raise ValueError(f"at most {self._most} bytes are read: {self._protocol.parser_exc}")
             if self._protocol.state is not State.OPEN or not await self._receive(hurry=hurry()):
                 return
 
@@ -109,17 +106,11 @@ class WebSocket:
         if self._protocol.state is State.OPEN:
             self._protocol.send_close(code, why[:100])
             await self._flush()
-        self._writer.close()
-        async with timeout(self._rules.patience):
-            await self._writer.wait_closed()
+        await self._line.close()
 
     async def _receive(self, *, hurry: bool) -> bool:
         """Reads a little; False at the end."""
-        try:
-            async with timeout(self._rules.patience if self._half or hurry else None):
-                data = await self._reader.read(CHUNK)
-        except TimeoutError:
-            raise HalfError(f"nothing came for {self._rules.patience:g} s") from None
+        data = await self._line.read(hurry=self._half or hurry)
         if data:
             self._half = True
             self._protocol.receive_data(data)
@@ -128,10 +119,4 @@ class WebSocket:
         return bool(data)
 
     async def _flush(self) -> None:
-        for data in self._protocol.data_to_send():
-            if data:
-                self._writer.write(data)
-            elif self._writer.can_write_eof():
-                self._writer.write_eof()
-        async with timeout(self._rules.patience):
-            await self._writer.drain()
+        await self._line.write(self._protocol.data_to_send())

@@ -77,14 +77,14 @@ def running(rules: Rules, token: str | None = None) -> Iterator[Running]:
         assert not thread.is_alive()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def server() -> Iterator[Running]:
-    """With the usual rules, but for the rate."""
+    """With the usual rules, but for the rate; it works as long as it is open, so not beside other tests."""
     with running(Rules(rate=1000.0, burst=1000)) as found:
         yield found
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def guarded() -> Iterator[Running]:
     """With a token and tight rules."""
     rules = Rules(

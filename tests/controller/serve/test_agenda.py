@@ -21,8 +21,17 @@ def test_span() -> None:
 def test_everything_is_told_in_order() -> None:
     dues = agenda("b", TIMES, 10.0, sender=4)
     assert keys(dues) == [
-        ":start", "h:start", "s:start", "s:m", "h:stroke", "h:relax", "s:end", ":relax", "h:end", ":end"
-    ]  # fmt: skip
+        ":start",
+        "h:start",
+        "s:start",
+        "s:m",
+        "h:stroke",
+        "h:relax",
+        "s:end",
+        ":relax",
+        "h:end",
+        ":end",
+    ]
     assert [due.time for due in dues] == pytest.approx([10, 10, 10.5, 10.7, 11, 11.5, 11.7, 11.7, 12, 12])
     assert {due.sender for due in dues} == {4}
     assert {due.block for due in dues} == {"b"}

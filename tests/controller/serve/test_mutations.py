@@ -14,7 +14,7 @@ from kinesic.controller.play import RATE
 from kinesic.controller.validate import documents
 
 OWN = sorted((CONFIGS / "bml").glob("*.bml"))
-COUNT = 240
+COUNT = 120
 
 
 @pytest.mark.parametrize("mutation", MUTATIONS)

@@ -16,8 +16,9 @@ from kinesic.controller.perform import facts
 from kinesic.controller.play import RATE
 
 BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
+BEATS = 3
 NOD = '<head id="h" lexeme="NOD" start="0"/>'
-LONG = "".join(f'<gesture id="g{k}" lexeme="BEAT" mode="LEFT_HAND" stroke="{1 + 1.5 * k}"/>' for k in range(4))
+LONG = "".join(f'<gesture id="g{k}" lexeme="BEAT" mode="LEFT_HAND" stroke="{1 + 1.2 * k}"/>' for k in range(BEATS))
 POINTS = ["start", "h:start", "h:ready", "h:strokeStart", "h:stroke", "h:strokeEnd", "h:relax", "relax", "h:end", "end"]
 
 
@@ -116,7 +117,7 @@ def test_bad_blocks_are_answered_and_disturb_nobody(server):
         messages = []
         while progress(messages, "good")[-1:] != ["end"]:
             messages.append(good.receive(20))
-    assert len([each for each in messages if "syncPointProgress" in each]) == 4 * 7
+    assert len([each for each in messages if "syncPointProgress" in each]) == BEATS * 7
     assert undisturbed(seen(server))
 
 
@@ -218,7 +219,7 @@ def test_interrupting_everything_ends_it_soon(server):
         client.do("interrupt")
         while progress(messages, "cut-short")[-1] != "end":
             messages.append(client.receive(20))
-    assert len(progress(messages, "cut-short")) < 20
+    assert len(progress(messages, "cut-short")) < 5 * BEATS
     assert undisturbed(seen(server))
 
 
@@ -301,5 +302,5 @@ def test_another_amount_while_it_plays(server):
         client.do("style", amount=0.9, block="wide")
         while progress(messages, "wide")[-1] != "end":
             messages.append(client.receive(20))
-    assert sum(point.endswith(":stroke") for point in progress(messages, "wide")) == 4
+    assert sum(point.endswith(":stroke") for point in progress(messages, "wide")) == BEATS
     assert undisturbed(seen(server))

@@ -9,6 +9,7 @@ import pytest
 from kinesic.bml.composition import State
 from kinesic.controller.facts import Facts
 from kinesic.controller.serve.asked import Message, asked
+from kinesic.controller.serve.meeting import among
 from kinesic.controller.serve.scene import Due, Ready, Scene, begun, passed, ready
 
 TICK = 0.01  # [s]
@@ -28,9 +29,8 @@ class Play:
 
     def ready(self, id: str, inside: str = "", attributes: str = "", sender: int = 0) -> Ready:
         text = f'<bml {NAMESPACES} id="{id}" {attributes}>{inside}</bml>'
-        return ready(
-            asked(Message(text, sender), self.scene.facts, around=self.scene.around(self.now)), self.scene.facts
-        )
+        known = asked(Message(text, sender), self.scene.facts, around=self.scene.around(self.now))
+        return ready(among(self.scene, known), self.scene.facts)
 
     def send(self, id: str, inside: str = "", attributes: str = "", sender: int = 0) -> "Play":
         return self.take(begun(self.scene, self.ready(id, inside, attributes, sender), self.now))

@@ -9,6 +9,7 @@ from kinesic.controller.trajectory import STEP
 NOD = '<head id="h" lexeme="NOD"/>'
 BEAT = '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND"/>'
 LEFT = '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND"/>'
+OPEN = '<gesture id="g" lexeme="BEAT"/>'
 HELLO = '<speech id="s"><text>Hello <sync id="m"/>there</text></speech>'
 TICK = 0.01  # [s]
 
@@ -38,6 +39,65 @@ def test_a_block_whose_required_part_is_busy_is_not_performed(play):
     assert play.at("a:g:stroke") < play.at("a:end")
     play.send("c", "<required><head id='h' lexeme='NOD'/></required>").until(9.0)
     assert play.was_told("c:h:stroke")
+
+
+def test_a_gesture_whose_hand_is_busy_takes_the_other(play):
+    alone = play.ready("b", OPEN).plan
+    play.send("a", BEAT).until(0.5).send("b", OPEN).until(5.0)
+    (text,) = play.warnings()
+    assert 'id="b:g" type="IMPOSSIBLE_TO_SCHEDULE"' in text
+    assert "moved to the left hand: its stroke begins at 0.56 s, the right hand is busy with a:g until 0.89 s" in text
+    assert play.at("b:start") == pytest.approx(0.5, abs=STEP)
+    late = play.at("b:g:stroke") - play.at("b:start")
+    assert late == pytest.approx(next(s.planned for s in alone.syncs if s.sync == "stroke"), abs=0.01)
+    assert play.at("a:g:stroke") < play.at("a:end")
+
+
+def test_it_is_the_other_hand_that_moves(play):
+    play.send("a", BEAT).until(0.5).send("b", OPEN)
+    assert [busy.roles for busy in play.scene.find("b").busy] == [{"l_hand"}]
+    assert play.scene.find("b").ready.plan.keyframes.outcomes["g"].kind == "substituted"
+
+
+def test_what_is_required_may_take_the_other_hand(play):
+    play.send("a", BEAT).until(0.5).send("b", f"<required>{OPEN}</required>").until(5.0)
+    assert play.was_told("b:g:stroke")
+
+
+def test_a_pointing_hand_that_is_busy_leaves_it_to_the_other(play):
+    point = '<pointing id="p" target="audience"{}/>'
+    play.send("a", BEAT).until(0.5).send("b", point.format("")).until(6.0)
+    assert "moved to the left hand" in play.warnings("b:p")[0]
+    play.send("c", BEAT).until(6.5).send("d", point.format(' mode="RIGHT_HAND"')).until(12.0)
+    assert not any("moved to" in text for text in play.warnings("d:p"))
+
+
+def test_a_gesture_for_which_both_hands_are_busy_is_left_out(play):
+    play.send("a", BEAT + LEFT.replace('"g"', '"h"')).until(0.5).send("b", OPEN + NOD).until(5.0)
+    assert len(play.warnings("b:g")) == 1
+    assert "left out: r_hand busy with a:g" in play.warnings("b:g")[0]
+
+
+@pytest.mark.parametrize(
+    "how",
+    [
+        'composition="APPEND"',
+        'composition="REPLACE"',
+        'bmla:interrupt="a"',
+        'bmla:chunkAfter="a"',
+        'bmla:preplan="true"',
+    ],
+)
+def test_a_hand_that_will_be_free_by_then_is_taken(play, how):
+    play.send("a", BEAT).until(0.5)
+    assert play.ready("b", OPEN, how).asked.engaged == ()
+
+
+def test_a_gesture_that_interrupts_another_takes_its_hand(play):
+    both = '<bmla:interrupt id="i" target="a" start="0"/>' + OPEN
+    play.send("a", BEAT).until(0.5).send("b", both).until(6.0)
+    assert not any("moved to" in text for text in play.warnings("b:g"))
+    assert play.was_told("b:g:stroke")
 
 
 def test_append_begins_when_all_have_ended(play):

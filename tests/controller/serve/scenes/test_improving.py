@@ -28,6 +28,19 @@ def test_a_large_block_is_improved_while_it_plays(play):
     assert improved(play.scene, "a", better, play.now) is None
 
 
+def test_a_better_plan_keeps_to_the_hand_that_others_leave_free(play):
+    play.send("a", '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND"/>').until(0.3)
+    open_ = "".join(f'<gesture id="g{k}" lexeme="BEAT" stroke="{0.8 + 1.2 * k}"/>' for k in range(5))
+    play.send("b", open_)
+    play.scene, (wish,) = taken(play.scene)
+    better = ready(wish, play.scene.facts).plan
+    before = play.scene.find("b").ready.plan
+    assert better.keyframes.uses == before.keyframes.uses
+    assert before.keyframes.uses["g0"] == {"l_hand"}
+    assert before.keyframes.uses["g4"] == {"r_hand"}
+    assert improved(play.scene, "b", better, play.now) is not None
+
+
 def test_what_no_better_plan_mends_is_warned(play):
     coming = play.ready("a", HURRIED)
     play.take(begun(play.scene, coming, play.now)).until(8.0)

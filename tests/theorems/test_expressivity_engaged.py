@@ -1,0 +1,99 @@
+"""Whatever hands other blocks need: a gesture that may take either keeps clear of them, one that may not is as ever."""
+
+from itertools import accumulate
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kinesic.bml.block import GESTURE_SYNCS
+from kinesic.body.arrays import sealed
+from kinesic.body.limits import Limits
+from kinesic.body.reach import Reach
+from kinesic.body.robot import SIDES, Robot
+from kinesic.expressivity.engaged import Engaged
+from kinesic.expressivity.hands import REST, Poses, distance, resting
+from kinesic.expressivity.keyframes import Hand
+from kinesic.expressivity.pace import Pace
+from kinesic.expressivity.phases import Arranged, arranged
+from kinesic.expressivity.strokes import Stroke
+from kinesic.sim.dynamics import MujocoDynamics
+
+ROBOT = Robot.load()
+PACE = Pace(ROBOT, Limits.of(ROBOT, MujocoDynamics(ROBOT).load))
+OPTIONS = {
+    side: Poses({side: tuple(Hand(Reach(sealed([0.25, sign * y, 0.8]))) for y in (0.1, 0.25))}, 1)
+    for side, sign in zip(SIDES, (1, -1), strict=True)
+}
+WAY = PACE.least_hand_time(distance(REST, OPTIONS["r"].hands["r"][0], resting(ROBOT)["r"]))  # [s]
+NEVER = 100.0  # [s] later than all gestures
+
+usual = st.sampled_from(SIDES)
+gaps = st.lists(st.floats(0.0, 1.0), min_size=6, max_size=6)
+windows = st.lists(
+    st.builds(
+        lambda side, begin, length: Engaged(side, begin, begin + length, "other:g"),
+        st.sampled_from(SIDES),
+        st.floats(-2.0, 6.0),
+        st.floats(0.01, 3.0),
+    ),
+    max_size=4,
+)
+
+
+def stroke(id: str, start: float, phases: list[float], side: str, *, either: bool) -> Stroke:
+    times = dict(zip(GESTURE_SYNCS, accumulate(phases, initial=start), strict=True))
+    options = [OPTIONS[side], *(option for other, option in OPTIONS.items() if either and other != side)]
+    return Stroke(id, times, tuple(options))
+
+
+rows = st.lists(st.tuples(st.floats(0.0, 5.0), gaps, usual, st.booleans()), min_size=1, max_size=4)
+
+
+def made(row: list[tuple[float, list[float], str, bool]], *, either: bool) -> list[Stroke]:
+    return [
+        stroke(f"g{k}", start, phases, side, either=either and opens)
+        for k, (start, phases, side, opens) in enumerate(row)
+    ]
+
+
+def same(found: Arranged, other: Arranged) -> bool:
+    keys = [
+        [(key.time, *key.hand.reach.position) if key.hand.reach else key.time for key in row]
+        for one in (found, other)
+        for row in one.hands.values()
+    ]
+    return keys[:2] == keys[2:] and found.outcomes == other.outcomes and found.times == other.times
+
+
+@given(st.floats(0.0, 5.0), gaps, usual, windows)
+def test_a_gesture_alone_takes_a_free_hand_if_there_is_one(start, phases, side, engaged):
+    one = stroke("g", start, phases, side, either=True)
+    found = arranged([one], PACE, engaged=engaged)
+    busy = {each.side for each in engaged if each.meets(one.times, WAY)}
+    free = [option for option in (side, *(set(SIDES) - {side})) if option not in busy]
+    assert found.sides == {"g": {free[0] if free else side}}
+    assert (found.outcomes != {}) == (bool(free) and free[0] != side)
+
+
+@given(rows, windows)
+def test_gestures_of_a_given_hand_are_the_same(row, engaged):
+    fixed = made(row, either=False)
+    assert same(arranged(fixed, PACE, engaged=engaged), arranged(fixed, PACE))
+
+
+@given(rows, windows)
+def test_what_meets_no_gesture_changes_nothing(row, engaged):
+    strokes = made(row, either=True)
+    later = [Engaged(each.side, each.begin + NEVER, each.end + NEVER, each.by) for each in engaged]
+    assert same(arranged(strokes, PACE, engaged=later), arranged(strokes, PACE))
+
+
+@given(rows, windows)
+def test_every_gesture_is_done_or_dropped_by_name_with_hands_it_may_take(row, engaged):
+    strokes = made(row, either=True)
+    found = arranged(strokes, PACE, engaged=engaged)
+    for one in strokes:
+        dropped = one.id in found.outcomes and found.outcomes[one.id].kind == "dropped"
+        assert dropped != (one.id in found.sides)
+        if not dropped:
+            assert any(found.sides[one.id] == set(option.hands) for option in one.options)
