@@ -8,15 +8,17 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 SOURCES := pyproject.toml $(wildcard setup.py kinesic/ik/kernel/*.cpp kinesic/ik/kernel/*.h)
 EXTRAS := speech face studio
 OPENGL := libegl1 libgl1-mesa-dri libopengl0 libgl1
+SCREENS := xvfb chromium
 
 .DELETE_ON_ERROR:
-.PHONY: demo test check soak bench system-deps clean
+.PHONY: demo test check soak bench system-deps test-deps clean
 
 demo: .venv/.stamp-demo
 	@$(BIN)/kinesic perform kinesic/configs/bml/welcome.bml --out out/demo --force
 
+# Tests start many processes: compiled modules are kept for them, whatever the caller's environment says.
 test: .venv/.stamp-test
-	@$(BIN)/python -m pytest -n auto --dist loadfile
+	@PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n auto --dist loadfile
 
 check: .venv/.stamp-test
 	@$(BIN)/ruff check
@@ -48,10 +50,13 @@ bench: .venv/.stamp-demo
 	@touch $@
 
 # OpenGL for films and for the face; everything else works without it.
-system-deps:
-	@if [ "$$(id -u)" = 0 ]; then apt-get install -y -qq $(OPENGL); \
-	elif command -v sudo >/dev/null; then sudo apt-get install -y -qq $(OPENGL); \
-	else echo "as root: apt-get install -y $(OPENGL)"; fi
+system-deps: INSTALLED := $(OPENGL)
+# A display for tests of the face's window, and a browser for tests of pages; without them these tests are skipped.
+test-deps: INSTALLED := $(SCREENS)
+system-deps test-deps:
+	@if [ "$$(id -u)" = 0 ]; then apt-get install -y -qq --no-install-recommends $(INSTALLED); \
+	elif command -v sudo >/dev/null; then sudo apt-get install -y -qq --no-install-recommends $(INSTALLED); \
+	else echo "as root: apt-get install -y $(INSTALLED)"; fi
 
 clean:
 	rm -rf .venv build dist out *.egg-info .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis

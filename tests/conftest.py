@@ -2,16 +2,21 @@
 
 MuJoCo reads MUJOCO_GL when it is first imported: kinesic decides before. And whoever runs the tests may have calibrated
 a robot: here nobody has. A shell lets what it runs in the background ignore Ctrl-C, which programs would inherit that
-tests start and interrupt.
+tests start and interrupt. Machines are shared, so that an example may take as long as it likes.
 """
 
 import os
 import signal
 import tempfile
 
+from hypothesis import HealthCheck, settings
+
 from kinesic.sim import gl
 
 gl.prepare()
+
+settings.register_profile("kinesic", max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("kinesic")
 
 _nobody = tempfile.TemporaryDirectory(prefix="kinesic-tests-")  # removed when the interpreter ends
 os.environ["XDG_CONFIG_HOME"] = _nobody.name

@@ -98,29 +98,39 @@ def activemq() -> Iterator[int]:
         yield port
 
 
-@pytest.mark.parametrize("broker", [coilmq, pytest.param(activemq, marks=pytest.mark.soak)])
+@pytest.fixture(scope="module", params=[coilmq, pytest.param(activemq, marks=pytest.mark.soak)])
+def broker(request) -> Iterator[int]:
+    with request.param() as port:
+        yield port
+
+
+@pytest.fixture(scope="module")
+def toolkit(server, broker) -> Iterator[None]:
+    pytest.importorskip("stomp")
+    with _example("08_smartbody_vhmsg.py", server.port, broker):
+        yield
+
+
 def test_greta_s_topics(server, broker):
     stomp = pytest.importorskip("stomp")
-    with broker() as port, _example("07_greta_stomp.py", server.port, port):
-        heard, link = _listening(stomp, port, "/topic/greta.output.feedback.BML")
-        link.send("/topic/greta.BML", f'<bml id="greta-{port}">{NOD}</bml>')
-        _until(heard, f'id="greta-{port}:end"')
+    with _example("07_greta_stomp.py", server.port, broker):
+        heard, link = _listening(stomp, broker, "/topic/greta.output.feedback.BML")
+        link.send("/topic/greta.BML", f'<bml id="greta-{broker}">{NOD}</bml>')
+        _until(heard, f'id="greta-{broker}:end"')
         link.disconnect()
 
 
-@pytest.mark.parametrize("broker", [coilmq, pytest.param(activemq, marks=pytest.mark.soak)])
 @pytest.mark.parametrize("encoded", [False, True])
-def test_smartbody_s_messages(server, broker, encoded):
+def test_smartbody_s_messages(toolkit, broker, encoded):
     stomp = pytest.importorskip("stomp")
-    name = f"sbm_test_{int(encoded)}_{broker.__name__}"
+    name = f"sbm_test_{int(encoded)}_{broker}"
     xml = f'<?xml version="1.0" encoding="UTF-8"?>\n<act><bml>{NOD}</bml></act>'
     rest = f"ChrBrad ALL {name} {xml}"
-    with broker() as port, _example("08_smartbody_vhmsg.py", server.port, port):
-        heard, link = _listening(stomp, port, "/topic/DEFAULT_SCOPE")
-        link.send("/topic/DEFAULT_SCOPE", f"vrSpeak {quote_plus(rest) if encoded else rest}")
-        _until(heard, f"vrAgentBML ChrBrad ALL {name} start")
-        _until(heard, f"vrAgentBML ChrBrad ALL {name} end complete")
-        link.disconnect()
+    heard, link = _listening(stomp, broker, "/topic/DEFAULT_SCOPE")
+    link.send("/topic/DEFAULT_SCOPE", f"vrSpeak {quote_plus(rest) if encoded else rest}")
+    _until(heard, f"vrAgentBML ChrBrad ALL {name} start")
+    _until(heard, f"vrAgentBML ChrBrad ALL {name} end complete")
+    link.disconnect()
 
 
 def _listening(stomp, port, topic):

@@ -85,8 +85,8 @@ class _Turn:
     def share(self, count: int) -> Floats:
         """(count,) of what was left that is taken out, by control points."""
         times = np.asarray((np.arange(count) - LEAST) * STEP, dtype=np.float64)
-        back = _rise(times, self.back, self.end) if np.isfinite(self.end) else 0.0
-        return np.asarray(_rise(times, self.begin, self.gone) * (1.0 - back))
+        back = rise(times, self.back, self.end) if np.isfinite(self.end) else 0.0
+        return np.asarray(rise(times, self.begin, self.gone) * (1.0 - back))
 
 
 def _turns(each: Busy, work: Work, limits: Limits) -> Iterator[_Turn]:
@@ -98,7 +98,7 @@ def _turns(each: Busy, work: Work, limits: Limits) -> Iterator[_Turn]:
             yield _Turn(left, each.begin, gone, min(each.relax, each.end - least), end)
 
 
-def _rise(times: Floats, begin: float, end: float) -> Floats:
-    """From 0 to 1 between two times, smooth up to the acceleration."""
+def rise(times: Floats, begin: float, end: float) -> Floats:
+    """From 0 to 1 between two times [s], smooth up to the acceleration, at some times (m,) [s]."""
     u = np.clip((times - begin) / max(end - begin, STEP), 0.0, 1.0)
     return np.asarray(u**3 * (10 - 15 * u + 6 * u**2))

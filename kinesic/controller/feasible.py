@@ -54,6 +54,7 @@ class Search:
         self._gaps = dict(keys.gaps)
         self._cuts: dict[int, list[Cut]] = {}  # of each hinge
         self._rests: dict[int, float] = {}  # hinge -> by which its rests are longer
+        self._shortages: dict[tuple[object, ...], Shortage | None] = {}  # that were looked at
         self._lengthen_to_full_speed()
         spaced = all(keys.asked[j] - keys.asked[i] >= gap - SAME for (i, j), gap in self._gaps.items())
         self.times = keys.asked if spaced else relaxed(keys, self._gaps, lead_in)
@@ -66,7 +67,7 @@ class Search:
         """
         first = not self._cuts and not self._rests
         pending = [segment for segment in self._segments() if first and self._suspect(segment, lost)]
-        lacking = [(lost, shortage(lost, self._limits)), *self._lacking(pending)]
+        lacking = [(lost, self._shortage(lost)), *self._lacking(pending)]
         while lacking:
             for segment, found in lacking:
                 if found is None or segment.hinge in self._rests or len(self._cuts.get(segment.hinge, ())) >= PLANES:
@@ -78,8 +79,15 @@ class Search:
 
     def _lacking(self, pending: list[Segment]) -> list[tuple[Segment, Shortage | None]]:
         """The segments that lack time, and by how much if that is known."""
-        found = [(segment, shortage(segment, self._limits)) for segment in pending]
+        found = [(segment, self._shortage(segment)) for segment in pending]
         return [(segment, lack) for segment, lack in found if lack is None or lack.amount > -MARGIN / 4]
+
+    def _shortage(self, segment: Segment) -> Shortage | None:
+        """By its keys and their places, which say all about it: many a segment is as it was when others have moved."""
+        known = (segment.hinge, segment.marks, segment.grid.pieces, segment.places.tobytes())
+        if known not in self._shortages:
+            self._shortages[known] = shortage(segment, self._limits)
+        return self._shortages[known]
 
     def _segments(self) -> Iterator[Segment]:
         return segments(self.times, self._keys, STEP)

@@ -5,7 +5,6 @@ from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import find_peaks
 
 from kinesic.bml.block import Block, Notice, NoticeType
 from kinesic.bml.schedule import schedule
@@ -92,6 +91,8 @@ def _keys(frames: Frames, facts: Facts) -> tuple[Posture, ...]:
 
 def _turns(column: Floats) -> NDArray[np.intp]:
     """Indices of (m,) angles at which a hinge turns back for more than a tremble."""
+    from scipy.signal import find_peaks  # noqa: PLC0415 - slow to import, and few motions are others'
+
     return np.sort(np.concatenate([find_peaks(sign * column, prominence=TREMBLE)[0] for sign in (1.0, -1.0)]))
 
 

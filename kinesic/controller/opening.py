@@ -4,6 +4,7 @@ Its times come from closed forms, its path from quintics; limits hold by constru
 points. A better plan goes on with it while it runs: see `restyle`.
 """
 
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -24,6 +25,7 @@ from kinesic.controller.segments import pieces, segments
 from kinesic.controller.trajectory import STEP, Trajectory
 from kinesic.controller.waypoints import Waypoints
 from kinesic.controller.wish import wish
+from kinesic.expressivity.engaged import Engaged
 
 PEAK_SPEED = 1.875  # of a quintic from rest to rest, in distance / duration
 PEAK_ACCELERATION = 5.7735  # in distance / duration^2
@@ -33,13 +35,13 @@ LEAST_GAP = 0.06  # [s] of a gap in which something moves
 LONGER = 1.1  # on gaps that do not suffice after all
 
 
-def opening(block: Block, facts: Facts) -> Plan:
+def opening(block: Block, facts: Facts, *, engaged: Sequence[Engaged] = ()) -> Plan:
     """Plans a block so that it can begin at once; nothing of it is late in block zero.
 
     Raises:
         BmlError: something `required` cannot be performed.
     """
-    return plan(block, facts, conditioned=resting)
+    return plan(block, facts, conditioned=resting, engaged=engaged)
 
 
 def resting(

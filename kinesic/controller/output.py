@@ -1,13 +1,11 @@
-"""Where a performance is written: a folder of its own, never on top of another."""
+"""What is written of a performance."""
 
 import json
-import shutil
 from dataclasses import dataclass
-from datetime import datetime
 from pathlib import Path
 
-from kinesic.body.config import ConfigError
 from kinesic.controller.faces import asks_face, faced
+from kinesic.controller.folders import emptied
 from kinesic.controller.page import write_page
 from kinesic.controller.performance import Performance
 from kinesic.controller.plan import Plan
@@ -38,26 +36,6 @@ class Written:
     face: Path | None = None  # a film of it
     why_no_face: str = ""
     voice: Path | None = None  # what is heard
-
-
-def free_folder(asked: Path | None, source: str, *, force: bool = False) -> Path:
-    """The folder `asked`, or `out/NAME-TIME`; it is made when something is written.
-
-    Raises:
-        ConfigError: it exists already and `force` is not given.
-    """
-    folder = asked or Path("out") / f"{Path(source).stem or 'stdin'}-{datetime.now():%Y%m%d-%H%M%S}"
-    if folder.exists() and not force:
-        raise ConfigError(f"{folder} exists already; --force replaces it, --out names another")
-    return folder
-
-
-def emptied(folder: Path) -> Path:
-    """Makes a folder, and removes what was there before."""
-    if folder.exists():
-        shutil.rmtree(folder)
-    folder.mkdir(parents=True)
-    return folder
 
 
 def write(performance: Performance, data: dict[str, Json], folder: Path, *, film: bool = True) -> Written:

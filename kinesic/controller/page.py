@@ -2,9 +2,10 @@
 
 import base64
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 from markupsafe import Markup, escape
 
 from kinesic.controller.checks.servos import CONTINUOUS
@@ -57,13 +58,8 @@ def write_page(
     Raises:
         ValueError: a film or the sound is of another type.
     """
-    environment = Environment(
-        loader=FileSystemLoader(HERE), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters |= {"number": number, "shift": shift, "spark": spark}
-    environment.filters |= {"breakable": breakable, "departure": departure}
     chapters, strained = story(performance), loads(performance)
-    text = environment.get_template("page.jinja").render(
+    text = _template().render(
         data=data,
         verdict=verdict(data),
         look=Markup((HERE / "page.css").read_text(encoding="utf-8")),
@@ -93,6 +89,17 @@ def write_page(
         margins=margins(performance),
     )
     path.write_bytes(text.encode("utf-8", errors="replace"))
+
+
+@cache
+def _template() -> Template:
+    """The page, ready to be filled; read once."""
+    environment = Environment(
+        loader=FileSystemLoader(HERE), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters |= {"number": number, "shift": shift, "spark": spark}
+    environment.filters |= {"breakable": breakable, "departure": departure}
+    return environment.get_template("page.jinja")
 
 
 def verdict(data: Mapping[str, Json]) -> str:

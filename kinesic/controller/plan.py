@@ -1,6 +1,6 @@
 """The straight line, from a block of BML to a motion that the servos can follow; pure."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
 
@@ -27,6 +27,7 @@ from kinesic.controller.trajectory import Trajectory
 from kinesic.controller.waypoints import Waypoints
 from kinesic.controller.wish import Wish, wish
 from kinesic.expressivity.durations import spans
+from kinesic.expressivity.engaged import Engaged
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.expressivity.realise import keyframes
 
@@ -69,6 +70,7 @@ def plan(
     *,
     conditioned: Conditioner = certified,
     utterances: Mapping[str, Utterance] | None = None,
+    engaged: Sequence[Engaged] = (),
 ) -> Plan:
     """Plans a whole block.
 
@@ -81,20 +83,23 @@ def plan(
         facts: everything else.
         conditioned: makes a motion one that the servos can follow.
         utterances: each speech by its id, when that is decided; no further pause is made then.
+        engaged: hands that other blocks need meanwhile: gestures that leave it open take the other one.
 
     Raises:
         BmlError: something `required` cannot be performed.
     """
     began = perf_counter()
-    found = _planned(block, facts, utterances or spoken(block, facts), conditioned)
+    found = _planned(block, facts, utterances or spoken(block, facts), conditioned, engaged)
     waiting: tuple[Waiting, ...] = ()
     if utterances is None and (most := allowed(block, facts.pause)):
-        found, waiting = _unhurried(found, most, conditioned)
+        found, waiting = _unhurried(found, most, conditioned, engaged)
     notices = (*remarks(block, found.utterances), *pause_notices(block, waiting), *found.notices)
     return replace(found, notices=notices, seconds=perf_counter() - began)
 
 
-def _unhurried(found: Plan, most: Mapping[str, float], conditioned: Conditioner) -> tuple[Plan, tuple[Waiting, ...]]:
+def _unhurried(
+    found: Plan, most: Mapping[str, float], conditioned: Conditioner, engaged: Sequence[Engaged]
+) -> tuple[Plan, tuple[Waiting, ...]]:
     """A plan with pauses before the words that the body would miss, as long as that makes it better."""
     block, facts = found.timeline.block, found.facts
     waiting: tuple[Waiting, ...] = ()
@@ -105,7 +110,7 @@ def _unhurried(found: Plan, most: Mapping[str, float], conditioned: Conditioner)
             said = spoken(block, facts, more)
         if more == waiting:
             break
-        better = _planned(block, facts, said, conditioned)
+        better = _planned(block, facts, said, conditioned, engaged)
         if _worst(better) >= _worst(found):
             break
         found, waiting = better, more
@@ -117,13 +122,19 @@ def _worst(planned: Plan) -> float:
     return max((abs(late) for late, _ in lateness(planned.timeline, planned.syncs).values()), default=0.0)
 
 
-def _planned(block: Block, facts: Facts, utterances: Mapping[str, Utterance], conditioned: Conditioner) -> Plan:
+def _planned(
+    block: Block,
+    facts: Facts,
+    utterances: Mapping[str, Utterance],
+    conditioned: Conditioner,
+    engaged: Sequence[Engaged],
+) -> Plan:
     """Plans a block with what it says."""
     natural = spans(block, style=facts.style, lexicon=facts.lexicon, pace=facts.pace, targets=facts.targets)
     timeline = schedule(block, utterances, natural)
     without: dict[str, str] = {}
     while True:
-        frames = _frames(timeline, facts, without)
+        frames = _frames(timeline, facts, without, engaged)
         asked = postures(frames, facts.robot, facts.distances)
         solved, motion, times, clearance = cleared(asked, facts, bonds(timeline), conditioned=conditioned)
         dropped = culprits(frames, motion, times, clearance, facts.robot)
@@ -151,7 +162,7 @@ def _planned(block: Block, facts: Facts, utterances: Mapping[str, Utterance], co
     )
 
 
-def _frames(timeline: Timeline, facts: Facts, without: Mapping[str, str]) -> KeyFrames:
+def _frames(timeline: Timeline, facts: Facts, without: Mapping[str, str], engaged: Sequence[Engaged]) -> KeyFrames:
     return keyframes(
         timeline,
         style=facts.style,
@@ -161,6 +172,7 @@ def _frames(timeline: Timeline, facts: Facts, without: Mapping[str, str]) -> Key
         without=without,
         gathering=facts.gathering,
         idling=facts.idling,
+        engaged=engaged,
     )
 
 

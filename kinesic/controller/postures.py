@@ -177,13 +177,21 @@ def _in_world(hand: Hand, side: Side, frame: KeyFrame, angles: Floats, robot: Ro
     if hand.reach is None:
         return None
     if hand.aim is not None:
-        return _aimed(hand.reach, hand.aim, side, angles, robot)
+        return aimed(hand.reach, hand.aim, side, angles, robot)
     box = volume(robot, frame.torso)
     return hand.reach if box is None else box.placed(hand.reach)
 
 
-def _aimed(reach: Reach, aim: Floats, side: Side, angles: Floats, robot: Robot) -> Reach:
-    """The same reach seen from the shoulder as it is: turned so that what pointed at the aim still does."""
+def aimed(reach: Reach, aim: Floats, side: Side, angles: Floats, robot: Robot) -> Reach:
+    """The same reach seen from the shoulder as it is: turned so that what pointed at the aim still does.
+
+    Args:
+        reach: from where the shoulder rests, in the world.
+        aim: (3,) [m] in the world.
+        side: of the hand.
+        angles: (n,) [rad] of the whole robot.
+        robot: whose hand it is.
+    """
     shoulder = robot.skeleton.segment(robot.chains[f"{side}_arm"][-3])
     resting = robot.skeleton.resting.origins[shoulder]
     centre = robot.skeleton.frames(angles).origins[shoulder]

@@ -79,7 +79,7 @@ def _least(segment: Segment, limits: Limits) -> _Least | None:
     rows, orders = rows[some], np.repeat([float(order) for order in ORDERS.values()], counts)[some, None]
     told, solved = _solved(
         sp.csc_array((grid.size + 1, grid.size + 1)),
-        sp.block_array([[sp.csr_array(matrix), None], [rows, -orders], [rows, orders]], format="csc"),
+        _relaxed(sp.coo_array(matrix), rows.tocoo(), orders[:, 0]),
         np.concatenate([values, np.full(len(orders), -np.inf), np.full(len(orders), -1.0)]),
         np.concatenate([values, np.full(len(orders), 1.0), np.full(len(orders), np.inf)]),
         np.append(lower, EASY),
@@ -98,6 +98,17 @@ def _least(segment: Segment, limits: Limits) -> _Least | None:
         pulls[: len(values)] / (1 + 2 * least),
         _binding(np.searchsorted(segment.places, places), kinds, binds, len(segment.places) + 1),
     )
+
+
+def _relaxed(fixed: sp.coo_array, rows: sp.coo_array, orders: Floats) -> sp.csc_array:
+    """What is fixed; below it the rows of limits less what relaxes them, a last variable, and again plus it."""
+    above, (count, size) = fixed.shape[0], rows.shape
+    every, last = np.arange(count), np.full(count, size)
+    down = [fixed.row, rows.row + above, every + above, rows.row + above + count, every + above + count]
+    across = [fixed.col, rows.col, last, rows.col, last]
+    data = np.concatenate([fixed.data, rows.data, -orders, rows.data, orders])
+    shape = (above + 2 * count, size + 1)
+    return sp.coo_array((data, (np.concatenate(down), np.concatenate(across))), shape=shape).tocsc()
 
 
 def _solved(

@@ -5,7 +5,6 @@ from math import gcd
 from pathlib import Path
 
 import numpy as np
-from scipy.signal import resample_poly
 
 from kinesic.bml.block import Speech
 from kinesic.body.utterance import Samples, Sound
@@ -41,6 +40,8 @@ def resampled(spoken: Sound, rate: int) -> Samples:
     """The samples (m,) of a sound at another rate [Hz]."""
     if spoken.rate == rate:
         return spoken.samples
+    from scipy.signal import resample_poly  # noqa: PLC0415 - slow to import, and voices seldom differ
+
     common = gcd(spoken.rate, rate)
     samples: Samples = resample_poly(spoken.samples, rate // common, spoken.rate // common)
     return samples

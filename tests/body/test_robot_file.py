@@ -35,8 +35,11 @@ def changed(tmp_path: Path):
         ("range_deg = [0, 135]", "range_deg = [0]", "length 2, got 1"),
         ("l_elbow_flexion = 25", "l_elbow_flexion = 140", r"\[rest\] l_elbow_flexion is 140\.0 deg, outside \[0\.0"),
         ("l_elbow_flexion = 25", "l_elbo_flexion = 25", r"\[rest\]: no l_elbo_flexion; did you mean l_elbow_flexion"),
-        ('servo = "xm540_w150"\nmount = { body = "humanoid_root"', 'servo = "xm540"\nmount = { body = "humanoid_root"',
-         r"servo of hinge vl5_torsion: no xm540; did you mean xm540_w"),
+        (
+            'servo = "xm540_w150"\nmount = { body = "humanoid_root"',
+            'servo = "xm540"\nmount = { body = "humanoid_root"',
+            r"servo of hinge vl5_torsion: no xm540; did you mean xm540_w",
+        ),
         (ELBOW, '[[hinge]]\nname = "l_shoulder_twisting"', "hinge l_shoulder_twisting is described twice"),
         ('[[body]]\nname = "skullbase"', '[[body]]\nname = "vt1"', "body vt1 is described twice"),
         ('parent = "humanoid_root"', 'parent = "root"', r"parent of body vl5: no root"),
@@ -49,7 +52,7 @@ def changed(tmp_path: Path):
         ('eyes = { body = "skullbase"', 'eyes = { body = "skull"', r"site eyes: no skull; did you mean skullbase\?"),
         ('pair = ["vl5", "skullbase"]', 'pair = ["vl5", "head"]', r"\[collision\] exclude: no head"),
     ],
-)  # fmt: skip
+)
 def test_a_wrong_file_teaches(changed, old: str, new: str, message: str):
     with pytest.raises(ConfigError, match=message) as caught:
         changed(old, new)

@@ -4,9 +4,12 @@ import numpy as np
 import pytest
 
 from kinesic.controller.bench import corpus, first, following, plan, twin
+from kinesic.controller.bench.crowd import crowd
 from kinesic.controller.bench.figure import Figure
 from kinesic.controller.cli.bench import PARTS, bench
 from kinesic.controller.perform import facts
+
+SMALL = 4  # the seed of a crowded block whose optimum is soon found
 
 
 @pytest.fixture
@@ -14,6 +17,7 @@ def brief(monkeypatch):
     """One or two repetitions are enough to see that the figures are there."""
     monkeypatch.setattr(plan, "REPETITIONS", 1)
     monkeypatch.setattr(plan, "CROWDS", 1)
+    monkeypatch.setattr(plan, "crowd", lambda seed, lexemes: crowd(SMALL + seed, lexemes))
     monkeypatch.setattr(first, "REPETITIONS", 2)
     monkeypatch.setattr(twin, "REPETITIONS", 2)
     monkeypatch.setattr(following, "BLOCKS", 2)
@@ -29,6 +33,8 @@ def test_plan_has_its_figures_and_no_violation(brief):
     figures = {figure.name: figure for figure in plan.bench()}
     assert figures["plan.full_5s_p95"].value > 0
     assert figures["plan.violations"].value == 0
+    assert figures["plan.stretch_blocks"].value == 1
+    assert figures["plan.stretch"].ok
 
 
 def test_twin_measures_speed_and_clearance(brief):

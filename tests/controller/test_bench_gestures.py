@@ -5,7 +5,7 @@ import pytest
 from kinesic.body.config import names_of
 from kinesic.controller.bench.gestures import NEUTRAL, Result, every, figures, judged, play, sample
 
-SHARE = 0.02
+SHARE = 0.01
 TASKS = every(names_of("style"))
 
 

@@ -14,8 +14,8 @@ def server():
 
 
 def test_every_block_is_measured(server):
-    found = live.latencies(server, 4)
-    assert len(found) == 4
+    found = live.latencies(server, len(live.SMALL))
+    assert len(found) == len(live.SMALL)
     assert all(0.0 < each.feedback <= each.command for each in found)
 
 

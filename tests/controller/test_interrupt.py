@@ -1,3 +1,5 @@
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -21,6 +23,7 @@ def random_postures(seed: int) -> tuple[Posture, ...]:
     return tuple(Posture(float(t), sealed(chance.uniform(-1.2, 1.2, 3)), (True,) * 3) for t in times)
 
 
+@cache
 def moving(seed: int):
     return condition(random_postures(seed), LIMITS).trajectory
 

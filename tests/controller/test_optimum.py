@@ -51,7 +51,7 @@ def test_tighter_limits_strain_more():
 def test_a_crowded_block_is_strained_hardly_more_than_it_must():
     known = facts()
     lexemes = [form.id for form in known.lexicon.forms]
-    planned = plan(crowd(1, lexemes), known)
+    planned = plan(crowd(4, lexemes), known)
     asked, ties = planned.postures.postures, bonds(planned.timeline)
     keys = Keys.of(asked, known.limits, ties)
     motion = condition(asked, known.limits, bonds=ties)

@@ -1,4 +1,5 @@
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -26,6 +27,7 @@ HURRIED = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:kinesi
 MARKS = {"g1": "a", "g2": "b", "g3": "c"}
 
 
+@cache
 def hurried(known: Facts, *, block: str = "", speech: str = "") -> Plan:
     return plan(HURRIED.format(block=block, speech=speech), known)
 
@@ -90,7 +92,7 @@ def test_no_pause_is_longer_than_it_may_be(known: Facts):
     assert said["c"] - usual["c"] <= 0.24 + 0.06
 
 
-def test_the_facts_say_so_for_documents_that_do_not(waiting: Plan):
+def test_the_facts_say_so_for_documents_that_do_not():
     usual = facts(voice="durations", pause=2.0)
     assert max(missed(hurried(usual))) <= SHIFT_TO_WARN
     assert pauses(hurried(usual, block='kinesic:pause="false"')) == []

@@ -6,13 +6,12 @@ import pytest
 from kinesic.bml.parse import parse
 from kinesic.controller.bench.passage import passage
 from kinesic.controller.busy import arm, freed
-from kinesic.controller.clear import LAG_RESERVE, scan
-from kinesic.controller.crossing import knot_at
 from kinesic.controller.merge import merged
 from kinesic.controller.opening import opening
-from kinesic.controller.peaks import peaks
 from kinesic.controller.release import released, tail
 from kinesic.controller.trajectory import STEP, held
+
+from .laid import certified
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 OFFER = '<gesture id="{0}" lexeme="offer" mode="{1}_HAND" start="{2}" stroke="{3}" relax="{4}"/>'
@@ -27,14 +26,6 @@ def planned(known):
 @pytest.fixture(scope="module")
 def rest(known):
     return held(known.robot.skeleton.rest)
-
-
-def certified(motion, known, before, time: float) -> None:
-    knot = knot_at(time)
-    np.testing.assert_allclose(motion.controls[: knot + 3], before.controls[: knot + 3], atol=1e-8)
-    for name, peak in peaks(motion, known.limits).shares.items():
-        assert peak.ratios.max() <= 1.001, name
-    assert scan(motion, known.distances)[1].distances.min() >= known.robot.least_clearance + LAG_RESERVE - 1e-4
 
 
 @pytest.mark.parametrize("time", [0.4, 0.85, 1.3, 3.5, 4.6])

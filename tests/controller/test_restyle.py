@@ -8,16 +8,15 @@ import pytest
 from kinesic.bml.parse import parse
 from kinesic.controller.bench.passage import passage
 from kinesic.controller.busy import arm
-from kinesic.controller.clear import LAG_RESERVE, scan
-from kinesic.controller.crossing import knot_at
 from kinesic.controller.merge import merged
 from kinesic.controller.opening import opening
-from kinesic.controller.peaks import peaks
 from kinesic.controller.plan import plan
 from kinesic.controller.release import released
 from kinesic.controller.restyle import restyled
 from kinesic.controller.trajectory import held
 from kinesic.expressivity.style import Style
+
+from .laid import certified
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="c">{}</bml>'
 
@@ -36,14 +35,6 @@ def playing(known, block):
 def others(known, block):
     styles = {name: replace(known, style=Style.load(name)) for name in ("neutral", "joyful", "sad")}
     return {name: plan(block, facts) for name, facts in styles.items()}
-
-
-def certified(motion, known, before, time: float) -> None:
-    knot = knot_at(time)
-    np.testing.assert_allclose(motion.controls[: knot + 3], before.controls[: knot + 3], atol=1e-8)
-    for name, peak in peaks(motion, known.limits).shares.items():
-        assert peak.ratios.max() <= 1.001, name
-    assert scan(motion, known.distances)[1].distances.min() >= known.robot.least_clearance + LAG_RESERVE - 1e-4
 
 
 def reached(motion, zero, plan, sync, hinges) -> float:

@@ -44,10 +44,14 @@ def port(tmp_path: Path) -> Iterator[Path]:
 
 
 def followed(planned: Plan, clocks: Floats, times: Floats, angles: Floats) -> None:
-    """Measured angles at performance times are those of the plan, wherever the machine let the driver do its work."""
+    """Measured angles (k, n) at their performance times are the plan's, wherever the machine let the driver work.
+
+    Clocks (k,) are those of the cycles.
+    """
     stalls = clocks[1:][np.diff(clocks) > STALL]
     calm = np.array([not ((clock - stalls >= 0) & (clock - stalls < AFTER)).any() for clock in clocks])
-    wanted, speeds, _ = planned.trajectory.sample(times)
+    sampled = [planned.trajectory.sample(column) for column in times.T]
+    wanted, speeds = (np.transpose([each[k][:, hinge] for hinge, each in enumerate(sampled)]) for k in range(2))
     moving = (np.abs(speeds) > 0.05 * planned.facts.robot.speed_limits) & calm[:, None]
     if moving.sum() < 500:
         pytest.skip("the machine was too busy for real time")
@@ -65,8 +69,8 @@ def test_kinesic_moves_the_twin_through_the_port(planned: Plan, port: Path):
     servos.close()
     ran = [told for told in servos.history() if told.stage is Stage.ACTIVE and told.scale > FULL]
     rows = [told for told in ran if np.isfinite(told.taken).all()]
-    clocks, taken = np.array([told.clock for told in rows]), np.array([told.taken.mean() for told in rows])
-    at = np.interp(taken, clocks, [told.time for told in rows])
+    clocks, reached = np.array([told.clock for told in rows]), np.array([told.time for told in rows])
+    at = np.transpose([np.interp(taken, clocks, reached) for taken in np.transpose([told.taken for told in rows])])
     followed(planned, clocks, at, np.array([told.angles for told in rows]))
 
 
@@ -82,7 +86,7 @@ def test_the_sdk_moves_the_twin_through_the_port(planned: Plan, port: Path):
     for servo in hinges:
         protocol.write1ByteTxRx(handler, servo, 64, 1)
         read.addParam(servo)
-    began, rows = time.monotonic() + 0.1, list[tuple[float, float, Floats]]()
+    began, rows = time.monotonic() + 0.1, list[tuple[float, Floats, Floats]]()
     for command in commands(planned.trajectory, times, setpoints):
         time.sleep(max(0.0, began + command.time - time.monotonic()))
         now = time.monotonic()
@@ -96,7 +100,8 @@ def test_the_sdk_moves_the_twin_through_the_port(planned: Plan, port: Path):
             seen = np.zeros(len(wiring.servos))
             for servo, hinge in hinges.items():
                 seen[hinge] = read.getData(servo, 132, 4)
-            rows.append((now, asked + (14 + 6 * len(hinges)) * 10e-6 - began, wiring.scale.angles(seen)))
+            taken = asked + (14 + 6 * len(hinges)) * 10e-6 - began
+            rows.append((now, np.full(len(seen), taken), wiring.scale.angles(seen)))
     handler.closePort()
     clocks, at, angles = (np.array(column) for column in zip(*rows, strict=True))
     followed(planned, clocks, at, angles)

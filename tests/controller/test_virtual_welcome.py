@@ -20,7 +20,7 @@ from kinesic.hardware.virtual.fittings import build, cables
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 
 PERIOD = 1 / RATE
-SEEN = 500  # cycles: the first wave and some of what is said
+SEEN = 350  # cycles: the first wave
 
 
 @pytest.fixture(scope="module")

@@ -75,12 +75,12 @@ def _agreement(chain: Chain, count: int, seed: int) -> int:
 
 @pytest.mark.parametrize("chain", [LEFT, RIGHT], ids=["left", "right"])
 def test_whole_solves_agree_with_the_specification(chain: Chain) -> None:
-    assert _agreement(chain, 1000, 21) >= 0.999 * 1000
+    assert _agreement(chain, 500, 21) >= 0.999 * 500
 
 
 def test_whole_solves_of_other_arms_agree_too() -> None:
     random = default_rng(22)
-    assert sum(_agreement(random_arm(random), 40, seed) for seed in range(25)) >= 0.999 * 1000
+    assert sum(_agreement(random_arm(random), 20, seed) for seed in range(25)) >= 0.999 * 500
 
 
 def test_in_limit_targets_are_reached_to_a_tenth_of_a_millimetre() -> None:

@@ -60,7 +60,7 @@ def test_the_errors_are_those_of_the_angles():
 @pytest.mark.parametrize("widest", [np.pi, 0.6])
 def test_both_kernels_swing_alike(side, widest):
     random, swung, chain = default_rng(36), 0, ARMS[side]
-    for k in range(60):
+    for k in range(36):
         held = _held(chain, random.uniform(chain.lower, chain.upper), palm=k % 3 != 1)
         reach = Reach(held.position, held.pointing if k % 3 else None, held.palm)
         rest = random.uniform(chain.lower - 0.1, chain.upper + 0.1) if k % 4 == 0 else None

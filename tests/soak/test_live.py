@@ -14,6 +14,7 @@ from kinesic.client import Client
 from kinesic.controller.bench import live
 from kinesic.controller.bench.corpus import folder
 from kinesic.controller.bench.mutations import mutated
+from kinesic.controller.serve.rules import USUAL
 from kinesic.controller.validate import documents
 
 DOCUMENTS = 10_000
@@ -37,7 +38,11 @@ def test_mutated_documents_neither_crash_nor_stall_it():
     patient = ("--rule", "planning=120", "--rule", "rate=1000", "--rule", "burst=1000")
     with live.opened(*patient) as server, Client(port=server.port) as client:
         for seed in range(DOCUMENTS):
-            client.send_bytes(mutated(chance.choice(texts), seed).replace(b"\0", b" "))
+            text = mutated(chance.choice(texts), seed).replace(b"\0", b" ")
+            if len(text) > USUAL.message:
+                _sent_home(server.port, text)
+            else:
+                client.send_bytes(text)
             status = _status(client)
             while status["waiting"]:
                 client.receive(0.01)
@@ -80,6 +85,15 @@ def _performed(port: int) -> None:
         client.do("resume")
         messages = list(client.perform(f'<bml id="three">{beat}</bml>'))
     assert 'id="three:end"' in messages[-1]
+
+
+def _sent_home(port: int, oversized: bytes) -> None:
+    """Sends a message that is too long, which must cost its sender the connection."""
+    with Client(port=port) as client:
+        client.send_bytes(oversized)
+        heard = client.receive(60.0)
+        assert heard is not None
+        assert "rule message" in heard
 
 
 def _status(client: Client) -> dict[str, object]:

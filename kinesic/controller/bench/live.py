@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import count
+from math import inf
 from pathlib import Path
 from tempfile import TemporaryFile
 from time import monotonic, sleep
@@ -152,7 +153,7 @@ def endurance(server: Server, seconds: float) -> Endurance:
         heard = -1
         while heard < len(ended) < sent:  # as long as some still end
             heard = len(ended)
-            _hear(client, monotonic() + CALMS, ended)
+            _hear(client, monotonic() + CALMS, ended, enough=sent)
         client.do("status")
         while (message := client.receive(CALMS)) is not None and '"late":' not in message:
             pass
@@ -160,8 +161,9 @@ def endurance(server: Server, seconds: float) -> Endurance:
     return Endurance(sent, sent - len(ended), _grown(memory, seconds), late)
 
 
-def _hear(client: Client, until: float, ended: set[str]) -> None:
-    while (left := until - monotonic()) > 0.0:
+def _hear(client: Client, until: float, ended: set[str], *, enough: float = inf) -> None:
+    """Notes whose end is told, until a time or until enough have ended."""
+    while len(ended) < enough and (left := until - monotonic()) > 0.0:
         message = client.receive(left)
         found = re.search(r'<blockProgress[^>]* id="(many\d+):end"', message or "")
         if found is not None:

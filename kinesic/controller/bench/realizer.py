@@ -9,6 +9,7 @@ from kinesic.bml.block import BmlError
 from kinesic.controller.bench.heard import Feedback, heard
 from kinesic.controller.facts import Facts
 from kinesic.controller.serve.asked import Message, asked, refused
+from kinesic.controller.serve.meeting import among
 from kinesic.controller.serve.scene import Due, Scene, begun, passed, ready
 
 
@@ -24,7 +25,8 @@ class Realizer:
         """Sends a document now; one that is refused is answered by a warning."""
         message = Message(text, source=source)
         try:
-            coming = ready(asked(message, self._facts, around=self._scene.around(self.now)), self._facts)
+            known = asked(message, self._facts, around=self._scene.around(self.now))
+            coming = ready(among(self._scene, known), self._facts)
         except BmlError as error:
             self.feedback.messages.append(heard(refused(message, error)))
             return

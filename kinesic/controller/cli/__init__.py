@@ -7,32 +7,23 @@ import click
 from kinesic import __version__
 from kinesic.bml.block import BmlError
 from kinesic.body.config import ConfigError
-from kinesic.controller.cli.bench import bench
-from kinesic.controller.cli.doctor import doctor
-from kinesic.controller.cli.face import face
-from kinesic.controller.cli.gestures import gestures
-from kinesic.controller.cli.perform import perform
-from kinesic.controller.cli.plan import plan
-from kinesic.controller.cli.robots import robots
-from kinesic.controller.cli.serve import serve
-from kinesic.controller.cli.servos import servos
-from kinesic.controller.cli.study import study
-from kinesic.controller.cli.sweep import sweep
-from kinesic.controller.cli.twin import twin
-from kinesic.controller.cli.validate import validate
+from kinesic.controller.cli.verbs import Verbs
 from kinesic.hardware.wire import BusError
 
 BAD_INPUT = 2
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__)
 def kinesic() -> None:
     """Performs BML (Behavior Markup Language) on humanoids with servos."""
 
 
-for verb in (perform, validate, plan, serve, robots, gestures, face, study, sweep, twin, servos, bench, doctor):
-    kinesic.add_command(verb)
+kinesic.offer(
+    __name__,
+    *("perform", "validate", "plan", "serve", "robots", "gestures", "face"),
+    *("study", "sweep", "twin", "servos", "bench", "doctor"),
+)
 
 
 def main() -> None:

@@ -12,8 +12,8 @@ import numpy as np
 from kinesic.bml.block import Face
 from kinesic.body.command import Command
 from kinesic.body.config import ConfigError
+from kinesic.controller.cli.document import read_document
 from kinesic.controller.cli.options import Settings, planning
-from kinesic.controller.cli.perform import read_document
 from kinesic.controller.cli.watching import watched
 from kinesic.controller.faces import faced
 from kinesic.controller.perform import plan

@@ -24,22 +24,7 @@ from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.sim.log import write_log
 
-SINKS = ("twin", "servos", "face")
 KEYS = "space: stop where it is; again: let go. Ctrl-C: fold to rest and let go."
-FAULT = 3
-
-
-class SinkNames(click.ParamType[frozenset[str]]):
-    """Names of sinks, with commas between them."""
-
-    name = "sinks"
-
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> frozenset[str]:
-        """Their set."""
-        names = frozenset(str(value).split(","))
-        if names - set(SINKS):
-            self.fail(f"{value!r} is not one of {', '.join(SINKS)}, or several with commas between them", param, ctx)
-        return names
 
 
 def performed_live(

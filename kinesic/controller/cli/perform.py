@@ -1,7 +1,6 @@
 """`kinesic perform`: one document, in the twin, with a report."""
 
 import json
-import sys
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -10,24 +9,26 @@ from typing import get_args
 import click
 from rich.table import Table
 
-from kinesic.bml.block import BmlError
 from kinesic.controller.bap import SUFFIX, read_bap
 from kinesic.controller.checks import Check, checks
 from kinesic.controller.cli.console import console
-from kinesic.controller.cli.live import FAULT, SinkNames, performed_live, write_live
+from kinesic.controller.cli.document import read_document
+from kinesic.controller.cli.live import performed_live, write_live
 from kinesic.controller.cli.options import Settings, planning
 from kinesic.controller.cli.servos.ports import PORT_HELP, all_ports
+from kinesic.controller.cli.sinks import FAULT, SinkNames
 from kinesic.controller.cli.twins import HELP as TWIN_HELP
 from kinesic.controller.cli.twins import read_twins
 from kinesic.controller.cli.watching import following as following_face
 from kinesic.controller.cli.watching import watched, watching
 from kinesic.controller.facts import Facts
 from kinesic.controller.feedforward import Terms
+from kinesic.controller.folders import free_folder
 from kinesic.controller.following import following
 from kinesic.controller.imported import imported
 from kinesic.controller.live import Live
 from kinesic.controller.live_report import live_checks
-from kinesic.controller.output import Written, free_folder, write
+from kinesic.controller.output import Written, write
 from kinesic.controller.page import verdict
 from kinesic.controller.perform import dry_runs, performances
 from kinesic.controller.performance import Performance
@@ -116,20 +117,6 @@ def _performed(
     source = "stdin" if file == "-" else file
     text = read_document(file)
     return performances(text, twins, known, source=source, feedforward=feedforward, correction=correction)
-
-
-def read_document(file: str) -> bytes:
-    """The bytes of a file, or of standard input for `-`.
-
-    Raises:
-        BmlError: there is no such file, or it cannot be read.
-    """
-    if file == "-":
-        return sys.stdin.buffer.read()
-    try:
-        return Path(file).read_bytes()
-    except OSError as error:
-        raise BmlError(f"{file}: {error.strerror}") from None
 
 
 def _table(verdicts: tuple[Check, ...]) -> Table:

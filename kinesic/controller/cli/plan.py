@@ -5,8 +5,8 @@ from pathlib import Path
 import click
 
 from kinesic.controller.bap import SUFFIX, read_bap
+from kinesic.controller.cli.document import read_document
 from kinesic.controller.cli.options import Settings, planning
-from kinesic.controller.cli.perform import read_document
 from kinesic.controller.imported import imported
 from kinesic.controller.motion_file import write_motion
 from kinesic.controller.perform import plan as plan_document

@@ -12,9 +12,9 @@ import click
 
 from kinesic.body.config import ConfigError, closest
 from kinesic.client import PORT
-from kinesic.controller.cli.live import FAULT, SinkNames
 from kinesic.controller.cli.options import Settings, planning
 from kinesic.controller.cli.servos.ports import PORT_HELP, all_ports
+from kinesic.controller.cli.sinks import FAULT, SinkNames
 from kinesic.controller.serve.followers import AHEAD, DELAY, Follower, RealServos, RealTwin
 from kinesic.controller.serve.rules import USUAL, Rules
 from kinesic.controller.serve.serving import Address, Serving, serving, until_done

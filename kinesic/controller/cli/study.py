@@ -11,7 +11,7 @@ from rich.table import Table
 
 from kinesic.body.config import ConfigError
 from kinesic.controller.cli.console import console
-from kinesic.controller.output import emptied, free_folder
+from kinesic.controller.folders import emptied, free_folder
 from kinesic.controller.report import Json
 from kinesic.controller.study.analysis import MEASURES, Cell, Choices, Comparison, compared, first_choices
 from kinesic.controller.study.answers import LABELS, read_answers

@@ -11,7 +11,7 @@ from rich.table import Table
 from kinesic.body.config import ConfigError
 from kinesic.controller.cli.console import console
 from kinesic.controller.cli.options import Settings, planning
-from kinesic.controller.output import emptied, free_folder
+from kinesic.controller.folders import emptied, free_folder
 from kinesic.controller.report import Json
 from kinesic.controller.sweep.measures import SHOWN, Measures
 from kinesic.controller.sweep.plots import draw

@@ -17,7 +17,7 @@ from kinesic.controller.cli.options import Settings, planning
 from kinesic.controller.cli.summary import summarise
 from kinesic.controller.cli.twins import HELP as TWIN_HELP
 from kinesic.controller.cli.twins import read_twins
-from kinesic.controller.output import emptied
+from kinesic.controller.folders import emptied
 from kinesic.controller.report import Json
 from kinesic.controller.totals import totals
 from kinesic.controller.validate import JOURNAL, Verdict, documents

@@ -68,7 +68,7 @@ def test_dropped_by_name_and_the_rest_performs(name, kinesic, tmp_path):
     assert any(warning["id"] == "b:x" for warning in data["warnings"])
 
 
-@pytest.mark.parametrize("seconds", [215, pytest.param(915, marks=pytest.mark.soak)])
+@pytest.mark.parametrize("seconds", [125, pytest.param(915, marks=pytest.mark.soak)])
 def test_a_long_block_is_performed(kinesic, tmp_path, seconds):
     path = tmp_path / "long.bml"
     path.write_text(BML.format(NOD + f'<head id="late" lexeme="NOD" start="{seconds - 1}" end="{seconds}"/>'))

@@ -8,16 +8,15 @@ from pathlib import Path
 
 import pytest
 
+from kinesic.controller.cli import validate
 from kinesic.controller.cli.validate import SUMMARY
 from kinesic.controller.validate import JOURNAL
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 NOD = ROOT.format('<head id="h" lexeme="NOD" start="0.2"/>')
-MODULE = "kinesic.controller.cli.validate"
-SAME_PROGRAM = f"""
-import sys
-from kinesic.controller.cli import main
-sys.modules["{MODULE}"].fingerprint = lambda settings, *others: repr((settings, others))
+SAME_PROGRAM = """
+from kinesic.controller.cli import main, validate
+validate.fingerprint = lambda settings, *others: repr((settings, others))
 main()
 """
 WALK = ROOT.format('<locomotion id="w" target="user"/>')
@@ -37,7 +36,7 @@ def folder(tmp_path):
 @pytest.fixture
 def same_program(monkeypatch):
     """A run goes on although somebody is editing kinesic while its tests run."""
-    monkeypatch.setattr(sys.modules[MODULE], "fingerprint", lambda settings, *others: repr((settings, others)))
+    monkeypatch.setattr(validate, "fingerprint", lambda settings, *others: repr((settings, others)))
 
 
 def parsed(ended):

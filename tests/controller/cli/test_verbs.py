@@ -1,4 +1,6 @@
 import json
+import subprocess
+import sys
 
 import numpy as np
 
@@ -83,6 +85,26 @@ def test_targets_from_a_file(kinesic, tmp_path):
     assert without["warnings"][0]["type"] == "NO_SUCH_TARGET"
     options = ("--targets", "targets.toml", "--no-film", "--json", "--out", "b")
     assert json.loads(kinesic("perform", "-", *options, stdin=point).out)["behaviours"][0]["outcome"] == "realised"
+
+
+def test_help_tells_what_every_verb_does(kinesic):
+    ended = kinesic("--help")
+    rows = [line.split() for line in ended.out.partition("Commands:\n")[2].splitlines()]
+    assert ended.code == 0
+    assert {"perform", "serve", "servos", "validate"} <= {verb for verb, *_ in rows}
+    assert all(len(words) > 3 for words in rows)
+
+
+def test_a_verb_waits_for_no_library_of_another_one():
+    """Seen in a process of its own, which has imported nothing yet."""
+    program = """import sys
+from kinesic.controller.cli import kinesic
+kinesic(["servos", "scan", "--help"], standalone_mode=False)
+print("heavy:", *{"casadi", "matplotlib", "mujoco", "scipy"} & sys.modules.keys())
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert "--baud" in done.stdout
+    assert done.stdout.splitlines()[-1] == "heavy:"
 
 
 def test_an_unknown_verb_or_option_is_bad_input(kinesic):

@@ -15,6 +15,8 @@ from kinesic.controller.study.answers import COLUMNS, LABELS, Answer, read_answe
 from kinesic.controller.study.design import stimuli
 
 PEOPLE = 60
+SHOWN = stimuli()
+REGIONS = {each.action.name: each.action.region for each in SHOWN}
 
 
 def made(path: Path, *, strong: float, wrinkled: float, seed: int = 0) -> Path:
@@ -29,9 +31,9 @@ def made(path: Path, *, strong: float, wrinkled: float, seed: int = 0) -> Path:
         rows.writeheader()
         for person in range(PEOPLE):
             for place, k in enumerate(rng.choice(128, 32, replace=False)):
-                shown = stimuli()[k]
+                shown = SHOWN[k]
                 better = strong * (shown.strength == "high") + wrinkled * (shown.wrinkles and shown.action.name == "4")
-                labels = [a for a in LABELS if region(a) == shown.action.region]
+                labels = [a for a in LABELS if REGIONS[a] == shown.action.region]
                 rows.writerow(
                     {
                         "participant": person,
@@ -52,13 +54,14 @@ def made(path: Path, *, strong: float, wrinkled: float, seed: int = 0) -> Path:
     return path
 
 
-def region(action: str) -> str:
-    return next(each.action.region for each in stimuli() if each.action.name == action)
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return made(tmp_path_factory.mktemp("answers") / "all.csv", strong=1.2, wrinkled=1.0)
 
 
 @pytest.fixture(scope="module")
-def answers(tmp_path_factory: pytest.TempPathFactory) -> tuple[Answer, ...]:
-    return read_answers([made(tmp_path_factory.mktemp("answers") / "all.csv", strong=1.2, wrinkled=1.0)])
+def answers(file: Path) -> tuple[Answer, ...]:
+    return read_answers([file])
 
 
 def test_an_effect_that_is_there_is_found(answers: tuple[Answer, ...]):
@@ -104,13 +107,12 @@ def test_a_tie_is_no_first_choice():
     assert Answer("4", conditions, {"4": 4, "1+2": 3, "1+4": 1}, opinions).first_choice
 
 
-def test_the_command_prints_the_tables_of_the_thesis(tmp_path: Path):
-    path = made(tmp_path / "all.csv", strong=1.2, wrinkled=1.0)
-    told = CliRunner().invoke(study, ["analyse", str(path)], standalone_mode=False)
+def test_the_command_prints_the_tables_of_the_thesis(file: Path):
+    told = CliRunner().invoke(study, ["analyse", str(file)], standalone_mode=False)
     assert told.exception is None
     for words in ("effect of intensity", "effect of presentation", "first choice", "NAT", "p < 0.05"):
         assert words in told.output
-    told = CliRunner().invoke(study, ["analyse", str(path), "--json"], standalone_mode=False)
+    told = CliRunner().invoke(study, ["analyse", str(file), "--json"], standalone_mode=False)
     data = json.loads(told.output)
     assert {row["action"] for row in data["intensity"]} == set(LABELS)
     assert all(row["p"] < 0.05 for row in data["intensity"] if row["measure"] == "EXP")

@@ -17,7 +17,7 @@ from .chromium import Page, binary, opened
 @pytest.fixture
 def page(tmp_path: Path):
     if binary() is None:
-        pytest.skip("no Chromium is installed")
+        pytest.skip("no Chromium: apt-get install chromium")
     (tmp_path / "stimuli").mkdir()
     for each in stimuli():
         Image.new("RGB", (8, 8)).save(tmp_path / "stimuli" / file_of(each))

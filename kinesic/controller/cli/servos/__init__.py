@@ -2,18 +2,12 @@
 
 import click
 
-from kinesic.controller.cli.servos.calibrate import calibrate
-from kinesic.controller.cli.servos.doctor import doctor
-from kinesic.controller.cli.servos.release import release
-from kinesic.controller.cli.servos.scan import scan
-from kinesic.controller.cli.servos.show import show
-from kinesic.controller.cli.servos.simulate import simulate
+from kinesic.controller.cli.verbs import Verbs
 
 
-@click.group()
+@click.group(cls=Verbs)
 def servos() -> None:
     """Finds, shows, calibrates, releases and simulates servos on wires."""
 
 
-for verb in (scan, show, calibrate, release, doctor, simulate):
-    servos.add_command(verb)
+servos.offer(__name__, "scan", "show", "calibrate", "release", "doctor", "simulate")

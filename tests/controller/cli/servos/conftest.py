@@ -4,6 +4,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from importlib import import_module
 from math import radians
 from pathlib import Path
 from threading import Event, Thread
@@ -83,15 +84,19 @@ def table(monkeypatch: pytest.MonkeyPatch) -> Table:
     """The verbs' ports lead to a table, and nothing takes time."""
     found = Table()
     for verb in VERBS:
-        module = sys.modules[f"kinesic.controller.cli.servos.{verb}"]
+        module = import_module(f"kinesic.controller.cli.servos.{verb}")
         monkeypatch.setattr(module, "SerialWire", lambda path, baud: TableWire(found, path, baud))
     return found
+
+
+TURN = 2e-4  # [s] after which a driver that waits busily lets the servos, a thread of the same process, answer
 
 
 @contextmanager
 def serving(found: Table, port: Path) -> Iterator[Table]:
     """A table behind a port of this machine, in real time."""
-    stop = Event()
+    stop, usual = Event(), sys.getswitchinterval()
+    sys.setswitchinterval(TURN)
     found.port = port
     terminal = PtyPort(found.bus, found.port)
     terminal.exchange(0.0)
@@ -102,6 +107,7 @@ def serving(found: Table, port: Path) -> Iterator[Table]:
     finally:
         stop.set()
         thread.join()
+        sys.setswitchinterval(usual)
 
 
 @pytest.fixture

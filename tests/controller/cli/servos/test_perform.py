@@ -1,16 +1,17 @@
 """A greeting's nod on the servos of a pseudo-terminal, through the supervisor's own process."""
 
 import json
-import sys
 from pathlib import Path
 
 import pytest
 
 from kinesic.body.robot import Robot
+from kinesic.controller.cli import perform
 from kinesic.controller.report import report
 from kinesic.sim.log import read_log
 
 NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" stroke="0.8"/></bml>'
+TRIES = 4  # until the machine has time for servos
 
 
 @pytest.fixture
@@ -22,11 +23,14 @@ def nod(tmp_path: Path) -> Path:
 
 def test_servos_perform_what_the_twin_has(kinesic, served, nod: Path, tmp_path: Path):
     out = tmp_path / "report"
-    options = ("--on", "servos,twin", "--port", f"body={served.port}", "--no-film", "--out", out)
-    ended = kinesic("perform", nod, *options)
-    assert ended.code == 0, ended.err
+    options = ("--on", "servos,twin", "--port", f"body={served.port}", "--no-film", "--out", out, "--force")
+    for _ in range(TRIES):
+        ended = kinesic("perform", nod, *options)
+        told = json.loads((out / "report.json").read_text(encoding="utf-8"))["servos"]
+        if ended.code == 0 or told["late_cycles"] == 0:  # else the machine was too busy with others for servos
+            break
+    assert ended.code == 0, ended.out + ended.err
     assert served.energised == 0
-    told = json.loads((out / "report.json").read_text(encoding="utf-8"))["servos"]
     assert (told["ending"], told["why"]) == ("performed", "")
     assert told["rmse_deg"] < 5.0
     assert told["per_joint"]["skullbase_tilt"] > 0.0
@@ -59,8 +63,7 @@ def test_bad_input_is_one_line_and_nothing_moves(kinesic, nod: Path, options: tu
 
 
 def test_the_servos_rest_when_a_check_of_the_twin_fails(kinesic, served, nod: Path, monkeypatch):
-    module = sys.modules["kinesic.controller.cli.perform"]
-    monkeypatch.setattr(module, "report", lambda *given, **named: report(*given, **named) | {"ok": False})
+    monkeypatch.setattr(perform, "report", lambda *given, **named: report(*given, **named) | {"ok": False})
     ended = kinesic("perform", nod, "--on", "servos", "--port", served.port, "--no-film")
     assert ended.code == 1
     assert "the servos did not move: a check of the twin failed" in ended.err

@@ -6,9 +6,14 @@ from pathlib import Path
 import pytest
 import serial
 
+from kinesic.controller import output
+from kinesic.controller.cli import perform
+from kinesic.controller.perform import performances
+from kinesic.controller.performance import Performance
 from kinesic.hardware.registers import Register
 from kinesic.hardware.serial_wire import SerialWire
 from kinesic.hardware.virtual.faults import FaultPlan, Mishap
+from kinesic.sim.factors import NOMINAL
 
 from .conftest import Table, serving
 
@@ -21,6 +26,19 @@ FAULTS = [
     (Mishap("undervoltage", (15,), value=5.0), "supply is 5.0 V"),
     (Mishap("alert", (15,), value=32), "has shut down (overload)"),
 ]
+
+
+@pytest.fixture(scope="module")
+def twins() -> tuple[Performance, ...]:
+    """What the twin makes of a nod."""
+    return performances(NOD, (NOMINAL,))
+
+
+@pytest.fixture(autouse=True)
+def _once(monkeypatch: pytest.MonkeyPatch, twins: tuple[Performance, ...]) -> None:
+    """The twin has performed before the servos are asked; once is enough, and nobody reads its page."""
+    monkeypatch.setattr(perform, "performances", lambda *_, **__: twins)
+    monkeypatch.setattr(output, "write_page", lambda *_, **__: None)
 
 
 @pytest.fixture

@@ -1,7 +1,6 @@
 """The verbs, as they are typed."""
 
 import json
-import sys
 import tomllib
 from pathlib import Path
 
@@ -9,6 +8,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.robot import Robot
+from kinesic.controller.cli.servos import calibrate
 from kinesic.hardware.registers import Register
 from kinesic.hardware.serial_wire import SerialWire
 
@@ -83,8 +83,7 @@ def test_doctor_says_what_to_mend(kinesic, table):
 
 
 def test_calibrate_writes_what_hands_have_shown(kinesic, table, mine, monkeypatch):
-    module = sys.modules["kinesic.controller.cli.servos.calibrate"]
-    begun = module.begun
+    begun = calibrate.begun
 
     def beginning(*given, **named):
         travel = begun(*given, **named)
@@ -95,7 +94,7 @@ def test_calibrate_writes_what_hands_have_shown(kinesic, table, mine, monkeypatc
         )
         return travel
 
-    monkeypatch.setattr(module, "begun", beginning)
+    monkeypatch.setattr(calibrate, "begun", beginning)
     table.set(15, Register.MIN_POSITION_LIMIT, 1000)
     table.set(15, Register.HOMING_OFFSET, 100)
     options = ("--robot", mine, "--port", table.port, "--yes", "--seconds", "2")
