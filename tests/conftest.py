@@ -2,13 +2,15 @@
 
 MuJoCo reads MUJOCO_GL when it is first imported: kinesic decides before. And whoever runs the tests may have calibrated
 a robot: here nobody has. A shell lets what it runs in the background ignore Ctrl-C, which programs would inherit that
-tests start and interrupt. Machines are shared, so that an example may take as long as it likes.
+tests start and interrupt. Machines are shared: an example may take as long as it likes, and what needs real time is
+tried again, twice at most, which the summary tells.
 """
 
 import os
 import signal
 import tempfile
 
+import pytest
 from hypothesis import HealthCheck, settings
 
 from kinesic.sim import gl
@@ -23,3 +25,9 @@ os.environ["XDG_CONFIG_HOME"] = _nobody.name
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        if item.get_closest_marker("realtime"):
+            item.add_marker(pytest.mark.flaky(reruns=2))

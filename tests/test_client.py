@@ -20,6 +20,8 @@ import kinesic.client
 from kinesic.client import Client
 from kinesic.controller.bench.live import Server, opened
 
+pytestmark = pytest.mark.realtime
+
 EXAMPLES = Path(__file__).parent.parent / "examples"
 NOD = '<head id="h" lexeme="NOD" start="0"/>'
 PATIENCE = 30.0  # [s]

@@ -4,6 +4,8 @@ import pytest
 
 from kinesic.controller.bench import bus
 
+pytestmark = pytest.mark.realtime
+
 
 @pytest.mark.parametrize(("count", "baud"), [(7, 4_000_000), (26, 1_000_000)])
 def test_the_driver_leaves_the_wire_little_rest(count: int, baud: int):

@@ -4,6 +4,8 @@ import pytest
 
 from kinesic.controller.bench import live
 
+pytestmark = pytest.mark.realtime
+
 SECONDS = 20.0
 
 

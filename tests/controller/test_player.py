@@ -17,7 +17,10 @@ RATE = 20.0  # [Hz] of the film
 FRAMES = 40
 SECONDS = 1.0  # of sound
 
-pytestmark = pytest.mark.skipif(binary() is None, reason="no Chromium: apt-get install chromium")
+pytestmark = [
+    pytest.mark.realtime,
+    pytest.mark.skipif(binary() is None, reason="no Chromium: apt-get install chromium"),
+]
 
 
 def grey(frame: int) -> int:

@@ -25,6 +25,8 @@ from kinesic.face.preview import Preview
 from kinesic.face.show import Look, follow, painter
 from kinesic.face.window import has_display
 
+pytestmark = pytest.mark.realtime
+
 SMALL = Look(preset="draft", side=32)
 NONE = np.zeros(0)
 

@@ -92,6 +92,7 @@ def test_an_alert_is_data():
     assert Packets().read1ByteTxRx(WirePort(wire), 1, 70) == (0x20, COMM_SUCCESS, 0x80)
 
 
+@pytest.mark.realtime
 def test_waiting_does_not_burn_a_core():
     wire = Script()
     _, result, _ = Packets().read1ByteTxRx(WirePort(wire), 1, 146)

@@ -20,6 +20,8 @@ from kinesic.hardware.virtual.plant import Plant
 from kinesic.hardware.virtual.pty import PtyPort, serve
 from kinesic.hardware.wire import BusError
 
+pytestmark = pytest.mark.realtime
+
 SERVOS = [Servo(k + 1, MODELS["xm430_w350"]) for k in range(4)]
 
 

@@ -9,6 +9,8 @@ import pytest
 
 from kinesic.controller.cli.keyboard import pressed
 
+pytestmark = pytest.mark.realtime
+
 
 @pytest.fixture
 def terminal(monkeypatch: pytest.MonkeyPatch):

@@ -14,6 +14,8 @@ from kinesic.controller.cli.serve import read_address, read_rules
 from kinesic.controller.serve.rules import USUAL
 from kinesic.controller.serve.serving import Address
 
+pytestmark = pytest.mark.realtime
+
 NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}"><head id="h" lexeme="NOD" start="0"/></bml>'
 SERVE = (sys.executable, "-m", "kinesic", "serve", "--voice", "durations")
 

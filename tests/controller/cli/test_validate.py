@@ -12,6 +12,8 @@ from kinesic.controller.cli import validate
 from kinesic.controller.cli.validate import SUMMARY
 from kinesic.controller.validate import JOURNAL
 
+pytestmark = pytest.mark.realtime
+
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 NOD = ROOT.format('<head id="h" lexeme="NOD" start="0.2"/>')
 SAME_PROGRAM = """

@@ -10,6 +10,8 @@ from websockets.sync.client import connect
 
 from kinesic.client import Client
 
+pytestmark = pytest.mark.realtime
+
 BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
 NOD = '<head id="h" lexeme="NOD" start="0"/>'
 

@@ -3,8 +3,11 @@
 import re
 
 import numpy as np
+import pytest
 
 from kinesic.controller.perform import facts
+
+pytestmark = pytest.mark.realtime
 
 BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
 HOLDS = '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND" start="0" relax="4"/>'

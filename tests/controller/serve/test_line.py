@@ -2,7 +2,11 @@ import asyncio
 import socket
 from asyncio import StreamReader, StreamWriter
 
+import pytest
+
 from kinesic.controller.serve.line import CHUNK, Line
+
+pytestmark = pytest.mark.realtime
 
 MUCH = bytes(8_000_000)  # more than sockets keep
 ANSWER = b"too much"

@@ -13,6 +13,8 @@ from kinesic.controller.bench.mutations import MUTATIONS, mutated
 from kinesic.controller.play import RATE
 from kinesic.controller.validate import documents
 
+pytestmark = pytest.mark.realtime
+
 OWN = sorted((CONFIGS / "bml").glob("*.bml"))
 COUNT = 120
 

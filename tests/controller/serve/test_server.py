@@ -15,6 +15,8 @@ from websockets.sync.client import connect
 from kinesic.controller.perform import facts
 from kinesic.controller.play import RATE
 
+pytestmark = pytest.mark.realtime
+
 BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
 BEATS = 3
 NOD = '<head id="h" lexeme="NOD" start="0"/>'

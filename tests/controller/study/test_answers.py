@@ -13,6 +13,8 @@ from kinesic.controller.study.stimuli import file_of
 
 from .chromium import Page, binary, opened
 
+pytestmark = pytest.mark.realtime
+
 
 @pytest.fixture
 def page(tmp_path: Path):

@@ -16,6 +16,8 @@ from kinesic.hardware.virtual.faults import FaultPlan, Mishap
 from kinesic.hardware.virtual.fittings import Cable, Fitting, build
 from kinesic.hardware.virtual.pty import PtyPort, serve
 
+pytestmark = pytest.mark.realtime
+
 PATIENCE = 5.0  # [s] that a loaded machine may take
 
 Opens = Callable[[Cable], Path]

@@ -10,6 +10,8 @@ from kinesic.controller.cli import perform
 from kinesic.controller.report import report
 from kinesic.sim.log import read_log
 
+pytestmark = pytest.mark.realtime
+
 NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" stroke="0.8"/></bml>'
 TRIES = 4  # until the machine has time for servos
 

@@ -17,6 +17,8 @@ from kinesic.sim.factors import NOMINAL
 
 from .conftest import Table, serving
 
+pytestmark = pytest.mark.realtime
+
 NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" stroke="0.8"/></bml>'
 FAULTS = [
     (Mishap("silent"), "no servo of ids"),

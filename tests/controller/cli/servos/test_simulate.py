@@ -15,6 +15,8 @@ from dynamixel_sdk import COMM_SUCCESS, GroupBulkRead, GroupSyncRead, GroupSyncW
 from kinesic.body.robot import Robot
 from kinesic.hardware.virtual.fittings import cables
 
+pytestmark = pytest.mark.realtime
+
 PATIENCE = 30.0  # [s] that a loaded machine may take
 FITTINGS = {fitting.servo: fitting for fitting in cables(Robot.load())[0].fittings}
 

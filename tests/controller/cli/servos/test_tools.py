@@ -12,6 +12,8 @@ from kinesic.controller.cli.servos import calibrate
 from kinesic.hardware.registers import Register
 from kinesic.hardware.serial_wire import SerialWire
 
+pytestmark = pytest.mark.realtime
+
 HINGES = {hinge.name: np.degrees([hinge.lower, hinge.upper]) for hinge in Robot.load().skeleton.hinges}
 
 

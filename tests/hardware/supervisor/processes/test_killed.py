@@ -10,6 +10,8 @@ import pytest
 from kinesic.hardware.supervisor.stages import Stage
 from kinesic.hardware.wire import BusError
 
+pytestmark = pytest.mark.realtime
+
 PATIENCE = 60.0  # [s] that a loaded machine may take for anything
 WATCHDOG = 0.2
 

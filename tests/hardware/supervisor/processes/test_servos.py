@@ -14,6 +14,8 @@ from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.stages import Stage
 from kinesic.hardware.wire import BusError
 
+pytestmark = pytest.mark.realtime
+
 BUSES = ("left", "right")
 
 

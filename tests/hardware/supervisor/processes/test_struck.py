@@ -8,6 +8,8 @@ import pytest
 from kinesic.hardware.supervisor.stages import Stage
 from kinesic.hardware.wire import BusError
 
+pytestmark = pytest.mark.realtime
+
 
 def test_a_port_that_is_pulled_and_put_back_is_held_and_goes_on(rig):
     servos = rig.opened()
