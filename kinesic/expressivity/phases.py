@@ -67,10 +67,12 @@ def _joined(row: Sequence[Work], side: Side, rest: Reach, pace: Pace) -> tuple[H
         if work.stroke.rest and _crowded(work, keys, row[k + 1 :]):
             pose = hands[-1]
             continue
+        own = keys_of(work, side, pace)
         if held and work.at("start") >= held.at("end") + NEIGHBOUR:
-            keys = _released(keys, held, pose, rest, work.at("start"), pace)
-            held = None
-        keys = _approached(keys, held, work, keys_of(work, side, pace), rest, pace)
+            back = _released(keys, held, pose, rest, work.at("start"), pace)
+            if back[-1].time + MERGE <= own[0].time:  # else there is no time to pass through rest
+                keys, held = back, None
+        keys = _approached(keys, held, work, own, rest, pace)
         held = None if work.stroke.rest else work
         pose = hands[-1] if work.stroke.rest else pose
     return tuple(_released(keys, held, pose, rest, inf, pace) if held else keys)

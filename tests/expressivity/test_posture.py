@@ -53,6 +53,14 @@ def test_crossed_arms_are_taken_and_left(perform):
     assert frames.uses["p"] == {"l_hand", "r_hand"}
 
 
+def test_a_posture_that_is_over_at_once_after_a_gesture_leaves_no_arm_crossed(perform, phases):
+    crossed = Posture(poses=(("ARMS", "ARMS_CROSSED"),))
+    frames = perform(
+        ("g", Gesture("object_handle", "left"), phases(*7 * [1.5])), ("p", crossed, posture_times(*4 * [2.0]))
+    )
+    assert frames.frames[-1].hands["l"].reach is None
+
+
 def test_crossed_arms_that_stay_are_where_gestures_return_to(perform, phases):
     frames = perform(
         ("p", Posture(poses=(("ARMS", "ARMS_CROSSED"),), shift=True), dict(zip(SHIFT_SYNCS, (0, 1), strict=True))),

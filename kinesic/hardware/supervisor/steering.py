@@ -21,6 +21,7 @@ class Steering:
         self.player = Player(settings)
         self._manifest = manifest
         self._bounds = Bounds(*manifest.spans, manifest.speeds, LEAD * manifest.full)
+        self._lag = settings.period / (2 * manifest.speeds)  # (m,) [s^2/tick] see `ticks`
         self._course: Course | None = None
         self._wish: Floats = np.zeros(len(manifest.members))  # (m,) [ticks]
         self._given_up: Flags = np.zeros(len(manifest.members), dtype=np.bool_)  # (m,) who move no more
@@ -105,8 +106,16 @@ class Steering:
         self._course, self._wish = Course(now, speeds), wish
 
     def ticks(self) -> Ticks | None:
-        """(m,) what goes out."""
-        return np.rint(self._course.goals).astype(np.int64) if self._course is not None else None
+        """(m,) what goes out: the goals, ahead by what the servos' own profiles cost.
+
+        A servo's set point comes to a goal at the speed v of its profile, not at once. While goals move at a speed s,
+        that takes s / v of each period T, and leaves the set point s^2 T / 2v behind on the mean.
+        """
+        course, bounds = self._course, self._bounds
+        if course is None:
+            return None
+        ahead = course.speeds * np.abs(course.speeds) * self._lag
+        return np.rint(np.minimum(np.maximum(course.goals + ahead, bounds.lower), bounds.upper)).astype(np.int64)
 
     def follow_limp(self, limp: Flags, present: Floats) -> None:
         """Servos without torque are told to be where they are: none of them may jump when torque comes.

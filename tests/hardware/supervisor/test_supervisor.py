@@ -143,7 +143,8 @@ def test_goals_never_leave_ranges_nor_jump(desk: Make):
         assert (goals >= lower).all()
         assert (goals <= upper).all()
         if made.true(TORQUE).all():
-            assert (np.abs(goals - before) <= made.manifest.speeds * PERIOD * 1.3 + 2).all()
+            step = made.manifest.speeds * PERIOD  # and half as much for the servos' own profiles
+            assert (np.abs(goals - before) <= 1.6 * step + 2).all()
         before = goals
     assert any("limited" in line for line in made.kinds())
     assert not made.true(TORQUE).any()
