@@ -3,7 +3,8 @@
 MuJoCo reads MUJOCO_GL when it is first imported: kinesic decides before. And whoever runs the tests may have calibrated
 a robot: here nobody has. A shell lets what it runs in the background ignore Ctrl-C, which programs would inherit that
 tests start and interrupt. Machines are shared: an example may take as long as it likes, and what needs real time is
-tried again, twice at most, which the summary tells.
+tried again, twice at most, which the summary tells. Examples of theorems are the same in every run; `make soak` has new
+ones each time.
 """
 
 import os
@@ -17,7 +18,8 @@ from kinesic.sim import gl
 
 gl.prepare()
 
-settings.register_profile("kinesic", max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile("soak", max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile("kinesic", settings.get_profile("soak"), derandomize=True)
 settings.load_profile("kinesic")
 
 _nobody = tempfile.TemporaryDirectory(prefix="kinesic-tests-")  # removed when the interpreter ends

@@ -38,8 +38,8 @@ def allotted(strokes: Sequence[Stroke], pace: Pace, tied: Tied, engaged: Sequenc
     two hands are shared out between a two-handed stroke and another; else it is dropped. A rest pose never stands in
     the way: it is taken when the hand is free.
 
-    A stroke keeps clear of hands that other blocks need where one of its options lets it; where none does, they count
-    for nothing, and whoever lays the blocks over one another judges.
+    A stroke keeps clear of hands that other blocks need where one of its options lets it, or one of its two hands alone
+    can do it; else they count for nothing, and whoever lays the blocks over one another judges.
 
     Args:
         strokes: in the order of the document.
@@ -71,11 +71,19 @@ class _Hands:
         if stroke.rest:
             self._take(stroke, stroke.options[0])
             return
-        free = tuple(option for option in stroke.options if not self._engagements(stroke, option))
+        wholes, halves = stroke.options, self._halves(stroke)
+        free, alone = (
+            tuple(option for option in options if not self._engagements(stroke, option)) for options in (wholes, halves)
+        )
         ways = (self._finds_free, self._makes_room)
-        given = any(way(stroke, options) for options in (free, stroke.options) for way in ways)
+        given = any(way(stroke, options) for options in (free, alone, wholes) for way in ways)
         if not given and not self._shares(stroke):
             self.outcomes[stroke.id] = Outcome("dropped", self._why(stroke))
+
+    def _halves(self, stroke: Stroke) -> tuple[Poses, ...]:
+        """Each hand of a two-handed stroke alone, if it may be halved."""
+        both = [option for option in stroke.options if stroke.halves and len(option.hands) == len(SIDES)]
+        return tuple(option.only(side) for option in both for side in sorted(option.hands, reverse=True))
 
     def _take(self, stroke: Stroke, option: Poses) -> None:
         """Gives a stroke its hands, and time to come to it from the strokes before."""
@@ -119,7 +127,11 @@ class _Hands:
         return False
 
     def _tell_moved(self, stroke: Stroke, option: Poses) -> None:
-        hand = " and ".join(_NAMES[side] for side in sorted(option.hands))
+        sides = sorted(option.hands)
+        if len(sides) < len(stroke.options[0].hands):
+            self.outcomes[stroke.id] = _alone(sides[0], self._why(stroke))
+            return
+        hand = " and ".join(_NAMES[side] for side in sides)
         self.outcomes[stroke.id] = Outcome("substituted", f"moved to the {hand} hand: {self._why(stroke)}")
 
     def _makes_room(self, stroke: Stroke, options: Sequence[Poses]) -> bool:

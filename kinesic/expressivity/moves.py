@@ -100,7 +100,8 @@ def gesture_move(timed: Timed, action: Gesture, scene: Scene) -> Move:
         options.append(mirrored(form))
     works = tuple(poses(option, scene.robot, manner) if option.keys else hanging(SIDES) for option in options)
     outcome, warnings = substituted(match.substitute)
-    stroke = Stroke(timed.behaviour.id, timed.times, works, form.rest, manner)
+    halves = action.mode == "unspecified"
+    stroke = Stroke(timed.behaviour.id, timed.times, works, form.rest, manner, halves=halves)
     return Move(outcome, strokes=(stroke,), warnings=(*warnings, *unmet))
 
 

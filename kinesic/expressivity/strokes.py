@@ -46,6 +46,7 @@ class Stroke:
     options: tuple[Poses, ...]  # the first that the hands are free for is performed
     rest: bool = False  # it stays, and becomes the rest pose
     manner: Expressivity = NEUTRAL
+    halves: bool = False  # whether one of its two hands may do it alone where another block needs the other
 
 
 @dataclass(frozen=True, eq=False)

@@ -155,6 +155,23 @@ def test_a_gesture_of_one_hand_never_goes_to_the_other(pace, phases):
     assert found.outcomes == {}
 
 
+@pytest.mark.parametrize(("other", "left"), [(RIGHT, "l"), (LEFT, "r")])
+def test_a_gesture_of_two_hands_leaves_one_to_another_block(pace, phases, other, left):
+    stroke = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (both(),), halves=True)
+    found = arranged([stroke], pace, engaged=[other])
+    assert found.sides == {"g1": {left}}
+    hand = {"l": "left", "r": "right"}[left]
+    assert found.outcomes["g1"].why.startswith(f"done by the {hand} hand alone: its stroke begins at 0.60 s, the ")
+    assert f"busy with {other.by}" in found.outcomes["g1"].why
+
+
+def test_a_gesture_that_must_have_two_hands_keeps_them(pace, phases):
+    stroke = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (both(),))
+    found = arranged([stroke], pace, engaged=[RIGHT])
+    assert found.sides == {"g1": {"l", "r"}}
+    assert found.outcomes == {}
+
+
 def test_a_rest_pose_does_not_mind_what_other_blocks_need(pace, either):
     folded = Stroke("p", either.times, either.options, rest=True)
     assert arranged([folded], pace, engaged=[RIGHT]).sides == {"p": {"r"}}

@@ -1,5 +1,6 @@
 """Whatever hands other blocks need: a gesture that may take either keeps clear of them, one that may not is as ever."""
 
+from dataclasses import replace
 from itertools import accumulate
 
 from hypothesis import given
@@ -73,6 +74,16 @@ def test_a_gesture_alone_takes_a_free_hand_if_there_is_one(start, phases, side, 
     free = [option for option in (side, *(set(SIDES) - {side})) if option not in busy]
     assert found.sides == {"g": {free[0] if free else side}}
     assert (found.outcomes != {}) == (bool(free) and free[0] != side)
+
+
+@given(st.floats(0.0, 5.0), gaps, windows)
+def test_a_gesture_of_two_hands_is_done_by_the_free_one_if_only_one_is(start, phases, engaged):
+    both = Poses({side: OPTIONS[side].hands[side] for side in SIDES}, 1)
+    one = replace(stroke("g", start, phases, "r", either=False), options=(both,), halves=True)
+    found = arranged([one], PACE, engaged=engaged)
+    free = set(SIDES) - {each.side for each in engaged if each.meets(one.times, WAY)}
+    assert found.sides == {"g": free or set(SIDES)}
+    assert (found.outcomes != {}) == (len(free) == 1)
 
 
 @given(rows, windows)

@@ -53,6 +53,21 @@ def test_a_gesture_whose_hand_is_busy_takes_the_other(play):
     assert play.at("a:g:stroke") < play.at("a:end")
 
 
+def test_a_gesture_of_two_hands_is_done_by_the_free_one(play):
+    play.send("a", BEAT).until(0.5).send("b", '<gesture id="g" lexeme="WELCOME"/>')
+    assert [busy.roles for busy in play.scene.find("b").busy] == [{"l_hand"}]
+    (text,) = play.until(6.0).warnings()
+    assert "done by the left hand alone: its stroke begins at" in text
+    assert "the right hand is busy with a:g until" in text
+    assert play.at("b:start") == pytest.approx(0.5, abs=STEP)
+    assert play.was_told("b:g:stroke")
+
+
+def test_a_gesture_that_is_to_be_of_two_hands_waits_or_is_left_out(play):
+    play.send("a", BEAT).until(0.5).send("b", '<gesture id="g" lexeme="WELCOME" mode="BOTH_HANDS"/>').until(6.0)
+    assert not any("alone" in text for text in play.warnings())
+
+
 def test_it_is_the_other_hand_that_moves(play):
     play.send("a", BEAT).until(0.5).send("b", OPEN)
     assert [busy.roles for busy in play.scene.find("b").busy] == [{"l_hand"}]
