@@ -16,9 +16,10 @@ SCREENS := xvfb chromium
 demo: .venv/.stamp-demo
 	@$(BIN)/kinesic perform kinesic/configs/bml/welcome.bml --out out/demo --force
 
-# Tests start many processes: compiled modules are kept for them, whatever the caller's environment says.
+# Tests start many processes: compiled modules are kept for them, whatever the caller's environment says. Files in their
+# own order: sorted by their number of tests, the longest ones would come last.
 test: .venv/.stamp-test
-	@PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n auto --dist loadfile
+	@PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder
 
 check: .venv/.stamp-test
 	@$(BIN)/ruff check
