@@ -145,5 +145,6 @@ class Client:
 
 def _refuses(message: str, name: str) -> bool:
     """Whether a message says that nothing will come of a block."""
-    head = message[: message.find(">")]
-    return head.startswith("<warningFeedback") and (f' id="{name}"' in head and "PARSING_FAILURE" in head)
+    head, _, text = message.partition(">")
+    nothing = "PARSING_FAILURE" in head or text.startswith(("rule ", "not performed"))
+    return head.startswith("<warningFeedback") and f' id="{name}"' in head and nothing

@@ -59,6 +59,15 @@ def test_a_refused_block_ends_its_performance(server):
     assert "PARSING_FAILURE" in told[-1]
 
 
+def test_a_block_that_a_rule_forbids_ends_its_performance(server):
+    with Client(port=server.port) as client:
+        client.stop()
+        told = list(client.perform('<bml id="late"><head id="h" lexeme="NOD" start="0"/></bml>'))
+        client.do("resume")
+    assert 'id="late"' in told[-1]
+    assert "rule stopped" in told[-1]
+
+
 def test_every_control_message_has_its_verb(server):
     with Client(port=server.port) as client:
         client.stop()

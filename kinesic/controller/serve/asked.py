@@ -103,7 +103,10 @@ def again(earlier: Asked, facts: Facts) -> Asked:
 
 def refused(message: Message, error: BmlError) -> str:
     """The warningFeedback for a document that is refused, by the id of its block where that can be read."""
-    data = message.text.encode() if isinstance(message.text, str) else message.text
-    found = _ID.search(data)
-    name = found[1].decode(errors="replace") if found else UNNAMED
-    return warning(Notice(NoticeType.PARSING_FAILURE, name, str(error)))
+    return warning(Notice(NoticeType.PARSING_FAILURE, named(message.text), str(error)))
+
+
+def named(text: str | bytes) -> str:
+    """The id of a document's block as its first tag has it; that of a block without one if it has none."""
+    found = _ID.search(text.encode() if isinstance(text, str) else text)
+    return found[1].decode(errors="replace") if found else UNNAMED

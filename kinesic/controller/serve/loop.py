@@ -61,7 +61,8 @@ class Loop(Thread):
         super().__init__(name="loop")
         self.playing = resting(facts.robot, clock.now())
         self.agenda: list[Due] = []
-        self.stops, self.halted = 0, False  # emergency stops so far; whether the last one still holds
+        self.stops, self._done = 0, 0  # emergency stops that were asked for, and those that were made
+        self.halted = False  # whether the last one still holds
         self.late = 0  # ticks that came more than a period late
         self.failed = False  # whether it ended by itself
         self.error: BusError | DisplayError | None = None  # why
@@ -77,12 +78,16 @@ class Loop(Thread):
         self._out = clock.now()  # [s] until when commands are out
         self._leave = Event()
 
-    def link(self, mail: Connection) -> None:
-        """Listens to a planner from the next tick on."""
-        self._orders.append(lambda: setattr(self, "_mail", mail))
+    def link(self, mail: Connection, beginning: Beginning) -> None:
+        """Listens from the next tick on to a planner, which knows the motion as it was at its beginning."""
+        self._orders.append(lambda: self._link(mail, beginning.stops))
 
     def halt(self) -> None:
-        """Emergency stop: to rest in the least time, and nothing more to tell. Never waits."""
+        """Emergency stop: to rest in the least time, and nothing more to tell. Never waits.
+
+        It counts at once: whoever resumes before the next tick means this stop.
+        """
+        self.stops += 1
         self._orders.appendleft(self._halt)
 
     def leave(self) -> None:
@@ -93,7 +98,7 @@ class Loop(Thread):
         """Where a planner takes over."""
         playing = self.playing
         motion = Motion(playing.trajectory.controls, playing.trajectory.zero, playing.epoch)
-        return Beginning(motion, self.stops, tuple(self.agenda), self._effects.senses)
+        return Beginning(motion, self._done, tuple(self.agenda), self._effects.senses)
 
     def owes(self, sender: int) -> bool:
         """Whether a block of a sender's is not over, or something is still to be told of it."""
@@ -203,19 +208,28 @@ class Loop(Thread):
         for follower in self._followers:
             follower.again(max(cut, self._out + PERIOD / 2))
 
+    def _link(self, mail: Connection, stops: int) -> None:
+        self._mail = mail
+        if stops != self._done:
+            self._tell_halt(self._out)
+
     def _halt(self) -> None:
-        if self.halted:
+        if self._done == self.stops:
             return
-        self.stops, self.halted = self.stops + 1, True
+        self._done, self.halted = self.stops, True
         time = self._out + GRACE
         halt = _halt(self.playing, time, self._facts.limits)
         self._play(halt, time)
         self.agenda, self._told = [], set()
         self._effects.clear()
+        self._tell_halt(time)
+
+    def _tell_halt(self, time: float) -> None:
+        """Tells the planner what plays since the last emergency stop, from a time [s] of the clock."""
         if self._mail is not None:
-            motion = Motion(halt.trajectory.controls, halt.trajectory.zero, halt.epoch)
+            motion = self.playing.trajectory
             with suppress(OSError):  # it has died, and the next one begins from here
-                self._mail.send(Halted(self.stops, time, motion))
+                self._mail.send(Halted(self._done, time, Motion(motion.controls, motion.zero, self.playing.epoch)))
 
 
 def _halt(playing: Playing, time: float, limits: Limits) -> Playing:

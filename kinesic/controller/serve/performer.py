@@ -5,6 +5,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 
 from kinesic.controller.facts import Facts
+from kinesic.controller.serve.asked import named
 from kinesic.controller.serve.clock import Clock
 from kinesic.controller.serve.followers import Follower
 from kinesic.controller.serve.loop import Loop
@@ -67,9 +68,10 @@ class Performer:
     def perform(self, waiting: Waiting) -> str | None:
         """Takes a document; None, or why not, as BML feedback."""
         if self._halted:
-            return refused("stopped", "an emergency stop holds; resume first")
+            return refused("stopped", "an emergency stop holds; resume first", name=named(waiting.text))
         if not self._turns.add(waiting):
-            return refused("waiting", f"{self._rules.waiting} blocks of yours wait to be planned; send fewer at once")
+            what = f"{self._rules.waiting} blocks of yours wait to be planned; send fewer at once"
+            return refused("waiting", what, name=named(waiting.text))
         self._feed()
         return None
 
@@ -78,7 +80,7 @@ class Performer:
         self.loop.halt()
         self._halted = True
         for waiting in self._turns.clear():
-            self._tell(refused("stopped", "an emergency stop came; resume first"), waiting.sender)
+            self._refuse(waiting, "stopped", "an emergency stop came; resume first")
 
     def resume(self) -> None:
         """Back to rest after a stop; documents are taken again."""
@@ -90,7 +92,7 @@ class Performer:
         """Ends a block softly, or all of them and all that wait."""
         if block is None:
             for waiting in self._turns.clear():
-                self._tell(refused("interrupted", "everything was interrupted before this was planned"), waiting.sender)
+                self._refuse(waiting, "interrupted", "everything was interrupted before this was planned")
         self._want(Interruption(block))
 
     def restyle(self, restyling: Restyling) -> None:
@@ -148,7 +150,10 @@ class Performer:
             self.loop.leave()
         if isinstance(present, Document):
             what = f"planning failed, or took longer than {self._rules.planning:g} s; send something simpler"
-            self._tell(refused("planning", what), present.sender)
+            self._refuse(present, "planning", what)
+
+    def _refuse(self, document: Waiting | Document, rule: str, what: str) -> None:
+        self._tell(refused(rule, what, name=named(document.text)), document.sender)
 
     def _pass_on(self, message: str, sender: int) -> None:
         self._asyncio.call_soon_threadsafe(self._tell, message, sender)

@@ -63,7 +63,8 @@ class Planner:
         loop_end, planner_end = context.Pipe()
         improver_end, leisure_end = context.Pipe()
         ends = (there, planner_end, leisure_end)
-        arguments = (self._facts_of, *ends, self._clock, self._loop.beginning(), self._rules)
+        beginning = self._loop.beginning()
+        arguments = (self._facts_of, *ends, self._clock, beginning, self._rules)
         self._processes = [
             context.Process(target=planning.run, args=arguments, name="planner", daemon=True),
             context.Process(target=improving.run, args=(self._facts_of, improver_end), name="improver", daemon=True),
@@ -72,7 +73,7 @@ class Planner:
             process.start()
         for end in (*ends, improver_end):
             end.close()
-        self._loop.link(loop_end)
+        self._loop.link(loop_end, beginning)
 
     def send(self, wanted: Wanted) -> None:
         """Has it do something; only while it is free."""

@@ -126,7 +126,9 @@ class Planning:
         self._propose(passed)
 
     def fulfil(self, wanted: Wanted) -> None:
-        """Does what a client wants."""
+        """Does what a client wants, once every emergency stop is known that was before it."""
+        if isinstance(wanted, Document | Resumption):
+            self._catch_up(wanted.stops)
         match wanted:
             case Document():
                 self._plan(wanted)
@@ -169,6 +171,11 @@ class Planning:
 
         self._propose(stopped, moves=False)
 
+    def _catch_up(self, stops: int) -> None:
+        """Waits for the loop to say what became of the motion at so many stops, which it does in its next tick."""
+        while self._stops < stops:
+            self.heard(self._loop.recv())
+
     def _plan(self, document: Document) -> None:
         message = Message(document.text, document.sender, document.source)
         try:
@@ -178,7 +185,7 @@ class Planning:
                 what = (
                     f"{known.block.id} lasts {known.timeline.end:.0f} s, at most {self._rules.duration:g} s are taken"
                 )
-                self._loop.send(Tell(refused_by("duration", f"{what}: split it"), document.sender))
+                self._loop.send(Tell(refused_by("duration", f"{what}: split it", name=known.block.id), document.sender))
                 return
             self._loop.send(Tell(known.prediction, document.sender))
             coming = ready(known, self._scene.facts)
@@ -186,7 +193,8 @@ class Planning:
             self._loop.send(Tell(refused(message, error), document.sender))
             return
         if document.stops != self._stops or not self._propose(lambda scene, now: begun(scene, coming, now)):
-            self._loop.send(Tell(refused_by("stopped", "an emergency stop came; resume first"), document.sender))
+            text = refused_by("stopped", "an emergency stop came; resume first", name=known.block.id)
+            self._loop.send(Tell(text, document.sender))
 
     def _restyle(self, wanted: Restyling) -> None:
         try:
@@ -226,6 +234,9 @@ class Planning:
                 self.heard(halted)
             if verdict.taken or halted is not None:
                 return verdict.taken
+            if verdict.stops > self._stops:
+                self._catch_up(verdict.stops)
+                return False
         return False
 
     def _tracks(self, scene: Scene) -> tuple[dict[str, Version], dict[str, Track | None]]:

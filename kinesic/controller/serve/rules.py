@@ -54,12 +54,13 @@ class Bucket:
         return True
 
 
-def refused(rule: str, what: str, *, type_: NoticeType = NoticeType.IMPOSSIBLE_TO_SCHEDULE) -> str:
+def refused(rule: str, what: str, *, name: str = NOBODY, type_: NoticeType = NoticeType.IMPOSSIBLE_TO_SCHEDULE) -> str:
     """The warningFeedback that tells a sender by which rule a message was not taken.
 
     Args:
         rule: name of the rule.
         what: what was wrong, and what would have worked.
+        name: id of its block, where that can be read.
         type_: of the warning.
     """
-    return warning(Notice(type_, NOBODY, f"rule {rule}: {what}"))
+    return warning(Notice(type_, name, f"rule {rule}: {what}"))
