@@ -15,6 +15,7 @@ from textwrap import dedent
 from urllib.parse import quote_plus
 
 import pytest
+import stomp
 
 import kinesic.client
 from kinesic.client import Client
@@ -117,15 +118,13 @@ def broker(request) -> Iterator[int]:
 
 @pytest.fixture(scope="module")
 def toolkit(server, broker) -> Iterator[None]:
-    pytest.importorskip("stomp")
     with _example("08_smartbody_vhmsg.py", server.port, broker):
         yield
 
 
 def test_greta_s_topics(server, broker):
-    stomp = pytest.importorskip("stomp")
     with _example("07_greta_stomp.py", server.port, broker):
-        heard, link = _listening(stomp, broker, "/topic/greta.output.feedback.BML")
+        heard, link = _listening(broker, "/topic/greta.output.feedback.BML")
         link.send("/topic/greta.BML", f'<bml id="greta-{broker}">{NOD}</bml>')
         _until(heard, f'id="greta-{broker}:end"')
         link.disconnect()
@@ -133,18 +132,17 @@ def test_greta_s_topics(server, broker):
 
 @pytest.mark.parametrize("encoded", [False, True])
 def test_smartbody_s_messages(toolkit, broker, encoded):
-    stomp = pytest.importorskip("stomp")
     name = f"sbm_test_{int(encoded)}_{broker}"
     xml = f'<?xml version="1.0" encoding="UTF-8"?>\n<act><bml>{NOD}</bml></act>'
     rest = f"ChrBrad ALL {name} {xml}"
-    heard, link = _listening(stomp, broker, "/topic/DEFAULT_SCOPE")
+    heard, link = _listening(broker, "/topic/DEFAULT_SCOPE")
     link.send("/topic/DEFAULT_SCOPE", f"vrSpeak {quote_plus(rest) if encoded else rest}")
     _until(heard, f"vrAgentBML ChrBrad ALL {name} start")
     _until(heard, f"vrAgentBML ChrBrad ALL {name} end complete")
     link.disconnect()
 
 
-def _listening(stomp, port, topic):
+def _listening(port, topic):
     """Everything that comes to a topic, and the link by which it comes."""
     heard, link, listener = Queue(), stomp.Connection([("127.0.0.1", port)]), stomp.ConnectionListener()
     listener.on_message = lambda frame: heard.put(frame.body)

@@ -96,9 +96,7 @@ class Loop(Thread):
 
     def beginning(self) -> Beginning:
         """Where a planner takes over."""
-        playing = self.playing
-        motion = Motion(playing.trajectory.controls, playing.trajectory.zero, playing.epoch)
-        return Beginning(motion, self._done, tuple(self.agenda), self._effects.senses)
+        return Beginning(_motion(self.playing), self._done, tuple(self.agenda), self._effects.senses)
 
     def owes(self, sender: int) -> bool:
         """Whether a block of a sender's is not over, or something is still to be told of it."""
@@ -227,9 +225,8 @@ class Loop(Thread):
     def _tell_halt(self, time: float) -> None:
         """Tells the planner what plays since the last emergency stop, from a time [s] of the clock."""
         if self._mail is not None:
-            motion = self.playing.trajectory
             with suppress(OSError):  # it has died, and the next one begins from here
-                self._mail.send(Halted(self._done, time, Motion(motion.controls, motion.zero, self.playing.epoch)))
+                self._mail.send(Halted(self._done, time, _motion(self.playing)))
 
 
 def _halt(playing: Playing, time: float, limits: Limits) -> Playing:
@@ -238,6 +235,10 @@ def _halt(playing: Playing, time: float, limits: Limits) -> Playing:
     whole = stopped(playing.trajectory, at, limits)
     rest = tail(whole, max(0.0, at - GRACE))
     return Playing(rest, playing.epoch + whole.duration - rest.duration)
+
+
+def _motion(playing: Playing) -> Motion:
+    return Motion(playing.trajectory.controls, playing.trajectory.zero, playing.epoch)
 
 
 def _playing(motion: Motion) -> Playing:
