@@ -14,7 +14,12 @@ import tempfile
 import pytest
 from hypothesis import HealthCheck, settings
 
-from kinesic.sim import gl
+from .nudge import nudge_random_inputs
+
+if "KINESIC_NUDGE" in os.environ:
+    nudge_random_inputs(int(os.environ["KINESIC_NUDGE"]))  # before test modules and rooms draw
+
+from kinesic.sim import gl  # noqa: E402
 
 gl.prepare()
 

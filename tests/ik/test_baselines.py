@@ -15,8 +15,16 @@ if KERNEL == "compiled":
 compiled = pytest.mark.skipif(KERNEL != "compiled", reason="the baselines exist only in the compiled kernel")
 every_method = pytest.mark.parametrize("method", METHODS)
 
-# Share of reachable targets that each solves within 300 iterations: 6 and 10 bones, a little below what is expected.
-EXPECTED = {"force_verlet": (0.99, 0.98), "ccd": (0.97, 0.93), "transpose": (0.93, 0.84)}
+# Share of reachable targets that each solves within 300 iterations: a little below what 2000 targets show. Masses that
+# swing are chaotic where a chain is pressed together: the last bit of a target decides whether it is one of the few
+# that are missed, so that a share is all that holds on every processor.
+SHARES = {
+    "force_verlet": {6: 0.99, 10: 0.98, 20: 0.98, 32: 0.98},
+    "pinned_verlet": {6: 0.99, 10: 0.98, 20: 0.98, 32: 0.98},
+    "tridiagonal": {6: 0.99, 10: 0.99, 20: 0.99, 32: 0.97},
+    "ccd": {6: 0.97, 10: 0.93, 20: 0.7, 32: 0.5},
+    "transpose": {6: 0.93, 10: 0.84, 20: 0.75, 32: 0.75},
+}
 
 
 def targets(count: int, nearest: float, farthest: float, seed: int) -> Floats:
@@ -43,10 +51,12 @@ def test_the_kernel_knows_the_methods_by_the_same_names() -> None:
 
 @compiled
 @every_method
-@pytest.mark.parametrize(("bones", "column"), [(6, 0), (10, 1)])
-def test_each_solves_its_share_of_reachable_targets(method: Method, bones: int, column: int) -> None:
-    runs = run_chain(method, curved(bones), targets(200, 0.1, 0.97, 71))
-    assert (runs.residuals <= TOLERANCE).mean() >= EXPECTED.get(method, (0.995, 0.995))[column]
+@pytest.mark.parametrize("bones", [6, 10, 20, 32])
+def test_each_solves_its_share_of_reachable_targets(method: Method, bones: int) -> None:
+    rest = curved(bones, bend=min(np.pi / 18.0, np.pi / (2 * bones)))
+    runs = run_chain(method, rest, targets(200, 0.1, 0.97, 71))
+    assert (runs.residuals <= TOLERANCE).mean() >= SHARES.get(method, {}).get(bones, 0.995)
+    assert (runs.residuals < 0.1).mean() >= 0.99
     assert runs.iterations.max() <= MOST
     assert (runs.nanoseconds > 0.0).all()
 
@@ -91,12 +101,13 @@ def test_unreachable_targets_end_near_the_stretched_chain(method: Method) -> Non
 
 @compiled
 @every_method
-@pytest.mark.parametrize("bones", [1, 2, 3, 20, 32])
-def test_chains_of_any_length_are_served(method: Method, bones: int) -> None:
-    rest = curved(bones, bend=np.pi / (2 * bones))
-    runs = run_chain(method, rest, targets(5, 0.4, 0.8, 4))
+@pytest.mark.parametrize("bones", [1, 2, 3])
+def test_short_chains_are_served(method: Method, bones: int) -> None:
+    """A single bone can but point at its target; two and three reach any of the middle distance."""
+    runs = run_chain(method, curved(bones, bend=np.pi / (2 * bones)), targets(50, 0.4, 0.8, 4))
     assert np.isfinite(runs.residuals).all()
-    assert runs.residuals.max() < (0.7 if bones == 1 else 0.1)
+    assert np.median(runs.residuals) < (0.7 if bones == 1 else TOLERANCE)
+    assert runs.residuals.max() < (1.0 if bones == 1 else 0.1)
 
 
 @compiled

@@ -13,8 +13,14 @@
 
 namespace kinesic::chains {
 
-// Of the theory for a straight row: its bends add slower modes, and shorter ones. Least mean over targets, n = 3 to 20.
-constexpr double STIFFNESS_SHARE = 0.95, DAMPING_SHARE = 0.6;
+// Shares of what the theory says for a straight row, whose bends add slower modes, and shorter ones. Least mean over
+// targets for 3 to 10 bones. Near the bound of stability long rows that are pressed together swing for ever (a third of
+// the targets at 32 bones): they keep further away from it.
+struct Shares {
+    double stiffness, damping;
+};
+constexpr Shares SHORT{0.95, 0.6}, LONG{0.7, 0.5};
+constexpr int SHORT_BONES = 10;
 
 struct Verlet {
     double stiffness, momentum;  // k dt^2; share of its speed that a mass keeps
@@ -22,12 +28,14 @@ struct Verlet {
 
 // Heavy-ball optimum of a row of springs held at both ends: with m and L the least and the greatest eigenvalue of its
 // Laplacian, k = 4 / (sqrt L + sqrt m)^2 and damping 1 - ((sqrt L - sqrt m) / (sqrt L + sqrt m))^2.
-inline Verlet heavy_ball(int springs) {
+inline Verlet heavy_ball(int springs, const Shares& shares) {
     const double slow = std::sqrt(2.0 - 2.0 * std::cos(arm::PI / springs));
     const double fast = std::sqrt(2.0 - 2.0 * std::cos(arm::PI * (springs - 1) / springs));
     const double share = (fast - slow) / (fast + slow);
-    return {STIFFNESS_SHARE * 4.0 / ((fast + slow) * (fast + slow)), 1.0 - DAMPING_SHARE * (1.0 - share * share)};
+    return {shares.stiffness * 4.0 / ((fast + slow) * (fast + slow)), 1.0 - shares.damping * (1.0 - share * share)};
 }
+
+inline const Shares& shares_of(int bones) { return bones <= SHORT_BONES ? SHORT : LONG; }
 
 // What each spring pulls per stiffness, along its bone outward; returns the tip of the real chain.
 inline Vector stretch(const Chain& chain, const Vector* points, Vector* pulls) {
@@ -52,7 +60,7 @@ inline void verlet(const Verlet& tuned, const Vector& force, Vector& now, Vector
 // Method 1, force based.
 inline int force_verlet(const Chain& chain, const Goal& goal, Posture& posture) {
     const int n = chain.bones;
-    const Verlet tuned = heavy_ball(n + 1);  // the force on the end is one spring more, of no length
+    const Verlet tuned = heavy_ball(n + 1, shares_of(n));  // the force on the end is one spring more, of no length
     Vector before[MOST_BONES + 1], pulls[MOST_BONES];
     Vector* points = posture.points;
     for (int i = 1; i <= n; ++i) before[i] = points[i];
@@ -69,7 +77,7 @@ inline int force_verlet(const Chain& chain, const Goal& goal, Posture& posture) 
 // Method 2, position based: the end is pinned.
 inline int pinned_verlet(const Chain& chain, const Goal& goal, Posture& posture) {
     const int n = chain.bones;
-    const Verlet tuned = heavy_ball(n);
+    const Verlet tuned = heavy_ball(n, shares_of(n));
     Vector before[MOST_BONES + 1], pulls[MOST_BONES];
     Vector* points = posture.points;
     points[n] = goal.target;

@@ -10,7 +10,9 @@ import numpy as np
 
 from kinesic.body.arrays import Flags, Floats
 
-DAMPING_SHARE = 0.75  # of the theory's damping: bends swing slower than the stretching that the theory sees
+SHORT = 10  # masses that move; least mean iterations for these
+STEP_SHARES = (1.0, 0.84)  # of the theory's time step, short and long: pressed together, long rows swing for ever near it
+DAMPING_SHARES = (0.75, 0.5)  # of its damping: bends swing slower than the stretching that the theory sees
 NO_LENGTH = 1e-12  # a spring pressed to nothing keeps a finite force
 
 
@@ -46,6 +48,13 @@ class Springs:
     def energy(self, forces: Floats) -> float:
         """What Algorithm 1 calls energy: the summed size of the forces, here per unit of mean stiffness."""
         return float(np.sqrt((forces * forces).sum(axis=1)).sum() / self.stiffness.mean())
+
+    @property
+    def advised(self) -> tuple[float, float]:
+        """Time step and share of speed lost per step, as they are used: the theory's, less what bends need."""
+        long = int(self.free.sum()) > SHORT
+        step, loss = self.pace
+        return STEP_SHARES[long] * step, DAMPING_SHARES[long] * loss
 
     @cached_property
     def pace(self) -> tuple[float, float]:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.ik.thesis.springs import DAMPING_SHARE, Springs
+from kinesic.ik.thesis.springs import Springs
 from kinesic.ik.thesis.task import Effort, Rest
 
 EXPLODED = 1e6  # in chain lengths: the step lies beyond the stability bound
@@ -22,13 +22,13 @@ def swing(
     Args:
         springs: the system.
         points: (p, 3) to begin with, standing still.
-        damping: c; None: 0.75 of what theory advises.
+        damping: c; None: as advised.
         effort: when to stop.
         arrived: told the points before each step, ends the loop early.
     """
-    advised, loss = springs.pace
-    dt = advised if effort.step is None else effort.step
-    kept = 1.0 - (DAMPING_SHARE * loss if damping is None else damping)
+    step, loss = springs.advised
+    dt = step if effort.step is None else effort.step
+    kept = 1.0 - (loss if damping is None else damping)
     gain = (dt * dt / springs.masses)[:, None]
     now = before = np.array(points)
     forces = springs.forces(now)

@@ -1,4 +1,4 @@
-"""The three ways to rest, on chains of 3, 6, 10 and 20 joints."""
+"""The three ways to rest, on chains of 3 to 32 joints."""
 
 from functools import cache
 
@@ -15,7 +15,6 @@ from kinesic.ik.thesis.position import pinned
 from kinesic.ik.thesis.task import Effort, Rest, Task
 
 WAYS = {"force": drawn, "position": pinned, "direct": balanced}
-JOINTS = (3, 6, 10, 20)
 REACHABLE, BEYOND = 60, 15
 
 
@@ -36,22 +35,26 @@ def _rests(way: str, joints: int, count: int = REACHABLE, **given) -> list[tuple
     return [(task, WAYS[way](task)) for task in tasks]
 
 
-# median iterations that a prototype needed on 2000 targets (3 joints: position only); a sample may differ by a third
+# median iterations on 2000 targets, by a prototype for up to 10 joints and for 3 by position; a sample may differ by a
+# third
 @pytest.mark.parametrize(
     ("way", "joints", "median", "least"),
     [
         ("force", 3, 17, 1.0),
         ("force", 6, 27, 1.0),
         ("force", 10, 35, 0.97),
-        ("force", 20, 56, 0.85),
+        ("force", 20, 71, 0.97),
+        ("force", 32, 97, 0.97),
         ("position", 3, 14, 1.0),
         ("position", 6, 19, 1.0),
         ("position", 10, 33, 1.0),
-        ("position", 20, 54, 0.90),
+        ("position", 20, 67, 0.97),
+        ("position", 32, 90, 0.97),
         ("direct", 3, 4, 1.0),
         ("direct", 6, 7, 1.0),
         ("direct", 10, 15, 1.0),
         ("direct", 20, 30, 1.0),
+        ("direct", 32, 60, 0.97),
     ],
 )
 def test_reachable_targets_are_reached_in_the_known_number_of_iterations(way, joints, median, least):
@@ -60,7 +63,7 @@ def test_reachable_targets_are_reached_in_the_known_number_of_iterations(way, jo
     assert np.mean([task.arrived(rest.points) for task, rest in rests]) >= least
 
 
-@pytest.mark.parametrize("joints", JOINTS)
+@pytest.mark.parametrize("joints", [3, 6, 10, 20])
 @pytest.mark.parametrize("way", WAYS)
 def test_targets_clamped_to_the_reach_are_approached_and_reached_directly(way, joints):
     strict, loose = Effort(), Effort(tolerance=0.04 if joints == 20 else 0.01)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from kinesic.ik.thesis.springs import DAMPING_SHARE, Springs
+from kinesic.ik.thesis.springs import DAMPING_SHARES, Springs
 from kinesic.ik.thesis.task import Effort
 from kinesic.ik.thesis.verlet import swing
 
@@ -32,7 +32,7 @@ def test_the_second_step_is_the_scheme_of_eq_7_3_6_with_damping():
 
 def test_damping_is_a_share_of_what_theory_advises():
     loss = _springs().pace[1]
-    assert _after(5, damping=None).points == pytest.approx(_after(5, damping=DAMPING_SHARE * loss).points)
+    assert _after(5, damping=None).points == pytest.approx(_after(5, damping=DAMPING_SHARES[0] * loss).points)
 
 
 def test_undamped_masses_keep_their_swing():
