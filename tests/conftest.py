@@ -14,12 +14,13 @@ import tempfile
 import pytest
 from hypothesis import HealthCheck, settings
 
+from .machine import Watch
 from .nudge import nudge_random_inputs
 
 if "KINESIC_NUDGE" in os.environ:
     nudge_random_inputs(int(os.environ["KINESIC_NUDGE"]))  # before test modules and rooms draw
 
-from kinesic.sim import gl  # noqa: E402
+from kinesic.sim import gl
 
 gl.prepare()
 
@@ -38,3 +39,11 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if item.get_closest_marker("realtime"):
             item.add_marker(pytest.mark.flaky(reruns=2))
+
+
+_watch = Watch()
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    if item.get_closest_marker("realtime") and (complaint := _watch.complaint()):
+        pytest.skip(f"machine too slow: {complaint}")

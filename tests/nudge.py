@@ -6,20 +6,21 @@ here it fails on this one. The number chooses which last bits are changed.
 
 import random
 from functools import wraps
-from typing import Any
 
 import numpy as np
 from hypothesis import strategies as st
 
 LAST_BITS = 2.2e-16
 MOST = 4.5  # of them, either way: one part in 1e15
+LARGE = 1e300  # what is larger stays, so that nothing overflows
 
 
 def nudge(values, seed: int):
     """The same numbers some last bits away, each always by the same ones."""
     exact = np.atleast_1d(np.asarray(values, dtype=np.float64))  # a scalar's overflow would warn
     mixed = (exact.view(np.uint64) ^ np.uint64(seed)) * np.uint64(0x9E3779B97F4A7C15)
-    away = exact * (1.0 + LAST_BITS * np.rint(MOST * ((mixed >> np.uint64(40)) / 2.0**23 - 1.0)))
+    steps = np.rint(MOST * ((mixed >> np.uint64(40)) / 2.0**23 - 1.0))
+    away = exact + np.where(np.abs(exact) < LARGE, exact, 0.0) * (LAST_BITS * steps)
     return away if np.ndim(values) else float(away[0])
 
 
@@ -32,7 +33,7 @@ def nudged_generator(seed: int) -> type[np.random.Generator]:
     for name in ("uniform", "normal", "standard_normal", "random"):
         plain = getattr(np.random.Generator, name)
 
-        def drawn(self, *args: Any, plain=plain, **options: Any):
+        def drawn(self, *args, plain=plain, **options):
             return nudge(plain(self, *args, **options), seed)
 
         setattr(Nudged, name, wraps(plain)(drawn))
@@ -44,7 +45,7 @@ def nudge_random_inputs(seed: int) -> None:
     plain_rng, plain_floats, plain_uniform = np.random.default_rng, st.floats, random.Random.uniform
     generator = nudged_generator(seed)
 
-    def floats(min_value=None, max_value=None, **options: Any):
+    def floats(min_value=None, max_value=None, **options):
         low = -np.inf if min_value is None else min_value
         high = np.inf if max_value is None else max_value
         drawn = plain_floats(min_value, max_value, **options)
