@@ -11,15 +11,21 @@ OPENGL := libegl1 libgl1-mesa-dri libopengl0 libgl1
 SCREENS := xvfb chromium
 
 .DELETE_ON_ERROR:
-.PHONY: demo test check soak bench system-deps test-deps clean
+.PHONY: demo test test-rounding check soak bench system-deps test-deps clean
 
 demo: .venv/.stamp-demo
 	@$(BIN)/kinesic perform kinesic/configs/bml/welcome.bml --out out/demo --force
 
 # Tests start many processes: compiled modules are kept for them, whatever the caller's environment says. Files in their
-# own order: sorted by their number of tests, the longest ones would come last.
+# own order: sorted by their number of tests, the longest ones would come last. Which process gets which file:
+# tests/scheduling.py.
+TEST := PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder
 test: .venv/.stamp-test
-	@PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder
+	@$(TEST)
+
+# The rooms that calculate as another processor would: old kernels of linear algebra, and inputs some last bits away.
+test-rounding: .venv/.stamp-test
+	@OPENBLAS_CORETYPE=Prescott KINESIC_NUDGE=1 $(TEST) $(addprefix tests/,body bml expressivity ik sim)
 
 check: .venv/.stamp-test
 	@$(BIN)/ruff check

@@ -2,8 +2,9 @@
 
 MuJoCo reads MUJOCO_GL when it is first imported: kinesic decides before. And whoever runs the tests may have calibrated
 a robot: here nobody has. A shell lets what it runs in the background ignore Ctrl-C, which programs would inherit that
-tests start and interrupt. Machines are shared: an example may take as long as it likes, and what needs real time is
-tried again, twice at most, which the summary tells. Examples of theorems are the same in every run; `make soak` has new
+tests start and interrupt. Machines are shared: an example may take as long as it likes; what needs real time looks
+first whether the machine keeps time, is skipped where it does not (`machine too slow`), and is tried again after a
+failure, twice at most, which the summary tells. Examples of theorems are the same in every run; `make soak` has new
 ones each time.
 """
 
@@ -13,9 +14,11 @@ import tempfile
 
 import pytest
 from hypothesis import HealthCheck, settings
+from xdist.remote import Producer
 
 from .machine import Watch
 from .nudge import nudge_random_inputs
+from .scheduling import ClockBesideCalculation, step_back
 
 if "KINESIC_NUDGE" in os.environ:
     nudge_random_inputs(int(os.environ["KINESIC_NUDGE"]))  # before test modules and rooms draw
@@ -33,6 +36,20 @@ os.environ["XDG_CONFIG_HOME"] = _nobody.name
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    step_back(config)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers() -> int:
+    return (os.cpu_count() or 1) + 1
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> ClockBesideCalculation:
+    return ClockBesideCalculation(config, log)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
