@@ -63,8 +63,17 @@ class MujocoDynamics:
 
     def holding(self, angles: Floats) -> Floats:
         """Torque (m, n) [Nm] that holds postures (m, n) [rad] against gravity, without help from friction."""
-        still = np.zeros(angles.shape)
-        return self.torques(angles, still, still)
+        model, data, qpos = self._model, self._data, self._data.qpos
+        data.qvel[:] = 0.0
+        mujoco.mj_comVel(model, data)  # nothing moves in any posture
+        rigid = np.empty(angles.shape)
+        for row, angle in zip(rigid, angles[:, self._hinges], strict=True):
+            qpos[:] = angle
+            mujoco.mj_kinematics(model, data)
+            mujoco.mj_comPos(model, data)
+            mujoco.mj_rne(model, data, 0, row)
+        torques: Floats = rigid[:, self._order]
+        return torques
 
     def static_ratios(self, angles: Floats) -> Floats:
         """Share (m, n) of the stall torque that holds each hinge in postures (m, n) [rad]."""
@@ -73,17 +82,16 @@ class MujocoDynamics:
 
     def inertias(self, angles: Floats) -> Floats:
         """Diagonal (m, n) [kg m^2] of the joint-space inertia, armature included, for (m, n) [rad]."""
-        model, data = self._model, self._data
-        full = np.empty((model.nv, model.nv))
+        model, data, qpos = self._model, self._data, self._data.qpos
+        matrix, diagonal = data.M, model.M_rowadr + model.M_rownnz - 1  # each row of its lower half ends there
         inertias = np.empty(angles.shape)
-        for k in range(len(angles)):
-            data.qpos[self._order] = angles[k]
+        for row, angle in zip(inertias, angles[:, self._hinges], strict=True):
+            qpos[:] = angle
             mujoco.mj_kinematics(model, data)
             mujoco.mj_comPos(model, data)
             mujoco.mj_makeM(model, data)
-            mujoco.mj_fullM(model, data, full)
-            inertias[k] = full.diagonal()[self._order]
-        return inertias
+            row[:] = matrix[diagonal]
+        return inertias[:, self._order]
 
     @cached_property
     def worst_static(self) -> Extremes:

@@ -54,17 +54,27 @@ def extremes(skeleton: Skeleton, measure: Callable[[Floats], Floats]) -> Extreme
         The same for the same robot: the random postures are seeded.
     """
     postures = random_postures(skeleton, POSTURES)
-    starts = postures[measure(postures).argmax(axis=0)]
-    worst = np.array([_climb(skeleton, measure, hinge, start) for hinge, start in enumerate(starts)])
-    return Extremes(sealed(measure(worst).diagonal()), sealed(worst))
+    values = measure(postures)
+    return _climbed(skeleton, measure, Extremes(values.max(axis=0), postures[values.argmax(axis=0)]))
 
 
-def _climb(skeleton: Skeleton, measure: Callable[[Floats], Floats], hinge: int, start: Floats) -> Floats:
-    """(n,) [rad] from a posture upwards, turning one hinge at a time to its best of a few angles."""
-    posture = start
-    for _ in range(ROUNDS):
-        for turned in range(len(posture)):
-            choices = np.tile(posture, (CHOICES + 1, 1))
-            choices[1:, turned] = np.linspace(skeleton.lower[turned], skeleton.upper[turned], CHOICES)
-            posture = choices[measure(choices)[:, hinge].argmax()]
-    return posture
+def _climbed(skeleton: Skeleton, measure: Callable[[Floats], Floats], start: Extremes) -> Extremes:
+    """From each hinge's posture upwards, turning one hinge at a time to its best of a few angles.
+
+    All climb at once: what is to be measured for one turn is measured together.
+    """
+    values, postures = start.values.copy(), start.postures.copy()
+    hinges = np.arange(len(values))
+    choices = np.linspace(skeleton.lower, skeleton.upper, CHOICES)  # (choices, n) [rad]
+    for turned in np.tile(hinges, ROUNDS):
+        # where a posture already has an angle, its value is known
+        climber, choice = np.nonzero(postures[:, turned, None] != choices[:, turned])
+        tried = postures[climber]
+        tried[:, turned] = choices[choice, turned]
+        found = np.full((len(hinges), CHOICES), -np.inf)
+        found[climber, choice] = measure(tried)[np.arange(len(tried)), climber]
+        best = found.argmax(axis=1)
+        better = np.flatnonzero(found[hinges, best] > values)
+        values[better] = found[better, best[better]]
+        postures[better, turned] = choices[best[better], turned]
+    return Extremes(sealed(values), sealed(postures))
