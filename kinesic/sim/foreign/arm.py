@@ -40,7 +40,8 @@ class Centres:
     shoulder: Floats  # (3,)
     elbow: Floats  # (3,)
     wrist: Floats  # (3,)
-    miss: float  # [m] mean distance of the shoulder's axes from its centre
+    anchors: Floats  # (s, 3) of the shoulder's hinges
+    axes: Floats  # (s, 3) unit, of the same
 
     @property
     def upper(self) -> Floats:
@@ -51,6 +52,11 @@ class Centres:
     def fore(self) -> Floats:
         """(3,) unit, along the forearm."""
         return unit(self.wrist - self.elbow)
+
+    @property
+    def miss(self) -> float:
+        """Mean distance of the shoulder's axes from its centre [m]."""
+        return float(distances(self.shoulder, self.anchors, self.axes).mean())
 
     @property
     def lengths(self) -> tuple[float, float]:
@@ -70,9 +76,9 @@ def splits(count: int) -> list[Split]:
 
 def centres(limb: Limb, split: Split) -> Centres:
     """Where shoulder, elbow and wrist are in the limb's pose."""
-    arm = slice(split.girdle, split.elbow)
-    e, behind = split.elbow, slice(split.elbow + 1, split.hinges)
-    shoulder = common_point(limb.anchors[arm], limb.axes[arm], limb.anchors[split.elbow - 1])
+    e = split.elbow
+    arm, behind = slice(split.girdle, e), slice(e + 1, split.hinges)
+    shoulder = common_point(limb.anchors[arm], limb.axes[arm], limb.anchors[e - 1])
     twist = _twist(limb, split, shoulder)
     if twist is None:
         elbow = foot(shoulder, limb.anchors[e], limb.axes[e])
@@ -82,8 +88,7 @@ def centres(limb: Limb, split: Split) -> Centres:
     if split.wrist == 1 and abs(unit(limb.centre - elbow) @ limb.axes[e + 1]) > LENGTHWISE:
         tip = limb.centre + (limb.centre - elbow)
     wrist = common_point(limb.anchors[behind], limb.axes[behind], tip) if split.wrist else tip
-    miss = float(distances(shoulder, limb.anchors[arm], limb.axes[arm]).mean())
-    return Centres(shoulder, elbow, wrist, miss)
+    return Centres(shoulder, elbow, wrist, limb.anchors[arm], limb.axes[arm])
 
 
 def _twist(limb: Limb, split: Split, shoulder: Floats) -> int | None:

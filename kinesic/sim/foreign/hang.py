@@ -114,8 +114,6 @@ class _Arm:
         self._limb, self._split, self._wish, self._ranges = limb, split, wish, ranges
         e = split.elbow
         self._sense = elbow_sense(limb, split, ranges.lower[e], ranges.upper[e]) or _forward(limb, split)
-        at = centres(limb, split)
-        self._hand = unit(limb.centre - at.wrist) if split.wrist else np.zeros(3)
         self._calm = np.where(np.arange(len(ranges.lower)) > split.elbow, CALM, 1.0)
         self.home = np.clip(np.zeros(len(ranges.lower)), ranges.lower, ranges.upper)
 

@@ -2,12 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import sqrt
 
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.rotation import about
+from kinesic.body.rotation import UNTURNED, about
 from kinesic.sim.foreign.tree import Tree
+
+NOWHERE = np.zeros(3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,20 +33,21 @@ class Limb:
     def turned(self, angles: Floats) -> "Limb":
         """The same limb with each hinge turned by (k,) [rad]."""
         motion = self.motion(angles)
-        before = [(np.eye(3), np.zeros(3)), *motion[:-1]]
+        rotations = np.array([UNTURNED, *(rotation for rotation, _ in motion[:-1])])
+        shifts = np.array([NOWHERE, *(shift for _, shift in motion[:-1])])
         return Limb(
-            sealed([r @ p + t for (r, t), p in zip(before, self.anchors, strict=True)]),
-            sealed([r @ x for (r, _), x in zip(before, self.axes, strict=True)]),
+            sealed(_each(rotations, self.anchors) + shifts),
+            sealed(_each(rotations, self.axes)),
             sealed(motion[-1][0] @ self.centre + motion[-1][1]),
         )
 
     def motion(self, angles: Floats) -> list[tuple[Floats, Floats]]:
         """Rotation (3, 3) and shift (3,) [m] of what each hinge moves, from this pose."""
-        rotation, shift = np.eye(3), np.zeros(3)
+        rotation, shift = UNTURNED, NOWHERE
+        turns = about(self.axes, angles)
         found = []
-        for anchor, axis, angle in zip(self.anchors, self.axes, angles, strict=True):
-            turn = about(axis, angle)
-            shift = shift + rotation @ (anchor - turn @ anchor)
+        for turn, moved in zip(turns, self.anchors - _each(turns, self.anchors), strict=True):
+            shift = shift + rotation @ moved
             rotation = rotation @ turn
             found.append((rotation, shift))
         return found
@@ -51,10 +55,9 @@ class Limb:
 
 def common_point(anchors: Floats, axes: Floats, near: Floats, pull: float = 1e-3) -> Floats:
     """(3,) [m] nearest to all lines; where they leave it open, nearest to a point."""
-    matrix, right = pull * np.eye(3), pull * near
-    for anchor, axis in zip(anchors, axes, strict=True):
-        across = np.eye(3) - np.outer(axis, axis)
-        matrix, right = matrix + across, right + across @ anchor
+    across = UNTURNED - axes[:, :, None] * axes[:, None, :]
+    matrix = sum(across, pull * UNTURNED)
+    right = sum(_each(across, anchors), pull * near)
     return sealed(np.linalg.solve(matrix, right))
 
 
@@ -81,8 +84,14 @@ def nearest_to_line(anchor: Floats, axis: Floats, other: Floats, direction: Floa
 
 def unit(vector: Floats) -> Floats:
     """The vector in length 1; zero stays zero."""
-    length = float(np.linalg.norm(vector))
+    length = sqrt(vector @ vector)
     return vector / length if length > 0 else vector
+
+
+def _each(matrices: Floats, vectors: Floats) -> Floats:
+    """(k, 3) products of (k, 3, 3) and (k, 3)."""
+    found: Floats = (matrices @ vectors[:, :, None])[:, :, 0]
+    return found
 
 
 def _cross(one: Floats, other: Floats) -> Floats:
