@@ -8,11 +8,12 @@ fitted only if the log tells it whatever the other figures are.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.optimize import least_squares
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import Robot
 from kinesic.sim.factors import Factors
 from kinesic.sim.log import Log
@@ -22,6 +23,7 @@ from kinesic.sim.unknowns import DEFAULT, Figure, Unknown, bounds, factors_of, u
 
 STEP = 0.01  # of finite differences
 EVALUATIONS = 15  # of the errors, at most
+LATEST = 64  # errors that are remembered: slopes and steps ask again where they are
 ENOUGH = 1e-3  # relative change of the figures at which a fit ends
 
 
@@ -62,10 +64,15 @@ def fit(log: Log, robot: Robot, *, free: tuple[Figure, ...] = DEFAULT) -> Fit:
     asked = unknowns(robot, free)
     noise = np.array([drive.tick for drive in robot.drives]) / 2  # of a rounded angle; neighbours are rounded alike
 
+    @lru_cache(maxsize=LATEST)
+    def errors_at(*values: float) -> Floats:
+        return sealed(((replay(log, robot, factors_of(asked, np.array(values))) - log.angles) / noise).ravel())
+
     def errors(values: Floats) -> Floats:
-        return ((replay(log, robot, factors_of(asked, values)) - log.angles) / noise).ravel()
+        return errors_at(*values.tolist())
 
     sheet = np.zeros(len(asked))
+    described = errors(sheet)
     assumed = assumptions(asked, _slopes(errors, sheet, range(len(asked)))) if "gain" in free else {}
     values = _solved(errors, asked, [k for k in range(len(asked)) if k not in assumed])
     scatter = max(1.0, _rms(errors(values)))
@@ -75,7 +82,7 @@ def fit(log: Log, robot: Robot, *, free: tuple[Figure, ...] = DEFAULT) -> Fit:
     return Fit(
         factors_of(asked, values),
         tuple(_estimate(asked[k], values[k], found, k) for k in range(len(asked))),
-        _rms(errors(sheet) * spacing),
+        _rms(described * spacing),
         _rms(errors(values) * spacing),
     )
 
