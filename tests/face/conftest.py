@@ -1,9 +1,14 @@
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from functools import cache
 
 import pytest
 
-from kinesic.face.display import available
+from kinesic.face.display import available, offscreen
 from kinesic.face.portrait import Portrait
+from kinesic.face.presets import Preset
+
+Gallery = Callable[[Preset, tuple[int, int]], AbstractContextManager[Portrait]]
 
 
 @pytest.fixture(scope="session")
@@ -18,4 +23,21 @@ def drawable() -> None:
 def portrait(drawable: None) -> Iterator[Portrait]:
     """The female head at 256 x 256 in preset normal."""
     with Portrait("female", size=(256, 256)) as opened:
+        yield opened
+
+
+@pytest.fixture(scope="module")
+def gallery(drawable: None) -> Iterator[Gallery]:
+    """Portraits of the female head by preset and size: each is opened once, all in one context."""
+    with offscreen() as context:
+
+        @cache
+        def portrait(preset: Preset, size: tuple[int, int]) -> Portrait:
+            return Portrait(preset=preset, size=size, context=context)
+
+        @contextmanager
+        def opened(preset: Preset, size: tuple[int, int]) -> Iterator[Portrait]:
+            with context:
+                yield portrait(preset, size)
+
         yield opened

@@ -9,14 +9,16 @@ from kinesic.face.display import DisplayError, offscreen
 from kinesic.face.portrait import Pixels, Portrait
 from kinesic.face.presets import DRAFT, FULL, NORMAL, PRESETS, Preset, Shadow, preset
 
+from .conftest import Gallery
+
 YAWS = range(-90, 91, 30)
 SIDE = 256
 GRIN = {"6": 1.0, "12": 1.0, "1": 1.0}
 
 
 @pytest.fixture(scope="module")
-def everything(drawable: None) -> Pixels:
-    with Portrait(size=(96, 80), preset=FULL) as portrait:
+def everything(gallery: Gallery) -> Pixels:
+    with gallery(FULL, (96, 80)) as portrait:
         return portrait.draw(GRIN)
 
 
@@ -100,13 +102,13 @@ def test_a_given_context_stays_open(drawable: None):
         context.simple_framebuffer((2, 2))
 
 
-def test_a_draft_has_no_wrinkles(drawable: None):
-    with Portrait(size=(64, 64), preset=DRAFT) as portrait:
+def test_a_draft_has_no_wrinkles(gallery: Gallery):
+    with gallery(DRAFT, (64, 64)) as portrait:
         np.testing.assert_array_equal(portrait.draw({"4": 1.0}, gain=1.0), portrait.draw({"4": 1.0}, gain=0.0))
 
 
-def test_full_has_the_finer_mesh(drawable: None):
-    with Portrait(size=(64, 64), preset=dataclasses.replace(FULL, samples=2)) as portrait:
+def test_full_has_the_finer_mesh(gallery: Gallery):
+    with gallery(dataclasses.replace(FULL, samples=2), (64, 64)) as portrait:
         assert portrait.draw({"12": 1.0}).shape == (64, 64, 3)
         assert len(portrait.mesh.faces) > 20_000
 
@@ -126,8 +128,8 @@ def test_full_has_the_finer_mesh(drawable: None):
         {"coarse": 1},
     ],
 )
-def test_each_effect_can_be_switched(everything: Pixels, off: dict[str, object]):
-    with Portrait(size=(96, 80), preset=dataclasses.replace(FULL, **off)) as portrait:
+def test_each_effect_can_be_switched(gallery: Gallery, everything: Pixels, off: dict[str, object]):
+    with gallery(dataclasses.replace(FULL, **off), (96, 80)) as portrait:
         without = portrait.draw(GRIN)
     apart = np.abs(without.astype(int) - everything.astype(int)).max(axis=2)
     assert apart.max() > 0
@@ -136,9 +138,9 @@ def test_each_effect_can_be_switched(everything: Pixels, off: dict[str, object])
 
 @pytest.mark.parametrize("preset", [DRAFT, NORMAL])
 @pytest.mark.parametrize("yaw", [140, 160, 180, -140])
-def test_nothing_of_the_face_is_painted_where_the_chart_has_its_seam(drawable: None, preset: Preset, yaw: int):
+def test_nothing_of_the_face_is_painted_where_the_chart_has_its_seam(gallery: Gallery, preset: Preset, yaw: int):
     """On the neck, seen from behind, colours change slowly; a squeezed face would be a red line."""
-    with Portrait(size=(512, 512), preset=preset) as portrait:
+    with gallery(preset, (512, 512)) as portrait:
         neck = portrait.draw({"4": 1.0, "12": 1.0}, Camera(yaw_deg=yaw))[315:430].astype(int)
     inside = binary_erosion(neck[..., 0] > 140, np.ones((9, 17)))
     assert inside.sum() > 10_000

@@ -1,3 +1,4 @@
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -7,30 +8,39 @@ from numpy.typing import NDArray
 from kinesic.body.arrays import Floats
 from kinesic.face.camera import FRONT, Camera
 from kinesic.face.lights import LIGHTS
-from kinesic.face.portrait import Portrait
 from kinesic.face.presets import DRAFT, Preset, Shadow
 from kinesic.face.shadow import lamp_view
+
+from .conftest import Gallery
 
 SIZE = (128, 128)
 SHADED = replace(DRAFT, shadow=Shadow(), coarse=1)
 
 
-def drawn(preset: Preset, camera: Camera = FRONT) -> NDArray[np.int64]:
-    with Portrait(size=SIZE, preset=preset) as portrait:
-        return portrait.draw({}, camera).astype(np.int64)
+@pytest.fixture
+def drawn(gallery: Gallery) -> Callable[..., NDArray[np.int64]]:
+    """A picture of the face at rest."""
+
+    def draw(preset: Preset, camera: Camera = FRONT) -> NDArray[np.int64]:
+        with gallery(preset, SIZE) as portrait:
+            return portrait.draw({}, camera).astype(np.int64)
+
+    return draw
 
 
-def reached(shadow: Shadow, *, eyeshade: bool = False) -> tuple[Floats, NDArray[np.intp]]:
+@pytest.fixture
+def reached(gallery: Gallery) -> Callable[..., tuple[Floats, NDArray[np.intp]]]:
     """(height, width, 3) light of the key 0..1, and (height, width) parts that are seen, 1 for skin."""
-    preset = replace(SHADED, shadow=shadow, eyeshade=eyeshade)
-    with Portrait(size=(256, 256), preset=preset) as portrait:
-        portrait.draw({})
-        pipeline = portrait.pipeline
-        with pipeline.geometry.context:
-            seen = pipeline.geometry.parts()
-            texture = pipeline.reach(FRONT)
+
+    def reach(shadow: Shadow, *, eyeshade: bool = False) -> tuple[Floats, NDArray[np.intp]]:
+        with gallery(replace(SHADED, shadow=shadow, eyeshade=eyeshade), (256, 256)) as portrait:
+            portrait.draw({})
+            seen = portrait.pipeline.geometry.parts()
+            texture = portrait.pipeline.reach(FRONT)
             light = np.frombuffer(texture.read(), np.uint8).reshape(256, 256, 4)[::-1, :, :3]
             return light / 255.0, seen
+
+    return reach
 
 
 def test_a_lamp_sees_the_middle_of_the_head_in_its_middle():
@@ -45,7 +55,7 @@ def test_a_lamp_sees_the_middle_of_the_head_in_its_middle():
 
 @pytest.mark.parametrize("coarse", [1, 2])
 @pytest.mark.parametrize("yaw", [0.0, 60.0, 180.0])
-def test_a_shadow_only_darkens_and_falls_on_the_neck(drawable: None, yaw: float, coarse: int):
+def test_a_shadow_only_darkens_and_falls_on_the_neck(drawn, yaw: float, coarse: int):
     camera = Camera(yaw_deg=yaw)
     one, other = drawn(DRAFT, camera), drawn(replace(SHADED, coarse=coarse), camera)
     assert (other - one).max() <= 1
@@ -55,19 +65,19 @@ def test_a_shadow_only_darkens_and_falls_on_the_neck(drawable: None, yaw: float,
         assert darker[SIZE[1] * 3 // 4 :].sum() > 0.5 * darker.sum()  # under the chin
 
 
-def test_the_forehead_does_not_shade_itself(drawable: None):
+def test_the_forehead_does_not_shade_itself(drawn):
     one, other = (drawn(preset)[34:46, 50:78] for preset in (DRAFT, SHADED))
     assert np.abs(one - other).max() <= 2
 
 
-def test_a_wider_lamp_has_wider_penumbras(drawable: None):
+def test_a_wider_lamp_has_wider_penumbras(reached):
     partly = [
         float(np.mean((light > 0.1) & (light < 0.9))) for light in (reached(Shadow(lamp=w))[0] for w in (0.02, 0.3))
     ]
     assert partly[1] > 1.5 * partly[0] > 0.0
 
 
-def test_a_penumbra_grows_with_the_distance_of_what_casts_it(drawable: None):
+def test_a_penumbra_grows_with_the_distance_of_what_casts_it(reached):
     """The edge of the jaw's shadow starts at the jaw, and ends on the other shoulder."""
     light, seen = reached(Shadow(lamp=0.3))
     below = (seen == 1) & (np.arange(256)[:, None] > 196)
@@ -77,7 +87,7 @@ def test_a_penumbra_grows_with_the_distance_of_what_casts_it(drawable: None):
     assert np.median(far_from_it) > 2 * np.median(at_the_jaw)
 
 
-def test_light_through_an_eyeshade_takes_on_its_colour(drawable: None):
+def test_light_through_an_eyeshade_takes_on_its_colour(reached):
     plain, _ = reached(Shadow())
     uncoloured, seen = reached(Shadow(), eyeshade=True)
     coloured, _ = reached(Shadow(coloured=True), eyeshade=True)
@@ -95,7 +105,7 @@ def test_light_through_an_eyeshade_takes_on_its_colour(drawable: None):
     ).mean()
 
 
-def test_lashes_cast_a_faint_shadow(drawable: None):
+def test_lashes_cast_a_faint_shadow(reached):
     plain, seen = reached(Shadow())
     coloured, _ = reached(Shadow(coloured=True))
     darker = (plain - coloured).max(axis=2) > 0.02

@@ -26,16 +26,18 @@ def seen(mesh: Mesh, positions: np.ndarray, window: tuple[float, float, float, f
     a, b, c = corners[near].transpose(1, 0, 2)
     part = mesh.parts[mesh.triangles[near][:, 0]]
     area = (b[:, 1] - a[:, 1]) * (c[:, 2] - a[:, 2]) - (b[:, 2] - a[:, 2]) * (c[:, 1] - a[:, 1])
-    area = np.where(np.abs(area) < 1e-15, np.inf, area)
-    found = set()
+    area = np.where(np.abs(area) < 1e-15, np.nan, area)  # edge-on it hides nothing
+    least, most = corners[near][:, :, 1].min(axis=1), corners[near][:, :, 1].max(axis=1)
+    z, found = np.linspace(low, high, steps)[:, None], set()
     for y in np.linspace(right, left, steps):
-        for z in np.linspace(low, high, steps):
-            v = ((y - a[:, 1]) * (c[:, 2] - a[:, 2]) - (z - a[:, 2]) * (c[:, 1] - a[:, 1])) / area
-            w = ((b[:, 1] - a[:, 1]) * (z - a[:, 2]) - (b[:, 2] - a[:, 2]) * (y - a[:, 1])) / area
-            hit = (v >= 0) & (w >= 0) & (v + w <= 1)
-            depth = np.where(hit, a[:, 0] + v * (b[:, 0] - a[:, 0]) + w * (c[:, 0] - a[:, 0]), -np.inf)
-            if hit.any():
-                found.add(PARTS[part[np.argmax(depth)]])
+        # no other triangle is hit in this column
+        here = np.flatnonzero(np.abs(y - (least + most) / 2) <= (most - least) / 2 + 1e-9)
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = a[here].T, b[here].T, c[here].T
+        v = ((y - ay) * (cz - az) - (z - az) * (cy - ay)) / area[here]
+        w = ((by - ay) * (z - az) - (bz - az) * (y - ay)) / area[here]
+        hit = (v >= 0) & (w >= 0) & (v + w <= 1)
+        depth = np.where(hit, ax + v * (bx - ax) + w * (cx - ax), -np.inf)[hit.any(axis=1)]
+        found |= {PARTS[each] for each in part[here[depth.argmax(axis=1)]]} if len(depth) else set()
     return found
 
 
