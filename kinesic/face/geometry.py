@@ -56,7 +56,7 @@ class Geometry:
         form, _ = self.target.textures
         self._emptied = context.framebuffer([form], self.depth)  # what is not on the head is read nowhere else
         self._iris = iris
-        self.place = places(drawn_on)
+        self.drawn_on, self.place = drawn_on, places(drawn_on)
         skin = mesh.parts == PARTS.index("skin")
         self._hair = VOLUME * np.clip(self.place[:, 3] / 0.35, 0.0, 1.0) * skin
         self._sources, on_chart, triangles = unrolled(self.place, mesh.triangles)

@@ -21,6 +21,11 @@ PASSES: Mapping[Where, str] = (
         {"head": ">", "marked": "==", "marking": "1", "everywhere": "1"}
     )
 )
+Kind: TypeAlias = Literal["f1", "f2", "f4"]  # of a component: a byte for 0..1, or a float of 2 or 4 bytes
+Stored: TypeAlias = NDArray[np.uint8 | np.float16 | np.float32]
+STORED: Mapping[Kind, np.dtype[np.uint8 | np.float16 | np.float32]] = MappingProxyType(
+    {"f1": np.dtype("u1"), "f2": np.dtype("f2"), "f4": np.dtype("f4")}
+)
 Size: TypeAlias = tuple[int, int]  # width, height [pixels]
 Rectangle: TypeAlias = tuple[int, int, int, int]  # left, low, width, height [pixels]
 Value: TypeAlias = float | Sequence[float] | Floats
@@ -48,17 +53,22 @@ def tell(shader: moderngl.Program, values: Values) -> None:
         member.write(np.asarray(value, dtype="f4").tobytes())
 
 
-def texture(context: moderngl.Context, pixels: Floats, kind: Literal["f1", "f2", "f4"] = "f2") -> moderngl.Texture:
+def stored(pixels: Floats | Stored, kind: Kind) -> Stored:
+    """Pixels as a texture of a kind holds them; those that are stored already stay as they are."""
+    scaled = np.rint(255 * pixels) if kind == "f1" and pixels.dtype != STORED[kind] else pixels
+    return np.ascontiguousarray(scaled, dtype=STORED[kind])
+
+
+def texture(context: moderngl.Context, pixels: Floats | Stored, kind: Kind = "f2") -> moderngl.Texture:
     """A texture that is smooth within and clamped at its border.
 
     Args:
         context: to draw in.
-        pixels: (height, width, components), first row at the bottom.
+        pixels: (height, width, components), first row at the bottom; numbers, or as `stored` has them.
         kind: of a component: a byte for 0..1, or a float of 2 or 4 bytes.
     """
     height, width, components = pixels.shape
-    told = np.rint(255 * pixels).astype(np.uint8) if kind == "f1" else np.ascontiguousarray(pixels, dtype=kind)
-    found = context.texture((width, height), components, told.tobytes(), alignment=1, dtype=kind)
+    found = context.texture((width, height), components, stored(pixels, kind).tobytes(), alignment=1, dtype=kind)
     found.filter = (moderngl.LINEAR, moderngl.LINEAR)
     found.repeat_x = found.repeat_y = False
     return found

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from functools import cache
 
 import moderngl
 import numpy as np
@@ -15,7 +16,7 @@ from kinesic.face.lights import Lights
 from kinesic.face.mesh import Mesh
 from kinesic.face.occlusion import OcclusionPass
 from kinesic.face.paint import Complexion, iris, skin
-from kinesic.face.passes import ScreenPass, Size, Target, Value, texture
+from kinesic.face.passes import ScreenPass, Size, Stored, Target, Value, stored, texture
 from kinesic.face.presets import Preset
 from kinesic.face.relief import ReliefPass
 from kinesic.face.scattering import ScatterPass
@@ -48,7 +49,7 @@ class Pipeline:
         eyes = texture(context, iris(complexion))
         self.geometry = geometry = Geometry(context, mesh, drawn_on, drawn, eyes, shaded=preset.eyeshade)
         self._unit = float(mesh.eyes[0, 1] - mesh.eyes[1, 1])
-        self._skin = texture(context, skin(complexion) ** (0.5, 0.5, 0.5, 1.0), "f1")
+        self._skin = texture(context, _painted(complexion), "f1")
         self._skin.build_mipmaps()
         self._skin.filter = (moderngl.LINEAR_MIPMAP_NEAREST, moderngl.LINEAR)
         self._white = texture(context, np.ones((1, 1, 4)))
@@ -111,6 +112,12 @@ class Pipeline:
         """How often the painting must be halved until its pixels are about as large as those of the screen."""
         ours = self._skin.height * window()[1]
         return float(max(round(math.log2(ours / (scale * self._unit))), 0))
+
+
+@cache
+def _painted(complexion: Complexion) -> Stored:
+    """(n, n, 4) skin as its texture holds it: square roots of its colours, and how dry it is."""
+    return stored(skin(complexion) ** (0.5, 0.5, 0.5, 1.0), "f1")
 
 
 def pixels_per_metre(camera: Camera, height: int) -> float:

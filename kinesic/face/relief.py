@@ -1,13 +1,15 @@
 """Wrinkles on the screen: their heights over the G-buffer, and the normals that they bend (thesis 4.3.2)."""
 
+from functools import cache, lru_cache
+
 import moderngl
 import numpy as np
 
 from kinesic.body.arrays import Flags, Floats
-from kinesic.face.chart import ROUND, window
+from kinesic.face.chart import ROUND, places, window
 from kinesic.face.geometry import Geometry
-from kinesic.face.mesh import PARTS
-from kinesic.face.passes import ScreenPass, Target, Value, texture
+from kinesic.face.mesh import PARTS, Mesh
+from kinesic.face.passes import ScreenPass, Stored, Target, Value, stored, texture
 from kinesic.face.wrinkles import MAPS, maps, reaches
 
 BUMP = 0.022  # height of a wrinkle of depth 1, in distances between the eyes
@@ -26,9 +28,8 @@ class ReliefPass:
         self._unbent = Target.of(context, geometry.target.textures[:1], None)
         self._pixel = tuple(1.0 / side for side in geometry.size)
         self._unit = float(geometry.mesh.eyes[0, 1] - geometry.mesh.eyes[1, 1])
-        packed = np.moveaxis(maps(), 0, -1)
-        self._maps = [texture(context, packed[..., first : first + GROUP]) for first in range(0, MAPS, GROUP)]
-        number, self._near = np.nonzero(_wrinkled(geometry))
+        self._maps = [texture(context, each) for each in _packed()]
+        number, self._near = np.nonzero(_wrinkled(geometry.mesh, geometry.drawn_on))
         self._first = np.searchsorted(number, np.arange(MAPS))
 
     def draw(self, shown: Floats) -> tuple[moderngl.Texture, moderngl.Texture]:
@@ -63,10 +64,17 @@ class ReliefPass:
         return np.stack(list(ends), axis=2)
 
 
-def _wrinkled(geometry: Geometry) -> Flags:
+@cache
+def _packed() -> tuple[Stored, ...]:
+    """(n, n, 4) the wrinkle maps as textures hold them."""
+    packed = np.moveaxis(maps(), 0, -1)
+    return tuple(stored(packed[..., first : first + GROUP], "f2") for first in range(0, MAPS, GROUP))
+
+
+@lru_cache(maxsize=4)
+def _wrinkled(mesh: Mesh, drawn_on: Mesh) -> Flags:
     """(12, v) which vertices belong to a triangle that has something of each wrinkle map."""
-    mesh = geometry.mesh
-    corners = geometry.place[mesh.triangles, :2]
+    corners = places(drawn_on)[mesh.triangles, :2]
     low, high = corners.min(axis=1), corners.max(axis=1)
     whole = (high - low)[:, 0] < ROUND / 2  # not cut by the chart's seam
     found = np.zeros((MAPS, len(mesh.positions)), dtype=bool)
