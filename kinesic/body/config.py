@@ -5,6 +5,7 @@ import math
 import re
 import tomllib
 from collections.abc import Iterator
+from functools import lru_cache
 from pathlib import Path
 from typing import TypeVar, get_args
 
@@ -30,16 +31,15 @@ def read(path: Path, schema: type[T]) -> T:
         ConfigError: the file is missing, not TOML, or does not fit the schema.
     """
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
+        data, odd = _parsed(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise ConfigError(f"{path}: no such file") from None
     except OSError as error:
         raise ConfigError(f"{path}: {error.strerror}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ConfigError(f"{path}: not TOML: {error}") from None
-    for place, value in _numbers(data, "$"):
-        if not math.isfinite(value):
-            raise ConfigError(f"{path}: {place} is {value}, must be a finite number")
+    for place, value in odd:
+        raise ConfigError(f"{path}: {place} is {value}, must be a finite number")
     try:
         return msgspec.convert(data, schema)
     except msgspec.ValidationError as error:
@@ -73,6 +73,13 @@ def closest(word: str, known: Iterator[str] | list[str] | tuple[str, ...]) -> st
     if near:
         return f"; did you mean {near[0]}?"
     return f"; known: {', '.join(names)}" if names else ""
+
+
+@lru_cache(maxsize=16)
+def _parsed(text: str) -> tuple[dict[str, object], list[tuple[str, float]]]:
+    """The tree of a TOML text, and its numbers that are not finite, with their places; robots share many files."""
+    data = tomllib.loads(text)
+    return data, [(place, value) for place, value in _numbers(data, "$") if not math.isfinite(value)]
 
 
 def _numbers(data: object, place: str) -> Iterator[tuple[str, float]]:

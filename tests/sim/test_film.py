@@ -16,7 +16,15 @@ REST = ROBOT.skeleton.rest
 RAISED = REST.copy()
 RAISED[ROBOT.skeleton.joint("r_shoulder_flexion")] = 2.6
 
-draws = pytest.mark.skipif(gl.fault() is not None, reason=str(gl.fault()))
+
+@pytest.fixture(scope="module")
+def drawing():
+    """Asked only when a film is wanted: the answer takes a process of its own."""
+    if why := gl.fault():
+        pytest.skip(why)
+
+
+draws = pytest.mark.usefixtures("drawing")
 
 
 def of_colour(picture, colour):

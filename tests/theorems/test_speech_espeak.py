@@ -11,12 +11,17 @@ from kinesic.speech.engine import fault
 from kinesic.speech.espeak import Espeak
 from kinesic.speech.ssml import ssml
 
-pytestmark = pytest.mark.skipif(bool(fault()), reason=fault() or "works")
 FEW = settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 WORDS = st.lists(
     st.sampled_from(["one", "Banana,", "the.", "3.5", "naïve?", "(Hmm)", "don't", "Dr.", "—", "&", "<b>"])
 ).map(" ".join)
 TEXTS = WORDS | st.text(max_size=60)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _engine():
+    if why := fault():
+        pytest.skip(why)
 
 
 @st.composite

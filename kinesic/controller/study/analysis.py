@@ -7,8 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean
 
-from scipy.stats import mannwhitneyu
-
 from kinesic.controller.study.answers import LABELS, Answer
 
 SIGNIFICANT = 0.05
@@ -82,6 +80,8 @@ def first_choices(answers: Sequence[Answer]) -> Choices:
 
 
 def _cell(one: Sequence[int], other: Sequence[int]) -> Cell:
+    from scipy.stats import mannwhitneyu  # noqa: PLC0415 - slow to import, and only answers need it
+
     means = (fmean(one) if one else float("nan"), fmean(other) if other else float("nan"))
     p = float(mannwhitneyu(one, other, alternative="two-sided").pvalue) if one and other else float("nan")
     return Cell(means, (len(one), len(other)), p)

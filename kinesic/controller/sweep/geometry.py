@@ -1,7 +1,6 @@
 """What the shape of a path says: how fast, how far, how wide, how curved, how often somewhere. Pure."""
 
 import numpy as np
-from scipy.signal import butter, sosfiltfilt
 from scipy.spatial import ConvexHull, QhullError
 
 from kinesic.body.arrays import Floats
@@ -72,6 +71,8 @@ def rms_jerk(path: Floats, *, period: float) -> float:
     Returns:
         The figure, 0 for a path too short to filter.
     """
+    from scipy.signal import butter, sosfiltfilt  # noqa: PLC0415 - slow to import, and few motions are measured
+
     stages = butter(2, CUT, fs=1.0 / period, output="sos")
     if len(path) <= 3 * (2 * len(stages) + 1):
         return 0.0
