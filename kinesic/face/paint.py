@@ -159,7 +159,10 @@ def _pixel(a: float, y: float, size: int) -> tuple[float, float]:
 
 
 def _mixed(under: Floats, over: Colour | Floats, share: Floats) -> Floats:
-    return under + (np.asarray(over) - under) * np.asarray(share)[..., None]
+    found = np.asarray(over) - under
+    found *= np.asarray(share)[..., None]
+    found += under
+    return found
 
 
 def _step(values: Floats, low: float, high: float) -> Floats:

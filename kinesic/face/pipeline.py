@@ -53,7 +53,7 @@ class Pipeline:
         self._skin.build_mipmaps()
         self._skin.filter = (moderngl.LINEAR_MIPMAP_NEAREST, moderngl.LINEAR)
         self._white = texture(context, np.ones((1, 1, 4)))
-        self.relief = ReliefPass(context, geometry)
+        self.relief = ReliefPass(context, geometry, wrinkled=preset.wrinkles)
         self.seen = SeenPass(context, geometry, preset.coarse)
         seen = self.seen.seen
         self.occlusion = OcclusionPass(context, seen, preset.occlusion) if preset.occlusion else None

@@ -19,7 +19,15 @@ GROUP = 4  # maps in a texture
 class ReliefPass:
     """Bends the normals of a head."""
 
-    def __init__(self, context: moderngl.Context, geometry: Geometry) -> None:
+    def __init__(self, context: moderngl.Context, geometry: Geometry, *, wrinkled: bool = True) -> None:
+        """Loads the wrinkle maps.
+
+        Args:
+            context: to draw in.
+            geometry: of the head.
+            wrinkled: else nothing is loaded, and nothing bent.
+        """
+
         def over_head(fragment: str, kind: str) -> ScreenPass:
             return ScreenPass(context, Target(context, geometry.size, (kind,), geometry.depth), "form", fragment)
 
@@ -28,9 +36,11 @@ class ReliefPass:
         self._unbent = Target.of(context, geometry.target.textures[:1], None)
         self._pixel = tuple(1.0 / side for side in geometry.size)
         self._unit = float(geometry.mesh.eyes[0, 1] - geometry.mesh.eyes[1, 1])
-        self._maps = [texture(context, each) for each in _packed()]
-        number, self._near = np.nonzero(_wrinkled(geometry.mesh, geometry.drawn_on))
-        self._first = np.searchsorted(number, np.arange(MAPS))
+        self._maps: list[moderngl.Texture] = []
+        if wrinkled:
+            self._maps = [texture(context, each) for each in _packed()]
+            number, self._near = np.nonzero(_wrinkled(geometry.mesh, geometry.drawn_on))
+            self._first = np.searchsorted(number, np.arange(MAPS))
 
     def draw(self, shown: Floats) -> tuple[moderngl.Texture, moderngl.Texture]:
         """Heights of wrinkles over the G-buffer that was just drawn, and its first texture with normals bent by them.
@@ -40,7 +50,7 @@ class ReliefPass:
         """
         form, place = self._geometry.target.textures
         relief = self._relief.clear().textures[0]
-        if not shown.any():  # most of the time nothing is, in a face that talks
+        if not (self._maps and shown.any()):  # most of the time nothing is, in a face that talks
             return relief, form
         corners = self._corners()
         for first, drawn in zip(range(0, MAPS, GROUP), self._maps, strict=True):
