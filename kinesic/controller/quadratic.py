@@ -4,6 +4,8 @@ The optimum without limits is a banded solve; where it keeps the limits it is th
 is needed.
 """
 
+from functools import lru_cache
+
 import casadi
 import numpy as np
 import scipy.sparse as sp
@@ -63,12 +65,12 @@ def limited(segment: Segment, wish: Floats, limits: Limits) -> Floats | None:
     solver = casadi.conic("nearest", "piqp", program, {"error_on_fail": False, "piqp": {"max_iter": ITERATIONS}})
     told = solver(
         h=form,
-        g=-(grid.at_knots.T @ wish),
+        g=column(-(grid.at_knots.T @ wish)),
         a=every,
-        lba=np.concatenate([values, -grid.bounds]),
-        uba=np.concatenate([values, grid.bounds]),
-        lbx=lower,
-        ubx=upper,
+        lba=column(np.concatenate([values, -grid.bounds])),
+        uba=column(np.concatenate([values, grid.bounds])),
+        lbx=column(lower),
+        ubx=column(upper),
     )
     return np.array(told["x"]).ravel() if solver.stats()["success"] else None
 
@@ -83,6 +85,18 @@ def _stacked(top: sp.csr_array, bottom: sp.csr_array) -> sp.csc_array:
 
 def numbers(matrix: sp.csc_array) -> casadi.DM:
     """A matrix, for CasADi."""
-    starts: list[int] = matrix.indptr.tolist()
-    indices: list[int] = matrix.indices.tolist()
-    return casadi.DM(casadi.Sparsity(int(matrix.shape[0]), int(matrix.shape[1]), starts, indices), matrix.data)
+    shape = (int(matrix.shape[0]), int(matrix.shape[1]))
+    pattern = _pattern(shape, matrix.indptr.astype(np.int64).tobytes(), matrix.indices.astype(np.int64).tobytes())
+    return casadi.DM(pattern, matrix.data.tolist())
+
+
+def column(values: Floats) -> casadi.DM:
+    """(k, 1) from (k,), for CasADi, which reads lists sooner than arrays."""
+    return casadi.DM(values.tolist())
+
+
+@lru_cache(maxsize=256)
+def _pattern(shape: tuple[int, int], starts: bytes, indices: bytes) -> casadi.Sparsity:
+    """Where a matrix has numbers: most segments are looked at more than once."""
+    told = (np.frombuffer(each, dtype=np.int64).tolist() for each in (starts, indices))
+    return casadi.Sparsity(*shape, *told)

@@ -14,7 +14,7 @@ import scipy.sparse as sp
 
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
-from kinesic.controller.quadratic import numbers, smoothest
+from kinesic.controller.quadratic import column, numbers, smoothest
 from kinesic.controller.segments import Segment
 from kinesic.controller.trajectory import weights
 
@@ -120,7 +120,8 @@ def _solved(
     solver = casadi.conic("shortage", "piqp", program, {"error_on_fail": False, "piqp": PRECISION})
     goal = np.zeros(len(least))
     goal[-1] = 1.0
-    told = solver(h=quadratic, g=goal, a=linear, lba=lower, uba=upper, lbx=least, ubx=most)
+    bounds = {"lba": lower, "uba": upper, "lbx": least, "ubx": most}
+    told = solver(h=quadratic, a=linear, g=column(goal), **{name: column(given) for name, given in bounds.items()})
     return (np.array(told["x"]).ravel(), np.array(told["lam_a"]).ravel()), bool(solver.stats()["success"])
 
 
