@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Literal
 
 from kinesic.bml.block import Dialect
@@ -37,9 +37,22 @@ class Facts:
     @cached_property
     def limits(self) -> Limits:
         """Of every hinge of the robot."""
-        return Limits.of(self.robot, self.dynamics.load)
+        return _limits(self.robot, self.dynamics)
 
     @cached_property
     def pace(self) -> Pace:
         """How fast the robot moves, at ease and at best."""
-        return Pace(self.robot, self.limits)
+        return _pace(self.robot, self.limits)
+
+
+# Facts that differ in style or voice alone share what was worked out for the robot.
+
+
+@lru_cache(maxsize=8)
+def _limits(robot: Robot, dynamics: Dynamics) -> Limits:
+    return Limits.of(robot, dynamics.load)
+
+
+@lru_cache(maxsize=8)
+def _pace(robot: Robot, limits: Limits) -> Pace:
+    return Pace(robot, limits)
