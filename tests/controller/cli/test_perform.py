@@ -25,56 +25,68 @@ KEYS = {
 }
 
 
-@pytest.fixture
-def nod(tmp_path):
-    path = tmp_path / "nod.bml"
-    path.write_bytes(NOD)
-    return path
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Where a nod is performed once and again."""
+    made = tmp_path_factory.mktemp("perform")
+    (made / "nod.bml").write_bytes(NOD)
+    (made / "there").mkdir()
+    return made
 
 
-def test_a_nod_is_performed_and_the_paths_are_printed_last(kinesic, nod, tmp_path):
-    ended = kinesic("perform", nod, "--out", "there", "--no-film")
-    assert ended.code == 0, ended.err
-    assert ended.out.splitlines()[-2:] == ["report: there/report.json", "page: there/report.html"]
-    data = json.loads((tmp_path / "there" / "report.json").read_text())
+@pytest.fixture(scope="module")
+def told(kinesic_in, folder):
+    """A nod, performed for a program."""
+    return kinesic_in(folder, "perform", "nod.bml", "--out", "new", "--no-film", "--json")
+
+
+@pytest.fixture(scope="module")
+def written(kinesic_in, folder):
+    """The same nod, performed for people, into a folder that was there already."""
+    return kinesic_in(folder, "perform", "nod.bml", "--out", "there", "--no-film", "--force")
+
+
+@pytest.fixture(scope="module")
+def piped(kinesic_in, folder):
+    """The nod once more, from standard input, in the twin that is named."""
+    return kinesic_in(folder, "perform", "-", "--out", "piped", "--no-film", "--json", "--twin", "nominal", stdin=NOD)
+
+
+def test_a_nod_is_performed_and_the_paths_are_printed_last(written, folder):
+    assert written.code == 0, written.err
+    assert written.out.splitlines()[-2:] == ["report: there/report.json", "page: there/report.html"]
+    data = json.loads((folder / "there" / "report.json").read_text())
     assert data.keys() >= KEYS
     assert data["ok"]
     (behaviour,) = data["behaviours"]
     assert behaviour.items() >= {"id": "h", "type": "head", "outcome": "realised", "why": ""}.items()
     assert behaviour["manner"]["modality"] == "head"
-    assert (tmp_path / "there" / "report.html").stat().st_size > 10_000
+    assert (folder / "there" / "report.html").stat().st_size > 10_000
 
 
-def test_json_is_one_document_on_standard_output(kinesic, nod):
-    ended = kinesic("perform", nod, "--out", "there", "--no-film", "--json")
-    assert json.loads(ended.out)["schema"] == 1
-    assert "report: there/report.json" in ended.err
+def test_json_is_one_document_on_standard_output(told):
+    assert json.loads(told.out)["schema"] == 1
+    assert "report: new/report.json" in told.err
 
 
-def test_standard_input(kinesic):
-    ended = kinesic("perform", "-", "--out", "there", "--no-film", "--json", stdin=NOD)
-    assert json.loads(ended.out)["input"] == "stdin"
+def test_standard_input(piped):
+    assert json.loads(piped.out)["input"] == "stdin"
 
 
-def test_an_existing_folder_is_refused_without_force(kinesic, nod, tmp_path):
-    (tmp_path / "there").mkdir()
-    refused = kinesic("perform", nod, "--out", "there", "--no-film")
+def test_an_existing_folder_is_refused_without_force(kinesic_in, folder, written):
+    assert written.code == 0
+    refused = kinesic_in(folder, "perform", "nod.bml", "--out", "there", "--no-film")
     assert refused.code == 2
     assert "there exists already" in refused.err
-    assert kinesic("perform", nod, "--out", "there", "--no-film", "--force").code == 0
 
 
-def test_the_same_input_gives_the_same_report(kinesic, nod):
-    first, second = (
-        json.loads(kinesic("perform", nod, "--out", name, "--no-film", "--json").out) for name in ("a", "b")
-    )
+def test_the_same_input_gives_the_same_report(told, written, folder):
+    first, second = json.loads(told.out), json.loads((folder / "there" / "report.json").read_text())
     first.pop("timing"), second.pop("timing")
     assert first == second
 
 
-def test_the_pessimistic_twin_tracks_worse(kinesic, nod):
-    runs = [
-        json.loads(kinesic("perform", nod, "--out", name, "--no-film", "--json", "--twin", name).out)
-        for name in ("nominal", "pessimistic")
-    ]
+def test_the_pessimistic_twin_tracks_worse(kinesic_in, folder, piped):
+    options = ("--out", "pessimistic", "--no-film", "--json", "--twin", "pessimistic")
+    runs = [json.loads(ended.out) for ended in (piped, kinesic_in(folder, "perform", "nod.bml", *options))]
     assert runs[0]["tracking"]["rmse_deg"] < runs[1]["tracking"]["rmse_deg"]
