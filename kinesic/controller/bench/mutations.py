@@ -20,8 +20,8 @@ NUMBERS = (
 DEEP = 3000  # elements
 LONG = 20_000  # [bytes]
 
-_ATTRIBUTE = re.compile(rb'(\w+)="([^"]*)"')
-_ELEMENT = re.compile(rb"<(\w+)[^<>]*/>")
+_ATTRIBUTE = re.compile(rb'\b(\w++)="([^"]*)"')  # begins where a word does: a long one is looked at once
+_ELEMENT = re.compile(rb"<\w[^<>]*/>")
 
 
 def mutated(document: bytes, seed: int) -> bytes:
