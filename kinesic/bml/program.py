@@ -10,8 +10,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
-from scipy.optimize import linprog
-from scipy.sparse import csr_array
+import scipy
 
 from kinesic.bml.constraints import Point
 from kinesic.bml.loops import Edge
@@ -51,8 +50,8 @@ class _Rows:
 
     def solve(self) -> list[float]:
         rows, columns, values = zip(*self.entries, strict=True)
-        matrix = csr_array((values, (rows, columns)), shape=(len(self.bounds), len(self.costs)))
-        found = linprog(
+        matrix = scipy.sparse.csr_array((values, (rows, columns)), shape=(len(self.bounds), len(self.costs)))
+        found = scipy.optimize.linprog(
             self.costs,
             A_ub=matrix,
             b_ub=self.bounds,

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.optimize import nnls
+import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Distances
@@ -97,7 +97,7 @@ def _smallest(rows: Floats, needed: Floats, metric: Floats) -> Floats | None:
     for share in (1.0, 0.5, 0.25, 0.125):
         asked = np.where(needed > 0, share * needed, needed)
         system = np.vstack([within, asked])
-        multipliers, _ = nnls(system, np.append(np.zeros(len(within)), 1.0))
+        multipliers, _ = scipy.optimize.nnls(system, np.append(np.zeros(len(within)), 1.0))
         residual = system @ multipliers
         if 1.0 - residual[-1] > NONE:
             step: Floats = np.linalg.solve(root.T, residual[:-1] / (1.0 - residual[-1]))

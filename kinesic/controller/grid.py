@@ -4,9 +4,8 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import cholesky_banded
 
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
@@ -38,15 +37,17 @@ class Grid:
         return np.asarray(np.arange(self.pieces + 1) * self.step, dtype=np.float64)
 
     @cached_property
-    def at_knots(self) -> sp.csr_array:
+    def at_knots(self) -> "scipy.sparse.csr_array":
         """(k + 1, k + 3) from control points to the angles at the knots."""
-        return sp.diags_array([1 / 6, 4 / 6, 1 / 6], offsets=[0, 1, 2], shape=(self.pieces + 1, self.size)).tocsr()
+        return scipy.sparse.diags_array(
+            [1 / 6, 4 / 6, 1 / 6], offsets=[0, 1, 2], shape=(self.pieces + 1, self.size)
+        ).tocsr()
 
     @cached_property
-    def closeness(self) -> sp.csc_array:
+    def closeness(self) -> "scipy.sparse.csc_array":
         """(k + 3, k + 3) the quadratic form of the distance from a wish, with a little smoothness."""
         second = np.array([1.0, -2.0, 1.0]) / self.step**2
-        bend = sp.diags_array(second, offsets=[0, 1, 2], shape=(self.pieces + 1, self.size))
+        bend = scipy.sparse.diags_array(second, offsets=[0, 1, 2], shape=(self.pieces + 1, self.size))
         return (self.at_knots.T @ self.at_knots + SMOOTHNESS * bend.T @ bend).tocsc()
 
     @cached_property
@@ -58,12 +59,12 @@ class Grid:
     def calm(self) -> Floats:
         """The factor of the sum of squares of acceleration and jerk."""
         second, third = np.array([1.0, -2.0, 1.0]), np.array([-1.0, 3.0, -3.0, 1.0]) * CALM / self.step
-        bend = sp.diags_array(second, offsets=[0, 1, 2], shape=(self.pieces + 1, self.size))
-        turn = sp.diags_array(third, offsets=[0, 1, 2, 3], shape=(self.pieces, self.size))
-        anchor = ANCHOR * sp.eye_array(self.size)
+        bend = scipy.sparse.diags_array(second, offsets=[0, 1, 2], shape=(self.pieces + 1, self.size))
+        turn = scipy.sparse.diags_array(third, offsets=[0, 1, 2, 3], shape=(self.pieces, self.size))
+        anchor = ANCHOR * scipy.sparse.eye_array(self.size)
         return _banded(bend.T @ bend + turn.T @ turn + anchor, 3)
 
-    def rows(self, limits: Limits, hinge: int) -> sp.csr_array:
+    def rows(self, limits: Limits, hinge: int) -> "scipy.sparse.csr_array":
         """(4 k + 4, k + 3) every limit of a hinge but its range, scaled to -1..1.
 
         Speed, acceleration and jerk on their control points, the duty at the knots.
@@ -79,7 +80,7 @@ class Grid:
             (pulling / self.duty(limits)[hinge], self.pieces + 1),
         )
         data = np.concatenate([np.tile(stencil, count) for stencil, count in stencils])
-        return sp.csr_array((data, *self._pattern), shape=(4 * self.pieces + 4, self.size))
+        return scipy.sparse.csr_array((data, *self._pattern), shape=(4 * self.pieces + 4, self.size))
 
     @cached_property
     def _pattern(self) -> tuple[Indices, Indices]:
@@ -129,12 +130,12 @@ class Grid:
         return max(float(np.abs(share).max()) for share in self.shares(controls, limits, hinge))
 
 
-def _banded(form: sp.csc_array, width: int) -> Floats:
+def _banded(form: "scipy.sparse.csc_array", width: int) -> Floats:
     """Banded Cholesky factor of a form, upper form."""
     bands = np.zeros((width + 1, form.shape[0]))
     for offset in range(width + 1):
         bands[width - offset, offset:] = form.diagonal(offset)
-    return np.asarray(cholesky_banded(bands))
+    return np.asarray(scipy.linalg.cholesky_banded(bands))
 
 
 @lru_cache(maxsize=512)

@@ -3,7 +3,7 @@
 from typing import cast
 
 import numpy as np
-from scipy.fft import irfft, next_fast_len, rfft
+import scipy
 
 from kinesic.body.arrays import Flags, Floats, sealed
 
@@ -26,9 +26,9 @@ def lateness(planned: Floats, performed: Floats, moving: Flags, *, period: float
     if not moving.any():
         return sealed(late)
     reach = round(WINDOW / period)
-    size = next_fast_len(len(planned) + reach, real=True)
-    asked, seen = (rfft(speeds[:, moving].T, size) for speeds in (planned, performed))
-    likeness = irfft(seen * asked.conj(), size)  # (k, size) at delays of 0, 1, ... -2, -1 samples
+    size = scipy.fft.next_fast_len(len(planned) + reach, real=True)
+    asked, seen = (scipy.fft.rfft(speeds[:, moving].T, size) for speeds in (planned, performed))
+    likeness = scipy.fft.irfft(seen * asked.conj(), size)  # (k, size) at delays of 0, 1, ... -2, -1 samples
     likeness = np.concatenate([likeness[:, -reach - 1 :], likeness[:, : reach + 2]], axis=1)
     best = 1 + likeness[:, 1:-1].argmax(axis=1)
     late[moving] = period * (best - reach - 1 + _summit(likeness, best))

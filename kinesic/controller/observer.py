@@ -30,7 +30,7 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg.lapack import dtbtrs
+import scipy
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import Body, Command
@@ -260,5 +260,5 @@ def _smoothed(values: Floats, start: Floats, share: float) -> Floats:
     """(m, n) following values, by a share of the difference each row."""
     driven = share * values
     driven[0] += (1.0 - share) * start
-    followed, _ = dtbtrs(np.outer([1.0, share - 1.0], np.ones(len(values))), driven, uplo="L")
+    followed, _ = scipy.linalg.lapack.dtbtrs(np.outer([1.0, share - 1.0], np.ones(len(values))), driven, uplo="L")
     return np.ascontiguousarray(followed)

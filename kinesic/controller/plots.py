@@ -4,16 +4,17 @@ import io
 import re
 import warnings
 from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
 import numpy as np
 from markupsafe import Markup
-from matplotlib import rc_context
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from kinesic.body.arrays import Floats
 from kinesic.controller.syncs import SyncTime
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 # Stand-ins that become variables of the page's style sheet, so that one figure suits light and dark.
 INK, FAINT, GRID, OUTSIDE = "#010101", "#020202", "#030303", "#040404"
@@ -42,13 +43,17 @@ POINTS = 1000  # of one line; more cannot be seen
 _LETTER = 0.55 * SMALL / 72  # [in] mean width
 
 
-def figure(height: float) -> Figure:
+def figure(height: float) -> "Figure":
     """An empty figure, `height` [in] high."""
+    from matplotlib.figure import Figure  # noqa: PLC0415 - slow to import, and few performances are drawn
+
     return Figure(figsize=(WIDTH, height))
 
 
-def svg(drawn: Figure) -> Markup:
+def svg(drawn: "Figure") -> Markup:
     """A figure as an element of the page."""
+    from matplotlib import rc_context  # noqa: PLC0415 - as above
+
     text = io.StringIO()
     with rc_context({"svg.fonttype": "none", "svg.hashsalt": "kinesic"}), warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph", category=UserWarning)  # the browser has fonts of its own
@@ -67,15 +72,17 @@ def svg(drawn: Figure) -> Markup:
     return Markup(f'<div class="plot"><div>{body}{heads}</div></div>')  # Matplotlib escapes every text in it
 
 
-def timed(axes: Axes, *, end: float, ticks: int = 3) -> None:
+def timed(axes: "Axes", *, end: float, ticks: int = 3) -> None:
     """Plain axes over performance time, 0..end [s], on which the replay shows where it is."""
     plain(axes, ticks=ticks)
     axes.set_xlim(0.0, end)
     axes.set_label(TIME)
 
 
-def plain(axes: Axes, *, ticks: int = 3) -> None:
+def plain(axes: "Axes", *, ticks: int = 3) -> None:
     """Takes away what does not inform."""
+    from matplotlib.ticker import MaxNLocator  # noqa: PLC0415 - as above
+
     axes.yaxis.set_major_locator(MaxNLocator(ticks))
     axes.tick_params(length=2, width=0.5, labelsize=SMALL, color=FAINT, labelcolor=FAINT)
     axes.grid(visible=True, color=GRID, linewidth=0.5)
@@ -85,7 +92,7 @@ def plain(axes: Axes, *, ticks: int = 3) -> None:
 
 
 def write(
-    axes: Axes, x: float, y: float, words: str, *, colour: str = INK, place: str = "axes", align: str = "left"
+    axes: "Axes", x: float, y: float, words: str, *, colour: str = INK, place: str = "axes", align: str = "left"
 ) -> None:
     """Writes a text as it stands, without mathematics.
 

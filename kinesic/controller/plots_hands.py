@@ -1,10 +1,10 @@
 """The paths of the hands in three views that share their height: from the robot's right, the front, and its left."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from markupsafe import Markup
-from matplotlib.axes import Axes
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES, Robot, Side
@@ -12,6 +12,9 @@ from kinesic.controller.arrival import paths
 from kinesic.controller.performance import Performance
 from kinesic.controller.plots import ASKED, FAINT, GRID, INK, PERFORMED, PLANNED, WIDTH, figure, plain, svg, write
 from kinesic.expressivity.keyframes import PartName
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 HANDS: dict[Side, PartName] = {"l": "l_hand", "r": "r_hand"}
 GAP, TOP, BOTTOM = 0.5, 0.3, 0.3  # [in]
@@ -63,7 +66,7 @@ def hands(performance: Performance) -> Markup:
     return svg(drawn)
 
 
-def _frame(axes: Axes, view: View, low: Floats, high: Floats) -> None:
+def _frame(axes: "Axes", view: View, low: Floats, high: Floats) -> None:
     plain(axes, ticks=6)
     span = (low[view.across], high[view.across])
     axes.set_xlim(*(span[::-1] if view.mirrored else span))
@@ -72,7 +75,7 @@ def _frame(axes: Axes, view: View, low: Floats, high: Floats) -> None:
     write(axes, 1.0, 1.02, f"{'xyz'[view.across]}, z [m]", colour=FAINT, align="right")
 
 
-def _path(axes: Axes, view: View, planned: Floats, performed: Floats, keys: Floats) -> None:
+def _path(axes: "Axes", view: View, planned: Floats, performed: Floats, keys: Floats) -> None:
     planned, performed = (path[:: len(path) // MOST_POINTS + 1] for path in (planned, performed))
     axes.plot(planned[:, view.across], planned[:, 2], color=PLANNED, linewidth=1.2)
     axes.plot(performed[:, view.across], performed[:, 2], color=PERFORMED, linewidth=1.0, linestyle=(0, (4, 2)))

@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator
 from itertools import zip_longest
+from typing import TYPE_CHECKING
 
 import numpy as np
 from markupsafe import Markup
-from matplotlib.axes import Axes
 
 from kinesic.body.arrays import Flags, Floats
 from kinesic.body.robot import Robot
@@ -29,6 +29,9 @@ from kinesic.controller.plots import (
     write,
 )
 from kinesic.controller.syncs import CHAINS, SyncTime
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 PAIRS = (("torso", "neck"), ("r_arm", "l_arm"))  # side by side
 PARTS = {chain: part for part, chain in CHAINS.items()}  # of key frames
@@ -102,7 +105,7 @@ def _figure(
 
 
 def _panel(
-    axes: Axes,
+    axes: "Axes",
     performance: Performance,
     joint: int,
     curves: tuple[Floats, Floats, Floats],
@@ -125,7 +128,7 @@ def _panel(
     write(axes, 1.0, 1.06, span, colour=FAINT, align="right")
 
 
-def _shade(axes: Axes, robot: Robot, joint: int) -> None:
+def _shade(axes: "Axes", robot: Robot, joint: int) -> None:
     """Angles outside the range of a hinge, where the panel shows some."""
     low, high = axes.get_ylim()
     hinge = robot.skeleton.hinges[joint]
@@ -143,7 +146,7 @@ def _syncs(performance: Performance, chain: str) -> list[SyncTime]:
     return [sync for sync in plan.syncs if part in plan.keyframes.uses.get(sync.behaviour, frozenset())]
 
 
-def _mark(axes: Axes, performance: Performance, syncs: list[SyncTime]) -> None:
+def _mark(axes: "Axes", performance: Performance, syncs: list[SyncTime]) -> None:
     """Sync points as lines, strokes stronger; of many only the strokes."""
     zero = performance.plan.trajectory.zero
     for strong in (False, True) if len(syncs) <= MOST_LINES else (True,):
@@ -152,7 +155,7 @@ def _mark(axes: Axes, performance: Performance, syncs: list[SyncTime]) -> None:
         axes.vlines(times, 0, 1, transform=axes.get_xaxis_transform(), colors=colour, linewidth=width)
 
 
-def _label(axes: Axes, performance: Performance, syncs: list[SyncTime], width: float) -> None:
+def _label(axes: "Axes", performance: Performance, syncs: list[SyncTime], width: float) -> None:
     """Names of behaviours over their strokes, as many as fit."""
     zero = performance.plan.trajectory.zero
     strokes = [sync for sync in syncs if is_stroke(sync)]

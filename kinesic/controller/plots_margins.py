@@ -1,8 +1,9 @@
 """How much room is left over time: distance to the body, share of the servos' limits, and tracking error."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from markupsafe import Markup
-from matplotlib.axes import Axes
 
 from kinesic.body.arrays import Floats
 from kinesic.controller.performance import Performance
@@ -23,6 +24,9 @@ from kinesic.controller.plots import (
     write,
 )
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 PANEL, TOP, BOTTOM = 1.35, 0.0, 0.3  # [in]
 LEFT, RIGHT = 0.45, 0.1  # [in]
 
@@ -42,7 +46,7 @@ def margins(performance: Performance) -> Markup:
     return svg(drawn)
 
 
-def _clearance(axes: Axes, performance: Performance) -> None:
+def _clearance(axes: "Axes", performance: Performance) -> None:
     """Distance of the closest pair of segments, with the least that is required."""
     plan, measured = performance.plan, performance.measured
     least = 1000 * plan.facts.robot.least_clearance
@@ -61,7 +65,7 @@ def _clearance(axes: Axes, performance: Performance) -> None:
     _title(axes, "distance to the body [mm]", f"nearest: {a} and {b} at {measured.times[worst]:.2f} s")
 
 
-def _shares(axes: Axes, performance: Performance) -> None:
+def _shares(axes: "Axes", performance: Performance) -> None:
     """The hinge that is nearest to its limit, of speed, acceleration, jerk and duty."""
     limits, times = performance.plan.facts.limits, performance.measured.times
     speeds, accelerations = performance.reference.speeds, performance.reference.accelerations
@@ -82,7 +86,7 @@ def _shares(axes: Axes, performance: Performance) -> None:
         write(axes, 1.0 - 0.21 * (3 - k), 1.05, _peak(name, share, performance), colour=colour, align="right")
 
 
-def _tracking(axes: Axes, performance: Performance) -> None:
+def _tracking(axes: "Axes", performance: Performance) -> None:
     """Measured minus planned angle of the hinge that is furthest off; in grey also those that hardly move."""
     everything = np.degrees(np.abs(performance.measured.angles - performance.reference.angles))
     counted = np.degrees(np.abs(np.nan_to_num(performance.errors)))
@@ -98,6 +102,6 @@ def _peak(name: str, values: Floats, performance: Performance) -> str:
     return f"{name}: {values.max():.2f}, {hinge}"
 
 
-def _title(axes: Axes, what: str, note: str) -> None:
+def _title(axes: "Axes", what: str, note: str) -> None:
     write(axes, 0.0, 1.05, what, colour=INK)
     write(axes, 1.0, 1.05, note, colour=FAINT, align="right")

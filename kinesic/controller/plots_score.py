@@ -1,9 +1,9 @@
 """The block as a score: one row per behaviour over performance time, with its strokes and its words."""
 
 from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
 from markupsafe import Markup
-from matplotlib.axes import Axes
 
 from kinesic.bml.block import Speech
 from kinesic.controller.performance import Performance
@@ -22,6 +22,9 @@ from kinesic.controller.plots import (
     write,
 )
 from kinesic.controller.words import Said, spoken
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 ROW, TOP, BOTTOM = 0.21, 0.06, 0.3  # [in]
 LEFT, RIGHT = 1.6, 0.1  # [in]
@@ -58,7 +61,7 @@ def score(performance: Performance) -> Markup | None:
     return svg(drawn)
 
 
-def _phases(axes: Axes, row: int, name: str, performance: Performance) -> None:
+def _phases(axes: "Axes", row: int, name: str, performance: Performance) -> None:
     """From start to end, the stroke or hold in full colour; below it what was asked."""
     zero = performance.plan.trajectory.zero
     syncs = [sync for sync in performance.plan.syncs if sync.behaviour == name]
@@ -78,7 +81,7 @@ def _phases(axes: Axes, row: int, name: str, performance: Performance) -> None:
     axes.vlines([zero + sync.asked for sync in strokes], row + 0.74, row + 0.98, colors=ASKED, linewidth=1.8)
 
 
-def _words(axes: Axes, row: int, pieces: Iterable[Said], per_second: float) -> None:
+def _words(axes: "Axes", row: int, pieces: Iterable[Said], per_second: float) -> None:
     """The text between its marks, each piece where it is said."""
     for said in pieces:
         axes.broken_barh(

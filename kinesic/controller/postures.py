@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.dynamics import Distances
@@ -195,7 +195,9 @@ def aimed(reach: Reach, aim: Floats, side: Side, angles: Floats, robot: Robot) -
     shoulder = robot.skeleton.segment(robot.chains[f"{side}_arm"][-3])
     resting = robot.skeleton.resting.origins[shoulder]
     centre = robot.skeleton.frames(angles).origins[shoulder]
-    rotation = Rotation.align_vectors((aim - centre)[None], (aim - resting)[None])[0].as_matrix()
+    rotation = scipy.spatial.transform.Rotation.align_vectors((aim - centre)[None], (aim - resting)[None])[
+        0
+    ].as_matrix()
     return turned(reach, rotation, resting, centre)
 
 

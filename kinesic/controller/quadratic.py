@@ -8,8 +8,7 @@ from functools import lru_cache
 
 import casadi
 import numpy as np
-import scipy.sparse as sp
-from scipy.linalg import cho_solve_banded
+import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
@@ -51,7 +50,7 @@ def smoothest(segment: Segment) -> Floats:
 def _through(segment: Segment, factor: Floats, pulled: Floats) -> Floats:
     """The optimum of a quadratic form that passes what is fixed."""
     matrix, values = segment.fixed
-    solved = cho_solve_banded((factor, False), np.hstack([pulled[:, None], matrix.T]))
+    solved = scipy.linalg.cho_solve_banded((factor, False), np.hstack([pulled[:, None], matrix.T]))
     free, pull = solved[:, 0], solved[:, 1:]
     return np.asarray(free + pull @ np.linalg.lstsq(matrix @ pull, values - matrix @ free)[0])
 
@@ -60,7 +59,7 @@ def limited(segment: Segment, wish: Floats, limits: Limits) -> Floats | None:
     """The same as `nearest` where the optimum without limits is known to exceed them."""
     grid, hinge, (matrix, values) = segment.grid, segment.hinge, segment.fixed
     rows, (lower, upper) = grid.rows(limits, hinge), segment.corridor(limits, wish)
-    form, every = numbers(grid.closeness), numbers(_stacked(sp.csr_array(matrix), rows))
+    form, every = numbers(grid.closeness), numbers(_stacked(scipy.sparse.csr_array(matrix), rows))
     program = {"h": form.sparsity(), "a": every.sparsity()}
     solver = casadi.conic("nearest", "piqp", program, {"error_on_fail": False, "piqp": {"max_iter": ITERATIONS}})
     told = solver(
@@ -75,15 +74,15 @@ def limited(segment: Segment, wish: Floats, limits: Limits) -> Floats | None:
     return np.array(told["x"]).ravel() if solver.stats()["success"] else None
 
 
-def _stacked(top: sp.csr_array, bottom: sp.csr_array) -> sp.csc_array:
+def _stacked(top: "scipy.sparse.csr_array", bottom: "scipy.sparse.csr_array") -> "scipy.sparse.csc_array":
     """One matrix above the other."""
     data = np.concatenate([top.data, bottom.data])
     indices = np.concatenate([top.indices, bottom.indices])
     starts = np.concatenate([top.indptr, top.indptr[-1] + bottom.indptr[1:]])
-    return sp.csr_array((data, indices, starts), shape=(top.shape[0] + bottom.shape[0], top.shape[1])).tocsc()
+    return scipy.sparse.csr_array((data, indices, starts), shape=(top.shape[0] + bottom.shape[0], top.shape[1])).tocsc()
 
 
-def numbers(matrix: sp.csc_array) -> casadi.DM:
+def numbers(matrix: "scipy.sparse.csc_array") -> casadi.DM:
     """A matrix, for CasADi."""
     shape = (int(matrix.shape[0]), int(matrix.shape[1]))
     pattern = _pattern(shape, matrix.indptr.astype(np.int64).tobytes(), matrix.indices.astype(np.int64).tobytes())

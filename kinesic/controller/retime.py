@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import linprog
+import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.controller.keys import Keys, Pair
@@ -49,7 +49,7 @@ def relaxed(keys: Keys, gaps: Mapping[Pair, float], lead_in: float, cuts: Sequen
     rows[len(gaps) : len(pairs), 3 * count :] = -np.eye(ties)
     least = np.array([*gaps.values(), *keys.bonds.values()])
     one = np.eye(count)
-    result = linprog(
+    result = scipy.optimize.linprog(
         np.concatenate([np.zeros(count), LATENESS * keys.weights, keys.weights, np.full(ties, BROKEN)]),
         A_ub=rows,
         b_ub=np.append(-least, [cut.bound for cut in cuts]),

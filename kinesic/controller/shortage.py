@@ -10,7 +10,7 @@ from typing import Literal
 
 import casadi
 import numpy as np
-import scipy.sparse as sp
+import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
@@ -78,8 +78,8 @@ def _least(segment: Segment, limits: Limits) -> _Least | None:
     some = grid.bounds == 1.0
     rows, orders = rows[some], np.repeat([float(order) for order in ORDERS.values()], counts)[some, None]
     told, solved = _solved(
-        sp.csc_array((grid.size + 1, grid.size + 1)),
-        _relaxed(sp.coo_array(matrix), rows.tocoo(), orders[:, 0]),
+        scipy.sparse.csc_array((grid.size + 1, grid.size + 1)),
+        _relaxed(scipy.sparse.coo_array(matrix), rows.tocoo(), orders[:, 0]),
         np.concatenate([values, np.full(len(orders), -np.inf), np.full(len(orders), -1.0)]),
         np.concatenate([values, np.full(len(orders), 1.0), np.full(len(orders), np.inf)]),
         np.append(lower, EASY),
@@ -100,7 +100,9 @@ def _least(segment: Segment, limits: Limits) -> _Least | None:
     )
 
 
-def _relaxed(fixed: sp.coo_array, rows: sp.coo_array, orders: Floats) -> sp.csc_array:
+def _relaxed(
+    fixed: "scipy.sparse.coo_array", rows: "scipy.sparse.coo_array", orders: Floats
+) -> "scipy.sparse.csc_array":
     """What is fixed; below it the rows of limits less what relaxes them, a last variable, and again plus it."""
     above, (count, size) = fixed.shape[0], rows.shape
     every, last = np.arange(count), np.full(count, size)
@@ -108,11 +110,16 @@ def _relaxed(fixed: sp.coo_array, rows: sp.coo_array, orders: Floats) -> sp.csc_
     across = [fixed.col, rows.col, last, rows.col, last]
     data = np.concatenate([fixed.data, rows.data, -orders, rows.data, orders])
     shape = (above + 2 * count, size + 1)
-    return sp.coo_array((data, (np.concatenate(down), np.concatenate(across))), shape=shape).tocsc()
+    return scipy.sparse.coo_array((data, (np.concatenate(down), np.concatenate(across))), shape=shape).tocsc()
 
 
 def _solved(
-    form: sp.csc_array, every: sp.csc_array, lower: Floats, upper: Floats, least: Floats, most: Floats
+    form: "scipy.sparse.csc_array",
+    every: "scipy.sparse.csc_array",
+    lower: Floats,
+    upper: Floats,
+    least: Floats,
+    most: Floats,
 ) -> tuple[tuple[Floats, Floats], bool]:
     """The smallest last variable, and the multipliers of the rows."""
     quadratic, linear = numbers(form), numbers(every)

@@ -1,7 +1,7 @@
 """How smoothly a point moves: dimensionless jerk and spectral arc length."""
 
 import numpy as np
-from scipy.fft import rfft
+import scipy
 
 from kinesic.body.arrays import Floats
 
@@ -48,7 +48,7 @@ def spectral_arc_length(path: Floats, *, period: float) -> float | None:
     if not len(speed) or speed.max() == 0.0:
         return None
     size = FINENESS * 2 ** int(np.ceil(np.log2(len(speed))))
-    spectrum = np.abs(rfft(speed, size))
+    spectrum = np.abs(scipy.fft.rfft(speed, size))
     spectrum = spectrum[: int(CUT * size * period) + 1] / spectrum[0]
     counted = np.flatnonzero(spectrum >= THRESHOLD)
     spectrum = spectrum[: counted[-1] + 1]

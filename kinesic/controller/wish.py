@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import PPoly
+import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.controller.eases import changes
@@ -21,7 +21,8 @@ SHARES = np.arange(PARTS) / PARTS  # of a way, where an easing is told
 class Wish:
     """Angles over performance time; at rest before its start and after its end."""
 
-    curves: Mapping[Hinges, PPoly]  # of hinges with the same keys, over performance time, all from 0 to the same end
+    # Of hinges with the same keys, over performance time, all from 0 to the same end.
+    curves: Mapping[Hinges, "scipy.interpolate.PPoly"]
     zero: float  # [s] performance time of the block's zero
 
     @property
@@ -75,10 +76,10 @@ def wish(times: Floats, keys: Waypoints, *, zero: float = 0.0) -> Wish:
     return Wish(curves, zero - float(times[0]))
 
 
-def _curve(times: Floats, keys: Waypoints) -> PPoly:
+def _curve(times: Floats, keys: Waypoints) -> "scipy.interpolate.PPoly":
     """Of hinges that all have the same keys, at (k,) times."""
     steps, passed = np.diff(times), speeds(times, keys)
-    plain = PPoly(_quintics(steps, keys.angles, passed, accelerations(times, keys, passed)), times)
+    plain = scipy.interpolate.PPoly(_quintics(steps, keys.angles, passed, accelerations(times, keys, passed)), times)
     if np.all(keys.easing[1:] == SMOOTHEST):
         return plain
     ways, carried = np.diff(keys.angles, axis=0), steps[:, None] * (passed[:-1] + passed[1:]) / 2
@@ -88,7 +89,7 @@ def _curve(times: Floats, keys: Waypoints) -> PPoly:
     along = states[:, :-1].reshape(3, len(steps), PARTS, -1).transpose(0, 1, 3, 2)
     added = changes(left, along, steps, keys)
     states[:, :-1] += added.transpose(0, 1, 3, 2).reshape(3, len(fine) - 1, -1)
-    return PPoly(_quintics(np.diff(fine), *states), fine)
+    return scipy.interpolate.PPoly(_quintics(np.diff(fine), *states), fine)
 
 
 def _quintics(steps: Floats, angles: Floats, speeds: Floats, accelerations: Floats) -> Floats:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import NoReturn, TypeVar
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy
 
 from kinesic.bml.block import BmlError
 from kinesic.bml.manner import openness_of
@@ -251,7 +251,7 @@ def _turned(reader: _Reader, turn: Element, side: Side, pose: HandPose) -> HandP
         return pose
     world = reader.truth(turn, "global")
     frame = np.eye(3) if world else _forearm(pose.position, side)
-    rotation = frame @ Rotation.from_quat(quaternion).as_matrix()
+    rotation = frame @ scipy.spatial.transform.Rotation.from_quat(quaternion).as_matrix()
     inward = -1.0 if side == "l" else 1.0
     pointing, palm = -rotation[:, 1], inward * rotation[:, 0]
     straight = not world and float(pointing @ -frame[:, 1]) > _ALONG_FOREARM

@@ -10,7 +10,7 @@ from math import ceil, inf
 from typing import Literal
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from kinesic.body.arrays import Floats, sealed
 
@@ -133,7 +133,10 @@ class HandPath:
         if len(every) < 2:
             return np.repeat(every, len(shares), axis=0)
         knots = np.concatenate([[0.0], np.cumsum(np.sqrt(np.linalg.norm(np.diff(every, axis=0), axis=1)))])
-        curve, fine = CubicSpline(knots, every, bc_type="natural"), np.linspace(0.0, knots[-1], _FINE + 1)
+        curve, fine = (
+            scipy.interpolate.CubicSpline(knots, every, bc_type="natural"),
+            np.linspace(0.0, knots[-1], _FINE + 1),
+        )
         ways = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(curve(fine), axis=0), axis=1))])
         return np.asarray(curve(np.interp(shares * ways[-1], ways, fine)))
 

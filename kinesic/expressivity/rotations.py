@@ -9,8 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import PPoly
-from scipy.spatial.transform import Rotation
+import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.expressivity.passage import Passage
@@ -23,11 +22,13 @@ class Turning:
     """A rotation as a function of time; constant before its first key and after its last."""
 
     times: Floats  # (k,) [s]
-    keys: Rotation  # k of them
-    turns: PPoly  # (3,) rotation vector from the key before, in that key's frame
+    keys: "scipy.spatial.transform.Rotation"  # k of them
+    turns: "scipy.interpolate.PPoly"  # (3,) rotation vector from the key before, in that key's frame
 
     @classmethod
-    def through(cls, times: Sequence[float], keys: Rotation, passages: Sequence[Passage]) -> "Turning":
+    def through(
+        cls, times: Sequence[float], keys: "scipy.spatial.transform.Rotation", passages: Sequence[Passage]
+    ) -> "Turning":
         """Through at least two keys, the short way from each to the next; at rest at both ends and in holds.
 
         Args:
@@ -51,20 +52,20 @@ class Turning:
         ends = np.einsum("kij,kj->ki", _inverse_jacobians(ways), speeds[1:])
         square = (3 * ways / steps - 2 * speeds[:-1] - ends) / steps
         cube = (speeds[:-1] + ends - 2 * ways / steps) / steps**2
-        return cls(at, keys, PPoly(np.stack([cube, square, speeds[:-1], np.zeros_like(ways)]), at))
+        return cls(at, keys, scipy.interpolate.PPoly(np.stack([cube, square, speeds[:-1], np.zeros_like(ways)]), at))
 
-    def at(self, times: Floats) -> Rotation:
+    def at(self, times: Floats) -> "scipy.spatial.transform.Rotation":
         """The rotations at (m,) times [s]."""
         inside = np.clip(times, self.times[0], self.times[-1])
         way = np.clip(np.searchsorted(self.times, inside, side="right") - 1, 0, len(self.times) - 2)
-        return self.keys[way] * Rotation.from_rotvec(self.turns(inside))
+        return self.keys[way] * scipy.spatial.transform.Rotation.from_rotvec(self.turns(inside))
 
 
-def facing(pointing: Floats, palm: Floats) -> Rotation:
+def facing(pointing: Floats, palm: Floats) -> "scipy.spatial.transform.Rotation":
     """The rotations of hands from the directions (..., 3) in which they point and in which their palms face."""
     aside = np.cross(palm, pointing)
     aside /= np.linalg.norm(aside, axis=-1, keepdims=True)
-    return Rotation.from_matrix(np.stack([pointing, aside, np.cross(pointing, aside)], axis=-1))
+    return scipy.spatial.transform.Rotation.from_matrix(np.stack([pointing, aside, np.cross(pointing, aside)], axis=-1))
 
 
 def _inverse_jacobians(ways: Floats) -> Floats:

@@ -16,8 +16,8 @@ from pathlib import Path
 from zipfile import ZipFile
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from kinesic.body.arrays import Floats
 from kinesic.face.mesh import DELTA_STEP, HEAD, PARTS, POSITION_STEP, VARIANTS
@@ -144,7 +144,7 @@ def _variant(archive: ZipFile, source: Source, sex: str) -> Floats:
 def _tips(positions: Floats, parts: Whole) -> Floats:
     """(v,) 0 where a lash leaves its lid, 1 at its tip and beyond; 0 elsewhere."""
     lashes = parts == PARTS.index("lashes")
-    away, _ = cKDTree(positions[parts == PARTS.index("skin")]).query(positions[lashes])
+    away, _ = scipy.spatial.cKDTree(positions[parts == PARTS.index("skin")]).query(positions[lashes])
     found = np.zeros(len(positions))
     found[lashes] = np.clip((away - LASH_ROOT) / LASH, 0.0, 1.0)
     return found

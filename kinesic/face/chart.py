@@ -8,8 +8,8 @@ the rest position belongs to the vertex. The mask keeps them off the back of the
 from functools import lru_cache
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.face.mesh import PARTS, Indices, Mesh
@@ -96,7 +96,7 @@ def mouth(mesh: Mesh) -> Floats:
         & (up < MOUTH[2])
         & (mesh.parts == PARTS.index("skin"))
     )
-    around = cKDTree(rest[near, 1:]).query_ball_point(rest[near, 1:], BEFORE)
+    around = scipy.spatial.cKDTree(rest[near, 1:]).query_ball_point(rest[near, 1:], BEFORE)
     foremost = np.array([forward[near][each].max() for each in around])
     found = np.zeros(len(rest))
     found[near] = np.clip((foremost - forward[near] - BEFORE) / BEFORE, 0.0, 1.0)

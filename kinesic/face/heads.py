@@ -1,7 +1,7 @@
 """How a robot's head stands, for those who draw it: its face turns as the robot's neck and trunk do."""
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
@@ -41,7 +41,7 @@ def steadied(rest: Floats, positions: Floats, turn: tuple[float, float, float]) 
         positions: (v, 3) [m] in the frame of the head, which a camera turns as a whole.
         turn: of the head, as `Camera.turn` has it.
     """
-    angle = float(np.linalg.norm(spun := Rotation.from_matrix(turned(*turn)).as_rotvec()))
+    angle = float(np.linalg.norm(spun := scipy.spatial.transform.Rotation.from_matrix(turned(*turn)).as_rotvec()))
     if angle < STILL:
         return positions
     share = np.clip((HEAD_ENDS - rest[:, 2]) / (HEAD_ENDS - SHOULDERS_BEGIN), 0.0, 1.0)

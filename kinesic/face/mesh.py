@@ -11,8 +11,8 @@ from typing import Literal, TypeVar
 from zipfile import BadZipFile
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import sparse
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import CONFIGS, closest
@@ -41,7 +41,7 @@ class Mesh:
     faces: Indices  # (f, 4) corners, anticlockwise from outside
     parts: NDArray[np.uint8]  # (v,) place of each vertex's part in PARTS
     shapes: tuple[str, ...]  # names of the columns of deltas
-    deltas: sparse.csc_array  # (3 v, s) [m] what each shape adds at full weight, a row for each coordinate
+    deltas: "scipy.sparse.csc_array"  # (3 v, s) [m] what each shape adds at full weight, a row for each coordinate
     eyes: Floats  # (2, 3) [m] centres of the eyeballs, left and right
     tips: Floats  # (v,) 0 .. 1 how near to the tip of a lash; 0 elsewhere
 
@@ -81,7 +81,7 @@ class Mesh:
             positions=sealed(positions),
             faces=_sealed(faces),
             parts=_sealed(parts),
-            deltas=sparse.csc_array(sparse.kron(stencil, sparse.eye_array(3)) @ self.deltas),
+            deltas=scipy.sparse.csc_array(scipy.sparse.kron(stencil, scipy.sparse.eye_array(3)) @ self.deltas),
             tips=sealed(stencil @ self.tips),
         )
 
@@ -90,11 +90,11 @@ class Mesh:
         return self.eyes[np.where(positions[:, 1] > 0.0, 0, 1)]
 
     @cached_property
-    def _around(self) -> sparse.csr_array:
+    def _around(self) -> "scipy.sparse.csr_array":
         """(v, f) which faces meet at each vertex."""
         corners, number = self.faces.ravel(), np.repeat(np.arange(len(self.faces)), 4)
         shape = (len(self.positions), len(self.faces))
-        return sparse.csr_array((np.ones(len(corners)), (corners, number)), shape=shape)
+        return scipy.sparse.csr_array((np.ones(len(corners)), (corners, number)), shape=shape)
 
 
 def load(variant: Variant = "female", *, path: Path = HEAD) -> Mesh:
@@ -127,7 +127,7 @@ def _mesh(data: dict[str, NDArray[np.generic]], variant: int) -> Mesh:
     names = tuple(str(name) for name in data["names"])
     rows = (3 * places[:, None] + np.arange(3)).ravel()
     shape = (positions.size, len(names))
-    moves = sparse.csc_array((deltas.ravel(), rows, 3 * starts), shape=shape)
+    moves = scipy.sparse.csc_array((deltas.ravel(), rows, 3 * starts), shape=shape)
     names, moves = _halved(names, moves, positions[:, 1])
     moves.eliminate_zeros()
     return Mesh(
@@ -141,13 +141,15 @@ def _mesh(data: dict[str, NDArray[np.generic]], variant: int) -> Mesh:
     )
 
 
-def _halved(names: tuple[str, ...], moves: sparse.csc_array, left: Floats) -> tuple[tuple[str, ...], sparse.csc_array]:
+def _halved(
+    names: tuple[str, ...], moves: "scipy.sparse.csc_array", left: Floats
+) -> tuple[tuple[str, ...], "scipy.sparse.csc_array"]:
     """Shapes with the inner brow's cut in two, each half fading out over the nose, as (v,) [m] to the left has it."""
     whole = names.index(BROW)
     share = np.repeat(np.clip(0.5 + left / BRIDGE, 0.0, 1.0), 3)
     halves = [moves[:, [whole]].multiply(part[:, None]) for part in (share, 1.0 - share)]
     others = [place for place in range(len(names)) if place != whole]
-    columns = sparse.csc_array(sparse.hstack([moves[:, others], *halves]))
+    columns = scipy.sparse.csc_array(scipy.sparse.hstack([moves[:, others], *halves]))
     return (*(names[place] for place in others), f"{BROW}Left", f"{BROW}Right"), columns
 
 

@@ -9,8 +9,8 @@ from functools import cache
 from types import MappingProxyType
 
 import numpy as np
+import scipy
 from PIL import Image, ImageDraw
-from scipy.ndimage import gaussian_filter
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.face.chart import LEFT_RIGHT, LOW_HIGH
@@ -87,7 +87,9 @@ def skin(complexion: Complexion) -> Floats:
     shade = np.exp(-(((np.abs(a) - 0.55) / 0.30) ** 2 + ((y - 0.02) / 0.16) ** 2))
     found = _mixed(found, tuple(0.62 * each for each in complexion.flush), 0.30 * shade)  # lids are thin
     mottled = sum(
-        amount * gaussian_filter(random.standard_normal((RESOLUTION, RESOLUTION)), size, mode="wrap") * size
+        amount
+        * scipy.ndimage.gaussian_filter(random.standard_normal((RESOLUTION, RESOLUTION)), size, mode="wrap")
+        * size
         for size, amount in ((1.2, 0.035), (7.0, 0.05))
     )
     inside = _step(y, low, low + 0.5) * _step(-y, -high, -high + 0.3) * _step(-np.abs(a), -right, -right + 0.4)
@@ -119,7 +121,7 @@ def _lips(a: Floats, y: Floats) -> Floats:
     """(n, n) 1 on the red of the lips, 0 elsewhere, softly."""
     top, bottom = (np.interp(a, *np.array(edge).T) for edge in (UPPER_LIP, LOWER_LIP))
     drawn = (y < top) & (y > bottom) & (a < UPPER_LIP[-1][0])
-    return np.asarray(gaussian_filter(drawn.astype(np.float64), 4.0))
+    return np.asarray(scipy.ndimage.gaussian_filter(drawn.astype(np.float64), 4.0))
 
 
 def _brows(complexion: Complexion, random: np.random.Generator) -> Floats:
@@ -141,8 +143,8 @@ def _brows(complexion: Complexion, random: np.random.Generator) -> Floats:
             ends = [_pixel(side * each_a, each_y, size) for each_a, each_y in ((a, y), tip)]
             pen.line(ends, fill=darkness, width=4)
     fine = np.asarray(canvas.resize((RESOLUTION, RESOLUTION), Image.Resampling.BOX), dtype=np.float64) / 255
-    shadow = gaussian_filter(fine, 7.0)
-    return np.asarray(np.clip(0.85 * gaussian_filter(fine, 0.6) + 0.35 * shadow, 0.0, 0.92))
+    shadow = scipy.ndimage.gaussian_filter(fine, 7.0)
+    return np.asarray(np.clip(0.85 * scipy.ndimage.gaussian_filter(fine, 0.6) + 0.35 * shadow, 0.0, 0.92))
 
 
 def _brow_line(complexion: Complexion) -> tuple[Floats, Floats, Floats]:

@@ -5,13 +5,13 @@ E. Catmull and J. Clark, Recursively generated B-spline surfaces on arbitrary to
 """
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import sparse
 
 Indices = NDArray[np.int32]
 
 
-def refined(faces: Indices, vertices: int) -> tuple[sparse.csr_array, Indices]:
+def refined(faces: Indices, vertices: int) -> tuple["scipy.sparse.csr_array", Indices]:
     """The finer mesh: a vertex for each vertex, edge and face, in this order, and four faces for each.
 
     Args:
@@ -29,7 +29,7 @@ def refined(faces: Indices, vertices: int) -> tuple[sparse.csr_array, Indices]:
     border = _sums(beside) < 2
     between = _scaled(np.where(border, 1.0, 0.5), halfway) + _scaled(np.where(border, 0.0, 0.25), beside) @ middle
     kept = _corners(faces, ends, border, middle, halfway, vertices)
-    stencil = sparse.csr_array(sparse.vstack([kept, between, middle]))
+    stencil = scipy.sparse.csr_array(scipy.sparse.vstack([kept, between, middle]))
     centres = vertices + total + np.arange(count)
     after, before = vertices + edge_of, vertices + np.roll(edge_of, 1, axis=1)
     parts = [np.stack([faces[:, k], after[:, k], centres, before[:, k]], axis=1) for k in range(4)]
@@ -47,15 +47,15 @@ def _corners(
     faces: Indices,
     ends: Indices,
     border: NDArray[np.bool_],
-    middle: sparse.csr_array,
-    halfway: sparse.csr_array,
+    middle: "scipy.sparse.csr_array",
+    halfway: "scipy.sparse.csr_array",
     vertices: int,
-) -> sparse.csr_array:
+) -> "scipy.sparse.csr_array":
     """(v, v) where the old vertices go: (F + 2 R + (n - 3) P) / n inside, (R + P) / 2 on a border."""
     count, total = len(faces), len(ends)
     faces_at = _incidence(faces.ravel(), np.repeat(np.arange(count), 4), (vertices, count))
     edges_at = _incidence(ends.ravel(), np.repeat(np.arange(total), 2), (vertices, total))
-    open_at = edges_at @ sparse.diags_array(border.astype(float))
+    open_at = edges_at @ scipy.sparse.diags_array(border.astype(float))
     outside = _sums(open_at) > 0
     valence = np.maximum(_sums(edges_at), 1.0)
     meeting = np.maximum(_sums(faces_at), 1.0)
@@ -66,19 +66,21 @@ def _corners(
         _scaled(inner / meeting, faces_at @ middle)
         + _scaled(2 * inner / valence, edges_at @ halfway)
         + _scaled(outer, open_at @ halfway)
-        + sparse.diags_array(stays)
+        + scipy.sparse.diags_array(stays)
     ).tocsr()
 
 
-def _incidence(rows: NDArray[np.generic], columns: NDArray[np.generic], shape: tuple[int, int]) -> sparse.csr_array:
-    return sparse.csr_array((np.ones(len(rows)), (rows, columns)), shape=shape)
+def _incidence(
+    rows: NDArray[np.generic], columns: NDArray[np.generic], shape: tuple[int, int]
+) -> "scipy.sparse.csr_array":
+    return scipy.sparse.csr_array((np.ones(len(rows)), (rows, columns)), shape=shape)
 
 
-def _sums(matrix: sparse.csr_array) -> NDArray[np.float64]:
+def _sums(matrix: "scipy.sparse.csr_array") -> NDArray[np.float64]:
     """Of each row."""
     return np.asarray(matrix.sum(axis=1)).ravel()
 
 
-def _scaled(factors: NDArray[np.float64], matrix: sparse.csr_array) -> sparse.csr_array:
+def _scaled(factors: NDArray[np.float64], matrix: "scipy.sparse.csr_array") -> "scipy.sparse.csr_array":
     """Each row times its factor."""
-    return sparse.diags_array(factors) @ matrix
+    return scipy.sparse.diags_array(factors) @ matrix
