@@ -18,6 +18,7 @@ Task = TypeVar("Task")
 Result = TypeVar("Result")
 
 FATAL = "Fatal Python error"
+SLOW = ("scipy.interpolate", "scipy.optimize", "scipy.spatial.transform")  # to import, and all that plans needs them
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ def crew(
     Yields:
         Tasks with their results, in the order in which they are ready.
     """
-    context = _context(preload)
+    context = clean(*((preload,) if preload else ()))
     left = deque(tasks)
     working: dict[Connection, _Worker[Task, Result]] = {}
     with TemporaryDirectory() as folder:
@@ -99,12 +100,16 @@ def crew(
                 worker.dismiss()
 
 
-def _context(preload: str) -> ForkServerContext | SpawnContext:
-    """Forks of a clean process where the system can, else new processes; never forks of one with threads."""
+def clean(*preload: str) -> ForkServerContext | SpawnContext:
+    """Forks of a clean process where the system can, else new processes; never forks of one with threads.
+
+    Args:
+        preload: modules that forks begin with, imported once; those that the first caller names hold for all.
+    """
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["__main__", preload] if preload else ["__main__"])
+    context.set_forkserver_preload(["__main__", *preload, *SLOW])
     return context
 
 

@@ -2,10 +2,10 @@
 
 from asyncio import TimerHandle, get_running_loop
 from collections.abc import Callable
-from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 
+from kinesic.controller.crew import clean
 from kinesic.controller.facts import Facts
 from kinesic.controller.serve import improving, planning
 from kinesic.controller.serve.clock import Clock
@@ -58,7 +58,7 @@ class Planner:
 
     def start(self) -> None:
         """Begins a process, which tells when it is warm."""
-        context = get_context("spawn")  # nothing of the server's threads
+        context = clean(planning.__name__, self._facts_of.__module__)  # nothing of the server's threads
         there, self._wishes = context.Pipe(duplex=False)
         loop_end, planner_end = context.Pipe()
         improver_end, leisure_end = context.Pipe()
