@@ -21,8 +21,19 @@ def kinesic() -> None:
 
 kinesic.offer(
     __name__,
-    *("perform", "validate", "plan", "serve", "robots", "gestures", "face"),
-    *("study", "sweep", "twin", "servos", "bench", "doctor"),
+    bench="Measures PART; timings are medians in a warm process.",
+    doctor="Shows what works here and what would mend the rest.",
+    face="Draws the face: a still, a film, a contact sheet, or a window where there is a display and no --out.",
+    gestures="Lists, shows and draws the gestures of the lexicon.",
+    perform="Performs FILE (BML, a .bap motion, or - for BML from standard input) and writes a report.",
+    plan="Plans FILE (BML, a .bap motion, or - for BML from standard input) and writes the motion.",
+    robots="Lists, shows, checks and imports robots.",
+    serve="Performs blocks of BML as they come, and answers with BML feedback.",
+    servos="Finds, shows, calibrates, releases and simulates servos on wires.",
+    study="Asks people what they see in the face, with and without wrinkles.",
+    sweep="Plays GESTURE over the range of a parameter in the twin, measures and draws it.",
+    twin="Fits the twin to a robot.",
+    validate="Performs every document of PATHS (folders are searched) in the twin.",
 )
 
 

@@ -2,10 +2,16 @@ import json
 import subprocess
 import sys
 
+import click
 import numpy as np
+import pytest
+
+from kinesic.controller import cli
+from kinesic.controller.cli.servos import servos
 
 NOD = b'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" start="0.2"/></bml>'
 WALK = b'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><locomotion id="w" target="door"/></bml>'
+LIMITS = range(5, 120)  # letters
 
 
 def test_plan_writes_a_motion(kinesic, tmp_path):
@@ -95,16 +101,40 @@ def test_help_tells_what_every_verb_does(kinesic):
     assert all(len(words) > 3 for words in rows)
 
 
+@pytest.mark.parametrize("group", [cli.kinesic, servos], ids=lambda group: group.name)
+def test_the_list_of_verbs_says_what_they_say_themselves(group):
+    context = click.Context(group)
+    for verb in group.list_commands(context):
+        own = group.get_command(context, verb)
+        assert [group.short_help_of(verb, limit) for limit in LIMITS] == [
+            own.get_short_help_str(limit) for limit in LIMITS
+        ]
+
+
 def test_a_verb_waits_for_no_library_of_another_one():
-    """Seen in a process of its own, which has imported nothing yet."""
-    program = """import sys
+    """Seen in a process of its own, which has imported nothing yet; lists of verbs wait for none."""
+    said = helped([], ["servos"], ["servos", "scan"], beside={"casadi", "matplotlib", "mujoco", "scipy"})
+    assert "validate" in said
+    assert "calibrate" in said
+    assert "--baud" in said
+
+
+def test_the_help_of_a_verb_waits_for_nothing_that_only_its_work_needs():
+    slow = {"matplotlib", "scipy.interpolate", "scipy.linalg", "scipy.optimize", "scipy.sparse"}
+    assert "--force" in helped(["perform"], ["serve"], ["validate"], beside=slow)
+
+
+def helped(*verbs, beside):
+    """What a fresh process says of verbs, which imports none of some libraries."""
+    program = f"""import sys
 from kinesic.controller.cli import kinesic
-kinesic(["servos", "scan", "--help"], standalone_mode=False)
-print("heavy:", *{"casadi", "matplotlib", "mujoco", "scipy"} & sys.modules.keys())
+for words in {verbs}:
+    kinesic([*words, "--help"], standalone_mode=False)
+print("heavy:", *{beside} & sys.modules.keys())
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert "--baud" in done.stdout
     assert done.stdout.splitlines()[-1] == "heavy:"
+    return done.stdout
 
 
 def test_an_unknown_verb_or_option_is_bad_input(kinesic):
