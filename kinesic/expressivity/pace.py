@@ -119,15 +119,13 @@ class Pace:
 
     def _times_of(self, side: Side) -> Floats:
         """[s] for each of `_WAYS`: along the easiest axis, from the quicker postures."""
-        arm = list(self.robot.joints(f"{side}_arm"))
-        slopes, ease = self._slopes(side), self.limits.acceleration[arm]
+        arm = np.array(self.robot.joints(f"{side}_arm"), dtype=np.intp)
+        limits = self.limits.part(arm)
+        slopes, ease = self._slopes(side), limits.acceleration
         within = slopes * ease @ slopes.transpose(0, 2, 1) + _DAMPING * np.eye(3)
-        turns = np.linalg.inv(within) @ (
-            slopes * ease
-        )  # (c, 3, k) [rad/m], the more of a hinge the better it speeds up
-        every = np.zeros((len(_WAYS), *turns.shape[:2], len(self.limits.speed)))
-        every[..., arm] = self.robot.arm_length * _WAYS[:, None, None, None] * turns
-        times = least_times(every, self.limits).max(axis=-1)
+        # (c, 3, k) [rad/m], the more of a hinge the better it speeds up
+        turns = np.linalg.inv(within) @ (slopes * ease)
+        times = least_times(self.robot.arm_length * _WAYS[:, None, None, None] * turns, limits).max(axis=-1)
         return np.asarray(np.quantile(times.min(axis=-1), _SKILLED, axis=1))
 
     def _slopes(self, side: Side) -> Floats:
