@@ -7,7 +7,7 @@ from typing import Literal
 
 from kinesic.bml.block import Dialect
 from kinesic.body.arrays import Floats
-from kinesic.body.dynamics import Distances, Dynamics
+from kinesic.body.dynamics import Distances, Dynamics, Load
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
 from kinesic.body.utterance import Voice
@@ -37,7 +37,7 @@ class Facts:
     @cached_property
     def limits(self) -> Limits:
         """Of every hinge of the robot."""
-        return _limits(self.robot, self.dynamics)
+        return _limits(self.robot, self.dynamics.load)
 
     @cached_property
     def pace(self) -> Pace:
@@ -49,8 +49,8 @@ class Facts:
 
 
 @lru_cache(maxsize=8)
-def _limits(robot: Robot, dynamics: Dynamics) -> Limits:
-    return Limits.of(robot, dynamics.load)
+def _limits(robot: Robot, load: Load) -> Limits:
+    return Limits.of(robot, load)
 
 
 @lru_cache(maxsize=8)
