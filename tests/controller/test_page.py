@@ -112,25 +112,44 @@ def test_page_is_the_same_every_time(hurried: Performance, data: dict[str, Json]
     assert page(hurried, data, tmp_path) == text
 
 
-def test_film_becomes_part_of_the_page(hurried: Performance, data: dict[str, Json], tmp_path: Path) -> None:
-    film = tmp_path / "film.webp"
-    film.write_bytes(b"RIFF....WEBP")
-    assert base64.b64encode(b"RIFF....WEBP").decode() in page(hurried, data, tmp_path, film)
+@pytest.fixture(scope="module")
+def media(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with films of twin and face, and a voice."""
+    folder = tmp_path_factory.mktemp("media")
+    for name in ("film.webp", "face.webp", "speech.wav"):
+        (folder / name).write_bytes(name.encode())
+    return folder
+
+
+@pytest.fixture(scope="module")
+def sources(hurried: Performance, data: dict[str, Json], media: Path) -> list[tuple[str, str | None]]:
+    """Tags and sources of the pictures and the sound of a page that has them all."""
+    path, films = media / "x.html", {"film": media / "film.webp", "face": media / "face.webp"}
+    write_page(hurried, data, path=path, **films, voice=media / "speech.wav")
+    tags = Outline(path.read_text(encoding="utf-8")).tags
+    return [(tag, attributes["src"]) for tag, attributes in tags if tag in ("img", "audio")]
+
+
+def embedded(path: Path, kind: str) -> str:
+    return f"data:{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"
+
+
+def test_film_becomes_part_of_the_page(
+    hurried: Performance, data: dict[str, Json], media: Path, sources: list[tuple[str, str | None]]
+) -> None:
+    assert ("img", embedded(media / "film.webp", "image/webp")) in sources
     with pytest.raises(ValueError, match=r"film\.mp4 cannot be shown"):
-        page(hurried, data, tmp_path, tmp_path / "film.mp4")
+        page(hurried, data, media, media / "film.mp4")
 
 
-def test_voice_and_face_become_part_of_the_page(hurried: Performance, data: dict[str, Json], tmp_path: Path) -> None:
-    face, voice = tmp_path / "face.webp", tmp_path / "speech.wav"
-    for path in (face, voice):
-        path.write_bytes(path.name.encode())
-    write_page(hurried, data, film=None, path=tmp_path / "x.html", face=face, voice=voice)
-    tags = Outline((tmp_path / "x.html").read_text(encoding="utf-8")).tags
-    sources = {tag: attributes["src"] for tag, attributes in tags if tag in ("img", "audio")}
-    for tag, kind, path in (("img", "image/webp", face), ("audio", "audio/wav", voice)):
-        assert sources[tag] == f"data:{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"
+def test_voice_and_face_become_part_of_the_page(
+    hurried: Performance, data: dict[str, Json], media: Path, sources: list[tuple[str, str | None]]
+) -> None:
+    assert ("img", embedded(media / "face.webp", "image/webp")) in sources
+    assert ("audio", embedded(media / "speech.wav", "audio/wav")) in sources
+    assert len(sources) == len(set(sources)) == 3
     with pytest.raises(ValueError, match=r"speech\.mp3 cannot be shown"):
-        write_page(hurried, data, film=None, path=tmp_path / "x.html", voice=tmp_path / "speech.mp3")
+        write_page(hurried, data, film=None, path=media / "y.html", voice=media / "speech.mp3")
 
 
 def test_the_page_says_who_speaks_and_why_no_face_is_seen(text: str, data: dict[str, Json]) -> None:

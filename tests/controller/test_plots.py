@@ -4,6 +4,7 @@ import re
 import xml.etree.ElementTree as ElementTree
 
 import numpy as np
+import pytest
 
 from kinesic.controller.performance import Performance
 from kinesic.controller.plots import POINTS, apart, shortened, thinned
@@ -18,21 +19,40 @@ def words_of(figure: str) -> set[str | None]:
     return {element.text for one in drawn for element in ElementTree.fromstring(one).iter()}
 
 
-def test_figures_are_well_formed_and_show_the_hinges_that_move(hurried: Performance) -> None:
-    drawn = set().union(*(words_of(figure) for figure in joints(hurried)))
+@pytest.fixture(scope="module")
+def moves(hurried: Performance) -> list[str]:
+    return list(joints(hurried))
+
+
+@pytest.fixture(scope="module")
+def acts(hurried: Performance) -> str:
+    return score(hurried) or ""
+
+
+@pytest.fixture(scope="module")
+def ways(hurried: Performance) -> str:
+    return hands(hurried)
+
+
+def test_figures_are_well_formed_and_show_the_hinges_that_move(
+    hurried: Performance, moves: list[str], acts: str, ways: str
+) -> None:
+    drawn = set().union(*(words_of(figure) for figure in moves))
     names = set(hurried.plan.facts.robot.skeleton.names)
     assert "skullbase_tilt" in drawn
     assert drawn & names == names - set(still(hurried))
-    assert {"rushed", "nod", "Hello there,"} <= words_of(score(hurried) or "")
-    assert len(words_of(hands(hurried))) > 3
+    assert {"rushed", "nod", "Hello there,"} <= words_of(acts)
+    assert len(words_of(ways)) > 3
 
 
-def test_figures_over_time_bear_playheads_where_their_axes_are(hurried: Performance) -> None:
-    for figure in (score(hurried) or "", margins(hurried), *joints(hurried)):
+def test_figures_over_time_bear_playheads_where_their_axes_are(
+    hurried: Performance, moves: list[str], acts: str, ways: str
+) -> None:
+    for figure in (acts, margins(hurried), *moves):
         heads = re.findall(r'class="playhead" data-from="([\d.]+)" data-to="([\d.]+)"', figure)
         assert heads
         assert all(0.0 < float(begin) < float(end) < 1.0 for begin, end in heads)
-    assert "playhead" not in hands(hurried)
+    assert "playhead" not in ways
 
 
 def test_thinned_keeps_the_extremes() -> None:
