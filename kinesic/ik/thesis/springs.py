@@ -11,7 +11,7 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats
 
 SHORT = 10  # masses that move; least mean iterations for these
-STEP_SHARES = (1.0, 0.84)  # of the theory's time step, short and long: pressed together, long rows swing for ever near it
+STEP_SHARES = (1.0, 0.84)  # of the theory's time step, short and long; nearer, pressed long rows swing for ever
 DAMPING_SHARES = (0.75, 0.5)  # of its damping: bends swing slower than the stretching that the theory sees
 NO_LENGTH = 1e-12  # a spring pressed to nothing keeps a finite force
 
