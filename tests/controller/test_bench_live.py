@@ -6,7 +6,7 @@ from kinesic.controller.bench import live
 
 pytestmark = pytest.mark.realtime
 
-SECONDS = 20.0
+SECONDS = 10.0
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import pytest
 pytestmark = pytest.mark.realtime
 
 BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
-NOD = '<head id="h" lexeme="NOD" start="0"/>'
+NOD = '<head id="h" lexeme="NOD" start="0" end="0.5"/>'
 BEAT = '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND" stroke="1"/>'
 
 
