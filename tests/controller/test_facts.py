@@ -5,6 +5,6 @@ from kinesic.expressivity.style import Style
 
 
 def test_another_style_moves_the_same_robot(known: Facts):
-    sad = replace(known, style=Style.load("sad"))
-    assert sad.limits is known.limits
-    assert sad.pace is known.pace
+    glad, sad = (replace(known, style=Style.load(style)) for style in ("joyful", "sad"))
+    assert sad.limits is glad.limits
+    assert sad.pace is glad.pace
