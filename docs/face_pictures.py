@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw
 
-from kinesic.face.camera import Camera
-from kinesic.face.portrait import Pixels, Portrait
-from kinesic.face.presets import DRAFT, FULL, NORMAL, Preset
+from kinesic.face.render.camera import Camera
+from kinesic.face.render.portrait import Pixels, Portrait
+from kinesic.face.render.presets import DRAFT, FULL, NORMAL, Preset
 
 SIDE, LABEL = 194, 18
 SMILE = {"6": 0.8, "12": 0.9, "1": 0.4}

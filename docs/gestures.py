@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from itertools import groupby
 from pathlib import Path
 
-from kinesic.controller.gestures.played import played, show
-from kinesic.controller.gestures.sheet import MOST, sheet
-from kinesic.controller.gestures.vocabulary import Entry, vocabulary
 from kinesic.controller.perform import facts
+from kinesic.studies.gestures.isolated import played, show
+from kinesic.studies.gestures.sheet import MOST, sheet
+from kinesic.studies.gestures.vocabulary import Entry, vocabulary
 
 HERE = Path(__file__).parent
 KINDS = {

@@ -1,7 +1,7 @@
 """Performs a greeting in the twin and prints the verdicts."""
 
-from kinesic.controller.checks import checks
 from kinesic.controller.perform import perform
+from kinesic.report.checks import checks
 
 BML = """
 <bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">

@@ -4,8 +4,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from kinesic.body.config import CONFIGS
-from kinesic.controller.motion_file import write_motion
 from kinesic.controller.perform import facts, plan
+from kinesic.planning.motion_files import write_motion
 
 known = facts("upper22", style="calm")
 planned = plan((CONFIGS / "bml" / "welcome.bml").read_bytes(), known)

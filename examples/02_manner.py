@@ -4,7 +4,7 @@ import numpy as np
 
 from kinesic.controller.arrival import paths
 from kinesic.controller.perform import facts, plan
-from kinesic.expressivity.style import Expressivity, Style
+from kinesic.expressivity.style.style import Expressivity, Style
 
 BML = """
 <bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
-from kinesic.controller.interrupt import stopped
-from kinesic.controller.merge import replaced
 from kinesic.controller.perform import facts, plan
+from kinesic.motion.stopping import stopped
+from kinesic.realizer.merge import replaced
 
 CUT = 2.0  # [s]
 

@@ -1,5 +1,5 @@
 """`python -m kinesic` is the command line."""
 
-from kinesic.controller.cli import main
+from kinesic.cli import main
 
 main()

@@ -27,6 +27,8 @@ if "KINESIC_NUDGE" in os.environ:
 
 from kinesic.sim import gl
 
+from .performances import calm, hurried, known, through  # noqa: F401  # fixtures of all rooms
+
 gl.prepare()
 
 settings.register_profile("soak", max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])

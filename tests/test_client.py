@@ -18,8 +18,8 @@ import pytest
 import stomp
 
 import kinesic.client
+from kinesic.bench.bml.server import Server, opened
 from kinesic.client import Client
-from kinesic.controller.bench.live import Server, opened
 
 pytestmark = pytest.mark.realtime
 

@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 
 from kinesic.body.robot import Robot
-from kinesic.controller.checks import checks
-from kinesic.controller.gestures.vocabulary import vocabulary
 from kinesic.controller.perform import facts, perform
-from kinesic.expressivity.lexicon import Lexicon
-from kinesic.expressivity.shapes import SHAPES
-from kinesic.hardware.servo_map import ServoMap
+from kinesic.expressivity.lexicon.hand_shapes import SHAPES
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.hardware.protocol.servo_map import ServoMap
+from kinesic.report.checks import checks
+from kinesic.studies.gestures.vocabulary import vocabulary
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])

@@ -9,9 +9,9 @@ from enum import Enum
 from typing import Literal
 
 from kinesic.bml.block import Block, Composition, NoticeType, Succession
-from kinesic.bml.namespaces import extension_attributes
-from kinesic.bml.reading import Named, Reading
-from kinesic.bml.tree import Element
+from kinesic.bml.reading.namespaces import extension_attributes
+from kinesic.bml.reading.reader import Named, Reading
+from kinesic.bml.reading.tree import Element
 
 Until = Literal["relax", "end"]  # what must have come of another block
 

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from xml.etree.ElementTree import Element, SubElement, tostring
 
 from kinesic.bml.block import FACE_SYNCS, GESTURE_SYNCS, Notice
-from kinesic.bml.namespaces import BML_1_0, KINESIC, OWN_PREFIX
+from kinesic.bml.reading.namespaces import BML_1_0, KINESIC, OWN_PREFIX
 
 _NAMED = frozenset({*GESTURE_SYNCS, *FACE_SYNCS})
 

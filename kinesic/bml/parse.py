@@ -4,19 +4,19 @@ from collections.abc import Collection, Iterator
 from typing import Literal
 
 from kinesic.bml.block import Action, Behaviour, Block, Custom, Dialect, NoticeType, Speech
-from kinesic.bml.commands import command_of, is_command
 from kinesic.bml.composition import composition_of
-from kinesic.bml.document import read_document
-from kinesic.bml.elements import ACTIONS, unknown_attributes
-from kinesic.bml.manner import manner_of, manners_of
-from kinesic.bml.namespaces import core_attributes, foreign_attributes, is_core, namespace
-from kinesic.bml.reading import Named, Reading
-from kinesic.bml.recording import pause_of
-from kinesic.bml.references import SYNC_ATTRIBUTES, Constraint, References, check_references
-from kinesic.bml.richer import richest
-from kinesic.bml.script import PROSODY
-from kinesic.bml.syncref import Names
-from kinesic.bml.tree import BOUNDS, Bounds, Element
+from kinesic.bml.reading.block_commands import command_of, is_command
+from kinesic.bml.reading.descriptions import richest
+from kinesic.bml.reading.document import read_document
+from kinesic.bml.reading.elements import ACTIONS, unknown_attributes
+from kinesic.bml.reading.manner import manner_of, manners_of
+from kinesic.bml.reading.namespaces import core_attributes, foreign_attributes, is_core, namespace
+from kinesic.bml.reading.reader import Named, Reading
+from kinesic.bml.reading.recording import pause_of
+from kinesic.bml.reading.references import SYNC_ATTRIBUTES, Constraint, References, check_references
+from kinesic.bml.reading.script import PROSODY
+from kinesic.bml.reading.syncref import Names
+from kinesic.bml.reading.tree import BOUNDS, Bounds, Element
 
 UNNAMED = "block"  # id of a block that has none
 MOST_BEHAVIOURS = 1000  # in one block

@@ -16,13 +16,13 @@ from kinesic.bml.block import (
     Timed,
     Timeline,
 )
-from kinesic.bml.constraints import Tie, own_ties
-from kinesic.bml.loops import Edge, contradictions
-from kinesic.bml.network import SHORTEST, Elsewhere, Network, Surroundings
-from kinesic.bml.points import natural_spans
-from kinesic.bml.refusal import refusal
-from kinesic.bml.settle import settle
-from kinesic.bml.syncref import LONGEST
+from kinesic.bml.reading.errors import refusal
+from kinesic.bml.reading.syncref import LONGEST
+from kinesic.bml.timing.constraints import Tie, own_ties
+from kinesic.bml.timing.negative_cycles import Edge, contradictions
+from kinesic.bml.timing.network import SHORTEST, Elsewhere, Network, Surroundings
+from kinesic.bml.timing.points import natural_spans
+from kinesic.bml.timing.settle import settle
 from kinesic.body.utterance import Utterance
 
 Constraint = Synchronize | Order

@@ -1,1 +1,1 @@
-"""The straight line from BML to the sinks, and the one loop."""
+"""Performs a plan in the twin and on servos: the one loop, feed-forward, observer, and what was measured."""

@@ -9,9 +9,9 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES, Robot
-from kinesic.controller.plan import Plan
-from kinesic.controller.syncs import SyncTime
 from kinesic.expressivity.keyframes import PartName
+from kinesic.planning.plan import Plan
+from kinesic.planning.syncs import SyncTime
 
 HANDS: tuple[PartName, PartName] = ("l_hand", "r_hand")
 WINDOW = 0.3  # [s] before and after the planned time

@@ -8,7 +8,7 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.dynamics import Dynamics
 from kinesic.body.robot import Robot
-from kinesic.controller.trajectory import Trajectory
+from kinesic.motion.trajectory import Trajectory
 
 Terms = Literal["full", "lag", "none"]  # everything; what speed needs, but no torque; the reference itself
 

@@ -36,7 +36,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import Body, Command
 from kinesic.body.dynamics import Dynamics
 from kinesic.body.robot import SPEED_SHARE, Robot
-from kinesic.controller.tick_law import tick_law
+from kinesic.controller.observer_step import tick_law
 
 BANDWIDTH = 100.0  # [rad/s] of the observer's three poles
 CLEAR_LOAD = np.radians(2.0)  # of lead, at which the first lesson about a load is half believed

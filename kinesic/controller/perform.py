@@ -11,24 +11,24 @@ from kinesic.bml.parse import parse
 from kinesic.body.arrays import Floats
 from kinesic.body.measurements import Measurements
 from kinesic.body.robot import Robot
-from kinesic.controller.facts import Facts
 from kinesic.controller.feedforward import Terms, lead
 from kinesic.controller.observer import Observer, corrected
 from kinesic.controller.performance import Performance
-from kinesic.controller.plan import Plan
-from kinesic.controller.plan import plan as plan_block
 from kinesic.controller.play import RATE, commands, play_together, ticks
 from kinesic.controller.reference import Reference
-from kinesic.controller.voice import VoiceName
-from kinesic.controller.voice import voice as make_voice
 from kinesic.expressivity.gather import Gathering
 from kinesic.expressivity.idle import OFF, Idling
-from kinesic.expressivity.lexicon import Lexicon
-from kinesic.expressivity.style import Style
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.expressivity.style.style import Style
+from kinesic.planning.plan import Plan
+from kinesic.planning.plan import plan as plan_block
+from kinesic.planning.setup import Facts
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.dynamics import MujocoDynamics
-from kinesic.sim.factors import NOMINAL, Factors
+from kinesic.sim.servo_factors import NOMINAL, Factors
 from kinesic.sim.twin import Twin
+from kinesic.speech.voice import VoiceName
+from kinesic.speech.voice import voice as make_voice
 
 
 def facts(

@@ -9,11 +9,11 @@ from kinesic.body.arrays import Flags, Floats
 from kinesic.body.measurements import Measurements
 from kinesic.body.robot import Robot
 from kinesic.controller.arrival import lags, paths
-from kinesic.controller.lateness import lateness
-from kinesic.controller.plan import Plan
 from kinesic.controller.reference import Reference
-from kinesic.controller.syncs import SyncTime
-from kinesic.sim.factors import NOMINAL, PESSIMISTIC, Factors
+from kinesic.controller.tracking_delay import lateness
+from kinesic.planning.plan import Plan
+from kinesic.planning.syncs import SyncTime
+from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors
 
 
 @dataclass(frozen=True, eq=False)

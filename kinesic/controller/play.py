@@ -10,7 +10,7 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import NO_FACE, Command, Sink
 from kinesic.controller.feedforward import Lead
-from kinesic.controller.trajectory import Trajectory
+from kinesic.motion.trajectory import Trajectory
 
 RATE = 100  # [Hz] of commands
 SETTLE = 0.3  # [s] of stillness after the end

@@ -9,11 +9,11 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.robot import SIDES
 from kinesic.controller.arrival import Arrival, arrivals, paths
-from kinesic.controller.peaks import Peaks, peaks
-from kinesic.controller.plan import Plan
 from kinesic.controller.smoothness import dimensionless_jerk
-from kinesic.controller.syncs import SyncTime
 from kinesic.expressivity.keyframes import PartName
+from kinesic.motion.limit_check import Peaks, peaks
+from kinesic.planning.plan import Plan
+from kinesic.planning.syncs import SyncTime
 from kinesic.sim.kinematics import motion_frames
 
 MOVING = 0.05  # share of its speed limit above which a hinge counts as moving

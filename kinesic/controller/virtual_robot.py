@@ -6,12 +6,12 @@ from math import copysign
 import numpy as np
 
 from kinesic.body.robot import Robot
-from kinesic.hardware.registers import TICK
-from kinesic.hardware.servo_map import ServoMap
-from kinesic.hardware.virtual.fittings import Cable
+from kinesic.hardware.protocol.registers import TICK
+from kinesic.hardware.protocol.servo_map import ServoMap
 from kinesic.hardware.virtual.physics import Demand, Shaft
-from kinesic.sim.factors import NOMINAL, Factors
-from kinesic.sim.shafts import Shafts
+from kinesic.hardware.virtual.wiring import Cable
+from kinesic.sim.servo_factors import NOMINAL, Factors
+from kinesic.sim.servo_shafts import Shafts
 from kinesic.sim.twin import STEP
 
 

@@ -19,16 +19,16 @@ from kinesic.bml.block import (
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Side
 from kinesic.expressivity.gaze import aim, look_time
-from kinesic.expressivity.hands import REST, Poses, distance, pointing_poses, poses, resting
+from kinesic.expressivity.hands.poses import REST, Poses, distance, pointing_poses, poses, resting
+from kinesic.expressivity.hands.strokes import natural_times
 from kinesic.expressivity.head import head_form, swing_time
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.lexicon import Lexicon
-from kinesic.expressivity.pace import HASTE, Pace
+from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.places import NO_TARGETS, find_target
 from kinesic.expressivity.posture import pose
-from kinesic.expressivity.sources import manner_of
-from kinesic.expressivity.strokes import natural_times
-from kinesic.expressivity.style import Expressivity, Style
+from kinesic.expressivity.style.pace import HASTE, Pace
+from kinesic.expressivity.style.sources import manner_of
+from kinesic.expressivity.style.style import Expressivity, Style
 from kinesic.expressivity.torso import lean
 
 LEAST_LEAN = 0.3  # [s] at ease

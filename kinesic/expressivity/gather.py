@@ -13,11 +13,11 @@ from typing import Literal, get_args
 import numpy as np
 
 from kinesic.body.robot import SIDES, Robot, Side
-from kinesic.expressivity.handkeys import HandKey, hand_at
-from kinesic.expressivity.hands import resting
+from kinesic.expressivity.hands.keys import HandKey, hand_at
+from kinesic.expressivity.hands.poses import resting
 from kinesic.expressivity.keyframes import KeyFrame, PartName, Turn
 from kinesic.expressivity.moments import Moment, SyncPoint, moments
-from kinesic.expressivity.passage import Passage
+from kinesic.expressivity.style.passage import Passage
 from kinesic.expressivity.turns import Layer, TurnKey, clipped, plus, room, scaled, total
 
 Gathering = Literal["complex", "lazy"]

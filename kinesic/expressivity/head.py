@@ -11,9 +11,9 @@ import numpy as np
 from kinesic.bml.block import Head
 from kinesic.body.robot import Robot
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.pace import Pace
-from kinesic.expressivity.passage import passage
-from kinesic.expressivity.style import Expressivity
+from kinesic.expressivity.style.pace import Pace
+from kinesic.expressivity.style.passage import passage
+from kinesic.expressivity.style.style import Expressivity
 from kinesic.expressivity.turns import (
     MERGE,
     UPRIGHT,

@@ -14,7 +14,7 @@ import numpy as np
 
 from kinesic.body.robot import Robot
 from kinesic.expressivity.gather import Sequences
-from kinesic.expressivity.hands import REST
+from kinesic.expressivity.hands.poses import REST
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.turns import UPRIGHT, Layer, TurnKey, plus
 

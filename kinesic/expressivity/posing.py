@@ -4,12 +4,12 @@ from collections.abc import Mapping, Sequence
 
 from kinesic.bml.block import Posture, Timed
 from kinesic.body.robot import Side
-from kinesic.expressivity.form import GestureForm
-from kinesic.expressivity.hands import poses
+from kinesic.expressivity.behaviours import Move, Scene, dropped, hanging, moving, stays, substituted
+from kinesic.expressivity.hands.poses import poses
+from kinesic.expressivity.hands.strokes import Stroke
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.moves import Move, Scene, dropped, hanging, moving, stays, substituted
+from kinesic.expressivity.lexicon.form import GestureForm
 from kinesic.expressivity.posture import Arms, Pose, pose
-from kinesic.expressivity.strokes import Stroke
 from kinesic.expressivity.torso import LEAST_HOLD
 from kinesic.expressivity.turns import UPRIGHT, Hold, exclusive, held, passed
 

@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 
 from kinesic.bml.block import Mode, Posture
 from kinesic.body.robot import Robot
-from kinesic.expressivity.form import GestureForm
 from kinesic.expressivity.head import direction, named, words
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.lexicon import Lexicon
+from kinesic.expressivity.lexicon.form import GestureForm
+from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.torso import Lean, limited, trunk_direction
 from kinesic.expressivity.turns import UPRIGHT, clipped, plus, room, scaled
 

@@ -27,16 +27,9 @@ from kinesic.bml.block import (
     Torso,
     Wait,
 )
-from kinesic.bml.constraints import placed
+from kinesic.bml.timing.constraints import placed
 from kinesic.body.arrays import Floats
-from kinesic.expressivity.engaged import Engaged
-from kinesic.expressivity.face_units import outcome
-from kinesic.expressivity.gather import GATHER, HANDS, Gathering, Sequences
-from kinesic.expressivity.idle import OFF, Idling, filled
-from kinesic.expressivity.keyframes import KeyFrames, Outcome, PartName
-from kinesic.expressivity.lexicon import Lexicon
-from kinesic.expressivity.moments import SyncPoint
-from kinesic.expressivity.moves import (
+from kinesic.expressivity.behaviours import (
     Move,
     Scene,
     Warned,
@@ -47,11 +40,18 @@ from kinesic.expressivity.moves import (
     pointing_move,
     torso_move,
 )
-from kinesic.expressivity.pace import Pace
-from kinesic.expressivity.phases import Arranged, arranged
+from kinesic.expressivity.face.tracks import outcome
+from kinesic.expressivity.gather import GATHER, HANDS, Gathering, Sequences
+from kinesic.expressivity.hands.engaged import Engaged
+from kinesic.expressivity.hands.phases import Arranged, arranged
+from kinesic.expressivity.idle import OFF, Idling, filled
+from kinesic.expressivity.keyframes import KeyFrames, Outcome, PartName
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.expressivity.moments import SyncPoint
 from kinesic.expressivity.places import NO_TARGETS
 from kinesic.expressivity.posing import posture_moves
-from kinesic.expressivity.style import Style
+from kinesic.expressivity.style.pace import Pace
+from kinesic.expressivity.style.style import Style
 from kinesic.expressivity.trunk import taking_part
 
 ALL: Mapping[str, str] = MappingProxyType({})  # nothing is left out

@@ -8,7 +8,7 @@ from kinesic.bml.block import Torso
 from kinesic.body.robot import Robot
 from kinesic.expressivity.head import named, size, words
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.pace import Pace
+from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.turns import UPRIGHT, Hold, clipped, excess, held, room, scaled
 
 LEAST_HOLD = 0.3  # [s] for the way to a lean

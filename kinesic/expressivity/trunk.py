@@ -14,11 +14,11 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Side
-from kinesic.expressivity.hands import Poses, resting
+from kinesic.expressivity.hands.poses import Poses, resting
+from kinesic.expressivity.hands.strokes import Work
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.pace import Pace
-from kinesic.expressivity.strokes import Work
-from kinesic.expressivity.style import Expressivity
+from kinesic.expressivity.style.pace import Pace
+from kinesic.expressivity.style.style import Expressivity
 from kinesic.expressivity.turns import MERGE, UPRIGHT, Layer, TurnKey, plus, scaled
 
 SWAY = 0.3  # [rad] of power 1, for hands that go very far

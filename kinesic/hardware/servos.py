@@ -15,12 +15,12 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
+from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.channel import POLICIES, Channel, Note, Status, mapped, memory_file, size
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.process import Order
 from kinesic.hardware.supervisor.settings import USUAL, Policy, Settings
-from kinesic.hardware.supervisor.stages import Stage
-from kinesic.hardware.wire import BusError
+from kinesic.hardware.supervisor.state_machine import Stage
 
 START = 30.0  # [s] until the supervisor must have told something
 LOOK = 0.005  # [s] between two looks while waiting

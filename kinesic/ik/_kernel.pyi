@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats
-from kinesic.ik.vectors import Rotation, Vector
+from kinesic.ik.scalar3 import Rotation, Vector
 
 # -- arms (bind_arm.cpp, bind_stages.cpp)
 

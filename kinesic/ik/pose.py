@@ -14,13 +14,14 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
-from kinesic.ik.boxed import Box, Errors, descend
-from kinesic.ik.linkage import Link, Linkage, linkage_of
-from kinesic.ik.mirror import ACROSS, is_right, mirrored_chain
-from kinesic.ik.question import finite
-from kinesic.ik.subproblems import first_of_two, turn_towards
-from kinesic.ik.swivels import Cell, cells
-from kinesic.ik.vectors import (
+from kinesic.ik.arm.linkage import Link, Linkage, linkage_of
+from kinesic.ik.arm.mirror import ACROSS, is_right, mirrored_chain
+from kinesic.ik.arm.subproblems import first_of_two, turn_towards
+from kinesic.ik.arm.swivel_search import Cell, cells
+from kinesic.ik.arm.wrist import Wish, orient
+from kinesic.ik.box_lm import Box, Errors, descend
+from kinesic.ik.checks import finite
+from kinesic.ik.scalar3 import (
     IDENTITY,
     Rotation,
     Vector,
@@ -34,7 +35,6 @@ from kinesic.ik.vectors import (
     unit,
     vector,
 )
-from kinesic.ik.wrist import Wish, orient
 
 NEAR_ENOUGH = 1e-4  # [m] residual and ...
 LIKE_ENOUGH = 1e-3  # ... [rad] turn at which the pose is held

@@ -15,14 +15,14 @@ from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
 from kinesic.ik import KERNEL, Kernel
 from kinesic.ik.angles import arccosine
-from kinesic.ik.approach import STALLED, approach
-from kinesic.ik.compiled import arm_of
-from kinesic.ik.finish import finish
-from kinesic.ik.linkage import Linkage, linkage_of
-from kinesic.ik.mirror import is_right, mirrored_chain, mirrored_place, mirrored_reach
-from kinesic.ik.place import Bend, Place, bent, place_of, placed
-from kinesic.ik.vectors import Vector, distance, dot, rotated, unit, vector
-from kinesic.ik.wrist import Wish, orient
+from kinesic.ik.arm.compiled import arm_of
+from kinesic.ik.arm.linkage import Linkage, linkage_of
+from kinesic.ik.arm.mirror import is_right, mirrored_chain, mirrored_place, mirrored_reach
+from kinesic.ik.arm.multistart import STALLED, approach
+from kinesic.ik.arm.nearest import finish
+from kinesic.ik.arm.shoulder_elbow import Bend, Place, bent, place_of, placed
+from kinesic.ik.arm.wrist import Wish, orient
+from kinesic.ik.scalar3 import Vector, distance, dot, rotated, unit, vector
 
 REACHED = 1e-3  # [m] residual at which the hand is there
 

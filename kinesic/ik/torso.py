@@ -16,10 +16,10 @@ from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot, Side
 from kinesic.body.skeleton import Hinge
 from kinesic.ik import KERNEL, Kernel
-from kinesic.ik.compiled import arm_of
-from kinesic.ik.linkage import Linkage, linkage_of
-from kinesic.ik.place import gap
-from kinesic.ik.vectors import Vector, cross, dot, minus, plus, turned, unit, vector
+from kinesic.ik.arm.compiled import arm_of
+from kinesic.ik.arm.linkage import Linkage, linkage_of
+from kinesic.ik.arm.shoulder_elbow import gap
+from kinesic.ik.scalar3 import Vector, cross, dot, minus, plus, turned, unit, vector
 
 EASY = 0.96  # of the arm's reach, within which no hand asks the torso
 MOST = radians(20.0)  # of each hinge; a target beyond is pointed at

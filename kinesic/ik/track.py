@@ -13,12 +13,12 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
 from kinesic.ik import KERNEL, Kernel
-from kinesic.ik.compiled import arm_of
-from kinesic.ik.linkage import Linkage, linkage_of
-from kinesic.ik.mirror import is_right, mirrored_chain, mirrored_place
-from kinesic.ik.place import STRETCH, helpful
-from kinesic.ik.polish import columns, stepped
-from kinesic.ik.vectors import Vector, distance, dot, minus, norm, plus, scaled, vector
+from kinesic.ik.arm.compiled import arm_of
+from kinesic.ik.arm.linkage import Linkage, linkage_of
+from kinesic.ik.arm.mirror import is_right, mirrored_chain, mirrored_place
+from kinesic.ik.arm.polish import columns, stepped
+from kinesic.ik.arm.shoulder_elbow import STRETCH, helpful
+from kinesic.ik.scalar3 import Vector, distance, dot, minus, norm, plus, scaled, vector
 
 LONGEST = 0.005  # [s] that one step of the way takes; a longer tick takes several, so that its length does not matter
 RAMP = 4.0  # time constants until the pull has its full strength: nothing starts with a jerk

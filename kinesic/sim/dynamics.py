@@ -9,7 +9,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.dynamics import Load
 from kinesic.body.robot import Robot
 from kinesic.sim.model import build, joint_order
-from kinesic.sim.sampling import Extremes, extremes
+from kinesic.sim.worst_postures import Extremes, extremes
 
 FRICTION_SPEED = 0.05  # [rad/s] within which Coulomb friction fades, so that a plan's torque has no jumps
 

@@ -11,7 +11,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.sim.gl import fault
 from kinesic.sim.model import joint_order
-from kinesic.sim.scenery import CAMERA, staged
+from kinesic.sim.scene_style import CAMERA, staged
 
 __all__ = ["FilmError", "fault", "film", "still"]
 

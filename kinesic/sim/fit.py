@@ -15,11 +15,11 @@ from scipy.optimize import least_squares
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import Robot
-from kinesic.sim.factors import Factors
+from kinesic.sim.fit_parameters import DEFAULT, Figure, Unknown, bounds, factors_of, unknowns
+from kinesic.sim.identifiability import SHEET, Telling, assumptions, telling
 from kinesic.sim.log import Log
 from kinesic.sim.replay import replay
-from kinesic.sim.telling import SHEET, Telling, assumptions, telling
-from kinesic.sim.unknowns import DEFAULT, Figure, Unknown, bounds, factors_of, unknowns
+from kinesic.sim.servo_factors import Factors
 
 STEP = 0.01  # of finite differences
 EVALUATIONS = 15  # of the errors, at most

@@ -23,7 +23,7 @@ from kinesic.body.description import Mount
 from kinesic.body.robot import Robot
 from kinesic.body.servo import Drive
 from kinesic.body.skeleton import Capsule, Hinge, Segment
-from kinesic.sim.factors import NOMINAL, Factors
+from kinesic.sim.servo_factors import NOMINAL, Factors
 
 POSITION_INPUT = 1  # ctrlspec of a dcmotor that is told a position
 SHORTEST_AXIS = 1e-6  # [m] a capsule whose ends are nearer is a ball

@@ -8,8 +8,8 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
-from kinesic.sim.factors import Factors
 from kinesic.sim.log import Log
+from kinesic.sim.servo_factors import Factors
 from kinesic.sim.twin import Twin
 
 STEP = 0.002  # [s] of the physics, at most: half the twin's, as what its steps do wrong would go into the fit

@@ -13,11 +13,11 @@ from kinesic.body.command import Command, State
 from kinesic.body.measurements import Measurements
 from kinesic.body.robot import SIDES, Robot
 from kinesic.sim.distances import CapsuleDistances
-from kinesic.sim.factors import NOMINAL, Factors
 from kinesic.sim.kinematics import MotionFrames, motion_frames
 from kinesic.sim.model import actuator_order, build, joint_order
 from kinesic.sim.power import effort, power
-from kinesic.sim.tape import Tape
+from kinesic.sim.servo_factors import NOMINAL, Factors
+from kinesic.sim.step_log import Tape
 
 STEP = 0.004  # [s] longest physics step: angles stay within 0.05 deg of those with steps of 1 ms
 SAME_TIME = 1e-9  # [s] below which two times are one

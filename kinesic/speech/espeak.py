@@ -16,7 +16,7 @@ import numpy as np
 
 from kinesic.body.utterance import Mark, Pause, Phoneme, Script, Sound, Utterance
 from kinesic.speech.durations import DurationModel
-from kinesic.speech.engine import Heard, SpeechError, engine, fault, listen
+from kinesic.speech.espeak_pool import Heard, SpeechError, engine, fault, listen
 from kinesic.speech.languages import voice_of
 from kinesic.speech.ssml import ssml
 

@@ -4,7 +4,7 @@ import importlib
 from typing import Protocol
 
 from kinesic.body.utterance import Samples
-from kinesic.speech.device import Clock, Feed, SpeakerError
+from kinesic.speech.loudspeaker import Clock, Feed, SpeakerError
 
 INSTALL = "pip install 'kinesic[speech]'"
 BUFFERED = 0.1  # [s] that are handed over ahead, so that a busy machine does not stutter

@@ -5,7 +5,7 @@ import time
 import numpy as np
 
 from kinesic.body.utterance import Samples, Sound
-from kinesic.speech.device import Clock, Device
+from kinesic.speech.loudspeaker import Clock, Device
 from kinesic.speech.port_audio import PortAudio
 
 RATE = 44100  # [Hz]

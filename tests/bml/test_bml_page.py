@@ -7,13 +7,13 @@ from typing import get_args
 import pytest
 
 from kinesic.bml.block import RANGES, Command, Dialect, NoticeType
-from kinesic.bml.elements import ACTIONS, ATTRIBUTES, INSIDE
-from kinesic.bml.fragments import REWRITTEN, WORDS
-from kinesic.bml.json_words import REWRITES
-from kinesic.bml.namespaces import COMPOSING_ATTRIBUTES
 from kinesic.bml.parse import parse
-from kinesic.bml.points import sync_points
-from kinesic.bml.recording import PAUSE
+from kinesic.bml.reading.elements import ACTIONS, ATTRIBUTES, INSIDE
+from kinesic.bml.reading.fragments import REWRITTEN, WORDS
+from kinesic.bml.reading.json_words import REWRITES
+from kinesic.bml.reading.namespaces import COMPOSING_ATTRIBUTES
+from kinesic.bml.reading.recording import PAUSE
+from kinesic.bml.timing.points import sync_points
 
 PAGE = (Path(__file__).parents[2] / "docs" / "bml.md").read_text(encoding="utf-8")
 

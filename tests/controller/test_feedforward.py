@@ -4,7 +4,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Load
 from kinesic.body.robot import Robot
 from kinesic.controller.feedforward import lead
-from kinesic.controller.trajectory import held
+from kinesic.motion.trajectory import held
 
 ROBOT = Robot.load()
 COUNT = len(ROBOT.skeleton.hinges)

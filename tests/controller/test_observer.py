@@ -9,7 +9,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
 from kinesic.body.robot import SPEED_SHARE, Robot
 from kinesic.controller.observer import LARGEST, Belief, Lessons, Observer, _forecast, corrected
-from kinesic.controller.tick_law import FADING, RESTORING, SHARES
+from kinesic.controller.observer_step import FADING, RESTORING, SHARES
 from kinesic.sim.dynamics import MujocoDynamics
 
 ROBOT = Robot.load()

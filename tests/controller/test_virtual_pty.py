@@ -13,14 +13,14 @@ from dynamixel_sdk import COMM_SUCCESS, GroupSyncRead, GroupSyncWrite, PacketHan
 from kinesic.body.arrays import Floats
 from kinesic.body.config import CONFIGS
 from kinesic.controller.feedforward import lead
-from kinesic.controller.live import DELAY, FULL
 from kinesic.controller.perform import plan
-from kinesic.controller.plan import Plan
 from kinesic.controller.play import RATE, commands, ticks
-from kinesic.hardware.servo_map import ServoMap
+from kinesic.controller.servo_performance import DELAY, FULL
+from kinesic.hardware.protocol.servo_map import ServoMap
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.settings import Settings
-from kinesic.hardware.supervisor.stages import Stage
+from kinesic.hardware.supervisor.state_machine import Stage
+from kinesic.planning.plan import Plan
 
 pytestmark = pytest.mark.realtime
 

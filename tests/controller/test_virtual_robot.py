@@ -3,13 +3,13 @@ import pytest
 
 from kinesic.body.robot import Robot
 from kinesic.controller.virtual_robot import TwinPhysics
-from kinesic.hardware import packet
-from kinesic.hardware.registers import Mode, Register
-from kinesic.hardware.servo_map import ServoMap
-from kinesic.hardware.virtual.fittings import build, cables
+from kinesic.hardware.protocol import packet
+from kinesic.hardware.protocol.registers import Mode, Register
+from kinesic.hardware.protocol.servo_map import ServoMap
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.physics import LIMP, Demand
-from kinesic.sim.shafts import Shafts
+from kinesic.hardware.virtual.wiring import build, cables
+from kinesic.sim.servo_shafts import Shafts
 
 
 @pytest.fixture(scope="module")

@@ -8,16 +8,16 @@ import pytest
 from kinesic.body.config import CONFIGS
 from kinesic.controller.feedforward import lead
 from kinesic.controller.perform import plan
-from kinesic.controller.plan import Plan
 from kinesic.controller.play import RATE, commands, ticks
 from kinesic.controller.virtual_robot import TwinPhysics
-from kinesic.hardware.bus import Servo
-from kinesic.hardware.models import MODELS
-from kinesic.hardware.registers import Register
-from kinesic.hardware.servo_map import ServoMap
+from kinesic.hardware.bus.bus import Servo
+from kinesic.hardware.protocol.models import MODELS
+from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.protocol.servo_map import ServoMap
 from kinesic.hardware.virtual.drivers import Driver, KinesicDriver, SdkDriver
-from kinesic.hardware.virtual.fittings import build, cables
 from kinesic.hardware.virtual.memory_wire import MemoryWire
+from kinesic.hardware.virtual.wiring import build, cables
+from kinesic.planning.plan import Plan
 
 PERIOD = 1 / RATE
 SEEN = 350  # cycles: the first wave

@@ -10,10 +10,10 @@ from kinesic.body.dynamics import Load
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
 from kinesic.expressivity.keyframes import KeyFrames
-from kinesic.expressivity.lexicon import Lexicon
-from kinesic.expressivity.pace import Pace
+from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.realise import keyframes
-from kinesic.expressivity.style import Style
+from kinesic.expressivity.style.pace import Pace
+from kinesic.expressivity.style.style import Style
 
 Asked = tuple[str, Action, Mapping[str, float]]
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from kinesic.bml.block import Action, Block, BmlError, Gaze, Gesture, Head, Manner, Pointing, Speech
-from kinesic.bml.manner import modality_of
 from kinesic.bml.parse import parse
+from kinesic.bml.reading.manner import modality_of
 from kinesic.bml.schedule import schedule
 from kinesic.body.arrays import sealed
 from kinesic.body.utterance import Utterance
@@ -17,8 +17,8 @@ from kinesic.expressivity.durations import spans
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.expressivity.places import NO_TARGETS
 from kinesic.expressivity.realise import keyframes
-from kinesic.expressivity.sources import told
-from kinesic.expressivity.style import RANGES, Style, preset
+from kinesic.expressivity.style.sources import told
+from kinesic.expressivity.style.style import RANGES, Style, preset
 
 CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
 LETTER = 0.06  # [s] that a letter takes to say

@@ -16,11 +16,11 @@ from kinesic.bml.block import (
     Torso,
 )
 from kinesic.expressivity.durations import spans
-from kinesic.expressivity.hands import poses
+from kinesic.expressivity.hands.poses import poses
+from kinesic.expressivity.hands.strokes import least_times
 from kinesic.expressivity.head import MORE
-from kinesic.expressivity.pace import FLOOR, FORCE
-from kinesic.expressivity.strokes import least_times
-from kinesic.expressivity.style import Expressivity, Style
+from kinesic.expressivity.style.pace import FLOOR, FORCE
+from kinesic.expressivity.style.style import Expressivity, Style
 
 EXTENTS = np.linspace(-1.0, 1.0, 9)
 

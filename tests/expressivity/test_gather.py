@@ -7,11 +7,11 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.body.reach import Reach
 from kinesic.expressivity.gather import PARTS, PRIORITIES, Sequences, complex_frames, lazy_frames
-from kinesic.expressivity.handkeys import HandKey
-from kinesic.expressivity.hands import REST
+from kinesic.expressivity.hands.keys import HandKey
+from kinesic.expressivity.hands.poses import REST
 from kinesic.expressivity.keyframes import Hand, Turn
 from kinesic.expressivity.moments import SyncPoint
-from kinesic.expressivity.passage import Passage
+from kinesic.expressivity.style.passage import Passage
 from kinesic.expressivity.turns import TurnKey
 
 A, B = Hand(Reach(sealed([0.2, 0.2, 0.8]))), Hand(Reach(sealed([0.4, 0.2, 0.8])))

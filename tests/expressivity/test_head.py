@@ -7,8 +7,8 @@ from kinesic.bml.block import GAZE_SYNCS, SHIFT_SYNCS, Block, Gaze, Head, HeadDi
 from kinesic.body.action_units import ASIDE
 from kinesic.expressivity.gaze import aim
 from kinesic.expressivity.head import MORE, SWING, head_form, head_layer, swing_time
-from kinesic.expressivity.passage import passage
-from kinesic.expressivity.style import Expressivity
+from kinesic.expressivity.style.passage import passage
+from kinesic.expressivity.style.style import Expressivity
 from kinesic.expressivity.turns import UPRIGHT, at, room
 
 

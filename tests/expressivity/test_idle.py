@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from kinesic.bml.block import Gaze, Gesture, Wait
 from kinesic.expressivity.idle import LEAST_PAUSE, MARGIN, Idling, idle, pauses
 from kinesic.expressivity.realise import keyframes
-from kinesic.expressivity.style import Style
+from kinesic.expressivity.style.style import Style
 from kinesic.expressivity.turns import UPRIGHT, axes, total
 
 LIVELY = Idling("lively", 7)

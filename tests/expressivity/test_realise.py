@@ -21,9 +21,9 @@ from kinesic.bml.block import (
 )
 from kinesic.body.utterance import Script
 from kinesic.expressivity.durations import spans
-from kinesic.expressivity.pace import Pace
 from kinesic.expressivity.realise import keyframes
-from kinesic.expressivity.style import Style
+from kinesic.expressivity.style.pace import Pace
+from kinesic.expressivity.style.style import Style
 
 
 @pytest.fixture

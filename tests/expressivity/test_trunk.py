@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from kinesic.bml.block import Gesture
-from kinesic.expressivity.style import Expressivity, Style
+from kinesic.expressivity.style.style import Expressivity, Style
 from kinesic.expressivity.trunk import HASTE, RECLINE
 from kinesic.expressivity.turns import axes, plus, scaled
 

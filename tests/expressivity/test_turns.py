@@ -1,8 +1,8 @@
 import pytest
 
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.passage import passage
-from kinesic.expressivity.style import Expressivity
+from kinesic.expressivity.style.passage import passage
+from kinesic.expressivity.style.style import Expressivity
 from kinesic.expressivity.turns import UPRIGHT, Hold, exclusive, passed
 
 MANNER = Expressivity(power=1.0, tension=0.5)

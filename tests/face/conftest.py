@@ -5,8 +5,8 @@ from functools import cache
 import pytest
 
 from kinesic.face.display import available, offscreen
-from kinesic.face.portrait import Portrait
-from kinesic.face.presets import Preset
+from kinesic.face.render.portrait import Portrait
+from kinesic.face.render.presets import Preset
 
 Gallery = Callable[[Preset, tuple[int, int]], AbstractContextManager[Portrait]]
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from kinesic.controller.cli import main
-from kinesic.face import portrait
-from kinesic.face.mesh import load
-from kinesic.face.window import has_display
+from kinesic.cli import main
+from kinesic.face.assets.mesh import load
+from kinesic.face.render import portrait
+from kinesic.face.show.window import has_display
 
 
 def typed(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:

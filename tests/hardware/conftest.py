@@ -4,16 +4,16 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from kinesic.hardware.bus import Bus, Servo
-from kinesic.hardware.cycle import Cycle
-from kinesic.hardware.models import MODELS
-from kinesic.hardware.opening import open_bus
-from kinesic.hardware.registers import Register
-from kinesic.hardware.ticks import Ticks
+from kinesic.hardware.bus.bring_up import open_bus
+from kinesic.hardware.bus.bus import Bus, Servo
+from kinesic.hardware.bus.cycle import Cycle
+from kinesic.hardware.protocol.models import MODELS
+from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.virtual.faults import CALM, FaultPlan
-from kinesic.hardware.virtual.fittings import Cable, Fitting, build
 from kinesic.hardware.virtual.memory_wire import MemoryWire
-from kinesic.hardware.virtual.plant import Plant
+from kinesic.hardware.virtual.shaft_simulation import Plant
+from kinesic.hardware.virtual.wiring import Cable, Fitting, build
 
 
 @dataclass

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from numpy.random import Generator, default_rng
 
+from kinesic.bench.ik.arms import random_arm
 from kinesic.body.arrays import sealed
 from kinesic.body.chain import Chain, ChainJoint
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Hinge
-from kinesic.controller.bench.arms import random_arm
-from kinesic.ik.compiled import arm_of
+from kinesic.ik.arm.compiled import arm_of
 from kinesic.ik.solve import Solution, solve
 
 pytestmark = pytest.mark.skipif(find_spec("kinesic.ik._kernel") is None, reason="the kernel was not compiled here")

@@ -23,7 +23,7 @@ TASK = """
 import ctypes
 import numpy as np
 from kinesic.body.robot import Robot
-from kinesic.ik.compiled import arm_of
+from kinesic.ik.arm.compiled import arm_of
 
 chain, chance = Robot.load().arms["l"], np.random.default_rng(1)
 arm = arm_of(chain)

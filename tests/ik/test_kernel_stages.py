@@ -8,19 +8,19 @@ import pytest
 from numpy.random import Generator, default_rng
 
 from kinesic.body.robot import Robot
-from kinesic.ik.approach import RESTARTS
-from kinesic.ik.compiled import arm_of
-from kinesic.ik.elbow import elbow_at, swivel_of
-from kinesic.ik.hinges import extract
-from kinesic.ik.linkage import linkage_of
-from kinesic.ik.masses import settle
-from kinesic.ik.place import bent, gap, placed
-from kinesic.ik.polish import polish
-from kinesic.ik.seeds import nearest, seeds
-from kinesic.ik.subproblems import first_of_two, turn_towards
+from kinesic.ik.arm.compiled import arm_of
+from kinesic.ik.arm.hinges import extract
+from kinesic.ik.arm.linkage import linkage_of
+from kinesic.ik.arm.masses import settle
+from kinesic.ik.arm.multistart import RESTARTS
+from kinesic.ik.arm.polish import polish
+from kinesic.ik.arm.seeds import nearest, seeds
+from kinesic.ik.arm.shoulder_elbow import bent, gap, placed
+from kinesic.ik.arm.subproblems import first_of_two, turn_towards
+from kinesic.ik.arm.swivel import elbow_at, swivel_of
+from kinesic.ik.arm.wrist import Wish, orient
+from kinesic.ik.scalar3 import Vector, unit, vector
 from kinesic.ik.track import softened
-from kinesic.ik.vectors import Vector, unit, vector
-from kinesic.ik.wrist import Wish, orient
 
 pytestmark = pytest.mark.skipif(find_spec("kinesic.ik._kernel") is None, reason="the kernel was not compiled here")
 

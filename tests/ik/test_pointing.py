@@ -7,7 +7,7 @@ from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
 from kinesic.ik import KERNEL
-from kinesic.ik.elbow import swivel
+from kinesic.ik.arm.swivel import swivel
 from kinesic.ik.pointing import best_swivel
 from kinesic.ik.solve import Solution, solve
 

@@ -4,12 +4,12 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 
+from kinesic.bench.ik.plain import damped_least_squares, jerk
 from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
 from kinesic.body.robot import Robot
-from kinesic.controller.bench.plain import damped_least_squares, jerk
 from kinesic.ik import Kernel
-from kinesic.ik.linkage import linkage_of
+from kinesic.ik.arm.linkage import linkage_of
 from kinesic.ik.track import SOFT, Tracker
 
 ROBOT = Robot.load()

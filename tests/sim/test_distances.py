@@ -11,7 +11,7 @@ from kinesic.body.robot import Robot
 from kinesic.sim.distances import BLOCK, CapsuleDistances, _reach, segment_distances
 from kinesic.sim.kinematics import motion_frames
 from kinesic.sim.model import build, capsule_name
-from kinesic.sim.sampling import random_postures
+from kinesic.sim.worst_postures import random_postures
 
 ROBOT = Robot.load()
 DISTANCES = CapsuleDistances(ROBOT)

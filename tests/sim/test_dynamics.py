@@ -5,9 +5,9 @@ import pytest
 from kinesic.body.limits import LEAST_ACCELERATION, LEAST_DUTY, Limits
 from kinesic.body.robot import Robot
 from kinesic.sim.dynamics import FRICTION_SPEED, MujocoDynamics
-from kinesic.sim.factors import Factors
 from kinesic.sim.model import build, joint_order
-from kinesic.sim.sampling import random_postures
+from kinesic.sim.servo_factors import Factors
+from kinesic.sim.worst_postures import random_postures
 
 ROBOT = Robot.load()
 DYNAMICS = MujocoDynamics(ROBOT)

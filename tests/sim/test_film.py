@@ -9,7 +9,7 @@ from kinesic.body.robot import Robot
 from kinesic.sim import film as films
 from kinesic.sim import gl
 from kinesic.sim.film import FilmError, film, still
-from kinesic.sim.scenery import COLOURS
+from kinesic.sim.scene_style import COLOURS
 
 ROBOT = Robot.load()
 REST = ROBOT.skeleton.rest

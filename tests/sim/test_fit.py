@@ -4,11 +4,11 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
-from kinesic.sim.factors import NOMINAL, DriveFactors, Factors
 from kinesic.sim.fit import fit
+from kinesic.sim.fit_parameters import DEFAULT
 from kinesic.sim.log import Log
+from kinesic.sim.servo_factors import NOMINAL, DriveFactors, Factors
 from kinesic.sim.twin import STEP, Twin
-from kinesic.sim.unknowns import DEFAULT
 
 ROBOT = Robot.load()
 SKELETON = ROBOT.skeleton

@@ -7,7 +7,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.robot import Robot
 from kinesic.sim.kinematics import motion_frames
 from kinesic.sim.model import build, joint_order
-from kinesic.sim.sampling import random_postures
+from kinesic.sim.worst_postures import random_postures
 
 ROBOT = Robot.load()
 POSTURES = random_postures(ROBOT.skeleton, 60, seed=5)

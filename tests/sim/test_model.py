@@ -9,8 +9,8 @@ from kinesic.body.description import Mount
 from kinesic.body.robot import Robot
 from kinesic.body.servo import Drive, ServoModel
 from kinesic.body.skeleton import Capsule, Hinge, Segment, Skeleton
-from kinesic.sim.factors import PESSIMISTIC
 from kinesic.sim.model import build, joint_order
+from kinesic.sim.servo_factors import PESSIMISTIC
 
 ROBOT = Robot.load()
 MODEL = build(ROBOT)

@@ -4,9 +4,9 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
-from kinesic.sim.factors import NOMINAL, Factors
 from kinesic.sim.log import Log
 from kinesic.sim.replay import STEP, _sums, replay
+from kinesic.sim.servo_factors import NOMINAL, Factors
 from kinesic.sim.twin import Twin
 
 ROBOT = Robot.load()

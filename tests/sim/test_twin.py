@@ -11,8 +11,8 @@ from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Skeleton
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.dynamics import MujocoDynamics
-from kinesic.sim.factors import NOMINAL, PESSIMISTIC, Factors
 from kinesic.sim.model import actuator_order, describe, joint_order
+from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors
 from kinesic.sim.twin import STEP, Twin
 
 ROBOT = Robot.load()

@@ -8,9 +8,9 @@ import pytest
 
 from kinesic.body.robot import Robot
 from kinesic.body.robot_text import robot_text
-from kinesic.controller.checks import checks
 from kinesic.controller.perform import facts, perform
-from kinesic.sim.foreign.mapped import mapped
+from kinesic.report.checks import checks
+from kinesic.sim.importer.convert import mapped
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 GESTURE = '<gesture id="{}" lexeme="{}" mode="{}_HAND" {}/>'

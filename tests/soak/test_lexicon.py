@@ -5,10 +5,10 @@ import os
 import numpy as np
 import pytest
 
+from kinesic.bench.expressivity.lexicon import every, play
 from kinesic.body.config import names_of
-from kinesic.controller.bench.gestures import every, play
-from kinesic.controller.gestures.played import played
 from kinesic.controller.perform import facts
+from kinesic.studies.gestures.isolated import played
 
 pytestmark = pytest.mark.soak
 

@@ -5,19 +5,19 @@ import random
 import numpy as np
 import pytest
 
+from kinesic.bench.bml.merging import CUTS, cuts
 from kinesic.bml.parse import parse
-from kinesic.controller.bench.cuts import CUTS, cuts
-from kinesic.controller.busy import freed, held
-from kinesic.controller.certify import duties
-from kinesic.controller.clear import LAG_RESERVE, scan
-from kinesic.controller.crossing import knot_at, lengthened
-from kinesic.controller.merge import merged, replaced
-from kinesic.controller.opening import opening
-from kinesic.controller.peaks import peaks
 from kinesic.controller.perform import facts
-from kinesic.controller.plan import plan
-from kinesic.controller.release import released, tail
-from kinesic.controller.trajectory import held as resting
+from kinesic.motion.limit_check import peaks
+from kinesic.motion.trajectory import held as resting
+from kinesic.motion.transition import knot_at, lengthened
+from kinesic.planning.certify import duties
+from kinesic.planning.clearance import LAG_RESERVE, scan
+from kinesic.planning.plan import plan
+from kinesic.planning.quick_plan import opening
+from kinesic.realizer.busy import freed, held
+from kinesic.realizer.merge import merged, replaced
+from kinesic.realizer.release import released, tail
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 MODES = ("LEFT_HAND", "RIGHT_HAND", "BOTH_HANDS")

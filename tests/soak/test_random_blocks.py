@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import pytest
 
-from kinesic.controller.bench.plan import unsaid, violations
-from kinesic.controller.checks import checks
+from kinesic.bench.plan import unsaid, violations
 from kinesic.controller.perform import facts, perform
-from kinesic.expressivity.style import RANGES, Expressivity, Style
+from kinesic.expressivity.style.style import RANGES, Expressivity, Style
+from kinesic.report.checks import checks
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 MODES = ("LEFT_HAND", "RIGHT_HAND", "BOTH_HANDS")

@@ -2,8 +2,8 @@
 
 import pytest
 
-from kinesic.controller.bench.crowd import crowd
-from kinesic.controller.bench.plan import stretch, unsaid, violations
+from kinesic.bench.crowd import crowd
+from kinesic.bench.plan import stretch, unsaid, violations
 from kinesic.controller.perform import facts, plan
 
 BLOCKS = 50

@@ -2,8 +2,8 @@
 
 import pytest
 
-from kinesic.speech.engine import fault
 from kinesic.speech.espeak import Espeak
+from kinesic.speech.espeak_pool import fault
 
 
 @pytest.fixture(scope="session")

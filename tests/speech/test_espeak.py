@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
+from kinesic.bench.bml.speech import mark_errors
 from kinesic.body.utterance import Emphasis, Mark, Pause, Script
-from kinesic.controller.bench.speech import mark_errors
 from kinesic.speech import espeak as module
-from kinesic.speech.engine import SpeechError
 from kinesic.speech.espeak import Espeak
+from kinesic.speech.espeak_pool import SpeechError
 
 PRECISION = 0.005  # [s]
 

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from kinesic.speech.engine import engine
+from kinesic.speech.espeak_pool import engine
 from kinesic.speech.languages import voice_of, voices
 
 

@@ -3,7 +3,7 @@ import pytest
 
 from kinesic.body.utterance import Sound
 from kinesic.speech import port_audio
-from kinesic.speech.device import Feed, SpeakerError
+from kinesic.speech.loudspeaker import Feed, SpeakerError
 from kinesic.speech.port_audio import PortAudio
 from kinesic.speech.speaker import Speaker, mixed
 

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kinesic.bml.block import BmlError, Speech
-from kinesic.bml.elements import ACTIONS, ATTRIBUTES
 from kinesic.bml.feedback import prediction, warning
 from kinesic.bml.parse import parse
+from kinesic.bml.reading.elements import ACTIONS, ATTRIBUTES
 from kinesic.bml.schedule import schedule
 from kinesic.body.utterance import Utterance
 

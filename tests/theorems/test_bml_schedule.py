@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinesic.bml.block import Behaviour, Block, Order, Speech, Synchronize, SyncRef, Timeline
-from kinesic.bml.constraints import point_of, ties
 from kinesic.bml.parse import parse
 from kinesic.bml.schedule import schedule
+from kinesic.bml.timing.constraints import point_of, ties
 from kinesic.body.utterance import Utterance
 
 CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))

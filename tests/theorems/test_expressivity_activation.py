@@ -5,8 +5,8 @@ from dataclasses import replace
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinesic.expressivity.activation import SHARES, activated
-from kinesic.expressivity.style import RANGES, Expressivity
+from kinesic.expressivity.style.activation import SHARES, activated
+from kinesic.expressivity.style.style import RANGES, Expressivity
 
 manners = st.builds(Expressivity, **{name: st.floats(least, most) for name, (least, most) in RANGES.items()})
 activations = st.floats(-1.0, 1.0)

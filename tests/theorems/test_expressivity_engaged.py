@@ -11,12 +11,12 @@ from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Robot
-from kinesic.expressivity.engaged import Engaged
-from kinesic.expressivity.hands import REST, Poses, distance, resting
+from kinesic.expressivity.hands.engaged import Engaged
+from kinesic.expressivity.hands.phases import Arranged, arranged
+from kinesic.expressivity.hands.poses import REST, Poses, distance, resting
+from kinesic.expressivity.hands.strokes import Stroke
 from kinesic.expressivity.keyframes import Hand
-from kinesic.expressivity.pace import Pace
-from kinesic.expressivity.phases import Arranged, arranged
-from kinesic.expressivity.strokes import Stroke
+from kinesic.expressivity.style.pace import Pace
 from kinesic.sim.dynamics import MujocoDynamics
 
 ROBOT = Robot.load()

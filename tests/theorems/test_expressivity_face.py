@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from kinesic.bml.block import FACE_SYNCS, Behaviour, Block, Face, Place, Speech, Timed, Timeline
 from kinesic.body.action_units import CHANNELS
 from kinesic.body.utterance import Phoneme, Script, Utterance
-from kinesic.expressivity.eyes import Habits, Look
-from kinesic.expressivity.face_units import face
+from kinesic.expressivity.face.eyes import Habits, Look
+from kinesic.expressivity.face.tracks import face
 
 TIMES = np.arange(0.0, 6.0, 0.02)
 LEXEMES = ("joy", "anger", "surprise", "RAISE_LEFT_BROW", "CLOSE_EYES", "REPEATED_BLINK", "Qwrtz")

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kinesic.body.arrays import sealed
-from kinesic.expressivity.paths import HandPath
+from kinesic.expressivity.lexicon.paths import HandPath
 
 places = st.tuples(*[st.floats(-0.5, 0.8)] * 3).map(sealed)
 sizes = st.tuples(*[st.floats(-0.5, 0.5)] * 3).map(sealed)

@@ -5,8 +5,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinesic.body.action_units import CHANNELS
-from kinesic.face.mesh import load
-from kinesic.face.units import deformed, intensities, weights
+from kinesic.face.assets.action_units import deformed, intensities, weights
+from kinesic.face.assets.mesh import load
 
 MESH = load("female")
 units = st.dictionaries(st.sampled_from(CHANNELS), st.floats(0.0, 1.0), max_size=8)

@@ -4,14 +4,14 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinesic.hardware.bus import Bus, Servo
-from kinesic.hardware.health import CELLS
-from kinesic.hardware.models import MODELS
-from kinesic.hardware.registers import Register
+from kinesic.hardware.bus.bus import Bus, Servo
+from kinesic.hardware.bus.health import CELLS
+from kinesic.hardware.protocol.models import MODELS
+from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.virtual.faults import WIRE_KINDS, FaultPlan, Mishap
-from kinesic.hardware.virtual.fittings import Cable, Fitting, build
 from kinesic.hardware.virtual.memory_wire import MemoryWire
-from kinesic.hardware.virtual.plant import Plant
+from kinesic.hardware.virtual.shaft_simulation import Plant
+from kinesic.hardware.virtual.wiring import Cable, Fitting, build
 
 MID, CYCLES, PERIOD = 2048, 30, 0.02
 MODEL = MODELS["xm430_w350"]

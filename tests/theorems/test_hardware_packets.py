@@ -5,10 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinesic.hardware.crc import advanced, carried, places
-from kinesic.hardware.goals import GoalFrame
-from kinesic.hardware.health import BLOCK, SIZE
-from kinesic.hardware.packet import (
+from kinesic.hardware.bus.goals import GoalFrame
+from kinesic.hardware.bus.health import BLOCK, SIZE
+from kinesic.hardware.bus.query import FastQuestion, PlainQuestion
+from kinesic.hardware.protocol.crc import advanced, carried, places
+from kinesic.hardware.protocol.packet import (
     BROADCAST,
     HEADER,
     Instruction,
@@ -20,7 +21,6 @@ from kinesic.hardware.packet import (
     sync_write,
     unstuffed,
 )
-from kinesic.hardware.question import FastQuestion, PlainQuestion
 
 IDS = st.integers(0, 252)
 NASTY = st.lists(st.sampled_from([0xFF, 0xFF, 0xFD, 0xFD, 0x00, 0x55]), max_size=60).map(bytes)

@@ -6,7 +6,7 @@ from typing import get_args
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinesic.hardware.supervisor.stages import MOVING, Event, Facts, Stage, State, step
+from kinesic.hardware.supervisor.state_machine import MOVING, Event, Facts, Stage, State, step
 
 EVENTS: tuple[Event, ...] = get_args(Event)
 ENERGISING = {"arm", "adopt"}

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinesic.hardware.supervisor.guard import Bounds, Course, guarded
+from kinesic.hardware.supervisor.goal_limits import Bounds, Course, guarded
 
 STEP = 0.01
 wishes = st.lists(st.floats(-1e5, 1e5), min_size=1, max_size=60)

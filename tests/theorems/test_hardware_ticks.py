@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kinesic.body.servo import TICKS_PER_RADIAN
-from kinesic.hardware.ticks import Scale
+from kinesic.hardware.protocol.ticks import Scale
 
 TURNS = st.floats(0.5, 10.0) | st.floats(-10.0, -0.5)
 ZEROS = st.integers(0, 4095)

@@ -7,10 +7,10 @@ from scipy.spatial.transform import Rotation
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
-from kinesic.ik.finish import finish
-from kinesic.ik.linkage import linkage_of
-from kinesic.ik.pair import reach_both
+from kinesic.ik.arm.linkage import linkage_of
+from kinesic.ik.arm.nearest import finish
 from kinesic.ik.pose import solve_pose
+from kinesic.ik.two_hands import reach_both
 
 ROBOT = Robot.load()
 LEFT, RIGHT = ROBOT.arms["l"], ROBOT.arms["r"]

@@ -7,11 +7,11 @@ from hypothesis import strategies as st
 from kinesic.body.arrays import Floats
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
-from kinesic.ik.linkage import linkage_of
-from kinesic.ik.masses import settle
+from kinesic.ik.arm.linkage import linkage_of
+from kinesic.ik.arm.masses import settle
+from kinesic.ik.scalar3 import distance
 from kinesic.ik.solve import solve
 from kinesic.ik.torso import MOST, lean
-from kinesic.ik.vectors import distance
 
 ROBOT = Robot.load()
 LEFT, RIGHT = ROBOT.arms["l"], ROBOT.arms["r"]

@@ -7,8 +7,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from kinesic.body.utterance import Emphasis, Mark, Pause, Script
-from kinesic.speech.engine import fault
 from kinesic.speech.espeak import Espeak
+from kinesic.speech.espeak_pool import fault
 from kinesic.speech.ssml import ssml
 
 FEW = settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from kinesic.body.arrays import Flags, Floats
 from kinesic.body.servo import TICKS_PER_TURN
-from kinesic.hardware.bus import Bus
-from kinesic.hardware.buses import Buses
-from kinesic.hardware.cold import Cold
-from kinesic.hardware.cycle import Event
-from kinesic.hardware.health import Records
-from kinesic.hardware.registers import WATCHDOG_TRIPPED, Register
+from kinesic.hardware.bus.bus import Bus
+from kinesic.hardware.bus.bus_group import Buses
+from kinesic.hardware.bus.cycle import Event
+from kinesic.hardware.bus.health import Records
+from kinesic.hardware.protocol.device import Cold
+from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED, Register
+from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.supervisor.manifest import Manifest
-from kinesic.hardware.ticks import Ticks
 
 RECENT = 4.0  # periods
 Kind = TypeVar("Kind", bound=np.generic)

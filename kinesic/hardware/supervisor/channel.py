@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.hardware.supervisor.settings import Policy
-from kinesic.hardware.supervisor.stages import Stage
+from kinesic.hardware.supervisor.state_machine import Stage
 
 CAPACITY = 16_384  # commands: more than two minutes of them
 EVENTS = 512

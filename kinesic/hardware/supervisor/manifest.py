@@ -12,11 +12,11 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.body.servo import TICKS_PER_TURN, Drive
-from kinesic.hardware.bus import Servo
-from kinesic.hardware.models import BY_NUMBER, Model
-from kinesic.hardware.registers import SPEED, TICK, Mode, Register
-from kinesic.hardware.servo_map import HingeServos, ServoMap
-from kinesic.hardware.ticks import Scale
+from kinesic.hardware.bus.bus import Servo
+from kinesic.hardware.protocol.models import BY_NUMBER, Model
+from kinesic.hardware.protocol.registers import SPEED, TICK, Mode, Register
+from kinesic.hardware.protocol.servo_map import HingeServos, ServoMap
+from kinesic.hardware.protocol.ticks import Scale
 
 MARGIN = 40  # [ticks] beyond a hinge's range that its servo still takes, as joints hang a little outside at times
 SHUTDOWN = 52  # electrical shock, overload, overheating; not voltage, which a brisk move may pull down

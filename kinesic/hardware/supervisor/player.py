@@ -3,10 +3,10 @@
 from typing import Literal
 
 from kinesic.body.arrays import Floats
-from kinesic.hardware.supervisor.score import Score, whole
+from kinesic.hardware.supervisor.goal_buffer import Score, whole
+from kinesic.hardware.supervisor.move import Way
 from kinesic.hardware.supervisor.settings import Settings
-from kinesic.hardware.supervisor.tempo import Tempo, advanced
-from kinesic.hardware.supervisor.way import Way
+from kinesic.hardware.supervisor.time_scaling import Tempo, advanced
 
 GAP = 0.5  # [s] between commands beyond which the later ones are a performance of their own
 DONE = 1e-6  # [s] before the end that is the end

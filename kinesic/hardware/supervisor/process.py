@@ -17,14 +17,14 @@ import msgspec
 
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
-from kinesic.hardware.real_time import granted
-from kinesic.hardware.serial_wire import SerialWire
+from kinesic.hardware.bus.real_time import granted
+from kinesic.hardware.bus.serial_wire import SerialWire
+from kinesic.hardware.protocol.wire import Wire
 from kinesic.hardware.supervisor.channel import Channel, mapped, size
-from kinesic.hardware.supervisor.journal import Journal
+from kinesic.hardware.supervisor.event_log import Journal
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.settings import Settings
 from kinesic.hardware.supervisor.supervisor import Supervisor
-from kinesic.hardware.wire import Wire
 
 PRIORITY = 20  # of SCHED_FIFO, where the host grants it
 EXIT_GOOD, EXIT_REFUSED = 0, 2

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from kinesic.hardware.registers import WATCHDOG
+from kinesic.hardware.protocol.registers import WATCHDOG
 
 Policy = Literal["hold", "limp"]
 

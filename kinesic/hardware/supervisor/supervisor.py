@@ -5,21 +5,21 @@ from time import monotonic
 
 import numpy as np
 
-from kinesic.hardware.registers import Register
+from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.protocol.ticks import Ticks
+from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.supervisor.axes import Axes, Snapshot
 from kinesic.hardware.supervisor.channel import POLICIES, Channel
-from kinesic.hardware.supervisor.journal import Journal
+from kinesic.hardware.supervisor.event_log import Journal
+from kinesic.hardware.supervisor.goals import Steering
 from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.hardware.supervisor.monitor import Watch
 from kinesic.hardware.supervisor.player import DONE
-from kinesic.hardware.supervisor.preparing import Table, configure, taken
+from kinesic.hardware.supervisor.preflight import Table, configure, taken
 from kinesic.hardware.supervisor.settings import Settings
-from kinesic.hardware.supervisor.stages import MOVING, Action, Event, Facts, Stage, State, step
-from kinesic.hardware.supervisor.steering import Steering
-from kinesic.hardware.supervisor.telling import Teller
+from kinesic.hardware.supervisor.state_machine import MOVING, Action, Event, Facts, Stage, State, step
+from kinesic.hardware.supervisor.status import Teller
 from kinesic.hardware.supervisor.torque import RAMP, Procedure, adopt, arm, release, watchdog_counts
-from kinesic.hardware.supervisor.watch import Watch
-from kinesic.hardware.ticks import Ticks
-from kinesic.hardware.wire import BusError, Wire
 
 TAKEN = 32  # commands in one cycle at most: it must not take long
 AHEAD = 2.0  # [s] of the performance that are taken from the channel

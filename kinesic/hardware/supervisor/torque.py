@@ -10,11 +10,11 @@ from math import ceil
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.hardware.registers import WATCHDOG, Register
+from kinesic.hardware.protocol.registers import WATCHDOG, Register
+from kinesic.hardware.protocol.ticks import Ticks
+from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.axes import Axes, Snapshot, folded
-from kinesic.hardware.supervisor.guard import LEAD
-from kinesic.hardware.ticks import Ticks
-from kinesic.hardware.wire import BusError
+from kinesic.hardware.supervisor.goal_limits import LEAD
 
 TRIES = 25  # cycles that a step may take
 SETTLING = 200  # cycles in which limp servos must come to stand still

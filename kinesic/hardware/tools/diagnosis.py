@@ -4,14 +4,14 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from kinesic.hardware.cold import Cold
-from kinesic.hardware.opening import problems
-from kinesic.hardware.ports import SYSTEM, latency
-from kinesic.hardware.registers import Register
+from kinesic.hardware.bus.bring_up import problems
+from kinesic.hardware.bus.ports import SYSTEM, latency
+from kinesic.hardware.protocol.device import Cold
+from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.supervisor.manifest import Manifest, Member
-from kinesic.hardware.supervisor.preparing import Table, reasons
+from kinesic.hardware.supervisor.preflight import Table, reasons
 from kinesic.hardware.tools.survey import strangers, talkative
-from kinesic.hardware.wire import BusError, Wire
 
 COOL = 10  # [K] below its limit that a resting servo should be
 

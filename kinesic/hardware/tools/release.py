@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 
-from kinesic.hardware import packet
-from kinesic.hardware.cold import Cold
-from kinesic.hardware.packet import BROADCAST
-from kinesic.hardware.registers import Register
+from kinesic.hardware.protocol import packet
+from kinesic.hardware.protocol.device import Cold
+from kinesic.hardware.protocol.packet import BROADCAST
+from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.tools.survey import talkative
-from kinesic.hardware.wire import BusError, Wire
 
 TIMES = 2  # that all are told, before each is asked
 OFF = packet.write(BROADCAST, Register.TORQUE_ENABLE.field.address, b"\0")

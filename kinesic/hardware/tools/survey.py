@@ -6,14 +6,14 @@ from math import degrees, nan
 
 import numpy as np
 
-from kinesic.hardware import packet
-from kinesic.hardware.cold import Change, Cold
-from kinesic.hardware.packet import BROADCAST
-from kinesic.hardware.registers import HardwareError, Register
+from kinesic.hardware.protocol import packet
+from kinesic.hardware.protocol.device import Change, Cold
+from kinesic.hardware.protocol.packet import BROADCAST
+from kinesic.hardware.protocol.registers import HardwareError, Register
+from kinesic.hardware.protocol.ticks import Scale
+from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.supervisor.manifest import Manifest, Member
-from kinesic.hardware.supervisor.preparing import ANSWERS_ALL, Table, wanted
-from kinesic.hardware.ticks import Scale
-from kinesic.hardware.wire import BusError, Wire
+from kinesic.hardware.supervisor.preflight import ANSWERS_ALL, Table, wanted
 
 
 @dataclass(frozen=True)

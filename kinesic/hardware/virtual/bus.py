@@ -11,13 +11,13 @@ from collections.abc import Iterator, Sequence
 from math import inf
 from typing import NamedTuple
 
-from kinesic.hardware.packet import HEADER, Packet, Reader
+from kinesic.hardware.protocol.packet import HEADER, Packet, Reader
+from kinesic.hardware.protocol.wire import BITS_PER_BYTE
 from kinesic.hardware.virtual.faults import CALM, FaultPlan
-from kinesic.hardware.virtual.plant import Plant
 from kinesic.hardware.virtual.protocol import answers
 from kinesic.hardware.virtual.servo import VirtualServo
-from kinesic.hardware.virtual.weather import Heard, Weather
-from kinesic.hardware.wire import BITS_PER_BYTE
+from kinesic.hardware.virtual.shaft_simulation import Plant
+from kinesic.hardware.virtual.wire_faults import Heard, Weather
 
 PIECE = 62  # [bytes] of one USB packet of a common adapter
 LATENCY = 0.001  # [s] of its timer, set low as it should be

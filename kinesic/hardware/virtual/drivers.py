@@ -11,12 +11,12 @@ import numpy as np
 from dynamixel_sdk import COMM_SUCCESS, GroupSyncRead, GroupSyncWrite, PortHandler, Protocol2PacketHandler
 
 from kinesic.body.arrays import Flags, Floats
-from kinesic.hardware.bus import Servo
-from kinesic.hardware.opening import open_bus
-from kinesic.hardware.registers import Register
-from kinesic.hardware.sdk import WirePort
-from kinesic.hardware.ticks import Ticks
-from kinesic.hardware.wire import Wire
+from kinesic.hardware.bus.bring_up import open_bus
+from kinesic.hardware.bus.bus import Servo
+from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.protocol.sdk import WirePort
+from kinesic.hardware.protocol.ticks import Ticks
+from kinesic.hardware.protocol.wire import Wire
 
 NEVER = -inf  # [s] the time of a servo that has not been heard
 

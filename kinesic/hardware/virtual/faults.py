@@ -9,7 +9,7 @@ from typing import Literal, get_args
 import msgspec
 
 from kinesic.body.config import ConfigError, read
-from kinesic.hardware.registers import HardwareError
+from kinesic.hardware.protocol.registers import HardwareError
 
 OfWire = Literal["corrupt", "drop", "truncate", "duplicate", "noise", "lost", "late"]
 OfServo = Literal["silent", "reboot", "alert", "overheat", "undervoltage", "watchdog"]

@@ -9,10 +9,10 @@ from typing import Protocol
 import numpy as np
 
 from kinesic.body.arrays import Flags, Floats
-from kinesic.hardware.bus import Servo
-from kinesic.hardware.ticks import Ticks
+from kinesic.hardware.bus.bus import Servo
+from kinesic.hardware.protocol.ticks import Ticks
+from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.virtual.drivers import NEVER, PlainPort, Reading
-from kinesic.hardware.wire import BusError, Wire
 
 MODULE = "lerobot.motors.dynamixel"
 MOTORS = "lerobot.motors"

@@ -10,17 +10,17 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.hardware.bus import Servo
-from kinesic.hardware.models import MODELS
-from kinesic.hardware.registers import HardwareError, Register
-from kinesic.hardware.ticks import Ticks
+from kinesic.hardware.bus.bus import Servo
+from kinesic.hardware.protocol.models import MODELS
+from kinesic.hardware.protocol.registers import HardwareError, Register
+from kinesic.hardware.protocol.ticks import Ticks
+from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.virtual.bus import VirtualBus
 from kinesic.hardware.virtual.drivers import Driver, Reading
 from kinesic.hardware.virtual.faults import BUILD_KINDS, CALM, FaultPlan, Kind, Mishap
-from kinesic.hardware.virtual.fittings import Cable, Fitting, build
 from kinesic.hardware.virtual.memory_wire import MemoryWire
-from kinesic.hardware.virtual.plant import Plant
-from kinesic.hardware.wire import BusError, Wire
+from kinesic.hardware.virtual.shaft_simulation import Plant
+from kinesic.hardware.virtual.wiring import Cable, Fitting, build
 
 MODEL = "xm430_w350"
 PERIOD = 0.01  # [s]

@@ -2,8 +2,8 @@
 
 from math import inf
 
+from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.virtual.bus import VirtualBus
-from kinesic.hardware.wire import BusError
 
 
 class MemoryWire:

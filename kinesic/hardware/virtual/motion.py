@@ -5,11 +5,11 @@ from functools import cached_property
 from math import copysign, inf
 
 from kinesic.body.servo import TICKS_PER_TURN
-from kinesic.hardware.registers import PROFILE_ACCELERATION, SPEED, TICK, Mode, Register
-from kinesic.hardware.virtual.memory import Memory
+from kinesic.hardware.protocol.registers import PROFILE_ACCELERATION, SPEED, TICK, Mode, Register
+from kinesic.hardware.virtual.control_table import Memory
 from kinesic.hardware.virtual.physics import LIMP, Demand, Shaft
 from kinesic.hardware.virtual.profile import by_speed, by_time, resting
-from kinesic.hardware.virtual.rules import BY_TIME, REVERSE
+from kinesic.hardware.virtual.value_rules import BY_TIME, REVERSE
 
 WIDEST_OFFSET = 1024  # [ticks] of homing that position mode heeds
 ARRIVED = 10  # [ticks] within which a servo calls itself in position; the manual gives no figure

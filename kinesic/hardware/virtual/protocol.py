@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
 
-from kinesic.hardware.packet import BROADCAST, HEADER, Instruction, Packet, crc16, status
+from kinesic.hardware.protocol.packet import BROADCAST, HEADER, Instruction, Packet, crc16, status
 from kinesic.hardware.virtual.servo import VirtualServo
 
 TURNAROUND = 20e-6  # [s] that a servo takes between the end of what it waits for and its own first byte

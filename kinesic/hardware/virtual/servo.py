@@ -4,12 +4,12 @@ Assumed where no source says: a goal from before torque came on still counts, un
 torque is refused as an access error.
 """
 
-from kinesic.hardware.models import Model
-from kinesic.hardware.packet import Fault, Instruction
-from kinesic.hardware.registers import BAUD_RATES, Register
-from kinesic.hardware.virtual.electronics import BOOT, Electronics
-from kinesic.hardware.virtual.memory import Entry, Memory, RefusalError
-from kinesic.hardware.virtual.rules import BY_GOAL, GOALS, refusal
+from kinesic.hardware.protocol.models import Model
+from kinesic.hardware.protocol.packet import Fault, Instruction
+from kinesic.hardware.protocol.registers import BAUD_RATES, Register
+from kinesic.hardware.virtual.control_table import Entry, Memory, RefusalError
+from kinesic.hardware.virtual.firmware import BOOT, Electronics
+from kinesic.hardware.virtual.value_rules import BY_GOAL, GOALS, refusal
 
 NEWEST = 52  # firmware unless said otherwise
 CLEAR_FIRMWARE = 42

@@ -13,7 +13,8 @@ from itertools import pairwise
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.ik.masses import clamp
+from kinesic.ik.arm.masses import clamp
+from kinesic.ik.scalar3 import vector
 from kinesic.ik.thesis.limbs import Limbs
 from kinesic.ik.thesis.rotations import Stance
 from kinesic.ik.thesis.shared import Wishes, postured, standing
@@ -21,7 +22,6 @@ from kinesic.ik.thesis.solve import Method, three, unbent
 from kinesic.ik.thesis.springs import Springs
 from kinesic.ik.thesis.task import Effort, Rest
 from kinesic.ik.thesis.verlet import swing
-from kinesic.ik.vectors import vector
 
 YIELD = 0.1  # what is left per round of the pull of a limb whose better has not arrived
 FAINT = 1e-3  # the least pull that is left: weaker springs would hardly settle

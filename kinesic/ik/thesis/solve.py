@@ -11,7 +11,8 @@ from typing import Literal
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.ik.masses import clamp
+from kinesic.ik.arm.masses import clamp
+from kinesic.ik.scalar3 import vector
 from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.direct import balanced
 from kinesic.ik.thesis.force import drawn
@@ -19,7 +20,6 @@ from kinesic.ik.thesis.limits import within_limits
 from kinesic.ik.thesis.position import pinned
 from kinesic.ik.thesis.rotations import Carrier, Stance, aimed, stance_of, swivelled
 from kinesic.ik.thesis.task import Effort, Relaxation, Rest, Task
-from kinesic.ik.vectors import vector
 
 Method = Literal["force", "position", "direct"]
 RELAXATIONS: Mapping[Method, Relaxation] = {"force": drawn, "position": pinned, "direct": balanced}

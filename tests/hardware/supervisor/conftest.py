@@ -11,19 +11,19 @@ import pytest
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
-from kinesic.hardware.bus import Servo
-from kinesic.hardware.models import MODELS
-from kinesic.hardware.registers import Register
+from kinesic.hardware.bus.bus import Servo
+from kinesic.hardware.protocol.models import MODELS
+from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.supervisor.channel import Channel, Note, Status, size
-from kinesic.hardware.supervisor.journal import Journal
+from kinesic.hardware.supervisor.event_log import Journal
 from kinesic.hardware.supervisor.manifest import Manifest, Member
 from kinesic.hardware.supervisor.settings import Settings
-from kinesic.hardware.supervisor.stages import Stage
+from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.supervisor.supervisor import Supervisor
-from kinesic.hardware.ticks import Ticks
 from kinesic.hardware.virtual.faults import CALM, FaultPlan, Mishap
-from kinesic.hardware.virtual.fittings import Cable, Fitting, build, cables
 from kinesic.hardware.virtual.memory_wire import MemoryWire
+from kinesic.hardware.virtual.wiring import Cable, Fitting, build, cables
 
 PERIOD = 0.01
 BRISK = Settings(pace=3.0)

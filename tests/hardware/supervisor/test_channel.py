@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from kinesic.hardware.supervisor.channel import EVENTS, HISTORY, Channel, Note, Status, mapped, memory_file, size
-from kinesic.hardware.supervisor.stages import Stage
+from kinesic.hardware.supervisor.state_machine import Stage
 
 JOINTS, CAPACITY = 3, 8
 

@@ -3,7 +3,7 @@ import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
-from kinesic.hardware.registers import SPEED, Register
+from kinesic.hardware.protocol.registers import SPEED, Register
 from kinesic.hardware.supervisor.manifest import MARGIN, Manifest
 
 

@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 import pytest
 
-from kinesic.hardware.registers import Register
+from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.supervisor.settings import Settings
-from kinesic.hardware.supervisor.stages import Stage
+from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.virtual.faults import BUILD_KINDS, FaultPlan, Mishap
 from kinesic.hardware.virtual.matrix import STRIKE, Case, cases
 

@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 import pytest
 
-from kinesic.hardware.registers import Register
-from kinesic.hardware.supervisor.stages import Stage
+from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.virtual.faults import FaultPlan, Mishap
 
 Make = Callable  # of a desk, see conftest

@@ -5,9 +5,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from kinesic.hardware.registers import Register
+from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.supervisor.settings import Settings
-from kinesic.hardware.supervisor.stages import Stage
+from kinesic.hardware.supervisor.state_machine import Stage
 
 Make = Callable  # of a desk, see conftest
 PERIOD = 0.01

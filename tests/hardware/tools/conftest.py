@@ -4,12 +4,12 @@ from dataclasses import dataclass
 import pytest
 
 from kinesic.body.robot import Robot
-from kinesic.hardware.registers import Register
+from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.virtual.faults import CALM, FaultPlan
-from kinesic.hardware.virtual.fittings import build, cables
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.servo import VirtualServo
+from kinesic.hardware.virtual.wiring import build, cables
 
 
 @dataclass

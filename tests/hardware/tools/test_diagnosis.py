@@ -1,9 +1,9 @@
 from pathlib import Path
 
-from kinesic.hardware.registers import Register
+from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.tools.diagnosis import Finding, diagnose
 from kinesic.hardware.virtual.faults import FaultPlan, Mishap
-from kinesic.hardware.wire import BusError
 
 
 def found(table, system: Path = Path("/nowhere")) -> list[Finding]:

@@ -1,6 +1,6 @@
 import pytest
 
-from kinesic.hardware.registers import HardwareError, Register
+from kinesic.hardware.protocol.registers import HardwareError, Register
 from kinesic.hardware.tools.release import release
 from kinesic.hardware.virtual.faults import FaultPlan, Kind, Mishap
 

@@ -1,6 +1,6 @@
 import pytest
 
-from kinesic.hardware.registers import HardwareError, Register
+from kinesic.hardware.protocol.registers import HardwareError, Register
 from kinesic.hardware.tools.survey import error_names, strangers, survey, talkative
 from kinesic.hardware.virtual.faults import FaultPlan, Mishap
 

@@ -2,12 +2,12 @@ from collections.abc import Callable
 
 import pytest
 
-from kinesic.hardware import packet
-from kinesic.hardware.packet import Packet, Reader
-from kinesic.hardware.registers import Register
-from kinesic.hardware.virtual.fittings import Cable, Fitting, build
+from kinesic.hardware.protocol import packet
+from kinesic.hardware.protocol.packet import Packet, Reader
+from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.servo import VirtualServo
+from kinesic.hardware.virtual.wiring import Cable, Fitting, build
 
 WAIT = 0.004
 

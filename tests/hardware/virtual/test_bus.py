@@ -2,14 +2,14 @@ from collections.abc import Callable
 
 import pytest
 
-from kinesic.hardware import packet
-from kinesic.hardware.packet import BROADCAST, HEADER, Instruction, crc16
-from kinesic.hardware.registers import Register
+from kinesic.hardware.protocol import packet
+from kinesic.hardware.protocol.packet import BROADCAST, HEADER, Instruction, crc16
+from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.virtual.bus import PIECE
 from kinesic.hardware.virtual.faults import FaultPlan, Mishap
-from kinesic.hardware.virtual.fittings import Cable, Fitting
 from kinesic.hardware.virtual.protocol import TURNAROUND
-from kinesic.hardware.wire import BusError
+from kinesic.hardware.virtual.wiring import Cable, Fitting
 
 from .conftest import Line
 

@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 import pytest
 
-from kinesic.hardware.packet import Fault
-from kinesic.hardware.registers import Mode, Register
+from kinesic.hardware.protocol.packet import Fault
+from kinesic.hardware.protocol.registers import Mode, Register
 
 from .conftest import Line
 

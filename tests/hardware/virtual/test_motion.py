@@ -5,11 +5,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from kinesic.hardware import packet
-from kinesic.hardware.models import MODELS
-from kinesic.hardware.packet import Fault, Instruction
-from kinesic.hardware.registers import Mode, Register
-from kinesic.hardware.virtual.rules import BY_TIME, REVERSE
+from kinesic.hardware.protocol import packet
+from kinesic.hardware.protocol.models import MODELS
+from kinesic.hardware.protocol.packet import Fault, Instruction
+from kinesic.hardware.protocol.registers import Mode, Register
+from kinesic.hardware.virtual.value_rules import BY_TIME, REVERSE
 
 from .conftest import Line
 

@@ -10,11 +10,11 @@ from threading import Event, Thread
 
 import pytest
 
-from kinesic.hardware import packet
-from kinesic.hardware.packet import Reader
+from kinesic.hardware.protocol import packet
+from kinesic.hardware.protocol.packet import Reader
 from kinesic.hardware.virtual.faults import FaultPlan, Mishap
-from kinesic.hardware.virtual.fittings import Cable, Fitting, build
 from kinesic.hardware.virtual.pty import PtyPort, serve
+from kinesic.hardware.virtual.wiring import Cable, Fitting, build
 
 pytestmark = pytest.mark.realtime
 

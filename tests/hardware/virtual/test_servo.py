@@ -4,11 +4,11 @@ from collections.abc import Callable
 
 import pytest
 
-from kinesic.hardware import packet
-from kinesic.hardware.packet import BROADCAST, Fault, Instruction
-from kinesic.hardware.registers import Mode, Register
-from kinesic.hardware.virtual.electronics import BOOT
-from kinesic.hardware.virtual.rules import BY_GOAL, BY_TIME
+from kinesic.hardware.protocol import packet
+from kinesic.hardware.protocol.packet import BROADCAST, Fault, Instruction
+from kinesic.hardware.protocol.registers import Mode, Register
+from kinesic.hardware.virtual.firmware import BOOT
+from kinesic.hardware.virtual.value_rules import BY_GOAL, BY_TIME
 
 from .conftest import Line
 

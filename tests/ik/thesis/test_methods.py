@@ -7,7 +7,7 @@ import pytest
 from numpy.random import default_rng
 
 from kinesic.body.arrays import Floats
-from kinesic.ik.masses import settle
+from kinesic.ik.arm.masses import settle
 from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.direct import balanced
 from kinesic.ik.thesis.force import drawn

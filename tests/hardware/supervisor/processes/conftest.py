@@ -15,10 +15,10 @@ import pytest
 
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
+from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.settings import Settings
-from kinesic.hardware.supervisor.stages import Stage
-from kinesic.hardware.wire import BusError
+from kinesic.hardware.supervisor.state_machine import Stage
 
 HERE = Path(__file__).parent
 PATIENCE = 60.0  # [s] that a loaded machine may take for anything

@@ -14,10 +14,10 @@ from contextlib import suppress
 from pathlib import Path
 
 from kinesic.body.robot import Robot
-from kinesic.hardware.registers import Register
+from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.virtual.faults import FaultPlan, Mishap
-from kinesic.hardware.virtual.fittings import build, cables
 from kinesic.hardware.virtual.pty import PtyPort, serve
+from kinesic.hardware.virtual.wiring import build, cables
 
 SHOWN = (Register.TORQUE_ENABLE, Register.GOAL_POSITION, Register.BUS_WATCHDOG)
 EVERY = 0.002  # [s] between lines

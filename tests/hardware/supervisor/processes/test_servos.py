@@ -10,9 +10,9 @@ import pytest
 
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
+from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.servos import Servos
-from kinesic.hardware.supervisor.stages import Stage
-from kinesic.hardware.wire import BusError
+from kinesic.hardware.supervisor.state_machine import Stage
 
 pytestmark = pytest.mark.realtime
 

@@ -5,8 +5,8 @@ import time
 import numpy as np
 import pytest
 
-from kinesic.hardware.supervisor.stages import Stage
-from kinesic.hardware.wire import BusError
+from kinesic.hardware.protocol.wire import BusError
+from kinesic.hardware.supervisor.state_machine import Stage
 
 pytestmark = pytest.mark.realtime
 

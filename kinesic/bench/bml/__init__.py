@@ -1,0 +1,40 @@
+"""BML as others expect it: the scenarios of a conformance suite, and what documents mean before any time is known."""
+
+from collections.abc import Iterator
+
+from kinesic.bench.bml.conformance import played
+from kinesic.bench.bml.expectations import Parsing, References, Scenarios, expected
+from kinesic.bench.bml.parsing import parsed, referred
+from kinesic.bench.bml.verdict import Verdict, figures
+from kinesic.bench.figure import Figure
+from kinesic.controller.perform import facts
+
+SCENARIOS, DOCUMENTS, GRAMMAR = "realizertester", "openbmlparser", "syncref"  # suites, by the names of their files
+NO_CORPUS = "no expectations of this suite; KINESIC_CORPUS names the folder that holds them"
+
+
+def bench() -> list[Figure]:
+    """Plays and reads every suite that is there."""
+    return [*figures(list(verdicts())), *_missing()]
+
+
+def verdicts() -> Iterator[Verdict]:
+    """What became of every expectation of all suites."""
+    if (scenarios := expected(SCENARIOS, Scenarios)) is not None:
+        yield from played(SCENARIOS, *scenarios, facts())
+    if (documents := expected(DOCUMENTS, Parsing)) is not None:
+        yield from parsed(DOCUMENTS, *documents)
+    if (grammar := expected(GRAMMAR, References)) is not None:
+        yield from referred(GRAMMAR, grammar[1])
+
+
+def _missing() -> Iterator[Figure]:
+    """A figure without a value for each suite that is not there."""
+    found = {
+        SCENARIOS: expected(SCENARIOS, Scenarios),
+        DOCUMENTS: expected(DOCUMENTS, Parsing),
+        GRAMMAR: expected(GRAMMAR, References),
+    }
+    for suite, there in found.items():
+        if there is None:
+            yield Figure(f"bml.{suite}.passed", None, "expectations", None, "higher", NO_CORPUS)

@@ -1,0 +1,199 @@
+"""Scenarios of a conformance suite, played in virtual time: documents sent, feedback checked.
+
+Targets that documents look or point at, and that the robot does not know, are put into a targets file of our own.
+"""
+
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from xml.etree.ElementTree import Element, tostring
+
+from kinesic.bench.bml.expectations import Scenario, Scenarios, Step
+from kinesic.bench.bml.heard import Feedback, Heard
+from kinesic.bench.bml.realizer import Realizer
+from kinesic.bench.bml.verdict import Verdict
+from kinesic.bml.block import BmlError, Gaze, Gesture, HeadDirectionShift, Pointing
+from kinesic.bml.parse import parse
+from kinesic.body.arrays import Floats
+from kinesic.expressivity.targets import read_targets
+from kinesic.planning.setup import Facts
+
+DRAFT = "draft"  # what suites in the draft's dialect begin with
+NEAR = (1.5, 0.4, 1.2)  # [m] where a target is put that is nowhere else
+APART = 0.1  # [m] from one to the next
+
+Check = Callable[[Step, Feedback], str]
+
+
+def played(suite: str, where: Path, expected: Scenarios, facts: Facts) -> Iterator[Verdict]:
+    """Plays every scenario; its suite's name says which dialect it is in, and the draft's is read strictly.
+
+    Args:
+        suite: name of all of them.
+        where: folder of the documents.
+        expected: scenarios and what is expected.
+        facts: of the robot that performs.
+    """
+    texts = [(where / name).read_bytes() for name, users in expected.documents.items() if users]
+    known = replace(facts, targets={**facts.targets, **placed(texts, facts)})
+    for name, scenario in expected.scenarios.items():
+        dialect, _, test = name.partition("/")
+        reads = replace(known, dialect="draft") if dialect.startswith(DRAFT) else known
+        yield Verdict(suite, f"{dialect}.{test}", _play(scenario, where, expected, reads))
+
+
+def placed(texts: list[bytes], facts: Facts) -> Mapping[str, Floats]:
+    """(3,) [m] places in the world for targets that documents name and the robot has not, by way of a targets file."""
+    names = sorted({name for text in texts for name in _targets(text)} - facts.robot.targets.keys())
+    x, y, z = NEAR
+    lines = [f'"{name}" = [{x}, {y - APART * k}, {z}]' for k, name in enumerate(names)]
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "targets.toml"
+        file.write_text("\n".join(lines), encoding="utf-8")
+        return read_targets(file)
+
+
+def _targets(text: bytes) -> Iterator[str]:
+    """Names of what a document looks and points at."""
+    try:
+        behaviours = parse(text).behaviours
+    except BmlError:
+        return
+    for behaviour in behaviours:
+        action = behaviour.action
+        if isinstance(action, Gaze | Gesture | HeadDirectionShift | Pointing) and action.target:
+            yield action.target
+
+
+def _play(scenario: Scenario, where: Path, expected: Scenarios, facts: Facts) -> str:
+    """Why a scenario fails; empty when it passes."""
+    realizer = Realizer(facts)
+    for step in scenario.steps:
+        why = _check(step, realizer.feedback) if step.check else _do(step, realizer, where, expected.timeout)
+        if why:
+            return why
+    return ""
+
+
+def _do(step: Step, realizer: Realizer, where: Path, timeout: float) -> str:
+    match step.do:
+        case "send":
+            if step.inline_block is not None:
+                realizer.send(tostring(Element("bml", step.inline_block)), source="<inline>")
+            else:
+                realizer.send((where / step.document).read_bytes(), source=step.document)
+        case "sleep":
+            realizer.wait(step.seconds)
+        case "clear_feedback":
+            realizer.feedback.messages.clear()
+        case "wait_block_end":
+            if not realizer.wait_until(lambda told: step.block in told.blocks("end"), timeout=timeout):
+                return f"block {step.block} does not end within {timeout:g} s"
+        case "wait_sync":
+            if not realizer.wait_until(lambda told: told.sync_time(step.sync) is not None, timeout=timeout):
+                return f"{step.sync} is not reported within {timeout:g} s"
+        case _:
+            return f"'{step.do}' is nothing that can be done"
+    return ""
+
+
+def _check(step: Step, told: Feedback) -> str:
+    check = CHECKS.get(step.check)
+    return f"'{step.check}' is no check" if check is None else check(step, told)
+
+
+def _failures(told: Feedback) -> list[Heard]:
+    """Messages that something cannot be as asked; drafts call them exceptions, BML 1.0 warnings."""
+    return told.of("warningFeedback")
+
+
+def _none(step: Step, told: Feedback) -> str:
+    found = _failures(told)
+    said = "; ".join(f"{message.id}: {message.text}" for message in found)
+    return "" if len(found) == step.count else f"{len(found)} {step.check}, not {step.count}: {said}"
+
+
+def _duplicates(_: Step, told: Feedback) -> str:
+    return "".join(f"reported more than once: {', '.join(again)}" for again in (told.repeated(),) if again)
+
+
+def _blocks(step: Step, told: Feedback) -> str:
+    for point, wanted in (("start", step.started), ("end", step.ended)):
+        if told.blocks(point) != list(wanted):
+            return f"{point} of blocks {told.blocks(point)}, not {list(wanted)}"
+    return ""
+
+
+def _order(step: Step, told: Feedback) -> str:
+    found = told.syncs(step.behaviour)
+    left = iter(found)
+    missing = [sync for sync in step.syncs if sync not in left]
+    return f"{step.behaviour}: {missing[0]} is missing, or out of order, in {found}" if missing else ""
+
+
+def _time(step: Step, told: Feedback) -> str:
+    found = told.sync_time(step.sync)
+    if found is None:
+        return f"{step.sync} was not reported"
+    holds = {
+        "sync_time": abs(found - step.time) <= (step.tolerance or 0.0),
+        "sync_before_time": found < step.time,
+        "sync_after_time": found > step.time,
+    }[step.check]
+    return "" if holds else f"{step.sync} at {found:.3f} s, {step.check} {step.time:g} s"
+
+
+def _coincide(step: Step, told: Feedback) -> str:
+    a, b = told.sync_time(step.a), told.sync_time(step.b)
+    if a is None or b is None:
+        return f"{step.a if a is None else step.b} was not reported"
+    gap = abs(a + step.a_offset - b - step.b_offset)
+    return "" if gap <= (step.tolerance or 0.0) else f"{step.a} and {step.b} are {gap:.3f} s apart"
+
+
+def _succeeds(step: Step, told: Feedback) -> str:
+    start, end = told.block_time(step.start_of, "start"), told.block_time(step.end_of, "end")
+    if start is None or end is None:
+        return f"start of {step.start_of} or end of {step.end_of} was not reported"
+    gap = start - end
+    return "" if abs(gap) <= (step.tolerance or 0.0) else f"{step.start_of} starts {gap:.3f} s after {step.end_of} ends"
+
+
+def _lasts(step: Step, told: Feedback) -> str:
+    start, end = told.block_time(step.block, "start"), told.block_time(step.block, "end")
+    return "" if start is not None and end is not None and end > start else f"{step.block}: {start} to {end} s"
+
+
+def _not_negative(_: Step, told: Feedback) -> str:
+    early = [message.id for message in told.of("syncPointProgress") if message.time < 0.0]
+    return f"before the start of their block: {', '.join(early)}" if early else ""
+
+
+def _one_named(step: Step, told: Feedback) -> str:
+    found = [message.id for message in _failures(told)]
+    return "" if len(found) == 1 and found[0] in step.among else f"{found} named, not one of {list(step.among)}"
+
+
+def _either(step: Step, told: Feedback) -> str:
+    named = [message.id for message in _failures(told)]
+    steps = (then for case in step.cases if case.when_named in named for then in case.then)
+    return next(filter(None, (_check(then, told) for then in steps)), "")
+
+
+CHECKS: Mapping[str, Check] = {
+    "exceptions": _none,
+    "warnings": _none,
+    "no_duplicate_feedback": _duplicates,
+    "blocks": _blocks,
+    "sync_order": _order,
+    "sync_time": _time,
+    "sync_before_time": _time,
+    "sync_after_time": _time,
+    "syncs_coincide": _coincide,
+    "block_starts_when_block_ends": _succeeds,
+    "block_duration_positive": _lasts,
+    "sync_times_not_negative": _not_negative,
+    "one_behaviour_named": _one_named,
+    "either": _either,
+}

@@ -1,0 +1,94 @@
+"""Blocks laid over what runs, or put in its place, at random moments: how soon, and what the motion then exceeds."""
+
+import random
+from dataclasses import dataclass
+from statistics import median
+from time import process_time
+
+import numpy as np
+
+from kinesic.bench.figure import Figure
+from kinesic.bench.passage import passage
+from kinesic.bml.parse import parse
+from kinesic.controller.perform import facts
+from kinesic.motion.limit_check import peaks
+from kinesic.motion.trajectory import Trajectory
+from kinesic.motion.transition import knot_at
+from kinesic.planning.clearance import LAG_RESERVE, scan
+from kinesic.planning.plan import plan
+from kinesic.planning.quick_plan import opening
+from kinesic.planning.setup import Facts
+from kinesic.realizer.merge import merged, replaced
+
+CUTS = 200
+ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
+SMALL = ('<head id="h" lexeme="NOD"/>', '<gesture id="g" lexeme="beat" mode="RIGHT_HAND"/>')
+LARGE = (
+    *SMALL,
+    '<gaze id="z" target="right" start="0" end="1.5"/>',
+    '<pointing id="p" target="left" mode="LEFT_HAND"/>',
+    '<gesture id="o" lexeme="offer" mode="BOTH_HANDS"/><head id="h" lexeme="SHAKE" start="o:stroke"/>',
+)
+
+
+@dataclass(frozen=True)
+class Cut:
+    """One moment at which a block took the place of a motion."""
+
+    time: float  # [s] performance time
+    ratio: float  # largest share of any limit at 1 kHz, from the cut on
+    step: float  # [rad] of control points that were in force at the cut
+    delay: float  # [s] by which the block came later
+    dropped: int  # behaviours left out
+    clearance: float  # [m] over what is asked for
+
+
+def bench() -> list[Figure]:
+    """Times a nod and a beat over the passage, and replaces the passage in the midst of everything."""
+    known = facts()
+    found = cuts(known, CUTS)
+    return [
+        Figure("bml.live.merged", 1000 * median(_merging(known)), "ms", 15.0, "lower"),
+        Figure("bml.live.replaced_ratio", max(cut.ratio for cut in found), "of limit", 1.001, "lower"),
+        Figure("bml.live.replaced_step", max(cut.step for cut in found), "rad", 1e-8, "lower"),
+        Figure("bml.live.replaced_clearance", min(cut.clearance for cut in found), "m", 0.0, "higher"),
+        Figure("bml.live.replaced_delay", max(cut.delay for cut in found), "s", None, "lower"),
+        Figure("bml.live.replaced_dropped", float(sum(cut.dropped for cut in found)), "count", 0.0, "lower"),
+    ]
+
+
+def cuts(known: Facts, count: int, *, seed: int = 0) -> list[Cut]:
+    """Replaces the passage, planned well, at random moments by blocks of all kinds.
+
+    Args:
+        known: of planning.
+        count: of the moments.
+        seed: of their choice.
+    """
+    chance, running = random.Random(seed), plan(parse(passage(0)), known).trajectory
+    coming = [plan(parse(ROOT.format("b", text)), known) for text in LARGE]
+    found = []
+    for _ in range(count):
+        time = chance.uniform(0.0, running.duration)
+        over = replaced(running, time, chance.choice(coming))
+        knot = knot_at(time)
+        left = Trajectory(over.trajectory.controls[knot:], 0.0)
+        largest = max(float(peak.ratios.max()) for peak in peaks(left, known.limits).shares.values())
+        step = np.abs(over.trajectory.controls[: knot + 3] - running.controls[: knot + 3]).max()
+        least = known.robot.least_clearance + LAG_RESERVE
+        near = float(scan(left, known.distances)[1].distances.min()) - least
+        found.append(Cut(time, largest, float(step), over.zero - time, len(over.dropped), near))
+    return found
+
+
+def _merging(known: Facts) -> list[float]:
+    """[s] of one core that a nod or a beat takes to be laid over the last second of the passage."""
+    running = opening(parse(passage(0)), known).trajectory
+    small = [opening(parse(ROOT.format("b", text)), known) for text in SMALL]
+    seconds = []
+    for k in range(CUTS // 10):
+        time = running.duration - 1.0 + 0.04 * (k % 20)
+        began = process_time()
+        merged(running, time, small[k % len(small)], begin=time)
+        seconds.append(process_time() - began)
+    return seconds

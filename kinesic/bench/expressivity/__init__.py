@@ -1,0 +1,21 @@
+"""Expressivity."""
+
+from pathlib import Path
+
+from kinesic.bench.expressivity import lexicon, sweeps, sweeps_plot
+from kinesic.bench.figure import Figure
+
+PARTS = (sweeps, lexicon)
+
+
+def bench() -> list[Figure]:
+    """Every figure of the room."""
+    return [figure for part in PARTS for figure in part.bench()]
+
+
+def draw(folder: Path) -> list[Path]:
+    """Draws what was measured: each parameter's own measure in all gestures, and what a gesture looks like."""
+    return [
+        sweeps_plot.draw(sweeps.swept(), folder / "expressivity-measures.png"),
+        sweeps_plot.draw_paths(sweeps.swept(), folder / "expressivity-paths.png"),
+    ]

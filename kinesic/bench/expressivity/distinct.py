@@ -1,0 +1,96 @@
+"""When two gestures are two: their hands go different ways, or are turned or shaped differently."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import radians
+
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.robot import SIDES, Side
+from kinesic.expressivity.durations import stroke_spans
+from kinesic.expressivity.hands.keys import hand_at
+from kinesic.expressivity.hands.poses import poses, resting
+from kinesic.expressivity.hands.strokes import Stroke, keys_of, worked
+from kinesic.expressivity.lexicon.form import GestureForm
+from kinesic.expressivity.style.pace import Pace
+from kinesic.expressivity.style.style import NEUTRAL
+
+LEAST_WAY = 0.05  # [m] RMS over both hands by which ways differ
+LEAST_TURN = radians(30)  # RMS over both hands by which palms, or pointing, differ
+
+_SAMPLES = 50
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """What is seen of a stroke, in neutral manner and normalised time; a hand that takes no part hangs."""
+
+    ways: Floats  # (2, m, 3) [m] of left and right wrist
+    palms: Floats  # (2, m, 3) unit: where they face
+    pointing: Floats  # (2, m, 3) unit: wrist to fingers
+    shapes: tuple[tuple[str, ...], ...]  # of left and right hand, one after another
+
+
+def look(form: GestureForm, pace: Pace) -> Look:
+    """What is seen of the stroke of a form.
+
+    Args:
+        form: of the gesture.
+        pace: of the robot that plays it.
+    """
+    work = poses(form, pace.robot, NEUTRAL)
+    natural = stroke_spans(work, pace, NEUTRAL)
+    whole = natural["stroke"] + natural["strokeEnd"]
+    times = {"ready": 0.0, "strokeStart": 0.0, "stroke": natural["stroke"], "strokeEnd": whole}
+    done, rest = worked(Stroke(form.id, times, (work,)), work, pace), resting(pace.robot)
+    seen = np.empty((3, len(SIDES), _SAMPLES, 3))
+    for s, side in enumerate(SIDES):
+        keys = keys_of(done, side, pace) if side in work.hands else []
+        for k, time in enumerate(np.linspace(0.0, whole, _SAMPLES)):
+            reach = hand_at(keys, float(time), rest[side]).reach or rest[side]
+            palm = rest[side].palm if reach.palm is None else reach.palm
+            pointing = rest[side].pointing if reach.pointing is None else reach.pointing
+            seen[:, s, k] = reach.position, palm, pointing
+    ways, palms, directions = map(sealed, seen)
+    return Look(ways, palms, directions, tuple(_shapes(form, side) for side in SIDES))
+
+
+def way_between(a: Look, b: Look) -> float:
+    """How far apart the hands of two gestures are [m], RMS over time and both hands."""
+    return float(np.sqrt(((a.ways - b.ways) ** 2).sum(axis=-1).mean()))
+
+
+def turn_between(a: Look, b: Look) -> float:
+    """How differently the hands of two gestures are turned [rad]: palms or pointing, RMS over time and both hands."""
+    pairs = ((a.palms, b.palms), (a.pointing, b.pointing))
+    return max(float(np.sqrt((_angles(one, other) ** 2).mean())) for one, other in pairs)
+
+
+def distinct(a: Look, b: Look) -> bool:
+    """Whether two gestures count as two."""
+    return way_between(a, b) >= LEAST_WAY or turn_between(a, b) >= LEAST_TURN or a.shapes != b.shapes
+
+
+def twins(looks: Iterable[tuple[str, Look]]) -> list[tuple[str, str]]:
+    """Names of gestures that do not count, because of an earlier one: (it, the earlier one)."""
+    counted: list[tuple[str, Look]] = []
+    found = []
+    for name, seen in looks:
+        same = next((earlier for earlier, other in counted if not distinct(seen, other)), None)
+        if same is None:
+            counted.append((name, seen))
+        else:
+            found.append((name, same))
+    return found
+
+
+def _angles(a: Floats, b: Floats) -> Floats:
+    """(...) [rad] between (..., 3) unit vectors."""
+    return np.asarray(np.arccos(np.clip((a * b).sum(axis=-1), -1.0, 1.0)))
+
+
+def _shapes(form: GestureForm, side: Side) -> tuple[str, ...]:
+    """Shapes of one hand in their order, each once while it lasts."""
+    every = [pose.shape or "" for key in form.keys if (pose := key.hands.get(side)) is not None]
+    return tuple(shape for k, shape in enumerate(every) if k == 0 or shape != every[k - 1])

@@ -1,0 +1,155 @@
+"""The lexicon: each gesture played alone in the twin, in the neutral style and in every other."""
+
+import os
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from kinesic.bench.expressivity.distinct import look, twins
+from kinesic.bench.figure import Figure
+from kinesic.bench.plan import unsaid, violations
+from kinesic.body.config import names_of
+from kinesic.controller.perform import dry_run, facts
+from kinesic.controller.performance import Performance
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.expressivity.style.style import Style
+from kinesic.planning.setup import Facts
+from kinesic.planning.syncs import SHIFT_TO_WARN
+from kinesic.report.checks.distances import penetrations
+from kinesic.report.worker_pool import Crash, crew
+from kinesic.studies.gestures.isolated import played
+
+LEAST_GESTURES = 150.0
+MOST_MISS = 30.0  # [mm] that a wrist may stay from where the gesture wants it
+
+NEUTRAL = "neutral"
+
+Task = tuple[str, str]  # a gesture's id, a style's name
+
+
+@dataclass(frozen=True)
+class Result:
+    """What came of one gesture in one style."""
+
+    gesture: str
+    style: str
+    dropped: bool
+    clearance: float  # [m] smallest of plan and twin
+    penetrations: int  # samples of plan and twin
+    violations: int  # of limits, in the plan at 1 kHz
+    stroke_error: float  # [s] from asked to performed in the twin; infinite when it never arrived
+    on_time: bool  # the plan has the stroke where it was asked
+    reported: bool  # no sync point was moved, and nothing dropped, without a warning
+    miss: float  # [m] from where the gesture wants a wrist
+
+
+def bench() -> list[Figure]:
+    """Counts the lexicon, and plays each gesture once in every style."""
+    return figures(list(play(every(names_of("style")), jobs=os.cpu_count() or 1)))
+
+
+def figures(results: Sequence[Result]) -> list[Figure]:
+    """What came of performances in several styles: of those in the neutral style, and of all."""
+    neutral = [result for result in results if result.style == NEUTRAL]
+    return [
+        *_counts(Lexicon.load()),
+        *(_figures("expressivity.lexicon", neutral, neutral=True) if neutral else ()),
+        *_figures("expressivity.styles", results, neutral=False),
+    ]
+
+
+def every(styles: Iterable[str]) -> list[Task]:
+    """All gestures of the lexicon in each of the styles."""
+    return [(form.id, style) for style in styles for form in Lexicon.load().forms]
+
+
+def sample(tasks: Sequence[Task], *, share: float, seed: int) -> list[Task]:
+    """A seeded share (0..1) of the tasks, in their order."""
+    count = max(1, round(share * len(tasks)))
+    chosen = np.random.default_rng(seed).choice(len(tasks), size=count, replace=False)
+    return [tasks[k] for k in sorted(chosen)]
+
+
+def play(tasks: Sequence[Task], *, jobs: int) -> Iterable[Result]:
+    """Plays gestures in processes of their own; results come as they are ready.
+
+    Raises:
+        RuntimeError: a process died.
+    """
+    for task, result in crew(tasks, partial(_prepare, facts), jobs=jobs, preload=__name__):
+        if isinstance(result, Crash):
+            raise RuntimeError(f"{task[0]} in style {task[1]}: {result.reason}")
+        yield result
+
+
+def judged(gesture: str, style: str, known: Facts) -> Result:
+    """Plays one gesture in one style, planned and in the nominal twin."""
+    styled = replace(known, style=Style.load(style))
+    form = next(form for form in styled.lexicon.forms if form.id == gesture)
+    planned = played(form, styled)
+    performance = dry_run(planned)
+    strokes = [sync for sync in planned.syncs if sync.sync == "stroke"]
+    dropped = any(outcome.kind == "dropped" for outcome in planned.keyframes.outcomes.values())
+    return Result(
+        gesture=gesture,
+        style=style,
+        dropped=dropped,
+        clearance=min(float(found.distances.min()) for found in (planned.clearance, performance.measured.clearance)),
+        penetrations=penetrations(performance),
+        violations=violations(planned),
+        stroke_error=_late(performance),
+        on_time=all(abs(sync.planned - sync.asked) <= SHIFT_TO_WARN for sync in strokes),
+        reported=unsaid(planned) == (0, 0) and bool(planned.notices if dropped else strokes),
+        miss=max(planned.postures.misses.values(), default=0.0),
+    )
+
+
+def _late(performance: Performance) -> float:
+    """How far from asked the stroke was performed [s]."""
+    found = [
+        np.inf if lag is None else abs(sync.planned + lag - sync.asked)
+        for sync, lag in performance.lags.items()
+        if sync.sync == "stroke"
+    ]
+    return float(max(found, default=np.inf))
+
+
+def _prepare(make_facts: Callable[[], Facts]) -> Callable[[Task], Result]:
+    known = make_facts()
+    return lambda task: judged(*task, known)
+
+
+def _counts(lexicon: Lexicon) -> list[Figure]:
+    """How many gestures there are, and how many are like no other."""
+    pace = facts().pace
+    same = twins((form.id, look(form, pace)) for form in lexicon.forms)
+    count = float(len(lexicon.forms))
+    why = "" if not same else "like another: " + ", ".join(f"{name} ({other})" for name, other in same)
+    return [
+        Figure("expressivity.lexicon.gestures", count, "gestures", LEAST_GESTURES, "higher"),
+        Figure("expressivity.lexicon.distinct", count - len(same), "gestures", LEAST_GESTURES, "higher", why),
+    ]
+
+
+def _figures(part: str, results: Sequence[Result], *, neutral: bool) -> list[Figure]:
+    """What came of many; strokes must be where they were asked in the neutral style, in others moves must be told."""
+    errors = 1000 * np.array([result.stroke_error for result in results])
+    late = [f"{result.gesture} ({result.style})" for result in results if not result.on_time]
+    tight, miss = min(result.clearance for result in results), max(result.miss for result in results)
+    return [
+        Figure(f"{part}.played", float(len(results)), "performances", None, "higher"),
+        Figure(f"{part}.dropped", _sum(result.dropped for result in results), "gestures", 0.0, "lower"),
+        Figure(f"{part}.penetrations", _sum(result.penetrations for result in results), "samples", 0.0, "lower"),
+        Figure(f"{part}.clearance", 1000 * tight, "mm", 10.0, "higher"),
+        Figure(f"{part}.violations", _sum(result.violations for result in results), "limits", 0.0, "lower"),
+        Figure(f"{part}.unreported", _sum(not result.reported for result in results), "gestures", 0.0, "lower"),
+        Figure(f"{part}.stroke_moved", float(len(late)), "strokes", 0.0 if neutral else None, "lower", ", ".join(late)),
+        Figure(f"{part}.stroke_p95_ms", float(np.percentile(errors, 95)), "ms", 10.0 if neutral else None, "lower"),
+        Figure(f"{part}.miss", 1000 * miss, "mm", MOST_MISS if neutral else None, "lower"),
+    ]
+
+
+def _sum(values: Iterable[float]) -> float:
+    return float(sum(values))

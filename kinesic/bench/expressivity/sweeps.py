@@ -1,0 +1,108 @@
+"""What each parameter of expressivity changes in ten gestures, in the twin, and whether strokes keep their time."""
+
+from collections.abc import Sequence
+from functools import cache
+
+from kinesic.bench.figure import Figure
+from kinesic.controller.arrival import WINDOW
+from kinesic.controller.perform import facts
+from kinesic.studies.sweep.series import LATE, MEASURE_OF, Series, sweep
+
+# Beat, deictic, emblem, iconic, metaphoric and adaptor; of one hand and of two; near, far, low, high, round and waving.
+GESTURES = (
+    "beat",
+    "here_down",
+    "you",
+    "greet_wave",
+    "stop",
+    "ball_round",
+    "flat_surface",
+    "conduit",
+    "process_roll",
+    "heart",
+)
+
+
+@cache
+def swept() -> tuple[Series, ...]:
+    """Every gesture over every parameter, five values each; measured once in a process."""
+    known = facts()
+    return tuple(sweep(gesture, parameter, known) for parameter in MEASURE_OF for gesture in GESTURES)
+
+
+def bench() -> list[Figure]:
+    """For each parameter the share of gestures in which its measure is monotone, the worst stroke, and its strength."""
+    return [
+        figure
+        for parameter in MEASURE_OF
+        for figure in figures(parameter, [each for each in swept() if each.parameter == parameter])
+    ]
+
+
+def figures(parameter: str, series: Sequence[Series]) -> list[Figure]:
+    """What a parameter does over some gestures."""
+    return [_monotone(parameter, series), _stroke(parameter, series), *strength(parameter, series)]
+
+
+def _monotone(parameter: str, series: Sequence[Series]) -> Figure:
+    share = sum(each.monotone for each in series) / len(series)
+    why = ", ".join(each.gesture for each in series if not each.monotone)
+    return Figure(f"expressivity.{parameter}_monotone", share, "", 1.0, "higher", f"not: {why}" if why else "")
+
+
+def _stroke(parameter: str, series: Sequence[Series]) -> Figure:
+    """A stroke that never comes counts as far off as the window in which it is looked for."""
+    worst = max(series, key=lambda each: WINDOW if each.worst_stroke is None else each.worst_stroke)
+    seconds = WINDOW if worst.worst_stroke is None else worst.worst_stroke
+    why = "" if worst.in_time else worst.gesture
+    return Figure(f"expressivity.{parameter}_stroke", 1000 * seconds, "ms", 1000 * LATE, "lower", why)
+
+
+def strength(parameter: str, series: Sequence[Series]) -> list[Figure]:
+    """By how much the measure changes in the gesture where it changes least."""
+    if parameter == "spatial":
+        ratios = {each.gesture: _ratio(each, -1.0, 1.0) for each in series}
+        return [_least("expressivity.spatial_ratio", ratios, "x", 2.0)]
+    if parameter == "openness":
+        shifts = {each.gesture: _shift(each) for each in series}
+        return [_least("expressivity.openness_shift", shifts, "arm lengths", 0.15)]
+    if parameter == "power":
+        ratios = {each.gesture: _ratio(each, 0.0, 1.0) for each in series}
+        free = {each.gesture: ratios[each.gesture] for each in series if _doubling_allowed(each)}
+        note = f"where limits allow it: {len(free)} of {len(series)}"
+        return [
+            _least("expressivity.power_ratio", free, "x", 2.0, note),
+            _least("expressivity.power_ratio_all", ratios, "x", None),
+        ]
+    return []
+
+
+def _least(name: str, values: dict[str, float | None], unit: str, goal: float | None, note: str = "") -> Figure:
+    known = {gesture: value for gesture, value in values.items() if value is not None}
+    if not known:
+        return Figure(name, None, unit, goal, "higher", note or "not measurable in any gesture")
+    worst = min(known, key=lambda gesture: known[gesture])
+    return Figure(name, known[worst], unit, goal, "higher", "; ".join(filter(None, [note, f"least: {worst}"])))
+
+
+def _at(series: Series, value: float) -> float | None:
+    """The parameter's own measure at a value."""
+    one = next(played for played in series.played if abs(played.value - value) < 1e-9)
+    found: float | None = getattr(one.measures, MEASURE_OF[series.parameter].name)
+    return found
+
+
+def _ratio(series: Series, start: float, end: float) -> float | None:
+    first, last = _at(series, start), _at(series, end)
+    return None if first is None or last is None or first == 0.0 else last / first
+
+
+def _shift(series: Series) -> float | None:
+    first, last = _at(series, 0.0), _at(series, 1.0)
+    return None if first is None or last is None else last - first
+
+
+def _doubling_allowed(series: Series) -> bool:
+    """Whether the limits leave the stroke's way at least twice the speed that it has at power 0."""
+    plain = next(played.measures for played in series.played if abs(played.value) < 1e-9)
+    return plain.allowed_speed >= 2.0 * plain.stroke_speed

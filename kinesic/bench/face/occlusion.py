@@ -1,0 +1,139 @@
+"""Table 3.1 again: occlusion exact and separable, their times and their difference, on a face and on boxes."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+from statistics import median
+from time import perf_counter
+from typing import get_args
+
+import moderngl
+import numpy as np
+from scipy.ndimage import maximum_filter
+
+from kinesic.bench.face.colour_difference import difference
+from kinesic.body.arrays import Flags, Floats
+from kinesic.face.render.camera import FRONT
+from kinesic.face.render.occlusion import OcclusionPass, samples
+from kinesic.face.render.passes import texture
+from kinesic.face.render.portrait import Portrait
+from kinesic.face.render.presets import NORMAL, Estimator, Occlusion, Pattern
+from kinesic.face.render.seen import Seen, SeenPass
+
+TABLE_SIZE = (1024, 768)  # pixels; the thesis has 50 000 triangles, the finer head has 41 000
+REPETITIONS = 5
+UNITS = {"12": 0.5, "26": 0.6}
+LARGEST = Occlusion(size=21)
+BOXES, SIDE = 60, 256  # in how many pixels along a side
+SCALE = 2000.0  # [pixels/m] there
+SOFTWARE = ("llvmpipe", "softpipe", "swrast")
+
+
+def occlusion(sizes: Sequence[int]) -> dict[str, float]:
+    """Milliseconds of each estimator and size, exact and separable, and how far apart they are."""
+    found = {
+        "face.occlusion.samples_21_exact": float(samples(replace(LARGEST, exact=True))),
+        "face.occlusion.samples_21_separable": float(samples(LARGEST)),
+    }
+    with Portrait(preset=replace(NORMAL, subdivided=True), size=TABLE_SIZE) as portrait:
+        geometry = portrait.pipeline.geometry
+        with geometry.context as context:
+            geometry.draw(UNITS, FRONT)
+            head, seen = geometry.parts() > 0, SeenPass(context, geometry).draw()
+            scale = TABLE_SIZE[1] / (2 * FRONT.distance * np.tan(np.radians(FRONT.field_deg) / 2))
+            for estimator in get_args(Estimator):
+                for size in sizes:
+                    told = Occlusion(size=size, estimator=estimator)
+                    found |= _compared(context, seen, told, scale, head)
+            found |= _on_boxes(context)
+    return found | _on_the_picture()
+
+
+def _compared(context: moderngl.Context, seen: Seen, told: Occlusion, scale: float, head: Flags) -> dict[str, float]:
+    """One row of the table."""
+    passes = {
+        "separable": OcclusionPass(context, seen, told),
+        "exact": OcclusionPass(context, seen, replace(told, exact=True)),
+    }
+    openness = {kind: each.draw(scale).read()[..., 0][head] for kind, each in passes.items()}
+    times: dict[str, list[float]] = {kind: [] for kind in passes}
+    for _ in range(REPETITIONS):  # by turns, so that other load falls on both
+        for kind, each in passes.items():
+            times[kind].append(milliseconds(context, partial(each.draw, scale)))
+    exact, separable = median(times["exact"]), median(times["separable"])
+    stem = f"face.occlusion.{told.estimator}_{told.size}"
+    return {
+        f"{stem}_exact": exact,
+        f"{stem}_separable": separable,
+        f"{stem}_ratio": exact / separable,
+        f"{stem}_rmse": rmse(openness["exact"], openness["separable"]),
+    }
+
+
+def milliseconds(context: moderngl.Context, draw: Callable[[], object]) -> float:
+    """What drawing takes: by the graphics card's own clock, or by ours where the processor draws."""
+    context.finish()
+    if any(name in context.info["GL_RENDERER"] for name in SOFTWARE):
+        began = perf_counter()
+        draw()
+        context.finish()
+        return 1e3 * (perf_counter() - began)
+    query = context.query(time=True)
+    with query:
+        draw()
+    return float(query.elapsed) / 1e6
+
+
+def _on_boxes(context: moderngl.Context) -> dict[str, float]:
+    """How far separable is from exact where more is hidden, with each pattern."""
+    position, normal = (texture(context, each, "f4") for each in boxes())
+    for each in (position, normal):
+        each.filter = (moderngl.NEAREST, moderngl.NEAREST)
+    seen = Seen(position, normal)
+
+    def opened(told: Occlusion) -> Floats:
+        return OcclusionPass(context, seen, told).draw(SCALE).read()[..., 0]
+
+    exact, separable = opened(replace(LARGEST, exact=True)), opened(LARGEST)
+    return {
+        "face.occlusion.boxes_rmse": rmse(exact, separable),
+        "face.occlusion.boxes_correlation": float(np.corrcoef(exact.ravel(), separable.ravel())[0, 1]),
+        **{
+            f"face.occlusion.boxes_{pattern}_rmse": rmse(exact, opened(replace(LARGEST, pattern=pattern)))
+            for pattern in get_args(Pattern)
+        },
+    }
+
+
+def boxes() -> tuple[Floats, Floats]:
+    """(n, n, 4) positions with part, and normals, of a heap of boxes seen from above."""
+    random = np.random.default_rng(3)
+    y, x = np.mgrid[:SIDE, :SIDE] / SCALE
+    height = np.zeros((SIDE, SIDE))
+    for _ in range(BOXES):
+        left, low = random.integers(0, SIDE - 16, 2)
+        wide, tall = random.integers(8, 56, 2)
+        height[low : low + tall, left : left + wide] = random.uniform(0.002, 0.02)
+    position = np.stack([x, y, height - 0.8, np.ones_like(x)], axis=-1)
+    return position, np.broadcast_to((0.0, 0.0, 1.0, 0.0), position.shape).copy()
+
+
+def _on_the_picture() -> dict[str, float]:
+    """What is seen of the difference, in CIE Lab, where the head is."""
+    pictures = []
+    for exact in (False, True):
+        preset = replace(NORMAL, occlusion=replace(LARGEST, exact=exact), coarse=1)
+        with Portrait(preset=preset) as portrait:
+            pictures.append(portrait.draw(UNITS))
+            with portrait.pipeline.geometry.context:
+                head = portrait.pipeline.geometry.parts() > 0
+    apart = difference(*pictures)[maximum_filter(head, 3)]
+    return {
+        "face.occlusion.lab_mean": float(apart.mean()),
+        "face.occlusion.lab_p95": float(np.percentile(apart, 95)),
+    }
+
+
+def rmse(one: Floats, other: Floats) -> float:
+    """Root of the mean square of the difference."""
+    return float(np.sqrt(np.mean((one - other) ** 2)))

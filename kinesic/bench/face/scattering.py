@@ -1,0 +1,70 @@
+"""What adaptive scattering saves, and how much of the effect it keeps (thesis 5.2)."""
+
+from dataclasses import replace
+from functools import partial
+from statistics import median
+
+from kinesic.bench.face.colour_difference import difference
+from kinesic.bench.face.occlusion import milliseconds
+from kinesic.body.arrays import Flags
+from kinesic.face.assets.action_units import intensities
+from kinesic.face.render.camera import FRONT
+from kinesic.face.render.pipeline import pixels_per_metre
+from kinesic.face.render.portrait import Pixels, Portrait
+from kinesic.face.render.presets import NORMAL, Preset, Scattering
+from kinesic.face.render.wrinkles import shares
+
+UNITS = {"6": 0.6, "12": 0.8, "26": 0.4}
+REPETITIONS = 9
+VISIBLE = 1.0  # of a difference in Lab
+ADAPTIVE = Scattering()  # as in preset normal
+EVERYWHERE = Scattering(threshold=1.0)
+
+
+def scattering() -> dict[str, float]:
+    """Time of the whole filter over that of the adaptive one; shares of skin filtered and of the effect that is kept.
+
+    The effect is the difference in Lab between no scattering and scattering everywhere; what is kept of it is what the
+    adaptive picture's own difference to everywhere leaves, on all skin and where the effect is visible.
+    """
+    none = _drawn(None)[0]
+    full, shared, _ = _drawn(EVERYWHERE)
+    adaptive, filtered, skin = _drawn(ADAPTIVE)
+    effect, missed = difference(none, full)[skin], difference(adaptive, full)[skin]
+    seen = effect > VISIBLE
+    return {
+        "face.scattering.ratio": _ratio(),
+        "face.scattering.filtered": 100.0 * filtered / shared,
+        "face.scattering.kept": 100.0 * (1.0 - float(missed.sum() / effect.sum())),
+        "face.scattering.kept_visible": 100.0 * (1.0 - float(missed[seen].sum() / effect[seen].sum())),
+    }
+
+
+def _drawn(told: Scattering | None) -> tuple[Pixels, float, Flags]:
+    """A picture; the share of it that was filtered; where there is skin."""
+    with Portrait(preset=_preset(told)) as portrait:
+        pixels, pipeline = portrait.draw(UNITS), portrait.pipeline
+        with pipeline.geometry.context:
+            skin = pipeline.geometry.parts() == 1
+            return pixels, pipeline.scatter.marked() if pipeline.scatter else 0.0, skin
+
+
+def _ratio() -> float:
+    """Time of the filter over all skin by that of the adaptive one, marks and all, by turns."""
+    with Portrait(preset=_preset(EVERYWHERE)) as full, Portrait(preset=_preset(ADAPTIVE)) as adaptive:
+        scale = pixels_per_metre(FRONT, full.size[1])
+        times: tuple[list[float], list[float]] = ([], [])
+        for _ in range(REPETITIONS):
+            for portrait, found in zip((full, adaptive), times, strict=True):
+                portrait.draw(UNITS)
+                pipeline = portrait.pipeline
+                with pipeline.geometry.context as context:
+                    _, bent = pipeline.relief.draw(shares(intensities(UNITS)))
+                    if pipeline.scatter:
+                        found.append(milliseconds(context, partial(pipeline.scatter.draw, bent, scale)))
+    return median(times[0]) / median(times[1])
+
+
+def _preset(told: Scattering | None) -> Preset:
+    """Preset normal; smooth edges would blur what is compared."""
+    return replace(NORMAL, scattering=told, smooth=False)

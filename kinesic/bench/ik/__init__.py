@@ -1,0 +1,50 @@
+"""Inverse kinematics."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from kinesic.bench.figure import Figure
+from kinesic.bench.ik import (
+    ablation,
+    ablation_plot,
+    peers,
+    peers_plot,
+    protocol,
+    protocol_plot,
+    reach,
+    table71,
+    table71_plot,
+    tasks,
+    tracking,
+)
+from kinesic.bench.ik.peer_solvers import PEERS
+
+PARTS = (reach, protocol, tracking, tasks, ablation, table71, peers)
+
+
+def bench() -> list[Figure]:
+    """Every figure of the room."""
+    return [figure for part in PARTS for figure in part.bench()]
+
+
+def draw(figures: Sequence[Figure], folder: Path) -> list[Path]:
+    """Draws what was measured.
+
+    Args:
+        figures: of `bench`, in any order, others among them.
+        folder: for the pictures.
+
+    Returns:
+        The pictures of those figures that are there; none of table 7.1 without the kernel, none of peers without any.
+    """
+    values = {figure.name: figure.value for figure in figures if figure.value is not None}
+    pictures = []
+    if table71.name(table71.REFERENCE, table71.SIZES[0], "ratio") in values:
+        pictures.append(table71_plot.draw(values, folder / "ik-table71.png"))
+    if ablation.name("whole", "mm") in values:
+        pictures.append(ablation_plot.draw(values, folder / "ik-solver.png"))
+    if any(f"ik.peer_{peer.name}_us" in values for peer in PEERS):
+        pictures.append(peers_plot.draw(values, folder / "ik-peers.png"))
+    if "ik.success_mm" in values:
+        pictures.append(protocol_plot.draw(folder / "ik-protocol.png"))
+    return pictures

@@ -1,0 +1,153 @@
+"""Other libraries on upper22's left arm: the same targets, one process, call by call in turn with ours.
+
+A call goes from three numbers to the angles. Each peer meets ours alone, because what a peer leaves in the caches slows
+the next call: a third one would pay for it. Success is counted by the body's own forward kinematics: the hand within a
+millimetre, every hinge within its limits.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.metadata import version
+from importlib.util import find_spec
+from time import perf_counter
+
+import numpy as np
+from numpy.random import default_rng
+
+from kinesic.bench.figure import Figure
+from kinesic.bench.ik.arms import targets
+from kinesic.bench.ik.peer_solvers import PEERS, Peer, Solver
+from kinesic.body.arrays import Floats
+from kinesic.body.chain import Chain
+from kinesic.body.reach import Reach
+from kinesic.body.robot import Robot
+from kinesic.ik import KERNEL
+from kinesic.ik.arm.compiled import arm_of
+from kinesic.ik.solve import solve
+
+TARGETS = 200
+MM = 1e-3  # [m] where the hand counts as there
+SLACK = 1e-6  # [rad] outside a limit that is forgiven to a peer's rounding
+SOLVE, REACH = "kinesic_solve", "kinesic_reach"  # our entries
+GOALS = {("roboticstoolbox", SOLVE): 5.0, ("roboticstoolbox", REACH): 7.0}
+
+
+@dataclass(frozen=True, eq=False)
+class Calls:
+    """What one solver did with all targets."""
+
+    seconds: Floats  # (n,)
+    reached: Floats  # (n,) 1 where the hand is there and the limits hold
+
+    @property
+    def microseconds(self) -> float:
+        """The median call."""
+        return 1e6 * float(np.median(self.seconds))
+
+
+def bench() -> list[Figure]:
+    """Times, successes and how many times as long as ours each peer takes."""
+    if KERNEL == "numpy":
+        why = "the kernel is not compiled here"
+        return [*_own({}, why), *(figure for peer in PEERS for figure in _figures(peer, {}, why))]
+    chain = Robot.load().arms["l"]
+    asked = targets(default_rng(33), chain, TARGETS)
+    figures = _own(interleaved(chain, ours(chain), asked), "beside no peer")
+    for peer in PEERS:
+        pair = ours(chain) | {peer.name: peer.build(chain)} if installed(peer) else {}
+        figures += _figures(peer, interleaved(chain, pair, asked), _why(peer))
+    return [*figures, *_one_round(chain, asked)]
+
+
+def _one_round(chain: Chain, asked: Floats) -> list[Figure]:
+    """The same ratios with all libraries in turn: what each leaves in the processor's caches is the next one's cost."""
+    present = [peer for peer in PEERS if installed(peer)]
+    calls = interleaved(chain, ours(chain) | {peer.name: peer.build(chain) for peer in present}, asked)
+    return [
+        Figure(
+            f"ik.peer_{peer.name}_one_round_{entry.removeprefix('kinesic_')}",
+            calls[peer.name].microseconds / calls[entry].microseconds,
+            "x ours",
+            GOALS.get((peer.name, entry)),
+            "higher",
+            f"with {len(present) - 1} other libraries between the calls",
+        )
+        for peer in present
+        for entry in (SOLVE, REACH)
+    ]
+
+
+def installed(peer: Peer) -> bool:
+    """Whether everything is there that it needs."""
+    return all(find_spec(module) is not None for module in peer.needs)
+
+
+def ours(chain: Chain) -> dict[str, Solver]:
+    """The two entries that peers are compared with: the line's, and the one that writes into a buffer."""
+    arm = arm_of(chain)
+
+    def reach(target: Floats) -> Floats:
+        angles = chain.rest.copy()
+        arm.reach(target, angles)
+        return angles
+
+    return {SOLVE: lambda target: solve(chain, Reach(target), start=chain.rest).angles, REACH: reach}
+
+
+def interleaved(chain: Chain, solvers: Mapping[str, Solver], asked: Floats) -> dict[str, Calls]:
+    """Every solver gets each target before the next one comes, so that a busy moment falls on none alone.
+
+    Args:
+        chain: the arm.
+        solvers: by name.
+        asked: (n, 3) [m] in the chain's base; the first is solved once more before, unmeasured.
+    """
+    seconds, reached = ({name: np.empty(len(asked)) for name in solvers} for _ in range(2))
+    for solver in solvers.values():
+        solver(asked[0])
+    for k, target in enumerate(asked):
+        for name, solver in solvers.items():
+            began = perf_counter()
+            angles = solver(target)
+            seconds[name][k] = perf_counter() - began
+            reached[name][k] = _reached(chain, angles, target)
+    return {name: Calls(seconds[name], reached[name]) for name in solvers}
+
+
+def _reached(chain: Chain, angles: Floats, target: Floats) -> bool:
+    inside = np.all(angles >= chain.lower - SLACK) and np.all(angles <= chain.upper + SLACK)
+    return bool(inside and np.linalg.norm(chain.hand(angles) - target) < MM)
+
+
+def _why(peer: Peer) -> str:
+    """Its version, or how it would get one."""
+    if installed(peer):
+        return f"{peer.package} {version(peer.package)}"
+    return f"{peer.package} is not installed: pip install kinesic[bench]"
+
+
+def _own(calls: Mapping[str, Calls], why: str) -> list[Figure]:
+    return [figure for name in (SOLVE, REACH) for figure in _measured(name, calls.get(name), why)]
+
+
+def _figures(peer: Peer, calls: Mapping[str, Calls], why: str) -> list[Figure]:
+    theirs = calls.get(peer.name)
+    ratios = [
+        Figure(
+            f"ik.peer_{peer.name}_ratio_{entry.removeprefix('kinesic_')}",
+            theirs.microseconds / calls[entry].microseconds if theirs else None,
+            "x ours",
+            GOALS.get((peer.name, entry)),
+            "higher",
+            why,
+        )
+        for entry in (SOLVE, REACH)
+    ]
+    return [*_measured(peer.name, theirs, why), *ratios]
+
+
+def _measured(name: str, calls: Calls | None, why: str) -> list[Figure]:
+    return [
+        Figure(f"ik.peer_{name}_us", calls.microseconds if calls else None, "us", None, "lower", why),
+        Figure(f"ik.peer_{name}_success", float(calls.reached.mean()) if calls else None, "share", None, "higher", why),
+    ]

@@ -1,0 +1,131 @@
+"""Planning: how long it takes, what its plans exceed, how far from the optimum they move what must move."""
+
+from collections.abc import Callable, Iterable
+from statistics import median
+from time import perf_counter
+
+import numpy as np
+
+from kinesic.bench.crowd import crowd
+from kinesic.bench.figure import Figure
+from kinesic.bench.passage import passage
+from kinesic.bench.plan.optimum import optimum
+from kinesic.bml.block import NoticeType
+from kinesic.body.arrays import Floats
+from kinesic.controller.perform import facts, plan
+from kinesic.ik import KERNEL
+from kinesic.motion.condition import LEAD_IN, condition
+from kinesic.motion.key_time_lp import strain
+from kinesic.motion.keys import Keys
+from kinesic.motion.limit_check import RATE, peaks
+from kinesic.planning.coupling import bonds
+from kinesic.planning.plan import Plan
+from kinesic.planning.setup import Facts
+from kinesic.planning.syncs import SHIFT_TO_WARN
+from kinesic.report.checks import TOLERANCE
+
+REPETITIONS = 9
+CROWDS = 4  # blocks whose times must move
+STRAINED = 1e-6  # strain above which times have moved
+
+
+def bench() -> list[Figure]:
+    """Times the passage and a hurried one, warm, and judges their plans and those of crowded blocks."""
+    known = facts()
+    lexemes = [form.id for form in known.lexicon.forms]
+    plan(passage(0), known)
+    seconds, plans = _timed(passage, known)
+    hurried, moved = _timed(hurry, known)
+    crowded = [plan(crowd(seed, lexemes), known) for seed in range(CROWDS)]
+    every = [*plans, *moved, *crowded]
+    missing, false = (sum(found) for found in zip(*map(unsaid, every), strict=True))
+    return [
+        Figure(f"plan.full_5s_{KERNEL}", 1000 * median(seconds), "ms", 300.0, "lower"),
+        Figure("plan.full_5s_p95", 1000 * float(np.percentile(seconds, 95)), "ms", 300.0, "lower"),
+        Figure("plan.full_5s_moved", 1000 * median(hurried), "ms", 1000.0, "lower"),
+        Figure("plan.violations", float(sum(violations(found) for found in every)), "count", 0.0, "lower"),
+        Figure("plan.shifted_syncs", float(median(len(_shifted(found)) for found in plans)), "count", 0.0, "lower"),
+        Figure("plan.warnings_missing", float(missing), "count", 0.0, "lower"),
+        Figure("plan.warnings_false", float(false), "count", 0.0, "lower"),
+        *stretch(crowded),
+    ]
+
+
+def hurry(repetition: int) -> str:
+    """The passage with strokes that come sooner after what is before them than servos can follow."""
+    text = passage(repetition)
+    later = 0.003 * (repetition % 17)
+    for stroke, sooner in ((1.0, 0.45), (2.7, 2.3), (3.9, 3.0)):
+        text = text.replace(f'stroke="{stroke + later:.3f}"', f'stroke="{sooner + later:.3f}"')
+    return text
+
+
+def _timed(text_of: Callable[[int], str], known: Facts) -> tuple[list[float], list[Plan]]:
+    seconds, plans = [], []
+    for repetition in range(1, REPETITIONS + 1):
+        text = text_of(repetition)
+        began = perf_counter()
+        plans.append(plan(text, known))
+        seconds.append(perf_counter() - began)
+    return seconds, plans
+
+
+def violations(planned: Plan) -> int:
+    """Limits of hinges that a motion exceeds at 1 kHz, those of the drives' true duty included."""
+    known = planned.facts
+    shares = peaks(planned.trajectory, known.limits).shares.values()
+    return sum(int((peak.ratios > TOLERANCE).sum()) for peak in shares) + int((duty(planned) > TOLERANCE).sum())
+
+
+def duty(planned: Plan) -> Floats:
+    """(n,) the largest share of full duty that inverse dynamics finds for each drive at 1 kHz."""
+    known = planned.facts
+    times = np.arange(0.0, planned.trajectory.duration, 1.0 / RATE)
+    angles, speeds, accelerations = planned.trajectory.sample(times)
+    stall = np.array([drive.stall for drive in known.robot.drives])
+    torques = known.dynamics.torques(angles, speeds, accelerations)
+    return np.asarray(np.abs(torques / stall + speeds * known.limits.viscous).max(axis=0))
+
+
+def unsaid(planned: Plan) -> tuple[int, int]:
+    """How many warnings of shifts are missing, and how many are said of what does not move."""
+    warned = {
+        (notice.id, notice.text.partition(" asked at ")[0])
+        for notice in planned.notices
+        if notice.type == NoticeType.IMPOSSIBLE_TO_SCHEDULE and " asked at " in notice.text
+    }
+    shifted = _shifted(planned)
+    return len(shifted - warned), len(warned - shifted)
+
+
+def _shifted(planned: Plan) -> set[tuple[str, str]]:
+    """Behaviours and sync points that are moved by more than may go unsaid."""
+    block = planned.timeline.block.id
+    return {
+        (f"{block}:{sync.behaviour}", sync.sync)
+        for sync in planned.syncs
+        if abs(sync.planned - sync.asked) > SHIFT_TO_WARN
+    }
+
+
+def stretch(crowded: Iterable[Plan]) -> list[Figure]:
+    """The weighted sum of all shifts over that of the nonlinear program, in all, at the median and at worst."""
+    ours, best = [], []
+    for planned in crowded:
+        known, ties = planned.facts, bonds(planned.timeline)
+        keys = Keys.of(planned.postures.postures, known.limits, ties)
+        motion = condition(planned.postures.postures, known.limits, bonds=ties)
+        if (moved := strain(keys, motion.planned)) < STRAINED:
+            continue
+        least = optimum(keys, motion, known.limits, LEAD_IN)
+        if least is not None:
+            ours.append(moved)
+            best.append(least.strain)
+    ratios = np.array(ours) / np.array(best)
+    why = "" if ours else "no block's times had to move"
+    return [
+        Figure("plan.stretch", sum(ours) / sum(best) if ours else None, "x", 1.25, "lower", why),
+        Figure("plan.stretch_median", float(np.median(ratios)) if ours else None, "x", 1.25, "lower", why),
+        Figure("plan.stretch_worst", float(ratios.max()) if ours else None, "x", None, "lower", why),
+        Figure("plan.stretch_blocks", float(len(ours)), "count", None, "higher"),
+    ]

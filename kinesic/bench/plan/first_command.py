@@ -1,0 +1,52 @@
+"""The first command: how soon after its text is in memory a block can begin, and how soon a better plan takes over."""
+
+from statistics import median
+from time import perf_counter
+
+import numpy as np
+
+from kinesic.bench.figure import Figure
+from kinesic.bench.passage import passage
+from kinesic.bml.parse import parse
+from kinesic.controller.feedforward import lead
+from kinesic.controller.perform import facts
+from kinesic.controller.play import RATE, commands, ticks
+from kinesic.motion.trajectory import held
+from kinesic.planning.plan import plan
+from kinesic.planning.quick_plan import opening
+from kinesic.planning.setup import Facts
+from kinesic.realizer.merge import merged
+from kinesic.realizer.replan import restyled
+
+REPETITIONS = 40
+OVER = 0.2  # [s] of the opening that is played before the better plan takes over
+
+
+def bench() -> list[Figure]:
+    """Times the passage from its text to the first command, and the way over into the better plan."""
+    known = facts()
+    _first(passage(0), known)
+    seconds = [_first(passage(repetition), known) for repetition in range(1, REPETITIONS + 1)]
+    over = []
+    for repetition in range(1, 6):
+        block = parse(passage(repetition))
+        better = plan(block, known)
+        playing = merged(held(known.robot.skeleton.rest), 0.0, opening(block, known), begin=0.0)
+        began = perf_counter()
+        found = restyled(playing.trajectory, OVER, playing, better)
+        over.append(1000 * (perf_counter() - began) if found else np.inf)
+    return [
+        Figure("plan.first_command_p95", 1000 * float(np.percentile(seconds, 95)), "ms", 100.0, "lower"),
+        Figure("plan.first_command_median", 1000 * median(seconds), "ms", None, "lower"),
+        Figure("plan.taken_over", median(over), "ms", None, "lower"),
+    ]
+
+
+def _first(text: str, known: Facts) -> float:
+    """[s] from a text to its first command."""
+    began = perf_counter()
+    planned = opening(parse(text), known)
+    times = ticks(planned.duration)
+    setpoints = lead(planned.trajectory, times[:1], known.robot, known.dynamics, period=1 / RATE)
+    next(iter(commands(planned.trajectory, times[:1], setpoints)))
+    return perf_counter() - began

@@ -1,0 +1,83 @@
+"""From text to the tree of a document, in whatever notation: XML, a fragment of it, or JSON."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from kinesic.bml.block import Dialect
+from kinesic.bml.reading.elements import ACTIONS
+from kinesic.bml.reading.errors import refusal
+from kinesic.bml.reading.fragments import is_fragment, read_fragments
+from kinesic.bml.reading.json_notation import is_json, read_json
+from kinesic.bml.reading.namespaces import BML_1_0, DRAFTS, namespace
+from kinesic.bml.reading.tree import BOUNDS, Bounds, Element, read_tree
+
+_MARKED = (b"\xef\xbb\xbf", b"\xff\xfe", b"\xfe\xff")  # byte order marks
+
+
+@dataclass(frozen=True)
+class Document:
+    """A document with its one <bml>."""
+
+    root: Element
+    bml: Element
+    dialect: Dialect
+
+
+def read_document(text: str | bytes, *, source: str, bounds: Bounds = BOUNDS) -> Document:
+    """Reads a document and finds its <bml>.
+
+    Args:
+        text: bytes are decoded as their XML declaration says, fragments and JSON as UTF-8.
+        source: its name, for messages.
+        bounds: largest size and depth.
+
+    Raises:
+        BmlError: broken, too large, too deep, or with none or several <bml>.
+    """
+    plain = _plain(text) if len(text) <= bounds.size else None
+    if plain is not None and is_json(plain):
+        root = read_json(plain, source=source, bounds=bounds)
+        return Document(root, root, "json")
+    if plain is not None and is_fragment(plain, frozenset(ACTIONS)):
+        root = read_fragments(plain, source=source, bounds=bounds)
+        return Document(root, root, "smartbody")
+    root = read_tree(text, source=source, bounds=bounds)
+    bml = _only_bml(root, source)
+    return Document(root, bml, _dialect(root, namespace(bml)))
+
+
+def _plain(text: str | bytes) -> str | None:
+    """The text; None when it is not UTF-8, and so can only be XML."""
+    if isinstance(text, str):
+        return text
+    if text.startswith(_MARKED[1:]):
+        return None
+    try:
+        return text.removeprefix(_MARKED[0]).decode("utf-8")
+    except UnicodeDecodeError:
+        return None
+
+
+def _only_bml(root: Element, source: str) -> Element:
+    found = list(_every_bml(root))
+    if not found:
+        raise refusal(source, root.place, f"<{root.name}> holds no <bml>", "a <bml> element is expected")
+    if len(found) > 1:
+        raise refusal(source, found[1].place, "a second <bml>", "send each <bml> as a document of its own")
+    return found[0]
+
+
+def _every_bml(element: Element) -> Iterator[Element]:
+    if element.local == "bml":
+        yield element
+        return
+    for child in element.children:
+        yield from _every_bml(child)
+
+
+def _dialect(root: Element, home: str | None) -> Dialect:
+    if root.local == "fml-apml":
+        return "fml-apml"
+    if home == BML_1_0:
+        return "bml-1.0"
+    return "draft" if home in DRAFTS else "none"

@@ -1,0 +1,224 @@
+"""From the element of a behaviour to what it asks the body to do.
+
+Elements and attributes: facts, BML 1.0 section 2.3; `type`, `hand`, `rotation` and `modality` are the draft's.
+What an element fails to say (a gesture without lexeme) stays empty: who performs it knows what to do about it.
+"""
+
+from collections.abc import Callable
+from typing import Literal
+
+from kinesic.bml.block import (
+    Action,
+    Face,
+    Gaze,
+    Gesture,
+    Head,
+    HeadDirectionShift,
+    Locomotion,
+    Mode,
+    NoticeType,
+    Pointing,
+    Posture,
+    Speech,
+    Torso,
+    Wait,
+)
+from kinesic.bml.reading.manner import lexeme, reference_of
+from kinesic.bml.reading.reader import Named, Reading, number, whole
+from kinesic.bml.reading.recording import pause_of
+from kinesic.bml.reading.references import SYNC_ATTRIBUTES
+from kinesic.bml.reading.script import script_of
+from kinesic.bml.reading.syncref import LONGEST
+
+MOST_STROKES = 100  # of one head movement
+LAST_ACTION_UNIT = 99
+
+INFLUENCES = ("EYES", "HEAD", "NECK", "SHOULDER", "CHEST", "TORSO", "WAIST", "WHOLE", "AUTO")
+DIRECTIONS = ("NONE", "RIGHT", "LEFT", "UP", "DOWN", "UPRIGHT", "UPLEFT", "DOWNLEFT", "DOWNRIGHT")
+
+_MODES: dict[str, Mode] = {"left": "left", "right": "right", "both": "both", "unspecified": "unspecified"}
+_ROTATIONS = {"X": "NOD", "Y": "SHAKE", "Z": "TILT"}  # of the draft: about which axis
+_SIDES: dict[str, Literal["left", "right", "both"]] = {"left": "left", "right": "right", "both": "both"}
+
+
+def _gesture(named: Named, reading: Reading) -> Action:
+    kind = named.word("type")
+    if kind.upper() == "POINT" and not named.word("lexeme"):
+        return _pointing(named, reading)
+    target = named.word("target") or None
+    return Gesture(_lexeme(named, "lexeme", "type"), _mode(named, reading), target)
+
+
+def _pointing(named: Named, reading: Reading) -> Action:
+    return Pointing(named.word("target"), _mode(named, reading))
+
+
+def _head(named: Named, reading: Reading) -> Action:
+    strokes = whole(named, "repetition", reading, default=1, largest=MOST_STROKES)
+    asked = _lexeme(named, "lexeme", "rotation", "type")
+    return Head(_ROTATIONS.get(asked.upper(), asked), strokes, number(named, "amount", reading, default=0.5))
+
+
+def _head_direction(named: Named, _: Reading) -> Action:
+    return HeadDirectionShift(named.word("target") or _lexeme(named, "lexeme"))
+
+
+def _gaze(named: Named, reading: Reading) -> Action:
+    return Gaze(
+        target=named.word("target") or None,
+        influence=_influence(named, reading),
+        offset_angle=number(named, "offsetAngle", reading, default=0.0),
+        offset_direction=_one_of(DIRECTIONS, named, reading, "offsetDirection"),
+        shift=named.element.local == "gazeShift",
+    )
+
+
+def _face(named: Named, reading: Reading) -> Action:
+    """A face with lexemes or an action unit, as attributes or as elements inside."""
+    inside = [named] + [
+        Named(named.id, child, child.attributes)
+        for child in named.element.children
+        if child.local in ("lexeme", "facs", "faceFacs")
+    ]
+    lexemes = tuple(word for part in inside if (word := part.word("lexeme")))
+    units = [part for part in inside if part.word("au")]
+    if len(units) > 1:
+        others = ", ".join(part.word("au") for part in units[1:])
+        what = f"one face shows one action unit: {others} passed over; write one faceFacs for each"
+        reading.note(NoticeType.PARSING_FAILURE, what, behaviour=named.id)
+    first = units[0] if units else named
+    amount = next((part for part in (named, first, *inside) if part.word("amount")), named)
+    return Face(
+        lexemes=lexemes or tuple(filter(None, [reference_of(named.element)])),
+        action_unit=whole(first, "au", reading, default=1, largest=LAST_ACTION_UNIT) if units else None,
+        side=_SIDES.get(first.word("side").lower(), "both"),
+        amount=number(amount, "amount", reading, default=0.5),
+        shift=named.element.local == "faceShift",
+    )
+
+
+def _posture(named: Named, _: Reading) -> Action:
+    inside = [Named(named.id, child, child.attributes) for child in named.element.children]
+    stances = (part.word("type") for part in inside if part.element.local == "stance")
+    return Posture(
+        stance=named.word("stance") or next(stances, None),
+        poses=tuple((part.word("part"), part.word("lexeme")) for part in inside if part.element.local == "pose"),
+        shift=named.element.local == "postureShift",
+    )
+
+
+def _torso(named: Named, reading: Reading) -> Action:
+    return Torso(_lexeme(named, "lexeme"), number(named, "amount", reading, default=0.5))
+
+
+def _locomotion(named: Named, _: Reading) -> Action:
+    return Locomotion(named.word("target"), named.word("manner", "type", default="WALK"))
+
+
+def _speech(named: Named, reading: Reading) -> Action:
+    return Speech(script_of(named, reading), pause_of(named.element, reading))
+
+
+def _wait(named: Named, reading: Reading) -> Action:
+    name = next((name for name in ("duration", "max-wait") if named.word(name)), None)
+    if name is None:
+        return Wait()
+    duration = number(named, name, reading, default=0.0)
+    if not 0.0 <= duration <= LONGEST:
+        what = f"{name}='{named.word(name)}' is no duration"
+        raise reading.refuse(named.element.place, what, f"0 to {LONGEST:g} s is")
+    return Wait(duration)
+
+
+ACTIONS: dict[str, Callable[[Named, Reading], Action]] = {
+    "gesture": _gesture,
+    "pointing": _pointing,
+    "head": _head,
+    "headDirectionShift": _head_direction,
+    "gaze": _gaze,
+    "gazeShift": _gaze,
+    "face": _face,
+    "faceLexeme": _face,
+    "faceFacs": _face,
+    "faceShift": _face,
+    "posture": _posture,
+    "postureShift": _posture,
+    "torso": _torso,
+    "locomotion": _locomotion,
+    "speech": _speech,
+    "wait": _wait,
+}
+
+
+_FACE = ("lexeme", "au", "side", "amount", "type")
+ATTRIBUTES: dict[str, tuple[str, ...]] = {  # that are read, beside the id and the sync points
+    "gesture": ("lexeme", "type", "mode", "hand", "target"),
+    "pointing": ("target", "mode", "hand"),
+    "head": ("lexeme", "rotation", "type", "action", "repetition", "amount"),
+    "headDirectionShift": ("target", "lexeme"),
+    "gaze": ("target", "type", "influence", "modality", "offsetAngle", "offsetDirection"),
+    "gazeShift": ("target", "type", "influence", "modality", "offsetAngle", "offsetDirection"),
+    "face": _FACE,
+    "faceLexeme": _FACE,
+    "faceFacs": _FACE,
+    "faceShift": _FACE,
+    "posture": ("stance",),
+    "postureShift": ("stance",),
+    "torso": ("lexeme", "amount"),
+    "locomotion": ("target", "manner", "type"),
+    "speech": ("text", "type", "language", "voice"),
+    "wait": ("duration", "max-wait"),
+}
+INSIDE: dict[str, tuple[str, ...]] = {  # attributes that are read of elements inside behaviours and of constraints
+    "lexeme": ("lexeme", "amount"),
+    "facs": ("au", "side", "amount"),
+    "stance": ("type",),
+    "pose": ("part", "lexeme"),
+    "description": ("type", "priority"),
+    "text": (),
+    "sync": ("id", "ref"),
+    "tm": ("id",),
+    "mark": ("name",),
+    "constraint": ("id",),
+    "synchronize": ("ref",),
+    "before": ("ref",),
+    "after": ("ref",),
+}
+_ALWAYS = frozenset({"id", "xmlns", *(name.lower() for name in SYNC_ATTRIBUTES)})
+
+
+def unknown_attributes(named: Named) -> list[str]:
+    """Names of attributes without prefix that a behaviour's element has, and that nobody reads."""
+    read = ATTRIBUTES.get(named.element.local)
+    if read is None:
+        return []
+    return [name for name in named.attributes if name not in read and name.lower() not in _ALWAYS]
+
+
+def _lexeme(named: Named, *names: str) -> str:
+    return reference_of(named.element) or lexeme(named.word(*names))
+
+
+def _influence(named: Named, reading: Reading) -> str | None:
+    """The widest part that takes part; AUTO leaves it to the angle, as saying nothing does."""
+    found = _one_of(INFLUENCES, named, reading, "influence", "modality")
+    return None if found == "AUTO" else found
+
+
+def _one_of(known: tuple[str, ...], named: Named, reading: Reading, *names: str) -> str | None:
+    """An attribute in capitals; None, with a notice, when it is none of those that are known."""
+    written = named.word(*names).upper()
+    meant = written.replace("_", "")
+    if meant and meant not in known:
+        what = f"{names[0]} '{written}' is passed over; known are {', '.join(known)}"
+        reading.note(NoticeType.PARSING_FAILURE, what, behaviour=named.id)
+    return meant if meant in known else None
+
+
+def _mode(named: Named, reading: Reading) -> Mode:
+    written = named.word("mode", "hand", default="unspecified")
+    mode = _MODES.get(written.lower().removesuffix("s").removesuffix("_hand"))
+    if mode is None:
+        what = f"mode '{written}' is none of LEFT_HAND, RIGHT_HAND, BOTH_HANDS: any hand is taken"
+        reading.note(NoticeType.PARSING_FAILURE, what, behaviour=named.id)
+    return mode or "unspecified"

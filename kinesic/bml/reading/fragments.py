@@ -1,0 +1,168 @@
+"""Fragments: behaviours without a <bml> around them, in SmartBody's words, as its scripts hand them over.
+
+Read as if a <bml> stood around them, and rewritten into BML's own words where they mean the same. What has no plain
+meaning in BML keeps its name, and is noticed by it. SmartBody's y points up and its z forward.
+"""
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from types import MappingProxyType
+
+from kinesic.bml.reading.tree import BOUNDS, Bounds, Element, read_tree
+
+_TAG = re.compile(r"<([A-Za-z_][\w.:-]*)")
+_ROOT = re.compile(r"<(?:[\w.-]+:)?(?:bml|fml-apml)[\s/>]")
+_DECLARATION = re.compile(r"\s*<\?xml[^>]*\?>")
+_ACTION_UNIT = re.compile(r"(\d+)_(left|right|both)", re.IGNORECASE)
+_JOINTS = {"BACK": "WAIST", "CHEST": "SHOULDER", "NECK": "NECK", "EYES": "EYES"}  # of gaze, from the widest
+_CATEGORIES = frozenset({"BEAT", "DEICTIC", "METAPHORIC", "ICONIC", "EMBLEM", "ADAPTOR"})
+
+WORDS = frozenset({"body", "saccade", "animation", "blend", "event", "viseme"})
+
+
+def is_fragment(text: str, known: frozenset[str]) -> bool:
+    """Whether a text is a row of behaviours, with no <bml> around them.
+
+    Args:
+        text: of the document.
+        known: local names of behaviours, beside SmartBody's own.
+    """
+    first = _TAG.search(text)
+    if first is None:
+        return False
+    prefix, _, name = first[1].rpartition(":")
+    return (prefix == "sbm" or name in known or name in WORDS) and _ROOT.search(text) is None
+
+
+def read_fragments(text: str, *, source: str, bounds: Bounds = BOUNDS) -> Element:
+    """Reads a row of behaviours as a <bml> in BML's words.
+
+    Args:
+        text: of the document.
+        source: its name, for messages.
+        bounds: largest size and depth.
+
+    Raises:
+        BmlError: too large, too deep, or not well-formed.
+    """
+    declared = _DECLARATION.match(text)
+    blank = " " * (declared.end() if declared else 0)
+    root = read_tree(blank + text[len(blank) :], source=source, bounds=bounds, around="bml")
+    counts: dict[str, int] = {}
+    return replace(root, content=tuple(_rewritten(child, counts) for child in root.children))
+
+
+def _rewritten(element: Element, counts: dict[str, int]) -> Element:
+    """A behaviour in BML's words, with an id."""
+    counts[element.local] = counts.get(element.local, 0) + 1
+    attributes = {"id": f"{element.local}.{counts[element.local]}", **element.attributes}
+    rewrite = REWRITTEN.get(element.local)
+    known = replace(element, attributes=MappingProxyType(attributes))
+    return known if rewrite is None else rewrite(known)
+
+
+def _with(element: Element, name: str | None = None, **attributes: str | None) -> Element:
+    """An element of another name, with attributes added; None takes one away."""
+    kept = {**element.attributes, **attributes}
+    left = {key: value for key, value in kept.items() if value is not None}
+    return replace(element, name=name or element.name, attributes=MappingProxyType(left), called=element.written)
+
+
+def _without(element: Element, *names: str) -> Element:
+    left = {key: value for key, value in element.attributes.items() if key not in names}
+    return replace(element, attributes=MappingProxyType(left))
+
+
+def _gaze(element: Element) -> Element:
+    """A gaze stays until another one comes, unless it says when it ends."""
+    told = element.attributes
+    joints = told.get("sbm:joint-range", "").upper().split()
+    added: dict[str, str | None] = {}
+    if joints:
+        added["influence"] = next((influence for joint, influence in _JOINTS.items() if joint in joints), None)
+    if "sbm:target-pos" in told:
+        added["target"] = _turned(told["sbm:target-pos"])
+    if "sbm:time-hint" in told:
+        added["ready"] = f"{told['id']}:start+{told['sbm:time-hint'].strip()}"
+    bare = _without(element, "sbm:joint-range", "sbm:target-pos", "sbm:time-hint", "sbm:handle")
+    ends = any(name in told for name in ("end", "relax"))
+    return _with(bare, None if ends else "gazeShift", **added)
+
+
+def _turned(point: str) -> str:
+    """Three coordinates in our frame; any other text as it is."""
+    numbers = point.split()
+    if len(numbers) != 3:
+        return point
+    left, up, forward = numbers
+    return f"{forward} {left} {up}"
+
+
+def _head(element: Element) -> Element:
+    told = element.attributes
+    return _with(_without(element, "repeats"), repetition=told["repeats"]) if "repeats" in told else element
+
+
+def _face(element: Element) -> Element:
+    """An action unit may name its side: `1_left`."""
+    sided = _ACTION_UNIT.fullmatch(element.attributes.get("au", "").strip())
+    return _with(element, au=sided[1], side=sided[2].upper()) if sided else element
+
+
+def _gesture(element: Element) -> Element:
+    """The lexeme may be a category, whose gesture stands in `type`; a name is one of an animation."""
+    told = dict(element.attributes)
+    lexeme, kind = told.get("lexeme", ""), told.get("type", "")
+    added: dict[str, str | None] = {}
+    if kind and lexeme.upper() in _CATEGORIES:
+        added |= {"lexeme": f"{kind}_{lexeme}", "type": None}
+    elif not lexeme and not kind and "name" in told:
+        added["lexeme"] = _animated(told["name"])
+    for hold, point, before in (("prestroke_hold", "strokeStart", "ready"), ("poststroke_hold", "relax", "strokeEnd")):
+        if hold in told and point not in told:
+            added[point] = f"{told['id']}:{before}+{told[hold].strip()}"
+    return _with(_without(element, "prestroke_hold", "poststroke_hold", "name"), **added)
+
+
+def _animated(name: str) -> str:
+    """What the name of an animation says: the part after its character and skeleton."""
+    return name.rpartition("@")[2].rpartition("_")[2]
+
+
+def _body(element: Element) -> Element:
+    """A posture by the name of its animation; it stays, and comes at once where `ready` is not after its start."""
+    told = element.attributes
+    name = told.get("posture", "")
+    words = name.rpartition("@")[2] or name
+    pose = Element("pose", MappingProxyType({"part": "WHOLEBODY", "lexeme": words}), (), element.place, element.scope)
+    at_once = _seconds(told.get("ready", "")) <= _seconds(told.get("start", ""))
+    changed = _with(_without(element, "posture", "relax", *(("ready",) if at_once else ())), "postureShift")
+    return replace(changed, content=(*element.content, pose))
+
+
+def _seconds(text: str) -> float:
+    """A time from the block's start; 0 when it is none."""
+    try:
+        return float(text)
+    except ValueError:
+        return 0.0
+
+
+def _reach(element: Element) -> Element:
+    """Pointing is what an arm without fingers does of reaching."""
+    told = element.attributes
+    if told.get("sbm:action", "").strip().lower() != "point-at":
+        return element
+    hand = {"left": "LEFT_HAND", "right": "RIGHT_HAND"}.get(told.get("sbm:reach-type", "").lower())
+    return _with(_without(element, "sbm:action", "sbm:reach-type", "sbm:reach-finish"), "pointing", mode=hand)
+
+
+REWRITTEN: Mapping[str, Callable[[Element], Element]] = {
+    "gaze": _gaze,
+    "head": _head,
+    "face": _face,
+    "gesture": _gesture,
+    "body": _body,
+    "reach": _reach,
+}

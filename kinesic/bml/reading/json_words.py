@@ -1,0 +1,109 @@
+"""Words of web realizers that send BML as JSON (UPF's Performs and its kin), in those of BML itself.
+
+`shift` makes a behaviour stay; emotions are faces; a gaze may go in a direction; a blink has a start alone; hands may
+be the dominant one, which is the right; repetition counts what comes after the first time; a face is full unless an
+amount is given. What moves hands by parts, for sign language, has no lexeme and is left to be noticed.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from types import MappingProxyType
+
+from kinesic.bml.reading.tree import Element
+
+GLANCE = 20.0  # [deg] of a gaze that names a direction instead of a target
+BLINK = 0.25  # [s]
+AHEAD = "audience"  # who is in front
+
+_DIRECTIONS = frozenset({"UP", "DOWN", "LEFT", "RIGHT", "UPRIGHT", "UPLEFT", "DOWNRIGHT", "DOWNLEFT", "FRONT"})
+_HANDS = {"DOMINANT": "RIGHT", "NON_DOMINANT": "LEFT"}
+_YES = ("true", "1")
+_DIGITS = 4  # of a number of strokes
+
+
+def rewritten(element: Element) -> Element:
+    """A behaviour in BML's words."""
+    rewrite = REWRITES.get(element.name)
+    return element if rewrite is None else rewrite(element)
+
+
+def _changed(element: Element, name: str, *without: str, **attributes: str) -> Element:
+    left = {key: value for key, value in element.attributes.items() if key not in without}
+    return replace(element, name=name, attributes=MappingProxyType({**left, **attributes}), called=element.written)
+
+
+def _stays(element: Element) -> bool:
+    return element.attributes.get("shift", "").lower() in _YES
+
+
+def _gaze(element: Element) -> Element:
+    told = element.attributes
+    stays = _stays(element) or element.name == "gazeShift"
+    found = _changed(element, "gazeShift" if stays else "gaze", "shift")
+    direction = told.get("target", "").upper().replace("_", "")
+    if direction not in _DIRECTIONS:
+        return found
+    if direction == "FRONT":
+        return _changed(found, found.name, target=AHEAD)
+    where = {"offsetDirection": direction, "offsetAngle": told.get("offsetAngle", repr(GLANCE))}
+    return _changed(found, found.name, "target", **where)
+
+
+def _head(element: Element) -> Element:
+    again = element.attributes.get("repetition", "")
+    return (
+        _changed(element, element.name, repetition=str(int(again) + 1))
+        if again.isdecimal() and len(again) <= _DIGITS
+        else element
+    )
+
+
+def _face(element: Element) -> Element:
+    told = element.attributes
+    kind = "faceShift" if _stays(element) or element.name == "faceShift" else "face"
+    added = {} if "amount" in told else {"amount": "1.0"}
+    if "emotion" in told:
+        added["lexeme"] = told["emotion"]
+    return _changed(element, kind, "shift", "emotion", **added)
+
+
+def _gesture(element: Element) -> Element:
+    told = element.attributes
+    found = element
+    if "attackPeak" in told and "stroke" not in told:
+        found = _changed(found, found.name, "attackPeak", stroke=told["attackPeak"])
+    if "bodyMovement" in told and "lexeme" not in told:
+        return _changed(found, "torso", "bodyMovement", "hand", lexeme=told["bodyMovement"])
+    hand = told.get("hand", "").upper()
+    return _changed(found, found.name, hand=_HANDS.get(hand, hand)) if hand else found
+
+
+def _posture(element: Element) -> Element:
+    return _changed(element, "postureShift", "shift") if _stays(element) else element
+
+
+def _blink(element: Element) -> Element:
+    times = {"au": "45", "amount": "1.0"}
+    start = element.attributes.get("start", "")
+    try:
+        times["end"] = repr(float(start or 0.0) + BLINK)
+    except ValueError:
+        times["end"] = f"{start}+{BLINK}"
+    return _changed(element, "face", **times)
+
+
+REWRITES: Mapping[str, Callable[[Element], Element]] = {
+    "gaze": _gaze,
+    "gazeShift": _gaze,
+    "head": _head,
+    "face": _face,
+    "faceLexeme": _face,
+    "faceFACS": _face,
+    "faceFacs": _face,
+    "faceShift": _face,
+    "faceEmotion": _face,
+    "faceVA": _face,
+    "gesture": _gesture,
+    "posture": _posture,
+    "blink": _blink,
+}

@@ -1,0 +1,164 @@
+"""Expressivity in documents: Greta's `description type="gretabml"`, and kinesic's own namespace.
+
+Greta's values lie in -1 to 1, intensity in 0 to 1, openness in -0.7 to 1.13 (facts on Greta's expressivity block and
+lexicon); what lies outside is clipped, with a notice. Ours are attributes (`kinesic:power="0.8"`) of a behaviour or of
+the block, or elements inside `description type="kinesic"`; what lies outside is refused.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import get_args
+
+from kinesic.bml.block import (
+    RANGES,
+    Action,
+    Face,
+    Gaze,
+    Gesture,
+    Head,
+    HeadDirectionShift,
+    Manner,
+    Modality,
+    NoticeType,
+    Place,
+    Pointing,
+    Posture,
+    Torso,
+)
+from kinesic.bml.reading.namespaces import own_attributes
+from kinesic.bml.reading.reader import Named, Reading, finite
+from kinesic.bml.reading.recording import PAUSE
+from kinesic.bml.reading.tree import Element
+from kinesic.body.config import closest, names_of
+
+GRETA_OPENNESS = (-0.7, 1.13)
+
+_FIELDS = {
+    "SPC.value": "spatial",
+    "TMP.value": "temporal",
+    "FLD.value": "fluidity",
+    "PWR.value": "power",
+    "REP.value": "repetition",
+    "OPN.value": "openness",
+    "TEN.value": "tension",
+    "intensity": "intensity",
+}
+_GRETA_RANGES = {**dict.fromkeys(_FIELDS.values(), (-1.0, 1.0)), "openness": GRETA_OPENNESS, "intensity": (0.0, 1.0)}
+
+
+def modality_of(action: Action) -> Modality | None:
+    """The modality that performs; of a posture that of its arms; None when nothing of the body moves."""
+    match action:
+        case Gesture() | Pointing() | Posture():
+            return "gesture"
+        case Head() | HeadDirectionShift() | Gaze():
+            return "head"
+        case Torso():
+            return "torso"
+        case Face():
+            return "face"
+    return None
+
+
+def manner_of(named: Named, action: Action, reading: Reading) -> Manner:
+    """Reads the expressivity of a behaviour, ours over Greta's; an empty Manner when its document says nothing.
+
+    Raises:
+        BmlError: a value that is not a finite number; of ours, also one out of range and an unknown name.
+    """
+    said = list(_said(named.element))
+    if said and modality_of(action) is None:
+        name, _, place = said[0]
+        what = f"{name} in line {place.line} is passed over: no part of the body does <{named.element.name}>"
+        reading.note(NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED, what, behaviour=named.id)
+    manner = _greta(named, reading)
+    for name, text, place in said:
+        manner = _told(manner, name, name.rpartition(":")[2], text, place, reading)
+    return manner
+
+
+def manners_of(bml: Element, reading: Reading) -> dict[Modality, Manner]:
+    """Reads what the block says of all its behaviours: `power` of all modalities, `head.power` of one, which wins.
+
+    Raises:
+        BmlError: an unknown name, or a value out of range.
+    """
+    manners: dict[Modality, Manner] = {}
+    said = [(name, name.rpartition(":")[2].rpartition("."), text, place) for name, text, place in _said(bml)]
+    for name, (part, _, parameter), text, place in sorted(said, key=lambda each: each[1][1]):
+        modalities = [each for each in get_args(Modality) if part in ("", each)]
+        if not modalities:
+            raise reading.refuse(place, f"{name} names no modality", closest(part, get_args(Modality))[2:])
+        for each in modalities:
+            manners[each] = _told(manners.get(each, Manner()), name, parameter, text, place, reading)
+    return manners
+
+
+def openness_of(greta: float) -> float:
+    """Greta's openness on our scale: 0 stays the elbow at the body, and so does all below; 1.13 is an elbow far out."""
+    return min(max(greta / GRETA_OPENNESS[1], 0.0), 1.0)
+
+
+def reference_of(element: Element) -> str:
+    """Lexeme that a description refers to, without its category; empty when there is none."""
+    description = _description(element, "gretabml")
+    if description is None:
+        return ""
+    written = next((child.text for child in description.children if child.local == "reference"), "")
+    return lexeme(written)
+
+
+def lexeme(written: str) -> str:
+    """Id of `category=id`, or the whole."""
+    return written.strip().rpartition("=")[2].strip()
+
+
+def _greta(named: Named, reading: Reading) -> Manner:
+    """What a description of Greta's says."""
+    description = _description(named.element, "gretabml")
+    values = {}
+    for child in description.children if description is not None else ():
+        name = _FIELDS.get(child.local)
+        if name is None or not child.text.strip():
+            continue
+        value = finite(child.text.strip(), child.local, child.place, reading)
+        least, most = _GRETA_RANGES[name]
+        values[name] = min(max(value, least), most)
+        if values[name] != value:
+            what = f"{child.local} {value:g} is outside {least:g} to {most:g} and becomes {values[name]:g}"
+            reading.note(NoticeType.PARSING_FAILURE, what, behaviour=named.id)
+    if "openness" in values:
+        values["openness"] = openness_of(values["openness"])
+    return Manner(style=None, **values)
+
+
+def _said(element: Element) -> Iterator[tuple[str, str, Place]]:
+    """Name, value and place of all that our namespace says of an element, attributes last."""
+    description = _description(element, "kinesic")
+    for child in description.children if description is not None else ():
+        yield child.name, child.text.strip(), child.place
+    for name, text in own_attributes(element).items():
+        if name.rpartition(":")[2] != PAUSE:
+            yield name, text.strip(), element.place
+
+
+def _told(manner: Manner, name: str, parameter: str, text: str, place: Place, reading: Reading) -> Manner:
+    """The manner with one more of its fields, as a name says that stands in the document."""
+    if parameter == "style":
+        if text not in names_of("style"):
+            raise reading.refuse(place, f"{name}='{text}' is no style", closest(text, names_of("style"))[2:])
+        return replace(manner, style=text)
+    if parameter not in RANGES:
+        raise reading.refuse(place, f"{name} is no parameter", closest(parameter, ["style", *RANGES])[2:])
+    value = finite(text, name, place, reading)
+    least, most = RANGES[parameter]
+    if not least <= value <= most:
+        raise reading.refuse(place, f"{name}='{text}' is out of range", f"{least:g} to {most:g} is allowed")
+    return replace(manner, style=manner.style, **{parameter: value})
+
+
+def _description(element: Element, kind: str) -> Element | None:
+    for child in element.children:
+        if child.local == "description" and child.attributes.get("type", "").strip().lower() == kind:
+            return child
+    return None

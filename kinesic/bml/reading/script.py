@@ -1,0 +1,163 @@
+"""The text of a speech with its marks: plain, with `sync`, with Greta's `tm`, or as SSML.
+
+Of SSML, marks, breaks, prosody, emphasis, say-as, sub and changes of language are passed on to the voice, wherever
+they stand; other elements are read through.
+"""
+
+import re
+from dataclasses import dataclass, field
+
+from kinesic.bml.block import NoticeType
+from kinesic.bml.reading.reader import Named, Reading
+from kinesic.bml.reading.recording import recording_of
+from kinesic.bml.reading.tree import Element
+from kinesic.body.utterance import Emphasis, Mark, Pause, Script, Stress
+
+MARKS = frozenset({"sync", "tm", "mark"})
+PROSODY = frozenset({"pitchaccent", "boundary"})
+SSML = "application/ssml+xml"
+STRENGTHS = {"none": 0.0, "x-weak": 0.05, "weak": 0.1, "medium": 0.25, "strong": 0.5, "x-strong": 1.0}  # [s] of a break
+LONGEST_BREAK = 60.0  # [s]
+
+_STRESSES: dict[Stress, tuple[str, ...]] = {  # elements that are passed on -> their attributes that are
+    "prosody": ("rate", "pitch", "range", "volume", "contour", "duration"),
+    "emphasis": ("level",),
+    "say-as": ("interpret-as", "format", "detail"),
+}
+_SPEAKERS = frozenset({"lang", "voice", "p", "s"})  # elements that may change the language
+_TIME = re.compile(r"\+?(\d+\.?\d*|\.\d+)(ms|s)")
+_LANGUAGES = {
+    "arabic": "ar",
+    "chinese": "zh",
+    "dutch": "nl",
+    "english": "en",
+    "french": "fr",
+    "german": "de",
+    "greek": "el",
+    "hindi": "hi",
+    "italian": "it",
+    "japanese": "ja",
+    "korean": "ko",
+    "polish": "pl",
+    "portuguese": "pt",
+    "russian": "ru",
+    "spanish": "es",
+    "swedish": "sv",
+    "turkish": "tr",
+}
+
+
+def script_of(named: Named, reading: Reading) -> Script:
+    """Reads what a <speech> says.
+
+    A description in SSML goes before the text when its priority is not negative, and one that names a recording is
+    played in place of a voice; other descriptions are passed over.
+    """
+    written = _Written(named, reading)
+    written.read(_body(named.element), outermost=True)
+    if written.unusable:
+        what = f"marks without a name of their own are passed over: {', '.join(map(repr, written.unusable))}"
+        reading.note(NoticeType.PARSING_FAILURE, what, behaviour=named.id)
+    text = written.text.rstrip() or " ".join(named.word("text").split())
+    end = len(text)
+    return Script(
+        text,
+        tuple(Mark(name, min(position, end)) for name, position in written.marks.items()),
+        _language(named),
+        tuple(Pause(min(pause.position, end), pause.duration, pause.after) for pause in written.pauses),
+        tuple(Emphasis(e.begin, min(e.end, end), e.element, e.attributes) for e in written.emphases if e.begin < end),
+        recording_of(named, reading),
+    )
+
+
+def _body(speech: Element) -> Element:
+    """The element whose content is said."""
+    inside = {child.local: child for child in speech.children}
+    for child in speech.children:
+        is_ssml = child.local == "description" and child.attributes.get("type", "").strip() == SSML
+        if is_ssml and not child.attributes.get("priority", "").strip().startswith("-"):
+            return child
+    return inside.get("text", speech)
+
+
+@dataclass
+class _Written:
+    """A text while it is read."""
+
+    named: Named
+    reading: Reading
+    text: str = ""
+    marks: dict[str, int] = field(default_factory=dict)
+    unusable: list[str] = field(default_factory=list)
+    pauses: list[Pause] = field(default_factory=list)
+    emphases: list[Emphasis] = field(default_factory=list)
+
+    def read(self, element: Element, *, outermost: bool = False) -> None:
+        """Adds what an element has inside."""
+        for piece in element.content:
+            if isinstance(piece, str):
+                self._say(piece)
+            elif piece.local in MARKS:
+                self._mark((piece.attributes.get("id") or piece.attributes.get("name") or "").strip())
+            elif piece.local == "break":
+                self._pause(piece)
+            elif piece.local == "sub" and "alias" in piece.attributes:
+                self._say(piece.attributes["alias"])
+            elif not outermost or element.local != "speech":
+                self._stress(piece)
+
+    def _say(self, piece: str) -> None:
+        spaced = re.sub(r"\s+", " ", piece)
+        self.text += spaced.lstrip() if not self.text or self.text.endswith(" ") else spaced
+
+    def _mark(self, name: str) -> None:
+        if not name or name in ("start", "end") or name in self.marks:
+            self.unusable.append(name)
+        else:
+            self.marks[name] = len(self.text)
+
+    def _pause(self, element: Element) -> None:
+        duration = _duration(element)
+        if duration is None:
+            known = f"time='0.5s', at most {LONGEST_BREAK:g} s, or strength, one of {', '.join(STRENGTHS)}"
+            what = f"<{element.name}> in line {element.place.line} is passed over: it has {known}"
+            self.reading.note(NoticeType.PARSING_FAILURE, what, behaviour=self.named.id)
+        elif duration > 0.0:
+            before = sum(position == len(self.text) for position in self.marks.values())
+            self.pauses.append(Pause(len(self.text), duration, before))
+
+    def _stress(self, element: Element) -> None:
+        """Reads an element that may change how its text is said."""
+        place, begin = len(self.emphases), len(self.text)
+        self.read(element)
+        stress = _stress_of(element)
+        if stress is not None:
+            self.emphases.insert(place, Emphasis(begin, len(self.text), *stress))
+
+
+def _stress_of(element: Element) -> tuple[Stress, tuple[tuple[str, str], ...]] | None:
+    """What an element asks of the voice."""
+    language = element.attributes.get("xml:lang", "").strip()
+    for stress, allowed in _STRESSES.items():
+        if element.local == stress:
+            return stress, tuple((name, element.attributes[name]) for name in allowed if name in element.attributes)
+    if element.local in _SPEAKERS and language:
+        return "voice", (("xml:lang", language),)
+    return None
+
+
+def _duration(element: Element) -> float | None:
+    """[s] of a break; None when what it asks for is no duration."""
+    time = element.attributes.get("time", "").strip()
+    if not time:
+        return STRENGTHS.get(element.attributes.get("strength", "medium").strip())
+    written = _TIME.fullmatch(time)
+    if written is None:
+        return None
+    seconds = float(written[1]) / (1000.0 if written[2] == "ms" else 1.0)
+    return seconds if seconds <= LONGEST_BREAK else None
+
+
+def _language(named: Named) -> str:
+    written = (named.attributes.get("language") or named.element.attributes.get("xml:lang") or "en").strip().lower()
+    return _LANGUAGES.get(written, written)

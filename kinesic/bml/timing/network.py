@@ -1,0 +1,188 @@
+"""A block as points in time with distances between them: what is left to choose, and what is not."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+from kinesic.bml.block import Behaviour, Block, NoticeType, Order, Speech, Synchronize, SyncRef
+from kinesic.bml.timing.constraints import Point, Tie, point_of, synchronized
+from kinesic.bml.timing.disjoint_sets import Potentials
+from kinesic.bml.timing.negative_cycles import EQUAL, Edge
+from kinesic.bml.timing.points import sync_points
+from kinesic.body.utterance import Utterance
+
+SHORTEST = 1e-6  # [s] of a behaviour whose length is not asked for
+
+Elsewhere = Mapping[tuple[str, str, str], float]
+
+
+@dataclass(frozen=True)
+class Distance:
+    """time(late) = time(early) + gap."""
+
+    late: Point
+    early: Point
+    gap: float  # [s]
+    owner: str | None  # behaviour that asks for it; None: a constraint
+
+
+@dataclass(frozen=True)
+class Chain:
+    """A behaviour's sync points in order."""
+
+    behaviour: Behaviour
+    points: tuple[Point, ...]
+
+    @property
+    def is_rigid(self) -> bool:
+        """Whether all its distances are fixed."""
+        return isinstance(self.behaviour.action, Speech)
+
+
+@dataclass(frozen=True)
+class Network:
+    """Chains, equalities and orders; `start` is the block's own, time 0."""
+
+    start: Point
+    chains: tuple[Chain, ...]
+    distances: tuple[Distance, ...]
+    orders: tuple[Edge, ...]
+
+    @cached_property
+    def potentials(self) -> Potentials[Point]:
+        """Classes of equal times; of contradictory distances the first counts."""
+        potentials: Potentials[Point] = Potentials()
+        for distance in self.distances:
+            potentials.join(distance.late, distance.early, distance.gap)
+        return potentials
+
+    def edges(self) -> list[Edge]:
+        """All that must hold, as edges; a behaviour takes at least `SHORTEST` unless its length is fixed."""
+        edges = list(self.orders)
+        for chain in self.chains:
+            owner = chain.behaviour.id
+            pairs = pairwise(chain.points)
+            edges += [Edge(early, late, 0.0, owner) for early, late in pairs]
+            first, last = chain.points[0], chain.points[-1]
+            if self.potentials.find(first)[0] != self.potentials.find(last)[0]:
+                edges.append(Edge(first, last, SHORTEST, owner))
+        for distance in self.distances:
+            edges.append(Edge(distance.early, distance.late, distance.gap, distance.owner))
+            edges.append(Edge(distance.late, distance.early, -distance.gap, distance.owner))
+        return edges
+
+    def clashes(self) -> list[list[Edge]]:
+        """Loops of behaviours that are given times in the wrong order: the plain contradictions, all at once."""
+        loops = []
+        for chain in self.chains:
+            last: dict[Point, tuple[Point, float]] = {}  # root -> the latest point of its class so far
+            for point in chain.points:
+                root, gap = self.potentials.find(point)
+                before, before_gap = last.get(root, (point, gap))
+                if gap < before_gap - EQUAL:
+                    owner = chain.behaviour.id
+                    back = Edge(point, before, before_gap - gap, owner)
+                    loops.append([Edge(before, point, 0.0, owner), back])
+                    break
+                last[root] = (point, gap)
+        return loops
+
+
+@dataclass(frozen=True)
+class Unresolved:
+    """A reference that leads nowhere."""
+
+    culprit: str | Synchronize | Order  # the behaviour's id, or the constraint
+    kind: NoticeType
+    why: str
+
+
+class Surroundings:
+    """Resolves references of a block among behaviours that are still performed."""
+
+    def __init__(
+        self,
+        block: Block,
+        behaviours: Mapping[str, Behaviour],
+        utterances: Mapping[str, Utterance],
+        known: Elsewhere,
+        spans: Mapping[str, Mapping[str, float]],
+    ) -> None:
+        self._block, self._utterances, self._elsewhere, self._spans = block, utterances, known, spans
+        self._start = Point(block.id, "bml", "start")
+        self.chains = {behaviour.id: self._chain(behaviour) for behaviour in behaviours.values()}
+        self.unresolved: list[Unresolved] = []
+
+    def _chain(self, behaviour: Behaviour) -> Chain:
+        names = sync_points(behaviour.action, self._block.dialect, self._spans.get(behaviour.id, ()))
+        if isinstance(behaviour.action, Speech):
+            marks = self._utterances[behaviour.id].marks
+            spoken = sorted((name for name in names[1:-1] if name in marks), key=lambda name: marks[name])
+            names = ("start", *spoken, "end")
+        return Chain(behaviour, tuple(Point(self._block.id, behaviour.id, name) for name in names))
+
+    def network(self, ties: list[Tie], constraints: list[Synchronize | Order]) -> Network:
+        """Builds the network; what cannot be resolved is left out, and listed in `unresolved`.
+
+        Args:
+            ties: those of behaviours' attributes.
+            constraints: of the block.
+        """
+        distances = [distance for chain in self.chains.values() for distance in self._speech(chain)]
+        orders: list[Edge] = []
+        for tie in ties:
+            distances += self._distances(tie, tie.owner or "")
+        for constraint in constraints:
+            if isinstance(constraint, Synchronize):
+                for tie in synchronized(constraint):
+                    distances += self._distances(tie, constraint)
+            else:
+                orders += self._orders(constraint)
+        used = {distance.early for distance in distances} | {edge.head for edge in orders}
+        used |= {edge.tail for edge in orders}
+        end = Point(self._block.id, "bml", "end")
+        if end in used:
+            orders += [Edge(chain.points[-1], end, 0.0) for chain in self.chains.values()]
+        return Network(self._start, tuple(self.chains.values()), tuple(distances), tuple(orders))
+
+    def _speech(self, chain: Chain) -> Iterator[Distance]:
+        if chain.is_rigid:
+            owner, first = chain.behaviour.id, chain.points[0]
+            utterance = self._utterances[owner]
+            for point in chain.points[1:-1]:
+                yield Distance(point, first, utterance.marks[point.sync], owner)
+            yield Distance(chain.points[-1], first, utterance.duration, owner)
+
+    def _distances(self, tie: Tie, culprit: str | Synchronize) -> Iterator[Distance]:
+        left, right = self._point(tie.left, culprit), self._point(tie.right, culprit)
+        if left is not None and right is not None:
+            yield Distance(left[0], right[0], right[1] - left[1], tie.owner)
+
+    def _orders(self, order: Order) -> Iterator[Edge]:
+        earlier = self._point(order.earlier, order)
+        for ref in order.later:
+            later = self._point(ref, order)
+            if earlier is not None and later is not None:
+                yield Edge(earlier[0], later[0], earlier[1] - later[1])
+
+    def _point(self, ref: SyncRef, culprit: str | Synchronize | Order) -> tuple[Point, float] | None:
+        """Point of a reference and the offset to it; None and an entry in `unresolved` when there is none."""
+        point = point_of(ref)
+        if point.block != self._block.id:
+            time = self._elsewhere.get(point)
+            if time is not None:
+                return self._start, time + ref.offset
+            why = f"{':'.join(point)} is not known here"
+        elif point.behaviour == "bml":
+            if point.sync in ("start", "end"):
+                return point, ref.offset
+            why = f"the block has no sync point '{point.sync}', only start and end"
+        else:
+            chain = self.chains[point.behaviour]
+            if point in chain.points:
+                return point, ref.offset
+            known = ", ".join(own.sync for own in chain.points)
+            why = f"{point.behaviour} has no sync point '{point.sync}', but {known}"
+        self.unresolved.append(Unresolved(culprit, NoticeType.IMPOSSIBLE_TO_SCHEDULE, why))
+        return None

@@ -1,0 +1,121 @@
+"""`kinesic gestures`: what the lexicon offers, in words, in numbers and in pictures."""
+
+import json
+from collections.abc import Iterator
+from dataclasses import asdict
+from pathlib import Path
+
+import click
+from rich.table import Table
+
+from kinesic.bml.block import BmlError
+from kinesic.body.config import ConfigError, closest
+from kinesic.cli.console import console
+from kinesic.controller.perform import facts
+from kinesic.expressivity.lexicon.form import Match
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.hardware.protocol.robots import load_robot
+from kinesic.planning.setup import Facts
+from kinesic.studies.gestures.isolated import Show, played
+from kinesic.studies.gestures.isolated import show as shown
+from kinesic.studies.gestures.sheet import MOST, sheet, strip
+from kinesic.studies.gestures.vocabulary import vocabulary
+
+lexicon_option = click.option("--lexicon", type=click.Path(path_type=Path), help="TOML, or Greta's gestuary XML.")
+robot_option = click.option("--robot", default="upper22", help="Who plays them.")
+
+
+@click.group()
+def gestures() -> None:
+    """Lists, shows and draws the gestures of the lexicon."""
+
+
+@gestures.command("list")
+@lexicon_option
+@robot_option
+@click.option("--category", help="Only of this one.")
+@click.option("--json", "as_json", is_flag=True, help="Prints a vocabulary in JSON, for a planner or a language model.")
+def list_gestures(lexicon: Path | None, robot: str, category: str | None, as_json: bool) -> int:
+    """Lists all gestures."""
+    known = facts(load_robot(robot), lexicon=lexicon)
+    entries = vocabulary(known.lexicon, known.pace)
+    kinds = sorted({entry.category for entry in entries})
+    if category is not None and category not in kinds:
+        raise ConfigError(f"no category {category}{closest(category, kinds)}; there are {', '.join(kinds)}")
+    entries = [entry for entry in entries if category in (None, entry.category)]
+    if as_json:
+        click.echo(json.dumps([asdict(entry) for entry in entries], indent=1))
+        return 0
+    table = Table("gesture", "category", "hands", "stroke s", "what is done", box=None)
+    for entry in entries:
+        table.add_row(entry.id, entry.category, " ".join(entry.hands), f"{entry.stroke_s:.1f}", entry.says)
+    console().print(table)
+    return 0
+
+
+@gestures.command()
+@click.argument("lexeme")
+@lexicon_option
+def show(lexeme: str, lexicon: Path | None) -> int:
+    """Shows what LEXEME becomes: the gesture or its substitute, key by key."""
+    known = Lexicon.load(lexicon)
+    match = _found(lexeme, known)
+    form = match.form
+    click.echo(f"{form.id} ({form.category}){', ' + match.substitute if match.substitute else ''}")
+    sense = known.sense(form)
+    if sense.says:
+        click.echo(sense.says)
+    click.echo(f"meanings: {', '.join(sense.words)}")
+    headings = ("key", "hand", "forward", "outward", "up", "palm", "pointing", "shape", "openness", "touches", "path")
+    table = Table(*headings, box=None)
+    for number, key in enumerate(form.keys, start=1):
+        for side, pose in sorted(key.hands.items()):
+            position = [f"{value:.2f}" for value in pose.position]
+            palm, pointing = (
+                "" if way is None else " ".join(f"{value:.1f}" for value in way) for way in (pose.palm, pose.pointing)
+            )
+            more = pose.shape or "", f"{pose.openness:.2f}", pose.touch or "", pose.path.kind if pose.path else ""
+            table.add_row(str(number), side, *position, palm, pointing, *more)
+    console().print(table)
+    return 0
+
+
+@gestures.command()
+@click.argument("lexeme", required=False)
+@click.option("--all", "whole", is_flag=True, help="Draws a contact sheet of all gestures.")
+@click.option(
+    "--out", required=True, type=click.Path(dir_okay=False, path_type=Path), help="The picture, such as X.png."
+)
+@lexicon_option
+@robot_option
+def render(lexeme: str | None, whole: bool, out: Path, lexicon: Path | None, robot: str) -> int:
+    """Draws LEXEME as key postures side by side, or all gestures at their strokes."""
+    if (lexeme is None) != whole:
+        raise click.UsageError("name one gesture, or give --all")
+    known = facts(load_robot(robot), lexicon=lexicon)
+    try:
+        if lexeme is None:
+            sheet(list(_drawable(known)), known.robot, out)
+        else:
+            form = _found(lexeme, known.lexicon).form
+            strip(shown(form, played(form, known), MOST), known.robot, out, says=known.lexicon.sense(form).says)
+    except (OSError, ValueError) as error:
+        raise ConfigError(f"{out}: {error}") from None
+    click.echo(f"picture: {out}")
+    return 0
+
+
+def _drawable(known: Facts) -> Iterator[Show]:
+    """All gestures that the robot can play; the others are named."""
+    for form in known.lexicon.forms:
+        try:
+            yield shown(form, played(form, known), MOST)
+        except BmlError as error:
+            click.echo(f"kinesic: {error}", err=True)
+
+
+def _found(lexeme: str, lexicon: Lexicon) -> Match:
+    match = lexicon.find(lexeme)
+    if match is None:
+        raise BmlError(f"no gesture {lexeme}{closest(lexeme, [form.id for form in lexicon.forms])}")
+    return match

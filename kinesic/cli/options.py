@@ -1,0 +1,106 @@
+"""Options that several verbs share."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import wraps
+from pathlib import Path
+from typing import Literal, get_args
+
+import click
+
+from kinesic.bml.block import Dialect
+from kinesic.body.config import names_of
+from kinesic.controller.perform import facts
+from kinesic.expressivity.gather import Gathering
+from kinesic.expressivity.idle import OFF, Idling, Liveliness
+from kinesic.expressivity.style.style import RANGES, Style
+from kinesic.expressivity.targets import read_targets
+from kinesic.hardware.protocol.robots import load_robot
+from kinesic.planning.setup import Facts
+from kinesic.speech.voice import VoiceName
+
+DIALECTS = ["auto", *get_args(Dialect)]
+STYLE_HELP = f"Manner, unless documents say otherwise: {', '.join(names_of('style'))}, or a TOML file."
+SET_HELP = (
+    "One number of the manner, over documents too, -1 to 1: power=0.8 of all modalities, head.power=0.8 of one; "
+    f"of {', '.join(RANGES)} (openness 0 to 1). Repeat for more."
+)
+
+VOICE_HELP = "Who speaks: espeak is heard, durations is silent; auto takes espeak where it is installed."
+PAUSE_HELP = "Longest pause before a word for which the body would be late, unless documents say otherwise."
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What the shared options say; picklable, so that other processes can make the same facts."""
+
+    robot: str
+    style: str
+    changes: tuple[str, ...]
+    lexicon: Path | None
+    targets: Path | None
+    dialect: Dialect | Literal["auto"]
+    gathering: Gathering = "complex"
+    idling: Idling = OFF
+    voice: VoiceName = "auto"
+    pause: float = 0.0
+
+    def facts(self) -> Facts:
+        """Reads everything that the options name.
+
+        Raises:
+            ConfigError: something is missing or wrong.
+        """
+        return facts(
+            load_robot(self.robot),
+            style=Style.load(self.style).changed(self.changes),
+            lexicon=self.lexicon,
+            targets=read_targets(self.targets) if self.targets else None,
+            dialect=self.dialect,
+            gathering=self.gathering,
+            idling=self.idling,
+            voice=self.voice,
+            pause=self.pause,
+        )
+
+
+def planning(verb: Callable[..., int]) -> Callable[..., int]:
+    """Adds the options that say how a document is planned, and hands them on as `settings`."""
+
+    @wraps(verb)
+    def with_settings(
+        *,
+        robot: str,
+        style: str,
+        changes: tuple[str, ...],
+        lexicon: Path | None,
+        targets: Path | None,
+        dialect: Dialect | Literal["auto"],
+        gather: Gathering,
+        idle: Liveliness,
+        seed: int,
+        voice: VoiceName,
+        pause: float,
+        **own: object,
+    ) -> int:
+        idling = Idling(idle, seed)
+        settings = Settings(robot, style, changes, lexicon, targets, dialect, gather, idling, voice, pause)
+        return verb(settings=settings, **own)
+
+    options = (
+        click.option("--robot", default="upper22", show_default=True, help="Name, or a robot's TOML file."),
+        click.option("--style", default="neutral", show_default=True, help=STYLE_HELP),
+        click.option("--set", "changes", multiple=True, metavar="NAME=VALUE", help=SET_HELP),
+        click.option("--lexicon", type=click.Path(path_type=Path), help="Gestures: TOML, or Greta's gestuary XML."),
+        click.option("--dialect", type=click.Choice(DIALECTS), default="auto", help="How documents are read."),
+        click.option("--gather", type=click.Choice(get_args(Gathering)), default="complex", help="How frames fill up."),
+        click.option("--idle", type=click.Choice(get_args(Liveliness)), default="off", help="What fills pauses."),
+        click.option("--seed", type=int, default=0, show_default=True, help="Of everything random."),
+        click.option("--voice", type=click.Choice(get_args(VoiceName)), default="auto", help=VOICE_HELP),
+        click.option("--pause", type=click.FloatRange(0.0, 60.0), default=0.0, metavar="SECONDS", help=PAUSE_HELP),
+        click.option("--targets", type=click.Path(path_type=Path), help="TOML of named points in the world [m]."),
+    )
+    decorated: Callable[..., int] = with_settings
+    for option in reversed(options):
+        decorated = option(decorated)
+    return decorated

@@ -1,0 +1,120 @@
+"""`kinesic robots`: which robots there are, what they are made of, whether they can work, and others' made ours."""
+
+from pathlib import Path
+
+import click
+import numpy as np
+from rich.table import Table
+
+from kinesic.body.config import CONFIGS, ConfigError
+from kinesic.body.robot_text import robot_text
+from kinesic.cli.console import console
+from kinesic.hardware.protocol.robots import load_robot
+from kinesic.planning.workspace import workspace
+from kinesic.sim.importer.convert import REVIEW_BELOW, Mapped, mapped
+from kinesic.sim.robot_check import check as check_physics
+
+WARN_TORQUE = 0.4  # of stall
+FAIL_TORQUE = 0.8
+
+
+@click.group()
+def robots() -> None:
+    """Lists, shows, checks and imports robots."""
+
+
+@robots.command("list")
+def list_robots() -> int:
+    """Lists the robots that come with kinesic."""
+    for path in sorted((CONFIGS / "robots").glob("*.toml")):
+        click.echo(path.stem)
+    return 0
+
+
+@robots.command()
+@click.argument("robot", default="upper22")
+def show(robot: str) -> int:
+    """Shows the hinges of ROBOT: range, servo, limits."""
+    body = load_robot(robot)
+    table = Table("hinge", "range deg", "rest deg", "servo", "reduction", "stall Nm", "speed limit rad/s", box=None)
+    for hinge, drive, speed in zip(body.skeleton.hinges, body.drives, body.speed_limits, strict=True):
+        low, high, rest = np.degrees([hinge.lower, hinge.upper, hinge.rest])
+        servo = drive.servo.name if drive.count == 1 else f"{drive.count} x {drive.servo.name}"
+        figures = f"{low:.0f}..{high:.0f}", f"{rest:.0f}", servo, f"{drive.reduction:g}", f"{drive.stall:.1f}"
+        table.add_row(hinge.name, *figures, f"{speed:.2f}")
+    console().print(table)
+    return 0
+
+
+@robots.command()
+@click.argument("robot", default="upper22")
+def check(robot: str) -> int:
+    """Computes static torque ratios, workspace and clearance of ROBOT from its model."""
+    body = load_robot(robot)
+    physics, reach = check_physics(body), workspace(body)
+    table = Table("hinge", "at rest", "worst", "", box=None, title="static torque / stall")
+    failed = False
+    for name, rest, worst in zip(body.skeleton.names, physics.rest_ratios, physics.worst_ratios, strict=True):
+        failed |= bool(worst > FAIL_TORQUE)
+        mark = "[red]fail[/]" if worst > FAIL_TORQUE else "[yellow]warn[/]" if worst > WARN_TORQUE else "pass"
+        table.add_row(name, f"{rest:.3f}", f"{worst:.3f}", mark)
+    console().print(table)
+    click.echo(
+        f"mass {physics.mass:.2f} kg, {physics.moving_mass:.2f} kg of it moving; arm length {body.arm_length:.3f} m"
+    )
+    for name, gap in (("at rest", physics.rest_gap), ("at zero", physics.zero_gap)):
+        click.echo(f"clearance {name}: {1000 * gap.distance:.0f} mm, {gap.pair[0]} and {gap.pair[1]}")
+    least = 1000 * body.least_clearance
+    click.echo(f"{100 * physics.clear_share:.0f} % of random postures keep {least:.0f} mm")
+    total = len(reach.reached) + len(reach.missed)
+    click.echo(f"workspace: {len(reach.reached)} of {total} sectors within 2 cm, torso upright")
+    return 1 if failed else 0
+
+
+@robots.command("import")
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--out", type=click.Path(path_type=Path), help="The robot's TOML (default: FILE's name, here).")
+@click.option("--force", is_flag=True, help="Replaces an existing file.")
+def import_robot(file: Path, out: Path | None, force: bool) -> int:
+    """Maps the hinges of an MJCF or URDF humanoid, and writes a robot's TOML to edit."""
+    target = out or Path(f"{file.stem}.toml")
+    if target.exists() and not force:
+        raise ConfigError(f"{target}: exists already; give another --out, or --force to replace it")
+    found = mapped(file)
+    text = robot_text(found.file, heading=_heading(found, file.name), remarks=found.remarks)
+    try:
+        target.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise ConfigError(f"{target}: {error.strerror}") from None
+    console().print(_mapping(found))
+    click.echo(f"robot: {target}")
+    if found.doubtful:
+        click.echo(f"kinesic: review {target} before it moves: {_doubt(found)}", err=True)
+    return 1 if found.doubtful else 0
+
+
+def _mapping(found: Mapped) -> Table:
+    """Which hinge became which."""
+    table = Table("hinge", "of the file", "range deg", "rest deg", box=None)
+    for hinge in found.hinges:
+        low, high = np.degrees([hinge.lower, hinge.upper])
+        rest = found.file.rest.get(hinge.name, 0.0) + 0.0  # no -0
+        ranges = f"{low:.0f}..{high:.0f}{' assumed' if hinge.assumed else ''}"
+        table.add_row(hinge.name, found.figure.tree.joints[hinge.joint].name, ranges, f"{rest:.0f}")
+    return table
+
+
+def _heading(found: Mapped, name: str) -> list[str]:
+    """The comment at the top of the file."""
+    doubt = [f"REVIEW before it moves: {_doubt(found)}.", ""] if found.doubtful else []
+    return [
+        *doubt,
+        f"Mapped from {name} by `kinesic robots import`; confidence {found.confidence:.2f} of 1. Edit freely.",
+        "x forward, y left, z up; m, kg, deg, Nm. Zero pose: arms hanging, elbows straight. Beside each hinge: how the",
+        "file's joint follows from its angle; at: where its axis passes its segment. Beside each servo: where its",
+        "figures come from. Capsules are the file's own primitive shapes, or bones with a human's girth.",
+    ]
+
+
+def _doubt(found: Mapped) -> str:
+    return f"confidence {found.confidence:.2f} is below {REVIEW_BELOW:g}, so shoulder, elbow or sides may be wrong"

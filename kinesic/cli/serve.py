@@ -1,0 +1,129 @@
+"""`kinesic serve`: BML blocks in, BML feedback out, until stopped."""
+
+import asyncio
+import signal
+import sys
+from contextlib import AbstractAsyncContextManager
+from dataclasses import fields, replace
+from ipaddress import ip_address
+from pathlib import Path
+
+import click
+
+from kinesic.body.config import ConfigError, closest
+from kinesic.cli.options import Settings, planning
+from kinesic.cli.servos.ports import PORT_HELP, all_ports
+from kinesic.cli.sinks import FAULT, SinkNames
+from kinesic.client import PORT
+from kinesic.face.show.preview import Preview
+from kinesic.hardware.servos import Servos
+from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.serve.quotas import USUAL, Rules
+from kinesic.serve.serving import Address, Serving, serving, until_done
+from kinesic.serve.sinks import AHEAD, DELAY, Follower, RealServos, RealTwin
+from kinesic.speech import port_audio
+
+LISTEN_HELP = "Address for TCP and WebSocket; 'none' for standard input alone. Port 0: any that is free."
+TOKEN_HELP = "That clients must show; needed where others than this machine can connect. Also KINESIC_TOKEN."
+RULE_HELP = f"A limit for clients: {', '.join(f'{each.name}={getattr(USUAL, each.name):g}' for each in fields(Rules))}."
+
+
+@click.command()
+@planning
+@click.option("--listen", default=f"127.0.0.1:{PORT}", show_default=True, metavar="HOST:PORT", help=LISTEN_HELP)
+@click.option("--token", envvar="KINESIC_TOKEN", help=TOKEN_HELP)
+@click.option("--on", "sinks", type=SinkNames(), default="twin", show_default=True, help="Who performs.")
+@click.option("--port", "ports", multiple=True, metavar="NAME=PATH", help=PORT_HELP)
+@click.option("--sound/--no-sound", default=None, help="Speech is heard (default: where that works).")
+@click.option("--rule", "rules", multiple=True, metavar="NAME=VALUE", help=RULE_HELP)
+def serve(
+    settings: Settings,
+    listen: str,
+    token: str | None,
+    sinks: frozenset[str],
+    ports: tuple[str, ...],
+    sound: bool | None,
+    rules: tuple[str, ...],
+) -> int:
+    """Performs blocks of BML as they come, and answers with BML feedback.
+
+    Messages come by TCP (each ends with a NUL byte), by WebSocket at the same address (one message is one block), and
+    on standard input, unless that is a terminal.
+    """
+    why = port_audio.fault() if sound is not False else "not wanted"
+    if sound and why:
+        raise ConfigError(f"--sound: {why}")
+    address, limits = read_address(listen, token), read_rules(rules)
+    followers = _followers(settings, sinks, ports)
+    server = serving(
+        settings.facts, followers, address=address, rules=limits, token=token, face="face" in sinks, sound=not why
+    )
+    return asyncio.run(_serve(server))
+
+
+def read_address(text: str, token: str | None) -> Address | None:
+    """Where to listen.
+
+    Raises:
+        ConfigError: it is no address, or others than this machine could connect without a token.
+    """
+    if text == "none":
+        return None
+    host, _, port = text.rpartition(":")
+    host = host.strip("[]")
+    if not host or not port.isdecimal() or int(port) > 65_535:
+        raise ConfigError(f"--listen {text}: give HOST:PORT, such as 127.0.0.1:{PORT}, or none")
+    if not token and not _is_here(host):
+        raise ConfigError(f"--listen {text}: others can connect there; give --token, or set KINESIC_TOKEN")
+    return Address(host, int(port))
+
+
+def read_rules(changes: tuple[str, ...]) -> Rules:
+    """The usual rules with some changes.
+
+    Raises:
+        ConfigError: no such rule, or a value that makes no sense.
+    """
+    rules, kinds = USUAL, {each.name: type(getattr(USUAL, each.name)) for each in fields(Rules)}
+    for change in changes:
+        name, _, value = change.partition("=")
+        if name not in kinds:
+            raise ConfigError(f"--rule {change}: no rule {name}{closest(name, tuple(kinds))}")
+        try:
+            rules = replace(rules, **{name: kinds[name](value)})
+        except ValueError as error:
+            raise ConfigError(f"--rule {change}: {error}") from None
+    return rules
+
+
+def _is_here(host: str) -> bool:
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
+def _followers(settings: Settings, sinks: frozenset[str], ports: tuple[str, ...]) -> list[Follower]:
+    """Who performs, opened."""
+    robot = settings.facts().robot
+    followers = [Follower(RealTwin(robot))] if "twin" in sinks else []
+    if "servos" in sinks:
+        servos = Servos(robot, all_ports(ports, Manifest.of(robot).bauds), log=Path("events.jsonl"))
+        followers.append(Follower(RealServos(servos), ahead=AHEAD, delay=DELAY))
+    if "face" in sinks:
+        followers.append(Follower(Preview(robot)))
+    return followers
+
+
+async def _serve(server: AbstractAsyncContextManager[Serving]) -> int:
+    enough = asyncio.Event()
+    async with server as open_:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            asyncio.get_running_loop().add_signal_handler(number, enough.set)
+        where = f"listening at {open_.address}" if open_.address is not None else "reading standard input"
+        click.echo(f"{where}; Ctrl-C folds to rest and ends", err=True)
+        await until_done(open_, enough, console=not sys.stdin.isatty())
+    performer = open_.desk.performer
+    if performer.loop.error is not None:
+        click.echo(f"kinesic: {performer.loop.error}", err=True)
+    return FAULT if performer.loop.failed or performer.planner.failed else 0

@@ -1,0 +1,130 @@
+"""The robot's part of `kinesic perform`: ports, keyboard, and what is written and told afterwards."""
+
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+
+import click
+from rich.console import Console
+from rich.live import Live as Display
+
+from kinesic.cli.keyboard import pressed
+from kinesic.cli.loudspeaker import loudspeaker
+from kinesic.controller.performance import Performance
+from kinesic.controller.servo_performance import Live, Wish, perform_live
+from kinesic.controller.soundtrack import sound
+from kinesic.controller.speech_sync import Aloud
+from kinesic.hardware.servos import Servos
+from kinesic.hardware.supervisor.channel import Status
+from kinesic.planning.plan import Plan
+from kinesic.report.output import Written, tell
+from kinesic.report.report import Json
+from kinesic.report.servo_report import live_log, with_live
+from kinesic.sim.log import write_log
+
+KEYS = "space: stop where it is; again: let go. Ctrl-C: fold to rest and let go."
+
+
+def performed_live(
+    performance: Performance,
+    ports: dict[str, Path],
+    folder: Path,
+    *,
+    quiet: bool,
+    told: Callable[[Status], None] = lambda status: None,
+) -> Live:
+    """Performs on the servos, and aloud, what the twin has performed; events are added to FOLDER/events.jsonl.
+
+    Args:
+        performance: of the twin.
+        ports: of the robot's buses.
+        folder: of the report.
+        quiet: nothing is shown in the terminal.
+        told: hears how it goes.
+
+    Raises:
+        BusError: a port or a servo is missing or wrong; nothing has moved.
+    """
+    plan = performance.plan
+    with speaking(plan) as said:
+        servos = Servos(plan.facts.robot, ports, log=folder / "events.jsonl")
+        if not quiet:
+            click.echo(KEYS, err=True)
+        with _interrupted() as interrupted, pressed() as keys, _display(quiet) as shown:
+            return perform_live(performance, servos, wish=_wish(keys, interrupted), shown=_all(shown, said, told))
+
+
+@contextmanager
+def speaking(plan: Plan) -> Iterator[Callable[[Status], None]]:
+    """What is said in a plan is heard meanwhile at the time that the servos tell, where there is a loudspeaker."""
+    heard = sound(plan)
+    if heard is None:
+        yield lambda status: None
+        return
+    with loudspeaker() as speaker:
+        yield Aloud(heard, speaker) if speaker is not None else lambda status: None
+
+
+def _all(*listeners: Callable[[Status], None]) -> Callable[[Status], None]:
+    """All of them hear."""
+
+    def hear(status: Status) -> None:
+        for listener in listeners:
+            listener(status)
+
+    return hear
+
+
+def _wish(keys: Callable[[], str], interrupted: Callable[[], bool]) -> Callable[[], Wish]:
+    """What somebody at the keyboard wants."""
+
+    def wish() -> Wish:
+        if " " in keys():
+            return "stop"
+        return "end" if interrupted() else "go on"
+
+    return wish
+
+
+def write_live(live: Live, data: dict[str, Json], written: Written) -> tuple[dict[str, Json], Path]:
+    """Writes the report anew with what the robot did, and its log; the report, and the path of the log."""
+    told = with_live(data, live)
+    tell(written, live.performance, told)
+    log = written.report.with_name("servos.npz")
+    write_log(live_log(live), live.performance.plan.facts.robot, log)
+    return told, log
+
+
+@contextmanager
+def _interrupted() -> Iterator[Callable[[], bool]]:
+    """Whether Ctrl-C has been pressed since the last call; it ends nothing else meanwhile."""
+    waiting: list[int] = []
+
+    def note(number: int, _frame: FrameType | None) -> None:
+        waiting.append(number)
+
+    before = signal.signal(signal.SIGINT, note)
+    try:
+        yield lambda: bool(waiting and waiting.pop())
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def _display(quiet: bool) -> Iterator[Callable[[Status], None]]:
+    """One line that tells how it goes, where there is a terminal."""
+    screen = Console(stderr=True)
+    if quiet or not screen.is_terminal:
+        yield lambda told: None
+        return
+    with Display(console=screen, transient=True) as display:
+        yield lambda told: display.update(_line(told))
+
+
+def _line(told: Status) -> str:
+    return (
+        f"{told.stage.value:9} {told.time:6.2f} s  {told.energised} servos on  {told.hottest:.0f} C  {told.volts:.1f} V"
+        f"{'' if not told.silent else f'  {told.silent} silent'}"
+    )

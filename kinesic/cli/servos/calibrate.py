@@ -1,0 +1,174 @@
+"""`kinesic servos calibrate`: zeros, directions and limits, from a robot that is moved by hand."""
+
+import sys
+from collections.abc import Callable, Iterator
+from math import inf
+from pathlib import Path
+
+import click
+import numpy as np
+from rich.live import Live
+from rich.table import Table
+
+from kinesic.body.calibration import Calibration, calibration_path, read_calibration
+from kinesic.body.config import ConfigError
+from kinesic.body.robot import Robot
+from kinesic.body.servo import TICKS_PER_TURN
+from kinesic.cli.console import console
+from kinesic.cli.keyboard import pressed
+from kinesic.cli.servos.ports import all_ports, opened, robot_and_ports
+from kinesic.hardware.protocol.device import Change
+from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.protocol.robots import load_robot
+from kinesic.hardware.protocol.ticks import Ticks
+from kinesic.hardware.protocol.wire import BusError
+from kinesic.hardware.supervisor.axes import Axes, Snapshot
+from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.hardware.supervisor.preflight import prepared
+from kinesic.hardware.tools.calibration import Mark, Travel, calibration, calibration_text, marks
+from kinesic.hardware.tools.directions import positive_way
+
+LOOK = 0.05  # [s] between two looks
+FIRST_LOOK = 2.0  # [s] in which all servos must have answered
+ZERO = (
+    "Hold the robot in its zero posture, every hinge at 0 degrees (upper22: arms hang, palms to the thighs, head up)."
+)
+TURN = "Turn every hinge by hand: first the way the table says, then through all its range."
+WHOLE_TURN = {Register.MIN_POSITION_LIMIT: 0, Register.MAX_POSITION_LIMIT: TICKS_PER_TURN - 1}
+ENTER = {"\n", "\r"}
+
+
+@click.command()
+@robot_and_ports
+@click.option("--yes", is_flag=True, help="Does not ask: the robot stands at zero now.")
+@click.option("--seconds", type=click.FloatRange(min=0.0), help="How long to look at most (default: until Enter).")
+def calibrate(robot: str, ports: tuple[str, ...], yes: bool, seconds: float | None) -> int:
+    """Writes ROBOT.calibration.toml, after every hinge was moved by hand. No servo gets torque."""
+    raw = Robot.load(robot, calibrated=False)
+    manifest = Manifest.of(raw)
+    paths = all_ports(ports, manifest.bauds)
+    asks = not yes or seconds is None
+    if asks and not sys.stdin.isatty():
+        raise ConfigError("standard input is no terminal; give --yes and --seconds N")
+    before = read_calibration(raw.path, raw.name)
+    with opened(manifest, paths) as wires:
+        axes = prepared(manifest, wires, period=LOOK)
+        limp(axes)
+        for change in freed(axes):
+            click.echo(f"servo {change.servo}: {change.register.name} {change.before} -> {change.after}")
+        travel = begun(axes, ask=not yes)
+        with pressed() as keys:
+            travel = followed(axes, raw, travel, seconds=inf if seconds is None else seconds, keys=keys)
+        found = calibration(travel, manifest, raw, before)
+    path = _written(found, raw)
+    load_robot(robot)
+    _tell(found, marks(travel, manifest, raw))
+    click.echo(f"calibration: {path}")
+    return 0
+
+
+def _written(found: Calibration, robot: Robot) -> Path:
+    path = calibration_path(robot.path)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(calibration_text(found, robot), encoding="utf-8")
+    except OSError as error:
+        raise ConfigError(f"{path}: {error.strerror}") from None
+    return path
+
+
+def limp(axes: Axes) -> Snapshot:
+    """How all servos are, none of which has torque.
+
+    Raises:
+        BusError: a servo has torque, or is silent.
+    """
+    for snapshot in _looks(axes, FIRST_LOOK):
+        held = [axes.where(k) for k in np.flatnonzero(snapshot.torque).tolist()]
+        if held:
+            raise BusError(f"{held[0]}: has torque, like {len(held) - 1} others; let go with `kinesic servos release`")
+        if snapshot.recent.all():
+            return snapshot
+    raise BusError("not all servos answer at once; `kinesic servos doctor` tells which and why")
+
+
+def freed(axes: Axes) -> list[Change]:
+    """Lets servos count their ticks as they will when they are driven, and through a whole turn.
+
+    Position limits were counted from the zeros before; the next start sets them anew.
+    """
+    return [
+        change
+        for member in axes.manifest.members
+        for change in axes.cold(member.bus).configure(member.id, {**member.lasting, **WHOLE_TURN})
+    ]
+
+
+def begun(axes: Axes, *, ask: bool) -> Travel:
+    """Where the servos stand in the zero posture.
+
+    Raises:
+        BusError: a servo has torque, or is silent.
+    """
+    if ask:
+        click.echo(ZERO)
+        click.prompt("Then press Enter", default="", show_default=False, prompt_suffix="")
+    return Travel.begin(ticks(limp(axes)))
+
+
+def followed(axes: Axes, robot: Robot, travel: Travel, *, seconds: float, keys: Callable[[], str]) -> Travel:
+    """Watches hands at work, until Enter, until the time is over, or until all has been seen."""
+    manifest = axes.manifest
+    click.echo(f"{TURN} Enter ends.")
+    with Live(console=console(), refresh_per_second=8) as live:
+        for snapshot in _looks(axes, seconds):
+            travel = travel.seen(ticks(snapshot), manifest)
+            found = marks(travel, manifest, robot)
+            live.update(_table(found, robot))
+            if ENTER & set(keys()) or all(mark.whole for mark in found):
+                break
+    if not sys.stdout.isatty():
+        click.echo()  # Live leaves the last line open in a file
+    return travel
+
+
+def ticks(snapshot: Snapshot) -> Ticks:
+    """(m,) where the servos are, the turns counted; of one that was not heard, where it was."""
+    return snapshot.records["position"].astype(np.int64)
+
+
+def _looks(axes: Axes, seconds: float) -> Iterator[Snapshot]:
+    """Looks again and again, for some time [s]."""
+    end = axes.now() + seconds
+    while axes.now() <= end:
+        snapshot = axes.cycle(None)
+        yield snapshot
+        axes.sleep(snapshot.time + LOOK)
+
+
+def _table(found: tuple[Mark, ...], robot: Robot) -> Table:
+    names = ("hinge", "id", "zero", "deg", "first turn it so that", "way", "moved deg", "range deg", "")
+    table = Table(*names, box=None, header_style="bold")
+    ways = {1: "as its servo", -1: "inverted", 0: "?"}
+    for joint, mark in enumerate(found):
+        table.add_row(
+            mark.hinge,
+            ", ".join(str(servo) for servo in mark.ids),
+            str(mark.zero_ticks),
+            f"{mark.here:.1f}",
+            positive_way(robot, joint),
+            ways[mark.way],
+            f"{mark.least:.0f}..{mark.most:.0f}",
+            f"{mark.lower:.0f}..{mark.upper:.0f}",
+            "[green]whole[/]" if mark.whole else "",
+        )
+    return table
+
+
+def _tell(found: Calibration, seen: tuple[Mark, ...]) -> None:
+    """What the file says that one may not expect."""
+    still = [mark.hinge for mark in seen if mark.way == 0]
+    if still:
+        click.echo(f"not turned, so their directions and limits stay as they were: {', '.join(still)}")
+    for hinge, (least, most) in found.range_deg.items():
+        click.echo(f"{hinge} goes {least:g}..{most:g} deg only")

@@ -1,0 +1,78 @@
+"""Options that name a robot and the ports of its buses; and opening these."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+import click
+
+from kinesic.body.config import ConfigError, closest
+from kinesic.hardware.bus.ports import ports as ports_here
+from kinesic.hardware.bus.serial_wire import SerialWire
+from kinesic.hardware.protocol.wire import Wire
+from kinesic.hardware.supervisor.manifest import Manifest
+
+PORT_HELP = "Port of a bus, NAME=PATH, or PATH alone if there is one bus. Repeat for more."
+
+
+def robot_and_ports(verb: Callable[..., int]) -> Callable[..., int]:
+    """Adds --robot and --port."""
+    robot = click.option("--robot", default="upper22", show_default=True, help="Name, or a robot's TOML file.")
+    port = click.option("--port", "ports", multiple=True, metavar="NAME=PATH", help=PORT_HELP)
+    return robot(port(verb))
+
+
+def read_ports(given: Iterable[str], buses: Iterable[str]) -> dict[str, Path]:
+    """The port of each bus that is named.
+
+    Args:
+        given: NAME=PATH, or PATH if there is one bus.
+        buses: of the robot.
+
+    Raises:
+        ConfigError: a bus is unknown or named twice, or no port is given.
+    """
+    known, found = list(buses), dict[str, Path]()
+    for text in given:
+        name, sign, path = text.partition("=")
+        if not sign and len(known) == 1:
+            name, path = known[0], text
+        if name not in known:
+            raise ConfigError(f"--port {text}: no bus {name}{closest(name, known)}; give NAME=PATH")
+        if name in found or not path:
+            raise ConfigError(f"--port {text}: give one path for bus {name}")
+        found[name] = Path(path)
+    if not found:
+        here = ", ".join(str(path) for path in ports_here()) or "none that USB knows of"
+        wanted = " ".join(f"--port {name}=PATH" for name in known)
+        raise ConfigError(f"no port given; add {wanted}; serial ports here: {here}")
+    return found
+
+
+def all_ports(given: Iterable[str], buses: Iterable[str]) -> dict[str, Path]:
+    """The same, where every bus must have its port.
+
+    Raises:
+        ConfigError: one has none.
+    """
+    known = list(buses)
+    found = read_ports(given, known)
+    missing = " ".join(f"--port {name}=PATH" for name in known if name not in found)
+    if missing:
+        raise ConfigError(f"a bus has no port; add {missing}")
+    return found
+
+
+@contextmanager
+def opened(manifest: Manifest, ports: Mapping[str, Path]) -> Iterator[dict[str, Wire]]:
+    """Open wires, at the baud rates of the robot's buses; closed at the end.
+
+    Raises:
+        BusError: a port does not open.
+    """
+    with ExitStack() as closing:
+        wires: dict[str, Wire] = {}
+        for name, path in ports.items():
+            wires[name] = wire = SerialWire(path, manifest.bauds[name])
+            closing.callback(wire.close)
+        yield wires

@@ -1,0 +1,68 @@
+"""`kinesic servos show`: how every servo of a robot is."""
+
+import json
+from dataclasses import asdict
+from math import isnan
+
+import click
+from rich.table import Table
+
+from kinesic.cli.console import console
+from kinesic.cli.servos.ports import opened, read_ports, robot_and_ports
+from kinesic.hardware.protocol.robots import load_robot
+from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.hardware.tools.survey import Seen, survey
+
+FAULT = 3
+
+
+@click.command()
+@robot_and_ports
+@click.option("--json", "as_json", is_flag=True, help="Prints the table as JSON.")
+def show(robot: str, ports: tuple[str, ...], as_json: bool) -> int:
+    """Shows every servo, and what in it differs from what the robot's file wants; nothing is changed."""
+    manifest = Manifest.of(load_robot(robot))
+    with opened(manifest, read_ports(ports, manifest.bauds)) as wires:
+        found = survey(manifest, wires)
+    if as_json:
+        click.echo(json.dumps([_plain(seen) for seen in found], indent=1))
+    else:
+        console().print(_table(found))
+    return FAULT if any(seen.errors or not seen.right for seen in found) else 0
+
+
+def _table(found: tuple[Seen, ...]) -> Table:
+    names = ("hinge", "id", "model", "firmware", "deg", "C", "V", "torque", "errors", "differs from the robot's file")
+    table = Table(*names, box=None, header_style="bold")
+    for seen in found:
+        place = (seen.member.hinge, str(seen.member.id))
+        if not seen.found:
+            table.add_row(*place, "[red]does not answer[/]")
+        elif not seen.right:
+            table.add_row(*place, f"[red]{seen.found}, must be {seen.member.model.name}[/]", str(seen.firmware))
+        else:
+            state = (f"{seen.degrees:.1f}", str(seen.celsius), f"{seen.volts:.1f}", "on" if seen.torque else "off")
+            errors = f"[red]{', '.join(seen.errors)}[/]" if seen.errors else ""
+            table.add_row(*place, seen.found, str(seen.firmware), *state, errors, _differences(seen))
+    return table
+
+
+def _differences(seen: Seen) -> str:
+    return ", ".join(f"{change.register.name} {change.before} (-> {change.after})" for change in seen.differs)
+
+
+def _plain(seen: Seen) -> dict[str, object]:
+    return {
+        "bus": seen.member.bus,
+        "id": seen.member.id,
+        "hinge": seen.member.hinge,
+        "model": seen.found or None,
+        "wanted_model": seen.member.model.name,
+        "firmware": seen.firmware,
+        "deg": None if isnan(seen.degrees) else seen.degrees,
+        "celsius": seen.celsius,
+        "volts": seen.volts,
+        "torque": seen.torque,
+        "errors": list(seen.errors),
+        "differs": [asdict(change) | {"register": change.register.name} for change in seen.differs],
+    }

@@ -1,0 +1,125 @@
+"""`kinesic study`: a perception study of the face, from its stimuli to its tables (thesis 4.4)."""
+
+import json
+from math import isnan
+from pathlib import Path
+
+import click
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
+from kinesic.body.config import ConfigError
+from kinesic.cli.console import console
+from kinesic.face.display import DisplayError
+from kinesic.face.render.presets import PRESETS
+from kinesic.report.folders import emptied, free_folder
+from kinesic.report.report import Json
+from kinesic.studies.perception.analysis import MEASURES, Cell, Choices, Comparison, compared, first_choices
+from kinesic.studies.perception.answers import LABELS, read_answers
+from kinesic.studies.perception.design import stimuli
+from kinesic.studies.perception.page import write_page
+from kinesic.studies.perception.stimuli import draw
+
+EFFECTS = {
+    "intensity": ("strength", ("high", "low")),
+    "presentation": ("presentation", ("animation", "image")),
+    "wrinkles": ("wrinkles", ("with", "without")),
+}
+
+
+@click.group()
+def study() -> None:
+    """Asks people what they see in the face, with and without wrinkles."""
+
+
+@study.command()
+@click.option("--out", type=click.Path(path_type=Path), help="Folder of the study (default: out/study-TIME).")
+@click.option("--force", is_flag=True, help="Replaces an existing folder.")
+@click.option("--size", type=click.IntRange(64, 1024), default=384, show_default=True, help="Pixels along a side.")
+@click.option("--preset", type=click.Choice(list(PRESETS)), default="normal", show_default=True)
+@click.option("--post-to", default="", metavar="URL", help="Where answers are sent too, as CSV.")
+def make(out: Path | None, force: bool, size: int, preset: str, post_to: str) -> int:
+    """Draws all 128 faces and writes the page that shows them and asks."""
+    folder = emptied(free_folder(out, "study", force=force))
+    wanted = stimuli()
+    try:
+        with Progress(console=Console(stderr=True), transient=True) as progress:
+            task = progress.add_task("faces", total=len(wanted))
+            for _ in draw(wanted, folder / "stimuli", size=size, preset=PRESETS[preset]):
+                progress.advance(task)
+    except DisplayError as error:
+        raise ConfigError(str(error)) from None
+    write_page(folder / "index.html", post_to=post_to)
+    click.echo(f"page: {folder / 'index.html'}")
+    return 0
+
+
+@study.command()
+@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--json", "as_json", is_flag=True, help="Prints the tables as JSON.")
+def analyse(files: tuple[Path, ...], as_json: bool) -> int:
+    """Compares the conditions in FILES, the answers (CSV) of all participants."""
+    answers = read_answers(files)
+    effects = {name: compared(answers, *sides) for name, sides in EFFECTS.items()}
+    choices = first_choices(answers)
+    if as_json:
+        tables: dict[str, Json] = {name: _rows(effect) for name, effect in effects.items()}
+        shares: list[Json] = [
+            {"action": action, "wrinkles": side, "share": _number(share), "answers": choices.counts[action, side]}
+            for (action, side), share in choices.shares.items()
+        ]
+        click.echo(json.dumps({"answers": len(answers), **tables, "first_choice": shares}, indent=1))
+        return 0
+    screen = console()
+    screen.print(f"{len(answers)} answers; bold: different, p < 0.05 (Mann-Whitney)")
+    for name, effect in effects.items():
+        screen.print(_table(name, effect))
+    screen.print(_choices(choices))
+    return 0
+
+
+def _table(name: str, effect: Comparison) -> Table:
+    """Means of both sides, as in Tables 4.3 and 4.4, and what the test says."""
+    heads = [f"{side}\n{measure}" for side in effect.sides for measure in MEASURES]
+    table = Table("AU", title=f"effect of {name}", title_justify="left", box=None)
+    for head in (*heads, *(f"p\n{measure}" for measure in MEASURES)):
+        table.add_column(head, justify="right")
+    for action in LABELS:
+        cells = [effect.cells[action, measure] for measure in MEASURES]
+        table.add_row(action, *(_mean(cell, side) for side in (0, 1) for cell in cells), *(_p(cell) for cell in cells))
+    return table
+
+
+def _mean(cell: Cell, side: int) -> str:
+    text = "-" if isnan(cell.means[side]) else f"{cell.means[side]:.2f}"
+    return f"[bold]{text}[/]" if cell.significant else text
+
+
+def _p(cell: Cell) -> str:
+    return "-" if isnan(cell.p) else f"{cell.p:.3f}"
+
+
+def _choices(choices: Choices) -> Table:
+    table = Table("wrinkles", *LABELS, title="first choice", title_justify="left", box=None)
+    for side in ("with", "without"):
+        shares = [choices.shares[action, side] for action in LABELS]
+        table.add_row(side, *("-" if isnan(share) else f"{share:.2f}" for share in shares))
+    return table
+
+
+def _rows(effect: Comparison) -> list[Json]:
+    return [
+        {
+            "action": action,
+            "measure": measure,
+            **{side: _number(mean) for side, mean in zip(effect.sides, cell.means, strict=True)},
+            "answers": list(cell.counts),
+            "p": _number(cell.p),
+        }
+        for (action, measure), cell in effect.cells.items()
+    ]
+
+
+def _number(value: float) -> float | None:
+    return None if isnan(value) else value

@@ -1,0 +1,129 @@
+"""`kinesic sweep`: what a parameter of expressivity changes in a gesture, measured in the twin."""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+import click
+from rich.table import Table
+
+from kinesic.body.config import ConfigError
+from kinesic.cli.console import console
+from kinesic.cli.options import Settings, planning
+from kinesic.expressivity.style.style import RANGES
+from kinesic.report.folders import emptied, free_folder
+from kinesic.report.report import Json
+from kinesic.studies.sweep.measures import SHOWN, Measures
+from kinesic.studies.sweep.plots import draw
+from kinesic.studies.sweep.series import LATE, MEASURE_OF, STROKE, Played, Series, presets
+from kinesic.studies.sweep.series import sweep as play_series
+
+COLUMNS = ("stroke_error", "peak_speed", "path_length", "swept_volume", "jerk", "overshoot", "torso_travel")
+
+
+@click.command()
+@click.argument("gesture")
+@planning
+@click.option("--parameter", metavar="NAME", help=f"One of {', '.join(RANGES)}.")
+@click.option("--values", metavar="A,B,...", help="Values to play (default: five over the whole range).")
+@click.option("--all", "every", is_flag=True, help="Every parameter, and every preset of style.")
+@click.option("--out", type=click.Path(path_type=Path), help="Folder of figures (default: out/sweep-NAME-TIME).")
+@click.option("--force", is_flag=True, help="Replaces an existing folder.")
+@click.option("--json", "as_json", is_flag=True, help="Prints the measures as JSON.")
+def sweep(
+    gesture: str,
+    settings: Settings,
+    parameter: str | None,
+    values: str | None,
+    every: bool,
+    out: Path | None,
+    force: bool,
+    as_json: bool,
+) -> int:
+    """Plays GESTURE over the range of a parameter in the twin, measures and draws it."""
+    if every == (parameter is not None):
+        raise ConfigError("say --parameter NAME or --all; parameters are " + ", ".join(RANGES))
+    folder = free_folder(out, f"sweep-{gesture}", force=force)
+    known = settings.facts()
+    names = list(MEASURE_OF) if parameter is None else [parameter]
+    found = [play_series(gesture, name, known, values=_numbers(values)) for name in names]
+    styles = presets(gesture, known) if every else {}
+    data = _data(gesture, settings.style, found, styles)
+    pictures = _written(found, emptied(folder), data)
+    if as_json:
+        click.echo(json.dumps(data, indent=1))
+    else:
+        for series in found:
+            console().print(_table(series))
+        if styles:
+            console().print(_presets(styles))
+    for path in (folder / "sweep.json", *pictures):
+        click.echo(f"{path.suffix[1:]}: {path}", err=as_json)
+    in_time = all(series.in_time for series in found) and all(one.in_time for one in styles.values())
+    return 0 if in_time and all(series.monotone for series in found) else 1
+
+
+def _numbers(text: str | None) -> list[float]:
+    """`-1,0,1` as numbers."""
+    if text is None:
+        return []
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise ConfigError(f"--values is {text!r}; write numbers with commas between, such as -1,0,1") from None
+
+
+def _written(found: Sequence[Series], folder: Path, data: Json) -> list[Path]:
+    (folder / "sweep.json").write_text(json.dumps(data, indent=1), encoding="utf-8")
+    return [draw(series, folder / f"{series.parameter}.png") for series in found]
+
+
+def _data(gesture: str, style: str, found: Sequence[Series], styles: Mapping[str, Played]) -> dict[str, Json]:
+    series: list[Json] = [
+        {
+            "parameter": each.parameter,
+            "measure": MEASURE_OF[each.parameter].name,
+            "sign": MEASURE_OF[each.parameter].sign,
+            "monotone": each.monotone,
+            "worst_stroke_s": each.worst_stroke,
+            "played": [{"value": one.value, **asdict(one.measures)} for one in each.played],
+        }
+        for each in found
+    ]
+    named: dict[str, Json] = {name: asdict(one.measures) for name, one in styles.items()}
+    return {"gesture": gesture, "style": style, "stroke_s": STROKE, "series": series, "presets": named}
+
+
+def _table(series: Series) -> Table:
+    """One row per value, the parameter's own measure first."""
+    own = MEASURE_OF[series.parameter]
+    names = (own.name, *(name for name in COLUMNS if name != own.name))
+    verdict = "[green]monotone[/]" if series.monotone else "[red]not monotone[/]"
+    late = "" if series.in_time else f", [red]a stroke is more than {1000 * LATE:.0f} ms off[/]"
+    table = _titled(f"{series.gesture}: {series.parameter} ({verdict}{late})", series.parameter, names)
+    for one in series.played:
+        table.add_row(f"{one.value:g}", *_cells(one.measures, names))
+    return table
+
+
+def _presets(styles: Mapping[str, Played]) -> Table:
+    names = ("stroke_speed", "energy", "elbow_offset", *COLUMNS)
+    table = _titled("presets", "style", names)
+    for name, one in styles.items():
+        mark = "" if one.in_time else "[red]late [/]"
+        table.add_row(mark + name, *_cells(one.measures, names))
+    return table
+
+
+def _titled(title: str, first: str, names: Sequence[str]) -> Table:
+    heads = [f"{SHOWN[name].words}\n{SHOWN[name].unit}" for name in names]
+    table = Table(first, title=title, title_justify="left", box=None)
+    for head in heads:
+        table.add_column(head, justify="right")
+    return table
+
+
+def _cells(measures: Measures, names: Sequence[str]) -> list[str]:
+    found = [(getattr(measures, name), SHOWN[name].scale) for name in names]
+    return ["-" if value is None else f"{value * scale:.3g}" for value, scale in found]

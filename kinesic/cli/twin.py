@@ -1,0 +1,100 @@
+"""`kinesic twin`: makes the twin like a robot that was measured."""
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import cast
+
+import click
+import numpy as np
+from rich.table import Table
+
+from kinesic.body.config import ConfigError
+from kinesic.cli.console import console
+from kinesic.hardware.protocol.robots import load_robot
+from kinesic.sim.fit import Estimate, Fit
+from kinesic.sim.fit import fit as fit_log
+from kinesic.sim.fit_parameters import DEFAULT, FIGURES, Figure
+from kinesic.sim.log import FORMAT, read_log
+
+
+@click.group()
+def twin() -> None:
+    """Fits the twin to a robot."""
+
+
+@twin.command(
+    epilog=f"LOG is an {FORMAT}. `kinesic perform` writes one of the twin, measured.npz, beside its report. Quick and "
+    "wide motion of every hinge tells most; 5 to 20 s are enough."
+)
+@click.argument("log", type=click.Path(path_type=Path))
+@click.option("--robot", default="upper22", show_default=True, help="Name, or a robot's TOML file.")
+@click.option(
+    "--free",
+    multiple=True,
+    type=click.Choice(FIGURES),
+    default=DEFAULT,
+    show_default=True,
+    help="Figures that may differ from the data sheets; repeat it. mass only without stall.",
+)
+@click.option("--out", type=click.Path(path_type=Path, dir_okay=False), help="TOML of factors, for --twin.")
+@click.option("--force", is_flag=True, help="Replaces an existing file.")
+@click.option("--json", "as_json", is_flag=True, help="Prints the estimates as JSON.")
+def fit(log: Path, robot: str, free: tuple[str, ...], out: Path | None, force: bool, as_json: bool) -> int:
+    """Fits servo factors to LOG, and says which of them it cannot tell."""
+    if out is not None and out.exists() and not force:
+        raise ConfigError(f"{out} exists already; --force replaces it, --out names another")
+    body = load_robot(robot)
+    try:
+        found = fit_log(read_log(log, body), body, free=cast(tuple[Figure, ...], free))
+    except ValueError as error:
+        raise ConfigError(f"--free: {error}") from None
+    if as_json:
+        click.echo(json.dumps(_data(found), indent=1))
+    else:
+        console().print(_table(found))
+        click.echo(_summary(found))
+    if out is not None:
+        out.write_text(_toml(found, log), encoding="utf-8")
+        click.echo(f"factors: {out}", err=as_json)
+    return 0
+
+
+def _table(found: Fit) -> Table:
+    table = Table("figure", "factor or s", "+-", "", box=None, header_style="bold")
+    for estimate in found.estimates:
+        cells = ("as in the sheet", "") if estimate.why else (f"{estimate.value:.4f}", f"{estimate.deviation:.4f}")
+        table.add_row(str(estimate.unknown), *cells, estimate.why)
+    return table
+
+
+def _summary(found: Fit) -> str:
+    before, after = np.degrees([found.before, found.after])
+    told = sum(not estimate.why for estimate in found.estimates)
+    return f"{told} of {len(found.estimates)} figures told; twin minus log {before:.3f} -> {after:.3f} deg RMS"
+
+
+def _data(found: Fit) -> dict[str, object]:
+    return {
+        "estimates": [
+            {**asdict(e.unknown), "value": e.value, "deviation": e.deviation, "why": e.why} for e in found.estimates
+        ],
+        "before_deg": float(np.degrees(found.before)),
+        "after_deg": float(np.degrees(found.after)),
+    }
+
+
+def _toml(found: Fit, log: Path) -> str:
+    """The factors, each with its standard deviation, and in comments what the log does not tell."""
+    lines = [f"# Fitted by `kinesic twin fit` from {log.name}. {_summary(found)}."]
+    servos = list(dict.fromkeys(estimate.unknown.servo for estimate in found.estimates))
+    for servo in sorted(servos):  # the whole robot's first
+        lines += ["", f"[servos.{servo}]"] if servo else []
+        lines += [_line(estimate) for estimate in found.estimates if estimate.unknown.servo == servo]
+    return "\n".join(lines) + "\n"
+
+
+def _line(estimate: Estimate) -> str:
+    if estimate.why:
+        return f"# {estimate.unknown.figure}: {estimate.why}"
+    return f"{estimate.unknown.figure} = {estimate.value:.6g}  # +- {estimate.deviation:.2g}"

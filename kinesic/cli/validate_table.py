@@ -1,0 +1,87 @@
+"""Many verdicts on one screen: what was refused or failed, then documents by folder, then the checks."""
+
+from os.path import commonpath
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from kinesic.report.batch_totals import OUTCOMES, SHARES, counts, tallies
+from kinesic.report.validate import Verdict
+
+MOST_ROWS = 16  # of folders; with more, folders are counted together
+
+
+def summarise(verdicts: list[Verdict], screen: Console) -> None:
+    """Prints everything that somebody who looks for trouble wants to know."""
+    if not verdicts:
+        screen.print("no documents")
+        return
+    _print_trouble(verdicts, screen)
+    screen.print(_folders(verdicts))
+    screen.print(_checks(verdicts))
+
+
+def _print_trouble(verdicts: list[Verdict], screen: Console) -> None:
+    """One line for each document that is refused or crashed, and each check that failed."""
+    lines = [f"{verdict.outcome:8} {verdict.error}" for verdict in verdicts if verdict.error]
+    lines += [
+        f"failed   {verdict.file}: {check.name} {check.value:.4g} {check.unit} (limit {check.limit:.4g}) {check.where}"
+        for verdict in verdicts
+        for check in verdict.checks
+        if check.status == "fail"
+    ]
+    for line in lines:
+        screen.print(line, highlight=False, markup=False, soft_wrap=True)
+    if lines:
+        screen.print()
+
+
+def _folders(verdicts: list[Verdict]) -> Table:
+    """Documents and behaviours by folder."""
+    columns = ("documents", *OUTCOMES, "failed", *SHARES)
+    shown = [column for column in columns if column != "crashed" or counts(verdicts)[column]]
+    table = Table("folder", box=None, header_style="bold")
+    for column in shown:
+        table.add_column(column, justify="right")
+    groups: dict[str, list[Verdict]] = {}
+    for verdict, name in zip(verdicts, _groups([Path(verdict.file).parent for verdict in verdicts]), strict=True):
+        groups.setdefault(name, []).append(verdict)
+    rows = [*groups.items(), ("all", verdicts)] if len(groups) > 1 else [*groups.items()]
+    for name, here in rows:
+        found = counts(here)
+        table.add_row(name, *(str(found[column]) for column in shown), style="bold" if here is verdicts else "")
+    return table
+
+
+def _groups(folders: list[Path]) -> list[str]:
+    """For each folder, the part of its name that tells it from the others, cut so that there are few of them."""
+    root = Path(commonpath([str(folder.absolute()) for folder in folders]))
+    parts = [folder.absolute().relative_to(root).parts for folder in folders]
+    deepest = max(len(part) for part in parts)
+    cuts = [[Path(*part[:depth]) for part in parts] for depth in range(deepest, 0, -1)]
+    few = next((cut for cut in cuts if len(set(cut)) <= MOST_ROWS), cuts[-1] if cuts else [Path()] * len(parts))
+    return [root.name if cut == Path() else str(cut) for cut in few]
+
+
+def _checks(verdicts: list[Verdict]) -> Table:
+    """Every check over all documents, with its worst value."""
+    table = Table("check", box=None, header_style="bold")
+    for column in ("pass", "warn", "fail", "worst", "limit"):
+        table.add_column(column, justify="right")
+    for column in ("unit", "worst where", "in"):
+        table.add_column(column, overflow="ellipsis", no_wrap=True)
+    for tally in tallies(verdicts):
+        passed, warned, failed = tally.counts
+        table.add_row(
+            tally.name,
+            str(passed),
+            f"[yellow]{warned}[/]" if warned else "0",
+            f"[red]{failed}[/]" if failed else "0",
+            f"{tally.worst.value:.3g}",
+            f"{tally.worst.limit:.3g}",
+            tally.worst.unit,
+            tally.worst.where,
+            Path(tally.file).name if tally.worst.where else "",
+        )
+    return table

@@ -1,0 +1,202 @@
+"""A performance on the robot: what was planned goes to its servos, and what they tell is kept.
+
+All commands are handed over at once: the supervisor keeps them, owns the time from then on, and folds the robot to
+rest at the end. Here is only listened, and handed on what somebody at the keyboard wants.
+"""
+
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from kinesic.body.arrays import Flags, Floats, sealed
+from kinesic.controller.arrival import lags, paths
+from kinesic.controller.feedforward import lead
+from kinesic.controller.performance import Performance
+from kinesic.controller.play import RATE, commands, ticks
+from kinesic.controller.reference import MOVING
+from kinesic.hardware.protocol.wire import BusError
+from kinesic.hardware.servos import Servos
+from kinesic.hardware.supervisor.channel import Note, Status
+from kinesic.hardware.supervisor.state_machine import Stage
+from kinesic.planning.syncs import SyncTime
+
+DELAY = 0.002  # [s] from a command's time until its goals have gone over the wire
+LOOK = 0.02  # [s] between two looks at supervisor and keyboard
+FULL = 0.999  # scale of time that is all of it
+RUNNING = frozenset({Stage.ACTIVE, Stage.DEGRADED})  # performance time runs, or comes to a stop
+
+Wish = Literal["go on", "stop", "end"]  # "stop": at once; "end": fold to rest
+Ending = Literal["performed", "ended", "stopped", "failed"]
+
+
+@dataclass(frozen=True, eq=False)
+class Live:
+    """What the servos did with a plan."""
+
+    performance: Performance  # of the twin, with the plan
+    history: tuple[Status, ...]  # of every cycle in which performance time ran
+    notes: tuple[Note, ...]
+    ending: Ending
+    why: str = ""  # it failed
+
+    @cached_property
+    def _rows(self) -> tuple[Status, ...]:
+        """Those in which time went on and every servo was heard."""
+        found: list[Status] = []
+        for told in self.history:
+            if (not found or told.time > found[-1].time) and np.isfinite(
+                [*told.angles, *told.goals, *told.taken]
+            ).all():
+                found.append(told)
+        return tuple(found)
+
+    @cached_property
+    def clocks(self) -> Floats:
+        """(k,) [s] since the first."""
+        return sealed([told.clock - self._rows[0].clock for told in self._rows])
+
+    @cached_property
+    def times(self) -> Floats:
+        """(k,) [s] performance time."""
+        return sealed([told.time for told in self._rows])
+
+    @cached_property
+    def angles(self) -> Floats:
+        """(k, n) [rad] measured, each at its own time."""
+        return self._table("angles")
+
+    @cached_property
+    def taken(self) -> Floats:
+        """(k, n) [s] since the first row's clock when each angle was measured."""
+        return sealed(self._table("taken") - (self._rows[0].clock if self._rows else 0.0))
+
+    @cached_property
+    def followed(self) -> Floats:
+        """(k, n) [rad] measured, as it was at the clock of each row."""
+        if not self._rows:
+            return self.angles
+        joints = [np.interp(self.clocks, taken, seen) for taken, seen in zip(self.taken.T, self.angles.T, strict=True)]
+        return sealed(np.transpose(joints).reshape(self.angles.shape))
+
+    @cached_property
+    def goals(self) -> Floats:
+        """(k, n) [rad] sent."""
+        return self._table("goals")
+
+    def _table(self, name: Literal["angles", "goals", "taken"]) -> Floats:
+        joints = len(self.performance.plan.facts.robot.skeleton.hinges)
+        return sealed(np.reshape([getattr(told, name) for told in self._rows], (len(self._rows), joints)))
+
+    @cached_property
+    def errors(self) -> Floats:
+        """(k, n) [rad] measured minus planned at the performance time when it was measured.
+
+        NaN where nothing new was measured, where the hinge is not moving, and while time is slowed down: the plan's
+        speeds do not hold then.
+        """
+        if not self._rows:
+            return self.angles
+        trajectory = self.performance.plan.trajectory
+        planned = np.empty((2, *self.angles.shape))
+        for k, taken in enumerate(self.taken.T):
+            found = trajectory.sample(np.interp(taken, self.clocks, self.times))
+            planned[:, :, k] = found[0][:, k], found[1][:, k]
+        moving: Flags = np.abs(planned[1]) > MOVING * self.performance.plan.facts.limits.speed
+        whole = np.array([[told.scale > FULL] for told in self._rows], dtype=np.bool_).reshape(-1, 1)
+        news: Flags = np.diff(self.taken, axis=0, prepend=-np.inf) > 0.0
+        return np.where(moving & whole & news, self.angles - planned[0], np.nan)
+
+    @cached_property
+    def performed(self) -> float:
+        """Share of the plan that was performed, whether every servo was heard or not."""
+        end = self.performance.reference.times[-1]
+        reached = max((told.time for told in self.history if np.isfinite(told.time)), default=0.0)
+        return float(reached / end) if end > 0.0 else 0.0
+
+    @cached_property
+    def lags(self) -> dict[SyncTime, float | None]:
+        """How much later than planned each sync point was met by the robot [s]; None: never."""
+        wanted = self.performance.reference.arrivals
+        if len(self.times) < 2:
+            return dict.fromkeys(wanted)
+        return lags(wanted, self.times, paths(self.followed, self.performance.plan.facts.robot))
+
+
+def perform_live(
+    performance: Performance,
+    servos: Servos,
+    *,
+    wish: Callable[[], Wish] = lambda: "go on",
+    shown: Callable[[Status], None] = lambda told: None,
+) -> Live:
+    """Lets the servos perform what a twin has performed before; returns when the robot is limp again.
+
+    Args:
+        performance: of the twin.
+        servos: opened, and closed here.
+        wish: asked every `LOOK` seconds. A second "stop" lets go of servos that hold.
+        shown: is told how it goes.
+    """
+    plan = performance.plan
+    times = ticks(plan.duration)
+    setpoints = lead(
+        plan.trajectory, times, plan.facts.robot, plan.facts.dynamics, period=1 / RATE, delay=DELAY, terms="full"
+    )
+    history: list[Status] = []
+    notes: list[Note] = []
+    asked: list[Wish] = []
+    with ThreadPoolExecutor(1) as pool:
+        try:
+            for command in commands(plan.trajectory, times, setpoints):
+                servos.write(command)
+        finally:
+            closing = pool.submit(servos.close)
+        while not closing.done():
+            _listen(servos, history, notes, shown)
+            _obey(servos, wish(), asked)
+            time.sleep(LOOK)
+    _listen(servos, history, notes, shown)
+    error = closing.exception()
+    if error is not None and not isinstance(error, BusError):
+        raise error
+    ran = tuple(told for told in history if told.stage in RUNNING)
+    ending, why = _ending(history, asked, error)
+    return Live(performance, ran, tuple(notes), ending, why or _last_failure(notes) if ending == "failed" else why)
+
+
+def _listen(servos: Servos, history: list[Status], notes: list[Note], shown: Callable[[Status], None]) -> None:
+    news = servos.history()
+    history += news
+    notes += servos.events()
+    if news:
+        shown(news[-1])
+
+
+def _obey(servos: Servos, wish: Wish, asked: list[Wish]) -> None:
+    if wish == "go on":
+        return
+    if wish == "stop" and "stop" not in asked:
+        servos.stop()
+    else:
+        servos.release()
+    asked.append(wish)
+
+
+def _ending(history: list[Status], asked: list[Wish], error: BaseException | None) -> tuple[Ending, str]:
+    if error is not None:
+        return "failed", str(error)
+    if any(told.faulty for told in history):
+        return "failed", ""
+    if asked:
+        return ("stopped" if "stop" in asked else "ended"), ""
+    return "performed", ""
+
+
+def _last_failure(notes: list[Note]) -> str:
+    found = [note.text for note in notes if note.kind in ("failed", "refused", "error")]
+    return found[-1] if found else "a servo has failed"

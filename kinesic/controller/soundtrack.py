@@ -1,0 +1,57 @@
+"""What a performance sounds like: all its utterances on performance time."""
+
+import wave
+from math import gcd
+from pathlib import Path
+
+import numpy as np
+
+from kinesic.bml.block import Speech
+from kinesic.body.utterance import Samples, Sound
+from kinesic.planning.plan import Plan
+
+LARGEST = 32767  # of a sample of 16 bits
+
+
+def sound(plan: Plan) -> Sound | None:
+    """Mixes the utterances of a plan.
+
+    Returns:
+        One channel from performance time 0 to the end of the performance, at the highest rate of its parts; None when
+        nothing is heard.
+    """
+    parts = [
+        (plan.trajectory.zero + timed.times["start"], spoken)
+        for timed in plan.timeline.timed
+        if isinstance(timed.behaviour.action, Speech)
+        and (spoken := plan.utterances[timed.behaviour.id].sound) is not None
+    ]
+    if not parts:
+        return None
+    rate = max(spoken.rate for _, spoken in parts)
+    pieces = [(round(begin * rate), resampled(spoken, rate)) for begin, spoken in parts]
+    mixed = np.zeros(max(round(plan.duration * rate), *(first + len(piece) for first, piece in pieces)))
+    for first, piece in pieces:
+        mixed[first : first + len(piece)] += piece
+    return Sound.of(rate, mixed / max(1.0, np.abs(mixed).max()))
+
+
+def resampled(spoken: Sound, rate: int) -> Samples:
+    """The samples (m,) of a sound at another rate [Hz]."""
+    if spoken.rate == rate:
+        return spoken.samples
+    from scipy.signal import resample_poly  # noqa: PLC0415 - slow to import, and voices seldom differ
+
+    common = gcd(spoken.rate, rate)
+    samples: Samples = resample_poly(spoken.samples, rate // common, spoken.rate // common)
+    return samples
+
+
+def write_wav(spoken: Sound, path: Path) -> None:
+    """Writes a sound as WAV: one channel of 16 bits."""
+    whole = np.round(LARGEST * np.clip(spoken.samples, -1.0, 1.0)).astype("<i2")
+    with wave.open(str(path), "wb") as file:
+        file.setnchannels(1)
+        file.setsampwidth(2)
+        file.setframerate(spoken.rate)
+        file.writeframes(whole.tobytes())

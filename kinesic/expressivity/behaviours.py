@@ -1,0 +1,247 @@
+"""What each behaviour makes of itself: turns of head and torso, work for the hands, and what became of the wish."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import zip_longest
+
+from kinesic.bml.block import (
+    Block,
+    Gaze,
+    Gesture,
+    Head,
+    HeadDirectionShift,
+    Modality,
+    NoticeType,
+    Pointing,
+    Posture,
+    Timed,
+    Torso,
+)
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.expressivity import gaze, torso
+from kinesic.expressivity.hands.poses import REST, Poses, pointing_poses, poses
+from kinesic.expressivity.hands.strokes import Stroke
+from kinesic.expressivity.head import head_form, head_layer
+from kinesic.expressivity.keyframes import Outcome
+from kinesic.expressivity.lexicon.form import GestureForm
+from kinesic.expressivity.lexicon.lexicon import Lexicon, mirrored
+from kinesic.expressivity.moments import TOGETHER
+from kinesic.expressivity.places import find_target, unknown
+from kinesic.expressivity.style.pace import Pace
+from kinesic.expressivity.style.sources import manner_of
+from kinesic.expressivity.style.style import Expressivity, Style
+from kinesic.expressivity.turns import UPRIGHT, Layer, exclusive, passed
+
+REALISED = Outcome("realised")
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What behaviours are performed with."""
+
+    block: Block
+    style: Style
+    lexicon: Lexicon
+    pace: Pace
+    targets: Mapping[str, Floats]  # (3,) [m] in the world
+
+    @property
+    def robot(self) -> Robot:
+        """Who performs."""
+        return self.pace.robot
+
+    def manner(self, timed: Timed, modality: Modality | None = None) -> Expressivity:
+        """The manner of one behaviour, in its own modality or in another."""
+        return manner_of(self.style, self.block, timed.behaviour, modality)
+
+
+@dataclass(frozen=True)
+class Warned:
+    """Something that the sender should know of."""
+
+    type: NoticeType
+    text: str
+
+
+@dataclass(frozen=True, eq=False)
+class Move:
+    """One behaviour, ready to be gathered."""
+
+    outcome: Outcome = REALISED
+    head: tuple[Layer, ...] = ()
+    torso: tuple[Layer, ...] = ()
+    strokes: tuple[Stroke, ...] = ()
+    warnings: tuple[Warned, ...] = ()
+
+
+def dropped(why: str, type: NoticeType = NoticeType.CANNOT_CREATE_BEHAVIOR) -> Move:
+    """A behaviour that is left out."""
+    return Move(Outcome("dropped", why), warnings=(Warned(type, f"left out: {why}"),))
+
+
+def gesture_move(timed: Timed, action: Gesture, scene: Scene) -> Move:
+    """A gesture of the lexicon; a one-handed one whose mode is open may take either hand.
+
+    A deictic one with a target points at it.
+    """
+    match = scene.lexicon.find(action.lexeme, action.mode)
+    if match is None:
+        return dropped(f"the lexicon has no gesture for {action.lexeme}; `kinesic gestures list` shows what it has")
+    form = match.form
+    if not form.keys and not form.rest:
+        return dropped(f"gesture {form.id} has no stroke")
+    unmet = _unmet(action, form, scene)
+    if action.target is not None and not unmet:
+        return pointing_move(timed, Pointing(action.target, action.mode), scene)
+    manner = scene.manner(timed)
+    options = [form]
+    if action.mode == "unspecified" and len(form.sides) == 1 and not form.rest:
+        options.append(mirrored(form))
+    works = tuple(poses(option, scene.robot, manner) if option.keys else hanging(SIDES) for option in options)
+    outcome, warnings = substituted(match.substitute)
+    halves = action.mode == "unspecified"
+    stroke = Stroke(timed.behaviour.id, timed.times, works, form.rest, manner, halves=halves)
+    return Move(outcome, strokes=(stroke,), warnings=(*warnings, *unmet))
+
+
+def _unmet(action: Gesture, form: GestureForm, scene: Scene) -> tuple[Warned, ...]:
+    """Why a gesture does not meet its target; empty when it does, or has none."""
+    if action.target is None:
+        return ()
+    if find_target(action.target, scene.targets) is None:
+        return (Warned(NoticeType.NO_SUCH_TARGET, unknown(action.target, scene.targets)),)
+    if form.category != "deictic":
+        text = f"gesture {form.id} is no deictic one and leaves its target out"
+        return (Warned(NoticeType.CANNOT_CREATE_BEHAVIOR, text),)
+    return ()
+
+
+def pointing_move(timed: Timed, action: Pointing, scene: Scene) -> Move:
+    """Pointing at a place, with the hand on its side unless the mode says which."""
+    place = find_target(action.target, scene.targets)
+    if place is None:
+        return dropped(unknown(action.target, scene.targets), NoticeType.NO_SUCH_TARGET)
+    work: dict[Side, Poses] = {side: pointing_poses(place, side, scene.robot) for side in SIDES}
+    both = Poses({side: work[side].hands[side] for side in SIDES}, work["l"].stroke)
+    nearer = (work["l"], work["r"]) if place[1] > 0 else (work["r"], work["l"])
+    options = {"left": (work["l"],), "right": (work["r"],), "both": (both,), "unspecified": nearer}
+    return Move(
+        strokes=(Stroke(timed.behaviour.id, timed.times, options[action.mode], manner=scene.manner(timed, "gesture")),)
+    )
+
+
+def head_move(timed: Timed, action: Head, scene: Scene) -> Move:
+    """A nod, a shake or a direction."""
+    if not scene.robot.joints("neck"):
+        return _lacking("neck", scene)
+    form = head_form(action, scene.robot, scene.manner(timed))
+    outcome, warnings = substituted(form.substitute, form.clipped)
+    return Move(outcome, head=(head_layer(form, timed.times, scene.pace, scene.manner(timed)),), warnings=warnings)
+
+
+def torso_move(timed: Timed, action: Torso, scene: Scene) -> Move:
+    """A lean or a turn of the trunk that returns."""
+    if not scene.robot.joints("torso"):
+        return _lacking("torso", scene)
+    lean = torso.lean(action, scene.robot, scene.manner(timed).spatial)
+    if lean is None:
+        return dropped(f"torso movement {action.lexeme} is unknown; lean, recline, turn, left and right are known")
+    if lean.clipped and lean.turn == UPRIGHT:
+        return dropped(f"the trunk cannot: {lean.clipped}")
+    (layer,) = exclusive([torso.hold(lean.turn, timed.times, stays=False, pace=scene.pace)])
+    return Move(torso=(passed(layer, scene.manner(timed)),), warnings=_clipped(lean.clipped))
+
+
+def look_moves(looks: Sequence[Timed], scene: Scene) -> Mapping[str, Move]:
+    """Gazes and head directions, of which the later wins from its start; what stays is where others return to.
+
+    Args:
+        looks: behaviours with a Gaze or HeadDirectionShift, in any order.
+        scene: what they are performed with.
+    """
+    if not scene.robot.joints("neck"):
+        return {timed.behaviour.id: _lacking("neck", scene) for timed in looks}
+    moves: dict[str, Move] = {}
+    aims: list[gaze.Aim] = []
+    performed: list[Timed] = []
+    base = gaze.STRAIGHT
+    for timed, other in _in_turn(looks):
+        action = timed.behaviour.action
+        if other is not None:
+            why = f"{other.behaviour.id} looks elsewhere from the same moment"
+            moves[timed.behaviour.id] = dropped(why, NoticeType.IMPOSSIBLE_TO_SCHEDULE)
+            continue
+        if not isinstance(action, Gaze | HeadDirectionShift):
+            raise TypeError(f"{timed.behaviour.id} is a {type(action).__name__}, no gaze and no head direction")
+        aim = gaze.aim(action, block=scene.block, robot=scene.robot, targets=scene.targets, base=base)
+        if aim is None:
+            why = unknown(action.target or "", scene.targets)
+            moves[timed.behaviour.id] = dropped(why, NoticeType.NO_SUCH_TARGET)
+            continue
+        base = aim if stays(action) else base
+        aims.append(aim)
+        performed.append(timed)
+    return moves | _looked(performed, aims, scene)
+
+
+def _in_turn(looks: Sequence[Timed]) -> Iterator[tuple[Timed, Timed | None]]:
+    """Looks in order of their starts, each with another of its kind that takes its place before it has begun."""
+    ordered = sorted(looks, key=lambda timed: timed.times["start"])
+    for timed, other in zip_longest(ordered, ordered[1:]):
+        action = timed.behaviour.action
+        same = other is not None and type(other.behaviour.action) is type(action) and not stays(action)
+        at_once = same and other.times["start"] - timed.times["start"] < TOGETHER
+        yield timed, other if at_once else None
+
+
+def stays(action: object) -> bool:
+    """Whether a behaviour changes what others return to."""
+    return isinstance(action, HeadDirectionShift) or (isinstance(action, Gaze | Posture) and action.shift)
+
+
+def _looked(looks: Sequence[Timed], aims: Sequence[gaze.Aim], scene: Scene) -> dict[str, Move]:
+    """Looks with their layers, in the order of their starts."""
+    heads, trunks = (
+        [
+            gaze.hold(aim, timed.times, part=part, stays=stays(timed.behaviour.action), pace=scene.pace)
+            for aim, timed in zip(aims, looks, strict=True)
+        ]
+        for part in gaze.PARTS
+    )
+    head, trunk = exclusive(heads), exclusive(trunks)
+    moves: dict[str, Move] = {}
+    for k, (timed, aim) in enumerate(zip(looks, aims, strict=True)):
+        outcome, warnings = substituted(aim.substitute, aim.clipped, aim.missing)
+        if k + 1 < len(heads) and (leave := heads[k].leave) is not None and heads[k + 1].start < leave:
+            text = f"gives way to {looks[k + 1].behaviour.id} at {heads[k + 1].start:.2f} s"
+            warnings += (Warned(NoticeType.IMPOSSIBLE_TO_SCHEDULE, text),)
+        manner = scene.manner(timed)
+        here, below = passed(head[k], manner), moving(passed(trunk[k], manner))
+        moves[timed.behaviour.id] = Move(outcome, head=(here,), torso=below, warnings=warnings)
+    return moves
+
+
+def hanging(sides: Sequence[Side]) -> Poses:
+    """Arms that hang."""
+    return Poses(dict.fromkeys(sides, (REST,)), stroke=0)
+
+
+def moving(layer: Layer) -> tuple[Layer, ...]:
+    """The layer, unless it is upright all the time."""
+    return (layer,) if any(key.turn != UPRIGHT for key in layer) else ()
+
+
+def _lacking(part: str, scene: Scene) -> Move:
+    return dropped(f"robot {scene.robot.name} has no {part}", NoticeType.BEHAVIOR_TYPE_NOT_SUPPORTED)
+
+
+def _clipped(text: str) -> tuple[Warned, ...]:
+    return (Warned(NoticeType.CANNOT_CREATE_BEHAVIOR, text),) if text else ()
+
+
+def substituted(why: str, clipped: str = "", missing: str = "") -> tuple[Outcome, tuple[Warned, ...]]:
+    """The outcome of a behaviour that is performed, by something else if there is a reason, and its warnings."""
+    type = NoticeType.NO_SUCH_TARGET if missing else NoticeType.CANNOT_CREATE_BEHAVIOR
+    warnings = (Warned(type, why),) if why else ()
+    return Outcome("substituted", why) if why else REALISED, warnings + _clipped(clipped)

@@ -1,0 +1,1 @@
+"""Turns faces, eyes and speech into tracks of action units."""

@@ -1,0 +1,144 @@
+"""What eyes do by themselves and for a gaze: they blink, flit about, and look at something before the head does.
+
+Blinks come by chance, 4 s apart on average (A. R. Bentivoglio et al., Analysis of blink rate patterns in normal
+subjects, Movement Disorders 1997, has 17 in a minute at rest), with wide turns of the gaze, and when somebody begins to
+speak (W. S. Condon and W. D. Ogston, A segmentation of behavior, J. Psychiatric Research 1967). A saccade takes
+21 ms + 2.2 ms per degree (A. T. Bahill, M. R. Clark and L. Stark, The main sequence, Mathematical Biosciences 1975).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import degrees, radians
+
+import numpy as np
+
+from kinesic.body.action_units import ASIDE, DOWNWARD, UPWARD, channels
+from kinesic.body.arrays import Floats
+from kinesic.motion.easing import eased
+
+CLOSING, SHUT, OPENING = 0.06, 0.02, 0.10  # [s] of a blink
+LEAST_GAP, MEAN_GAP = 1.2, 4.0  # [s] between blinks
+WIDE_TURN = radians(20)  # of the gaze, that brings a blink with it
+FLITTING = radians(2.5)  # spread of saccades about what is looked at
+LEAST_REST, MEAN_REST = 0.5, 1.6  # [s] that eyes rest between them
+
+
+@dataclass(frozen=True)
+class Look:
+    """A direction that the gaze takes for a while, or for good."""
+
+    start: float  # [s]
+    left: float  # [rad] in the world, + left
+    up: float  # [rad] + up
+    end: float = np.inf  # [s] when the eyes leave it
+
+    @property
+    def angle(self) -> float:
+        """[rad] off straight ahead."""
+        return float(np.hypot(self.left, self.up))
+
+
+AHEAD = Look(-np.inf, 0.0, 0.0)  # where eyes are, whatever the head does, when nothing else is looked at
+
+
+@dataclass(frozen=True)
+class Habits:
+    """What the eyes do when nothing is asked."""
+
+    seed: int = 0  # of what is left to chance; the same seed gives the same motion
+    blinks: bool = True
+    saccades: bool = True
+
+
+def blink_times(
+    span: tuple[float, float], looks: Sequence[Look], seed: int, *, also: Sequence[float] = ()
+) -> tuple[float, ...]:
+    """When blinks begin [s], in order, at least `LEAST_GAP` apart; those with wide turns of the gaze first.
+
+    Args:
+        span: [s] from and to; a longer one has the same blinks and more.
+        looks: of the gaze.
+        seed: of the chance.
+        also: [s] other moments that bring a blink.
+    """
+    chance = np.random.default_rng((seed, 1))
+    turns = [moment for look in looks if look.angle > WIDE_TURN for moment in (look.start, look.end)] + [*also]
+    found: list[float] = []
+    for moment in sorted(turns):
+        if span[0] <= moment < span[1] and (not found or moment - found[-1] >= LEAST_GAP):
+            found.append(moment)
+    wanted = np.array(found)
+    now = span[0] + float(chance.exponential(MEAN_GAP - LEAST_GAP))
+    while now < span[1]:
+        if not np.any(np.abs(wanted - now) < LEAST_GAP):
+            found.append(now)
+        now += LEAST_GAP + float(chance.exponential(MEAN_GAP - LEAST_GAP))
+    return tuple(sorted(found))
+
+
+def blinking(begins: Sequence[float], times: Floats) -> Mapping[str, Floats]:
+    """Blinks as action units: key of Command.face -> (m,) 0..1 at (m,) times [s]."""
+    closed = np.zeros(len(times))
+    for begin in begins:
+        since = times - begin
+        shut = eased("minimum_jerk", since / CLOSING)
+        open_again = eased("minimum_jerk", (since - CLOSING - SHUT) / OPENING)
+        np.maximum(closed, shut - open_again, out=closed)
+    return dict.fromkeys(channels(45), closed)
+
+
+def flitting(span: tuple[float, float], times: Floats, seed: int) -> Floats:
+    """(m, 2) [rad] left and up, by which eyes stray from what they look at, in small saccades.
+
+    Args:
+        span: [s] in which they do.
+        times: (m,) [s].
+        seed: of the chance.
+    """
+    chance = np.random.default_rng((seed, 2))
+    found = np.zeros((len(times), 2))
+    now, place = span[0], np.zeros(2)
+    while now < span[1]:
+        now += LEAST_REST + float(chance.exponential(MEAN_REST - LEAST_REST))
+        away = chance.normal(0.0, FLITTING, 2) * (1.0, 0.5) * (chance.uniform() < 0.6)  # as often as not back again
+        step = np.clip(away, -2 * FLITTING, 2 * FLITTING) - place
+        found += step * _saccade(times, now, float(np.hypot(*step)))[:, None]
+        place = place + step
+    return found
+
+
+def looking(looks: Sequence[Look], times: Floats, head: Floats) -> Floats:
+    """(m, 2) [rad] left and up in the head: where eyes turn to look, ahead of the head, and then held on it.
+
+    Args:
+        looks: of the gaze, in order; a later one takes the place of an earlier one.
+        times: (m,) [s].
+        head: (m, 2) [rad] left and up in the world, where the head points at these times.
+    """
+    found = np.zeros((len(times), 2))
+    for look in looks:
+        there = _saccade(times, look.start, look.angle) - _saccade(times, look.end, look.angle)
+        wanted = np.array([look.left, look.up]) - head
+        found += there[:, None] * (wanted - found)
+    return found
+
+
+def gaze_units(angles: Floats) -> Mapping[str, Floats]:
+    """Action units of eyes that turn.
+
+    Args:
+        angles: (m, 2) [rad] left and up in the head; cut to what eyes can.
+
+    Returns:
+        Key of Command.face -> (m,) 0..1.
+    """
+    left, up = angles.T
+    turns = {"61": left / ASIDE, "62": -left / ASIDE, "63": up / UPWARD, "64": -up / DOWNWARD}
+    return {channel: np.clip(values, 0.0, 1.0) for channel, values in turns.items()}
+
+
+def _saccade(times: Floats, start: float, angle: float) -> Floats:
+    """(m,) shares of a saccade by some angle [rad]; of one that never starts 0."""
+    if start == np.inf:
+        return np.zeros(len(times))
+    return eased("minimum_jerk", (times - start) / (0.021 + 0.0022 * degrees(angle)))

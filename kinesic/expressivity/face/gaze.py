@@ -1,0 +1,46 @@
+"""Where the gaze goes, as directions that eyes can take."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from kinesic.bml.block import Gaze, HeadDirectionShift, Timeline
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import Robot
+from kinesic.expressivity.behaviours import stays
+from kinesic.expressivity.face.eyes import Look
+from kinesic.expressivity.gaze import STRAIGHT, aim
+from kinesic.expressivity.places import NO_TARGETS
+from kinesic.expressivity.turns import plus
+
+
+def looks(timeline: Timeline, robot: Robot, targets: Mapping[str, Floats] = NO_TARGETS) -> tuple[Look, ...]:
+    """The gazes of a block, in order; a direction that stays lasts until the next look.
+
+    Args:
+        timeline: behaviours with times.
+        robot: whose eyes look; without a neck they look straight ahead.
+        targets: (3,) [m] in the world, over those of the robot.
+    """
+    if not robot.joints("neck"):
+        return ()
+    places = {**robot.targets, **targets}
+    found: list[Look] = []
+    base = STRAIGHT
+    for timed in sorted(timeline.timed, key=lambda each: each.times["start"]):
+        action = timed.behaviour.action
+        if not isinstance(action, Gaze | HeadDirectionShift):
+            continue
+        aimed = aim(action, block=timeline.block, robot=robot, targets=places, base=base)
+        if aimed is not None:
+            base = aimed if stays(action) else base
+            end = np.inf if stays(action) else timed.times["relax"]
+            there = plus(aimed.head, aimed.eyes)
+            found.append(Look(timed.times["start"], there.torsion, -there.tilt, end))
+    return tuple(found)
+
+
+def headings(directions: Floats) -> Floats:
+    """(m, 2) [rad] left and up of (m, 3) directions in the world."""
+    x, y, z = directions.T
+    return np.stack([np.arctan2(y, x), np.arctan2(z, np.hypot(x, y))], axis=1)

@@ -1,0 +1,192 @@
+"""The face in time: what is asked, said and done by habit, as action units; the stronger wins for each.
+
+A pure function of the times that are asked for, on the clock of the block: the controller asks once for all ticks.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from kinesic.bml.block import Face, Speech, Timed, Timeline
+from kinesic.body.action_units import unknown_unit
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.command import NO_FACE
+from kinesic.body.utterance import Utterance
+from kinesic.expressivity.face.envelope import BRIDGED, Envelope
+from kinesic.expressivity.face.eyes import AHEAD, Habits, Look, blink_times, blinking, flitting, gaze_units, looking
+from kinesic.expressivity.face.lexemes import Expression, expression
+from kinesic.expressivity.face.visemes import SEAL, visemes
+from kinesic.expressivity.keyframes import Outcome
+from kinesic.expressivity.style.sources import manner_of
+from kinesic.expressivity.style.style import Expressivity, Style
+
+LEAST = 1e-3  # intensity below which an action unit is not told
+
+SPEAKING = 0.3  # intensity at which speech has the mouth for itself
+PRESSED = (SEAL, "23", "28")  # action units that would keep it closed
+BEFORE = 0.15  # [s] a speech, when a blink begins
+PLAIN = Style()
+
+Channels = Mapping[str, Floats]  # key of Command.face -> (m,) 0..1
+
+
+def face(
+    timeline: Timeline,
+    utterances: Mapping[str, Utterance],
+    times: Floats,
+    *,
+    style: Style = PLAIN,
+    habits: Habits | None = None,
+    looks: Sequence[Look] = (),
+    head: Floats | None = None,
+) -> Channels:
+    """What the face shows during a block.
+
+    Expressions follow their sync points; one that stays gives way to the next that stays. Speech moves the mouth.
+    Eyes look where the gaze goes, else ahead; they are there before the head, turn against it while it moves, flit
+    about and blink.
+
+    Args:
+        timeline: behaviours with times.
+        utterances: id of a speech -> how it is said.
+        times: (m,) [s] block time, increasing.
+        style: of the performance, whose manner of the face the expressions are shown in; documents go over it.
+        habits: of the eyes; None: they do nothing unasked.
+        looks: directions of the gaze, in order.
+        head: (m, 2) [rad] left and up, where the head points in the world; None: straight ahead.
+
+    Returns:
+        Action units that are ever shown.
+    """
+    spoken = strongest(_mouths(timeline, utterances, times))
+    asked = _opened(strongest(_expressions(timeline, times, style)), spoken)
+    ahead = np.zeros((len(times), 2))
+    eyes = strongest(_eyes(times, habits, looks, ahead if head is None else head, _onsets(timeline, utterances)))
+    found = strongest((asked, spoken, eyes))
+    shares = {channel: sealed(np.clip(values, 0.0, 1.0)) for channel, values in found.items()}
+    return {channel: values for channel, values in shares.items() if values.max(initial=0.0) >= LEAST}
+
+
+def strongest(parts: Iterable[Channels]) -> Channels:
+    """What several parts show together: of each action unit the greatest intensity at each time."""
+    found: dict[str, Floats] = {}
+    for part in parts:
+        for channel, values in part.items():
+            found[channel] = np.maximum(found[channel], values) if channel in found else values
+    return found
+
+
+def told(shown: Channels, ticks: int) -> Iterator[Mapping[str, float]]:
+    """For each of some ticks what `Command.face` holds: the action units shown there.
+
+    Args:
+        shown: of `face`, at as many times.
+        ticks: their number.
+    """
+    rows = {channel: values.tolist() for channel, values in shown.items()}
+    for k in range(ticks):
+        yield {channel: row[k] for channel, row in rows.items() if row[k] >= LEAST} or NO_FACE
+
+
+def outcome(action: Face) -> Outcome:
+    """What becomes of a face behaviour; one that asks for several things is substituted by those that are known."""
+    shown = expression(action)
+    if not shown.unknown:
+        return Outcome("realised")
+    if action.action_unit is not None:
+        return Outcome("dropped", unknown_unit(str(action.action_unit)))
+    why = f"no expression for {', '.join(shown.unknown)}"
+    return Outcome("dropped" if len(shown.unknown) == len(action.lexemes) else "substituted", why)
+
+
+def _opened(asked: Channels, spoken: Channels) -> Channels:
+    """An expression whose pressed lips give way where speech opens the mouth."""
+    opening = [values for channel, values in spoken.items() if channel != SEAL]
+    if not opening:
+        return asked
+    shut = 1.0 - np.minimum(np.max(opening, axis=0) / SPEAKING, 1.0)
+    return {channel: values * shut if channel in PRESSED else values for channel, values in asked.items()}
+
+
+@dataclass(frozen=True)
+class _Showing:
+    """One expression in time."""
+
+    envelope: Envelope
+    shown: Expression
+    manner: Expressivity
+
+    def at(self, times: Floats) -> Floats:
+        """(m,) shares of what it shows."""
+        return self.envelope.at(times, self.manner)
+
+
+def _expressions(timeline: Timeline, times: Floats, style: Style) -> Iterator[Channels]:
+    """Of the behaviours that return, and of those that stay."""
+    going, staying = (_showings(timeline, style, shift=shift) for shift in (False, True))
+    for each in _bridged(going):
+        course = each.at(times) * _flutter(each.shown, times - each.envelope.start)
+        yield {channel: intensity * course for channel, intensity in each.shown.units.items()}
+    left = np.ones(len(times))
+    for each in reversed(staying):
+        course = each.at(times) * left
+        yield {channel: intensity * course for channel, intensity in each.shown.units.items()}
+        left = left * (1.0 - each.envelope.at(times))
+
+
+def _showings(timeline: Timeline, style: Style, *, shift: bool) -> list[_Showing]:
+    """The expressions that stay, or those that do not, in order of their starts."""
+    found = [
+        _Showing(Envelope.of(timed.times, stays=shift), expression(action), manner_of(style, timeline.block, behaviour))
+        for timed in timeline.timed
+        if isinstance(action := (behaviour := timed.behaviour).action, Face) and action.shift == shift
+    ]
+    return sorted(found, key=lambda each: each.envelope.start)
+
+
+def _bridged(showings: Sequence[_Showing]) -> list[_Showing]:
+    """Expressions in order of their starts; a flowing one that the next soon follows lasts until that has come."""
+    found = list(showings)
+    for k, (one, other) in enumerate(pairwise(showings)):
+        gap = other.envelope.start - one.envelope.end
+        if one.manner.fluidity > 0 and 0.0 <= gap <= BRIDGED * one.manner.fluidity:
+            found[k] = replace(one, envelope=replace(one.envelope, end=other.envelope.peak))
+    return found
+
+
+def _flutter(shown: Expression, since: Floats) -> Floats | float:
+    """(m,) shares of an expression that comes and goes."""
+    return np.sin(np.pi * since / shown.flutter) ** 2 if shown.flutter else 1.0
+
+
+def _mouths(timeline: Timeline, utterances: Mapping[str, Utterance], times: Floats) -> Iterator[Channels]:
+    for timed in timeline.timed:
+        utterance = _said(timed, utterances)
+        if utterance is not None:
+            yield visemes(utterance.phonemes, times, start=timed.times["start"])
+
+
+def _onsets(timeline: Timeline, utterances: Mapping[str, Utterance]) -> list[float]:
+    """[s] a little before each speech."""
+    return [timed.times["start"] - BEFORE for timed in timeline.timed if _said(timed, utterances)]
+
+
+def _said(timed: Timed, utterances: Mapping[str, Utterance]) -> Utterance | None:
+    return utterances.get(timed.behaviour.id) if isinstance(timed.behaviour.action, Speech) else None
+
+
+def _eyes(
+    times: Floats, habits: Habits | None, looks: Sequence[Look], head: Floats, onsets: Sequence[float]
+) -> Iterator[Channels]:
+    """Where the eyes look, and their blinks."""
+    ordered = [AHEAD, *sorted(looks, key=lambda look: look.start)]
+    angles = looking(ordered, times, head)
+    if habits is not None and len(times):
+        span = (float(times[0]), float(times[-1]))
+        if habits.saccades:
+            angles = angles + flitting(span, times, habits.seed)
+        if habits.blinks:
+            yield blinking(blink_times(span, ordered, habits.seed, also=onsets), times)
+    yield gaze_units(angles)

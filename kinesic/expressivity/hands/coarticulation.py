@@ -1,0 +1,270 @@
+"""Co-articulation: which hands do which stroke, and how strokes of one hand that overlap make room for one another."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from kinesic.bml.block import GESTURE_SYNCS
+from kinesic.body.robot import SIDES, Side
+from kinesic.expressivity.hands.engaged import Engaged
+from kinesic.expressivity.hands.poses import REST, Poses, distance, resting
+from kinesic.expressivity.hands.strokes import Stroke, Work, least_times, worked
+from kinesic.expressivity.keyframes import Outcome
+from kinesic.expressivity.style.pace import Pace
+from kinesic.expressivity.turns import MERGE
+
+Tied = Mapping[str, Collection[str]]  # behaviour id -> sync points that the document places
+
+_NAMES: Mapping[Side, str] = {"l": "left", "r": "right"}
+_OTHER: Mapping[Side, Side] = {"l": "r", "r": "l"}
+_SAME = 1e-9  # [s]
+
+
+@dataclass(frozen=True, eq=False)
+class Allotted:
+    """The work of each hand, in time order, and what had to give."""
+
+    works: Mapping[Side, Sequence[Work]]
+    outcomes: Mapping[str, Outcome]  # of behaviours that are not performed as asked
+    remarks: Mapping[str, tuple[str, ...]]  # of behaviours that are, as far as time allows
+    times: Mapping[str, Mapping[str, float]]  # behaviour id -> sync points that moved [s]
+
+
+def allotted(strokes: Sequence[Stroke], pace: Pace, tied: Tied, engaged: Sequence[Engaged] = ()) -> Allotted:
+    """Gives every stroke its hands.
+
+    A stroke that would begin before an earlier one of its hand has ended takes the other hand if one of its options
+    has it free; else both make room, the earlier by ending sooner and the later by beginning later, as far as the
+    document lets their `strokeEnd` and `strokeStart` move and servos can follow, never at the cost of `stroke`; else
+    two hands are shared out between a two-handed stroke and another; else it is dropped. A rest pose never stands in
+    the way: it is taken when the hand is free.
+
+    A stroke keeps clear of hands that other blocks need where one of its options lets it, or one of its two hands alone
+    can do it; else they count for nothing, and whoever lays the blocks over one another judges.
+
+    Args:
+        strokes: in the order of the document.
+        pace: of the robot.
+        tied: what the document places; all sync points of behaviours that are missing.
+        engaged: hands that other blocks need.
+    """
+    hands = _Hands(pace, tied, engaged)
+    for stroke in sorted(strokes, key=lambda stroke: stroke.times["strokeStart"]):
+        hands.give(stroke)
+    works = {id(work): work for row in hands.works.values() for work in row}.values()
+    remarks = {work.id: work.remarks for work in works if work.remarks}
+    return Allotted(hands.works, hands.outcomes, remarks, hands.times)
+
+
+@dataclass
+class _Hands:
+    """What the hands do so far."""
+
+    pace: Pace
+    tied: Tied
+    engaged: Sequence[Engaged]
+    works: dict[Side, list[Work]] = field(default_factory=lambda: {side: [] for side in SIDES})
+    outcomes: dict[str, Outcome] = field(default_factory=dict)
+    times: dict[str, dict[str, float]] = field(default_factory=dict)
+
+    def give(self, stroke: Stroke) -> None:
+        """Finds hands for a stroke, or drops it."""
+        if stroke.rest:
+            self._take(stroke, stroke.options[0])
+            return
+        wholes, halves = stroke.options, self._halves(stroke)
+        free, alone = (
+            tuple(option for option in options if not self._engagements(stroke, option)) for options in (wholes, halves)
+        )
+        ways = (self._finds_free, self._makes_room)
+        given = any(way(stroke, options) for options in (free, alone, wholes) for way in ways)
+        if not given and not self._shares(stroke):
+            self.outcomes[stroke.id] = Outcome("dropped", self._why(stroke))
+
+    def _halves(self, stroke: Stroke) -> tuple[Poses, ...]:
+        """Each hand of a two-handed stroke alone, if it may be halved."""
+        both = [option for option in stroke.options if stroke.halves and len(option.hands) == len(SIDES)]
+        return tuple(option.only(side) for option in both for side in sorted(option.hands, reverse=True))
+
+    def _take(self, stroke: Stroke, option: Poses) -> None:
+        """Gives a stroke its hands, and time to come to it from the strokes before."""
+        for side in sorted(option.hands):
+            before = max(self.works[side], key=lambda work: work.at("strokeEnd"), default=None)
+            if before and not (before.stroke.rest or stroke.rest):
+                later, sooner = self._apart(before, stroke, option, side)
+                self._replace(before, self._gone_on(sooner, later))
+                self._note(stroke, later)
+                stroke = later
+        work = worked(stroke, option, self.pace)
+        for side in option.hands:
+            self.works[side].append(work)
+
+    def _clashes(self, stroke: Stroke, option: Poses) -> dict[Side, list[Work]]:
+        """Works whose strokes are not over when the hands are needed."""
+        found = {side: [work for work in self.works[side] if _overlap(work, stroke)] for side in sorted(option.hands)}
+        return {side: works for side, works in found.items() if works}
+
+    def _engagements(self, stroke: Stroke, option: Poses) -> list[Engaged]:
+        """What other blocks need the hands for, so that they cannot come in time, in time order."""
+        met = [
+            each
+            for each in self.engaged
+            if each.side in option.hands and each.meets(stroke.times, self._way(option, each.side))
+        ]
+        return sorted(met, key=lambda each: each.begin)
+
+    def _way(self, option: Poses, side: Side) -> float:
+        """The shortest time in which a hand comes to a stroke from rest: from elsewhere it takes about as long [s]."""
+        return self.pace.least_hand_time(distance(REST, option.hands[side][0], resting(self.pace.robot)[side]))
+
+    def _finds_free(self, stroke: Stroke, options: Sequence[Poses]) -> bool:
+        """Whether one of some options finds its hands free."""
+        for option in options:
+            if not self._clashes(stroke, option):
+                if option is not stroke.options[0]:
+                    self._tell_moved(stroke, option)
+                self._take(stroke, option)
+                return True
+        return False
+
+    def _tell_moved(self, stroke: Stroke, option: Poses) -> None:
+        sides = sorted(option.hands)
+        if len(sides) < len(stroke.options[0].hands):
+            self.outcomes[stroke.id] = _alone(sides[0], self._why(stroke))
+            return
+        hand = " and ".join(_NAMES[side] for side in sides)
+        self.outcomes[stroke.id] = Outcome("substituted", f"moved to the {hand} hand: {self._why(stroke)}")
+
+    def _makes_room(self, stroke: Stroke, options: Sequence[Poses]) -> bool:
+        """Whether strokes that overlap can be moved apart for one of some options."""
+        for option in options:
+            later, earlier = stroke, dict[int, tuple[Work, Work]]()
+            for side, works in self._clashes(stroke, option).items():
+                for work in works:
+                    shorter = earlier.get(id(work), (work, work))[1]
+                    later, shorter = self._apart(shorter, later, option, side)
+                    earlier[id(work)] = work, shorter
+            if not any(_overlap(shorter, later) for _, shorter in earlier.values()):
+                if option is not stroke.options[0] and self._engagements(stroke, stroke.options[0]):
+                    self._tell_moved(stroke, option)
+                for work, shorter in earlier.values():
+                    self._replace(work, shorter)
+                self._note(stroke, later)
+                self._take(later, option)
+                return True
+        return False
+
+    def _apart(self, work: Work, stroke: Stroke, option: Poses, side: Side) -> tuple[Stroke, Work]:
+        """A stroke that begins later, after a work that ends sooner, each by its part of what the way lacks."""
+        ends, begins = work.at("strokeEnd"), stroke.times["strokeStart"]
+        soonest, latest = self._soonest_end(work), self._latest_start(stroke, option)
+        way = distance(work.poses.hands[side][-1], option.hands[side][0], resting(self.pace.robot)[side])
+        missing = ends + self.pace.way_time(way, stroke.manner) - begins
+        if missing <= 0.0:
+            return stroke, work
+        spare = (ends - soonest) + (latest - begins)
+        part = min(1.0, missing / spare) if spare > 0 else 0.0
+        sooner = replace(work.stroke, times=_cut(work.stroke.times, ends - part * (ends - soonest)))
+        later = dict(stroke.times) | {"strokeStart": begins + part * (latest - begins)}
+        return replace(stroke, times=later), worked(sooner, work.poses, self.pace)
+
+    def _gone_on(self, work: Work, stroke: Stroke) -> Work:
+        """A work whose hold and retraction become the preparation of the next stroke, where the document allows."""
+        times = work.stroke.times
+        limits = {"relax": max(stroke.times["start"], times["strokeEnd"]), "end": stroke.times["strokeStart"]}
+        given = {
+            sync: latest
+            for sync, latest in limits.items()
+            if sync not in self._tied(work.id) and times["strokeEnd"] <= latest < times[sync]
+        }
+        return replace(work, stroke=replace(work.stroke, times={**times, **given})) if given else work
+
+    def _soonest_end(self, work: Work) -> float:
+        """When the stroke of a work can be over: once, or as often as the document says [s]."""
+        tied, times = self._tied(work.id), work.stroke.times
+        if "strokeEnd" in tied:
+            return times["strokeEnd"]
+        poses = work.poses
+        while poses.times > 1:
+            poses = poses.fewer()
+        least = times["stroke"] + sum(least_times(poses, self.pace)[poses.stroke :])
+        numbered = [time for sync, time in times.items() if sync in tied and sync.startswith("stroke:")]
+        return min(max([least, *numbered]), times["strokeEnd"])
+
+    def _latest_start(self, stroke: Stroke, option: Poses) -> float:
+        """When a stroke must begin at the latest [s]."""
+        if "strokeStart" in self._tied(stroke.id):
+            return stroke.times["strokeStart"]
+        latest = stroke.times["stroke"] - sum(least_times(option, self.pace)[: option.stroke])
+        return max(latest, stroke.times["strokeStart"])
+
+    def _shares(self, stroke: Stroke) -> bool:
+        """Whether a two-handed stroke can leave one hand to another: to the earlier, or else to this one."""
+        for option in stroke.options:
+            clashes = self._clashes(stroke, option)
+            free = [side for side in option.hands if side not in clashes]
+            if free:
+                self._take(stroke, option.only(free[0]))
+                self.outcomes[stroke.id] = _alone(free[0], self._why(stroke))
+                return True
+            works = [work for found in clashes.values() for work in found]
+            if len(option.hands) == 1 and all(self._leaves(work) for work in works):
+                (side,) = option.hands
+                for work in works:
+                    self.works[side].remove(work)
+                    one = worked(work.stroke, work.poses.only(_OTHER[side]), self.pace)
+                    self._replace(work, one)
+                    why = f"the {_NAMES[side]} hand does {stroke.id} from {stroke.times['strokeStart']:.2f} s on"
+                    self.outcomes[work.id] = _alone(_OTHER[side], why)
+                self._take(stroke, option)
+                return True
+        return False
+
+    def _leaves(self, work: Work) -> bool:
+        """Whether a work can be done by one hand as well."""
+        return len(work.poses.hands) == 2 and work.id not in self.outcomes
+
+    def _replace(self, old: Work, new: Work) -> None:
+        for side in SIDES:
+            self.works[side] = [new if work is old else work for work in self.works[side]]
+        self._note(old.stroke, new.stroke)
+
+    def _note(self, old: Stroke, new: Stroke) -> None:
+        moved = {sync: time for sync, time in new.times.items() if time != old.times[sync]}
+        if moved:
+            self.times[new.id] = self.times.get(new.id, {}) | moved
+
+    def _tied(self, id: str) -> Collection[str]:
+        return self.tied.get(id, GESTURE_SYNCS)
+
+    def _why(self, stroke: Stroke) -> str:
+        """What is in the way of the first option."""
+        usual = stroke.options[0]
+        clashes = self._clashes(stroke, usual)
+        if clashes:
+            side, works = next(iter(clashes.items()))
+            busy = f"the stroke of {works[-1].id} until {works[-1].at('strokeEnd'):.2f} s"
+        else:
+            other = self._engagements(stroke, usual)[0]
+            side, way = other.side, self._way(usual, other.side)
+            busy = f"{other.by} until {other.end:.2f} s, and needs {way:.2f} s to come"
+        return f"its stroke begins at {stroke.times['strokeStart']:.2f} s, the {_NAMES[side]} hand is busy with {busy}"
+
+
+def _overlap(work: Work, stroke: Stroke) -> bool:
+    """Whether a work is still in its stroke when the hand is needed for another."""
+    ends = work.at("strokeEnd")
+    return not work.stroke.rest and (
+        stroke.times["strokeStart"] < ends - _SAME or stroke.times["stroke"] < ends + MERGE - _SAME
+    )
+
+
+def _cut(times: Mapping[str, float], end: float) -> dict[str, float]:
+    """Sync points of a stroke that is over sooner."""
+    return {
+        sync: min(time, end) if sync == "strokeEnd" or sync.startswith("stroke:") else time
+        for sync, time in times.items()
+    }
+
+
+def _alone(side: Side, why: str) -> Outcome:
+    return Outcome("substituted", f"done by the {_NAMES[side]} hand alone: {why}")

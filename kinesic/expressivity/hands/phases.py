@@ -1,0 +1,121 @@
+"""Phases of gestures: the keys of each hand through a whole block, neighbours running into one another."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import inf
+from types import MappingProxyType
+
+from kinesic.body.reach import Reach
+from kinesic.body.robot import SIDES, Side
+from kinesic.expressivity.hands.coarticulation import Tied, allotted
+from kinesic.expressivity.hands.engaged import Engaged
+from kinesic.expressivity.hands.keys import HandKey
+from kinesic.expressivity.hands.poses import REST, distance, resting
+from kinesic.expressivity.hands.strokes import Stroke, Work, keys_of
+from kinesic.expressivity.keyframes import Hand, Outcome
+from kinesic.expressivity.style.pace import Pace
+from kinesic.expressivity.style.passage import PLAIN, passage
+from kinesic.expressivity.style.style import Expressivity
+from kinesic.expressivity.turns import MERGE, arrival, departure
+
+NEIGHBOUR = 0.5  # [s] gestures nearer than this do not pass through rest
+ALL_TIED: Tied = MappingProxyType({})  # every sync point stays where it is
+
+
+@dataclass(frozen=True, eq=False)
+class Arranged:
+    """Both hands through a whole block."""
+
+    hands: Mapping[Side, tuple[HandKey, ...]]
+    outcomes: Mapping[str, Outcome] = field(default_factory=dict)
+    sides: Mapping[str, frozenset[Side]] = field(default_factory=dict)  # behaviour id -> hands that it moves
+    remarks: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # what time did not allow
+    times: Mapping[str, Mapping[str, float]] = field(default_factory=dict)  # behaviour id -> points that moved [s]
+    works: tuple[Work, ...] = ()  # what both hands do, in time order
+
+
+def arranged(
+    strokes: Sequence[Stroke], pace: Pace, tied: Tied = ALL_TIED, *, engaged: Sequence[Engaged] = ()
+) -> Arranged:
+    """Gives every stroke its hands (see `allotted`) and joins the strokes of each hand.
+
+    Args:
+        strokes: in the order of the document.
+        pace: of the robot, whose hands rest at `robot.skeleton.rest`.
+        tied: sync points that the document places; all of behaviours that are missing.
+        engaged: hands that other blocks need.
+    """
+    rest = resting(pace.robot)
+    given = allotted(strokes, pace, tied, engaged)
+    sides: dict[str, frozenset[Side]] = {}
+    for side in SIDES:
+        for work in given.works[side]:
+            sides[work.id] = sides.get(work.id, frozenset()) | {side}
+    hands = {side: _joined(given.works[side], side, rest[side], pace) for side in SIDES}
+    works = {id(work): work for side in SIDES for work in given.works[side]}
+    in_order = tuple(sorted(works.values(), key=lambda work: work.at("strokeStart")))
+    return Arranged(hands, given.outcomes, sides, given.remarks, given.times, in_order)
+
+
+def _joined(row: Sequence[Work], side: Side, rest: Reach, pace: Pace) -> tuple[HandKey, ...]:
+    """Keys of one hand: each gesture goes back to the rest pose, unless a neighbour follows."""
+    keys: list[HandKey] = []
+    pose = REST  # what the hand rests in
+    held: Work | None = None  # the gesture that has not gone back yet
+    for k, work in enumerate(row):
+        hands = work.poses.hands[side]
+        if work.stroke.rest and _crowded(work, keys, row[k + 1 :]):
+            pose = hands[-1]
+            continue
+        own = keys_of(work, side, pace)
+        if held and work.at("start") >= held.at("end") + NEIGHBOUR:
+            back = _released(keys, held, pose, rest, work.at("start"), pace)
+            if back[-1].time + MERGE <= own[0].time:  # else there is no time to pass through rest
+                keys, held = back, None
+        keys = _approached(keys, held, work, own, rest, pace)
+        held = None if work.stroke.rest else work
+        pose = hands[-1] if work.stroke.rest else pose
+    return tuple(_released(keys, held, pose, rest, inf, pace) if held else keys)
+
+
+def _crowded(work: Work, keys: Sequence[HandKey], following: Sequence[Work]) -> bool:
+    """Whether the hand has no time to take a rest pose: it does so when it goes back from its gesture."""
+    late = bool(keys) and work.at("stroke") < keys[-1].time + MERGE
+    return late or any(other.at("strokeStart") < work.at("strokeEnd") + MERGE for other in following[:1])
+
+
+def _approached(
+    keys: list[HandKey], held: Work | None, work: Work, own: Sequence[HandKey], rest: Reach, pace: Pace
+) -> list[HandKey]:
+    """The keys so far, the departure towards a gesture, and the gesture's own keys.
+
+    From rest the hand leaves at `start`. From the hold of an earlier gesture it leaves when this one relaxes or
+    the later one starts, but early enough for the way, and not before the earlier stroke has ended.
+    """
+    hand, free = (keys[-1].hand, keys[-1].time) if keys else (REST, -inf)
+    way = _way(hand, own[0].hand, rest, pace, work.stroke.manner)
+    if len(own) > 1 and own[1].hand is own[0].hand and own[0].time < free + way:
+        own = own[1:]  # no time to wait at the beginning of the stroke
+    if held:
+        leave = min(max(held.at("relax"), work.at("start")), own[0].time - way)
+    else:
+        leave = departure(work.at("start"), own[0].time, way)
+    leave = max(leave, free)
+    holding = passage(held.stroke.manner, "hold") if held else PLAIN
+    hold = [HandKey(leave, hand, holding)] if leave - free >= MERGE else []
+    return [*keys, *hold, *(key for key in own if key.time >= leave + MERGE)]
+
+
+def _released(keys: list[HandKey], held: Work, pose: Hand, rest: Reach, latest: float, pace: Pace) -> list[HandKey]:
+    """The keys so far and the way back to the rest pose, which ends before the latest time [s]."""
+    last = keys[-1]
+    leave = max(held.at("relax"), last.time)
+    manner = held.stroke.manner
+    hold = [HandKey(leave, last.hand, passage(manner, "hold"))] if leave - last.time >= MERGE else []
+    back = arrival(leave, held.at("end"), _way(last.hand, pose, rest, pace, manner))
+    return [*keys, *hold, HandKey(min(back, latest), pose, passage(manner, "retraction"))]
+
+
+def _way(a: Hand, b: Hand, rest: Reach, pace: Pace, manner: Expressivity) -> float:
+    """Natural time from one hand to another [s]."""
+    return pace.way_time(distance(a, b, rest), manner)

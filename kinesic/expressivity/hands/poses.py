@@ -1,0 +1,283 @@
+"""Hands in the world: where they rest, where the poses of a form are, and what lies between two of them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from msgspec import structs
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.reach import Reach
+from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.expressivity.keyframes import Hand
+from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
+from kinesic.expressivity.lexicon.paths import HandPath
+from kinesic.expressivity.lexicon.space import EASE, direction_in_world, extended, to_world, widened
+from kinesic.expressivity.style.style import Expressivity
+
+REST = Hand()
+_LEVER = 0.15  # [m/rad] of way that a turn of the hand is worth: forearms turn more slowly than arms swing
+_WITHDRAWN = 0.15  # of the way to rest: where the stroke of a form with one key begins
+_POINTING_REACH = 0.98  # of the arm's length
+_ALIKE = 0.1  # [arm lengths] keys nearer than this are one written twice
+_GROWN = (1.0, 0.75, 0.5, 0.25, 0.0)  # shares of spatial extent that a path may grow by
+_ALONG = np.linspace(0.0, 1.0, 101)
+_TARGET_REACH = 0.8  # of the way to a target that is nearer than that
+_OWN_OPENNESS = 0.4  # share of an elbow's way that a form may ask for; the rest is the manner's
+
+
+@dataclass(frozen=True, eq=False)
+class Poses:
+    """The stroke keys of a behaviour, as hands in the world."""
+
+    hands: Mapping[Side, tuple[Hand, ...]]  # as many keys for each side
+    stroke: int  # the key that falls on the sync point `stroke`
+    paths: Mapping[Side, tuple[HandPath | None, ...]] = field(default_factory=dict)  # to each key [m], in the world
+    again: tuple[int, ...] = ()  # the keys that fall on `stroke:2`, `stroke:3` and so on
+
+    @property
+    def count(self) -> int:
+        """Number of keys."""
+        return max((len(row) for row in self.hands.values()), default=0)
+
+    @property
+    def times(self) -> int:
+        """How often the stroke is done."""
+        return 1 + len(self.again)
+
+    def path(self, side: Side, key: int) -> HandPath | None:
+        """How a hand comes to a key from the one before; None: straight."""
+        return self.paths[side][key] if side in self.paths else None
+
+    def only(self, side: Side) -> "Poses":
+        """The same with one hand alone."""
+        paths = {side: self.paths[side]} if side in self.paths else {}
+        return Poses({side: self.hands[side]}, self.stroke, paths, self.again)
+
+    def fewer(self) -> "Poses":
+        """The same without the last time."""
+        every = (self.stroke, *self.again)
+        count = self.count - (every[-1] - every[-2])
+        hands = {side: row[:count] for side, row in self.hands.items()}
+        return Poses(hands, self.stroke, {side: row[:count] for side, row in self.paths.items()}, self.again[:-1])
+
+
+def resting(robot: Robot) -> Mapping[Side, Reach]:
+    """Where the hands hang, in the world."""
+    frames = robot.skeleton.resting
+    reaches: dict[Side, Reach] = {}
+    for side in SIDES:
+        palm = robot.sites[f"{side}_palm"]
+        k = robot.skeleton.segment(palm.segment)
+        rotation = frames.rotations[k]
+        along = rotation @ palm.position
+        reaches[side] = Reach(
+            position=sealed(frames.origins[k]),
+            pointing=sealed(along / np.linalg.norm(along)),
+            palm=sealed(rotation @ palm.facing),
+        )
+    return reaches
+
+
+def shoulder(robot: Robot, side: Side) -> Floats:
+    """(3,) [m] centre of a shoulder in the world, at rest."""
+    frames = robot.skeleton.resting
+    return sealed(frames.origins[robot.skeleton.segment(robot.chains[f"{side}_arm"][-3])])
+
+
+def poses(form: GestureForm, robot: Robot, manner: Expressivity) -> Poses:
+    """The stroke keys of a form as hands in the world, under spatial extent, openness and repetition.
+
+    A hand that a key leaves out stays as it was in the key before, at first at rest. A form of one key begins a
+    little nearer to rest, so that its stroke shows. Repetition does the stroke up to twice more, below 0 once less
+    where the form has it more than once.
+
+    Args:
+        form: with at least one key.
+        robot: whose space the form is put into.
+        manner: of the behaviour.
+
+    Returns:
+        For each side that takes part, at least two keys; the middle one of each time is a stroke.
+    """
+    once, written = _repeated(form.keys)
+    more = round(2 * manner.repetition) if manner.repetition > 0 else -round(-manner.repetition)
+    times = 1 if form.rest else max(1, written + more)
+    keys = [widened(key, manner.spatial, robot) for key in form.keys[:once]]
+    hands = {side: _carried(keys, side, robot, manner) for side in form.sides}
+    paths = {side: _paths(form.keys[:once], row, side, robot, manner) for side, row in hands.items()}
+    if once == 1:
+        hands = {side: (withdrawn(hand, robot, side), hand) for side, (hand,) in hands.items()}
+        paths = {side: (None, *row) for side, row in paths.items()}
+    count = max(once, 2)
+    back = 1 if all(_same_place(row[0], row[-1]) for row in hands.values()) else 0  # it ends where it begins
+    again = tuple(count // 2 + k * (count - back) for k in range(1, times))
+    return Poses(
+        {side: row + row[back:] * (times - 1) for side, row in hands.items()},
+        count // 2,
+        {side: row + row[back:] * (times - 1) for side, row in paths.items()},
+        again,
+    )
+
+
+def pointing_poses(target: Floats, side: Side, robot: Robot) -> Poses:
+    """Stroke keys of pointing at a place: the wrist on the line from the shoulder, the hand along it.
+
+    Args:
+        target: (3,) [m] in the world.
+        side: of the hand that points.
+        robot: whose arm it is.
+    """
+    centre = shoulder(robot, side)
+    distance = float(np.linalg.norm(target - centre))
+    line = (target - centre) / distance if distance > 0 else np.array([1.0, 0.0, 0.0])
+    reach = min(_POINTING_REACH * robot.arm_length, _TARGET_REACH * distance)
+    hand = Hand(Reach(sealed(centre + reach * line), pointing=sealed(line)), aim=sealed(target))
+    return Poses({side: (withdrawn(hand, robot, side), hand)}, stroke=1)
+
+
+def withdrawn(hand: Hand, robot: Robot, side: Side) -> Hand:
+    """The same hand a little nearer to its rest, where it touches nothing."""
+    if hand.reach is None:
+        return hand
+    rest = resting(robot)[side].position
+    position = hand.reach.position + _WITHDRAWN * (rest - hand.reach.position)
+    return replace(hand, reach=structs.replace(hand.reach, position=sealed(position)), touch=None)
+
+
+def distance(a: Hand, b: Hand, rest: Reach) -> float:
+    """Way of a hand from one pose to another [m]: that of its wrist, or what its turn is worth where that is more.
+
+    Args:
+        a: where it begins.
+        b: where it ends.
+        rest: how the hand hangs.
+    """
+    start, end = a.reach or rest, b.reach or rest
+    turn = max(_angle(start.palm, end.palm), _angle(start.pointing, end.pointing))
+    return max(float(np.linalg.norm(start.position - end.position)), _LEVER * turn)
+
+
+def _angle(a: Floats | None, b: Floats | None) -> float:
+    """Between two directions [rad]; none where one is missing."""
+    return 0.0 if a is None or b is None else float(np.arccos(np.clip(a @ b, -1.0, 1.0)))
+
+
+def between(a: Hand, b: Hand, share: float, rest: Reach) -> Hand:
+    """The hand at a share of the way from one hand to another.
+
+    Args:
+        a: at share 0.
+        b: at share 1.
+        share: 0..1.
+        rest: where the hand hangs.
+
+    Returns:
+        At rest if both are. What only one of the two asks for holds on its half of the way.
+    """
+    if a.reach is None and b.reach is None:
+        return REST
+    if share <= 0 or share >= 1:
+        return a if share <= 0 else b
+    start, end, nearest = a.reach or rest, b.reach or rest, a if share < 0.5 else b
+    reach = nearest.reach or rest
+    return Hand(
+        Reach(
+            position=sealed(start.position + share * (end.position - start.position)),
+            pointing=_turned(start.pointing, end.pointing, share, reach.pointing),
+            palm=_turned(start.palm, end.palm, share, reach.palm),
+        ),
+        nearest.aim,
+        a.touch if a.touch == b.touch else None,
+        a.openness + share * (b.openness - a.openness),
+        a.effort + share * (b.effort - a.effort),
+    )
+
+
+def _repeated(keys: Sequence[StrokeKey]) -> tuple[int, int]:
+    """How many keys make a form that is then repeated to the end, and how often it is written."""
+    for once in range(2, len(keys) // 2 + 1):
+        times, left = divmod(len(keys), once)
+        if not left and all(_alike(keys[k], keys[k - once]) for k in range(once, len(keys))):
+            return once, times
+    return len(keys), 1
+
+
+def _alike(a: StrokeKey, b: StrokeKey) -> bool:
+    """Whether two keys have the same hands in the same places, straight from those before."""
+    return a.hands.keys() == b.hands.keys() and all(
+        pose.path is b.hands[side].path is None
+        and float(np.linalg.norm(pose.position - b.hands[side].position)) < _ALIKE
+        for side, pose in a.hands.items()
+    )
+
+
+def _same_place(a: Hand, b: Hand) -> bool:
+    """Whether two hands are in one place."""
+    if a.reach is None or b.reach is None:
+        return a.reach is b.reach
+    return bool(np.allclose(a.reach.position, b.reach.position, atol=1e-9))
+
+
+def _paths(
+    keys: Sequence[StrokeKey], row: Sequence[Hand], side: Side, robot: Robot, manner: Expressivity
+) -> tuple[HandPath | None, ...]:
+    """How one hand comes to each of its keys, in the world; amplitude and points follow spatial extent.
+
+    Where a path that grows would leave the arm's easy reach, it grows less.
+    """
+    centre, easy = shoulder(robot, side), EASE * robot.arm_length
+    found: list[HandPath | None] = []
+    for k, key in enumerate(keys):
+        pose = key.hands.get(side)
+        start, end = row[k - 1].reach, row[k].reach
+        if pose is None or pose.path is None or start is None or end is None:
+            found.append(None)
+            continue
+        grown = [_spread(pose, pose.path, side, robot, share * manner.spatial) for share in _GROWN]
+        farthest = [
+            float(np.linalg.norm(p.at(start.position, end.position, _ALONG) - centre, axis=1).max()) for p in grown
+        ]
+        found.append(next((p for p, far in zip(grown, farthest, strict=True) if far <= easy), grown[-1]))
+    return tuple(found)
+
+
+def _spread(pose: HandPose, path: HandPath, side: Side, robot: Robot, spatial: float) -> HandPath:
+    """A path under spatial extent, in the world."""
+    amplitude = robot.arm_length * direction_in_world(side, extended(path.amplitude, spatial, pose.fixed))
+    return path.mapped(amplitude, lambda point: to_world(robot, side, extended(point, spatial, pose.fixed)))
+
+
+def _carried(keys: list[StrokeKey], side: Side, robot: Robot, manner: Expressivity) -> tuple[Hand, ...]:
+    """One side of all keys; a key without it repeats the hand before."""
+    hands, hand = [], REST
+    for key in keys:
+        if side in key.hands:
+            hand = _in_world(key.hands[side], side, robot, manner)
+        hands.append(hand)
+    return tuple(hands)
+
+
+def _in_world(pose: HandPose, side: Side, robot: Robot, manner: Expressivity) -> Hand:
+    openness = _OWN_OPENNESS * pose.openness
+    return Hand(
+        Reach(
+            position=to_world(robot, side, pose.position),
+            pointing=None if pose.pointing is None else direction_in_world(side, pose.pointing),
+            palm=None if pose.palm is None else direction_in_world(side, pose.palm),
+        ),
+        touch=pose.touch,
+        openness=openness + (1.0 - openness) * manner.openness,
+        effort=max(0.0, manner.power),
+    )
+
+
+def _turned(a: Floats | None, b: Floats | None, share: float, nearest: Floats | None) -> Floats | None:
+    """Direction on the great circle from one to another; the nearest where one is missing or they are opposite."""
+    if a is None or b is None:
+        return nearest
+    angle = _angle(a, b)
+    if angle < 1e-9 or angle > np.pi - 1e-6:
+        return nearest
+    mixed = (np.sin((1 - share) * angle) * a + np.sin(share * angle) * b) / np.sin(angle)
+    return sealed(mixed / np.linalg.norm(mixed))

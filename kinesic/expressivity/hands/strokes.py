@@ -1,0 +1,214 @@
+"""The stroke of one gesture: its keys, when they fall, and what lies between them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from kinesic.body.reach import Reach
+from kinesic.body.robot import Side
+from kinesic.expressivity.hands.keys import HandKey
+from kinesic.expressivity.hands.path_keys import along
+from kinesic.expressivity.hands.poses import Poses, distance, resting
+from kinesic.expressivity.keyframes import Hand
+from kinesic.expressivity.lexicon.paths import HandPath, Kind
+from kinesic.expressivity.style.pace import Pace
+from kinesic.expressivity.style.passage import passage
+from kinesic.expressivity.style.style import NEUTRAL, Expressivity
+from kinesic.expressivity.turns import MERGE
+
+BENT = 1.5  # a swing of a path is worth a straight way of so many lengths: not all hinges turn at once
+SPARE = 1.4  # and takes so many times the shortest time, for it cannot choose where its hinges turn
+
+_LEAST_TURNS: Mapping[Kind, float] = {"wave": 0.5, "arc": 0.5}  # what is left to see of it; one turn of others
+
+
+@dataclass(frozen=True)
+class _Way:
+    """What a way of a hand is worth in time."""
+
+    swings: int
+    length: float  # [m] of straight way, each swing
+    spare: float  # factor on the shortest time of a straight way
+
+    def least(self, pace: Pace) -> float:
+        """The shortest time of a swing that servos need [s]."""
+        return self.spare * pace.least_hand_time(self.length)
+
+
+@dataclass(frozen=True, eq=False)
+class Stroke:
+    """What a behaviour asks of the hands, and when."""
+
+    id: str
+    times: Mapping[str, float]  # the sync points of a gesture, `stroke:2` and so on where it is repeated [s]
+    options: tuple[Poses, ...]  # the first that the hands are free for is performed
+    rest: bool = False  # it stays, and becomes the rest pose
+    manner: Expressivity = NEUTRAL
+    halves: bool = False  # whether one of its two hands may do it alone where another block needs the other
+
+
+@dataclass(frozen=True, eq=False)
+class Work:
+    """A stroke, the poses that were chosen for it, and when they fall."""
+
+    stroke: Stroke
+    poses: Poses
+    moments: tuple[float, ...]  # [s] of its keys
+    remarks: tuple[str, ...] = ()  # what time did not allow
+
+    @property
+    def id(self) -> str:
+        """Of the behaviour."""
+        return self.stroke.id
+
+    def at(self, sync: str) -> float:
+        """Time of one of its sync points [s]."""
+        return self.stroke.times[sync]
+
+
+def worked(stroke: Stroke, option: Poses, pace: Pace) -> Work:
+    """A stroke done with one of its options, as often and with as many turns as there is time for."""
+    chosen = _fitting(option, stroke.times, pace)
+    remarks = []
+    if chosen.times < option.times:
+        room = stroke.times["strokeEnd"] - stroke.times["stroke"]
+        remarks.append(f"its stroke is done {_count(chosen.times)}, not {option.times}: {room:.2f} s follow the first")
+    moments_ = moments(chosen, stroke.times, pace)
+    slowed, slower = _slowed(chosen, moments_, pace)
+    return Work(stroke, slowed, moments_, (*remarks, *slower))
+
+
+def natural_times(poses: Poses, pace: Pace, manner: Expressivity = NEUTRAL) -> tuple[float, ...]:
+    """Natural time of each way between neighbouring keys, of the hand that takes longest [s].
+
+    A path takes the time of its swings, each a way of its own: a hand turns round as if it came to rest.
+
+    Args:
+        poses: the stroke keys.
+        pace: of the robot that moves.
+        manner: of the gesture; temporal extent and power are used.
+    """
+    return tuple(
+        max(way.swings * max(pace.stroke_time(way.length, manner), way.least(pace)) for way in ways)
+        for ways in _ways(poses, pace)
+    )
+
+
+def moments(poses: Poses, times: Mapping[str, float], pace: Pace) -> tuple[float, ...]:
+    """Times of stroke keys [s]: those of strokes at their sync points, the others spread by their natural times.
+
+    Args:
+        poses: of the behaviour.
+        times: sync points; `strokeStart`, `stroke`, `strokeEnd` are used, and `stroke:2` and so on if there are.
+        pace: of the robot that moves.
+    """
+    start, stroke, end = (times[sync] for sync in ("strokeStart", "stroke", "strokeEnd"))
+    last = poses.count - 1
+    if last == 0:
+        return (stroke,)
+    if end - stroke < MERGE * (last - poses.stroke):
+        pins = {0: start, last: stroke}
+    else:
+        numbered = {key: times[f"stroke:{k}"] for k, key in enumerate(poses.again, 2) if f"stroke:{k}" in times}
+        pins = {last: end} | {0: start, poses.stroke: stroke} | numbered
+    natural, found = natural_times(poses, pace), [pins[0]]
+    for (a, early), (b, late) in pairwise(sorted(pins.items())):
+        found += _spread(early, late, natural[a:b])
+    return tuple(found)
+
+
+def keys_of(work: Work, side: Side, pace: Pace) -> list[HandKey]:
+    """Ready, the stroke keys with what lies on their paths, and the end of the stroke, of one hand.
+
+    Of two keys that are too near the later stays, but always the stroke.
+    """
+    hands, moments = work.poses.hands[side], work.moments
+    manner = work.stroke.manner
+    arriving, stroking = passage(manner, "preparation"), passage(manner, "stroke")
+    kept = _kept(moments, max(k for k, time in enumerate(moments) if time == work.at("stroke")))
+    poses = [HandKey(moments[k], hands[k], stroking if k else arriving) for k in kept]
+    keys = poses[:1]
+    for k, (a, b) in enumerate(pairwise(kept), 1):
+        path = work.poses.path(side, b) if b == a + 1 else None
+        keys += along(poses, k, path, unit=pace.robot.arm_length, power=manner.power)
+        keys.append(poses[k])
+    if keys[0].time - work.at("ready") >= MERGE:
+        keys.insert(0, HandKey(work.at("ready"), hands[0], arriving))
+    if work.at("strokeEnd") - keys[-1].time >= MERGE:
+        keys.append(HandKey(work.at("strokeEnd"), hands[-1], passage(manner, "hold")))
+    return keys
+
+
+def _ways(poses: Poses, pace: Pace) -> tuple[tuple[_Way, ...], ...]:
+    """What each way between neighbouring keys is for each hand."""
+    rest = resting(pace.robot)
+    return tuple(
+        tuple(_way(row[k], row[k + 1], poses.path(side, k + 1), rest[side]) for side, row in poses.hands.items())
+        for k in range(poses.count - 1)
+    )
+
+
+def _way(a: Hand, b: Hand, path: HandPath | None, rest: Reach) -> _Way:
+    """What one way is."""
+    if path is None:
+        return _Way(1, distance(a, b, rest), 1.0)
+    start, end = (a.reach or rest).position, (b.reach or rest).position
+    swings = path.swings(start, end)
+    return _Way(swings, BENT * path.length(start, end) / swings, SPARE)
+
+
+def least_times(poses: Poses, pace: Pace) -> tuple[float, ...]:
+    """The shortest time of each way between neighbouring keys that servos need [s]."""
+    return tuple(max(way.swings * way.least(pace) for way in ways) for ways in _ways(poses, pace))
+
+
+def _fitting(poses: Poses, times: Mapping[str, float], pace: Pace) -> Poses:
+    """Without the repetitions for which there is no time between `stroke` and `strokeEnd`."""
+    room = times["strokeEnd"] - times["stroke"]
+    while poses.again and sum(least_times(poses, pace)[poses.stroke :]) > room + 1e-9:
+        poses = poses.fewer()
+    return poses
+
+
+def _slowed(poses: Poses, moments: Sequence[float], pace: Pace) -> tuple[Poses, tuple[str, ...]]:
+    """With paths that turn no oftener than the servos can in the time of their way, and what that changes."""
+    paths, remarks = dict(poses.paths), []
+    for side, row in poses.paths.items():
+        slower = list(row)
+        for k, path in enumerate(row):
+            if path is None or path.turns <= 1.0 or moments[k] <= moments[k - 1]:
+                continue
+            before, after = poses.hands[side][k - 1], poses.hands[side][k]
+            least = _way(before, after, path, resting(pace.robot)[side]).least(pace)
+            whole = moments[k] - moments[k - 1]
+            turns = max(_LEAST_TURNS.get(path.kind, 1.0), np.floor(whole / least + 1e-9) / 2)
+            if turns < path.turns:
+                slower[k] = path.slowed(turns)
+                remarks.append(
+                    f"its {path.kind} makes {turns:g} of its {path.turns:g} turns: in {whole:.2f} s servos do no more"
+                )
+        paths[side] = tuple(slower)
+    return replace(poses, paths=paths), tuple(dict.fromkeys(remarks))
+
+
+def _spread(start: float, end: float, natural: Sequence[float]) -> tuple[float, ...]:
+    """As many times as ways, the last at the end, in proportion to their natural times [s]."""
+    shares = np.cumsum(natural) / sum(natural)
+    return (*(start + float(share) * (end - start) for share in shares[:-1]), end)
+
+
+def _kept(moments: Sequence[float], stroke: int) -> list[int]:
+    """Keys that are far enough apart in time."""
+    kept: list[int] = []
+    for k, time in enumerate(moments):
+        if not kept or time - moments[kept[-1]] >= MERGE:
+            kept.append(k)
+        elif kept[-1] != stroke:
+            kept[-1] = k
+    return kept
+
+
+def _count(times: int) -> str:
+    return "once" if times == 1 else f"{times} times"

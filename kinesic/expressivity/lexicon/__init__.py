@@ -1,0 +1,1 @@
+"""Reads gestures from files: form, hand shape, path and meaning of each."""

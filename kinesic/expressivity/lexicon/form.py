@@ -1,0 +1,57 @@
+"""The form of a gesture: what the lexicon says about it, before timing and manner."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import Side
+from kinesic.expressivity.keyframes import Touch
+from kinesic.expressivity.lexicon.paths import HandPath
+
+
+@dataclass(frozen=True, eq=False)
+class HandPose:
+    """One hand in one stroke key; directions and positions are written for the hand's own side.
+
+    Axes: forward, outward (to the hand's own side), up; the origin is that of gesture space
+    (`Robot.gesture_origin`), the unit is the arm length.
+    """
+
+    position: Floats  # (3,) forward, outward, up [arm lengths]
+    fixed: tuple[bool, bool, bool] = (False, False, False)  # axes that spatial extent leaves alone
+    palm: Floats | None = None  # (3,) unit: direction that the palm faces
+    pointing: Floats | None = None  # (3,) unit: direction along the hand, wrist to fingers
+    shape: str | None = None  # hand shape, for robots with fingers
+    openness: float = 0.0  # of the elbow, 0..1
+    touch: Touch | None = None  # what the hand is laid on here
+    path: HandPath | None = None  # how it comes here from the key before [arm lengths]; None: straight
+
+
+@dataclass(frozen=True, eq=False)
+class StrokeKey:
+    """One key pose of a stroke; a side that is missing stays as it is."""
+
+    hands: Mapping[Side, HandPose]
+
+
+@dataclass(frozen=True, eq=False)
+class GestureForm:
+    """One entry of a lexicon."""
+
+    id: str
+    category: str  # beat, deictic, iconic, metaphoric, emblem, rest, ...
+    keys: tuple[StrokeKey, ...]  # in order, from strokeStart to strokeEnd; one key: arrive and hold
+    rest: bool = False  # a posture that stays until the next one (arms crossed, hands together)
+
+    @property
+    def sides(self) -> frozenset[Side]:
+        """Hands that take part."""
+        return frozenset(side for key in self.keys for side in key.hands)
+
+
+@dataclass(frozen=True, eq=False)
+class Match:
+    """What the lexicon offers for a lexeme."""
+
+    form: GestureForm  # with the sides that the behaviour's mode asks for
+    substitute: str = ""  # why it is not the lexeme itself; empty when it is

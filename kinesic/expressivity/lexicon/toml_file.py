@@ -1,0 +1,192 @@
+"""The tables of `configs/gestures/*.toml`, and how they become entries of the lexicon."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Literal
+
+import msgspec
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.config import ConfigError, closest, read
+from kinesic.body.robot import Side
+from kinesic.expressivity.keyframes import Touch
+from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
+from kinesic.expressivity.lexicon.hand_shapes import HandShape
+from kinesic.expressivity.lexicon.paths import HandPath, Kind, Variation, shaped
+from kinesic.expressivity.lexicon.space import position
+from kinesic.expressivity.lexicon.synonyms import Sense
+
+Category = Literal["beat", "deictic", "iconic", "metaphoric", "emblem", "adaptor", "emotion", "rest"]
+AxisName = Literal["forward", "outward", "up"]
+
+_AXES: tuple[AxisName, ...] = ("forward", "outward", "up")
+_DIRECTIONS: Mapping[str, tuple[int, int, int]] = {
+    "forward": (1, 0, 0),
+    "back": (-1, 0, 0),
+    "out": (0, 1, 0),
+    "in": (0, -1, 0),
+    "up": (0, 0, 1),
+    "down": (0, 0, -1),
+}
+
+
+class Strict(msgspec.Struct, forbid_unknown_fields=True):
+    """A table whose unknown keys are errors."""
+
+
+class PathTable(Strict):
+    """How a hand comes to its key from the one before; axes in the order of `at`."""
+
+    kind: Kind
+    amplitude: float | tuple[float, float, float] | None = None  # [arm lengths]
+    frequency: float | tuple[float, float, float] | None = None  # turns on the whole way
+    shift: float | tuple[float, float, float] | None = None  # turns
+    amplitude_variation: Variation | None = None
+    frequency_variation: Variation = "none"
+    points: list[tuple[str | float, str | float, str | float]] = []  # as in `at`
+
+
+class HandTable(Strict):
+    """One hand in one key."""
+
+    at: tuple[str | float, str | float, str | float]  # outward, up, forward: sectors or [arm lengths]
+    palm: str | None = None  # direction words such as "up" or "forward in"
+    pointing: str | None = None  # direction words
+    shape: HandShape | None = None
+    openness: float = 0.0  # 0..1
+    fixed: list[AxisName] = []  # axes that spatial extent leaves alone
+    touch: Touch | None = None  # what the hand is laid on
+    path: PathTable | None = None  # goes over that of the key
+
+
+class KeyTable(Strict):
+    """One stroke key: either `both`, or a hand for itself."""
+
+    path: PathTable | None = None  # of each hand that has none of its own
+
+    left: HandTable | None = None
+    right: HandTable | None = None
+    both: HandTable | None = None
+
+
+class GestureTable(Strict):
+    """One gesture."""
+
+    id: str
+    keys: list[KeyTable]
+    meanings: list[str] = []  # words that speak of it, the most characteristic first
+    says: str = ""  # what is done and what it means, in one line
+
+
+class GestureFile(Strict):
+    """One file: the gestures of a category."""
+
+    category: Category
+    gesture: list[GestureTable]
+
+
+def read_gestures(path: Path) -> list[tuple[GestureForm, Sense]]:
+    """Reads the gestures of a TOML file, or of all TOML files in a folder in the order of their names.
+
+    Raises:
+        ConfigError: a file is missing or wrong, or a folder holds none.
+    """
+    if not path.is_dir():
+        return _entries(path)
+    files = sorted(path.glob("*.toml"))
+    if not files:
+        raise ConfigError(f"{path}: a folder without .toml files")
+    return [entry for file in files for entry in _entries(file)]
+
+
+def _entries(path: Path) -> list[tuple[GestureForm, Sense]]:
+    """The gestures of one file."""
+    file = read(path, GestureFile)
+    entries = []
+    for table in file.gesture:
+        try:
+            keys = tuple(_key(key) for key in table.keys)
+            if not keys:
+                raise ValueError("has no keys, needs at least one")
+            _check_paths(keys)
+        except ValueError as error:
+            raise ConfigError(f"{path}: gesture {table.id}: {error}") from None
+        form = GestureForm(table.id, file.category, keys, rest=file.category == "rest")
+        own_words = [word for word in table.id.split("_") if word not in table.meanings]
+        entries.append((form, Sense((*table.meanings, *own_words), file.category, table.says)))
+    return entries
+
+
+def _key(table: KeyTable) -> StrokeKey:
+    """One stroke key."""
+    hands: dict[Side, HandPose] = {}
+    if table.both is not None:
+        if table.left is not None or table.right is not None:
+            raise ValueError("a key has both and a single hand; write left and right, or both alone")
+        hands["l"] = hands["r"] = _pose(table.both, table.path)
+    if table.left is not None:
+        hands["l"] = _pose(table.left, table.path)
+    if table.right is not None:
+        hands["r"] = _pose(table.right, table.path)
+    if not hands:
+        raise ValueError("a key without hands; give left, right or both")
+    return StrokeKey(hands)
+
+
+def _check_paths(keys: tuple[StrokeKey, ...]) -> None:
+    """A path needs a key that it comes from."""
+    known: set[Side] = set()
+    for key in keys:
+        for side, pose in key.hands.items():
+            if pose.path is not None and side not in known:
+                kind = pose.path.kind
+                raise ValueError(f"a hand's first key has a path ({kind}), from nowhere; write the key where it begins")
+        known |= key.hands.keys()
+
+
+def _path(table: PathTable | None) -> HandPath | None:
+    """One path."""
+    if table is None:
+        return None
+    return shaped(
+        table.kind,
+        amplitude=table.amplitude,
+        frequency=table.frequency,
+        shift=table.shift,
+        amplitude_variation=table.amplitude_variation,
+        frequency_variation=table.frequency_variation,
+        points=tuple(position(*point) for point in table.points),
+    )
+
+
+def _pose(table: HandTable, path: PathTable | None) -> HandPose:
+    """One hand, which comes by its own path or that of its key."""
+    if not 0.0 <= table.openness <= 1.0:
+        raise ValueError(f"openness is {table.openness:g}, outside [0, 1]")
+    forward, outward, up = (axis in table.fixed for axis in _AXES)
+    return HandPose(
+        position(*table.at),
+        (forward, outward, up),
+        _direction(table.palm),
+        _direction(table.pointing),
+        table.shape,
+        table.openness,
+        table.touch,
+        _path(table.path or path),
+    )
+
+
+def _direction(words: str | None) -> Floats | None:
+    """(3,) unit, forward, outward, up: the mean of direction words."""
+    if words is None:
+        return None
+    total = np.zeros(3)
+    for word in words.split():
+        if word not in _DIRECTIONS:
+            raise ValueError(f"{word} is no direction{closest(word, list(_DIRECTIONS))}")
+        total += _DIRECTIONS[word]
+    length = float(np.linalg.norm(total))
+    if length == 0:
+        raise ValueError(f"{words!r} points nowhere; such as 'up' or 'forward in'")
+    return sealed(total / length)

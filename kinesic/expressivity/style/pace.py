@@ -1,0 +1,147 @@
+"""How long a movement takes when nobody says how long: at ease for hands, and never less than the robot needs."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.limits import Limits
+from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.expressivity.keyframes import Turn
+from kinesic.expressivity.style.style import NEUTRAL, Expressivity
+from kinesic.expressivity.turns import AXES, axes
+from kinesic.motion.double_s import least_times
+
+COMFORT = 1.3  # natural time over the shortest that the servos can do
+HASTE = 1.5  # factor on speed of a temporal extent of 1
+FORCE = 2.4  # of a power of 1; strokes at ease leave the servos room for all of it
+GATHERED = 1.5  # exponent of power: half of it does less than half, or the servos' limits would bind already
+WEAKNESS = 1.6  # factor on time of a power of -1
+CARRIED = 0.6  # of power: what preparation and retraction have of it (Greta's share)
+FLOOR = 0.25  # [s] of a preparation or retraction
+
+_BEGIN, _PER_BIT, _WIDTH = 0.1, 0.15, 0.05  # [s], [s] and [m] of a target in Fitts' law
+_WAYS = np.linspace(0.0, 2.4, 25)  # [arm lengths] at which the shortest time of a hand is worked out
+_POSTURES = 32  # of an arm, from which its hand starts
+_MIDDLE = 0.5  # of each hinge's range, where these postures lie
+_SKILLED = 0.25  # share of the postures that are quicker than what counts: elbows are placed with care
+_PROBE = 1e-5  # [rad] for the slope
+_DAMPING = 1e-3  # of an arm that can hardly move along some axis
+
+
+def hurried(ease: float, least: float, extent: float, most: float) -> float:
+    """A time under an extent from -1 to 1, which the fastest divides and the slowest multiplies by `most` [s].
+
+    It falls with the extent as long as servos can do with less: where the least time forbids the whole factor, the
+    fastest takes the least time, and what lies between shares what room there is.
+
+    Args:
+        ease: time at extent 0 [s].
+        least: that servos need [s].
+        extent: -1 slow .. 1 fast.
+        most: factor on speed at 1, from 1.
+    """
+    room = most if extent < 0 or least <= 0 else min(most, max(ease / least, 1.0))
+    return float(max(least, ease * room**-extent))
+
+
+def fitts(distance: float) -> float:
+    """What a person takes for a way of the hand [s], by Fitts' law: 0.1 s + 0.15 s log2(distance / 5 cm + 1)."""
+    return float(_BEGIN + _PER_BIT * np.log2(distance / _WIDTH + 1))
+
+
+@dataclass(frozen=True, eq=False)
+class Pace:
+    """How fast a robot moves from rest to rest, and how fast it does so at ease.
+
+    Temporal extent and power make a natural time shorter or longer, but never shorter than the servos need.
+    """
+
+    robot: Robot
+    limits: Limits
+
+    def stroke_time(self, distance: float, manner: Expressivity = NEUTRAL) -> float:
+        """Natural time of a hand's way in a stroke [s]: Fitts' law, or the servos' ease where that is slower.
+
+        Args:
+            distance: [m].
+            manner: of the gesture; temporal extent and power are used.
+        """
+        least = self.least_hand_time(distance)
+        return _natural(max(fitts(distance), FORCE * least), least, manner.temporal, manner.power)
+
+    def way_time(self, distance: float, manner: Expressivity = NEUTRAL) -> float:
+        """Natural time of a hand's way to a stroke or back [s], at least `FLOOR`.
+
+        Args:
+            distance: [m].
+            manner: of the gesture; temporal extent and a share of power are used.
+        """
+        least = self.least_hand_time(distance)
+        ease = max(fitts(distance), COMFORT * least)
+        return max(FLOOR, _natural(ease, least, manner.temporal, CARRIED * manner.power))
+
+    def turn_time(
+        self, chain: str, turn: Turn, temporal: float = 0.0, power: float = 0.0, *, usual: float = 0.0
+    ) -> float:
+        """Natural time of a rotation from upright [s].
+
+        Args:
+            chain: `neck` or `torso`.
+            turn: where it goes.
+            temporal: extent, -1 slow .. 1 fast.
+            power: of a stroke, -1 weak .. 1 forceful.
+            usual: what people take at least, when they are at ease [s].
+        """
+        least = self.least_turn_time(chain, turn)
+        return _natural(max(usual, COMFORT * least), least, temporal, power)
+
+    def least_hand_time(self, distance: float) -> float:
+        """Shortest time of a hand's way [s] that an arm needs which stands well for it; grows with the way [m]."""
+        return float(np.interp(distance / self.robot.arm_length, _WAYS, self._least_hand_times))
+
+    def least_turn_time(self, chain: str, turn: Turn) -> float:
+        """Shortest time of a rotation from upright [s]; hinges of one axis share it by how far they go."""
+        skeleton = self.robot.skeleton
+        turned = np.zeros(len(skeleton.hinges))
+        for name, angle in zip(AXES, axes(turn), strict=True):
+            joints = [k for k in self.robot.joints(chain) if skeleton.names[k].endswith(name)]
+            room = skeleton.upper[joints] - skeleton.lower[joints]
+            turned[joints] = angle * room / max(float(room.sum()), _PROBE)
+        return float(least_times(turned, self.limits).max(initial=0.0))
+
+    @cached_property
+    def _least_hand_times(self) -> Floats:
+        """[s] for each of `_WAYS`, of the slower hand."""
+        times = [self._times_of(side) for side in SIDES if self.robot.joints(f"{side}_arm")]
+        return sealed(np.max(times, axis=0) if times else np.zeros(len(_WAYS)))
+
+    def _times_of(self, side: Side) -> Floats:
+        """[s] for each of `_WAYS`: along the easiest axis, from the quicker postures."""
+        arm = np.array(self.robot.joints(f"{side}_arm"), dtype=np.intp)
+        limits = self.limits.part(arm)
+        slopes, ease = self._slopes(side), limits.acceleration
+        within = slopes * ease @ slopes.transpose(0, 2, 1) + _DAMPING * np.eye(3)
+        # (c, 3, k) [rad/m], the more of a hinge the better it speeds up
+        turns = np.linalg.inv(within) @ (slopes * ease)
+        times = least_times(self.robot.arm_length * _WAYS[:, None, None, None] * turns, limits).max(axis=-1)
+        return np.asarray(np.quantile(times.min(axis=-1), _SKILLED, axis=1))
+
+    def _slopes(self, side: Side) -> Floats:
+        """(c, 3, k) [m/rad] how a hand moves with the hinges of its arm, from postures near the middle."""
+        skeleton, arm = self.robot.skeleton, list(self.robot.joints(f"{side}_arm"))
+        lower, upper = skeleton.lower[arm], skeleton.upper[arm]
+        spread = _MIDDLE * (np.random.default_rng(0).random((_POSTURES, len(arm))) - 0.5)
+        postures = np.tile(skeleton.rest, (_POSTURES, len(arm) + 1, 1))
+        postures[..., arm] = ((lower + upper) / 2 + spread * (upper - lower))[:, None]
+        postures[:, np.arange(1, len(arm) + 1), arm] += _PROBE
+        hands = skeleton.frames(postures).origins[:, :, skeleton.segment(self.robot.chains[f"{side}_arm"][-1])]
+        slopes: Floats = ((hands[:, 1:] - hands[:, :1]) / _PROBE).transpose(0, 2, 1)
+        return slopes
+
+
+def _natural(ease: float, least: float, temporal: float, power: float) -> float:
+    """A time at ease under temporal extent and power [s]."""
+    paced = hurried(ease, least, temporal, HASTE)
+    return hurried(paced, least, power**GATHERED, FORCE) if power > 0 else hurried(paced, least, power, WEAKNESS)

@@ -1,0 +1,1 @@
+"""Makes the head: its mesh, its skin, and the shapes of its action units."""

@@ -1,0 +1,159 @@
+"""The head as data: positions at rest, faces, parts and expression shapes, of two people with the same faces.
+
+`configs/faces/head.npz` holds them; `kinesic.face.assets.bake` made it. Both meshes are in our frame, x forward, y
+left, z up, with the origin between the centres of the eyes.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Literal, TypeVar
+from zipfile import BadZipFile
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.config import CONFIGS, closest
+from kinesic.face.assets.subdivision import refined
+from kinesic.face.display import DisplayError
+
+Variant = Literal["female", "male"]
+Part = Literal["skin", "eyes", "teeth", "tongue", "lashes"]
+Indices = NDArray[np.int32]
+Whole = TypeVar("Whole", np.int32, np.uint8)
+
+VARIANTS: tuple[Variant, ...] = ("female", "male")
+PARTS: tuple[Part, ...] = ("skin", "eyes", "teeth", "tongue", "lashes")
+HEAD = CONFIGS / "faces" / "head.npz"
+POSITION_STEP = 1e-5  # [m] of the file's rest positions
+DELTA_STEP = 1e-4  # [m] of its shapes
+BROW = "browInnerUp"  # the only shape without sides whose action unit has them
+BRIDGE = 0.02  # [m] across the nose, over which its halves change places
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """One head; parts share no vertices."""
+
+    positions: Floats  # (v, 3) [m] at rest
+    faces: Indices  # (f, 4) corners, anticlockwise from outside
+    parts: NDArray[np.uint8]  # (v,) place of each vertex's part in PARTS
+    shapes: tuple[str, ...]  # names of the columns of deltas
+    deltas: "scipy.sparse.csc_array"  # (3 v, s) [m] what each shape adds at full weight, a row for each coordinate
+    eyes: Floats  # (2, 3) [m] centres of the eyeballs, left and right
+    tips: Floats  # (v,) 0 .. 1 how near to the tip of a lash; 0 elsewhere
+
+    @cached_property
+    def triangles(self) -> Indices:
+        """(2 f, 3) corners, anticlockwise from outside: each face cut along its first diagonal."""
+        return _sealed(self.faces[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3))
+
+    def vertices(self, part: Part) -> NDArray[np.intp]:
+        """Numbers of the vertices of a part."""
+        return np.flatnonzero(self.parts == PARTS.index(part))
+
+    def normals(self, positions: Floats) -> Floats:
+        """(v, 3) unit normals outward, weighted by area, of the mesh with its vertices at (v, 3) positions."""
+        a, b, c, d = positions.take(self.faces.T, axis=0)
+        sums = self._around @ np.cross(c - a, d - b)
+        squares = np.einsum("vi,vi->v", sums, sums)
+        return np.asarray(sums / np.maximum(np.sqrt(squares), 1e-12)[:, None])
+
+    def subdivided(self) -> "Mesh":
+        """The same head with every face cut into four (Catmull-Clark); its first vertices are this mesh's.
+
+        Subdivision is linear: shapes are subdivided with the positions, so that deforming works on either mesh.
+        Eyeballs would shrink; they keep their radii.
+        """
+        stencil, faces = refined(self.faces, len(self.positions))
+        positions = stencil @ self.positions
+        parts = np.rint(stencil @ self.parts).astype(np.uint8)
+        ball = np.flatnonzero(parts == PARTS.index("eyes"))
+        centres = self._centres(positions[ball])
+        spokes = positions[ball] - centres
+        radii = np.linalg.norm(self.positions - self._centres(self.positions), axis=1)
+        lengths = (stencil @ radii)[ball] / np.linalg.norm(spokes, axis=1)
+        positions[ball] = centres + spokes * lengths[:, None]
+        return replace(
+            self,
+            positions=sealed(positions),
+            faces=_sealed(faces),
+            parts=_sealed(parts),
+            deltas=scipy.sparse.csc_array(scipy.sparse.kron(stencil, scipy.sparse.eye_array(3)) @ self.deltas),
+            tips=sealed(stencil @ self.tips),
+        )
+
+    def _centres(self, positions: Floats) -> Floats:
+        """(k, 3) [m] the centre of the eyeball on the side of each of (k, 3) positions."""
+        return self.eyes[np.where(positions[:, 1] > 0.0, 0, 1)]
+
+    @cached_property
+    def _around(self) -> "scipy.sparse.csr_array":
+        """(v, f) which faces meet at each vertex."""
+        corners, number = self.faces.ravel(), np.repeat(np.arange(len(self.faces)), 4)
+        shape = (len(self.positions), len(self.faces))
+        return scipy.sparse.csr_array((np.ones(len(corners)), (corners, number)), shape=shape)
+
+
+def load(variant: Variant = "female", *, path: Path = HEAD) -> Mesh:
+    """Reads a head.
+
+    Args:
+        variant: which of the two.
+        path: of the file.
+
+    Raises:
+        DisplayError: there is no such variant, or the file is missing or no head.
+    """
+    if variant not in VARIANTS:
+        raise DisplayError(f"no face {variant}{closest(variant, VARIANTS)}")
+    try:
+        with path.open("rb") as packed, np.load(packed) as file:
+            data = {name: file[name] for name in file.files}
+        return _mesh(data, VARIANTS.index(variant))
+    except FileNotFoundError:
+        raise DisplayError(f"{path}: no such file; it is part of kinesic: install kinesic again") from None
+    except (OSError, ValueError, KeyError, IndexError, TypeError, EOFError, BadZipFile) as error:
+        raise DisplayError(f"{path}: not a head that kinesic.face.assets.bake wrote: {error}") from None
+
+
+def _mesh(data: dict[str, NDArray[np.generic]], variant: int) -> Mesh:
+    """One head of the arrays of a file."""
+    positions = data["positions"][variant].astype(np.float64) * POSITION_STEP
+    starts, places = data["starts"], data["places"].astype(np.int32)
+    deltas = data["deltas"].astype(np.float64) * DELTA_STEP
+    names = tuple(str(name) for name in data["names"])
+    rows = (3 * places[:, None] + np.arange(3)).ravel()
+    shape = (positions.size, len(names))
+    moves = scipy.sparse.csc_array((deltas.ravel(), rows, 3 * starts), shape=shape)
+    names, moves = _halved(names, moves, positions[:, 1])
+    moves.eliminate_zeros()
+    return Mesh(
+        positions=sealed(positions),
+        faces=_sealed(data["faces"].astype(np.int32)),
+        parts=_sealed(data["parts"].astype(np.uint8)),
+        shapes=names,
+        deltas=moves,
+        eyes=sealed(data["eyes"][variant]),
+        tips=sealed(data["tips"].astype(np.float64) / 255.0),
+    )
+
+
+def _halved(
+    names: tuple[str, ...], moves: "scipy.sparse.csc_array", left: Floats
+) -> tuple[tuple[str, ...], "scipy.sparse.csc_array"]:
+    """Shapes with the inner brow's cut in two, each half fading out over the nose, as (v,) [m] to the left has it."""
+    whole = names.index(BROW)
+    share = np.repeat(np.clip(0.5 + left / BRIDGE, 0.0, 1.0), 3)
+    halves = [moves[:, [whole]].multiply(part[:, None]) for part in (share, 1.0 - share)]
+    others = [place for place in range(len(names)) if place != whole]
+    columns = scipy.sparse.csc_array(scipy.sparse.hstack([moves[:, others], *halves]))
+    return (*(names[place] for place in others), f"{BROW}Left", f"{BROW}Right"), columns
+
+
+def _sealed(values: NDArray[Whole]) -> NDArray[Whole]:
+    """The array itself, read-only."""
+    values.setflags(write=False)
+    return values

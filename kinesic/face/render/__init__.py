@@ -1,0 +1,1 @@
+"""Draws the head with OpenGL, pass by pass."""

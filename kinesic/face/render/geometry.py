@@ -1,0 +1,159 @@
+"""The head's G-buffer: what each pixel of it shows."""
+
+from collections.abc import Mapping
+from typing import Literal
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesic.body.arrays import Floats
+from kinesic.face.assets.action_units import deformed
+from kinesic.face.assets.chart import places, unrolled
+from kinesic.face.assets.eyeshade import eyeshade
+from kinesic.face.assets.mesh import PARTS, Mesh
+from kinesic.face.render.camera import Camera
+from kinesic.face.render.head_pose import steadied
+from kinesic.face.render.passes import Rectangle, Size, Target, program, tell
+
+Layer = Literal["skin", "organs", "lashes", "film"]
+
+VOLUME = 0.0035  # [m] that hair stands off the scalp
+MARGIN = 3  # [pixels] round a rectangle
+FILM = (0.30, 0.95, 0.45)  # what an eyeshade lets through, linear
+COVER = 0.5  # share of its pixels that are drawn
+GLOSS = 0.5
+APART = 8.0  # as form.frag.glsl has it
+
+
+class Geometry:
+    """Draws a head into the G-buffer, and lets others draw it elsewhere."""
+
+    def __init__(
+        self,
+        context: moderngl.Context,
+        mesh: Mesh,
+        drawn_on: Mesh,
+        size: Size,
+        iris: moderngl.Texture,
+        *,
+        shaded: bool = False,
+    ) -> None:
+        """Uploads what does not move.
+
+        Args:
+            context: to draw in.
+            mesh: of the head.
+            drawn_on: the same faces at the places of the head whose chart everything is painted in.
+            size: of the G-buffer.
+            iris: how an eye is painted.
+            shaded: whether the head wears an eyeshade.
+        """
+        self.context, self.mesh, self.size = context, mesh, size
+        self.depth = context.depth_renderbuffer(size)
+        self.target = Target(context, size, ("4f4", "4f4"), self.depth)  # form, place
+        self.target.frame.depth_mask = True
+        form, _ = self.target.textures
+        self._emptied = context.framebuffer([form], self.depth)  # what is not on the head is read nowhere else
+        self._iris = iris
+        self.drawn_on, self.place = drawn_on, places(drawn_on)
+        skin = mesh.parts == PARTS.index("skin")
+        self._hair = VOLUME * np.clip(self.place[:, 3] / 0.35, 0.0, 1.0) * skin
+        self._sources, on_chart, triangles = unrolled(self.place, mesh.triangles)
+        fixed = np.column_stack([on_chart, mesh.parts[self._sources], mesh.tips[self._sources]])
+        self._moving = context.buffer(reserve=len(fixed) * 6 * 4, dynamic=True)
+        first = mesh.triangles[:, 0]
+        thin = mesh.parts[first] == PARTS.index("lashes")
+        still = self._buffer(fixed)
+        self._layers = {
+            "skin": (self._moving, still, self._buffer(triangles[skin[first]], "i4")),
+            "organs": (self._moving, still, self._buffer(triangles[~skin[first] & ~thin], "i4")),
+            "lashes": (self._moving, still, self._buffer(triangles[thin], "i4")),
+        }
+        if shaded:
+            self._layers["film"] = self._film(mesh)
+        skins, organs = (program(context, "geometry", "form", fragment) for fragment in ("skin", "organs"))
+        film = program(context, "geometry", "form", "door", "film")
+        self._shaders = (skins, organs, film)
+        self._solid = (self.drawn(skins, "skin"), self.drawn(organs, "organs"))
+        self.thin: tuple[Layer, ...] = ("lashes", "film") if shaded else ("lashes",)
+        self._open = [self.drawn(film if each == "film" else organs, each) for each in self.thin]
+
+    def drawn(self, shader: moderngl.Program, layer: Layer) -> moderngl.VertexArray:
+        """One of the layers, for a program with the vertex shader `geometry`."""
+        moving, still, indices = self._layers[layer]
+        buffers = [(moving, "3f 3f", "position", "normal") if "normal" in shader else (moving, "3f 12x", "position")]
+        if "place" in shader:  # a compiler drops what nothing reads
+            buffers.append((still, "4f 2f", "place", "matter") if "matter" in shader else (still, "4f 8x", "place"))
+        return self.context.vertex_array(shader, buffers, indices)
+
+    def draw(self, units: Mapping[str, float], camera: Camera) -> Target:
+        """Normal, with depth and part; place in the chart, or colour."""
+        vertices = self._vertices(units, camera)
+        self._moving.write(vertices[self._sources].astype("f4").tobytes())
+        aspect = self.size[0] / self.size[1]
+        view, projection, self.lens = camera.view(), camera.projection(aspect), camera.lens(aspect)
+        self.on_screen = self._pixels(vertices[:, :3], projection @ view)
+        self.covered = self.rectangle(self.on_screen) if "film" not in self._layers else (0, 0, *self.size)
+        for shader in self._shaders:
+            tell(shader, {"view": view.T, "projection": projection.T})
+        self._iris.use(0)
+        self._shaders[1]["iris"] = 0
+        self._emptied.clear()
+        self.target.frame.use()
+        self.context.depth_func = "<"
+        self.context.enable_only(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+        for each in self._solid:
+            each.render()
+        self.context.disable(moderngl.CULL_FACE)
+        for each in self._open:
+            each.render()
+        return self.target
+
+    def parts(self) -> NDArray[np.intp]:
+        """(height, width) place in PARTS of what was drawn last at each pixel, and 1 more; 0 is the background."""
+        where = self.target.read(0)[..., 3]
+        return np.where(where < 0.0, np.floor(where / -APART) + 1.0, 0.0).astype(np.intp)
+
+    def positions(self) -> Floats:
+        """(height, width, 3) [m] where that is in the camera's frame."""
+        where = self.target.read(0)[..., 3]
+        depth = where + APART * np.floor(where / -APART)
+        (across, up), (width, height) = self.lens, self.size
+        right, down = ((np.arange(side) + 0.5) / side * 2.0 - 1.0 for side in (width, height))
+        x, y = np.meshgrid(-across * right, up * down)
+        return np.stack([x * depth, y * depth, depth], axis=-1)
+
+    def rectangle(self, points: Floats) -> Rectangle:
+        """The pixels round (2, k) points of the screen, and what lies between them."""
+        low = np.clip(np.floor(points.min(axis=1)).astype(int) - MARGIN, 0, self.size)
+        high = np.clip(np.ceil(points.max(axis=1)).astype(int) + MARGIN, 0, self.size)
+        return int(low[0]), int(low[1]), int(high[0] - low[0]), int(high[1] - low[1])
+
+    def _vertices(self, units: Mapping[str, float], camera: Camera) -> Floats:
+        """(v, 6) positions and normals."""
+        positions = steadied(self.mesh.positions, deformed(self.mesh, units), camera.turn)
+        normals = self.mesh.normals(positions)
+        eyes = self.mesh.vertices("eyes")
+        spokes = positions[eyes] - self.mesh.eyes[np.where(self.mesh.positions[eyes, 1] > 0.0, 0, 1)]
+        normals[eyes] = spokes / np.linalg.norm(spokes, axis=1, keepdims=True)
+        return np.concatenate([positions + normals * self._hair[:, None], normals], axis=1)
+
+    def _pixels(self, positions: Floats, onto: Floats) -> Floats:
+        """(2, v) where a (4, 4) matrix puts (v, 3) positions on the screen."""
+        x, y, w = onto[[0, 1, 3], :3] @ positions.T + onto[[0, 1, 3], 3:]
+        width, height = self.size
+        return np.stack([(0.5 * x / w + 0.5) * width, (0.5 * y / w + 0.5) * height])
+
+    def _film(self, mesh: Mesh) -> tuple[moderngl.Buffer, moderngl.Buffer, moderngl.Buffer]:
+        """The buffers of an eyeshade."""
+        sheet = eyeshade(mesh)
+        look = np.array([*np.sqrt(FILM), GLOSS, len(PARTS), COVER])
+        return (
+            self._buffer(np.concatenate([sheet.positions, sheet.normals], axis=1)),
+            self._buffer(np.tile(look, (len(sheet.positions), 1))),
+            self._buffer(sheet.triangles, "i4"),
+        )
+
+    def _buffer(self, values: Floats | NDArray[np.int32], kind: str = "f4") -> moderngl.Buffer:
+        return self.context.buffer(values.astype(kind).tobytes())

@@ -1,0 +1,105 @@
+"""Ambient occlusion over the G-buffer, exact or separable (thesis chapter 3).
+
+Separable occlusion marches along two directions instead of all. They turn from pixel to pixel in a small pattern, and a
+blur that respects the geometry joins what neighbours saw: O(k) samples instead of O(k^2).
+"""
+
+from math import cos, pi, sin
+from typing import get_args
+
+import moderngl
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.face.render.passes import ScreenPass, Target, Value, texture
+from kinesic.face.render.presets import Estimator, Occlusion, Pattern
+from kinesic.face.render.seen import Seen
+
+SIDE = 4  # pixels of the pattern along an axis
+SEED = 3
+OPEN = (1.0, 0.0, 0.0, 0.0)  # the backdrop
+
+
+class OcclusionPass:
+    """Finds how open each pixel of the head is."""
+
+    def __init__(self, context: moderngl.Context, seen: Seen, occlusion: Occlusion) -> None:
+        self.occlusion, self._seen = occlusion, seen
+        estimator = get_args(Estimator).index(occlusion.estimator)
+
+        def over_head(fragment: str, **defines: int) -> ScreenPass:
+            target = Target(context, seen.position.size, ("4f4",), seen.depth)
+            return ScreenPass(context, target, fragment, where=seen.where, defines=defines)
+
+        steps, marched = occlusion.size // 2, occlusion.size if occlusion.exact else 2
+        self.march = over_head("occlusion", ESTIMATOR=estimator, SIDE=SIDE, DIRECTIONS=marched, STEPS=steps)
+        self.blurs = () if occlusion.exact else (over_head("blur", SIDE=SIDE), over_head("blur", SIDE=SIDE))
+        angles = np.zeros((SIDE, SIDE)) if occlusion.exact else directions(occlusion.pattern)
+        self._pattern = texture(context, np.stack([np.cos(angles), np.sin(angles)], axis=-1), "f4")
+
+    def draw(self, scale: float) -> Target:
+        """Openness of each pixel, 0..1, in the first component.
+
+        The normals are those of the geometry; wrinkles would be smeared by the blur.
+
+        Args:
+            scale: [pixels/m] at the middle of the head.
+        """
+        told, seen = self.occlusion, self._seen
+        steps, marched = told.size // 2, told.size if told.exact else 2
+        turn = pi / marched
+        rings = np.arange(1, steps + 1)
+        across, up = (1.0 / side for side in seen.position.size)
+        values: dict[str, Value] = {
+            "pixel": (across, up),
+            "turn": (cos(turn), sin(turn)),
+            "stride": told.radius * scale / (steps + 1),
+            "radius": told.radius,
+            "strength": told.strength,
+        }
+        if told.estimator != "horizon":
+            values["all"] = float((rings * wendland(rings / (steps + 1))).sum())
+        inputs = {"position": seen.position, "normal": seen.normal, "pattern": self._pattern}
+        self.march.clear(*OPEN)
+        found = self.march.draw(inputs, values)
+        for blur, axis in zip(self.blurs, ((across, 0.0), (0.0, up)), strict=False):
+            blur.clear(*OPEN)
+            found = blur.draw({"noisy": found.textures[0]}, {"axis": axis})
+        return found
+
+
+def samples(occlusion: Occlusion) -> int:
+    """Pixels that are looked at for one."""
+    return 2 * (occlusion.size // 2) * (occlusion.size if occlusion.exact else 2)
+
+
+def wendland(t: Floats) -> Floats:
+    """1 at 0, 0 from 1 on, and smooth between (thesis 3.3.3)."""
+    return np.asarray(np.maximum(1.0 - t, 0.0) ** 4 * (4.0 * t + 1.0))
+
+
+def directions(pattern: Pattern) -> Floats:
+    """(4, 4) [rad] the first direction at each pixel, of a quarter turn: the second stands at right angles to it."""
+    count = SIDE * SIDE
+    random = np.random.default_rng(SEED)
+    if pattern == "random":
+        shares = random.uniform(size=count)
+    elif pattern == "regular":
+        shares = np.arange(count) / count
+    elif pattern == "jittered":
+        shares = (random.permutation(count) + random.uniform(size=count)) / count
+    elif pattern == "halton":
+        shares = np.array([radical_inverse(k + 1, 3) for k in range(count)])
+    else:
+        shares = np.array([radical_inverse(k, 2) for k in range(count)])
+    return np.asarray(pi / 2 * shares.reshape(SIDE, SIDE))
+
+
+def radical_inverse(number: int, base: int) -> float:
+    """The digits of a number, mirrored at the point (J. H. Halton, 1960)."""
+    found, place = 0.0, 1.0 / base
+    while number:
+        number, digit = divmod(number, base)
+        found += digit * place
+        place /= base
+    return found

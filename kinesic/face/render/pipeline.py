@@ -1,0 +1,125 @@
+"""The deferred pipeline: the passes that make a picture of the head's G-buffer."""
+
+import math
+from collections.abc import Mapping
+from functools import cache
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesic.face.assets.action_units import intensities
+from kinesic.face.assets.chart import window
+from kinesic.face.assets.mesh import Mesh
+from kinesic.face.assets.paint import Complexion, iris, skin
+from kinesic.face.render.camera import Camera
+from kinesic.face.render.geometry import Geometry
+from kinesic.face.render.lights import Lights
+from kinesic.face.render.occlusion import OcclusionPass
+from kinesic.face.render.passes import ScreenPass, Size, Stored, Target, Value, stored, texture
+from kinesic.face.render.post import Finish
+from kinesic.face.render.presets import Preset
+from kinesic.face.render.scattering import ScatterPass
+from kinesic.face.render.seen import SeenPass
+from kinesic.face.render.shadow import ShadowPass
+from kinesic.face.render.wrinkle_pass import ReliefPass
+from kinesic.face.render.wrinkles import shares
+
+BACKDROP = (0.055, 0.075, 0.105)  # linear
+
+Pixels = NDArray[np.uint8]  # (height, width, 3) sRGB, first row on top
+
+
+class Pipeline:
+    """From action units to pixels, in one OpenGL context."""
+
+    def __init__(
+        self,
+        context: moderngl.Context,
+        mesh: Mesh,
+        drawn_on: Mesh,
+        complexion: Complexion,
+        *,
+        preset: Preset,
+        size: Size,
+        lights: Lights,
+    ) -> None:
+        drawn = (size[0] * preset.samples, size[1] * preset.samples)
+        self._preset, self._drawn, self._lights, self._complexion = preset, drawn, lights, complexion
+        eyes = texture(context, iris(complexion))
+        self.geometry = geometry = Geometry(context, mesh, drawn_on, drawn, eyes, shaded=preset.eyeshade)
+        self._unit = float(mesh.eyes[0, 1] - mesh.eyes[1, 1])
+        self._skin = texture(context, _painted(complexion), "f1")
+        self._skin.build_mipmaps()
+        self._skin.filter = (moderngl.LINEAR_MIPMAP_NEAREST, moderngl.LINEAR)
+        self._white = texture(context, np.ones((1, 1, 4)))
+        self.relief = ReliefPass(context, geometry, wrinkled=preset.wrinkles)
+        self.seen = SeenPass(context, geometry, preset.coarse)
+        seen = self.seen.seen
+        self.occlusion = OcclusionPass(context, seen, preset.occlusion) if preset.occlusion else None
+        self.shadow = ShadowPass(context, geometry, seen, preset.shadow) if preset.shadow else None
+        kept = ("4f4", "4f1") if preset.scattering else ()
+        lit = Target(context, drawn, ("4f1", *kept), geometry.depth)
+        self._light = ScreenPass(context, lit, "form", "surface", "compose", "light", defines={"KEPT": len(kept)})
+        self.scatter = ScatterPass(context, geometry, lit, preset.scattering) if preset.scattering else None
+        self._backdrop = Target(context, drawn, ("4f1",), None)
+        ScreenPass(context, self._backdrop, "compose", "backdrop", where="everywhere").draw({}, {"backdrop": BACKDROP})
+        self._finish = Finish(context, geometry, preset, size)
+
+    def draw(self, units: Mapping[str, float], camera: Camera, gain: float) -> Pixels:
+        """The picture."""
+        return self.drawn(units, camera, gain).pixels()
+
+    def drawn(self, units: Mapping[str, float], camera: Camera, gain: float) -> Target:
+        """The picture where it was drawn."""
+        place = self.geometry.draw(units, camera).textures[1]
+        relief, bent = self.relief.draw(shares(intensities(units)) * gain * self._preset.wrinkles)
+        scale = pixels_per_metre(camera, self._drawn[1])
+        if self.occlusion or self.shadow:
+            self.seen.draw()
+        values: dict[str, Value] = {
+            "chart": window(),
+            "hair": self._complexion.hair,
+            "level": self._level(scale),
+            "towards": self._lights.directions(),
+            "power": self._lights.powers(),
+            "sky": self._lights.sky,
+            "ground": self._lights.ground,
+            "lens": self.geometry.lens,
+        }
+        inputs = {"place": place, "bent": bent, "relief": relief, "skin": self._skin, "reach": self.reach(camera)}
+        picture = self._light.target
+        picture.copy(self._backdrop)
+        if self.scatter:
+            self.scatter.clear()
+            values["threshold"] = self.scatter.scattering.threshold
+        self._light.draw(inputs, values)
+        if self.scatter:
+            self.scatter.draw(bent, scale)
+        return self._finish.draw(picture, camera)
+
+    def reach(self, camera: Camera) -> moderngl.Texture:
+        """How much of the key's light reaches each pixel, 0..1 for each colour, and how much of the light around."""
+        around = self._white
+        if self.occlusion:
+            around = self.occlusion.draw(pixels_per_metre(camera, self._drawn[1]) / self._preset.coarse).textures[0]
+        if self.shadow:
+            return self.shadow.draw(self._lights.directions()[0], camera, around).textures[0]
+        around.filter, around.swizzle = (moderngl.LINEAR, moderngl.LINEAR), "111R"
+        return around
+
+    def _level(self, scale: float) -> float:
+        """How often the painting must be halved until its pixels are about as large as those of the screen."""
+        ours = self._skin.height * window()[1]
+        return float(max(round(math.log2(ours / (scale * self._unit))), 0))
+
+
+@cache
+def _painted(complexion: Complexion) -> Stored:
+    """(n, n, 4) skin as its texture holds it: square roots of its colours, and how dry it is."""
+    return stored(skin(complexion) ** (0.5, 0.5, 0.5, 1.0), "f1")
+
+
+def pixels_per_metre(camera: Camera, height: int) -> float:
+    """How large things are at the middle of the head, in a picture of a height [pixels]."""
+    return height / (2 * camera.distance * math.tan(math.radians(camera.field_deg) / 2))

@@ -1,0 +1,109 @@
+"""Draws a face: action units in, a picture out, through a deferred pipeline (thesis chapters 3 to 5).
+
+The head is drawn once, into textures of what each pixel shows; wrinkles, light and skin are screen-wide passes over
+them, so that their cost depends on the number of pixels alone.
+"""
+
+from collections.abc import Mapping
+from contextlib import ExitStack, nullcontext
+from functools import lru_cache
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesic.face.assets.mesh import Mesh, Variant, load
+from kinesic.face.assets.paint import COMPLEXIONS
+from kinesic.face.display import DisplayError, offscreen
+from kinesic.face.render.camera import FRONT, Camera
+from kinesic.face.render.lights import LIGHTS, Lights
+from kinesic.face.render.presets import NORMAL, Preset
+
+if TYPE_CHECKING:
+    import moderngl
+
+Pixels = NDArray[np.uint8]  # (height, width, 3) sRGB, first row on top
+
+LARGEST = 4096  # pixels along a side
+LOUDEST = 4.0  # gain of the wrinkles
+CHART: Variant = "female"  # whose chart the painting and the wrinkles of all are drawn in; the vertices correspond
+
+
+class Portrait:
+    """A head ready to be drawn, again and again; a context manager that frees what it holds.
+
+    with Portrait("male") as portrait:
+        pixels = portrait.draw({"12": 0.8, "6": 0.6}, Camera(yaw_deg=30))
+    """
+
+    def __init__(
+        self,
+        variant: Variant = "female",
+        *,
+        preset: Preset = NORMAL,
+        size: tuple[int, int] = (512, 512),
+        lights: Lights = LIGHTS,
+        context: "moderngl.Context | None" = None,
+    ) -> None:
+        """Loads the head, compiles the shaders and paints the textures.
+
+        Args:
+            variant: of the head.
+            preset: how much is drawn.
+            size: (width, height) of pictures [pixels].
+            lights: that stand with the camera.
+            context: to draw in, of OpenGL 3.3 or later, which stays open; its own without a window if None.
+
+        Raises:
+            DisplayError: nothing can be drawn here, no such variant, or no picture of this size.
+        """
+        if not all(1 <= side * preset.samples <= LARGEST for side in size):
+            limit = LARGEST // preset.samples
+            raise DisplayError(f"a picture of {size[0]} x {size[1]} pixels; each side may be 1 to {limit}")
+        self.mesh = _head(variant, preset.subdivided)
+        drawn_on = _head(CHART, preset.subdivided)
+        self.preset, self.size = preset, size
+        with ExitStack() as opened:
+            own = opened.enter_context(offscreen()) if context is None else context
+            from kinesic.face.render.pipeline import Pipeline  # noqa: PLC0415 - needs the optional library, which is there now
+
+            self.pipeline = Pipeline(
+                own, self.mesh, drawn_on, COMPLEXIONS[variant], preset=preset, size=size, lights=lights
+            )
+            self._current = own if context is None else nullcontext()  # another portrait may have its own
+            self._opened = opened.pop_all()
+
+    def draw(self, units: Mapping[str, float], camera: Camera = FRONT, *, gain: float = 1.0) -> Pixels:
+        """The picture of a face that shows some action units.
+
+        Args:
+            units: action unit -> 0..1, as in `Command.face`.
+            camera: where it is seen from.
+            gain: of the wrinkles; 0 is none, 1 as they were drawn.
+
+        Raises:
+            DisplayError: an unknown unit, an intensity outside 0..1, or a gain outside 0..4.
+        """
+        if not 0.0 <= gain <= LOUDEST:
+            raise DisplayError(f"wrinkles {gain:g} times as deep; 0 to {LOUDEST:g} can be drawn")
+        with self._current:
+            return self.pipeline.draw(units, camera, gain)
+
+    def close(self) -> None:
+        """Frees what is its own; a context that was given keeps the textures until it is released itself."""
+        self._opened.close()
+
+    def __enter__(self) -> "Portrait":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+@lru_cache(maxsize=4)
+def _head(variant: Variant, subdivided: bool) -> Mesh:
+    mesh = load(variant)
+    return mesh.subdivided() if subdivided else mesh

@@ -1,0 +1,110 @@
+"""The shadow of the key light: the head's depth as the lamp sees it (L. Williams, 1978), compared softly (thesis 12.1).
+
+What light shines through has a map of its own, with colours. It is drawn into it through a screen-door mask, so that a
+part of its pixels holds the colour and the others let all light pass; their mean is what arrives.
+"""
+
+from collections.abc import Sequence
+
+import moderngl
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.face.render.camera import Camera
+from kinesic.face.render.geometry import Geometry
+from kinesic.face.render.passes import ScreenPass, Target, Value, program, tell
+from kinesic.face.render.presets import Shadow
+from kinesic.face.render.seen import Seen
+
+SIDE = 512  # pixels of the map
+REACH = 0.22  # [m] that it covers round the middle of the head, across
+DEEP = 0.35  # [m] and along the light
+SHARPEST = 0.004  # [m] across what is compared at least: the map has pixels
+
+
+class ShadowPass:
+    """Finds how much of the key's light reaches each pixel of the head."""
+
+    def __init__(self, context: moderngl.Context, geometry: Geometry, seen: Seen, shadow: Shadow) -> None:
+        self.shadow, self._seen = shadow, seen
+        reached = Target(context, seen.position.size, ("4f1",), seen.depth)
+        reached.textures[0].filter = (moderngl.LINEAR, moderngl.LINEAR)
+        defines = {"COLOURED": int(shadow.coloured), "BLOCKERS": shadow.blockers, "TAPS": shadow.taps}
+        self._shade = ScreenPass(context, reached, "shade", where=seen.where, defines=defines)
+        solid = program(context, "geometry", "shadow")
+        self._solid = _Map(context, [], solid, [geometry.drawn(solid, "skin")])
+        self._thin: _Map | None = None
+        if shadow.coloured:
+            self._tints = Target(context, (SIDE, SIDE), ("4f1",), None).textures
+            tinted = program(context, "geometry", "form", "door", "tint")
+            self._thin = _Map(context, self._tints, tinted, [geometry.drawn(tinted, each) for each in geometry.thin])
+
+    def draw(self, towards: Floats, camera: Camera, around: moderngl.Texture) -> Target:
+        """Light of the key at each pixel, 0..1 for each colour, and how open it is to the light around.
+
+        Args:
+            towards: (3,) unit vector to the lamp in the camera's frame.
+            camera: that the G-buffer was drawn from.
+            around: how open each pixel is, in the first component.
+        """
+        told, seen = self.shadow, self._seen
+        lamp, view = lamp_view(towards, camera.distance), camera.view()
+        inputs = {"position": seen.position, "normal": seen.normal, "open": around}
+        inputs["depths"] = self._solid.draw(view, lamp)
+        if self._thin is not None:
+            inputs |= {"tint_depths": self._thin.draw(view, lamp), "tints": self._tints[0]}
+        values: dict[str, Value] = {
+            "lamp": lamp.T,
+            "deep": DEEP,
+            "away": told.away,
+            "wide": told.lamp / (2 * REACH),
+            "nearest": SHARPEST / (2 * REACH),
+        }
+        self._shade.clear(1.0, 1.0, 1.0, 1.0)
+        return self._shade.draw(inputs, values)
+
+
+class _Map:
+    """What a far lamp sees of some layers."""
+
+    def __init__(
+        self,
+        context: moderngl.Context,
+        colours: Sequence[moderngl.Texture],
+        shader: moderngl.Program,
+        layers: Sequence[moderngl.VertexArray],
+    ) -> None:
+        self._context, self._shader, self._layers = context, shader, layers
+        self._culling = moderngl.NOTHING if colours else moderngl.CULL_FACE  # films are seen from both sides
+        self._depths = context.depth_texture((SIDE, SIDE))
+        self._depths.compare_func = ""
+        self._depths.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        self._depths.repeat_x = self._depths.repeat_y = False
+        self._frame = context.framebuffer(colours, self._depths)
+
+    def draw(self, view: Floats, lamp: Floats) -> moderngl.Texture:
+        """Depths 0..1."""
+        tell(self._shader, {"view": view.T, "projection": lamp.T})
+        self._frame.use()
+        self._frame.clear()
+        self._context.enable_only(moderngl.DEPTH_TEST | self._culling)
+        self._context.depth_func = "<"
+        for each in self._layers:
+            each.render()
+        return self._depths
+
+
+def lamp_view(towards: Floats, distance: float) -> Floats:
+    """(4, 4) from the camera's frame to the clip space of a far lamp.
+
+    Args:
+        towards: (3,) unit vector to the lamp in the camera's frame.
+        distance: [m] from the camera to the middle of the head.
+    """
+    right = np.cross((0.0, 1.0, 0.0), towards)
+    right /= np.linalg.norm(right)
+    rotation = np.array([right, np.cross(towards, right), towards]) / np.array([[REACH], [REACH], [-DEEP]])
+    found = np.eye(4)
+    found[:3, :3] = rotation
+    found[:3, 3] = rotation @ (0.0, 0.0, distance)
+    return found

@@ -1,0 +1,117 @@
+"""The face as a sink: a window, or pictures that nobody sees, drawn in a process of its own."""
+
+import multiprocessing
+import time
+from dataclasses import replace
+from multiprocessing.connection import Connection
+from types import TracebackType
+
+from kinesic.body.command import Command
+from kinesic.body.robot import Robot
+from kinesic.face.display import DisplayError
+from kinesic.face.render.head_pose import turns
+from kinesic.face.show.process import Look, show
+from kinesic.face.show.shared_command import Board, Shown
+from kinesic.face.show.window import has_display
+
+OPENING = 60.0  # [s] that the process has to draw its first picture
+PACE = 0.01  # [s] between two commands that are put up; faster ones are passed over
+CLOSING = 10.0  # [s] that it has for the last one
+PLAIN = Look()
+UPRIGHT = (0.0, 0.0, 0.0)
+
+
+class Preview:
+    """Draws the newest command's face; it drops frames, and never holds up the performance.
+
+    A closed window, or a process that ended, changes nothing for whoever plays.
+    """
+
+    def __init__(
+        self,
+        robot: Robot | None = None,
+        *,
+        look: Look = PLAIN,
+        windowed: bool | None = None,
+    ) -> None:
+        """Opens the window, and waits until the first picture is drawn.
+
+        Args:
+            robot: whose head turns the face; None: it looks ahead.
+            look: how it begins; keys change it.
+            windowed: whether a window is opened; None: where there is a display.
+
+        Raises:
+            DisplayError: nothing can be drawn here.
+        """
+        context = multiprocessing.get_context("spawn")
+        look = replace(look, windowed=has_display() if windowed is None else windowed)
+        self._robot, self._board = robot, Board(context)
+        self._number, self._last, self._waiting = 0, -PACE, False
+        here, there = context.Pipe(duplex=False)
+        self._process = context.Process(target=show, args=(self._board, there, look), daemon=True)
+        self._process.start()
+        there.close()
+        with here:
+            why = _answer(here)
+        if why:
+            self._process.kill()
+            self._process.join()
+            raise DisplayError(why)
+
+    @property
+    def closed(self) -> bool:
+        """Whether somebody closed the window, or nothing is drawn any more for another reason."""
+        return not self._process.is_alive()
+
+    def write(self, command: Command) -> None:
+        """Puts up a command's face; those that come too fast to be seen wait for a later one.
+
+        Raises:
+            DisplayError: an unknown action unit, or an intensity outside 0..1.
+        """
+        self._number += 1
+        self._command = command
+        now = time.perf_counter()
+        self._waiting = now - self._last < PACE or not self._put()
+        if not self._waiting:
+            self._last = now
+
+    def wait(self) -> None:
+        """Returns when somebody has closed the window."""
+        self._process.join()
+
+    def close(self) -> None:
+        """Shows the last command, and closes the window."""
+        if self._waiting and not self.closed:
+            self._put(wait=True)
+        self._board.end()
+        self._process.join(CLOSING)
+        if self._process.is_alive():
+            self._process.kill()
+            self._process.join()
+
+    def _put(self, *, wait: bool = False) -> bool:
+        command, turn = self._command, UPRIGHT
+        if self._robot is not None:
+            left, up, over = turns(self._robot, command.angles).tolist()
+            turn = (left, up, over)
+        return self._board.write(Shown(self._number, command.time, turn, command.face), wait=wait)
+
+    def __enter__(self) -> "Preview":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def _answer(pipe: Connection) -> str:
+    """What the process says of its first picture: nothing, or what hinders it."""
+    if not pipe.poll(OPENING):
+        return f"nothing was drawn within {OPENING:g} s"
+    try:
+        return str(pipe.recv())
+    except EOFError:
+        return "the process that draws ended; `kinesic doctor` tells what works here"

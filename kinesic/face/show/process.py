@@ -1,0 +1,138 @@
+"""The process that draws a preview: whatever is newest, as often as the machine can."""
+
+import multiprocessing
+import signal
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from kinesic.face.assets.mesh import Variant
+from kinesic.face.display import DisplayError, offscreen
+from kinesic.face.render.camera import CLOSE
+from kinesic.face.render.portrait import Pixels, Portrait
+from kinesic.face.render.presets import PRESETS
+from kinesic.face.show.controls import Controls
+from kinesic.face.show.shared_command import Board, Shown
+from kinesic.face.show.side_film import Beside
+from kinesic.face.show.window import window
+
+if TYPE_CHECKING:
+    import moderngl
+
+PAUSE = 0.004  # [s] between two looks at the board
+FASTEST = 1 / 60  # [s] between two pictures
+
+
+class Screen(Protocol):
+    """Where pictures go and keys come from."""
+
+    @property
+    def closed(self) -> bool:
+        """Whether somebody closed it."""
+
+    def show(self, pixels: Pixels, title: str, /) -> None:
+        """Shows a picture."""
+
+    def pressed(self) -> list[str]:
+        """Names of the keys that were pressed since the last call."""
+
+
+class Nowhere:
+    """A screen that nobody sees: the pictures are drawn all the same."""
+
+    closed = False
+
+    def show(self, pixels: Pixels, title: str, /) -> None:
+        """Nothing."""
+
+    def pressed(self) -> list[str]:
+        """None."""
+        return []
+
+
+@dataclass(frozen=True)
+class Look:
+    """How a preview begins."""
+
+    variant: Variant = "female"
+    preset: str = "normal"
+    side: int = 512  # [pixels]
+    windowed: bool = True
+    gain: float = 1.0  # of the wrinkles
+    yaw_deg: float = 0.0
+    beside: Path | None = None  # a film of the body on the clock of the performance
+
+
+class Answer(Protocol):
+    """The way back to the process that plays: ready, or a reason why not."""
+
+    def send(self, word: str, /) -> None:
+        """Sends a word."""
+
+
+def show(board: Board, answer: Answer, look: Look) -> None:
+    """Opens a window or none, and draws until the board is over or the window is closed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process that plays tells when it is over
+    try:
+        with ExitStack() as opened:
+            size = (look.side, look.side)
+            body = None if look.beside is None else Beside(look.beside, look.side)
+            wide = look.side if body is None else look.side + body.at(0.0).shape[1]
+            begun = Controls(look.preset, look.variant, gain=look.gain, yaw_deg=look.yaw_deg)
+            screen: Screen = Nowhere()
+            if look.windowed:
+                screen = framed = opened.enter_context(window((wide, look.side), begun.title))
+                context = framed.context
+            else:
+                context = opened.enter_context(offscreen())
+            draw = painter(context, size, body)
+            draw(board.read(), begun)  # whatever cannot be drawn is told before the performance begins
+            answer.send("")
+            follow(board, screen, draw, begun)
+    except DisplayError as error:
+        answer.send(str(error))
+
+
+def painter(
+    context: "moderngl.Context", size: tuple[int, int], body: Beside | None = None
+) -> Callable[[Shown, Controls], Pixels]:
+    """A function that draws; it keeps a portrait for each preset and variant that was asked for."""
+    portraits: dict[tuple[str, Variant], Portrait] = {}
+
+    def draw(shown: Shown, told: Controls) -> Pixels:
+        kind = (told.preset, told.variant)
+        if kind not in portraits:
+            portraits[kind] = Portrait(told.variant, preset=PRESETS[told.preset], size=size, context=context)
+        camera = replace(CLOSE, yaw_deg=told.yaw_deg, turn=shown.turn)
+        face = portraits[kind].draw(told.over(shown.units), camera, gain=told.gain)
+        return face if body is None else np.concatenate([face, body.at(shown.time)], axis=1)
+
+    return draw
+
+
+def follow(board: Board, screen: Screen, draw: Callable[[Shown, Controls], Pixels], told: Controls) -> int:
+    """Draws the newest command whenever it or a key changed something; frames are dropped, not commands.
+
+    Returns:
+        The number of pictures.
+    """
+    drawn, last, pictures, player = None, -FASTEST, 0, multiprocessing.parent_process()
+    while not (screen.closed or told.shut) and (player is None or player.is_alive()):
+        over = board.over  # before the board is read: the last command is drawn
+        for key in screen.pressed():
+            told = told.pressed(key)
+        wanted = (board.read(), told)
+        if wanted != drawn and time.perf_counter() - last >= FASTEST:
+            last = time.perf_counter()
+            screen.show(draw(*wanted), told.title)
+            drawn, pictures = wanted, pictures + 1
+        elif over:
+            break
+        else:
+            time.sleep(PAUSE)
+    return pictures

@@ -1,0 +1,93 @@
+"""The face as a sink that makes a film: it keeps what it is told, and draws when the performance is over."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from types import TracebackType
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.body.command import Command
+from kinesic.body.robot import Robot
+from kinesic.face.assets.mesh import Variant
+from kinesic.face.render.camera import CLOSE, Camera
+from kinesic.face.render.head_pose import turns
+from kinesic.face.render.portrait import Pixels, Portrait
+from kinesic.face.render.presets import NORMAL, Preset
+from kinesic.face.show.files import check_film, save_film
+
+MOST_PICTURES = 1200  # they are held in memory until the file is written
+HALF = 1e-6  # [s] that a command may be early
+
+
+class Recording:
+    """Pictures of a performance at a steady rate; nothing is drawn before it is closed, so that it holds up nobody."""
+
+    def __init__(
+        self,
+        path: Path,
+        robot: Robot | None = None,
+        *,
+        rate: float = 25.0,
+        side: int = 384,
+        variant: Variant = "female",
+        preset: Preset = NORMAL,
+        camera: Camera = CLOSE,
+        gain: float = 1.0,
+        sound: Path | None = None,
+    ) -> None:
+        """Begins a film.
+
+        Args:
+            path: of the file: .webp, .mp4 where an encoder is installed, or .png for a strip of the pictures.
+            robot: whose head turns the face; None: it looks ahead.
+            rate: [Hz] of pictures; less when there would be more than `MOST_PICTURES`.
+            side: of each [pixels].
+            variant: of the head.
+            preset: how much is drawn.
+            camera: where it is seen from.
+            gain: of the wrinkles.
+            sound: a WAV on the clock of the performance, for formats that have a sound.
+
+        Raises:
+            DisplayError: the path names no format that can be written here.
+        """
+        check_film(path)
+        self._path, self._robot, self._rate, self._sound = path, robot, rate, sound
+        self._portrait = (variant, preset, (side, side))
+        self._camera, self._gain = camera, gain
+        self._rows: list[tuple[float, Mapping[str, float], Floats]] = []
+
+    def write(self, command: Command) -> None:
+        """Keeps a command where a picture is due."""
+        if not self._rows or command.time - self._rows[0][0] > len(self._rows) / self._rate - HALF:
+            self._rows.append((command.time, command.face, command.angles))
+
+    def close(self) -> None:
+        """Draws the pictures and writes the film.
+
+        Raises:
+            DisplayError: nothing can be drawn here, an unknown action unit, or an intensity outside 0..1.
+        """
+        if self._rows:
+            step = -(-len(self._rows) // MOST_PICTURES)
+            rows, self._rows = self._rows[::step], []
+            save_film(list(self._drawn(rows)), self._path, rate=self._rate / step, sound=self._sound)
+
+    def _drawn(self, rows: list[tuple[float, Mapping[str, float], Floats]]) -> Iterator[Pixels]:
+        angles = np.array([angles for _, _, angles in rows])
+        stands = np.zeros((len(rows), 3)) if self._robot is None else turns(self._robot, angles)
+        variant, preset, size = self._portrait
+        with Portrait(variant, preset=preset, size=size) as portrait:
+            for (_, units, _), (left, up, over) in zip(rows, stands.tolist(), strict=True):
+                yield portrait.draw(units, replace(self._camera, turn=(left, up, over)), gain=self._gain)
+
+    def __enter__(self) -> "Recording":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if kind is None:
+            self.close()

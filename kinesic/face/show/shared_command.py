@@ -1,0 +1,67 @@
+"""The newest command, in memory that two processes share; whoever writes never waits for whoever reads."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from multiprocessing.context import SpawnContext
+
+import numpy as np
+
+from kinesic.body.action_units import CHANNELS
+from kinesic.face.assets.action_units import intensities
+
+FACE = 5  # first place of the intensities; before them number, time and turn
+LATEST = 5.0  # [s] that the last command waits for a reader
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What is to be drawn."""
+
+    number: int  # of the command, from 1; 0: none yet
+    time: float  # [s] performance time
+    turn: tuple[float, float, float]  # [rad] of the head
+    units: Mapping[str, float]  # action unit -> 0..1
+
+
+class Board:
+    """One row of numbers, that a child process takes along when it is made."""
+
+    def __init__(self, context: SpawnContext) -> None:
+        self._row = context.RawArray("d", FACE + len(CHANNELS))
+        self._held = context.Lock()
+        self._over = context.Event()
+
+    def write(self, shown: Shown, *, wait: bool = False) -> bool:
+        """Puts the newest command up; False when the reader holds the board, and this one is passed over.
+
+        Args:
+            shown: what is to be drawn.
+            wait: for the reader, as the last command does.
+
+        Raises:
+            DisplayError: an unknown action unit, or an intensity outside 0..1.
+        """
+        row = np.concatenate([[shown.number, shown.time, *shown.turn], intensities(shown.units)])
+        if not self._held.acquire(timeout=LATEST if wait else 0.0):
+            return False
+        try:
+            self._row[:] = row.tolist()
+        finally:
+            self._held.release()
+        return True
+
+    def read(self) -> Shown:
+        """What is up."""
+        with self._held:
+            number, time, left, up, over, *units = self._row[:]
+        shown = {channel: value for channel, value in zip(CHANNELS, units, strict=True) if value > 0.0}
+        return Shown(int(number), time, (left, up, over), shown)
+
+    def end(self) -> None:
+        """Nothing more comes."""
+        self._over.set()
+
+    @property
+    def over(self) -> bool:
+        """Whether nothing more comes."""
+        return self._over.is_set()

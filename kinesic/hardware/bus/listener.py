@@ -1,0 +1,231 @@
+"""Sends a question and waits for its answer, as long as it may still come and no longer."""
+
+from dataclasses import dataclass
+from math import inf, isfinite
+
+from kinesic.hardware.bus.query import Answer, Question
+from kinesic.hardware.bus.timeout import LEAST, Slack
+from kinesic.hardware.protocol.packet import STATUS_OVERHEAD, Instruction, Reader
+from kinesic.hardware.protocol.wire import BITS_PER_BYTE, Wire
+
+BURST = 62  # [bytes] that USB adapters hand over at once, at most
+GAP = 0.0003  # [s] by which an answer may pause beyond the usual
+RESTLESS = 10  # answers after a damaged one
+FEW = 0.75  # of a burst: fewer bytes were not handed over because there was no room for more
+HASTE = 0.05  # of the time between two bursts that one answer may shorten it by
+
+
+class Listener:
+    """One wire, and what experience says about it.
+
+    While all is well it sleeps until the last byte of an answer must have come. For a while after a damaged answer it
+    looks at every burst, so that one which breaks off is noticed at once.
+    """
+
+    def __init__(self, wire: Wire) -> None:
+        """Knows nothing yet."""
+        self.wire, self.slack = wire, Slack()
+        self._burst = Slack(BURST * BITS_PER_BYTE / wire.baud, fall=HASTE)  # until the first bytes of an answer come
+        self.heard = b""  # all bytes since `forget`
+        self._byte = BITS_PER_BYTE / wire.baud
+        self.asked = 0.0  # [s] when the last byte of what was said last is out
+        self._restless = 0
+        self.before = self._rest = b""  # what came before the last whole answer, and behind it
+        self.mute = False  # whether nothing came when it listened last
+        self.early = False  # whether the last whole answer came before its bytes could
+        self.tardy = False  # whether what did not come in time came later, when that happened last
+
+    def spoken(self, octets: int) -> float:
+        """[s] that so many bytes are on the wire."""
+        return octets * self._byte
+
+    def forget(self) -> None:
+        """What was heard so far belongs to nothing that is asked from now on."""
+        self.heard = b""
+
+    def say(self, data: bytes) -> None:
+        """Sends.
+
+        Raises:
+            BusError: the port is gone.
+        """
+        self.wire.write(data)
+        self.asked = self.wire.now() + self.spoken(len(data))
+
+    def hear(
+        self, question: Question, *, end: float, strict: bool = False, patient: bool = False, again: bool = False
+    ) -> Answer | None:
+        """Waits for the answer to what was said last.
+
+        Args:
+            question: that was asked.
+            end: [s] when waiting should end.
+            strict: whether it must; else an answer that may come in time by its bytes is waited for.
+            patient: whether to wait until then, since an earlier answer is still to come and holds up this one.
+            again: whether the answer just heard was an earlier one, and what came behind it may be the beginning.
+
+        Returns:
+            The answer; None if nothing came.
+
+        Raises:
+            BusError: the port is gone.
+        """
+        wait = self._wait(question, end, strict=strict, patient=patient)
+        ideal = wait.ideal
+        raw, self._rest = self._rest if again else b"", b""
+        begun, limit = self._begun(wait)
+        raw += begun
+        if begun:
+            limit = wait.until(self.wire.now(), len(raw))
+        while True:
+            if len(raw) >= question.length or question.complete(raw):
+                answer = question.answer(raw)
+                if answer.whole:
+                    self._understood(raw, answer, question.length, ideal, wait.began)
+                    return answer
+                if not patient and (len(raw) >= answer.end or question.complete(raw)):
+                    break
+                if wait.longer(answer.end):
+                    limit = wait.until(self.wire.now(), len(raw))
+            if wait.tight and raw and not patient:
+                self.wire.sleep(min(limit, wait.handed))  # what breaks off is not noticed before anyway
+            chunk = self.wire.read(limit)
+            if not chunk:
+                break
+            raw += chunk
+            wait.came(self.wire.now(), len(raw), len(chunk))
+            limit = wait.until(self.wire.now(), len(raw))
+        self._restless = RESTLESS
+        self.heard += raw
+        self.mute = not raw
+        return question.answer(raw) if raw else None
+
+    def _wait(self, question: Question, end: float, *, strict: bool, patient: bool) -> "_Wait":
+        """How long to wait for what was said last; see `hear`."""
+        usual, length = self.slack.usual, self.spoken(question.length)
+        again = GAP + self.spoken(len(question.data)) + usual  # [s] of asking again, but for the bytes of the answer
+        ideal = self.asked + length
+        last = end if patient else min(ideal + self.slack.wait, end)
+        if not strict:
+            last = max(last, ideal + LEAST)
+        return _Wait(
+            asked=self.asked,
+            byte=self._byte,
+            length=question.length,
+            usual=usual,
+            burst=self._burst.usual,
+            last=last,
+            end=max(last, end),
+            patient=patient,
+            tight=question.chained and ideal + usual <= end < ideal + length + usual,
+            spare=ideal + length + again <= end,
+            tardy=self.tardy or self.mute,
+        )
+
+    def _begun(self, wait: "_Wait") -> tuple[bytes, float]:
+        """Sleeps while nothing can be missed; what has come by then, and until when more may come [s]."""
+        wire, due = self.wire, self.asked + wait.burst + self.slack.wait
+        if (self._restless or wait.tight) and not wait.patient:
+            return b"", wait.until(self.asked, 0)
+        if wait.patient or wait.spare or due >= wait.ideal:
+            wire.sleep(wait.ideal)
+            return b"", wait.last if wait.patient or not wait.spare else wait.mute(due)
+        begun = wire.read(wait.mute(due))  # a long answer must have begun by now, or it is time to ask again
+        if not begun:
+            return b"", wire.now()
+        wait.began = wire.now()
+        wire.sleep(wait.ideal)
+        return begun + wire.read(wait.ideal), wait.last
+
+    def _understood(self, raw: bytes, answer: Answer, length: int, ideal: float, began: float) -> None:
+        """Learns from a whole answer of a length [bytes], which began at a time, and was not due before another [s]."""
+        now = self.wire.now()
+        self.slack.took(now - ideal)
+        if self.asked <= began < ideal:
+            self._burst.took(began - self.asked)
+        self._restless = max(0, self._restless - 1)
+        self.heard += raw
+        self.before = raw[: max(0, answer.end - length)]
+        self._rest, self.mute, self.early = raw[answer.end :], False, now < ideal
+
+    def exchange(self, data: bytes, servo: int, size: int) -> bytes | None:
+        """One packet to one servo, and the data of its status; None when it does not come in time.
+
+        Raises:
+            BusError: the port is gone.
+        """
+        self.say(data)
+        limit = self.asked + self.spoken(STATUS_OVERHEAD + size) + self.slack.wait
+        reader = Reader()
+        while chunk := self.wire.read(limit):
+            for status in reader.feed(chunk):
+                if (status.id, status.instruction, len(status.data)) == (servo, Instruction.STATUS, size):
+                    return status.data
+        return None
+
+
+@dataclass
+class _Wait:
+    """How long an answer is waited for: what breaks off falls behind the bytes that the wire could have brought."""
+
+    asked: float  # [s] when the question is out
+    byte: float  # [s]
+    length: int  # [bytes] of the answer
+    usual: float  # [s] that its last bytes stay in the adapter
+    burst: float  # [s] between two times that the adapter hands bytes over
+    last: float  # [s] when waiting ends
+    end: float  # [s] when it ends at the latest
+    patient: bool  # whatever the gaps
+    tight: bool  # whether a broken one must be noticed at once: later than that, it could not be asked for again
+    spare: bool  # whether all of it could be asked for again after its own time
+    tardy: bool  # whether what does not come is late, rather than lost
+    behind: float = inf  # [s] by which the answer has been late at least
+    began: float = inf  # [s] when its first bytes came
+
+    @property
+    def ideal(self) -> float:
+        """[s] when its last byte is out."""
+        return self.asked + self.byte * self.length
+
+    @property
+    def handed(self) -> float:
+        """[s] before which its last bytes hardly come out of the adapter."""
+        return self.ideal + self.usual / 2
+
+    def came(self, now: float, octets: int, news: int) -> None:
+        """Bytes have come; so many are here, and so many are new: a few have stayed in the adapter for its timer."""
+        self.began = min(self.began, now)
+        stayed = self.usual if news < FEW * self.burst / self.byte else 0.0
+        self.behind = max(0.0, min(self.behind, now - self.asked - self.byte * octets - stayed))
+
+    def until(self, now: float, octets: int) -> float:
+        """Until when more may come [s], when so many bytes are here."""
+        if self.patient:
+            return self.last
+        lacking = self.byte * (self.length - octets)
+        if self.tight:
+            pause = lacking + self.usual if lacking < self.burst else max(self.burst, self.usual)
+            behind = self.behind if isfinite(self.behind) else 0.0
+            last = min(max(self.last, self.ideal + behind + self.usual + GAP), self.end)
+            found = min(self.asked + behind + self.byte * octets + pause + GAP, last)
+        else:
+            # what is neither here nor in the adapter when all of it must be out never was
+            gap = self.burst + self.usual + GAP
+            found = now if now >= self.ideal and lacking > gap else min(self.last, max(now, self.asked) + gap)
+        return found if octets else self.mute(found)
+
+    def mute(self, due: float) -> float:
+        """Until when to wait for an answer that has not begun when it is due [s].
+
+        Who asks again while servos speak spoils what they say, which is a pity if it was only late.
+        """
+        if self.spare:
+            return max(due, self.ideal + GAP)
+        return self.end if self.tardy else due
+
+    def longer(self, length: int) -> bool:
+        """Whether bytes were added to the answer, so that its end comes later."""
+        added = length > self.length
+        if added:
+            self.length, self.last = length, self.end
+        return added

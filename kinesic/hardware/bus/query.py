@@ -1,0 +1,276 @@
+"""One question to several servos, and what its answer says of each.
+
+A fast read is answered by one joint reply: a header, then a block per servo in the order asked, each ending with the
+CRC of everything so far (Protocol 2.0, never stuffed). A block is checked against the CRC that stands before it, so a
+damaged one spoils neither what comes before nor what comes after. Older firmware answers with one status per servo.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from kinesic.body.arrays import Flags
+from kinesic.hardware.bus.health import BLOCK, SIZE, Records
+from kinesic.hardware.protocol.crc import Bytes, Crcs, carried, places
+from kinesic.hardware.protocol.packet import (
+    BROADCAST,
+    HEADER,
+    STATUS_OVERHEAD,
+    Instruction,
+    Reader,
+    bulk_read,
+    crc16,
+    read,
+    sync_read,
+)
+
+HEAD = 8  # [bytes] before the first block
+CHECKED = BLOCK.itemsize - 2  # [bytes] of a block before its CRC
+REACH = 3  # blocks after a damaged one within which the answer must go on
+
+
+class Answer(NamedTuple):
+    """What came of each servo, in the order asked."""
+
+    blocks: Records  # (m,) of dtype BLOCK; only those found mean something
+    found: Flags  # (m,)
+    whole: bool  # all were found
+    end: int  # [bytes] where it ends, or where it should if it is not whole
+
+
+class Question(Protocol):
+    """What to send, and how to read the answer."""
+
+    @property
+    def servos(self) -> tuple[int, ...]:
+        """Ids, in the order asked."""
+
+    @property
+    def data(self) -> bytes:
+        """The packet that asks."""
+
+    @property
+    def length(self) -> int:
+        """[bytes] of a full answer."""
+
+    @property
+    def chained(self) -> bool:
+        """Whether a servo that keeps silent ends the answer."""
+
+    def answer(self, raw: bytes) -> Answer:
+        """Reads what has come: all bytes so far, noise and older answers included."""
+
+    def complete(self, raw: bytes) -> bool:
+        """Whether the last servo has said its last byte, whatever came of the others."""
+
+
+@dataclass(frozen=True)
+class FastQuestion:
+    """A fast sync read, or a fast bulk read where the models keep their cells at different addresses."""
+
+    servos: tuple[int, ...]
+    addresses: tuple[int, ...]
+
+    @cached_property
+    def data(self) -> bytes:
+        """The packet that asks."""
+        if len(set(self.addresses)) == 1:
+            return sync_read(self.servos, self.addresses[0], SIZE, fast=True)
+        return bulk_read(_spans(self.servos, self.addresses), fast=True)
+
+    @cached_property
+    def length(self) -> int:
+        """[bytes] of a full answer."""
+        return HEAD + BLOCK.itemsize * len(self.servos)
+
+    @property
+    def chained(self) -> bool:
+        """See `Question`."""
+        return True
+
+    @cached_property
+    def _head(self) -> bytes:
+        inside = self.length - HEAD + 1
+        return HEADER + bytes((BROADCAST, inside & 0xFF, inside >> 8, Instruction.STATUS))
+
+    @cached_property
+    def _first(self) -> int:
+        """What the header contributes to the CRC of the first block."""
+        return crc16(self._head + bytes(CHECKED))
+
+    @cached_property
+    def _unchained(self) -> np.uint16:
+        """The same, less what the last two bytes of the header would contribute if they were a CRC."""
+        return np.uint16(self._first ^ int(_CARRIED[int.from_bytes(self._head[-2:], "little")]))
+
+    @cached_property
+    def _ids(self) -> bytes:
+        return bytes(self.servos)
+
+    @cached_property
+    def _all(self) -> Flags:
+        every: Flags = np.ones(len(self.servos), dtype=np.bool_)
+        every.setflags(write=False)
+        return every
+
+    def answer(self, raw: bytes) -> Answer:
+        """See `Question`."""
+        first = start = raw.find(self._head)
+        while 0 <= start <= len(raw) - self.length:
+            blocks = self._sound(raw, start)
+            if blocks is not None:
+                return Answer(blocks, self._all, True, start + self.length)
+            start = raw.find(self._head, start + 1)  # behind an answer to other servos, this one may stand
+        return self._salvaged(raw, first)
+
+    def _sound(self, raw: bytes, start: int) -> Records | None:
+        """The blocks of an undamaged answer; None if it is not."""
+        offset, size, count = start + HEAD, BLOCK.itemsize, len(self.servos)
+        if raw[offset + 1 : start + self.length : size] != self._ids:
+            return None
+        octets = np.ndarray((count, CHECKED), np.uint8, raw, offset, (size, 1))
+        before: Crcs = np.ndarray((count,), "<u2", raw, offset - 2, (size,))
+        crcs: Crcs = np.ndarray((count,), "<u2", raw, offset + CHECKED, (size,))
+        wrong = _own(octets)
+        wrong ^= _CARRIED.take(before)
+        wrong ^= crcs
+        wrong[0] ^= self._unchained
+        return None if wrong.any() else np.frombuffer(raw, BLOCK, count, offset)
+
+    def complete(self, raw: bytes) -> bool:
+        """See `Question`: the last block, sound, ends an answer, though it may have lost bytes."""
+        last = raw[-BLOCK.itemsize :]
+        if len(raw) < BLOCK.itemsize + 2 or last[1] != self.servos[-1]:
+            return False
+        before = raw[-BLOCK.itemsize - 2 : -BLOCK.itemsize]
+        crc = crc16(last[:CHECKED], crc16(before, int.from_bytes(before, "little")))
+        return crc == int.from_bytes(last[CHECKED:], "little")
+
+    def _salvaged(self, raw: bytes, start: int) -> Answer:
+        """Every sound block that can be found, although bytes were changed, lost or added.
+
+        Block after block is looked for where it should stand; where one is damaged, the next sound one within reach
+        shows where the answer goes on.
+        """
+        blocks: Records = np.zeros(len(self.servos), dtype=BLOCK)
+        found: Flags = np.zeros(len(self.servos), dtype=np.bool_)
+        if len(raw) < BLOCK.itemsize:
+            return Answer(blocks, found, False, self.length)
+        windows = _Windows.of(raw)
+        at, before = (start + HEAD if start >= 0 else HEAD), self._first
+        place = 0
+        while place < len(self.servos):
+            here = self._next_sound(place, at, before, windows)
+            if here is None:
+                break
+            place, at = here
+            blocks[place] = np.frombuffer(raw, BLOCK, 1, at)[0]
+            found[place] = True
+            before = int(_CARRIED[windows.crcs[at]])
+            place, at = place + 1, at + BLOCK.itemsize
+        return Answer(blocks, found, bool(found.all()), at + BLOCK.itemsize * (len(self.servos) - place))
+
+    def _next_sound(self, place: int, at: int, before: int, windows: "_Windows") -> tuple[int, int] | None:
+        """Place and offset of the next sound block, from where the block of `place` should stand."""
+        ahead = self.servos[place : place + REACH]
+        for offset in range(max(0, at - HEAD), min(len(windows.own), at + REACH * BLOCK.itemsize)):
+            if windows.ids[offset] not in ahead:
+                continue
+            if windows.own[offset] ^ windows.crcs[offset] in (before, windows.before(offset)):
+                return place + ahead.index(windows.ids[offset]), offset
+        return None
+
+
+class _Windows(NamedTuple):
+    """Every place in some bytes where a block may begin."""
+
+    raw: bytes
+    own: list[int]  # what its bytes contribute to its CRC
+    ids: list[int]
+    crcs: list[int]  # the CRC that it ends with
+
+    @classmethod
+    def of(cls, raw: bytes) -> "_Windows":
+        octets = sliding_window_view(np.frombuffer(raw, np.uint8), BLOCK.itemsize)
+        crcs = octets[:, CHECKED] | octets[:, CHECKED + 1].astype(np.uint16) << 8
+        return cls(raw, _own(octets[:, :CHECKED]).tolist(), octets[:, 1].tolist(), crcs.tolist())
+
+    def before(self, offset: int) -> int:
+        """What the two bytes before a window, taken as a CRC, contribute to its own; -1 at the beginning."""
+        return int(_CARRIED[self.raw[offset - 2] | self.raw[offset - 1] << 8]) if offset >= 2 else -1
+
+
+@dataclass(frozen=True)
+class PlainQuestion:
+    """A sync read, a bulk read, or the read of a single servo: one status each."""
+
+    servos: tuple[int, ...]
+    addresses: tuple[int, ...]
+
+    @cached_property
+    def data(self) -> bytes:
+        """The packet that asks."""
+        if len(self.servos) == 1:
+            return read(self.servos[0], self.addresses[0], SIZE)
+        if len(set(self.addresses)) == 1:
+            return sync_read(self.servos, self.addresses[0], SIZE, fast=False)
+        return bulk_read(_spans(self.servos, self.addresses), fast=False)
+
+    @cached_property
+    def length(self) -> int:
+        """[bytes] of a full answer without stuffing."""
+        return (STATUS_OVERHEAD + SIZE) * len(self.servos)
+
+    @property
+    def chained(self) -> bool:
+        """See `Question`."""
+        return False
+
+    def answer(self, raw: bytes) -> Answer:
+        """See `Question`."""
+        blocks: Records = np.zeros(len(self.servos), dtype=BLOCK)
+        found: Flags = np.zeros(len(self.servos), dtype=np.bool_)
+        for status in Reader().feed(raw):
+            if status.instruction != Instruction.STATUS or status.id not in self.servos or len(status.data) != SIZE:
+                continue
+            place = self.servos.index(status.id)
+            whole = bytes((status.error, status.id)) + status.data + bytes(2)
+            blocks[place] = np.frombuffer(whole, BLOCK, 1)[0]
+            found[place] = True
+        lacking = (STATUS_OVERHEAD + SIZE) * int((~found).sum())
+        return Answer(blocks, found, bool(found.all()), len(raw) + lacking)
+
+    def complete(self, raw: bytes) -> bool:
+        """See `Question`: stuffing may make each status longer, so only time tells."""
+        return False
+
+
+@lru_cache(256)
+def question_to(servos: tuple[int, ...], addresses: tuple[int, ...], *, fast: bool) -> Question:
+    """Asks servos for their records.
+
+    Args:
+        servos: ids, in the order to ask.
+        addresses: where each shows its record.
+        fast: whether all of them answer fast reads; a single one is read plainly anyway.
+    """
+    return FastQuestion(servos, addresses) if fast and len(servos) > 1 else PlainQuestion(servos, addresses)
+
+
+_PLACES = places(CHECKED).ravel()
+_ROWS = np.arange(CHECKED) * 256
+_CARRIED = carried(CHECKED)
+
+
+def _own(octets: Bytes) -> Crcs:
+    """(m,) what the bytes of blocks, their CRCs left out, (m, 20), contribute to those."""
+    own: Crcs = np.bitwise_xor.reduce(_PLACES.take(octets + _ROWS), axis=1)
+    return own
+
+
+def _spans(servos: Sequence[int], addresses: Sequence[int]) -> dict[int, tuple[int, int]]:
+    return {servo: (address, SIZE) for servo, address in zip(servos, addresses, strict=True)}

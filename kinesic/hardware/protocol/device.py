@@ -1,0 +1,159 @@
+"""Servos one by one, with all the time it takes: finding, reading, setting. Through dynamixel-sdk, see `sdk`."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from dynamixel_sdk import COMM_SUCCESS
+
+from kinesic.hardware.protocol.models import BY_NUMBER, Model
+from kinesic.hardware.protocol.packet import ALERT, Fault
+from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.protocol.sdk import Packets, WirePort
+from kinesic.hardware.protocol.wire import BusError, Wire
+
+TRIES = 4
+
+
+@dataclass(frozen=True)
+class Found:
+    """A servo that answered a ping."""
+
+    id: int
+    number: int  # MODEL_NUMBER
+    firmware: int
+
+    @property
+    def model(self) -> Model | None:
+        """Its model, if it is one of the X series."""
+        return BY_NUMBER.get(self.number)
+
+    @property
+    def name(self) -> str:
+        """Its model's name, or number."""
+        return self.model.name if self.model is not None else f"model {self.number}"
+
+
+@dataclass(frozen=True)
+class Change:
+    """A register that was set to another value."""
+
+    servo: int
+    register: Register
+    before: int
+    after: int
+
+
+class Cold:
+    """The slow, careful way to the servos of one wire. Answers that do not come are asked for again."""
+
+    def __init__(self, wire: Wire) -> None:
+        """On an open wire."""
+        self.wire = wire
+        self._port, self._packets = WirePort(wire), Packets()
+
+    def everyone(self) -> tuple[Found, ...]:
+        """Who answers a ping to all, by id. Servos that share an id do not, unless their answers are the same."""
+        answers, _ = self._packets.broadcastPing(self._port)
+        return tuple(Found(servo, number, firmware) for servo, (number, firmware) in sorted(answers.items()))
+
+    def ping(self, servo: int) -> Found | None:
+        """One servo; None if it does not answer."""
+        for _ in range(TRIES):
+            number, result, _ = self._packets.ping(self._port, servo)
+            if result == COMM_SUCCESS:
+                return Found(servo, number, self.read(servo, Register.FIRMWARE_VERSION))
+        return None
+
+    def read(self, servo: int, register: Register) -> int:
+        """The raw value of a register.
+
+        Raises:
+            BusError: the servo does not answer, or has no such register.
+        """
+        return register.field.unpack(self.read_span(servo, register.field.address, register.field.size))
+
+    def write(self, servo: int, register: Register, value: int) -> None:
+        """Sets a register to a raw value.
+
+        Raises:
+            BusError: the servo does not answer, or refuses.
+            ValueError: the value does not fit into the register.
+        """
+        self.write_span(servo, register.field.address, register.field.pack(value), name=register.name)
+
+    def read_span(self, servo: int, address: int, size: int) -> bytes:
+        """Several registers at once.
+
+        Raises:
+            BusError: the servo does not answer, or refuses.
+        """
+        found = self._tried(
+            servo,
+            f"read of {size} bytes at {address}",
+            lambda: self._packets.readTxRx(self._port, servo, address, size),
+        )
+        return bytes(found)
+
+    def write_span(self, servo: int, address: int, data: bytes, *, name: str = "") -> None:
+        """Several registers at once.
+
+        Raises:
+            BusError: the servo does not answer, or refuses.
+        """
+        what = f"write of {name or f'{len(data)} bytes'} at {address}"
+
+        def attempt() -> tuple[list[int], int, int]:
+            result, error = self._packets.writeTxRx(self._port, servo, address, len(data), list(data))
+            return [], result, error
+
+        self._tried(servo, what, attempt)
+
+    def reboot(self, servo: int) -> None:
+        """Reboots a servo: the only way out of a shutdown.
+
+        Raises:
+            BusError: it does not answer.
+        """
+
+        def attempt() -> tuple[list[int], int, int]:
+            result, error = self._packets.reboot(self._port, servo)
+            return [], result, error
+
+        self._tried(servo, "reboot", attempt)
+
+    def configure(self, servo: int, wanted: Mapping[Register, int]) -> tuple[Change, ...]:
+        """Sets only what differs, and reads it back.
+
+        Raises:
+            BusError: a register of EEPROM differs while torque is on, or one does not take its value.
+        """
+        before = {register: self.read(servo, register) for register in wanted}
+        changes = [Change(servo, r, before[r], value) for r, value in wanted.items() if before[r] != value]
+        locked = [change.register.name for change in changes if change.register.field.eeprom]
+        if locked and self.read(servo, Register.TORQUE_ENABLE):
+            raise BusError(f"{self._who(servo)}: {', '.join(locked)} cannot be set while its torque is on; release it")
+        for change in changes:
+            self.write(servo, change.register, change.after)
+            now = self.read(servo, change.register)
+            if now != change.after:
+                raise BusError(f"{self._who(servo)}: {change.register.name} is {now} after {change.after} was written")
+        return tuple(changes)
+
+    def _who(self, servo: int) -> str:
+        return f"{self.wire.name}: servo {servo}"
+
+    def _tried(self, servo: int, what: str, attempt: Callable[[], tuple[list[int], int, int]]) -> list[int]:
+        """What an attempt yields, made again while nothing comes; an alert is no failure."""
+        result = COMM_SUCCESS
+        for _ in range(TRIES):
+            data, result, error = attempt()
+            fault = error & ~ALERT
+            if fault:
+                name = Fault(fault).name if fault in list(Fault) else str(fault)
+                raise BusError(f"{self._who(servo)}: {what} refused ({name.lower()} error)")
+            if result == COMM_SUCCESS:
+                return data
+        reason = self._packets.getTxRxResult(result).removeprefix("[TxRxResult] ").rstrip("!")
+        raise BusError(
+            f"{self._who(servo)}: {what}: {reason} in {TRIES} tries; is it powered, wired, at this baud rate?"
+        )

@@ -1,0 +1,131 @@
+"""From what is to be performed to the goals on the wire, through the host's own limits."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from kinesic.body.arrays import Flags, Floats
+from kinesic.hardware.protocol.ticks import Ticks
+from kinesic.hardware.supervisor.axes import folded
+from kinesic.hardware.supervisor.goal_limits import LEAD, Bounds, Course, guarded
+from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.hardware.supervisor.player import Player
+from kinesic.hardware.supervisor.settings import Settings
+
+
+class Steering:
+    """The goals of all members, and where they are to go."""
+
+    def __init__(self, manifest: Manifest, settings: Settings) -> None:
+        """Goals are not known yet."""
+        self.player = Player(settings)
+        self._manifest = manifest
+        self._bounds = Bounds(*manifest.spans, manifest.speeds, LEAD * manifest.full)
+        self._lag = settings.period / (2 * manifest.speeds)  # (m,) [s^2/tick] see `ticks`
+        self._course: Course | None = None
+        self._wish: Floats = np.zeros(len(manifest.members))  # (m,) [ticks]
+        self._given_up: Flags = np.zeros(len(manifest.members), dtype=np.bool_)  # (m,) who move no more
+
+    @property
+    def goals(self) -> Floats | None:
+        """(m,) [ticks] on the wire; None while they are not known."""
+        return self._course.goals if self._course is not None else None
+
+    @property
+    def angles(self) -> Floats:
+        """(n,) [rad] of the goals; NaN while they are not known."""
+        if self._course is None:
+            return np.full(len(self._manifest.rest), np.nan)
+        return self._manifest.angles(self._course.goals, whole=True)
+
+    @property
+    def arrived(self) -> bool:
+        """Whether the goals are where they are to go."""
+        return self._course is not None and float(np.abs(self._course.goals - self._wish).max()) < 1.0
+
+    def hold(self) -> None:
+        """Goals stand from now on."""
+        self.player.hold()
+        if self._course is not None:
+            self._wish = self._course.goals.copy()
+
+    def approach(self) -> None:
+        """To where the performance goes on."""
+        self.player.approach(self.angles)
+
+    def fold(self, held: frozenset[int]) -> None:
+        """To rest, but for joints that must not move."""
+        here = self.angles
+        still = np.isin(np.arange(len(here)), list(held))
+        self.player.fold(here, np.where(still, here, self._manifest.rest))
+
+    def move(self, seconds: float, present: Floats, *, wanted: float, slow: float) -> Flags:
+        """Brings the goals on by a moment.
+
+        Args:
+            seconds: that pass.
+            present: (m,) [ticks] where the servos are; NaN where nobody knows.
+            wanted: scale of time.
+            slow: [s] in which time comes to a stop.
+
+        Returns:
+            (m,) whose goals were not where they were asked.
+        """
+        angles = self.player.advance(seconds, wanted=wanted, slow=slow)
+        if self._course is None:
+            return np.zeros(len(self._wish), dtype=np.bool_)
+        asked = self._wish
+        if angles is not None:
+            asked = self._manifest.scale.nearest(angles.take(self._manifest.joints))
+            if self._given_up.any():
+                asked = np.where(self._given_up, self._wish, asked)
+        self._wish = np.maximum(np.minimum(asked, self._bounds.upper), self._bounds.lower)
+        self._course, refused = guarded(self._course, self._wish, present, seconds, self._bounds)
+        refused |= self._wish != asked
+        return refused
+
+    def give_up(self, stuck: Flags, present: Floats) -> None:
+        """Servos that cannot move are pushed no more: from now on they hold where they are.
+
+        Args:
+            stuck: (m,) who they are; those on the same hinge hold with them.
+            present: (m,) [ticks]; NaN where nobody knows.
+        """
+        joints = self._manifest.joints
+        news = np.isin(joints, joints[stuck]) & ~self._given_up & np.isfinite(present)
+        if news.any():
+            self.put(news, present[news])
+            self._given_up = self._given_up | news
+
+    def put(self, places: Flags | Sequence[int], goals: Floats) -> None:
+        """Sets the goals of some members, who do not move by them: they are limp, or just being taken over."""
+        if self._course is None:
+            self._course = Course.still(self._wish)
+        now, speeds, wish = self._course.goals.copy(), self._course.speeds.copy(), self._wish.copy()
+        now[places], speeds[places], wish[places] = goals, 0.0, goals
+        self._course, self._wish = Course(now, speeds), wish
+
+    def ticks(self) -> Ticks | None:
+        """(m,) what goes out: the goals, ahead by what the servos' own profiles cost.
+
+        A servo's set point comes to a goal at the speed v of its profile, not at once. While goals move at a speed s,
+        that takes s / v of each period T, and leaves the set point s^2 T / 2v behind on the mean.
+        """
+        course, bounds = self._course, self._bounds
+        if course is None:
+            return None
+        ahead = course.speeds * np.abs(course.speeds) * self._lag
+        return np.rint(np.minimum(np.maximum(course.goals + ahead, bounds.lower), bounds.upper)).astype(np.int64)
+
+    def follow_limp(self, limp: Flags, present: Floats) -> None:
+        """Servos without torque are told to be where they are: none of them may jump when torque comes.
+
+        Args:
+            limp: (m,) who they are.
+            present: (m,) [ticks]; NaN where nobody knows.
+        """
+        if not limp.any():
+            return
+        known = limp & np.isfinite(present)
+        if self._course is not None and known.any():
+            self.put(known, folded(present[known]))

@@ -1,0 +1,204 @@
+"""Before torque: are these the servos of the manifest, and are their registers set? Nothing is energised here."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from kinesic.body.servo import TICKS_PER_TURN
+from kinesic.hardware.bus.bring_up import open_bus
+from kinesic.hardware.bus.bus import Bus
+from kinesic.hardware.protocol import packet
+from kinesic.hardware.protocol.device import Change, Cold
+from kinesic.hardware.protocol.packet import BROADCAST
+from kinesic.hardware.protocol.registers import SPEED, HardwareError, Register
+from kinesic.hardware.protocol.wire import BusError, Wire
+from kinesic.hardware.supervisor.axes import Axes
+from kinesic.hardware.supervisor.manifest import Manifest, Member
+
+ANSWERS_ALL = 2  # STATUS_RETURN_LEVEL
+SPEED_SHARE = 0.8  # of the speed without load that plans use
+VITAL = (Register.DRIVE_MODE, Register.OPERATING_MODE, Register.HOMING_OFFSET)  # without which ticks mean nothing
+_END = Register.PRESENT_TEMPERATURE.field.end
+
+
+@dataclass(frozen=True)
+class Table:
+    """The registers of one servo, read at once."""
+
+    member: Member
+    data: bytes
+
+    @classmethod
+    def read(cls, cold: Cold, member: Member) -> "Table":
+        """Asks the servo.
+
+        Raises:
+            BusError: it does not answer.
+        """
+        return cls(member, cold.read_span(member.id, 0, _END))
+
+    def __getitem__(self, register: Register) -> int:
+        return register.field.unpack(self.data[register.field.address : register.field.end])
+
+
+def taken(manifest: Manifest, opens: Callable[[str], Wire], *, period: float) -> tuple[Axes, tuple[Table, ...]]:
+    """Opens the ports, and makes sure that everything is as it must be.
+
+    Args:
+        manifest: who must be there.
+        opens: the wire of a bus, by its name; raises BusError.
+        period: [s] of cycles.
+
+    Raises:
+        BusError: a port or a servo is missing or wrong; one line each, and no port stays open.
+    """
+    wires = opened(manifest, opens)
+    try:
+        axes = prepared(manifest, wires, period=period)
+        found = tables(axes)
+        check(axes, found)
+    except BusError:
+        for wire in wires.values():
+            wire.close()
+        raise
+    return axes, found
+
+
+def opened(manifest: Manifest, opens: Callable[[str], Wire]) -> dict[str, Wire]:
+    """The open wires of all buses.
+
+    Raises:
+        BusError: some do not open; one line each.
+    """
+    wires: dict[str, Wire] = {}
+    lines: list[str] = []
+    for name in manifest.bauds:
+        try:
+            wires[name] = opens(name)
+        except BusError as error:
+            lines.append(str(error))
+    if lines:
+        for wire in wires.values():
+            wire.close()
+        raise BusError("\n".join(lines))
+    return wires
+
+
+def prepared(manifest: Manifest, wires: Mapping[str, Wire], *, period: float) -> Axes:
+    """Checks who hangs on the wires, and lets them show their records.
+
+    Args:
+        manifest: who must.
+        wires: open ones, by bus.
+        period: [s] of cycles.
+
+    Raises:
+        BusError: servos are missing, wrong, shut down or outside their ranges; one line each.
+    """
+    buses: dict[str, Bus] = {}
+    lines: list[str] = []
+    for name, wire in wires.items():
+        members = [member for member in manifest.members if member.bus == name]
+        wire.write(packet.write(BROADCAST, Register.STATUS_RETURN_LEVEL.field.address, bytes((ANSWERS_ALL,))))
+        try:
+            buses[name] = open_bus(wire, [member.servo for member in members], period=period)
+        except BusError as error:
+            lines += str(error).splitlines()
+    if lines:
+        raise BusError("\n".join(lines))
+    return Axes(manifest, buses)
+
+
+def tables(axes: Axes) -> tuple[Table, ...]:
+    """The registers of all servos.
+
+    Raises:
+        BusError: a servo does not answer.
+    """
+    return tuple(Table.read(axes.cold(member.bus), member) for member in axes.manifest.members)
+
+
+def check(axes: Axes, found: tuple[Table, ...]) -> None:
+    """Makes sure that the servos, which are the right ones, may be driven.
+
+    Raises:
+        BusError: some may not; one line for each reason.
+    """
+    lines = [f"{axes.where(k)}: {reason}" for k, table in enumerate(found) for reason in reasons(table)]
+    if lines:
+        raise BusError("\n".join(lines))
+
+
+def reasons(table: Table) -> tuple[str, ...]:
+    """Why a servo may not be driven, and what mends it; empty if it may."""
+    looks = (_error, _limits, _speed, _place, _mode)
+    return tuple(reason for look in looks if (reason := look(table)))
+
+
+def _error(table: Table) -> str:
+    error = table[Register.HARDWARE_ERROR_STATUS]
+    if not error:
+        return ""
+    names = ", ".join(bit.name.lower().replace("_", " ") for bit in HardwareError if bit.value & error)
+    return f"has shut down ({names}); find out why, then switch its power off and on"
+
+
+def _limits(table: Table) -> str:
+    member, least, most = table.member, table[Register.MIN_POSITION_LIMIT], table[Register.MAX_POSITION_LIMIT]
+    if least <= member.lower and member.upper <= most:
+        return ""
+    return (
+        f"takes {least}..{most} ticks, but its hinge needs {member.lower}..{member.upper}; "
+        "widen its position limits with `kinesic servos calibrate`, or narrow range_deg"
+    )
+
+
+def _speed(table: Table) -> str:
+    limit, needed = table[Register.VELOCITY_LIMIT] * SPEED, SPEED_SHARE * table.member.speed
+    if limit >= needed:
+        return ""
+    return f"its velocity limit is {limit:.2f} rad/s, but plans use {needed:.2f}; raise it with DYNAMIXEL Wizard"
+
+
+def _place(table: Table) -> str:
+    lower, upper = table.member.span
+    here = table[Register.PRESENT_POSITION] % TICKS_PER_TURN
+    if lower <= here <= upper:
+        return ""
+    return (
+        f"stands at {here} ticks, outside {lower}..{upper}; "
+        "move it by hand, or calibrate it with `kinesic servos calibrate`"
+    )
+
+
+def _mode(table: Table) -> str:
+    """A servo with torque cannot be set: it must be right already."""
+    wrong = [r.name for r in VITAL if table[r] != table.member.lasting[r]]
+    if not table[Register.TORQUE_ENABLE] or not wrong:
+        return ""
+    return f"has torque, but another {', '.join(wrong)}; let it go with `kinesic servos release`"
+
+
+def configure(axes: Axes, found: tuple[Table, ...]) -> tuple[Change, ...]:
+    """Sets what EEPROM must hold where it differs, in servos without torque. Position limits are only narrowed.
+
+    Raises:
+        BusError: a servo does not answer, or does not take a value.
+    """
+    changes: list[Change] = []
+    for table in found:
+        if not table[Register.TORQUE_ENABLE]:
+            different = {r: value for r, value in wanted(table).items() if table[r] != value}
+            changes += axes.cold(table.member.bus).configure(table.member.id, different)
+    return tuple(changes)
+
+
+def wanted(table: Table) -> dict[Register, int]:
+    """What the EEPROM of a servo must hold."""
+    member, startup = table.member, Register.STARTUP_CONFIGURATION
+    lower, upper = member.span
+    wishes = dict(member.lasting)
+    if member.model.family == "330" or table[Register.FIRMWARE_VERSION] >= startup.field.firmware:
+        wishes[startup] = 0
+    wishes[Register.MIN_POSITION_LIMIT] = max(lower, table[Register.MIN_POSITION_LIMIT])
+    wishes[Register.MAX_POSITION_LIMIT] = min(upper, table[Register.MAX_POSITION_LIMIT])
+    return wishes

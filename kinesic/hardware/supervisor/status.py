@@ -1,0 +1,56 @@
+"""What the supervisor tells: its status into the channel, events into the channel and the journal."""
+
+from math import inf, nan
+
+import numpy as np
+
+from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.supervisor.channel import Channel, Note, Status
+from kinesic.hardware.supervisor.event_log import Journal
+from kinesic.hardware.supervisor.goals import Steering
+from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.hardware.supervisor.monitor import Watch
+from kinesic.hardware.supervisor.state_machine import State
+
+SLOWLY = 0.1  # [s] between two looks at temperatures and voltages
+VOLT = Register.PRESENT_INPUT_VOLTAGE.field.scale
+
+
+class Teller:
+    """The way to the planner, and to the file."""
+
+    def __init__(self, manifest: Manifest, channel: Channel, journal: Journal) -> None:
+        """Of a supervisor of this manifest."""
+        self._manifest, self._channel, self._journal = manifest, channel, journal
+        self._measured, self._hottest, self._volts = -inf, nan, nan  # [s] when the other two were looked at
+
+    def note(self, clock: float, kind: str, text: str, servo: int = -1) -> None:
+        """Tells of an event at a time [s]."""
+        note = Note(clock, servo, kind, text)
+        self._channel.note(note)
+        self._journal.write(note)
+
+    def tell(self, clock: float, state: State, watch: Watch, steering: Steering, late: int) -> None:
+        """Tells how it was in the cycle that began at a time [s]; `late` cycles so far began too late."""
+        player = steering.player
+        if abs(clock - self._measured) >= SLOWLY and watch.records is not None:
+            self._measured = clock
+            self._hottest = float(watch.records["temperature"].max())
+            self._volts = float(watch.records["volts"].min()) * VOLT
+        self._channel.tell(
+            Status(
+                stage=state.stage,
+                clock=clock,
+                time=player.tempo.time if player.begun else nan,
+                scale=player.tempo.scale,
+                energised=int(np.count_nonzero(watch.energised)),
+                hottest=self._hottest,
+                volts=self._volts,
+                silent=len(watch.heard) - int(np.count_nonzero(watch.heard)),
+                late=late,
+                faulty=state.faulty,
+                angles=self._manifest.angles(watch.present, whole=watch.everybody),
+                goals=steering.angles,
+                taken=self._manifest.means(watch.taken, whole=watch.everybody),
+            )
+        )

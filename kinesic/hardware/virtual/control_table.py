@@ -1,0 +1,190 @@
+"""A servo's control table as bytes: what may be read and written where, and the indirect cells that show others.
+
+Where the manual is silent: a write is checked as a whole before any byte of it counts, and unused addresses inside a
+read are zeros.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+
+from kinesic.hardware.protocol.models import BY_NUMBER, Model
+from kinesic.hardware.protocol.packet import Fault
+from kinesic.hardware.protocol.registers import RAM_START, Register
+
+CELL = 2  # [bytes] of an indirect address
+
+
+class RefusalError(Exception):
+    """An instruction that the servo answers with an error."""
+
+    def __init__(self, fault: Fault) -> None:
+        super().__init__(fault.name)
+        self.fault = fault
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where everything of a model stands, for one firmware."""
+
+    starts: Mapping[int, Register]
+    owned: frozenset[int]  # addresses that some register or cell covers
+    shown: Mapping[int, int]  # indirect data -> where its address stands
+    pointers: frozenset[int]  # where indirect addresses stand
+    extent: int  # [bytes]
+
+
+@lru_cache
+def layout(number: int, firmware: int) -> Layout:
+    """The layout of a model by its number; what its firmware does not know yet is not there."""
+    model = BY_NUMBER[number]
+    known = [r for r in model.registers if model.family == "330" or r.field.firmware <= firmware]
+    shown = {c.data + k: c.addresses + CELL * k for c in model.cells for k in range(c.count)}
+    pointers = frozenset(shown.values())
+    owned = {a for r in known for a in range(r.field.address, r.field.end)}
+    owned |= set(shown) | {a + k for a in pointers for k in range(CELL)}
+    return Layout(
+        starts={register.field.address: register for register in known},
+        owned=frozenset(owned),
+        shown=shown,
+        pointers=pointers,
+        extent=max(owned) + 1,
+    )
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One thing that a write would change."""
+
+    address: int
+    data: bytes
+    register: Register | None  # None: a cell, or its address
+
+
+class Memory:
+    """The bytes of one servo. It knows places and sizes; what values mean is not its business."""
+
+    def __init__(self, model: Model, firmware: int) -> None:
+        self.model, self.firmware = model, firmware
+        self._layout = layout(model.number, firmware)
+        self._bytes = bytearray(self._layout.extent)
+        self._values: dict[Register, int] = {}  # of those that are not sensors, once asked
+        self._views: dict[tuple[int, int], tuple[int, ...]] = {}  # spans with cells -> where their bytes come from
+        self.restore_eeprom()
+        self.restore_ram()
+
+    def __contains__(self, register: Register) -> bool:
+        return register.field.address in self._layout.starts
+
+    def __getitem__(self, register: Register) -> int:
+        """Its value; 0 for one that model or firmware lack."""
+        value = self._values.get(register)
+        if value is None:
+            field = register.field
+            value = int.from_bytes(self._bytes[field.address : field.end], "little", signed=field.signed)
+            if field.writable:
+                self._values[register] = value
+        return value
+
+    def __setitem__(self, register: Register, value: int) -> None:
+        field = register.field
+        self._bytes[field.address : field.end] = value.to_bytes(field.size, "little", signed=field.signed)
+        self._values.pop(register, None)
+
+    def put(self, address: int, data: bytes) -> None:
+        """Bytes of sensors or cells from an address on, unchecked."""
+        self._bytes[address : address + len(data)] = data
+
+    def restore_eeprom(self) -> None:
+        """Factory values below RAM."""
+        self._restore(r for r in self._layout.starts.values() if r.field.eeprom)
+        self[Register.FIRMWARE_VERSION] = self.firmware
+
+    def restore_ram(self) -> None:
+        """What a reboot leaves: initial values, and cells that show themselves."""
+        self._bytes[RAM_START:] = bytes(self._layout.extent - RAM_START)
+        self._values.clear()
+        self._restore(r for r in self._layout.starts.values() if not r.field.eeprom)
+        for cell, pointer in self._layout.shown.items():
+            self.put(pointer, cell.to_bytes(CELL, "little"))
+        self._views.clear()
+
+    def _restore(self, registers: Iterator[Register]) -> None:
+        for register in registers:
+            self[register] = self.model.starts(register)
+
+    def read(self, address: int, size: int) -> bytes:
+        """The bytes of a span, indirect cells looked through.
+
+        Raises:
+            RefusalError: it begins at no register, or ends behind the table.
+        """
+        origins = self._views.get((address, size))
+        if origins is None:
+            if size < 1:
+                raise RefusalError(Fault.LENGTH)
+            if address not in self._layout.owned or address + size > self._layout.extent:
+                raise RefusalError(Fault.ACCESS)
+            origins = tuple(self._origin(a) for a in range(address, address + size))
+            self._views[address, size] = origins
+        memory = self._bytes
+        return bytes([memory[origin] for origin in origins])
+
+    def _origin(self, address: int) -> int:
+        """Where the byte of an address really stands."""
+        pointer = self._layout.shown.get(address)
+        return address if pointer is None else int.from_bytes(self._bytes[pointer : pointer + CELL], "little")
+
+    def entries(self, address: int, data: bytes) -> list[Entry]:
+        """What a write would change, in order.
+
+        Raises:
+            RefusalError: it touches what is not there (ACCESS) or only a part of a register (LENGTH).
+        """
+        if not data:
+            raise RefusalError(Fault.LENGTH)
+        places = [self._origin(address + k) for k in range(len(data))]
+        found, k = [], 0
+        while k < len(data):
+            entry = self._entry(places, data, k)
+            found.append(entry)
+            k += len(entry.data)
+        return found
+
+    def _entry(self, places: list[int], data: bytes, k: int) -> Entry:
+        place, register = places[k], self._layout.starts.get(places[k])
+        if register is not None:
+            size = register.field.size
+        elif place in self._layout.pointers:
+            size = CELL
+        elif place in self._layout.shown:
+            size = 1
+        else:
+            raise RefusalError(Fault.ACCESS)
+        if places[k : k + size] != list(range(place, place + size)):
+            raise RefusalError(Fault.LENGTH)
+        return Entry(place, data[k : k + size], register)
+
+    def points_well(self, entry: Entry) -> bool:
+        """Whether an entry that sets an indirect address names RAM; any other entry does."""
+        if entry.address not in self._layout.pointers:
+            return True
+        return RAM_START <= int.from_bytes(entry.data, "little") < self._layout.extent
+
+    def store(self, entry: Entry) -> None:
+        """Puts what was checked."""
+        self.put(entry.address, entry.data)
+        if entry.register is not None:
+            self._values.pop(entry.register, None)
+        elif entry.address in self._layout.pointers:
+            self._views.clear()
+
+    def ram(self) -> bytes:
+        """All of RAM, for the servo's backup."""
+        return bytes(self._bytes[RAM_START:])
+
+    def put_ram(self, saved: bytes) -> None:
+        """What `ram` gave."""
+        self._bytes[RAM_START:] = saved
+        self._values.clear()
+        self._views.clear()

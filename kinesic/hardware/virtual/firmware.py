@@ -1,0 +1,189 @@
+"""What a virtual servo does by itself: it boots, guards, watches the bus, and shows what its sensors feel.
+
+Assumed where no source says: a reboot takes `BOOT` seconds; any instruction on the wire feeds the bus watchdog; a stall
+of `OVERLOAD` seconds is an overload; an error stays until the reboot.
+"""
+
+from math import inf
+
+from kinesic.hardware.protocol.packet import ALERT
+from kinesic.hardware.protocol.registers import (
+    CLOCK_WRAP,
+    TICK,
+    WATCHDOG,
+    WATCHDOG_TRIPPED,
+    HardwareError,
+    Mode,
+    Register,
+)
+from kinesic.hardware.virtual.control_table import Memory
+from kinesic.hardware.virtual.motion import Motion
+from kinesic.hardware.virtual.physics import LIMP, Demand, Shaft
+
+BOOT = 0.13  # [s] from a reboot until it hears again
+OVERLOAD = 1.0  # [s] of full duty without motion
+STALLED = 0.99  # share of the largest duty that counts as full
+SHORTEST_BOOT = 1e-6  # [s]
+NOMINAL_VOLTS, ROOM = 12.0, 25.0  # [V], [C]
+SMALL_VOLTS = 5.0  # [V] for models that do not stand 12 V
+_TORQUE_AT_BOOT, _RAM_AT_BOOT = 1, 2
+
+
+class Electronics:
+    """Registers, guards and control loop of a servo; its shaft is somebody else's."""
+
+    def __init__(self, memory: Memory) -> None:
+        """Not powered yet: `place` does that."""
+        self.memory = memory
+        self.motion = Motion(memory, Shaft(0.0))
+        small = memory[Register.MAX_VOLTAGE_LIMIT] < NOMINAL_VOLTS * 10
+        self.volts = SMALL_VOLTS if small else NOMINAL_VOLTS
+        self.celsius, self.heating = ROOM, 0.0  # [C], [K/s]
+        self.latched = False  # shut down until it is rebooted
+        self.backup: bytes | None = None  # of RAM
+        self.shaft, self.time = Shaft(0.0), 0.0
+        self._heard = self._started = 0.0  # [s]
+        self._wakes = 0.0  # [s] when it is up again
+        self._stalled_since = inf
+        self._shown = -1.0  # [s] of the sensors' registers
+        self._steady: Demand | None = None  # what it asks until a register changes
+        self._patience: float | None = None  # [s] of the bus watchdog, likewise
+        self._unharmed: tuple[float, float] | None = None  # volts and temperature that were looked at, likewise
+
+    @property
+    def up(self) -> bool:
+        """Whether it hears."""
+        return self._wakes <= self.time
+
+    @property
+    def alert(self) -> int:
+        """The alert bit of its error byte."""
+        return ALERT if self.memory[Register.HARDWARE_ERROR_STATUS] else 0
+
+    def place(self, shaft: Shaft, time: float) -> None:
+        """Puts it on a shaft and powers it: the goal is where it is, in the first turn."""
+        self.shaft, self.time = shaft, time
+        self._boot(time)
+
+    def due(self) -> float:
+        """[s] when it does something by itself; infinite if it waits for instructions."""
+        if not self.up:
+            return self._wakes
+        if self._patience is None:
+            watchdog = self.memory[Register.BUS_WATCHDOG]
+            watching = watchdog > 0 and self.memory[Register.TORQUE_ENABLE]
+            self._patience = watchdog * WATCHDOG if watching else inf
+        return self._heard + self._patience
+
+    def demand(self, time: float) -> Demand:
+        """What it asks of its motor from now on."""
+        if not self.up:
+            return LIMP
+        if self._steady is not None:
+            return self._steady
+        demand = self.motion.demand(time)
+        if self.motion.settled(time):
+            self._steady = demand
+        return demand
+
+    def feel(self, shaft: Shaft, time: float) -> None:
+        """Its shaft has moved, and time has passed: guards act."""
+        asleep = not self.up
+        self.celsius += self.heating * (time - self.time)
+        self.shaft, self.time = shaft, time
+        if asleep:
+            if self.up:
+                self._boot(self._wakes)
+            return
+        if self.due() <= time:
+            self.trip()
+        self._guard()
+
+    def hear(self, time: float) -> None:
+        """An instruction came along the wire, for whomever."""
+        self._heard = time
+
+    def trip(self) -> None:
+        """The bus watchdog stops it where it is; torque stays on."""
+        memory = self.memory
+        memory[Register.BUS_WATCHDOG] = WATCHDOG_TRIPPED
+        memory[Register.PROFILE_ACCELERATION] = memory[Register.PROFILE_VELOCITY] = 0
+        self.motion.stop(self.shaft, self.time)
+        self.changed()
+
+    def fail(self, bits: int) -> None:
+        """Hardware errors: the alert bit stands, and those of the shutdown mask take the torque away."""
+        memory = self.memory
+        memory[Register.HARDWARE_ERROR_STATUS] |= bits
+        if bits & memory[Register.SHUTDOWN]:
+            self.latched = True
+            memory[Register.TORQUE_ENABLE] = 0
+        self.changed()
+
+    def reboot(self, *, seconds: float = BOOT) -> None:
+        """Power is gone for a while: RAM, torque and turns with it."""
+        self.memory.restore_ram()
+        self._wakes = self.time + max(seconds, SHORTEST_BOOT)
+
+    def here(self) -> int:
+        """PRESENT_POSITION [ticks]."""
+        return round(self.motion.ticks(self.shaft.angle))
+
+    def _boot(self, time: float) -> None:
+        memory = self.memory
+        memory.restore_ram()
+        self._started = self._heard = self._wakes = time
+        self.latched, self._stalled_since = False, inf
+        self.motion = Motion(memory, self.shaft)
+        self.motion.fold(self.shaft)
+        self.motion.rest(self.shaft, time)
+        startup = memory[Register.STARTUP_CONFIGURATION]
+        if startup & _RAM_AT_BOOT and self.backup is not None:
+            memory.put_ram(self.backup)
+        memory[Register.BACKUP_READY] = self.backup is not None
+        memory[Register.GOAL_PWM] = memory[Register.PWM_LIMIT]
+        if Register.GOAL_CURRENT in memory:
+            memory[Register.GOAL_CURRENT] = memory[Register.CURRENT_LIMIT]
+        memory[Register.GOAL_POSITION] = self.here()
+        memory[Register.TORQUE_ENABLE] = startup & _TORQUE_AT_BOOT
+        self.changed()
+
+    def fold(self) -> None:
+        """Position mode knows one turn only; the set point is where the shaft is."""
+        if self.memory[Register.OPERATING_MODE] == Mode.POSITION.value:
+            self.motion.fold(self.shaft)
+        self.motion.rest(self.shaft, self.time)
+
+    def _guard(self) -> None:
+        strained = abs(self.shaft.duty) >= STALLED
+        if not strained and self._unharmed == (self.volts, self.celsius):
+            return
+        memory, bits = self.memory, 0
+        volts = round(self.volts * 10)
+        if not memory[Register.MIN_VOLTAGE_LIMIT] <= volts <= memory[Register.MAX_VOLTAGE_LIMIT]:
+            bits |= HardwareError.VOLTAGE.value
+        if self.celsius >= memory[Register.TEMPERATURE_LIMIT]:
+            bits |= HardwareError.OVERHEATING.value
+        if not strained or abs(self.shaft.speed) > TICK or not memory[Register.TORQUE_ENABLE]:
+            self._stalled_since = inf
+        else:
+            self._stalled_since = min(self._stalled_since, self.time)
+            bits |= HardwareError.OVERLOAD.value if self.time - self._stalled_since >= OVERLOAD else 0
+        if bits & ~memory[Register.HARDWARE_ERROR_STATUS]:
+            self.fail(bits)
+        self._unharmed = (self.volts, self.celsius)
+
+    def show(self) -> None:
+        """Brings the sensors' registers up to date."""
+        if self._shown == self.time:
+            return
+        memory, self._shown = self.memory, self.time
+        self.motion.show(self.shaft, self.time)
+        memory[Register.REALTIME_TICK] = int((self.time - self._started) * 1000 + 1e-6) % CLOCK_WRAP
+        memory[Register.PRESENT_INPUT_VOLTAGE] = round(self.volts * 10)
+        memory[Register.PRESENT_TEMPERATURE] = max(0, min(255, round(self.celsius)))
+
+    def changed(self) -> None:
+        """Registers have changed: what followed from them is to be found anew."""
+        self._shown = -1.0
+        self._steady = self._patience = self._unharmed = None

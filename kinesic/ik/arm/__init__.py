@@ -1,0 +1,1 @@
+"""Solves one arm: shoulder, elbow and wrist in closed form, and a polish inside the limits."""

@@ -1,0 +1,135 @@
+"""A chain as the solver walks it: for each bone, the hinges that aim it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from math import remainder, tau
+
+import numpy as np
+
+from kinesic.body.chain import Chain
+from kinesic.body.skeleton import Hinge
+from kinesic.ik.arm.accepts import checked
+from kinesic.ik.scalar3 import IDENTITY, Rotation, Vector, after, norm, plus, rotated, turned, unit, vector
+
+PARALLEL = 1e-9  # sine of the angle below which a hinge lies along its bone
+ELBOW_SAMPLES = 65  # of the elbow's range, to find how far the hand can be
+GIRDLE_MOBILITY = 0.1  # the collar bone moves late
+
+
+@dataclass(frozen=True)
+class Pivot:
+    """One hinge in plain numbers."""
+
+    axis: Vector
+    lower: float  # [rad]
+    upper: float  # [rad]
+    rest: float  # [rad]
+
+    def held(self, angle: float, near: float) -> float:
+        """The angle inside the range that stands for `angle`, whole turns aside: nearest to `near`, or a stop [rad]."""
+        same = near + remainder(angle - near, tau)
+        if self.lower <= same <= self.upper:
+            return same
+        turns = [turn for turn in (same - tau, same + tau) if self.lower <= turn <= self.upper]
+        if turns:
+            return turns[0]
+        below, above = abs(remainder(same - self.lower, tau)), abs(remainder(same - self.upper, tau))
+        return self.lower if below < above else self.upper
+
+
+@dataclass(frozen=True)
+class Link:
+    """A bone and the hinges that aim it, the nearest to the base first."""
+
+    pivots: tuple[Pivot, ...]
+    bone: Vector  # [m]
+    along: Vector  # unit, of the bone
+    length: float  # [m] of the bone
+    first: int  # index of its first hinge in the chain
+
+
+@dataclass(frozen=True, eq=False)
+class Linkage:
+    """Links from the base outward; the last bone runs along the hand and moves no position."""
+
+    origin: Vector  # [m] in the base
+    links: tuple[Link, ...]
+    side: float  # +1: an arm on the left; -1: on the right
+    farthest: float  # [m] shoulder to hand with the elbow as straight as it goes
+
+    @cached_property
+    def pivots(self) -> tuple[Pivot, ...]:
+        """All hinges in the chain's order."""
+        return tuple(pivot for link in self.links for pivot in link.pivots)
+
+    @cached_property
+    def girdle(self) -> tuple[Link, ...]:
+        """What carries the shoulder; empty for an arm without collar bone."""
+        return self.links[:-3]
+
+    @cached_property
+    def mobility(self) -> tuple[float, ...]:
+        """How readily each hinge moves unless something else is asked."""
+        girdle = self.links[-3].first
+        return tuple(GIRDLE_MOBILITY if k < girdle else 1.0 for k in range(len(self.pivots)))
+
+    def walk(self, angles: Sequence[float], links: int) -> tuple[Rotation, list[Vector]]:
+        """Forward kinematics of the first links.
+
+        Args:
+            angles: [rad] of at least their hinges.
+            links: how many.
+
+        Returns:
+            Frame after their hinges, and their joints' centres [m] in the base, one more than links.
+        """
+        rotation, points = IDENTITY, [self.origin]
+        for link in self.links[:links]:
+            for k, pivot in enumerate(link.pivots, link.first):
+                rotation = after(rotation, pivot.axis, angles[k])
+            points.append(plus(points[-1], rotated(rotation, link.bone)))
+        return rotation, points
+
+    def hand(self, angles: Sequence[float]) -> Vector:
+        """[m] the wrist's centre in the base."""
+        return self.walk(angles, len(self.links) - 1)[1][-1]
+
+
+@lru_cache(maxsize=32)
+def linkage_of(chain: Chain) -> Linkage:
+    """Regroups the hinges of a chain by the bone that they aim.
+
+    A joint's last hinge, where it lies along the joint's own bone, turns only what comes after: it joins the
+    hinges of the next bone. So an elbow's plane (twist of the upper arm, flexion) is solved like a shoulder.
+
+    Raises:
+        ConfigError: the chain is no arm that can be solved; says which rule it breaks.
+    """
+    chain = checked(chain)
+    links: list[Link] = []
+    carried: list[Hinge] = []
+    first = 0
+    for joint in chain.joints:
+        hinges, bone = [*carried, *joint.hinges], vector(joint.bone)
+        twists = bool(joint.hinges) and joint is not chain.joints[-1] and _parallel(hinges[-1], bone)
+        carried = [hinges.pop()] if twists else []
+        pivots = tuple(Pivot(vector(h.axis), float(h.lower), float(h.upper), float(h.rest)) for h in hinges)
+        links.append(Link(pivots, bone, unit(bone), norm(bone), first))
+        first += len(hinges)
+    origin = vector(chain.origin_in_base)
+    aside = origin[1] + sum(link.bone[1] for link in links[:-3])
+    return Linkage(origin, tuple(links), -1.0 if aside < 0.0 else 1.0, _reach(links[-3], links[-2]))
+
+
+def _parallel(hinge: Hinge, bone: Vector) -> bool:
+    return float(np.linalg.norm(np.cross(hinge.axis, unit(bone)))) < PARALLEL
+
+
+def _reach(upper: Link, fore: Link) -> float:
+    """The longest distance from shoulder to hand that the elbow's last hinge allows [m]."""
+    if not fore.pivots:
+        return norm(plus(upper.bone, fore.bone))
+    elbow = fore.pivots[-1]
+    turns = np.linspace(elbow.lower, elbow.upper, ELBOW_SAMPLES).tolist()
+    return max(norm(plus(upper.bone, turned(fore.bone, elbow.axis, turn))) for turn in turns)

@@ -1,0 +1,92 @@
+"""Brings a hand as near to a target beyond its reach as its ranges allow: Newton's method on the distance, in the box.
+
+Levenberg-Marquardt crawls where the error does not vanish: it leaves out how the Jacobian itself turns. For hinges
+that part is one more product, d2p / dqi dqj = ai x (aj x (p - cj)) for i before j, so the last steps are Newton's.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.ik.arm.linkage import Linkage
+from kinesic.ik.arm.polish import Polished
+from kinesic.ik.scalar3 import IDENTITY, Vector, after, cross, dot, minus, norm, plus, rotated
+
+ROUNDS = 30
+GAIN = 1e-9  # a round that wins less than this share of the squared distance is the last
+LEAST_DAMPING = 1e-6  # of the arm's length squared, added to the curvature
+MOST_DAMPING = 1e6
+WORTH = 2.5e-3  # of the arm's length: for less the elbow does not give up the side that it bends to
+CAUTION = 8.0  # times the damping after a round that lost ground or met a saddle
+
+
+@dataclass(frozen=True, eq=False)
+class _Shape:
+    """Half the squared distance, to second order about a posture."""
+
+    distance: float  # [m]
+    slope: Floats  # (n,) [m^2/rad]
+    curvature: Floats  # (n, n) [m^2/rad^2]
+
+
+def finish(linkage: Linkage, target: Vector, angles: Sequence[float]) -> Polished:
+    """The nearest that the hand comes to a target, downhill from a posture.
+
+    Args:
+        linkage: the arm.
+        target: [m] of the wrist's centre, in the base: where it was asked for, not where it was clamped to.
+        angles: [rad] to begin with, inside the ranges; of all hinges or of those before the hand's own.
+
+    Returns:
+        Angles inside the ranges that bring the hand nearer by a millimetre or more; else those of the beginning.
+    """
+    pivots = linkage.pivots[: linkage.links[-1].first]
+    lower, upper = sealed([pivot.lower for pivot in pivots]), sealed([pivot.upper for pivot in pivots])
+    now = np.array(angles[: len(pivots)])
+    begin = here = _shape(linkage, target, now)
+    damping, rounds = LEAST_DAMPING, 0
+    while rounds < ROUNDS and damping < MOST_DAMPING:
+        rounds += 1
+        free = ((now > lower) | (here.slope < 0.0)) & ((now < upper) | (here.slope > 0.0))
+        step = _newton(here.slope[free], here.curvature[np.ix_(free, free)], damping * linkage.farthest**2)
+        tried = now.copy()
+        tried[free] = np.clip(now[free] + step, lower[free], upper[free])
+        there = _shape(linkage, target, tried)
+        won = here.distance**2 - there.distance**2
+        if won <= 0.0 and np.any(tried != now):
+            damping *= CAUTION
+            continue
+        now, here, damping = tried, there, max(LEAST_DAMPING, damping / CAUTION)
+        if won <= GAIN * here.distance**2:
+            break
+    if begin.distance - here.distance < WORTH * linkage.farthest:
+        return Polished(tuple(angles[: len(pivots)]), begin.distance, rounds)
+    return Polished(tuple(now.tolist()), here.distance, rounds)
+
+
+def _newton(slope: Floats, curvature: Floats, damping: float) -> Floats:
+    """The step to where the slope ends; about a saddle the curvature is raised until there is a bottom."""
+    lowest = float(np.linalg.eigvalsh(curvature)[0]) if len(slope) else 0.0
+    raised = curvature + (damping + max(0.0, -2.0 * lowest)) * np.eye(len(slope))
+    return np.asarray(np.linalg.solve(raised, -slope), dtype=np.float64)
+
+
+def _shape(linkage: Linkage, target: Vector, angles: Floats) -> _Shape:
+    """Distance, slope and curvature at a posture (n,) [rad]."""
+    rotation, centre = IDENTITY, linkage.origin
+    axes: list[tuple[Vector, Vector]] = []
+    for link in linkage.links[:-1]:
+        for k, pivot in enumerate(link.pivots, link.first):
+            axes.append((rotated(rotation, pivot.axis), centre))
+            rotation = after(rotation, pivot.axis, float(angles[k]))
+        centre = plus(centre, rotated(rotation, link.bone))
+    error = minus(target, centre)
+    columns = [cross(axis, minus(centre, pole)) for axis, pole in axes]
+    curvature = np.empty((len(axes), len(axes)))
+    for j, column in enumerate(columns):
+        for i in range(j + 1):
+            turning = cross(axes[i][0], column)
+            curvature[i, j] = curvature[j, i] = dot(columns[i], column) - dot(error, turning)
+    return _Shape(norm(error), np.array([-dot(error, column) for column in columns]), curvature)

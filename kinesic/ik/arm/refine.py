@@ -1,0 +1,148 @@
+"""Finishes a reach on the arm as it really is, where closed forms solved an ideal one.
+
+The hinges of a foreign robot need not meet in one point, and its twists need not lie along the bones. The ideal
+arm's angles are the start; Levenberg-Marquardt on the true axes brings the hand to its place, first with the
+directions it should have, then without.
+"""
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.reach import Reach
+from kinesic.body.robot import Robot, Side
+from kinesic.body.rotation import about
+from kinesic.body.skeleton import Frames
+from kinesic.ik.box_lm import Box, Errors, descend
+
+DIRECTION_WEIGHT = 0.05  # of a direction beside an arm's length of the hand
+ELBOW_WEIGHT = 0.02  # of the elbow's place on the ideal arm, where its swivel was asked
+NEAR = 1e-5  # arm lengths at which the hand is there
+FAR = 2e-3  # arm lengths at which other starts are tried
+TRAVEL = 0.03  # price of a radian of travel, beside that of the rows
+LOST = 1e3  # price of a hand that is not there
+
+
+@dataclass(frozen=True, eq=False)
+class TrueArm:
+    """An arm's hinges as lines in the frame of its base, all angles zero."""
+
+    joints: tuple[int, ...]  # in the skeleton's order
+    anchors: Floats  # (k, 3) [m]
+    axes: Floats  # (k, 3) unit
+    elbow: int  # so many hinges may move the elbow, its own included
+    places: Floats  # (2, 3) [m] elbow and hand
+    directions: Floats  # (2, 3) unit, in the last segment: along the hand, and out of the palm
+    exact: bool  # the ideal arm is this one
+
+    def posture(self, angles: Floats) -> tuple[Floats, Floats, Floats]:
+        """Elbow and hand (2, 3) [m], directions (2, 3), and how all move: (4, 3, k)."""
+        rotation, shift = np.eye(3), np.zeros(3)
+        poles, axes = np.empty_like(self.anchors), np.empty_like(self.axes)
+        elbow = self.places[0]
+        for k, (anchor, axis, angle) in enumerate(zip(self.anchors, self.axes, angles, strict=True)):
+            poles[k], axes[k] = rotation @ anchor + shift, rotation @ axis
+            turn = about(axis, angle)
+            shift = shift + rotation @ (anchor - turn @ anchor)
+            rotation = rotation @ turn
+            if k + 1 == self.elbow:
+                elbow = rotation @ self.places[0] + shift
+        points = np.array([elbow, rotation @ self.places[1] + shift])
+        directions = self.directions @ rotation.T
+        moves = np.concatenate(
+            [np.cross(axes, points[:, None] - poles), np.cross(axes[None], directions[:, None])]
+        ).transpose(0, 2, 1)
+        moves[0, :, self.elbow :] = 0.0
+        return points, directions, moves
+
+
+@lru_cache(maxsize=8)
+def true_arm(robot: Robot, side: Side) -> TrueArm:
+    """The arm of a robot, packed once."""
+    skeleton, chain = robot.skeleton, robot.arms[side]
+    joints = robot.joints(f"{side}_arm")
+    names = robot.chains[f"{side}_arm"]
+    origins = skeleton.straight.origins
+    base = origins[skeleton.segment(chain.base)]
+    hinges = [skeleton.hinges[k] for k in joints]
+    places = np.array([origins[skeleton.segment(name)] - base for name in names[-2:]])
+    palm = robot.sites[f"{side}_palm"]
+    solved = [hinge for joint in chain.joints for hinge in joint.hinges]
+    return TrueArm(
+        joints=joints,
+        anchors=sealed([origins[skeleton.segment(h.segment)] + h.at - base for h in hinges]),
+        axes=sealed([h.axis for h in hinges]),
+        elbow=sum(h.segment != names[-1] for h in hinges),
+        places=sealed(places),
+        directions=sealed([palm.position / np.linalg.norm(palm.position), palm.facing]),
+        exact=len(solved) == len(hinges)
+        and all(a is b and not a.at.any() for a, b in zip(solved, hinges, strict=True)),
+    )
+
+
+def finished(robot: Robot, side: Side, reach: Reach, angles: Floats, *, near: Floats) -> Floats:
+    """Brings the hand of a solved posture to its place on the true arm.
+
+    Args:
+        robot: whose arm.
+        side: of the arm.
+        reach: of its hand, in the world.
+        angles: (n,) [rad] of the whole robot; those of this arm solved for the ideal one.
+        near: (n,) [rad] posture to stay close to.
+
+    Returns:
+        (n,) [rad] inside the ranges; the same array where the ideal arm is the true one. Of the postures found from
+        the ideal arm's and from `near`, the one that serves the directions with less travel.
+    """
+    arm = true_arm(robot, side)
+    if arm.exact:
+        return angles
+    asked = _in_base(reach, robot.skeleton.frames(angles), robot.skeleton.segment(robot.arms[side].base))
+    joints = list(arm.joints)
+    lower, upper, rest = (getattr(robot.skeleton, name)[joints] for name in ("lower", "upper", "rest"))
+    guess = np.clip(angles[joints], lower, upper)
+    elbow = arm.posture(guess)[0][0] if reach.swivel is not None else None
+    present = np.clip(near[joints], lower, upper)
+    size = robot.arm_length
+    led, there = _errors(arm, asked, elbow, size), _errors(arm, Reach(asked.position), None, size)
+    best, least = guess, np.inf
+    for k, start in enumerate((guess, present, rest, (lower + upper) / 2)):
+        if k > 1 and least < LOST:
+            break
+        box = Box(lower, upper, sealed(start), np.ones(len(joints)))
+        turned = descend(led, start, box, tolerance=NEAR).angles
+        found = descend(there, turned, replace(box, home=turned), tolerance=NEAR)
+        price = float(np.linalg.norm(led(found.angles)[0])) + TRAVEL * float(np.linalg.norm(found.angles - present))
+        price += LOST * (found.miss > FAR) * (1.0 + found.miss)
+        if price < least:
+            best, least = found.angles, price
+    settled = np.array(angles)
+    settled[joints] = best
+    return settled
+
+
+def _in_base(reach: Reach, frames: Frames, base: int) -> Reach:
+    rotation, origin = frames.rotations[base], frames.origins[base]
+    pointing, palm = (None if d is None else sealed(rotation.T @ d) for d in (reach.pointing, reach.palm))
+    return Reach(sealed(rotation.T @ (reach.position - origin)), pointing, palm, reach.swivel)
+
+
+def _errors(arm: TrueArm, reach: Reach, elbow: Floats | None, size: float) -> Errors:
+    """Rows for the hand's place, its directions and the elbow, as far as they are asked."""
+    wanted = [reach.pointing, reach.palm]
+    asked = [k for k in range(2) if wanted[k] is not None]
+    aims = np.array([direction for direction in wanted if direction is not None]).reshape(-1, 3)
+    aims = aims / np.linalg.norm(aims, axis=1, keepdims=True) if len(aims) else aims
+
+    def errors(angles: Floats) -> tuple[Floats, Floats]:
+        points, directions, moves = arm.posture(angles)
+        rows = [(reach.position - points[1]) / size, *(DIRECTION_WEIGHT * (aims - directions[asked]))]
+        columns = [moves[1] / size, *(DIRECTION_WEIGHT * moves[2:][asked])]
+        if elbow is not None:
+            rows.append(ELBOW_WEIGHT * (elbow - points[0]) / size)
+            columns.append(ELBOW_WEIGHT * moves[0] / size)
+        return np.concatenate(rows), np.concatenate(columns)
+
+    return errors

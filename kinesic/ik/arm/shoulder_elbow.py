@@ -1,0 +1,150 @@
+"""Where shoulder and elbow go for a target, before any limit but the collar bone's is known."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import pi, remainder, tau
+
+from kinesic.ik.arm.hinges import Extraction, extract
+from kinesic.ik.arm.linkage import Linkage
+from kinesic.ik.arm.masses import clamp, settle
+from kinesic.ik.arm.swivel import elbow_at, swivel_of
+from kinesic.ik.scalar3 import Vector, distance, minus, plus, scaled, unit
+
+STRETCH = 0.9999  # of the reach, to which targets beyond it come: the elbow keeps a side to bend to
+TAUT = 0.97  # of the reach, at which the arm begins to pull the shoulder along
+EXACT = 1e-6  # of the reach: a miss that counts as none
+NATURAL_SWIVEL = 0.35  # [rad] elbow a little away from the body
+NATURE = 0.5  # how far an unasked swivel goes from the present one to the natural one
+STEPS = 12  # of the search to either side, where the wished swivel does not fit the ranges
+BISECTIONS = 6
+
+
+@dataclass(frozen=True)
+class Place:
+    """A shoulder that can serve a target, and the target within its reach."""
+
+    girdle: tuple[Vector, ...]  # [m] ends of the bones up to the shoulder's centre; empty without collar bone
+    shoulder: Vector  # [m]
+    target: Vector  # [m] of the hand
+    iterations: int  # of the masses
+
+
+def placed(linkage: Linkage, target: Vector, *, near: Sequence[float], rest: Sequence[float]) -> Place:
+    """Leaves the shoulder at rest for a target in easy reach; beyond, the taut arm pulls it along (thesis 8.6).
+
+    Args:
+        linkage: the arm.
+        target: [m] of the hand, in the base.
+        near: [rad] angles to stay close to where there is a choice.
+        rest: [rad] at which the collar bone stays if it can.
+
+    Returns:
+        Place, its target clamped to what the arm reaches from the most helpful shoulder.
+    """
+    reach = linkage.farthest
+    resting = linkage.walk(rest, len(linkage.girdle))[1]
+    if distance(resting[-1], target) <= TAUT * reach:
+        return _place(resting, target, 0)
+    nearer = helpful(linkage, target, near)
+    if distance(nearer[-1], target) > STRETCH * reach:
+        return _place(nearer, clamp(target, nearer[-1], STRETCH * reach), 0)
+    upper, fore = TAUT * linkage.links[-3].length, TAUT * linkage.links[-2].length
+    elbow = plus(resting[-1], scaled(unit(minus(target, resting[-1])), upper))
+    lengths = (*(link.length for link in linkage.girdle), upper, fore)
+    settled = settle((*resting, elbow, target), lengths, target)
+    pulled = _girdle(linkage, settled.points[1:-2], near)
+    return _place(pulled, target, settled.iterations)
+
+
+def place_of(linkage: Linkage, angles: Sequence[float], target: Vector) -> Place:
+    """The place that a posture [rad] gives its shoulder."""
+    return _place(linkage.walk(angles, len(linkage.girdle))[1], target, 0)
+
+
+def gap(linkage: Linkage, target: Vector) -> float:
+    """Distance [m] of a target from the shoulder, when the girdle does what it can."""
+    return distance(helpful(linkage, target, [pivot.rest for pivot in linkage.pivots])[-1], target)
+
+
+def helpful(linkage: Linkage, target: Vector, near: Sequence[float]) -> list[Vector]:
+    """The girdle's joints [m] when the shoulder comes as near to a target as it can."""
+    line = unit(minus(target, linkage.origin))
+    ends = [linkage.origin]
+    for link in linkage.girdle:
+        ends.append(plus(ends[-1], scaled(line, link.length)))
+    return _girdle(linkage, ends[1:], near)
+
+
+def _place(points: Sequence[Vector], target: Vector, iterations: int) -> Place:
+    return Place(tuple(points[1:]), points[-1], target, iterations)
+
+
+def _girdle(linkage: Linkage, ends: Sequence[Vector], near: Sequence[float]) -> list[Vector]:
+    """The girdle's joints [m] when it aims at these ends."""
+    return linkage.walk(extract(linkage, ends, near).angles, len(ends))[1]
+
+
+@dataclass(frozen=True)
+class Bend:
+    """The arm's angles for a place."""
+
+    angles: tuple[float, ...]  # [rad] of the hinges before the hand's own
+    exact: bool  # the hand is on the target
+    iterations: int  # of the masses
+
+
+def bent(linkage: Linkage, place: Place, *, near: Sequence[float], swivel: float | None) -> Bend:
+    """Chooses the elbow's place on its circle: as near to the wished swivel as the ranges allow.
+
+    Args:
+        linkage: the arm.
+        place: of shoulder and target.
+        near: [rad] angles to stay close to.
+        swivel: [rad] wished; None: between the swivel to which the masses swing from `near`, and the natural one.
+
+    Returns:
+        The nearest exact posture, or the one with the smallest miss.
+    """
+    elbow = linkage.walk(near, len(linkage.links) - 2)[1][-1]
+    lengths = (linkage.links[-3].length, linkage.links[-2].length)
+    settled = settle((place.shoulder, elbow, place.target), lengths, place.target)
+    present = swivel_of(linkage, settled.points)
+    if present is None:
+        present = NATURAL_SWIVEL
+    wish = present + NATURE * remainder(NATURAL_SWIVEL - present, tau) if swivel is None else remainder(swivel, tau)
+    towards = 1.0 if remainder(present - wish, tau) >= 0.0 else -1.0
+
+    def at(offset: float) -> Extraction:
+        elbow = elbow_at(linkage, place.shoulder, place.target, wish + offset)
+        return extract(linkage, (*place.girdle, elbow, place.target), near)
+
+    found, exact = _nearest_exact(at, towards, EXACT * linkage.farthest)
+    return Bend(found.angles, exact, settled.iterations)
+
+
+def _nearest_exact(at: Callable[[float], Extraction], towards: float, tolerance: float) -> tuple[Extraction, bool]:
+    """Looks outward from offset zero for the first posture that misses nothing."""
+    best = at(0.0)
+    if best.miss <= tolerance:
+        return best, True
+    for step in range(1, STEPS + 1):
+        for side in (towards, -towards):
+            found = at(side * step * pi / STEPS)
+            if found.miss <= tolerance:
+                return _edge(at, side * (step - 1) * pi / STEPS, side * step * pi / STEPS, found, tolerance), True
+            best = min(best, found, key=lambda candidate: candidate.miss)
+    return best, False
+
+
+def _edge(
+    at: Callable[[float], Extraction], outside: float, inside: float, found: Extraction, tolerance: float
+) -> Extraction:
+    """Bisects to where the ranges begin to allow the posture."""
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (outside + inside)
+        tried = at(middle)
+        if tried.miss <= tolerance:
+            inside, found = middle, tried
+        else:
+            outside = middle
+    return found

@@ -1,0 +1,76 @@
+"""Where the elbow may be while shoulder and hand stay: a circle, and the swivel that tells the place on it.
+
+The swivel is measured from the hanging elbow. "Hanging" is carried from the arm that reaches straight forward
+(elbow below) to every other direction by the shortest turn: backward with the arm hanging, below with the arm
+to the side, forward with the arm up. So the zero is defined and smooth wherever an arm can reach, which the
+vertical plane is not.
+"""
+
+from collections.abc import Sequence
+from math import sqrt
+
+from kinesic.body.arrays import Floats
+from kinesic.body.chain import Chain
+from kinesic.ik.angles import arctangent, turn_of
+from kinesic.ik.arm.linkage import Linkage, linkage_of
+from kinesic.ik.scalar3 import Vector, across, cross, dot, minus, norm, plus, scaled, unit, vector
+
+BACKWARD = -1.0 + 1e-9  # cosine to the forward axis at which the hanging direction is undefined
+
+
+def hanging(line: Vector) -> Vector:
+    """The direction of a hanging elbow, off the line from shoulder to hand.
+
+    Args:
+        line: unit, from the shoulder to the hand.
+
+    Returns:
+        Unit vector perpendicular to the line.
+    """
+    x, y, z = line
+    if x < BACKWARD:
+        return 0.0, 0.0, 1.0
+    share = z / (1.0 + x)
+    return unit((share * (x + 1.0), share * y, share * z - 1.0))
+
+
+def swivel_of(linkage: Linkage, points: Sequence[Vector]) -> float | None:
+    """The swivel of three points [m], shoulder, elbow and hand, in [rad]; None for a straight arm."""
+    shoulder, elbow, hand = points
+    line = unit(minus(hand, shoulder))
+    off = across(minus(elbow, shoulder), line)
+    if norm(off) < 1e-6 * linkage.farthest or line == (0.0, 0.0, 0.0):
+        return None
+    zero = hanging(line)
+    return linkage.side * arctangent(dot(off, cross(line, zero)), dot(off, zero))
+
+
+def elbow_at(linkage: Linkage, shoulder: Vector, hand: Vector, swivel: float) -> Vector:
+    """The elbow's place [m] on its circle, for shoulder and hand [m] and a swivel [rad].
+
+    Where the bones cannot span the distance, the elbow lies on the line.
+    """
+    upper, fore = linkage.links[-3].length, linkage.links[-2].length
+    between = minus(hand, shoulder)
+    span = max(norm(between), 1e-9 * linkage.farthest)
+    line = unit(between) if norm(between) > 0.0 else (1.0, 0.0, 0.0)
+    along = (upper * upper - fore * fore + span * span) / (2.0 * span)
+    along = max(-upper, min(upper, along))
+    zero = hanging(line)
+    cosine, sine = turn_of(swivel)
+    off = plus(scaled(zero, cosine), scaled(cross(line, zero), linkage.side * sine))
+    return plus(shoulder, plus(scaled(line, along), scaled(off, sqrt(upper * upper - along * along))))
+
+
+def swivel(chain: Chain, angles: Floats) -> float | None:
+    """How far the elbow is turned about the line from shoulder to hand.
+
+    Args:
+        chain: the arm.
+        angles: (k,) [rad].
+
+    Returns:
+        [rad] 0 = hanging, + = away from the body; None for a straight arm, which has no swivel.
+    """
+    points = [vector(point) for point in chain.frames(angles)[1][-4:-1]]
+    return swivel_of(linkage_of(chain), points)

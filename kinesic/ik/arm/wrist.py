@@ -1,0 +1,106 @@
+"""Turns forearm and wrist so that the hand points, and its palm faces, as nearly as the ranges allow.
+
+How well directions agree is, in each single hinge, A cos q + B sin q: its best angle is known in closed form, and
+so is its best angle inside a range. Taking the hinges in turn climbs to a peak; where the stops make several peaks,
+the climb begins again at each corner of the ranges.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+
+from kinesic.ik.angles import arctangent, turn_of
+from kinesic.ik.arm.linkage import Link, Pivot
+from kinesic.ik.scalar3 import Rotation, Vector, cross, dot, turned, within
+
+ROUNDS = 40
+TOLERANCE = 1e-6  # [rad] the largest change of a round at rest
+PERFECT = 1e-4  # short of full agreement: higher needs no search
+POSTURE = 2e-4  # pull to the rest angles, beside 1 for each direction: decides only what directions leave open
+
+
+@dataclass(frozen=True)
+class Wish:
+    """A direction of the hand and where it should look."""
+
+    name: str
+    own: Vector  # unit, in the last segment
+    wanted: Vector  # unit, in the base
+
+
+def orient(link: Link, frame: Rotation, wishes: Sequence[Wish], rest: Sequence[float]) -> tuple[float, ...]:
+    """The angles of the hand's own hinges.
+
+    Args:
+        link: the last link.
+        frame: of the segment that its first hinge turns in, in the base.
+        wishes: directions; without any the hinges rest.
+        rest: [rad] of these hinges.
+
+    Returns:
+        [rad] inside the ranges.
+    """
+    if not wishes:
+        return tuple(rest)
+    best, height = _climbed(link, frame, wishes, rest, rest)
+    for start in product(*((pivot.lower, pivot.upper) for pivot in link.pivots)):
+        if height > len(wishes) - PERFECT:
+            break
+        found, agreement = _climbed(link, frame, wishes, rest, start)
+        if agreement > height:
+            best, height = found, agreement
+    return best
+
+
+def _climbed(
+    link: Link, frame: Rotation, wishes: Sequence[Wish], rest: Sequence[float], start: Sequence[float]
+) -> tuple[tuple[float, ...], float]:
+    """Hinge after hinge to its best angle until none moves; the angles and how well they agree."""
+    angles, height = list(start), 0.0
+    wanted = [within(frame, wish.wanted) for wish in wishes]
+    for _ in range(ROUNDS):
+        change = 0.0
+        for k, pivot in enumerate(link.pivots):
+            pairs = [
+                (_inward(link, angles, k, look), _outward(link, angles, k, wish.own))
+                for look, wish in zip(wanted, wishes, strict=True)
+            ]
+            best, height = _best(pivot, pairs, rest[k])
+            change, angles[k] = max(change, abs(best - angles[k])), best
+        if change < TOLERANCE:
+            break
+    return tuple(angles), height
+
+
+def _inward(link: Link, angles: Sequence[float], k: int, look: Vector) -> Vector:
+    """A direction of the first hinge's frame, seen where hinge k turns."""
+    for pivot, angle in zip(link.pivots[:k], angles, strict=False):
+        look = turned(look, pivot.axis, -angle)
+    return look
+
+
+def _outward(link: Link, angles: Sequence[float], k: int, own: Vector) -> Vector:
+    """A direction of the hand, seen just behind hinge k."""
+    for j in range(len(link.pivots) - 1, k, -1):
+        own = turned(own, link.pivots[j].axis, angles[j])
+    return own
+
+
+def _best(pivot: Pivot, pairs: Sequence[tuple[Vector, Vector]], rest: float) -> tuple[float, float]:
+    """The best angle inside the range, and the agreement there."""
+    a, b = (POSTURE * part for part in turn_of(rest))
+    level = 0.0
+    for look, own in pairs:
+        along = dot(pivot.axis, look) * dot(pivot.axis, own)
+        level += along
+        a += dot(look, own) - along
+        b += dot(look, cross(pivot.axis, own))
+
+    def height(angle: float) -> float:
+        cosine, sine = turn_of(angle)
+        return a * cosine + b * sine
+
+    peak = arctangent(b, a)
+    if not pivot.lower <= peak <= pivot.upper:
+        peak = max((pivot.lower, pivot.upper), key=height)
+    return peak, level + height(peak)

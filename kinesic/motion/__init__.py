@@ -1,0 +1,1 @@
+"""Conditions a motion of hinges under limits: key postures in, a certified B-spline out."""

@@ -1,0 +1,110 @@
+"""Makes a motion one that the servos can follow: first as asked, then with sync points moved as little as needed.
+
+What is returned keeps position, speed, acceleration, jerk and duty at every instant, and passes every firm key at its
+exact time. First the least shift of these keys with which every hinge has a way through them, whatever its path; then
+the path that is nearest to the wish. Keys on a path of a hand only shape the wish: what is too fast becomes
+smaller.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.limits import Limits
+from kinesic.motion.bspline import grid
+from kinesic.motion.feasible import Bottleneck, Search
+from kinesic.motion.keys import Keys, Pair
+from kinesic.motion.qp import WITHIN, limited, unlimited
+from kinesic.motion.segments import Segment, pieces, segments
+from kinesic.motion.trajectory import STEP, Trajectory
+from kinesic.motion.waypoints import Waypoints
+from kinesic.motion.wish import wish
+from kinesic.planning.coupling import Bond
+from kinesic.planning.postures import Posture
+
+LEAD_IN = 0.6  # [s] by which the motion may begin before it is asked to
+
+
+class Wished(Protocol):
+    """What is wished for, as a function of performance time."""
+
+    def sample(self, times: Floats) -> tuple[Floats, Floats, Floats]:
+        """Angles, speeds and accelerations, each (m, n), at (m,) performance times; only the angles are asked for."""
+
+
+Wishes = Callable[[Floats, Waypoints], Wished]
+
+
+@dataclass(frozen=True, eq=False)
+class Conditioned:
+    """A motion within limits, and what had to give."""
+
+    trajectory: Trajectory
+    asked: Floats  # (m,) [s] block time of the keys as wished
+    planned: Floats  # (m,) [s] block time of the keys as they will be
+    bottlenecks: Mapping[Pair, Bottleneck]  # what was too fast as asked, between which keys
+    lost: Floats  # (n,) [rad] root mean square distance from the wish at the planned times
+
+
+def condition(
+    postures: tuple[Posture, ...],
+    limits: Limits,
+    *,
+    bonds: tuple[Bond, ...] = (),
+    lead_in: float = LEAD_IN,
+    ease: float = 1.0,
+    wishes: Wishes = wish,
+) -> Conditioned:
+    """Fits the keys into the limits.
+
+    Args:
+        postures: at least two, the first and the last keyed in all hinges.
+        limits: of position, speed, acceleration, jerk and duty.
+        bonds: between sync points of different behaviours.
+        lead_in: [s] by which the first key may come earlier.
+        ease: share of the limits with which key times are found; below 1 there is time to stay nearer to the wish.
+        wishes: the motion that is wished for, from (m,) [s] times and what is passed at them.
+
+    Raises:
+        ArithmeticError: a hinge cannot move within its limits, however slowly.
+    """
+    keys = Keys.of(postures, limits, bonds)
+    eased = limits.times(ease)
+    search = Search(keys, eased, lead_in)
+    found = _nearest(search.times, keys, eased, wishes)
+    while isinstance(found, Segment):
+        search.avoid(found)
+        found = _nearest(search.times, keys, eased, wishes)
+    if ease < 1.0:
+        nearer = _nearest(search.times, keys, limits, wishes)
+        found = found if isinstance(nearer, Segment) else nearer
+    wished, controls = found
+    motion = Trajectory(sealed(controls), -float(search.times[0]))
+    away = motion.sample(grid(len(wished) - 1, STEP).knots)[0] - wished
+    lost = sealed(np.sqrt(np.mean(away**2, axis=0)))
+    return Conditioned(motion, keys.asked, sealed(search.times), search.met, lost)
+
+
+def _nearest(times: Floats, keys: Keys, limits: Limits, wishes: Wishes) -> tuple[Floats, Floats] | Segment:
+    """The wish (k + 1, n) [rad] at the knots, and the control points (k + 3, n) [rad] of the motion nearest to it.
+
+    Or else the first segment that has none. The farther a wish is from the limits, the earlier its turn.
+    """
+    count = pieces(times, STEP)
+    wished = wishes(times, keys.waypoints).sample(grid(count, STEP).knots)[0]
+    controls, beyond = np.empty((count + 3, keys.angles.shape[1])), []
+    for segment in segments(times, keys, STEP):
+        own = unlimited(segment, wished[segment.knots, segment.hinge])
+        controls[segment.controls, segment.hinge] = own
+        share = segment.grid.largest(own, limits, segment.hinge)
+        if share > WITHIN:
+            beyond.append((share, segment))
+    for _, segment in sorted(beyond, key=lambda pair: -pair[0]):
+        found = limited(segment, wished[segment.knots, segment.hinge], limits)
+        if found is None:
+            return segment
+        controls[segment.controls, segment.hinge] = found
+    return wished, controls

@@ -1,0 +1,172 @@
+"""Key times at which every hinge can pass its keys, as near to the asked ones as can be.
+
+Times that are too short for some hinge are cut off by a plane, its shortage linearised, and the linear program is
+solved again (Kelley, The cutting-plane method, 1960). What a hinge lacks is nearly convex in the logarithm of its time,
+so that a few planes suffice; where they do not, the hinge rests at each of its keys, which is always possible.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.body.limits import Limits
+from kinesic.motion.infeasibility import Quantity, Shortage, roughly, shortage
+from kinesic.motion.key_time_lp import Cut, relaxed, strain
+from kinesic.motion.keys import SAME, Keys, Pair
+from kinesic.motion.least import Gaps, full_speed, rest_to_rest
+from kinesic.motion.segments import Segment, segments
+from kinesic.motion.trajectory import STEP
+
+PLANES = 40  # of a hinge before it rests at its keys
+MARGIN = 0.002  # of the time, kept so that a motion is found quickly
+LONGER = 1.1  # on rests that do not suffice after all
+LONGEST = 100.0  # times as long as a rest should suffice, before nothing does
+ROUGH = 1.3  # share of a limit on a smooth way that makes a segment suspect
+FLAT = 0.1  # [1/s] slopes that lead nowhere
+NEAR = 0.02  # share of the time within which a segment is looked at again
+
+
+@dataclass(frozen=True)
+class Bottleneck:
+    """The hinge and limit that a motion meets first."""
+
+    hinge: int
+    quantity: Quantity
+    ratio: float  # by which the time is too short
+
+
+class Search:
+    """Key times that come nearer to feasible ones with each segment that turns out to be lost."""
+
+    def __init__(self, keys: Keys, limits: Limits, lead_in: float) -> None:
+        """Begins with the asked times, or the nearest with which full speeds would do.
+
+        Args:
+            keys: what was asked.
+            limits: of all hinges.
+            lead_in: [s] by which the first key may come earlier.
+        """
+        self._keys, self._limits, self._lead_in = keys, limits, lead_in
+        self.met: dict[Pair, Bottleneck] = {}  # what was too fast as asked, between which keys
+        self._gaps = dict(keys.gaps)
+        self._cuts: dict[int, list[Cut]] = {}  # of each hinge
+        self._rests: dict[int, float] = {}  # hinge -> by which its rests are longer
+        self._shortages: dict[tuple[object, ...], Shortage | None] = {}  # that were looked at
+        self._lengthen_to_full_speed()
+        spaced = all(keys.asked[j] - keys.asked[i] >= gap - SAME for (i, j), gap in self._gaps.items())
+        self.times = keys.asked if spaced else relaxed(keys, self._gaps, lead_in)
+
+    def avoid(self, lost: Segment) -> None:
+        """Moves the times because a segment has no motion in them, until all that is known to lack has one.
+
+        Raises:
+            ArithmeticError: a hinge cannot even move from rest to rest.
+        """
+        first = not self._cuts and not self._rests
+        pending = [segment for segment in self._segments() if first and self._suspect(segment, lost)]
+        lacking = [(lost, self._shortage(lost)), *self._lacking(pending)]
+        while lacking:
+            for segment, found in lacking:
+                if found is None or segment.hinge in self._rests or len(self._cuts.get(segment.hinge, ())) >= PLANES:
+                    self._rest(segment.hinge)
+                else:
+                    self._cut_off(segment, found)
+            self._relax({segment.hinge for segment, _ in lacking})
+            lacking = self._lacking([segment for segment in self._segments() if self._near(segment)])
+
+    def _lacking(self, pending: list[Segment]) -> list[tuple[Segment, Shortage | None]]:
+        """The segments that lack time, and by how much if that is known."""
+        found = [(segment, self._shortage(segment)) for segment in pending]
+        return [(segment, lack) for segment, lack in found if lack is None or lack.amount > -MARGIN / 4]
+
+    def _shortage(self, segment: Segment) -> Shortage | None:
+        """By its keys and their places, which say all about it: many a segment is as it was when others have moved."""
+        known = (segment.hinge, segment.marks, segment.grid.pieces, segment.places.tobytes())
+        if known not in self._shortages:
+            self._shortages[known] = shortage(segment, self._limits)
+        return self._shortages[known]
+
+    def _segments(self) -> Iterator[Segment]:
+        return segments(self.times, self._keys, STEP)
+
+    def _suspect(self, segment: Segment, lost: Segment) -> bool:
+        return (segment.hinge, segment.first) != (lost.hinge, lost.first) and roughly(segment, self._limits) > ROUGH
+
+    def _near(self, segment: Segment) -> bool:
+        """Whether a plane that a hinge has put up is near."""
+        return any(cut.slopes @ self.times > cut.bound - NEAR for cut in self._cuts.get(segment.hinge, ()))
+
+    def _cut_off(self, segment: Segment, found: Shortage) -> None:
+        """Puts up a plane before times that are too short for a segment, and notes which limit is met."""
+        cuts, amount = self._cuts.setdefault(segment.hinge, []), max(found.amount, 0.0) + MARGIN
+        if np.abs(found.slopes).max() > FLAT:
+            slopes = self._spread(segment, found.slopes)
+            cuts.append(Cut(slopes, float(slopes @ self.times) - amount))
+        else:  # at a kink, where no direction is told: the gaps themselves grow
+            for k, quantity in enumerate(found.binding):
+                slopes = self._spread(segment, np.eye(len(segment.marks))[k] - np.eye(len(segment.marks))[k + 1])
+                if quantity is not None:
+                    cuts.append(Cut(slopes, float(slopes @ self.times) * float(np.exp(amount))))
+        ratio = float(np.exp(found.amount))
+        for pair, quantity in zip(segment.pairs, found.binding, strict=True):
+            if quantity is not None and pair[0] != pair[1]:
+                self._meet(pair, Bottleneck(segment.hinge, quantity, ratio))
+
+    def _spread(self, segment: Segment, slopes: Floats) -> Floats:
+        """(m,) over all key times, from (m + 2,) over start, keys and end of a segment."""
+        spread = np.zeros(len(self.times))
+        for marks, slope in zip(segment.marks, slopes, strict=True):
+            spread[list(marks)] += slope / len(marks)
+        return spread
+
+    def _meet(self, pair: Pair, found: Bottleneck) -> None:
+        if pair not in self.met or found.ratio > self.met[pair].ratio:
+            self.met[pair] = found
+
+    def _rest(self, hinge: int) -> None:
+        """Lets a hinge rest at each of its keys; for longer, where it already does."""
+        self._rests[hinge] = longer = LONGER * self._rests[hinge] if hinge in self._rests else 1.0
+        if longer > LONGEST:
+            raise ArithmeticError(f"hinge {hinge} cannot move within its limits, however slowly")
+        for (other, pair), rest in self._all_rests.items():
+            if other == hinge:
+                self._gaps[pair] = max(self._gaps[pair], longer * rest)
+        self._cuts.pop(hinge, None)
+
+    def _relax(self, lacking: set[int]) -> None:
+        """Solves the linear program; hinges whose planes leave no times, or worse ones than rests, rest instead."""
+        for resting in (set(), lacking, set(self._cuts)):
+            for hinge in resting:
+                self._rest(hinge)
+            cuts = [cut for own in self._cuts.values() for cut in own]
+            try:
+                self.times = relaxed(self._keys, self._gaps, self._lead_in, cuts)
+            except ArithmeticError:
+                continue
+            if not cuts or strain(self._keys, self.times) <= self._enough:
+                break
+
+    @cached_property
+    def _enough(self) -> float:
+        """The strain when all hinges rest at all keys."""
+        gaps = dict(self._keys.gaps)
+        for (_, pair), rest in self._all_rests.items():
+            gaps[pair] = max(gaps[pair], LONGER * rest)
+        return strain(self._keys, relaxed(self._keys, gaps, self._lead_in))
+
+    @cached_property
+    def _all_rests(self) -> Gaps:
+        return rest_to_rest(self._keys, self._limits)
+
+    def _lengthen_to_full_speed(self) -> None:
+        """Gaps of which a hinge needs more than was asked even at its full speed."""
+        keys, limits = self._keys, self._limits
+        for (hinge, pair), gap in full_speed(keys, limits).items():
+            self._gaps[pair] = max(self._gaps[pair], gap)
+            asked = float(keys.asked[pair[1]] - keys.asked[pair[0]])
+            if gap > max(asked, keys.gaps[pair]) + SAME:
+                rated = limits.speed[hinge] <= limits.duty[hinge] / limits.viscous[hinge]
+                self._meet(pair, Bottleneck(hinge, "speed" if rated else "duty", gap / max(asked, keys.gaps[pair])))

@@ -1,0 +1,174 @@
+"""By how much the gaps of a segment are too short: the least relaxation of all limits with which it can be passed.
+
+Longer gaps by a share s let speeds be higher by s, accelerations by 2 s and jerks by 3 s. The least such s is a linear
+program; its multipliers say what a later key would be worth, and which limit binds where.
+"""
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Literal
+
+import casadi
+import numpy as np
+import scipy
+
+from kinesic.body.arrays import Floats
+from kinesic.body.limits import Limits
+from kinesic.motion.qp import column, numbers, smoothest
+from kinesic.motion.segments import Segment
+from kinesic.motion.trajectory import weights
+
+Quantity = Literal["speed", "acceleration", "jerk", "duty"]
+
+ORDERS: dict[Quantity, int] = {"speed": 1, "acceleration": 2, "jerk": 3, "duty": 2}  # of the time
+EASY = -0.2  # a share of time to spare that need not be known better
+PRECISION = {"max_iter": 250, "eps_abs": 1e-6, "eps_rel": 1e-7}
+ACCELERATING = np.array([1 / 3, -1 / 6, 1 / 3])  # control points at angle 0 and speed 0 with acceleration 1 / step^2
+SPARE = -0.01  # amount below which nobody asks for slopes
+UNEVEN = 0.1  # share of the slopes that do not sum to 0, as they must: moving all keys together changes nothing
+FLAT = 0.5  # [1/s] slopes that are too small to be believed
+NOTABLE = 0.05  # share of all multipliers that makes a limit bind in a gap
+
+
+@dataclass(frozen=True, eq=False)
+class Shortage:
+    """What the gaps of a segment lack."""
+
+    amount: float  # of the logarithm of their time; negative where there is some to spare
+    slopes: Floats  # (m + 2,) [1/s] of the amount over the times of start, keys and end
+    binding: tuple[Quantity | None, ...]  # (m + 1,) the limit that binds most in each gap
+
+
+def roughly(segment: Segment, limits: Limits) -> float:
+    """Largest share of any limit on the smoothest way through the keys of a segment: a cheap guess."""
+    if segment.still:
+        return 0.0
+    return segment.grid.largest(smoothest(segment), limits, segment.hinge)
+
+
+def shortage(segment: Segment, limits: Limits) -> Shortage | None:
+    """How far a segment is from being passable; None when the program cannot be solved."""
+    found = _least(segment, limits)
+    if found is None:
+        return None
+    slopes = _slopes(segment, found)
+    if found.amount > SPARE and (abs(slopes.sum()) > UNEVEN * np.abs(slopes).sum() or np.abs(slopes).max() < FLAT):
+        for key in _beside(found.binding):
+            slopes[key + 1] = _difference(segment, limits, key, found.amount)
+    total = float(np.abs(slopes).sum())
+    even = slopes - slopes.sum() * np.abs(slopes) / total if total else slopes
+    return Shortage(found.amount, even, found.binding)
+
+
+@dataclass(frozen=True, eq=False)
+class _Least:
+    """The least relaxation of a segment's limits."""
+
+    controls: Floats  # (k + 3,) [rad]
+    amount: float  # of the logarithm of the time
+    pulls: Floats  # multipliers of what is fixed, of the amount
+    binding: tuple[Quantity | None, ...]
+
+
+def _least(segment: Segment, limits: Limits) -> _Least | None:
+    grid, (matrix, values) = segment.grid, segment.fixed
+    rows, count = grid.rows(limits, segment.hinge), grid.pieces
+    lower, upper = segment.corridor(limits)
+    counts = [count + 2, count + 1, count, count + 1]
+    some = grid.bounds == 1.0
+    rows, orders = rows[some], np.repeat([float(order) for order in ORDERS.values()], counts)[some, None]
+    told, solved = _solved(
+        scipy.sparse.csc_array((grid.size + 1, grid.size + 1)),
+        _relaxed(scipy.sparse.coo_array(matrix), rows.tocoo(), orders[:, 0]),
+        np.concatenate([values, np.full(len(orders), -np.inf), np.full(len(orders), -1.0)]),
+        np.concatenate([values, np.full(len(orders), 1.0), np.full(len(orders), np.inf)]),
+        np.append(lower, EASY),
+        np.append(upper, np.inf),
+    )
+    if not solved:
+        return None
+    values_of, pulls = told
+    least = float(values_of[-1])
+    binds = np.abs(pulls[len(values) :]).reshape(2, -1).max(axis=0) * orders[:, 0]
+    places = np.concatenate([np.linspace(0, count, k) for k in counts])[some]
+    kinds = np.repeat(np.arange(len(counts)), counts)[some]
+    return _Least(
+        values_of[:-1],
+        float(np.log1p(2 * least) / 2),
+        pulls[: len(values)] / (1 + 2 * least),
+        _binding(np.searchsorted(segment.places, places), kinds, binds, len(segment.places) + 1),
+    )
+
+
+def _relaxed(
+    fixed: "scipy.sparse.coo_array", rows: "scipy.sparse.coo_array", orders: Floats
+) -> "scipy.sparse.csc_array":
+    """What is fixed; below it the rows of limits less what relaxes them, a last variable, and again plus it."""
+    above, (count, size) = fixed.shape[0], rows.shape
+    every, last = np.arange(count), np.full(count, size)
+    down = [fixed.row, rows.row + above, every + above, rows.row + above + count, every + above + count]
+    across = [fixed.col, rows.col, last, rows.col, last]
+    data = np.concatenate([fixed.data, rows.data, -orders, rows.data, orders])
+    shape = (above + 2 * count, size + 1)
+    return scipy.sparse.coo_array((data, (np.concatenate(down), np.concatenate(across))), shape=shape).tocsc()
+
+
+def _solved(
+    form: "scipy.sparse.csc_array",
+    every: "scipy.sparse.csc_array",
+    lower: Floats,
+    upper: Floats,
+    least: Floats,
+    most: Floats,
+) -> tuple[tuple[Floats, Floats], bool]:
+    """The smallest last variable, and the multipliers of the rows."""
+    quadratic, linear = numbers(form), numbers(every)
+    program = {"h": quadratic.sparsity(), "a": linear.sparsity()}
+    solver = casadi.conic("shortage", "piqp", program, {"error_on_fail": False, "piqp": PRECISION})
+    goal = np.zeros(len(least))
+    goal[-1] = 1.0
+    bounds = {"lba": lower, "uba": upper, "lbx": least, "ubx": most}
+    told = solver(h=quadratic, a=linear, g=column(goal), **{name: column(given) for name, given in bounds.items()})
+    return (np.array(told["x"]).ravel(), np.array(told["lam_a"]).ravel()), bool(solver.stats()["success"])
+
+
+def _slopes(segment: Segment, found: _Least) -> Floats:
+    """(m + 2,) [1/s] what moving start, keys and end in time changes, from the multipliers of what is fixed.
+
+    A key that comes later asks for an angle less by the speed there; a rest that comes later asks for an acceleration
+    less by the jerk there.
+    """
+    step, count, places = segment.grid.step, len(segment.places), segment.places
+    controls, pulls = found.controls, found.pulls
+    first, shares = weights(places, segment.grid.pieces, 1)
+    speeds = np.sum((np.diff(controls) / step)[first[:, None] + np.arange(3)] * shares, axis=1)
+    slopes = np.array([0.0, *(pulls[:count] * speeds), 0.0])
+    start, end, last = pulls[count : count + 3], pulls[count + 3 :], controls[-4:]
+    if segment.rests_early:
+        end, last, slopes[-2] = np.append(pulls[count - 1], end)[:3], controls[-5:-1], 0.0
+    jerks = np.array([controls[:4], last]) @ [-1.0, 3.0, -3.0, 1.0] / step**3
+    slopes[[0, -1]] = np.stack([start, end]) @ ACCELERATING * step**2 * jerks
+    return slopes
+
+
+def _beside(binding: tuple[Quantity | None, ...]) -> list[int]:
+    """The keys of a segment beside gaps in which a limit binds."""
+    return [k for k, (before, after) in enumerate(pairwise(binding)) if before is not None or after is not None]
+
+
+def _difference(segment: Segment, limits: Limits, key: int, amount: float) -> float:
+    """[1/s] what moving a key by a step changes: where corridors bind, which go with their keys, all else is silent."""
+    ends = np.array([0.0, *segment.places, float(segment.grid.pieces)])
+    step = 1.0 if ends[key + 2] - ends[key + 1] > 3.0 else -1.0
+    moved = replace(segment, places=segment.places + step * (np.arange(len(segment.places)) == key))
+    found = _least(moved, limits)
+    return 0.0 if found is None else (found.amount - amount) / (step * segment.grid.step)
+
+
+def _binding(gaps: np.ndarray, kinds: np.ndarray, pulls: Floats, count: int) -> tuple[Quantity | None, ...]:
+    """(m + 1,) the limit with the largest sum of multipliers in each gap."""
+    sums = np.zeros((4, count))
+    np.add.at(sums, (kinds, gaps), pulls)
+    names: list[Quantity] = [*ORDERS]
+    enough = sums.max(axis=0) >= NOTABLE * sums.sum()
+    return tuple(names[k] if told else None for k, told in zip(sums.argmax(axis=0), enough, strict=True))

@@ -1,0 +1,102 @@
+"""How near a motion comes to its limits, judged at 1 kHz."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.limits import Limits
+from kinesic.motion.trajectory import STEP, Trajectory, weights
+
+RATE = 1000  # [Hz]
+CHUNK = 128  # pieces at once, so that the arrays stay in the cache
+INSTANTS = np.linspace(0.0, 1.0, round(RATE * STEP) + 1)  # of every piece, the same as it is uniform
+SHARES = tuple(weights(INSTANTS, 1, order)[1] for order in range(3))  # (s, 4 - order) of the control points
+
+
+@dataclass(frozen=True, eq=False)
+class Peak:
+    """The largest share of one limit that each hinge takes."""
+
+    ratios: Floats  # (n,) of the limit
+    time: float  # [s] performance time of the largest of all hinges
+
+    @property
+    def hinge(self) -> int:
+        """Whose share is the largest."""
+        return int(self.ratios.argmax())
+
+
+@dataclass(frozen=True, eq=False)
+class Peaks:
+    """A motion against its limits."""
+
+    shares: Mapping[str, Peak]  # position, speed, acceleration, jerk, duty
+    rms_jerk: float  # [rad/s^3] over all hinges and the whole motion
+
+
+def peaks(trajectory: Trajectory, limits: Limits) -> Peaks:
+    """Compares a motion with its limits.
+
+    Position counts from the middle of the range, so that 1 is a stop; duty is what the drive needs at most for this
+    speed and acceleration, whatever the posture, over what it may give.
+
+    Args:
+        trajectory: the motion.
+        limits: of the same hinges.
+    """
+    pieces, hinges = len(trajectory.controls) - 3, len(limits.lower)
+    found: dict[str, Peak] = {}
+    squares = 0.0
+    for begin in range(0, pieces, CHUNK):
+        points = [_derived(trajectory.controls[begin : begin + CHUNK + 3], order) for order in range(4)]
+        squares += float(np.einsum("kn,kn->", points[3], points[3]))
+        for name, values in _ratios(points, limits):
+            found[name] = _larger(found.get(name), values, STEP * begin)
+    return Peaks(MappingProxyType(found), float(np.sqrt(squares / pieces / hinges)))
+
+
+def _derived(controls: Floats, order: int) -> Floats:
+    """Control points of a derivative."""
+    points: Floats = np.diff(controls, order, axis=0) / STEP**order
+    return points
+
+
+def _ratios(points: list[Floats], limits: Limits) -> Iterator[tuple[str, Floats]]:
+    """Everything that is limited, over its limit, (s, k, n) at the instants of k pieces.
+
+    A spline of scaled control points is the scaled spline: what is scaled is short.
+    """
+    angles, speeds, accelerations, jerks = points
+    middle, half = (limits.upper + limits.lower) / 2, (limits.upper - limits.lower) / 2
+    yield "position", _instants((angles - middle) / half, 0)
+    yield "speed", _instants(speeds / limits.speed, 1)
+    yield "acceleration", _instants(accelerations / limits.acceleration, 2)
+    yield "jerk", (jerks / limits.jerk)[None]
+    duty = _instants(limits.inertial / limits.duty * accelerations, 2)
+    duty += _instants(limits.viscous / limits.duty * speeds, 1)
+    yield "duty", duty
+
+
+def _instants(points: Floats, order: int) -> Floats:
+    """(s, k, n) a derivative of the spline at the instants of its k pieces, from its control points."""
+    pieces = len(points) - 3 + order
+    beside = np.stack([points[k : k + pieces] for k in range(4 - order)])
+    values: Floats = SHARES[order] @ beside.reshape(4 - order, -1)
+    return values.reshape(len(INSTANTS), pieces, -1)
+
+
+def _larger(before: Peak | None, values: Floats, begin: float) -> Peak:
+    """The larger of a peak and that of ratios (s, k, n), whose first is at a time [s]."""
+    flat = values.reshape(len(values), -1)  # long rows, so that the reductions are fast
+    edges = np.maximum(flat.max(axis=0), -flat.min(axis=0)).reshape(values.shape[1:])
+    ratios = edges.max(axis=0)
+    worst = int(ratios.argmax())
+    if before is not None and before.ratios.max() >= ratios[worst]:
+        return Peak(sealed(np.maximum(before.ratios, ratios)), before.time)
+    piece = int(edges[:, worst].argmax())
+    instant = INSTANTS[np.abs(values[:, piece, worst]).argmax()]
+    both = ratios if before is None else np.maximum(before.ratios, ratios)
+    return Peak(sealed(both), begin + STEP * (piece + float(instant)))

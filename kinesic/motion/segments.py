@@ -1,0 +1,167 @@
+"""Cuts the motion of each hinge where it rests: what lies between two rests is a problem of its own."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+
+from kinesic.body.arrays import Flags, Floats
+from kinesic.body.limits import Limits
+from kinesic.motion.bspline import Grid, grid
+from kinesic.motion.keys import HOLD, Keys, Pair
+from kinesic.motion.trajectory import weights
+
+SWING = 0.1  # of a way, beyond which a hinge may not swing
+LEAST_SWING = 0.05  # [rad] that it may swing in any case
+NEAR = 2  # steps about a key in which both its gaps count
+LEAST_HOLD = 40  # steps of a hold in whose middle the hinge rests: in shorter ones it may swing back for what follows
+LEAST = 4  # pieces of a motion
+SAME = 0.02  # steps: a hinge that comes to rest moves by less than 1e-7 rad in them
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """A hinge through keys, from rest or from a running motion, to rest."""
+
+    hinge: int
+    first: int  # knot at which it begins to move
+    grid: Grid
+    start: float  # [rad]
+    end: float  # [rad] at rest; only about, if it `halts`
+    places: Floats  # (m,) of its keys, in steps from its first knot
+    angles: Floats  # (m,) [rad] of its keys
+    pairs: tuple[Pair, ...]  # (m + 1,) the keys about each gap: start, keys, end
+    marks: tuple[tuple[int, ...], ...] = ()  # (m + 2,) keys in whose middle start, keys and end are
+    entry: tuple[float, ...] | None = None  # [rad] first three control points, where it does not begin at rest
+    exit: tuple[float, ...] | None = None  # [rad] last three control points, where it does not end at rest
+    halts: bool = False  # whether it may come to rest anywhere
+    led: bool = False  # whether a path leads it from one key to the next
+
+    @property
+    def still(self) -> bool:
+        """Whether nothing moves."""
+        return (
+            not self.led
+            and self.entry is None
+            and self.exit is None
+            and bool(np.all(np.abs(np.append(self.angles, self.end) - self.start) < HOLD))
+        )
+
+    @property
+    def rests_early(self) -> bool:
+        """Whether its last key lies in its last piece, from where on it rests."""
+        return self.exit is None and len(self.places) > 0 and bool(self.places[-1] > self.grid.pieces - 1)
+
+    @property
+    def knots(self) -> slice:
+        """Of the whole motion."""
+        return slice(self.first, self.first + self.grid.pieces + 1)
+
+    @property
+    def controls(self) -> slice:
+        """Of the whole motion."""
+        return slice(self.first, self.first + self.grid.size)
+
+    @property
+    def gaps(self) -> Floats:
+        """(m + 1,) [s] between start, keys and end."""
+        return np.asarray(self.grid.step * np.diff([0.0, *self.places, float(self.grid.pieces)]))
+
+    def corridor(self, limits: Limits, wish: Floats | None = None) -> tuple[Floats, Floats]:
+        """(k + 3,) [rad] between which the control points lie: never far from the keys on both sides, nor from a wish.
+
+        Without it a hinge that has little time would run up from behind its keys, and swing out after them.
+
+        Args:
+            limits: whose ranges are kept in any case.
+            wish: (k + 1,) [rad] at the knots.
+        """
+        lowest, highest = limits.lower[self.hinge], limits.upper[self.hinge]
+        if self.entry or self.exit:  # what is under way swings out as far as it must
+            return np.full(self.grid.size, lowest), np.full(self.grid.size, highest)
+        ends = np.array([self.start, *self.angles, self.end])
+        low, high = np.minimum(ends[:-1], ends[1:]), np.maximum(ends[:-1], ends[1:])
+        swing = np.maximum(SWING * (high - low), LEAST_SWING)
+        middles = np.arange(self.grid.size) - 1  # where a control point counts most
+        first = np.searchsorted(self.places, middles - NEAR)
+        last = np.searchsorted(self.places, middles + NEAR)
+        lower, upper = (
+            np.minimum((low - swing)[first], (low - swing)[last]),
+            np.maximum((high + swing)[first], (high + swing)[last]),
+        )
+        if wish is not None:
+            padded = np.pad(wish, 1, mode="edge")
+            lower, upper = np.minimum(lower, padded - LEAST_SWING), np.maximum(upper, padded + LEAST_SWING)
+        return np.maximum(lower, lowest), np.minimum(upper, highest)
+
+    @cached_property
+    def fixed(self) -> tuple[Floats, Floats]:
+        """Matrix (m + 6, k + 3) and values that its control points must have: entry, keys, exit.
+
+        A key in the last piece is the rest itself: the control point before the rest is as the rest is.
+        """
+        first, shares = weights(self.places, self.grid.pieces)
+        if self.rests_early:
+            shares[-1] = [1.0, 0.0, 0.0, 0.0]
+        count, last = len(first), self.grid.size - 1
+        columns = [*(first[:, None] + np.arange(4)).ravel(), 0, 1, 2, last - 2, last - 1, last]
+        rows = [*np.repeat(np.arange(count), 4), *range(count, count + 6)]
+        data, end = [*shares.ravel(), *[1.0] * 6], [*(self.exit or [self.end] * 3)]
+        if self.halts:  # the last two are as the one before them
+            columns += [last - 2, last - 2]
+            rows += [count + 4, count + 5]
+            data += [-1.0, -1.0]
+            end = [self.end, 0.0, 0.0]
+        matrix = np.zeros((count + 6, last + 1))
+        matrix[rows, columns] = data
+        values = np.array([*self.angles, *(self.entry or [self.start] * 3), *end])
+        kept = np.arange(count + 6) != (count + 3 if self.halts else -1)
+        return matrix[kept], values[kept]
+
+
+def segments(times: Floats, keys: Keys, step: float) -> Iterator[Segment]:
+    """The segments of all hinges, in order.
+
+    Args:
+        times: (m,) [s] of the keys.
+        keys: of the motion.
+        step: [s] of the grid, which begins at the first key.
+    """
+    places = (times - times[0]) / step
+    last = pieces(times, step)
+    for hinge, own in enumerate(keys.own):
+        at, angles, led = places[own], keys.angles[own, hinge], keys.led(hinge)
+        cuts = [(0, -1), *_cuts(at, angles, led), (last, len(own) - 1)]
+        for (begin, before), (end, after) in pairwise(cuts):
+            inner = [k for k in range(before + 1, after + 1) if begin + SAME < at[k] < end - SAME]
+            around = [own[max(before, 0)], *(own[k] for k in inner), own[min(after + 1, len(own) - 1)]]
+            yield Segment(
+                hinge,
+                begin,
+                grid(end - begin, step),
+                float(angles[max(before, 0)]),
+                float(angles[after]),
+                at[inner] - begin,
+                angles[inner],
+                tuple(pairwise(around)),
+                (
+                    tuple(own[max(before, 0) : before + 2]),
+                    *((own[k],) for k in inner),
+                    tuple(own[after : after + 2]),
+                ),
+                led=bool(led[max(before, 0) : after].any()),
+            )
+
+
+def pieces(times: Floats, step: float) -> int:
+    """Of a grid that spans the keys."""
+    return max(LEAST, int(np.ceil((times[-1] - times[0]) / step - SAME)))
+
+
+def _cuts(places: Floats, angles: Floats, led: Flags) -> Iterator[tuple[int, int]]:
+    """(knot, key before it) in the middle of each hold."""
+    for k in np.flatnonzero((np.abs(np.diff(angles)) < HOLD) & ~led):
+        if places[k + 1] - places[k] >= LEAST_HOLD:
+            yield round((places[k] + places[k + 1]) / 2), int(k)

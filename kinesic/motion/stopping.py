@@ -1,0 +1,77 @@
+"""Leaves a running motion and comes to rest in the least time, under the same limits.
+
+The control points that are in force at the cut are kept, so that angles, speeds and accelerations go on without a step
+and every limit holds across the cut as it does elsewhere. See `merge` for the ways over into another motion.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.limits import Limits
+from kinesic.motion.bspline import grid
+from kinesic.motion.double_s import least_stop
+from kinesic.motion.qp import nearest
+from kinesic.motion.segments import Segment
+from kinesic.motion.trajectory import STEP, Trajectory
+from kinesic.motion.transition import EARLY, LEAST, roomy
+
+
+def cut(running: Trajectory, time: float) -> int:
+    """The knot at which a motion can be left: the first not before a performance time [s]."""
+    return int(np.clip(np.ceil(time / STEP - EARLY), 0, len(running.controls) - 3))
+
+
+def stopped(running: Trajectory, time: float, limits: Limits) -> Trajectory:
+    """Comes to rest in the least time, each hinge wherever it can.
+
+    Args:
+        running: the motion, within the limits.
+        time: [s] performance time from which it may be left, at the next knot.
+        limits: of all hinges.
+
+    Returns:
+        The same until the cut, then to rest.
+    """
+    knot, room = cut(running, time), roomy(limits)
+    _, speeds, accelerations = running.sample(np.array([knot * STEP]))
+    least = least_stop(speeds[0], accelerations[0], room.acceleration, room.jerk) / STEP
+    ways = enumerate(zip(running.controls[knot:].T, least, strict=True))
+    tails = [_halt(hinge, own, int(pieces), room) for hinge, (own, pieces) in ways]
+    length = max(4 - knot, *(len(tail) for tail in tails))  # one piece at least
+    whole = np.stack([np.append(tail, np.full(length - len(tail), tail[-1])) for tail in tails], axis=1)
+    return Trajectory(sealed(np.vstack([running.controls[:knot], whole])), running.zero)
+
+
+def _halt(hinge: int, own: Floats, least: int, limits: Limits) -> Floats:
+    """Control points of the shortest way to rest, of at least so many pieces; at worst its own way (k + 3,)."""
+    if np.ptp(own[:3]) == 0.0:
+        return own[:3]
+    about, none, entry = float(own[1]), np.empty(0), tuple(map(float, own[:3]))
+
+    def way(more: int) -> Floats | None:
+        whole = grid(max(LEAST, least) + more, STEP)
+        halt = Segment(hinge, 0, whole, about, about, none, none, (), entry=entry, halts=True)
+        return nearest(halt, np.full(whole.pieces + 1, about), limits)
+
+    found = _first(way, len(own) - 3 - max(LEAST, least))
+    return own if found is None else found[1]
+
+
+def _first(way: Callable[[int], Floats | None], most: int) -> tuple[int, Floats] | None:
+    """The least number of pieces more with which there is a way: doubled until there is, then halved back."""
+    low, high, found = -1, 0, way(0)
+    while found is None:
+        low, high = high, 2 * high + 1
+        if high > most:
+            return None
+        found = way(high)
+    while high - low > 1:
+        middle = (low + high) // 2
+        shorter = way(middle)
+        if shorter is None:
+            low = middle
+        else:
+            high, found = middle, shorter
+    return high, found

@@ -1,0 +1,184 @@
+"""Ways from one motion of a hinge into another, both on one grid, without a step and within all limits."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+from math import ceil
+
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.limits import Limits
+from kinesic.motion.bspline import grid
+from kinesic.motion.qp import nearest
+from kinesic.motion.segments import Segment
+from kinesic.motion.trajectory import STEP, weights
+
+LEAST = 3  # pieces in which three control points give way to three others
+ROOM = 1.0008  # on limits: where a motion is at one, there may be just one way on, and none is found
+SAME = 1e-9  # [rad]
+EARLY = 1e-6  # steps
+MARGINS = (15, 40, 10000)  # knots about what exceeds the limits, in which a motion may differ
+NOWHERE = sealed([])
+
+
+def knot_at(time: float) -> int:
+    """The first knot not before a performance time [s], beyond the end of a motion as well."""
+    return max(0, ceil(time / STEP - EARLY))
+
+
+def roomy(limits: Limits) -> Limits:
+    """A little more than the limits, within what the certificate allows."""
+    return replace(
+        limits,
+        speed=sealed(ROOM * limits.speed),
+        acceleration=sealed(ROOM * limits.acceleration),
+        jerk=sealed(ROOM * limits.jerk),
+        duty=sealed(ROOM * limits.duty),
+    )
+
+
+def crossed(
+    own: Floats, after: Floats, leave: int, land: int, limits: Limits, hinge: int, *, passing: Floats = NOWHERE
+) -> Floats | None:
+    """Control points of a hinge that leaves one motion at a knot and is on another from a later knot on.
+
+    What lies between the two at the beginning fades as calmly as can be.
+
+    Args:
+        own: (k + 3,) [rad] of the motion that is left.
+        after: (k + 3,) [rad] of the other.
+        leave: knot.
+        land: knot; as the same as the other from there on.
+        limits: of all hinges.
+        hinge: whose motions they are.
+        passing: (m,) places in between, in steps, where it is as the other already.
+
+    Returns:
+        (k + 3,) [rad]; None when the hinge cannot do so in this time.
+    """
+    begin, end = own[leave : leave + 3], after[land : land + 3]
+    if np.abs(begin - after[leave : leave + 3]).max() <= SAME:
+        return np.concatenate([own[:leave], after[leave:]])
+    pieces = land - leave
+    if pieces < LEAST:
+        return None
+    whole = grid(pieces, STEP)
+    way = Segment(
+        hinge,
+        leave,
+        whole,
+        float(begin[1]),
+        float(end[1]),
+        passing - leave,
+        _angles(after, passing),
+        (),
+        entry=tuple(map(float, begin)),
+        exit=tuple(map(float, end)),
+    )
+    wish = whole.at_knots @ after[leave : land + 3] + _fading(begin - after[leave : leave + 3], pieces)
+    found = nearest(way, wish, limits)
+    return None if found is None else np.concatenate([own[: leave + 3], found[3:-3], after[land:]])
+
+
+def together(ways: Iterable[Floats | None]) -> Floats | None:
+    """Ways of several hinges as columns; None as soon as one has none, or where there are no hinges."""
+    found: list[Floats] = []
+    for way in ways:
+        if way is None:
+            return None
+        found.append(way)
+    return np.stack(found, axis=1) if found else None
+
+
+def kept(wish: Floats, first: int, last: int, limits: Limits, hinge: int) -> Floats | None:
+    """Control points nearest to those of a wish, within the limits; the same except about where it exceeds them.
+
+    Args:
+        wish: (k + 3,) [rad] control points.
+        first: knot from which they may differ.
+        last: knot until which they may differ.
+        limits: of all hinges.
+        hinge: whose motion it is.
+
+    Returns:
+        None when the hinge cannot come from what is before to what is after.
+    """
+    found: Floats | None = wish
+    begin, end = _beyond(wish, first, last, limits, hinge)
+    if begin > end:
+        return wish
+    for margin in MARGINS:
+        low, high = max(first, begin - margin), min(last, end + margin)
+        found = _between(wish, low, high, limits, hinge)
+        if found is not None or (low, high) == (first, last):
+            return found
+    return found
+
+
+def _beyond(wish: Floats, first: int, last: int, limits: Limits, hinge: int) -> tuple[int, int]:
+    """Knots between which a spline exceeds its limits, among some."""
+    shares = grid(last - first, STEP).shares(wish[first : last + LEAST], limits, hinge)
+    places = np.concatenate([np.flatnonzero(np.abs(share) > 1.0) for share in shares])
+    return first + int(places.min(initial=last - first)), first + int(places.max(initial=0))
+
+
+def _between(wish: Floats, first: int, last: int, limits: Limits, hinge: int) -> Floats | None:
+    """Control points within the limits that are the same as the wish before a knot and after another."""
+    whole, part = grid(last - first, STEP), wish[first : last + LEAST]
+    way = Segment(
+        hinge,
+        first,
+        whole,
+        float(part[1]),
+        float(part[-2]),
+        NOWHERE,
+        NOWHERE,
+        (),
+        entry=tuple(map(float, part[:LEAST])),
+        exit=tuple(map(float, part[-LEAST:])),
+    )
+    found = nearest(way, whole.at_knots @ part, limits)
+    return None if found is None else np.concatenate([wish[: first + LEAST], found[LEAST:-LEAST], wish[last:]])
+
+
+def excesses(controls: Floats, limits: Limits) -> Floats:
+    """(n,) the largest share of any limit that splines (k + 3, n) [rad] take."""
+    whole = grid(len(controls) - 3, STEP)
+    columns = enumerate(controls.T)
+    return np.array([whole.largest(np.ascontiguousarray(column), limits, hinge) for hinge, column in columns])
+
+
+def placed(controls: Floats, offset: int) -> Floats:
+    """Control points (k + 3, n) of a motion that begins so many knots later; earlier, where that is negative."""
+    if offset < 0:
+        return controls[min(-offset, len(controls) - 3) :]
+    return np.vstack([np.repeat(controls[:1], offset, axis=0), controls])
+
+
+def lengthened(controls: Floats, count: int) -> Floats:
+    """Control points (m, n) that stay as they end, at least so many."""
+    more = count - len(controls)
+    return controls if more <= 0 else np.vstack([controls, np.repeat(controls[-1:], more, axis=0)])
+
+
+def shortened(controls: Floats) -> Floats:
+    """Control points (m, n) without what only stays as it ends."""
+    moving = np.flatnonzero((np.abs(controls - controls[-1]) > SAME).any(axis=1))
+    return controls[: max(int(moving[-1]) + 1 if len(moving) else 0, 1) + LEAST]
+
+
+def _angles(column: Floats, places: Floats) -> Floats:
+    """(m,) [rad] of a motion (k + 3,) at places in steps."""
+    first, shares = weights(places, len(column) - 3)
+    return np.asarray((shares * column[first[:, None] + np.arange(4)]).sum(axis=1))
+
+
+def _fading(away: Floats, pieces: int) -> Floats:
+    """(pieces + 1,) [rad] a quintic from three control points' angle, speed and acceleration to rest at nothing."""
+    angle = (away[0] + 4 * away[1] + away[2]) / 6
+    speed, acceleration = (away[2] - away[0]) / 2 * pieces, (away[0] - 2 * away[1] + away[2]) * pieces**2
+    u = np.linspace(0.0, 1.0, pieces + 1)
+    v = (1.0 - u) ** 3
+    return np.asarray(
+        angle * v * (1 + 3 * u + 6 * u**2) + speed * v * (u + 3 * u**2) + acceleration * v * u**2 / 2,
+    )

@@ -1,0 +1,1 @@
+"""Plans a block with times: postures, detours, a certified motion, pauses and notices."""

@@ -1,0 +1,89 @@
+"""The arms of one posture: hands by their reaches, elbows by openness, shoulders by effort (thesis 8.6 and 8.7)."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+import numpy as np
+from msgspec import structs
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.chain import Chain
+from kinesic.body.reach import Reach
+from kinesic.body.robot import Robot, Side
+from kinesic.expressivity.keyframes import Hand
+from kinesic.ik.arm.refine import finished
+from kinesic.ik.arm.shoulder import carried
+from kinesic.ik.arm.swivel import swivel
+from kinesic.ik.pointing import best_swivel
+from kinesic.ik.solve import solve
+
+WIDEST_SWING = np.radians(25)  # that an elbow swings aside for the palm and the pointing of its hand
+NOT_BEFORE: Mapping[Side, Floats] = MappingProxyType({})
+OPEN = np.radians(78)  # swivel at openness 1: beyond, elbows rise more than they go out, and palms turn over
+
+
+def with_arms(
+    angles: Floats,
+    hands: Mapping[Side, Hand],
+    reaches: Mapping[Side, Reach | None],
+    robot: Robot,
+    before: Mapping[Side, Floats] = NOT_BEFORE,
+) -> Floats:
+    """The posture with some arms solved.
+
+    Args:
+        angles: (n,) [rad] the posture, its torso in place; arms start from here.
+        hands: whose arms are solved, and in which manner.
+        reaches: of these hands, in the world; None rests.
+        robot: the robot.
+        before: (k,) [rad] of arms whose hands are on a path, when it began: the swivel is kept, and every posture is
+            the nearest to that one, so that a hand that comes by again finds its arm as it was.
+
+    Returns:
+        (n,) [rad]. Openness turns the elbow from where the hand lets it hang to `OPEN`, the hand's palm
+        notwithstanding.
+    """
+    solved = angles.copy()
+    frames = robot.skeleton.frames(angles)
+    for side, hand in hands.items():
+        reach, chain = reaches[side], robot.arms[side]
+        if reach is None:
+            joints = list(robot.joints(f"{side}_arm"))
+            solved[joints] = robot.skeleton.rest[joints]
+            continue
+        base, indices = robot.skeleton.segment(chain.base), list(chain.indices)
+        in_base = turned(reach, frames.rotations[base].T, frames.origins[base], np.zeros(3))
+        start = angles[indices]
+        rest = carried(chain, in_base.position, hand.effort)
+        if hand.passing:
+            began = angles.copy()
+            began[indices] = start = before.get(side, start)
+            kept = swivel(chain, start)
+            solved[indices] = solve(chain, structs.replace(in_base, swivel=kept), start=start, rest=rest).angles
+            solved = finished(robot, side, structs.replace(reach, swivel=kept), solved, near=began)
+            continue
+        free = best_swivel(chain, in_base, start=start, rest=rest, widest=WIDEST_SWING).angles
+        opened = structs.replace(in_base, swivel=_opened(chain, free, hand.openness))
+        if opened.swivel is not None:
+            free = best_swivel(chain, opened, start=free, rest=rest).angles
+        solved[indices] = free
+        solved = finished(robot, side, structs.replace(reach, swivel=opened.swivel), solved, near=angles)
+    return solved
+
+
+def turned(reach: Reach, rotation: Floats, pivot: Floats, moved: Floats, scale: float = 1.0) -> Reach:
+    """A reach turned and scaled about a pivot, which itself moves."""
+    return Reach(
+        sealed(moved + scale * (rotation @ (reach.position - pivot))),
+        None if reach.pointing is None else sealed(rotation @ reach.pointing),
+        None if reach.palm is None else sealed(rotation @ reach.palm),
+        reach.swivel,
+    )
+
+
+def _opened(chain: Chain, angles: Floats, openness: float) -> float | None:
+    """The swivel [rad] that openness asks of an arm; None where it asks nothing."""
+    present = swivel(chain, angles)
+    if openness <= 0.0 or present is None or present >= OPEN:
+        return None
+    return float(present + openness * (OPEN - present))

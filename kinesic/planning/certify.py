@@ -1,0 +1,57 @@
+"""Conditions a motion until its drives can give what the whole body needs of them.
+
+The duty row of `condition` takes each hinge for itself, with its worst load. What other hinges add is known only from
+the motion: where inverse dynamics finds a drive above its full duty, its row becomes tighter.
+"""
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.motion.condition import LEAD_IN, Conditioned, condition
+from kinesic.motion.trajectory import STEP, Trajectory
+from kinesic.planning.coupling import Bond
+from kinesic.planning.postures import Posture
+from kinesic.planning.setup import Facts
+
+FULL = 0.995  # of the duty, at the knots: in between it may be a little more
+TIGHTER = 0.93  # on the row of a drive above its full duty, beside what it exceeds
+ATTEMPTS = 6
+
+
+def certified(
+    keys: tuple[Posture, ...],
+    facts: Facts,
+    bonds: tuple[Bond, ...] = (),
+    *,
+    ease: float = 1.0,
+    lead_in: float = LEAD_IN,
+) -> Conditioned:
+    """The conditioned motion through keys, no drive above its full duty if that can be.
+
+    Args:
+        keys: at least two, the first and the last keyed in all hinges.
+        facts: limits and dynamics.
+        bonds: between sync points of different behaviours.
+        ease: share of the limits with which key times are found.
+        lead_in: [s] by which the first key may come earlier.
+    """
+    motion = condition(keys, facts.limits, bonds=bonds, ease=ease, lead_in=lead_in)
+    share = np.ones(len(facts.limits.duty))
+    for attempt in range(ATTEMPTS):
+        peaks = duties(motion.trajectory, facts)
+        over = peaks > FULL
+        if not over.any():
+            break
+        share[over] *= TIGHTER / peaks[over]
+        if attempt >= ATTEMPTS // 2:  # the pull may come from any hinge
+            share *= TIGHTER
+        motion = condition(keys, facts.limits.times(share), bonds=bonds, ease=ease, lead_in=lead_in)
+    return motion
+
+
+def duties(trajectory: Trajectory, facts: Facts) -> Floats:
+    """(n,) the largest duty of each drive at the knots of a motion."""
+    angles, speeds, accelerations = trajectory.sample(np.arange(0.0, trajectory.duration, STEP))
+    stall = np.array([drive.stall for drive in facts.robot.drives])
+    torques = facts.dynamics.torques(angles, speeds, accelerations)
+    return np.asarray(np.abs(torques / stall + speeds * facts.limits.viscous).max(axis=0))

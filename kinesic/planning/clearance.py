@@ -1,0 +1,123 @@
+"""Keeps a motion clear of the body: detours first, then the name of the behaviour that must go."""
+
+from typing import Protocol
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.body.dynamics import Clearance, Distances
+from kinesic.body.robot import Robot
+from kinesic.expressivity.keyframes import KeyFrames
+from kinesic.motion.condition import Conditioned
+from kinesic.motion.key_time_lp import relaxed
+from kinesic.motion.keys import Keys
+from kinesic.motion.trajectory import Trajectory, held
+from kinesic.planning.certify import certified
+from kinesic.planning.coupling import Bond
+from kinesic.planning.detour import SCAN_RATE, Course, led_around
+from kinesic.planning.postures import Posture, Postures
+from kinesic.planning.setup import Facts
+from kinesic.planning.syncs import on_keys
+
+
+class Conditioner(Protocol):
+    """Makes a motion through keys one that the servos can follow."""
+
+    def __call__(
+        self, keys: tuple[Posture, ...], facts: Facts, bonds: tuple[Bond, ...] = ..., /, *, ease: float = ...
+    ) -> Conditioned:
+        """At `ease` below 1 the times are found with less than the limits, so that the path is nearer to the wish."""
+
+
+LAG_RESERVE = 0.004  # [m] kept in the plan for what the servos lag behind it
+REPAIRS = 2  # times that a motion is conditioned again because it comes nearer than wished
+EASIER = 0.8  # times the limits, for a motion that strays from a clear wish
+REPAIR = 0.002  # [m] over what it then lacks
+
+
+def cleared(
+    solved: Postures, facts: Facts, bonds: tuple[Bond, ...] = (), *, conditioned: Conditioner = certified
+) -> tuple[Postures, Conditioned, Floats, Clearance]:
+    """Conditions the postures, and leads the motion around the body where it comes too near.
+
+    Detours are looked for in the wished motion, which costs little; only where the conditioned one comes nearer,
+    it is conditioned again.
+    """
+    ease = 1.0
+    least = wanted = facts.robot.least_clearance + LAG_RESERVE
+    keys = _led_around(solved.postures, _times(solved.postures, facts), facts, wanted)
+    motion = _condition(keys, facts, bonds, conditioned, ease)
+    times, clearance = scan(motion.trajectory, facts.distances)
+    for _ in range(REPAIRS):
+        lacking = least - float(clearance.distances[clearance.worst])
+        if lacking <= 0.0:
+            break
+        around = _led_around(keys, motion.planned, facts, wanted)
+        if around == keys:  # the wish is clear: with more time and more room the motion is, too
+            wanted += min(lacking, LAG_RESERVE) + REPAIR
+            ease *= EASIER
+            around = _led_around(keys, motion.planned, facts, wanted)
+        keys = around
+        motion = _condition(keys, facts, bonds, conditioned, ease)
+        times, clearance = scan(motion.trajectory, facts.distances)
+    return Postures(keys, solved.misses), motion, times, clearance
+
+
+def scan(trajectory: Trajectory, distances: Distances) -> tuple[Floats, Clearance]:
+    """Performance times (m,) and the clearance at them."""
+    times = np.append(np.arange(0.0, trajectory.duration, 1.0 / SCAN_RATE), trajectory.duration)
+    return times, distances.clearance(trajectory.sample(times)[0])
+
+
+def _led_around(keys: tuple[Posture, ...], planned: Floats, facts: Facts, least: float) -> tuple[Posture, ...]:
+    if len(keys) < 2:
+        return keys
+    course = Course(keys, planned, facts.robot, facts.limits)
+    return led_around(course, facts.distances, least=least).postures
+
+
+def _times(postures: tuple[Posture, ...], facts: Facts) -> Floats:
+    """(k,) [s] the times of the keys as asked for, where none is too near to another."""
+    if len(postures) < 2:
+        return np.zeros(len(postures))
+    keys = Keys.of(postures, facts.limits)
+    return keys.asked if keys.spaced else relaxed(keys, keys.gaps, 0.0)
+
+
+def _condition(
+    keys: tuple[Posture, ...], facts: Facts, bonds: tuple[Bond, ...], conditioned: Conditioner, ease: float
+) -> Conditioned:
+    if len(keys) < 2:
+        still = held(facts.robot.skeleton.rest)
+        return Conditioned(still, np.zeros(0), np.zeros(0), {}, np.zeros(len(facts.robot.skeleton.rest)))
+    return conditioned(keys, facts, bonds, ease=ease)
+
+
+def culprits(
+    frames: KeyFrames, motion: Conditioned, times: Floats, clearance: Clearance, robot: Robot
+) -> dict[str, str]:
+    """The behaviour that brings two segments too near, and why; empty when the motion is clear."""
+    worst = clearance.worst
+    distance = float(clearance.distances[worst])
+    if distance >= robot.least_clearance + LAG_RESERVE or not frames.frames:
+        return {}
+    at = float(times[worst] - motion.trajectory.zero)
+    pair = clearance.pairs[worst]
+    parts = {f"{side}_hand" for side in ("l", "r") if set(pair) & set(robot.chains[f"{side}_arm"])} or {"torso", "head"}
+    why = f"brings {pair[0]} within {1000 * distance:.0f} mm of {pair[1]} at {at:.2f} s"
+    spans_of = _planned_spans(frames, motion)
+    near = {
+        name: max(start - at, at - end, 0.0)
+        for name, (start, end) in spans_of.items()
+        if frames.uses.get(name, frozenset()) & parts
+    }
+    return {min(near, key=lambda name: near[name]): why} if near else {min(spans_of): why}
+
+
+def _planned_spans(frames: KeyFrames, motion: Conditioned) -> dict[str, tuple[float, float]]:
+    """First and last planned time of each moving behaviour."""
+    found: dict[str, tuple[float, float]] = {}
+    for name, _, _, time in on_keys(frames, motion):
+        low, high = found.get(name, (time, time))
+        found[name] = (min(low, time), max(high, time))
+    return found

@@ -1,0 +1,183 @@
+"""Leads a motion around the body: keys are put into the path, or moved, where two segments would come too near."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.dynamics import Distances
+from kinesic.body.limits import Limits
+from kinesic.body.robot import SIDES, Robot
+from kinesic.motion.waypoints import Waypoints
+from kinesic.motion.wish import Wish, wish
+from kinesic.planning.apart import apart
+from kinesic.planning.postures import Posture
+
+Arm = tuple[int, ...]  # joints of an arm
+
+SCAN_RATE = 100  # [Hz]
+STEPS = 16  # changes of one motion
+ROOM = 0.008  # [m] that a detour keeps over the clearance that suffices
+WITHDRAWALS = (0.0, 0.35, 0.7)  # of the way to rest, where a detour begins to look for room
+AWAY = (0.004, 0.016)  # [m] that a key goes farther away
+LEAST_STEP = 0.06  # [s] between a detour and the keys of the same arm
+APART = 1e-4  # [s] between the asked times of keys of different hinges
+GAIN = 0.98  # of what is lacking: a change that leaves more is none
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """Key postures, when they are planned, and the wished motion through them."""
+
+    postures: tuple[Posture, ...]  # in the order of their times
+    planned: Floats  # (k,) [s] block time
+    robot: Robot
+    limits: Limits
+
+    @cached_property
+    def motion(self) -> Wish:
+        """Through the keys; performance time begins with the first."""
+        return wish(self.planned, Waypoints.of(self.postures, self.limits))
+
+    def at(self, time: float) -> Floats:
+        """(n,) [rad] at a block time."""
+        angles: Floats = self.motion.angles(np.array([time + self.motion.zero]))[0]
+        return angles
+
+    def near(self, arm: Arm, time: float) -> int | None:
+        """The key of an arm that is nearer to a block time than a detour may be; None when there is none."""
+        keys = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]
+        nearest = min(keys, key=lambda k: abs(self.planned[k] - time))
+        return nearest if abs(self.planned[nearest] - time) < LEAST_STEP else None
+
+    def moved(self, key: int, angles: Floats, arm: Arm) -> "Course":
+        """With another posture of an arm at a key, and wherever else the arm is in the same one: holds stay holds."""
+        joints, old = list(arm), self.postures[key].angles[list(arm)]
+        there = np.zeros(len(angles), dtype=bool)
+        there[joints] = True
+        return replace(
+            self,
+            postures=tuple(
+                replace(posture, angles=sealed(np.where(there, angles, posture.angles)))
+                if posture.keyed[joints[0]] and np.array_equal(posture.angles[joints], old)
+                else posture
+                for posture in self.postures
+            ),
+        )
+
+    def keyed_alike(self, arms: list[Arm]) -> list[Arm]:
+        """Arms with the same keys as one, so that mirrored arms stay mirrored."""
+        found: dict[tuple[bool, ...], Arm] = {}
+        for arm in arms:
+            keys = tuple(posture.keyed[arm[0]] for posture in self.postures)
+            found[keys] = (*found.get(keys, ()), *arm)
+        return list(found.values())
+
+    def extended(self, time: float, angles: Floats, arm: Arm) -> "Course":
+        """With one more key at a block time, for the hinges of an arm, or of two that have the same keys."""
+        own = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]
+        asked = float(np.interp(time, self.planned[own], [self.postures[k].time for k in own]))
+        while asked in {posture.time for posture in self.postures}:
+            asked += APART
+        keyed = tuple(joint in arm for joint in range(len(angles)))
+        k = sum(posture.time < asked for posture in self.postures)
+        return replace(
+            self,
+            postures=(*self.postures[:k], Posture(asked, sealed(angles), keyed), *self.postures[k:]),
+            planned=sealed(np.insert(self.planned, k, time)),
+        )
+
+
+def led_around(course: Course, distances: Distances, *, least: float) -> Course:
+    """The course with changes wherever its motion comes too near to the body.
+
+    One stretch after the other: of several changes the one is taken that leaves least to be done. An arm that has no
+    key near gets one, in the nearest posture that is clear, or in one nearer to rest; else its key moves away.
+
+    Args:
+        course: at least two keys, the first and the last at rest.
+        distances: those of the robot from itself.
+        least: [m] clearance that suffices.
+
+    Returns:
+        The same where nothing needs to be done; not clear everywhere where nothing helps.
+    """
+    lacking, hopeless = _lacking(course, distances, least), set[int]()
+    for _ in range(STEPS):
+        open_stretches = [sample for sample in _closest(lacking) if sample not in hopeless]
+        if not open_stretches:
+            break
+        sample = open_stretches[0]
+        time = sample / SCAN_RATE - course.motion.zero
+        best, best_lacking = course, GAIN * lacking
+        for change in _changes(course, time, distances, least):
+            left = _lacking(change, distances, least)
+            if left.sum() < best_lacking.sum():
+                best, best_lacking = change, left
+            if left.sum() == 0.0:
+                break
+        if best is course:
+            hopeless.add(sample)
+        else:
+            course, lacking, hopeless = best, best_lacking, set()
+    return course
+
+
+def _lacking(course: Course, distances: Distances, least: float) -> Floats:
+    """(m,) [m] by which a motion comes too near, sample by sample."""
+    times = np.arange(0.0, course.motion.duration, 1.0 / SCAN_RATE)
+    return np.maximum(least - distances.clearance(course.motion.angles(times)).distances, 0.0)
+
+
+def _closest(lacking: Floats) -> Iterator[int]:
+    """The worst sample of every stretch that comes too near."""
+    stretches = np.split(np.arange(len(lacking)), np.flatnonzero(np.diff(lacking > 0)) + 1)
+    return (int(s[lacking[s].argmax()]) for s in stretches if lacking[s].max(initial=0.0) > 0)
+
+
+def _changes(course: Course, time: float, distances: Distances, least: float) -> Iterator[Course]:
+    """Ways to change the motion at a block time where it comes too near."""
+    gaps = distances.gaps(course.at(time)[None])[0]
+    close = {segment for k in np.flatnonzero(gaps < least) for segment in course.robot.counted_pairs[k]}
+    arms = [course.robot.joints(f"{side}_arm") for side in SIDES if close & set(course.robot.chains[f"{side}_arm"])]
+    near = [course.near(arm, time) for arm in arms]
+    free = [arm for arm, key in zip(arms, near, strict=True) if key is None]
+    if free:
+        yield from _with_a_key(course, time, free, distances, least)
+    for key in sorted({key for key in near if key is not None}):
+        yield from _with_a_key_away(course, key, arms, distances, least)
+
+
+def _with_a_key(course: Course, time: float, arms: list[Arm], distances: Distances, least: float) -> Iterator[Course]:
+    """With one more key for some arms: clear, and near to where they are or a part of the way to rest."""
+    angles, joints = course.at(time), _joined(arms)
+    for share in WITHDRAWALS:
+        start = angles.copy()
+        start[joints] += share * (course.robot.skeleton.rest[joints] - angles[joints])
+        clear = apart(start, joints, course.robot, distances, least=least, room=least + ROOM)
+        if clear is not None:
+            change = course
+            for together in course.keyed_alike(arms):
+                change = change.extended(time, clear, together)
+            yield change
+
+
+def _with_a_key_away(course: Course, key: int, arms: list[Arm], distances: Distances, least: float) -> Iterator[Course]:
+    """With those of some arms farther away that have a key; rest stays rest."""
+    posture, angles = course.postures[key], course.at(float(course.planned[key]))
+    rest = course.robot.skeleton.rest
+    keyed = [arm for arm in arms if posture.keyed[arm[0]] and np.any(posture.angles[list(arm)] != rest[list(arm)])]
+    gap = float(distances.gaps(angles[None])[0].min())
+    for more in AWAY if keyed else ():
+        clear = apart(angles, _joined(keyed), course.robot, distances, least=max(gap, least) + more)
+        if clear is not None:
+            change = course
+            for arm in keyed:
+                change = change.moved(key, clear, arm)
+            yield change
+
+
+def _joined(arms: list[Arm]) -> list[int]:
+    return [joint for arm in arms for joint in arm]

@@ -1,0 +1,91 @@
+"""What the face shows while a plan is performed: `Command.face`, worked out for those who look at it."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from kinesic.bml.block import Face, Gaze, Speech, Timed, Timeline
+from kinesic.bml.timing.constraints import point_of, ties
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.command import Command
+from kinesic.expressivity.face.eyes import Habits
+from kinesic.expressivity.face.gaze import headings, looks
+from kinesic.expressivity.face.tracks import Channels, face, told
+from kinesic.planning.plan import Plan
+
+Shift = Mapping[tuple[str, str], float]  # behaviour and sync point -> [s] later than asked
+
+
+def faced(plan: Plan, times: Floats) -> Iterator[Command]:
+    """The reference with its face, for sinks that draw: one command at each of (m,) performance times [s]."""
+    angles, speeds, accelerations = (sealed(values) for values in plan.trajectory.sample(times))
+    for row in zip(times.tolist(), angles, speeds, accelerations, angles, faces(plan, times), strict=True):
+        yield Command(*row)
+
+
+def asks_face(plan: Plan) -> bool:
+    """Whether anything but habit moves the face: an expression, speech, or a gaze."""
+    performed = (timed.behaviour for timed in plan.keyframes.timeline.timed)
+    kinds = [behaviour.action for behaviour in performed if plan.keyframes.outcomes[behaviour.id].kind != "dropped"]
+    return any(isinstance(action, Face | Gaze | Speech) for action in kinds)
+
+
+def faces(plan: Plan, times: Floats) -> tuple[Mapping[str, float], ...]:
+    """What `Command.face` holds at each of (m,) performance times [s]."""
+    return tuple(told(shown(plan, times), len(times)))
+
+
+def shown(plan: Plan, times: Floats) -> Channels:
+    """Action units during a performance: expressions, visemes, gaze, blinks.
+
+    Sync points that planning moved take what is tied to them along; eyes look where the head is going, and hold on to
+    it whatever the head does.
+
+    Args:
+        plan: of the performance.
+        times: (m,) [s] performance time, increasing.
+    """
+    facts, timeline = plan.facts, _planned(plan)
+    return face(
+        timeline,
+        plan.utterances,
+        times - plan.trajectory.zero,
+        style=facts.style,
+        habits=Habits(facts.idling.seed),
+        looks=looks(timeline, facts.robot, facts.targets),
+        head=heads(plan, times),
+    )
+
+
+def heads(plan: Plan, times: Floats) -> Floats:
+    """(m, 2) [rad] left and up, where the head points in the world at (m,) performance times [s]."""
+    robot = plan.facts.robot
+    if not robot.joints("neck"):
+        return np.zeros((len(times), 2))
+    angles, _, _ = plan.trajectory.sample(times)
+    head = robot.skeleton.segment(robot.chains["neck"][-1])
+    return headings(robot.skeleton.frames(angles).rotations[:, head, :, 0])
+
+
+def _planned(plan: Plan) -> Timeline:
+    """The behaviours that are performed, at the times at which they will be."""
+    shifts = {(sync.behaviour, sync.sync): sync.planned - sync.asked for sync in plan.syncs}
+    timeline, outcomes = plan.keyframes.timeline, plan.keyframes.outcomes
+    own: dict[tuple[str, str], float] = {}
+    for tie in ties(timeline.block):
+        one, other = (point_of(ref) for ref in (tie.left, tie.right))
+        left, right = (one.behaviour, one.sync), (other.behaviour, other.sync)
+        own |= {here: shifts[there] for here, there in ((left, right), (right, left)) if there in shifts}
+    kept = (timed for timed in timeline.timed if outcomes[timed.behaviour.id].kind != "dropped")
+    return replace(timeline, timed=tuple(_later(timed, own if _is_face(timed) else shifts) for timed in kept))
+
+
+def _is_face(timed: Timed) -> bool:
+    return isinstance(timed.behaviour.action, Face)
+
+
+def _later(timed: Timed, shifts: Shift) -> Timed:
+    """The behaviour with its sync points moved, none of them before an earlier one."""
+    moved = [time + shifts.get((timed.behaviour.id, sync), 0.0) for sync, time in timed.times.items()]
+    return replace(timed, times=dict(zip(timed.times, np.maximum.accumulate(moved).tolist(), strict=True)))

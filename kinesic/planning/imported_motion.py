@@ -1,0 +1,144 @@
+"""A motion that others made: its samples become keys, and these a plan that the servos can follow."""
+
+from collections.abc import Sequence
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesic.bml.block import Block, Notice, NoticeType
+from kinesic.bml.schedule import schedule
+from kinesic.body.arrays import Flags, Floats, sealed
+from kinesic.body.config import ConfigError
+from kinesic.expressivity.keyframes import KeyFrames
+from kinesic.motion.condition import Conditioned
+from kinesic.motion.double_s import least_times
+from kinesic.motion.keys import Keys
+from kinesic.motion.wish import wish
+from kinesic.planning.bap import Frames
+from kinesic.planning.clearance import cleared
+from kinesic.planning.plan import Plan
+from kinesic.planning.postures import Posture, Postures
+from kinesic.planning.setup import Facts
+from kinesic.planning.syncs import SHIFT_TO_WARN
+
+EVERY = 0.1  # [s] between keys: a motion that servos can follow is then met within about a degree
+NEAR = 0.045  # [s] from where a hinge turns back, within which it has no other key
+TREMBLE = 0.01  # [rad] of turning back that is none
+COMFORT = 1.5  # times the least time, from rest to the first frame and from the last to rest
+LEAST = 0.3  # [s] of these
+BEYOND = 1e-4  # [rad] outside a range, and it is worth telling
+
+
+def imported(frames: Frames, facts: Facts, *, source: str) -> Plan:
+    """Plans a motion that was read from a file: from rest to its first frame, through it, and back to rest.
+
+    Block time is the file's. The motion is passed at keys, every 0.1 s and where a hinge turns back, and smoothly
+    between them; where the servos cannot follow, keys come later or earlier, and a notice says by how much.
+
+    Args:
+        frames: of the motion.
+        facts: robot and physics.
+        source: file name, for messages.
+
+    Raises:
+        ConfigError: the motion speaks of no hinge of the robot.
+    """
+    began = perf_counter()
+    if not frames.given:
+        raise ConfigError(f"{source}: sets no parameter that {facts.robot.name} has a hinge for")
+    block = Block(id="motion", behaviours=(), source=source)
+    timeline = schedule(block, {}, {})
+    asked = Postures(_keys(frames, facts), {})
+    solved, motion, times, clearance = cleared(asked, facts)
+    keys = Keys.of(asked.postures, facts.limits)
+    return Plan(
+        facts=facts,
+        timeline=timeline,
+        utterances={},
+        keyframes=KeyFrames(timeline, (), {}),
+        postures=solved,
+        wished=wish(keys.asked, keys.waypoints),
+        motion=motion,
+        clearance=clearance,
+        clearance_times=times,
+        syncs=(),
+        notices=(*_left_out(frames), *_clipped(frames, facts), *_shifted(motion)),
+        seconds=perf_counter() - began,
+    )
+
+
+def _keys(frames: Frames, facts: Facts) -> tuple[Posture, ...]:
+    """Rest, samples of the motion, and rest again.
+
+    Each hinge has keys where it turns back, and evenly elsewhere.
+    """
+    begin, end = float(frames.times[0]), float(frames.times[-1])
+    even = np.linspace(begin, end, max(1, round((end - begin) / EVERY)) + 1) if end > begin else np.array([begin])
+    turns = [frames.times[_turns(column)] for column in frames.angles.T]
+    times = np.unique(np.concatenate([even, *turns]))
+    angles = facts.robot.skeleton.clamp(_at(frames, times))
+    keyed = np.stack([_keyed(times, even, own) for own in turns], axis=1)
+    rest = facts.robot.skeleton.rest
+    there, back = (_way(facts, rest, posture) for posture in (angles[0], angles[-1]))
+    whole = (True,) * len(rest)
+    inner = [
+        Posture(time, sealed(posture), tuple(flags))
+        for time, posture, flags in zip(times.tolist(), angles, keyed.tolist(), strict=True)
+    ]
+    return (Posture(begin - there, rest, whole), *inner, Posture(end + back, rest, whole))
+
+
+def _turns(column: Floats) -> NDArray[np.intp]:
+    """Indices of (m,) angles at which a hinge turns back for more than a tremble."""
+    from scipy.signal import find_peaks  # noqa: PLC0415 - slow to import, and few motions are others'
+
+    return np.sort(np.concatenate([find_peaks(sign * column, prominence=TREMBLE)[0] for sign in (1.0, -1.0)]))
+
+
+def _keyed(times: Floats, even: Floats, turns: Floats) -> Flags:
+    """(m,) whether one hinge has a key: at its turns, and at even times that are not near to one; at both ends."""
+    near = np.abs(times[:, None] - turns).min(axis=1, initial=np.inf)
+    keyed: Flags = (near == 0.0) | (np.isin(times, even) & (near >= NEAR))
+    keyed[[0, -1]] = True
+    return keyed
+
+
+def _at(frames: Frames, times: Floats) -> Floats:
+    """(m, n) [rad] the motion at (m,) times, straight between its frames."""
+    return np.stack([np.interp(times, frames.times, column) for column in frames.angles.T], axis=1)
+
+
+def _way(facts: Facts, start: Floats, end: Floats) -> float:
+    """[s] from one posture to another, at ease."""
+    return max(LEAST, COMFORT * float(least_times(end - start, facts.limits).max()))
+
+
+def _left_out(frames: Frames) -> Sequence[Notice]:
+    """A notice where the motion moves more than the robot has."""
+    numbers = ", ".join(str(number) for number in frames.strangers)
+    return [_notice(f"the robot has no hinge for the parameters {numbers}")] if numbers else []
+
+
+def _clipped(frames: Frames, facts: Facts) -> Sequence[Notice]:
+    """A notice for each hinge that the motion wants beyond its range."""
+    skeleton = facts.robot.skeleton
+    beyond = np.abs(frames.angles - skeleton.clamp(frames.angles)).max(axis=0)
+    return [
+        _notice(f"{name} is asked for {np.degrees(beyond[k]):.1f} deg beyond its range; it stops at the range's end")
+        for k, name in enumerate(skeleton.names)
+        if beyond[k] > BEYOND
+    ]
+
+
+def _shifted(motion: Conditioned) -> Sequence[Notice]:
+    """A notice where the servos need other times than the motion's."""
+    shifts = motion.planned - motion.asked
+    worst = int(np.abs(shifts[1:-1]).argmax()) + 1
+    if abs(shifts[worst]) <= SHIFT_TO_WARN:
+        return []
+    return [_notice(f"faster than the servos: what is at {motion.asked[worst]:.2f} s comes {shifts[worst]:+.2f} s off")]
+
+
+def _notice(text: str) -> Notice:
+    return Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, "motion", text)

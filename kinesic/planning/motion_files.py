@@ -1,0 +1,42 @@
+"""A motion in a file: npz and csv of the reference, or MPEG-4 body animation parameters."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+
+from kinesic.body.config import ConfigError
+from kinesic.body.robot import Robot
+from kinesic.controller.play import RATE
+from kinesic.motion.trajectory import Trajectory
+from kinesic.planning.bap import write_bap
+
+SUFFIXES = (".npz", ".csv", ".bap")
+
+
+def write_motion(trajectory: Trajectory, robot: Robot, path: Path, *, rate: int = RATE) -> None:
+    """Writes a trajectory, sampled at a rate [Hz]; the suffix names the format.
+
+    npz holds `times` [s], `names`, `angles` [rad], `speeds` [rad/s] and `accelerations` [rad/s^2]; csv holds time and
+    angles; bap is the MPEG-4 text format at 25 frames/s.
+
+    Raises:
+        ConfigError: the suffix is not known.
+    """
+    if path.suffix == ".bap":
+        write_bap(trajectory, robot, path)
+        return
+    times = np.arange(int(np.ceil(trajectory.duration * rate)) + 1) / rate
+    angles, speeds, accelerations = trajectory.sample(times)
+    names = robot.skeleton.names
+    if path.suffix == ".npz":
+        np.savez_compressed(
+            path, times=times, names=np.array(names), angles=angles, speeds=speeds, accelerations=accelerations
+        )
+    elif path.suffix == ".csv":
+        with path.open("w", newline="", encoding="utf-8") as file:
+            rows = csv.writer(file)
+            rows.writerow(["time_s", *(f"{name}_rad" for name in names)])
+            rows.writerows([f"{value:.9g}" for value in (time, *row)] for time, row in zip(times, angles, strict=True))
+    else:
+        raise ConfigError(f"{path}: cannot write {path.suffix or 'no suffix'}; known: {', '.join(SUFFIXES)}")

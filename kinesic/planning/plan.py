@@ -1,0 +1,186 @@
+"""The straight line, from a block of BML to a motion that the servos can follow; pure."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from time import perf_counter
+
+import numpy as np
+
+from kinesic.bml.block import Block, Notice, Timeline
+from kinesic.bml.schedule import schedule
+from kinesic.body.arrays import Floats
+from kinesic.body.dynamics import Clearance
+from kinesic.body.utterance import Utterance
+from kinesic.expressivity.durations import spans
+from kinesic.expressivity.hands.engaged import Engaged
+from kinesic.expressivity.keyframes import KeyFrames
+from kinesic.expressivity.realise import keyframes
+from kinesic.motion.condition import Conditioned
+from kinesic.motion.keys import Keys
+from kinesic.motion.trajectory import Trajectory
+from kinesic.motion.waypoints import Waypoints
+from kinesic.motion.wish import Wish, wish
+from kinesic.planning.certify import certified
+from kinesic.planning.clearance import Conditioner, cleared, culprits
+from kinesic.planning.coupling import bonds
+from kinesic.planning.postures import Postures, postures
+from kinesic.planning.setup import Facts
+from kinesic.planning.smaller import smaller
+from kinesic.planning.speech import remarks, spoken
+from kinesic.planning.speech_pauses import Waiting, allowed, lateness, lengthened, wanted
+from kinesic.planning.speech_pauses import notices as pause_notices
+from kinesic.planning.syncs import SyncTime, shifts, sync_times
+
+STILL = 0.1  # [s] of a wish for nothing
+ROUNDS = 3  # of planning, in which pauses are made longer
+ATTEMPTS = 3  # to say it with pauses that are as long as they must be
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """Everything that is known before anything moves."""
+
+    facts: Facts
+    timeline: Timeline
+    utterances: Mapping[str, Utterance]
+    keyframes: KeyFrames
+    postures: Postures
+    wished: Wish
+    motion: Conditioned
+    clearance: Clearance  # of the reference, at 100 Hz
+    clearance_times: Floats  # (m,) [s] performance time
+    syncs: tuple[SyncTime, ...]
+    notices: tuple[Notice, ...]
+    seconds: float  # [s] that planning took
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """The motion that will be performed."""
+        return self.motion.trajectory
+
+    @property
+    def duration(self) -> float:
+        """[s] of the performance, speech included."""
+        return max(self.trajectory.duration, self.trajectory.zero + self.timeline.end)
+
+
+def plan(
+    block: Block,
+    facts: Facts,
+    *,
+    conditioned: Conditioner = certified,
+    utterances: Mapping[str, Utterance] | None = None,
+    engaged: Sequence[Engaged] = (),
+) -> Plan:
+    """Plans a whole block.
+
+    Where the body would be late for a word and the block allows it, a pause is made before the word, and all is
+    planned again. A behaviour whose motion cannot be kept clear of the body is dropped by name, and the rest is
+    planned again.
+
+    Args:
+        block: what was asked.
+        facts: everything else.
+        conditioned: makes a motion one that the servos can follow.
+        utterances: each speech by its id, when that is decided; no further pause is made then.
+        engaged: hands that other blocks need meanwhile: gestures that leave it open take the other one.
+
+    Raises:
+        BmlError: something `required` cannot be performed.
+    """
+    began = perf_counter()
+    found = _planned(block, facts, utterances or spoken(block, facts), conditioned, engaged)
+    waiting: tuple[Waiting, ...] = ()
+    if utterances is None and (most := allowed(block, facts.pause)):
+        found, waiting = _unhurried(found, most, conditioned, engaged)
+    notices = (*remarks(block, found.utterances), *pause_notices(block, waiting), *found.notices)
+    return replace(found, notices=notices, seconds=perf_counter() - began)
+
+
+def _unhurried(
+    found: Plan, most: Mapping[str, float], conditioned: Conditioner, engaged: Sequence[Engaged]
+) -> tuple[Plan, tuple[Waiting, ...]]:
+    """A plan with pauses before the words that the body would miss, as long as that makes it better."""
+    block, facts = found.timeline.block, found.facts
+    waiting: tuple[Waiting, ...] = ()
+    for _ in range(ROUNDS):
+        more, said = wanted(found.timeline, found.syncs, most, waiting), found.utterances
+        for _ in range(ATTEMPTS):
+            more = lengthened(more, said)
+            said = spoken(block, facts, more)
+        if more == waiting:
+            break
+        better = _planned(block, facts, said, conditioned, engaged)
+        if _worst(better) >= _worst(found):
+            break
+        found, waiting = better, more
+    return found, waiting
+
+
+def _worst(planned: Plan) -> float:
+    """[s] by which the body misses a word at worst."""
+    return max((abs(late) for late, _ in lateness(planned.timeline, planned.syncs).values()), default=0.0)
+
+
+def _planned(
+    block: Block,
+    facts: Facts,
+    utterances: Mapping[str, Utterance],
+    conditioned: Conditioner,
+    engaged: Sequence[Engaged],
+) -> Plan:
+    """Plans a block with what it says."""
+    natural = spans(block, style=facts.style, lexicon=facts.lexicon, pace=facts.pace, targets=facts.targets)
+    timeline = schedule(block, utterances, natural)
+    without: dict[str, str] = {}
+    while True:
+        frames = _frames(timeline, facts, without, engaged)
+        asked = postures(frames, facts.robot, facts.distances)
+        solved, motion, times, clearance = cleared(asked, facts, bonds(timeline), conditioned=conditioned)
+        dropped = culprits(frames, motion, times, clearance, facts.robot)
+        if not dropped:
+            break
+        without |= dropped
+    syncs = sync_times(frames, motion)
+    return Plan(
+        facts=facts,
+        timeline=timeline,
+        utterances=utterances,
+        keyframes=frames,
+        postures=solved,
+        wished=_wished(asked, facts),
+        motion=motion,
+        clearance=clearance,
+        clearance_times=times,
+        syncs=syncs,
+        notices=(
+            *frames.notices,
+            *shifts(block, syncs, frames, motion, facts.robot),
+            *smaller(block, solved.postures, frames, motion, facts.robot),
+        ),
+        seconds=0.0,
+    )
+
+
+def _frames(timeline: Timeline, facts: Facts, without: Mapping[str, str], engaged: Sequence[Engaged]) -> KeyFrames:
+    return keyframes(
+        timeline,
+        style=facts.style,
+        lexicon=facts.lexicon,
+        pace=facts.pace,
+        targets=facts.targets,
+        without=without,
+        gathering=facts.gathering,
+        idling=facts.idling,
+        engaged=engaged,
+    )
+
+
+def _wished(asked: Postures, facts: Facts) -> Wish:
+    """The motion as asked: without limits and detours."""
+    rest = facts.robot.skeleton.rest
+    if len(asked.postures) < 2:
+        still = Waypoints.plain(np.stack([rest, rest]), np.ones((2, len(rest)), dtype=bool), facts.limits)
+        return wish(np.array([0.0, STILL]), still)
+    keys = Keys.of(asked.postures, facts.limits)
+    return wish(keys.asked, keys.waypoints)

@@ -1,0 +1,222 @@
+"""From key frames to joint angles: the torso first, then both arms (thesis 8.6)."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.dynamics import Distances
+from kinesic.body.reach import Reach
+from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.expressivity.keyframes import Hand, KeyFrame, KeyFrames, PartName
+from kinesic.expressivity.style.passage import PLAIN, Passage
+from kinesic.expressivity.turns import axes
+from kinesic.ik.torso import lean
+from kinesic.planning.arm_postures import turned, with_arms
+from kinesic.planning.hover import clear_hands
+from kinesic.planning.turning import set_turn, turn_of
+from kinesic.planning.volume import volume
+
+LEAST_GAP = 0.02  # [s] between keys
+PARTS: Mapping[PartName, str] = {"torso": "torso", "l_hand": "l_arm", "r_hand": "r_arm", "head": "neck"}
+
+
+@dataclass(frozen=True, eq=False)
+class Posture:
+    """Joint angles at one key time; only `keyed` hinges have a key here, the others pass through."""
+
+    time: float  # [s] block time
+    angles: Floats  # (n,) [rad]
+    keyed: tuple[bool, ...]  # (n,)
+    syncs: tuple[tuple[str, str], ...] = ()  # (behaviour id, sync point)
+    passages: tuple[Passage, ...] = ()  # (n,) how each hinge passes, and comes to, this key; all plainly where empty
+    firm: bool = True  # passed exactly; else on a path, which the motion only follows as far as it can
+
+
+@dataclass(frozen=True, eq=False)
+class Postures:
+    """A block as joint angles."""
+
+    postures: tuple[Posture, ...]
+    misses: Mapping[str, float]  # behaviour id -> how far its hand stays from what was asked, at worst [m]
+
+
+def postures(keyframes: KeyFrames, robot: Robot, distances: Distances) -> Postures:
+    """Solves every key frame for the parts that it gives.
+
+    Hands keep the hover distance of `hover` from the body and from one another; an unreachable target
+    becomes the best posture, and `misses` says by how much.
+    """
+    solved: list[Posture] = []
+    misses: dict[str, float] = {}
+    leans = [_lean(frame, robot) for frame in keyframes.frames]
+    angles = np.array(robot.skeleton.rest)
+    held: dict[Side, _Held] = {}
+    for k, frame in enumerate(keyframes.frames):
+        leaning = any(bool(np.any(leans[j])) for j in range(max(0, k - 1), min(len(leans), k + 2)))
+        keyed = _keyed(frame, robot, leaning, ends=k in (0, len(leans) - 1))
+        angles = angles.copy()
+        _set_torso(angles, frame, leans[k], robot)
+        hands = {side: hand for side, hand in frame.hands.items() if keyed[robot.joints(f"{side}_arm")[0]]}
+        wanted = {side: _in_world(hand, side, frame, angles, robot) for side, hand in hands.items()}
+        torso = angles[list(robot.joints("torso"))]
+        for side in hands.keys() & held.keys():
+            if held[side].still(hands[side], torso):
+                angles[list(robot.joints(f"{side}_arm"))] = held[side].arm
+        moved = {side for side in hands if side not in held or not held[side].still(hands[side], torso)}
+        before = {side: held[side].began for side in held}
+        angles = with_arms(angles, {side: hands[side] for side in hands if side in moved}, wanted, robot, before)
+        angles = robot.skeleton.clamp(clear_hands(angles, hands, robot, distances))
+        held |= {side: _Held.of(side, hand, angles, robot, held.get(side)) for side, hand in hands.items()}
+        _note_misses(misses, keyframes, k, wanted, angles, robot)
+        firm = _firm(frame) or k in (0, len(leans) - 1)
+        solved.append(Posture(frame.time, sealed(angles), tuple(keyed), frame.syncs, _passages(frame, robot), firm))
+    return Postures((*_beginning(solved, keyframes.timeline.start, robot), *solved), misses)
+
+
+@dataclass(frozen=True, eq=False)
+class _Held:
+    """What a hand was last asked to do, and how the arm does it."""
+
+    hand: Hand
+    torso: Floats  # [rad]
+    arm: Floats  # [rad]
+    began: Floats  # [rad] the arm; on a path, as it was in the key before the path
+
+    @classmethod
+    def of(cls, side: Side, hand: Hand, angles: Floats, robot: Robot, before: "_Held | None") -> "_Held":
+        """One hand of a posture (n,) [rad], after what it held before."""
+        torso, arm = (angles[list(robot.joints(chain))] for chain in ("torso", f"{side}_arm"))
+        began = before.began if hand.passing and before else angles[list(robot.arms[side].indices)]
+        return cls(hand, torso, arm, began)
+
+    def still(self, hand: Hand, torso: Floats) -> bool:
+        """Whether the same is asked again: then the arm stays as it is, however it came there."""
+        return _same_hand(hand, self.hand) and bool(np.array_equal(torso, self.torso))
+
+
+def _beginning(solved: list[Posture], start: float, robot: Robot) -> list[Posture]:
+    """The robot at rest at the block's start, when nothing moves so early."""
+    if not solved or solved[0].time <= start + LEAST_GAP:
+        return []
+    return [Posture(start, robot.skeleton.rest, (True,) * len(robot.skeleton.hinges))]
+
+
+def _lean(frame: KeyFrame, robot: Robot) -> Floats:
+    """(3,) [rad] torsion, tilt and roll that the hands need on top of the torso's own key."""
+    targets = {
+        side: hand.reach.position
+        for side, hand in frame.hands.items()
+        if hand.reach is not None and hand.aim is None and f"{side}_hand" in frame.told
+    }
+    return np.array(lean(robot, targets)) if targets else np.zeros(3)
+
+
+def _same_hand(hand: Hand, before: Hand) -> bool:
+    if hand.reach is None or before.reach is None:
+        return hand.reach is before.reach
+    if hand.aim is not before.aim or (hand.openness, hand.effort) != (before.openness, before.effort):
+        return False
+    pairs = (
+        (hand.reach.position, before.reach.position),
+        (hand.reach.pointing, before.reach.pointing),
+        (hand.reach.palm, before.reach.palm),
+    )
+    return (hand.reach.swivel, hand.touch) == (before.reach.swivel, before.touch) and all(
+        a is b or (a is not None and b is not None and np.array_equal(a, b)) for a, b in pairs
+    )
+
+
+def _keyed(frame: KeyFrame, robot: Robot, leaning: bool, *, ends: bool) -> list[bool]:
+    """Which hinges have a key in this frame: those of given parts, and those that follow a leaning torso."""
+    keyed = np.zeros(len(robot.skeleton.hinges), dtype=bool)
+    torso = ends or leaning or "torso" in frame.given
+    if torso:
+        keyed[list(robot.joints("torso"))] = True
+    if ends or "head" in frame.given or (torso and "head" in frame.told):
+        keyed[list(robot.joints("neck"))] = True
+    for side in SIDES:
+        hand = frame.hands[side]
+        held = hand.reach is not None and (leaning or (torso and hand.aim is not None))
+        if ends or f"{side}_hand" in frame.given or (held and f"{side}_hand" in frame.told):
+            keyed[list(robot.joints(f"{side}_arm"))] = True
+    return [bool(key) for key in keyed]
+
+
+def _firm(frame: KeyFrame) -> bool:
+    """Whether anything but hands on their paths has a key in this frame."""
+    passing = {f"{side}_hand" for side, hand in frame.hands.items() if hand.passing}
+    return bool(frame.syncs) or not frame.given <= passing
+
+
+def _passages(frame: KeyFrame, robot: Robot) -> tuple[Passage, ...]:
+    """How each hinge passes a frame: as its part does, and what follows another part as that does."""
+    others = next((frame.passages[part] for part in PARTS if part in frame.passages), PLAIN)
+    found = [others] * len(robot.skeleton.hinges)
+    for part, chain in PARTS.items():
+        for hinge in robot.joints(chain):
+            found[hinge] = frame.passages.get(part, others)
+    return tuple(found)
+
+
+def _set_torso(angles: Floats, frame: KeyFrame, lean_angles: Floats, robot: Robot) -> None:
+    """Torso from its key plus the lean; the neck turns back, so that the head stays level (thesis 8.6)."""
+    torso = np.array(axes(frame.torso)) + lean_angles
+    set_turn(robot, "torso", torso, angles)
+    set_turn(robot, "neck", np.array(axes(frame.head)) - turn_of(robot, "torso", angles), angles)
+
+
+def _in_world(hand: Hand, side: Side, frame: KeyFrame, angles: Floats, robot: Robot) -> Reach | None:
+    """The reach in the world, with the torso as it then is.
+
+    The gesture box turns with the torso's own key (thesis 8.7), never with the lean; an arm that points does so
+    from where its shoulder has come to.
+    """
+    if hand.reach is None:
+        return None
+    if hand.aim is not None:
+        return aimed(hand.reach, hand.aim, side, angles, robot)
+    box = volume(robot, frame.torso)
+    return hand.reach if box is None else box.placed(hand.reach)
+
+
+def aimed(reach: Reach, aim: Floats, side: Side, angles: Floats, robot: Robot) -> Reach:
+    """The same reach seen from the shoulder as it is: turned so that what pointed at the aim still does.
+
+    Args:
+        reach: from where the shoulder rests, in the world.
+        aim: (3,) [m] in the world.
+        side: of the hand.
+        angles: (n,) [rad] of the whole robot.
+        robot: whose hand it is.
+    """
+    shoulder = robot.skeleton.segment(robot.chains[f"{side}_arm"][-3])
+    resting = robot.skeleton.resting.origins[shoulder]
+    centre = robot.skeleton.frames(angles).origins[shoulder]
+    rotation = scipy.spatial.transform.Rotation.align_vectors((aim - centre)[None], (aim - resting)[None])[
+        0
+    ].as_matrix()
+    return turned(reach, rotation, resting, centre)
+
+
+def _note_misses(
+    misses: dict[str, float],
+    keyframes: KeyFrames,
+    k: int,
+    wanted: Mapping[Side, Reach | None],
+    angles: Floats,
+    robot: Robot,
+) -> None:
+    """Credits what is left of each reach to the behaviours that move this hand."""
+    reaches = {side: reach for side, reach in wanted.items() if reach is not None}
+    if not reaches:
+        return
+    origins = robot.skeleton.frames(angles).origins
+    for side, reach in reaches.items():
+        wrist = robot.skeleton.segment(robot.chains[f"{side}_arm"][-1])
+        miss = float(np.linalg.norm(origins[wrist] - reach.position))
+        for behaviour, _ in keyframes.frames[k].syncs:
+            if f"{side}_hand" in keyframes.uses[behaviour]:
+                misses[behaviour] = max(miss, misses.get(behaviour, 0.0))

@@ -1,0 +1,100 @@
+"""A motion to begin with at once: at rest at every key, so slow that no program has to be solved.
+
+Its times come from closed forms, its path from quintics; limits hold by construction and are checked on the control
+points. A better plan goes on with it while it runs: see `replan`.
+"""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from kinesic.bml.block import Block
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.limits import Limits
+from kinesic.expressivity.hands.engaged import Engaged
+from kinesic.motion.bspline import grid
+from kinesic.motion.condition import Conditioned
+from kinesic.motion.key_time_lp import relaxed
+from kinesic.motion.keys import Keys
+from kinesic.motion.qp import nearest
+from kinesic.motion.segments import pieces, segments
+from kinesic.motion.trajectory import STEP, Trajectory
+from kinesic.motion.waypoints import Waypoints
+from kinesic.motion.wish import wish
+from kinesic.planning.coupling import Bond
+from kinesic.planning.plan import Plan, plan
+from kinesic.planning.postures import Posture
+from kinesic.planning.setup import Facts
+
+PEAK_SPEED = 1.875  # of a quintic from rest to rest, in distance / duration
+PEAK_ACCELERATION = 5.7735  # in distance / duration^2
+PEAK_JERK = 60.0  # in distance / duration^3
+RESERVE = 1.03  # on its duration, for what the grid makes of it
+LEAST_GAP = 0.06  # [s] of a gap in which something moves
+LONGER = 1.1  # on gaps that do not suffice after all
+
+
+def opening(block: Block, facts: Facts, *, engaged: Sequence[Engaged] = ()) -> Plan:
+    """Plans a block so that it can begin at once; nothing of it is late in block zero.
+
+    Raises:
+        BmlError: something `required` cannot be performed.
+    """
+    return plan(block, facts, conditioned=resting, engaged=engaged)
+
+
+def resting(
+    postures: tuple[Posture, ...], facts: Facts, bonds: tuple[Bond, ...] = (), *, ease: float = 1.0
+) -> Conditioned:
+    """The motion that rests at every key.
+
+    Args:
+        postures: at least two, the first and the last keyed in all hinges.
+        facts: limits.
+        bonds: between sync points of different behaviours.
+        ease: share of the limits that is used.
+    """
+    limits = facts.limits.times(ease)
+    keys = Keys.of(postures, limits, bonds)
+    gaps = dict(keys.gaps)
+    for hinge, own in enumerate(keys.own):
+        for i, j in pairwise(own):
+            way = float(keys.angles[j, hinge] - keys.angles[i, hinge])
+            gaps[i, j] = max(gaps[i, j], duration(way, limits, hinge))
+    motion = None
+    while motion is None:
+        times = relaxed(keys, gaps, lead_in=0.0)
+        motion = _stepwise(times, keys, limits)
+        gaps = {pair: LONGER * gap for pair, gap in gaps.items()}
+    return Conditioned(motion, keys.asked, sealed(times), {}, sealed(np.zeros(len(limits.lower))))
+
+
+def duration(way: float, limits: Limits, hinge: int) -> float:
+    """Of a quintic from rest to rest over a way [rad] within all limits of a hinge [s].
+
+    Its duty is bounded by that of its greatest speed and its greatest acceleration together.
+    """
+    size = abs(way)
+    if size == 0.0:
+        return 0.0
+    inertial, viscous = limits.inertial[hinge] / limits.duty[hinge], limits.viscous[hinge] / limits.duty[hinge]
+    fast = max(PEAK_SPEED * size / limits.speed[hinge], (PEAK_JERK * size / limits.jerk[hinge]) ** (1 / 3))
+    strong = np.sqrt(PEAK_ACCELERATION * size / limits.acceleration[hinge])
+    half = viscous * PEAK_SPEED * size / 2
+    loaded = half + np.sqrt(half**2 + inertial * PEAK_ACCELERATION * size)
+    return float(RESERVE * max(fast, strong, loaded, LEAST_GAP))
+
+
+def _stepwise(times: Floats, keys: Keys, limits: Limits) -> Trajectory | None:
+    """Quintics on the grid; None where one exceeds a limit after all."""
+    count = pieces(times, STEP)
+    passed = Waypoints.plain(keys.angles, keys.keyed & keys.firm[:, None], limits, tension=1.0)
+    wished = wish(times, passed).angles(grid(count, STEP).knots)
+    controls = np.empty((count + 3, keys.angles.shape[1]))
+    for segment in segments(times, keys, STEP):
+        found = nearest(segment, wished[segment.knots, segment.hinge], limits)
+        if found is None:
+            return None
+        controls[segment.controls, segment.hinge] = found
+    return Trajectory(sealed(controls), -float(times[0]))

@@ -1,0 +1,58 @@
+"""What planning knows beside the text."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+from typing import Literal
+
+from kinesic.bml.block import Dialect
+from kinesic.body.arrays import Floats
+from kinesic.body.dynamics import Distances, Dynamics, Load
+from kinesic.body.limits import Limits
+from kinesic.body.robot import Robot
+from kinesic.body.utterance import Voice
+from kinesic.expressivity.gather import Gathering
+from kinesic.expressivity.idle import OFF, Idling
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.expressivity.style.pace import Pace
+from kinesic.expressivity.style.style import Style
+
+
+@dataclass(frozen=True, eq=False)
+class Facts:
+    """What planning must know beside the text; nothing of it is changed by planning."""
+
+    robot: Robot
+    style: Style
+    lexicon: Lexicon
+    voice: Voice
+    dynamics: Dynamics
+    distances: Distances
+    targets: Mapping[str, Floats] = field(default_factory=dict)  # named points (3,) [m] beside the robot's own
+    dialect: Dialect | Literal["auto"] = "auto"  # how documents are read
+    gathering: Gathering = "complex"  # how key frames are filled
+    idling: Idling = OFF  # what fills pauses
+    pause: float = 0.0  # [s] longest pause before a word that waits for the body, where documents do not say
+
+    @cached_property
+    def limits(self) -> Limits:
+        """Of every hinge of the robot."""
+        return _limits(self.robot, self.dynamics.load)
+
+    @cached_property
+    def pace(self) -> Pace:
+        """How fast the robot moves, at ease and at best."""
+        return _pace(self.robot, self.limits)
+
+
+# Facts that differ in style or voice alone share what was worked out for the robot.
+
+
+@lru_cache(maxsize=8)
+def _limits(robot: Robot, load: Load) -> Limits:
+    return Limits.of(robot, load)
+
+
+@lru_cache(maxsize=8)
+def _pace(robot: Robot, limits: Limits) -> Pace:
+    return Pace(robot, limits)

@@ -1,0 +1,73 @@
+"""When each sync point was asked for, and when it will be."""
+
+from dataclasses import dataclass
+
+from kinesic.bml.block import Block, Notice, NoticeType
+from kinesic.body.robot import Robot
+from kinesic.expressivity.keyframes import KeyFrames, PartName
+from kinesic.motion.condition import Conditioned
+from kinesic.motion.feasible import Bottleneck
+from kinesic.motion.keys import Pair
+
+SHIFT_TO_WARN = 0.010  # [s]
+CHAINS: dict[PartName, str] = {"torso": "torso", "head": "neck", "l_hand": "l_arm", "r_hand": "r_arm"}
+
+
+@dataclass(frozen=True)
+class SyncTime:
+    """One sync point of a moving behaviour: when it was asked for, and when it will be."""
+
+    behaviour: str
+    sync: str
+    asked: float  # [s] block time
+    planned: float  # [s] block time
+
+
+def on_keys(frames: KeyFrames, motion: Conditioned) -> list[tuple[str, str, float, float]]:
+    """(behaviour, sync, asked, planned) of every sync point that lies on a key."""
+    at = dict(zip(motion.asked, motion.planned, strict=True))
+    asked = {timed.behaviour.id: timed.times for timed in frames.timeline.timed}
+    return [
+        (behaviour, sync, asked[behaviour].get(sync, frame.time), float(at[frame.time]))
+        for frame in frames.frames
+        for behaviour, sync in frame.syncs
+    ]
+
+
+def sync_times(frames: KeyFrames, motion: Conditioned) -> tuple[SyncTime, ...]:
+    """Every sync point of every performed behaviour, in planned order."""
+    moving = [SyncTime(*row) for row in on_keys(frames, motion)]
+    seen = {sync.behaviour for sync in moving}
+    still = [
+        SyncTime(timed.behaviour.id, sync, time, time)
+        for timed in frames.timeline.timed
+        if timed.behaviour.id not in seen and frames.outcomes[timed.behaviour.id].kind != "dropped"
+        for sync, time in timed.times.items()
+    ]
+    return tuple(sorted([*moving, *still], key=lambda sync: (sync.planned, sync.behaviour)))
+
+
+def shifts(
+    block: Block, syncs: tuple[SyncTime, ...], frames: KeyFrames, motion: Conditioned, robot: Robot
+) -> list[Notice]:
+    """A warning for each sync point that had to move."""
+    found = []
+    for sync in syncs:
+        if abs(sync.planned - sync.asked) > SHIFT_TO_WARN:
+            met = limit_met(sync, frames, motion, robot)
+            why = "" if met is None else f": {met.quantity} of {robot.skeleton.names[met.hinge]}"
+            text = f"{sync.sync} asked at {sync.asked:.3f} s is planned at {sync.planned:.3f} s{why}"
+            found.append(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, f"{block.id}:{sync.behaviour}", text))
+    return found
+
+
+def limit_met(sync: SyncTime, frames: KeyFrames, motion: Conditioned, robot: Robot) -> Bottleneck | None:
+    """The limit that was met nearest to a sync point, at best by a hinge of its own behaviour; None when none was."""
+    parts = frames.uses.get(sync.behaviour, frozenset())
+    own = {joint for part in parts for joint in robot.joints(CHAINS[part])}
+
+    def away(pair: Pair) -> tuple[float, bool]:
+        begin, end = motion.asked[list(pair)]
+        return float(max(begin - sync.asked, sync.asked - end, 0.0)), motion.bottlenecks[pair].hinge not in own
+
+    return motion.bottlenecks[min(motion.bottlenecks, key=away)] if motion.bottlenecks else None

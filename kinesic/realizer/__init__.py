@@ -1,0 +1,1 @@
+"""Realizes several blocks over time, as pure functions of a scene and a time."""

@@ -1,0 +1,112 @@
+"""A message becomes a block with times: all that can be said of it at once, before its motion is planned."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from kinesic.bml.block import Block, BmlError, Notice, NoticeType, Timeline
+from kinesic.bml.feedback import prediction, warning
+from kinesic.bml.parse import UNNAMED, parse
+from kinesic.bml.reading.tree import BOUNDS, Bounds
+from kinesic.bml.schedule import schedule
+from kinesic.body.utterance import Utterance
+from kinesic.expressivity.durations import spans
+from kinesic.expressivity.hands.engaged import Engaged
+from kinesic.planning.setup import Facts
+from kinesic.planning.speech import spoken
+from kinesic.realizer.around import Around, anchored, refers_elsewhere
+
+ALONE = Around()
+
+_ID = re.compile(rb"""<(?:\w+:)?bml\b[^>]*?\sid\s*=\s*["']([^"']+)["']""")
+
+
+@dataclass(frozen=True)
+class Message:
+    """A document as it came."""
+
+    text: bytes | str
+    sender: int = 0  # who gets the feedback
+    source: str = "<text>"  # its name, for messages
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """A block with times, from somebody."""
+
+    sender: int
+    block: Block  # its references to other blocks are times of its own
+    utterances: Mapping[str, Utterance]  # speech id -> what it sounds like
+    timeline: Timeline
+    zero: float = 0.0  # [s] global time at which its time 0 is expected
+    is_anchored: bool = False  # it refers to other blocks, so that `zero` is to be kept
+    is_decided: bool = False  # what it says is under way, so that it is said as it is
+    engaged: tuple[Engaged, ...] = ()  # hands that other blocks need meanwhile
+
+    @property
+    def notices(self) -> tuple[Notice, ...]:
+        """What is known already not to be as asked."""
+        return self.timeline.notices
+
+    @property
+    def times(self) -> Mapping[str, Mapping[str, float]]:
+        """Sync points by behaviour, block time [s]."""
+        return {timed.behaviour.id: timed.times for timed in self.timeline.timed}
+
+    @property
+    def prediction(self) -> str:
+        """The predictionFeedback as XML."""
+        types = {behaviour.id: behaviour.type for behaviour in self.block.behaviours}
+        start, end = self.timeline.start, self.timeline.end
+        character = self.block.character
+        return prediction(self.block.id, start, end, self.times, types=types, zero=self.zero, character=character)
+
+
+def asked(message: Message, facts: Facts, *, around: Around = ALONE, bounds: Bounds = BOUNDS) -> Asked:
+    """Reads, says and times a block.
+
+    Args:
+        message: with one <bml>.
+        facts: of planning.
+        around: what plays and waits; references to other blocks lead there.
+        bounds: largest size and depth.
+
+    Raises:
+        BmlError: the document is refused.
+    """
+    block = parse(
+        message.text,
+        source=message.source,
+        dialect=facts.dialect,
+        known_blocks=around.states,
+        unnamed=around.free(UNNAMED),
+        bounds=bounds,
+    )
+    zero, is_anchored = around.begin(block), refers_elsewhere(block)
+    own = anchored(block, around, zero)
+    found = again(Asked(message.sender, own, {}, Timeline(own, ()), zero, is_anchored), facts)
+    return found if is_anchored else replace(found, zero=zero - found.timeline.start)
+
+
+def again(earlier: Asked, facts: Facts) -> Asked:
+    """Says and times a block anew, with other facts or after it was changed.
+
+    Raises:
+        BmlError: something `required` cannot be timed.
+    """
+    block = earlier.block
+    utterances = earlier.utterances if earlier.is_decided else spoken(block, facts)
+    natural = spans(block, style=facts.style, lexicon=facts.lexicon, pace=facts.pace, targets=facts.targets)
+    timeline = schedule(block, utterances, natural)
+    return replace(earlier, block=block, utterances=utterances, timeline=timeline)
+
+
+def refused(message: Message, error: BmlError) -> str:
+    """The warningFeedback for a document that is refused, by the id of its block where that can be read."""
+    return warning(Notice(NoticeType.PARSING_FAILURE, named(message.text), str(error)))
+
+
+def named(text: str | bytes) -> str:
+    """The id of a document's block as its first tag has it; that of a block without one if it has none."""
+    found = _ID.search(text.encode() if isinstance(text, str) else text)
+    return found[1].decode(errors="replace") if found else UNNAMED

@@ -1,0 +1,149 @@
+"""Which hinges each behaviour of a plan needs, and when."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from kinesic.bml.block import Action, Gaze, Gesture, Head, HeadDirectionShift, Pointing
+from kinesic.body.arrays import Flags, Floats, sealed
+from kinesic.body.robot import SIDES, Robot
+from kinesic.expressivity.behaviours import stays
+from kinesic.expressivity.keyframes import PartName
+from kinesic.motion.trajectory import STEP
+from kinesic.planning.plan import Plan
+from kinesic.planning.syncs import CHAINS
+
+Role = Literal["l_hand", "r_hand", "sign", "look", "trunk"]  # what only one behaviour at a time can do
+
+ARMS: tuple[Role, ...] = ("l_hand", "r_hand")
+FORTH = ("ready", "strokeStart", "stroke", "relax")  # the first of these that a behaviour has: it is where it should be
+BACK = ("relax", "strokeEnd", "stroke", "end")  # from the first of these on it goes back
+STILL = 1e-9  # [rad]
+
+
+@dataclass(frozen=True, eq=False)
+class Busy:
+    """What one behaviour needs, in performance time [s]."""
+
+    behaviour: str
+    roles: frozenset[Role]
+    hinges: Flags  # (n,) that it moves
+    begin: float  # it leaves
+    ready: float  # it is where it must be
+    relax: float  # it gives way to whatever comes
+    end: float  # it is back, or stays
+    offset: Floats | None = None  # (n,) [rad] by which it stays away from rest; None where it goes back
+
+    @property
+    def stays(self) -> bool:
+        """Whether its end is where others of its kind return to."""
+        return self.offset is not None
+
+    def later(self, seconds: float) -> "Busy":
+        """The same at another time."""
+        begin, ready, relax, end = (time + seconds for time in (self.begin, self.ready, self.relax, self.end))
+        return replace(self, begin=begin, ready=ready, relax=relax, end=end)
+
+    def left(self, change: Floats) -> "Busy":
+        """The same with what it has really changed in the end (n,) [rad], where it stays."""
+        return replace(self, offset=sealed(np.where(self.hinges, change, 0.0))) if self.stays else self
+
+    def meets(self, other: "Busy") -> bool:
+        """Whether both must be somewhere at the same time with the same part of the body."""
+        return bool(self.roles & other.roles) and self.ready < other.relax and other.ready < self.relax
+
+
+def busy(plan: Plan) -> tuple[Busy, ...]:
+    """What the moving behaviours of a plan need, in the order of their beginnings.
+
+    Args:
+        plan: whose own performance time counts.
+    """
+    zero, uses = plan.trajectory.zero, plan.keyframes.uses
+    actions = {behaviour.id: behaviour.action for behaviour in plan.timeline.block.behaviours}
+    times: dict[str, dict[str, float]] = {}
+    for sync in plan.syncs:
+        times.setdefault(sync.behaviour, {})[sync.sync] = sync.planned + zero
+    found = [_one(id, actions[id], at, plan) for id, at in times.items() if uses.get(id)]
+    return tuple(sorted(found, key=lambda each: (each.begin, each.behaviour)))
+
+
+def freed(own: Sequence[Busy], moved: Flags, time: float, robot: Robot, *, others: Sequence[Busy] = ()) -> Flags:
+    """(n,) hinges that a block gives free when it is interrupted.
+
+    Args:
+        own: what its behaviours need.
+        moved: (n,) hinges that it moves.
+        time: [s] performance time of the interruption.
+        robot: whose arms count; of them those are free that the block holds then.
+        others: what else the running motion does; a look that another one has taken over from is no longer there.
+    """
+    found = np.array(moved)
+    for each in own:
+        if each.stays and any(each.roles & other.roles and each.end < other.end for other in others if other.stays):
+            found &= ~each.hinges
+    for role in ARMS:
+        if not any(role in each.roles and each.relax > time for each in own):
+            found[list(arm(role, robot))] = False
+    return found
+
+
+def settled(busy: Iterable[Busy]) -> tuple[Busy, ...]:
+    """Of what is busy, what stays when all is over, the latest of each kind: at any time, as it takes none."""
+    last = {role: each for each in sorted(busy, key=lambda each: each.end) for role in each.roles if each.stays}
+    return tuple(each.later(-np.inf) for each in dict.fromkeys(last.values()))
+
+
+def _one(id: str, action: Action, at: Mapping[str, float], plan: Plan) -> Busy:
+    """One behaviour with sync points at performance times [s]."""
+    parts, controls = plan.keyframes.uses[id], plan.trajectory.controls
+    begin, end = min(at.values()), max(at.values())
+    relax = end if stays(action) else next((at[name] for name in BACK if name in at), end)
+    ready = min(next((at[name] for name in FORTH if name in at), end), relax)
+    hinges = _hinges(parts, plan.facts.robot) & (np.ptp(controls, axis=0) > STILL)
+    offset = None
+    if stays(action):
+        last = min(round(end / STEP), len(controls) - 3) + 1
+        offset = sealed(np.where(hinges, controls[last] - controls[0], 0.0))
+    return Busy(id, _roles(action, parts), hinges, begin, ready, relax, end, offset)
+
+
+def held(busy: Iterable[Busy], time: float) -> tuple[Busy, ...]:
+    """Of what is busy, what still counts from a performance time on [s].
+
+    That is what has not given way, and of what stays the latest of its kind.
+    """
+    every = tuple(busy)
+    last = {role: each for each in sorted(every, key=lambda each: each.end) for role in each.roles if each.stays}
+    return tuple(each for each in every if each.relax > time or each in last.values())
+
+
+def _hinges(parts: frozenset[PartName], robot: Robot) -> Flags:
+    """(n,) of some parts."""
+    found = np.zeros(len(robot.skeleton.hinges), dtype=np.bool_)
+    for part in parts:
+        found[list(robot.joints(CHAINS[part]))] = True
+    return found
+
+
+def _roles(action: Action, parts: frozenset[PartName]) -> frozenset[Role]:
+    """The hands that a behaviour moves, and its part in what the trunk does: movements of different kinds add up."""
+    roles: set[Role] = {role for role in ARMS if role in parts}
+    match action:
+        case Gesture() | Pointing():
+            pass
+        case Head():
+            roles.add("sign")
+        case Gaze() | HeadDirectionShift():
+            roles.add("look")
+        case _:
+            roles |= {"trunk"} if parts - set(ARMS) else set()
+    return frozenset(roles)
+
+
+def arm(role: Role, robot: Robot) -> tuple[int, ...]:
+    """Hinges of a hand's arm, in joint order."""
+    sides = {f"{side}_hand": robot.joints(f"{side}_arm") for side in SIDES}
+    return sides[role]

@@ -1,0 +1,73 @@
+"""What stands against a block beside what runs: the body comes too near to itself, or a drive bears too much.
+
+Each of both motions is clear of the body by itself, so that only what is neither of them is measured; inertia and
+gravity couple the hinges, so that the load of a drive is known only from both together.
+"""
+
+import numpy as np
+
+from kinesic.body.arrays import Flags, Floats
+from kinesic.motion.trajectory import STEP, Trajectory
+from kinesic.motion.transition import LEAST, SAME, lengthened
+from kinesic.planning.certify import duties
+from kinesic.planning.clearance import LAG_RESERVE, scan
+from kinesic.planning.setup import Facts
+from kinesic.realizer.busy import ARMS, Busy, arm
+from kinesic.realizer.release import tail
+from kinesic.realizer.work import Failed, Work
+
+FULL = 1.0  # of a drive's duty
+
+
+def hindered(work: Work, found: Floats, facts: Facts) -> Failed | None:
+    """The behaviour of a block to blame, and why; None when nothing stands against it.
+
+    Args:
+        work: what was laid over what.
+        found: (k + 3, n) [rad] control points of both together.
+        facts: distances and dynamics.
+    """
+    apart = [np.abs(found - lengthened(each, len(found))).max(axis=1) > SAME for each in (work.base, work.coming)]
+    rows = np.flatnonzero(apart[0] & apart[1])
+    if not len(rows) or rows[-1] < work.cut + LEAST:
+        return None
+    coming = tail(Trajectory(found[: rows[-1] + LEAST], 0.0), work.cut * STEP)
+    return _too_near(coming, work, facts) or _too_heavy(coming, work, facts)
+
+
+def _too_near(coming: Trajectory, work: Work, facts: Facts) -> Failed | None:
+    times, clearance = scan(coming, facts.distances)
+    worst, robot = clearance.worst, facts.robot
+    distance = float(clearance.distances[worst])
+    if distance >= robot.least_clearance + LAG_RESERVE:
+        return None
+    pair, at = clearance.pairs[worst], float(times[worst]) + work.cut * STEP
+    roles = {role for role in ARMS if set(pair) & set(robot.chains.get(f"{role[0]}_arm", ()))}
+    hinges = np.zeros(len(robot.skeleton.hinges), dtype=np.bool_)
+    for role in roles:
+        hinges[list(arm(role, robot))] = True
+    name = _blamed(work, hinges, at)
+    return Failed(name, f"brings {pair[0]} within {1000 * distance:.0f} mm of {pair[1]} beside what runs")
+
+
+def _too_heavy(coming: Trajectory, work: Work, facts: Facts) -> Failed | None:
+    peaks = duties(coming, facts)
+    if peaks.max() <= FULL:
+        return None
+    before = duties(tail(Trajectory(work.base[: work.cut + len(coming.controls)], 0.0), work.cut * STEP), facts)
+    over = (peaks > FULL) & (peaks > before)
+    if not over.any():
+        return None
+    worst = int(np.where(over, peaks, 0.0).argmax())
+    joint = facts.robot.skeleton.names[worst]
+    name = _blamed(work, np.arange(len(peaks)) == worst, work.cut * STEP)
+    return Failed(name, f"asks {100 * peaks[worst]:.0f} % of the duty of {joint} beside what runs")
+
+
+def _blamed(work: Work, hinges: Flags, at: float) -> str:
+    """The behaviour of the block that moves some hinges (n,) nearest to a time [s]; none where it performs none."""
+
+    def away(each: Busy) -> tuple[bool, float]:
+        return not (each.hinges & hinges).any(), max(each.begin - at, at - each.end, 0.0)
+
+    return min(work.performed, key=away).behaviour if work.performed else ""

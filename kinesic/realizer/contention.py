@@ -1,0 +1,103 @@
+"""What a block meets when it begins: speech and parts of the body that are busy, unless they are interrupted before."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Protocol
+
+from kinesic.bml.block import Block, Composition, Interrupt, Notice, NoticeType
+from kinesic.body.robot import SIDES
+from kinesic.expressivity.hands.engaged import Engaged
+from kinesic.realizer.around import LEAD
+from kinesic.realizer.asked import Asked
+from kinesic.realizer.busy import Busy
+from kinesic.realizer.feedback import Times
+from kinesic.realizer.running_block import Spoken, Staged
+from kinesic.realizer.scene import Scene
+
+Cuts = Mapping[tuple[str, str], float]  # block and behaviour -> [s] global time at which it will be interrupted
+
+
+class Coming(Protocol):
+    """A block that has times."""
+
+    @property
+    def block(self) -> Block:
+        """What was asked."""
+
+    @property
+    def zero(self) -> float:
+        """Global time of its time 0 [s]."""
+
+    @property
+    def times(self) -> Times:
+        """Of its sync points, block time [s]."""
+
+
+def interrupted_by(action: Interrupt, staged: Staged) -> frozenset[str]:
+    """The behaviours of a block that an interrupt stops."""
+    return (frozenset(action.include) or frozenset(staged.times)) & staged.times.keys() - frozenset(action.exclude)
+
+
+def cuts(scene: Scene, coming: Coming) -> Cuts:
+    """What blocks that play, and one that comes, are going to interrupt."""
+    found: dict[tuple[str, str], float] = {}
+    blocks: tuple[Coming, ...] = (*scene.playing, coming)
+    for by in blocks:
+        for behaviour in by.block.behaviours:
+            action = behaviour.action
+            target = scene.find(action.target) if isinstance(action, Interrupt) else None
+            if isinstance(action, Interrupt) and target is not None and behaviour.id in by.times:
+                time = by.zero + by.times[behaviour.id]["start"]
+                for id in interrupted_by(action, target):
+                    found[target.id, id] = min(time, found.get((target.id, id), time))
+    return found
+
+
+def busy(scene: Scene, coming: Coming) -> tuple[Busy, ...]:
+    """What other blocks need of the body, in performance time, each as long as it will be let."""
+    ends = {f"{block}:{id}": scene.performance(time) for (block, id), time in cuts(scene, coming).items()}
+    return tuple(_until(each, ends[each.behaviour]) if each.behaviour in ends else each for each in scene.busy)
+
+
+def among(scene: Scene, asked: Asked) -> Asked:
+    """The block with the hands that others need meanwhile, as far as one can tell before it is planned.
+
+    It may begin later than expected by the time to plan it. One that takes the place of others, or stops them, finds
+    their hands free; when one begins that waits to be activated, nobody knows.
+    """
+    succession, zero = asked.block.succession, scene.performance(asked.zero)
+    if asked.block.composition is Composition.REPLACE or succession.preplanned:
+        return asked
+    engaged = [
+        Engaged(side, each.ready - zero - LEAD, each.relax - zero, each.behaviour)
+        for each in busy(scene, asked)
+        if each.relax > zero + asked.timeline.start and each.behaviour.partition(":")[0] not in succession.interrupts
+        for side in SIDES
+        if f"{side}_hand" in each.roles
+    ]
+    return replace(asked, engaged=tuple(engaged))
+
+
+def heard(scene: Scene, coming: Staged) -> tuple[Staged, tuple[Notice, ...]]:
+    """The block without speech that would be said while another one speaks, and what is to be told of it."""
+    ends = cuts(scene, coming)
+    met: dict[str, Spoken] = {}
+    for own in coming.speeches:
+        for other in scene.speeches:
+            until = min(other.end, ends.get((other.block, other.behaviour), other.end))
+            if other.block != coming.id and own.begin < until and other.begin < own.end:
+                met[own.behaviour] = other
+    notices = tuple(
+        Notice(
+            NoticeType.IMPOSSIBLE_TO_SCHEDULE,
+            f"{coming.id}:{id}",
+            f"left out: {other.block}:{other.behaviour} speaks until {other.end:.2f} s; APPEND would wait for it",
+        )
+        for id, other in met.items()
+    )
+    return coming.without(frozenset(met)), notices
+
+
+def _until(busy: Busy, time: float) -> Busy:
+    relax = min(busy.relax, max(time, busy.begin))
+    return replace(busy, ready=min(busy.ready, relax), relax=relax)

@@ -1,0 +1,84 @@
+"""Blocks that end before their time: stopped while they play, or taken back while they wait."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from kinesic.bml.block import Notice, NoticeType
+from kinesic.bml.composition import State
+from kinesic.body.arrays import Flags
+from kinesic.motion.trajectory import Trajectory
+from kinesic.realizer.busy import Busy, freed
+from kinesic.realizer.feedback import Due, Progress, retimed, without
+from kinesic.realizer.release import released
+from kinesic.realizer.running_block import Staged
+from kinesic.realizer.scene import Scene
+
+Told = tuple[Due, ...]
+
+
+def stopped(scene: Scene, staged: Staged, now: float, why: str) -> tuple[Scene, Told]:
+    """A block ends now: what it does is taken back while all others go on; one that waits is revoked.
+
+    Args:
+        scene: with the block.
+        staged: the block.
+        now: [s] global time.
+        why: for the sender.
+    """
+    after, dues = ended(scene, staged, now, why)
+    merged = staged.merged
+    if merged is None or not merged.busy:
+        return after, dues
+    moved = np.ptp(merged.layer.controls, axis=0) > 0.0
+    return replace(after, motion=_taken_back(scene, staged, staged.busy, moved, now)), dues
+
+
+def ended(scene: Scene, staged: Staged, now: float, why: str) -> tuple[Scene, Told]:
+    """The same, while its motion is somebody else's matter."""
+    agenda = tuple(due for due in without(scene.agenda, staged.id) if due.unless_improved != staged.id)
+    waits_for_start = any(
+        isinstance(due.told, Progress) and due.told.key == (None, "start") for due in _of(scene, staged)
+    )
+    if not staged.state.is_playing or waits_for_start:
+        notice = Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, staged.id, f"revoked before it began: {why}")
+        return replace(scene.gone(staged, State.REVOKED), agenda=agenda), (staged.warning(notice, now),)
+    point = Progress(staged.id, None, "end", now - staged.zero, staged.block.character, State.INTERRUPTED)
+    cut = replace(staged, times=_until(staged, now))
+    return replace(scene.gone(cut, State.INTERRUPTED), agenda=agenda), (Due(now, point, staged.sender),)
+
+
+def left_out(scene: Scene, staged: Staged, behaviours: frozenset[str], now: float) -> tuple[Scene, Told]:
+    """Some behaviours of a block end now; what nobody else moves goes back."""
+    left = staged.without(behaviours)
+    if not left.times:
+        return stopped(scene, staged, now, "all its behaviours are interrupted")
+    after = scene.put(left)
+    gone = [each for each in staged.busy if each.behaviour in behaviours]
+    motion = _taken_back(scene, staged, gone, scene.hinges(gone) & ~scene.hinges(left.busy), now)
+    agenda = retimed(without(scene.agenda, staged.id, behaviours), staged.id, left.agenda(), now)
+    return replace(after, motion=motion, agenda=agenda), (left.prediction(now),)
+
+
+def _taken_back(scene: Scene, staged: Staged, gone: Sequence[Busy], moved: Flags, now: float) -> Trajectory:
+    """The motion without what some behaviours of a block do with the hinges (n,) that they move."""
+    if staged.merged is None:
+        return scene.motion
+    at, left = scene.first_change(now), [each for each in staged.busy if each not in gone]
+    others = (*scene.busy_but(staged.id), *left)
+    free = freed(gone, moved, at, scene.facts.robot, others=others)
+    if not free.any():
+        return scene.motion
+    return released(scene.motion, at, free, scene.facts, layer=staged.merged.layer, others=others)
+
+
+def _of(scene: Scene, staged: Staged) -> Told:
+    """What a block has still to tell."""
+    return tuple(due for due in scene.agenda if due.block == staged.id)
+
+
+def _until(staged: Staged, now: float) -> dict[str, dict[str, float]]:
+    """The sync points that were passed."""
+    own = {id: {sync: t for sync, t in at.items() if staged.zero + t <= now} for id, at in staged.times.items()}
+    return {id: at for id, at in own.items() if at}

@@ -1,0 +1,186 @@
+"""Lays the motion of a block over a running one, or puts it in its place, under all limits and clear of the body.
+
+Movements of the trunk add up: a nod goes over a gaze, and the lean of one hand's reach over that of the other. A hand
+does one work after the other: it leaves a hold or a retraction for what comes, and a work that meets another one of
+the same hand, or one gaze another gaze, is left out by name.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import ceil
+
+import numpy as np
+
+from kinesic.bml.block import Notice, NoticeType
+from kinesic.body.arrays import Floats, sealed
+from kinesic.motion.trajectory import STEP, Trajectory
+from kinesic.motion.transition import EARLY, LEAST, knot_at, lengthened, placed, roomy, shortened
+from kinesic.planning.plan import Plan
+from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
+from kinesic.realizer.busy import Busy, held
+from kinesic.realizer.busy import busy as needs
+from kinesic.realizer.conflicts import hindered
+from kinesic.realizer.layers import laid
+from kinesic.realizer.release import released, tail
+from kinesic.realizer.work import Failed, Work
+
+WAITS = (0, 10, 20, 40)  # knots from one attempt to the next
+MOST_LATER = 60  # knots by which a block may come later
+
+
+@dataclass(frozen=True, eq=False)
+class Merged:
+    """A block among what runs."""
+
+    trajectory: Trajectory  # on the running motion's clock, the same before the cut
+    zero: float  # [s] performance time of the block's zero
+    layer: Trajectory  # what the block adds to the running motion, on the same clock
+    busy: tuple[Busy, ...]  # its behaviours that move
+    planned: Floats  # (m,) [s] performance time of the keys of its plan
+    syncs: tuple[SyncTime, ...]  # as performed, in block time; of dropped behaviours none
+    dropped: tuple[str, ...]  # behaviours that are left out
+    notices: tuple[Notice, ...]
+
+    def earlier(self, seconds: float) -> "Merged":
+        """The same on a clock whose 0 is later, as `release.tail` makes it: a whole number of knots [s]."""
+        return replace(
+            self,
+            trajectory=tail(self.trajectory, seconds),
+            zero=self.zero - seconds,
+            layer=tail(self.layer, seconds),
+            busy=tuple(each.later(-seconds) for each in self.busy),
+            planned=sealed(self.planned - seconds),
+        )
+
+
+def merged(running: Trajectory, time: float, coming: Plan, *, begin: float, busy: Sequence[Busy] = ()) -> Merged:
+    """Lays a block over a running motion.
+
+    A silent block in which something has no place comes later by up to `MOST_LATER` where it then has; else, and in
+    a block that speaks, what has none is left out.
+
+    Args:
+        running: the motion, within the limits and clear of the body.
+        time: [s] performance time from which it may change, at the next knot.
+        coming: the block.
+        begin: [s] performance time at which the block's zero is wished.
+        busy: what the running motion does, in its performance time.
+    """
+    return _laid_over(running, time, coming, begin, busy, waits=not coming.utterances)
+
+
+def replaced(running: Trajectory, time: float, coming: Plan, *, begin: float | None = None) -> Merged:
+    """Puts a block in the place of all that runs: from how the body moves at the cut, over into the block.
+
+    What the block does not move comes to rest. The block comes later where it has no way else.
+
+    Args:
+        running: the motion, within the limits and clear of the body.
+        time: [s] performance time from which it may be left, at the next knot.
+        coming: the block.
+        begin: [s] performance time at which the block's zero is wished; at once by default.
+    """
+    every = np.ones(len(coming.facts.limits.lower), dtype=np.bool_)
+    leaving = released(running, time, every, coming.facts)
+    wished = time + coming.trajectory.zero if begin is None else begin
+    return _laid_over(leaving, time, coming, wished, (), waits=True)
+
+
+def _laid_over(
+    running: Trajectory, time: float, coming: Plan, begin: float, busy: Sequence[Busy], *, waits: bool
+) -> Merged:
+    """A block over what runs, later where it may wait and then has a place for everything."""
+    knot = knot_at(time)
+    soonest = max(ceil((begin - coming.trajectory.zero) / STEP - EARLY), knot)
+    own, others = needs(coming), held(busy, knot * STEP)
+    first = found = _tried(running, coming, knot, soonest, own, others)
+    if first.gone and waits:
+        tries = (
+            _tried(running, coming, knot, soonest + more, own, others, whole=True) for more in _later(first, others)
+        )
+        found = next((each for each in tries if not each.gone), first)
+    return _told(running, found, coming, begin)
+
+
+@dataclass(frozen=True, eq=False)
+class _Tried:
+    """A block at one time."""
+
+    offset: int  # knot at which its own motion begins
+    every: Sequence[Busy]  # of the block
+    base: Floats  # (k + 3, n) [rad] control points of what ran
+    controls: Floats  # (k + 3, n) [rad] of both
+    performed: Sequence[Busy]
+    gone: Mapping[str, str]  # what is left out, and why
+
+
+def _later(first: _Tried, others: Sequence[Busy]) -> list[int]:
+    """By how many knots a block may come later, so that nothing it needs is busy: that, and a little more."""
+    lacking = [
+        other.relax - each.ready for each in first.every for other in others if each.meets(other) and not other.stays
+    ]
+    least = ceil(max(lacking, default=0.0) / STEP - EARLY)
+    return [least + more for more in WAITS if 0 < least + more <= MOST_LATER]
+
+
+def _tried(
+    running: Trajectory,
+    coming: Plan,
+    knot: int,
+    offset: int,
+    own: Sequence[Busy],
+    others: Sequence[Busy],
+    *,
+    whole: bool = False,
+) -> _Tried:
+    """A block that begins at a knot, without what has no place there; whether anything has none, if `whole`."""
+    every = [each.later(offset * STEP) for each in own]
+    gone = _conflicts(every, others)
+    limits = roomy(coming.facts.limits)
+    begun = placed(coming.trajectory.controls, offset)
+    count = max(len(begun), len(running.controls), knot + LEAST)
+    base, begun = lengthened(running.controls, count), lengthened(begun, count)
+    while True:
+        performed = [each for each in every if each.behaviour not in gone]
+        if not performed or (whole and gone):
+            return _Tried(offset, every, base, base, performed, gone)
+        dropped = [each for each in every if each.behaviour in gone]
+        work = Work(base, begun, knot, others, performed, dropped)
+        found = laid(work, coming.facts, limits)
+        failed = found if isinstance(found, Failed) else hindered(work, found, coming.facts)
+        if failed is None and not isinstance(found, Failed):
+            return _Tried(offset, every, base, found, performed, gone)
+        if failed is not None:
+            gone[failed.behaviour] = failed.why
+
+
+def _conflicts(own: Sequence[Busy], others: Sequence[Busy]) -> dict[str, str]:
+    """Behaviours that meet what runs, and why."""
+    found = {}
+    for each in own:
+        met = next((other for other in others if each.meets(other)), None)
+        if met is not None:
+            parts = " and ".join(sorted(each.roles & met.roles))
+            found[each.behaviour] = f"{parts} busy with {met.behaviour} for {met.relax - each.ready:.2f} s more"
+    return found
+
+
+def _told(running: Trajectory, tried: _Tried, coming: Plan, begin: float) -> Merged:
+    """A block as it was laid, with what the sender should know."""
+    block, zero = coming.timeline.block, tried.offset * STEP + coming.trajectory.zero
+    syncs = tuple(sync for sync in coming.syncs if sync.behaviour not in tried.gone)
+    notices = [(name, f"left out: {why}") for name, why in tried.gone.items()]
+    if zero - begin > SHIFT_TO_WARN:
+        late = f"comes {zero - begin:.3f} s later, with the block"
+        notices += [(sync.behaviour, f"{sync.sync} {late}") for sync in syncs if sync.sync == "stroke"]
+    layer = tried.controls - lengthened(tried.base, len(tried.controls))
+    return Merged(
+        trajectory=Trajectory(sealed(shortened(tried.controls)), running.zero) if np.any(layer) else running,
+        zero=zero,
+        layer=Trajectory(sealed(layer), running.zero),
+        busy=tuple(each.left(layer[-1]) for each in tried.performed),
+        planned=sealed(coming.motion.planned + zero),
+        syncs=syncs,
+        dropped=tuple(tried.gone),
+        notices=tuple(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, f"{block.id}:{name}", text) for name, text in notices),
+    )

@@ -1,0 +1,197 @@
+"""Blocks of BML one after the other and at once: what becomes of a scene when something is asked or time passes.
+
+Everything here is a pure function of a scene and a time; no clock, no threads. Whoever performs asks `ready` for the
+plan of a block wherever there is time, hands it to `begun`, and calls `passed` again and again.
+"""
+
+from dataclasses import replace
+from functools import partial
+
+from kinesic.bml.block import Activate, Command, Interrupt, Notice, NoticeType, ParameterChange
+from kinesic.bml.composition import State, awaited, goes_round, held_back
+from kinesic.bml.reading.manner import modality_of
+from kinesic.planning.certify import certified
+from kinesic.planning.plan import plan
+from kinesic.planning.quick_plan import opening
+from kinesic.planning.setup import Facts
+from kinesic.realizer.aiming import aimed_again
+from kinesic.realizer.asked import Asked
+from kinesic.realizer.changing import changed, improved, parameter_changed, taken
+from kinesic.realizer.contention import interrupted_by
+from kinesic.realizer.ending import left_out, stopped
+from kinesic.realizer.feedback import Due, ordered
+from kinesic.realizer.running_block import Ready, Staged
+from kinesic.realizer.scene import Scene, forgotten
+from kinesic.realizer.starting import activated, started
+
+__all__ = [
+    "Due",
+    "Ready",
+    "Scene",
+    "begun",
+    "changed",
+    "improved",
+    "interrupted",
+    "passed",
+    "ready",
+    "taken",
+]
+
+MOST_BLOCKS = 256  # in a scene at once
+AT_ONCE = partial(certified, lead_in=0.0)
+SMALL = 4  # moving behaviours of a block that is planned well as quickly as not
+BRIEF = 20.0  # [s] such a block may move
+
+
+def ready(asked: Asked, facts: Facts) -> Ready:
+    """Plans a block so that it can begin at once: a small one well, a large one quickly, to be improved while it plays.
+
+    Raises:
+        BmlError: something `required` cannot be performed.
+    """
+    moving = [each for each in asked.timeline.timed if modality_of(each.behaviour.action) not in (None, "face")]
+    times = [time for each in moving for time in each.times.values()]
+    block, engaged = asked.block, asked.engaged
+    if asked.is_decided:
+        return Ready(asked, plan(block, facts, conditioned=AT_ONCE, utterances=asked.utterances, engaged=engaged))
+    if len(moving) <= SMALL and max(times, default=0.0) - min(times, default=0.0) <= BRIEF:
+        return Ready(asked, plan(block, facts, conditioned=AT_ONCE, engaged=engaged))
+    return Ready(asked, opening(block, facts, engaged=engaged), is_provisional=True)
+
+
+def begun(scene: Scene, ready: Ready, now: float) -> tuple[Scene, tuple[Due, ...]]:
+    """Takes a block into the scene: it begins now, or waits for its turn.
+
+    Args:
+        scene: at some time before.
+        ready: the block.
+        now: [s] global time.
+
+    Returns:
+        The scene with the block, and what is to be sent now. A block that is refused changes nothing that plays.
+    """
+    scene, dues = passed(scene, now)
+    block, sender = ready.plan.timeline.block, ready.asked.sender
+    refusal = _refusal(scene, ready)
+    if refusal is not None:
+        notice = Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, block.id, refusal)
+        return scene, (*dues, scene.warned(notice, now, sender, block.character))
+    waits = awaited(block, scene.states)
+    staged = Staged.of(ready, State.PENDING if block.succession.preplanned else State.LURKING, waits)
+    staged = replace(staged, zero=max(now + scene.ahead, scene.turn(staged)) + staged.lead)
+    scene = _held_back(scene.put(staged), staged)
+    if ready.is_provisional:
+        scene = replace(scene, wishes=(*scene.wishes, ready.wish), agenda=ordered(scene.agenda, staged.doubts(now)))
+    notices = tuple(staged.warning(notice, now) for notice in staged.certain)
+    if scene.has_turn(staged, now):
+        scene, told = started(scene, staged, now)
+    else:
+        scene = scene.put(replace(staged, told=(staged.zero, staged.times)))
+        told = (staged.prediction(now),)
+    return scene, (*dues, *told, *notices)
+
+
+def passed(scene: Scene, now: float) -> tuple[Scene, tuple[Due, ...]]:
+    """Lets time pass: blocks whose turn has come begin, what has become due is handed out, what is over is forgotten.
+
+    Args:
+        scene: at some time before.
+        now: [s] global time.
+    """
+    told: list[Due] = []
+    while True:
+        coming = next((each for each in scene.blocks if scene.has_turn(each, now)), None)
+        if coming is not None:
+            scene, dues = started(scene, coming, now)
+        elif scene.agenda and scene.agenda[0].time <= now:
+            due = scene.agenda[0]
+            told.append(due)
+            scene, dues = _happened(replace(scene, agenda=scene.agenda[1:]), due, now)
+        else:
+            return forgotten(scene, now), tuple(told)
+        told += dues
+
+
+def interrupted(scene: Scene, now: float, block: str | None = None) -> tuple[Scene, tuple[Due, ...]]:
+    """Ends one block or all of them; what others do goes on.
+
+    Args:
+        scene: at some time before.
+        now: [s] global time.
+        block: its id; None: all, those that wait too.
+    """
+    before, told = passed(scene, now)
+    scene = before
+    for staged in before.blocks:
+        if block in (None, staged.id):
+            scene, dues = stopped(scene, staged, now, "it was interrupted")
+            told += dues
+    scene, astray = aimed_again(before, scene, now)
+    return scene, (*told, *astray)
+
+
+def _happened(scene: Scene, due: Due, now: float) -> tuple[Scene, tuple[Due, ...]]:
+    """What follows from a point that a block has passed."""
+    point = due.told
+    staged = None if isinstance(point, str) else scene.find(point.block)
+    if isinstance(point, str) or staged is None:
+        return scene, ()
+    match point.key:
+        case (None, "relax"):
+            return scene.put(replace(staged, state=State.SUBSIDING)), ()
+        case (None, "end"):
+            return scene.gone(staged, State.DONE), ()
+        case (str(id), "start"):
+            action = next(behaviour.action for behaviour in staged.block.behaviours if behaviour.id == id)
+            if isinstance(action, Interrupt | Activate | ParameterChange):
+                return _commanded(scene, staged, id, action, now)
+    return scene, ()
+
+
+def _commanded(
+    scene: Scene, staged: Staged, behaviour: str, action: Command, now: float
+) -> tuple[Scene, tuple[Due, ...]]:
+    """What a block does to another one."""
+    name = action.target.partition(":")[0]
+    other = scene.find(name)
+    if other is None:
+        notice = Notice(
+            NoticeType.IMPOSSIBLE_TO_SCHEDULE, f"{staged.id}:{behaviour}", f"no block {name} plays or waits"
+        )
+        return scene, (staged.warning(notice, now),)
+    if isinstance(action, Activate):
+        return activated(scene, name, now)
+    if isinstance(action, ParameterChange):
+        return parameter_changed(scene, staged, behaviour, action, now)
+    chosen = interrupted_by(action, other)
+    if chosen == other.times.keys():
+        after, told = stopped(scene, other, now, f"{staged.id} interrupts it")
+    else:
+        after, told = left_out(scene, other, chosen, now)
+    after, astray = aimed_again(scene, after, now)
+    return after, (*told, *astray)
+
+
+def _held_back(scene: Scene, staged: Staged) -> Scene:
+    """Blocks that wait, and by this block's wish go after it, unless they would wait for themselves."""
+    for id, until in held_back(staged.block, scene.states).items():
+        other = scene.find(id)
+        if other is not None:
+            after = scene.put(replace(other, waits={**other.waits, staged.id: until}))
+            if not goes_round({each.id: each.waits for each in after.blocks}, id):
+                scene = after
+    return scene
+
+
+def _refusal(scene: Scene, ready: Ready) -> str | None:
+    """Why a block is not taken; None when it is."""
+    block = ready.plan.timeline.block
+    same = scene.find(block.id)
+    if same is not None:
+        how = "plays" if same.state.is_playing else "waits"
+        return f"a block of this id {how} already ({same.state.value}): give each block an id of its own"
+    if scene.character is not None and block.character not in (None, scene.character):
+        return f"it is for {block.character}, and {scene.character} performs here"
+    if len(scene.blocks) >= MOST_BLOCKS:
+        return f"{MOST_BLOCKS} blocks play and wait already, send it again when some are over"
+    return None

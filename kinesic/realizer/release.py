@@ -1,0 +1,152 @@
+"""Takes back what an interrupted block does, and forgets what is past of a motion."""
+
+from collections.abc import Sequence
+from math import ceil
+
+import numpy as np
+
+from kinesic.body.arrays import Flags, Floats, sealed
+from kinesic.body.limits import Limits
+from kinesic.body.robot import Robot
+from kinesic.motion.double_s import least_stop
+from kinesic.motion.trajectory import STEP, Trajectory
+from kinesic.motion.transition import (
+    LEAST,
+    SAME,
+    crossed,
+    excesses,
+    kept,
+    knot_at,
+    lengthened,
+    roomy,
+    shortened,
+    together,
+)
+from kinesic.planning.clearance import LAG_RESERVE, scan
+from kinesic.planning.quick_plan import duration
+from kinesic.planning.setup import Facts
+from kinesic.realizer.busy import ARMS, Busy, arm
+
+WAIT = 10  # knots that an interruption waits at least, when the way back is not clear
+MOST_WAITS = 6  # each twice as long as the one before
+EASE = 1.5  # times the least time from rest to rest
+LONGER = 1.25  # times as long, when a way back is too short
+LONGEST = 400  # pieces
+FEWEST = 4  # pieces of a motion
+
+
+def released(
+    running: Trajectory,
+    time: float,
+    hinges: Flags,
+    facts: Facts,
+    *,
+    layer: Trajectory | None = None,
+    others: Sequence[Busy] = (),
+) -> Trajectory:
+    """Takes back what an interrupted block or behaviour does; all else goes on as it runs.
+
+    Args:
+        running: the motion, within the limits and clear of the body.
+        time: [s] performance time from which it may change, at the next knot.
+        hinges: (n,) that are given free: see `busy.freed`.
+        facts: limits, rest pose and distances.
+        layer: what the block adds to the running motion; without it the hinges come to the rest pose.
+        others: what else the running motion does.
+
+    Returns:
+        The same until the cut, or a little longer where the way back is not clear of the body at once; the running
+        motion itself where it never is.
+    """
+    knot = knot_at(time)
+    remaining = len(running.controls) - 3 - knot
+    waits = [0, *(WAIT * 2**k for k in range(MOST_WAITS) if WAIT * 2**k < remaining)]
+    tries = (_from(running, knot + wait, hinges, facts, layer, others) for wait in waits)
+    return next((found for found in tries if found is not None), running)
+
+
+def _from(
+    running: Trajectory, knot: int, hinges: Flags, facts: Facts, layer: Trajectory | None, others: Sequence[Busy]
+) -> Trajectory | None:
+    """The way back from a knot on; None where it is not clear of the body."""
+    limits, free = roomy(facts.limits), np.flatnonzero(hinges).tolist()
+    if not free:
+        return running
+    own = lengthened(running.controls, knot + LEAST)
+    after = _without(own, layer, facts.robot)
+    pieces = max(LEAST, ceil(EASE * _least(own, after, knot, facts.limits)[free].max() / STEP))
+    while pieces <= LONGEST:
+        count = max(len(after), knot + pieces + LEAST)
+        whole, goal = np.array(lengthened(own, count)), lengthened(after, count)
+        land = knot + pieces
+        found = together(crossed(whole[:, hinge], goal[:, hinge], knot, land, limits, hinge) for hinge in free)
+        if found is not None:
+            back = np.array(whole)
+            back[:, free] = found
+            _take_up(back, whole, land, [each for each in others if each.ready > knot * STEP], facts)
+            return _checked(back, running.zero, knot, facts)
+        pieces = ceil(LONGER * pieces)
+    return None
+
+
+def _least(own: Floats, after: Floats, knot: int, limits: Limits) -> Floats:
+    """(n,) [s] that each hinge takes at least from one motion to another, were that at rest."""
+    begin = own[knot : knot + LEAST]
+    ways = np.abs(begin - after[knot : knot + LEAST]).max(axis=0)
+    speed, acceleration = (begin[2] - begin[0]) / (2 * STEP), (begin[0] - 2 * begin[1] + begin[2]) / STEP**2
+    stops = least_stop(speed, acceleration, limits.acceleration, limits.jerk)
+    return np.maximum(stops, [duration(float(way), limits, hinge) for hinge, way in enumerate(ways)])
+
+
+def _without(own: Floats, layer: Trajectory | None, robot: Robot) -> Floats:
+    """(k + 3, n) [rad] what goes on when a block is taken back: hands rest, and nothing leaves its range."""
+    if layer is None:
+        return np.repeat(robot.skeleton.rest[None], len(own), axis=0)
+    found = own - lengthened(layer.controls, len(own))[: len(own)]
+    found = np.clip(found, np.minimum(own, robot.skeleton.lower), np.maximum(own, robot.skeleton.upper))
+    for role in ARMS:
+        found[:, arm(role, robot)] = found[-1, arm(role, robot)]
+    return found
+
+
+def _take_up(back: Floats, own: Floats, knot: int, others: Sequence[Busy], facts: Facts) -> None:
+    """Arms that came to rest take up again what else runs, when that begins; where it is too soon, all goes on."""
+    limits = roomy(facts.limits)
+    for role in ARMS:
+        stop = min((each for each in others if role in each.roles), key=lambda each: each.ready, default=None)
+        if stop is None:
+            continue
+        leave, land = max(knot, int(stop.begin / STEP)), int(stop.ready / STEP)
+        hinges = arm(role, facts.robot)
+        ways = together(crossed(back[:, hinge], own[:, hinge], leave, land, limits, hinge) for hinge in hinges)
+        back[:, hinges] = own[:, hinges] if ways is None else ways
+
+
+def _checked(found: Floats, zero: float, knot: int, facts: Facts) -> Trajectory | None:
+    """A motion in which what is left keeps the limits and the distances after a knot."""
+    limits = roomy(facts.limits)
+    for hinge in np.flatnonzero(excesses(found[knot:], limits) > 1.0).tolist():
+        column = kept(found[:, hinge], knot, len(found) - 3, limits, hinge)
+        if column is None:
+            return None
+        found[:, hinge] = column
+    motion = Trajectory(sealed(shortened(found)), zero)
+    _, clearance = scan(tail(motion, knot * STEP), facts.distances)
+    near = clearance.distances[clearance.worst] < facts.robot.least_clearance + LAG_RESERVE
+    return None if near else motion
+
+
+def tail(motion: Trajectory, time: float) -> Trajectory:
+    """What is still to come of a motion, its own time beginning anew.
+
+    Args:
+        motion: exactly the same after the cut.
+        time: [s] performance time; cut at the last knot before it.
+
+    Returns:
+        A motion that lies earlier by the difference of both durations, a whole number of knots.
+    """
+    knot = min(int(time / STEP + SAME), len(motion.controls) - 3 - FEWEST)
+    if knot <= 0:
+        return motion
+    return Trajectory(sealed(motion.controls[knot:]), motion.zero - knot * STEP)

@@ -1,0 +1,211 @@
+"""One block in a scene: what it will do and when, and how far it is."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from kinesic.bml.block import Block, Notice, Speech
+from kinesic.bml.composition import State, Until
+from kinesic.bml.feedback import prediction, warning
+from kinesic.bml.timing.constraints import Point
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.utterance import Utterance
+from kinesic.motion.trajectory import STEP, Trajectory
+from kinesic.planning.plan import Plan
+from kinesic.realizer.asked import Asked
+from kinesic.realizer.busy import Busy
+from kinesic.realizer.feedback import Due, Times, agenda, span, times_of
+from kinesic.realizer.merge import Merged
+
+PATIENCE = 1.0  # [s] for a better plan than a provisional one
+FEWEST = 4  # control points of a motion: one piece
+
+
+@dataclass(frozen=True, eq=False)
+class Ready:
+    """A block that can begin at once."""
+
+    asked: Asked
+    plan: Plan
+    is_provisional: bool = False  # planned quickly, to be planned well while it plays
+
+    @property
+    def wish(self) -> Asked:
+        """The block to be planned anew, which says what it says."""
+        return replace(self.asked, block=self.plan.timeline.block, utterances=self.plan.utterances, is_decided=True)
+
+    @property
+    def moves(self) -> bool:
+        """Whether the body takes part in it."""
+        return len(self.plan.postures.postures) > 1
+
+
+@dataclass(frozen=True)
+class Spoken:
+    """A speech in a scene."""
+
+    block: str
+    behaviour: str
+    begin: float  # [s] global
+    utterance: Utterance
+
+    @property
+    def end(self) -> float:
+        """[s] global."""
+        return self.begin + self.utterance.duration
+
+
+@dataclass(frozen=True, eq=False)
+class Staged:
+    """A block that waits or plays."""
+
+    ready: Ready
+    state: State
+    zero: float  # [s] global time of its time 0; as expected while it waits
+    times: Times  # of its sync points, as performed; of behaviours that are left out none
+    waits: dict[str, Until] = field(default_factory=dict)  # other blocks, and what must come of them
+    merged: Merged | None = None  # how its motion was laid over the scene's, in the scene's performance time
+    told: tuple[float, Times] | None = None  # zero and times of its last prediction
+
+    @classmethod
+    def of(cls, ready: Ready, state: State, waits: dict[str, Until]) -> "Staged":
+        """A block that has not begun."""
+        return cls(ready, state, ready.asked.zero, times_of(ready.plan.syncs), waits)
+
+    @property
+    def block(self) -> Block:
+        """What was asked."""
+        return self.ready.plan.timeline.block
+
+    @cached_property
+    def id(self) -> str:
+        """Of the block."""
+        return self.block.id
+
+    @property
+    def sender(self) -> int:
+        """Who asked."""
+        return self.ready.asked.sender
+
+    @cached_property
+    def _span(self) -> tuple[float, float, float]:
+        return span(self.times)
+
+    @property
+    def lead(self) -> float:
+        """From its start to its time 0 [s]."""
+        return -self._span[0]
+
+    @property
+    def relax(self) -> float:
+        """When it subsides [s] global."""
+        return self.zero + self._span[1]
+
+    @property
+    def end(self) -> float:
+        """[s] global."""
+        return self.zero + self._span[2]
+
+    @cached_property
+    def points(self) -> dict[Point, float]:
+        """Its sync points and its own start and end [s] global."""
+        own = {Point(self.id, id, sync): self.zero + t for id, at in self.times.items() for sync, t in at.items()}
+        return own | {Point(self.id, "bml", "start"): self.zero, Point(self.id, "bml", "end"): self.end}
+
+    @property
+    def speeches(self) -> tuple[Spoken, ...]:
+        """What is said in it."""
+        return tuple(
+            Spoken(self.id, behaviour.id, self.zero + self.times[behaviour.id]["start"], utterance)
+            for behaviour in self.block.behaviours
+            if isinstance(behaviour.action, Speech)
+            and behaviour.id in self.times
+            and (utterance := self.ready.plan.utterances.get(behaviour.id)) is not None
+        )
+
+    @property
+    def busy(self) -> tuple[Busy, ...]:
+        """What its behaviours need, in the scene's performance time."""
+        return () if self.merged is None else self.merged.busy
+
+    def agenda(self) -> tuple[Due, ...]:
+        """All it will tell."""
+        return agenda(self.id, self.times, self.zero, sender=self.sender, character=self.block.character)
+
+    def prediction(self, now: float) -> Due:
+        """The predictionFeedback."""
+        types = {behaviour.id: behaviour.type for behaviour in self.block.behaviours}
+        start, _, end = span(self.times)
+        character = self.block.character
+        text = prediction(self.id, start, end, self.times, types=types, zero=self.zero, character=character)
+        return Due(now, text, self.sender)
+
+    def warning(self, notice: Notice, now: float) -> Due:
+        """A warningFeedback."""
+        return Due(now, warning(notice, character=self.block.character), self.sender)
+
+    def differs(self, by: float) -> bool:
+        """Whether a time is not as it was told, by more than so many seconds."""
+        if self.told is None:
+            return True
+        zero, times = self.told
+        if abs(zero - self.zero) > by or times.keys() != self.times.keys():
+            return True
+        return any(
+            abs(times[id].get(sync, np.inf) - time) > by for id, own in self.times.items() for sync, time in own.items()
+        )
+
+    @property
+    def certain(self) -> tuple[Notice, ...]:
+        """What can be told at once: of a provisional plan nothing about its times."""
+        plan = self.ready.plan
+        return plan.keyframes.notices if self.ready.is_provisional else plan.notices
+
+    def doubts(self, now: float) -> tuple[Due, ...]:
+        """What is told when no better plan comes in time."""
+        doubtful = [notice for notice in self.ready.plan.notices if notice not in self.certain]
+        late = now + PATIENCE
+        return tuple(replace(self.warning(notice, late), unless_improved=self.id) for notice in doubtful)
+
+    def without(self, behaviours: frozenset[str]) -> "Staged":
+        """The block with some of its behaviours left out from now on."""
+        merged = self.merged
+        if merged is not None:
+            merged = replace(merged, busy=tuple(each for each in merged.busy if each.behaviour not in behaviours))
+        times = {id: own for id, own in self.times.items() if id not in behaviours}
+        return replace(self, merged=merged, times=times)
+
+    def earlier(self, pieces: int, motion: Trajectory) -> "Staged":
+        """The same after the scene's motion lost so many pieces of its past."""
+        if self.merged is None:
+            return self
+        merged, seconds = self.merged, pieces * STEP
+        layer = rest_of(merged.layer.controls, pieces)
+        return replace(
+            self,
+            merged=replace(
+                merged,
+                trajectory=motion,
+                zero=merged.zero - seconds,
+                layer=Trajectory(layer, 0.0),
+                busy=tuple(each.later(-seconds) for each in merged.busy),
+                planned=sealed(merged.planned - seconds),
+            ),
+        )
+
+
+@dataclass(frozen=True)
+class Past:
+    """What is remembered of a block that is over."""
+
+    id: str
+    state: State
+    points: Mapping[Point, float]  # [s] global
+
+
+def rest_of(controls: Floats, pieces: int) -> Floats:
+    """What is left of control points (k + 3, n) after so many pieces; a motion that is over stays where it ended."""
+    left = controls[pieces:]
+    return sealed(left if len(left) >= FEWEST else np.repeat(controls[-1:], FEWEST, axis=0))

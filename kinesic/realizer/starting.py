@@ -1,0 +1,122 @@
+"""A block begins: beside what plays, in its place, or after it."""
+
+from dataclasses import replace
+
+from kinesic.bml.block import Composition, Notice, NoticeType
+from kinesic.bml.composition import State
+from kinesic.planning.syncs import SHIFT_TO_WARN
+from kinesic.realizer.aiming import aimed_again
+from kinesic.realizer.contention import busy, heard
+from kinesic.realizer.ending import Told, ended, stopped
+from kinesic.realizer.feedback import Due, ordered, times_of, without
+from kinesic.realizer.merge import Merged, merged, replaced
+from kinesic.realizer.running_block import Staged
+from kinesic.realizer.scene import Scene
+
+
+def started(scene: Scene, staged: Staged, now: float) -> tuple[Scene, Told]:
+    """Begins a block now, or as soon as its turn has come.
+
+    Args:
+        scene: with or without the block.
+        staged: the block, which has not begun.
+        now: [s] global time.
+    """
+    dues: list[Due] = []
+    wished = _wished(scene, staged, now)
+    before = scene = scene.put(staged)
+    for id in staged.block.succession.interrupts:
+        if (other := scene.find(id)) is not None and id != staged.id:
+            scene, told = stopped(scene, other, now, f"{staged.id} interrupts it")
+            dues += told
+    if staged.block.composition is Composition.REPLACE:
+        for other in scene.blocks:
+            if other.id != staged.id and other.state is not State.PENDING:
+                ends = ended if staged.ready.moves else stopped  # where it moves, it moves all that did
+                scene, told = ends(scene, other, now, f"{staged.id} replaces it")
+                dues += told
+    if staged.block.composition is Composition.REPLACE and staged.ready.moves:
+        scene, staged, notices = _in_place(scene, staged, wished, now)
+    else:
+        scene, staged, notices = _beside(scene, staged, wished, now)
+    staged, speech_notices = heard(scene, staged)
+    notices = (*notices, *speech_notices, *_late(staged))
+    left_out = times_of(staged.ready.plan.syncs).keys() - staged.times.keys()
+    missing = [each.id for each in staged.block.behaviours if each.required and each.id in left_out]
+    if missing:
+        return _failed(before, staged, missing, notices, now)
+    staged = replace(staged, state=State.IN_EXEC)
+    if staged.differs(SHIFT_TO_WARN):
+        dues.append(staged.prediction(now))
+    dues += [staged.warning(notice, now) for notice in notices]
+    staged = replace(staged, told=(staged.zero, staged.times))
+    own = (replace(due, time=max(due.time, now)) for due in staged.agenda())  # what lies in the past is told at once
+    scene = replace(scene.put(staged), agenda=ordered(scene.agenda, tuple(own)))
+    scene, astray = aimed_again(before, scene, now)
+    dues += astray
+    return _activated(scene, staged.block.succession.activates, now, dues)
+
+
+def _failed(
+    scene: Scene, staged: Staged, missing: list[str], notices: tuple[Notice, ...], now: float
+) -> tuple[Scene, Told]:
+    """Nothing of a block is performed when something that it requires meets what plays."""
+    text = f"not performed, because it requires {', '.join(missing)}"
+    every = (*notices, Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, staged.id, text))
+    agenda = tuple(due for due in without(scene.agenda, staged.id) if due.unless_improved != staged.id)
+    return replace(scene.gone(staged, State.FAILED), agenda=agenda), tuple(staged.warning(each, now) for each in every)
+
+
+def activated(scene: Scene, id: str, now: float) -> tuple[Scene, Told]:
+    """Begins a block that was sent early, or lets it wait for its turn; others stay as they are."""
+    staged = scene.find(id)
+    if staged is None or staged.state is not State.PENDING:
+        return scene, ()
+    waiting = replace(staged, state=State.LURKING)
+    scene = scene.put(waiting)
+    return started(scene, waiting, now) if scene.has_turn(waiting, now) else (scene, ())
+
+
+def _activated(scene: Scene, ids: tuple[str, ...], now: float, dues: list[Due]) -> tuple[Scene, Told]:
+    for id in ids:
+        scene, told = activated(scene, id, now)
+        dues += told
+    return scene, tuple(dues)
+
+
+def _wished(scene: Scene, staged: Staged, now: float) -> float:
+    """Global time [s] at which the block's time 0 is wished."""
+    asked = staged.ready.asked
+    earliest = max(now + scene.ahead, scene.turn(staged))
+    return max(earliest, asked.zero) if asked.is_anchored else earliest + staged.lead
+
+
+def _beside(scene: Scene, staged: Staged, wished: float, now: float) -> tuple[Scene, Staged, tuple[Notice, ...]]:
+    """Laid over what plays; what meets it is left out."""
+    if not staged.ready.moves:
+        return scene, replace(staged, zero=wished), ()
+    others, begin = busy(scene, replace(staged, zero=wished)), scene.performance(wished)
+    laid = merged(scene.motion, scene.first_change(now), staged.ready.plan, begin=begin, busy=others)
+    return _with(scene, staged, laid)
+
+
+def _in_place(scene: Scene, staged: Staged, wished: float, now: float) -> tuple[Scene, Staged, tuple[Notice, ...]]:
+    """In the place of all that moves."""
+    begin = scene.performance(wished)
+    over = replaced(scene.motion, scene.first_change(now), staged.ready.plan, begin=begin)
+    return _with(replace(scene, left=()), staged, over)
+
+
+def _late(staged: Staged) -> tuple[Notice, ...]:
+    """Says when a block that refers to others begins too late to meet them."""
+    asked = staged.ready.asked
+    late = staged.zero - asked.zero
+    if not asked.is_anchored or late <= SHIFT_TO_WARN:
+        return ()
+    text = f"it begins {late:.3f} s too late to meet the sync points of other blocks"
+    return (Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, staged.id, text),)
+
+
+def _with(scene: Scene, staged: Staged, laid: Merged) -> tuple[Scene, Staged, tuple[Notice, ...]]:
+    own = replace(staged, merged=laid, zero=scene.epoch + laid.zero, times=times_of(laid.syncs))
+    return replace(scene, motion=laid.trajectory), own, laid.notices

@@ -1,0 +1,78 @@
+"""What many verdicts amount to: counts over documents and behaviours, and over every check."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from kinesic.report.checks import Check
+from kinesic.report.report import Json
+from kinesic.report.validate import Verdict
+
+OUTCOMES = ("performed", "refused", "crashed")
+SHARES = ("realised", "substituted", "dropped")
+
+
+@dataclass(frozen=True)
+class Tally:
+    """One check over many documents."""
+
+    name: str
+    counts: tuple[int, int, int]  # pass, warn, fail
+    worst: Check
+    file: str  # where the worst value is
+
+
+def tallies(verdicts: Iterable[Verdict]) -> list[Tally]:
+    """Every check that was made, in the order of the report."""
+    found: dict[str, list[tuple[Check, str]]] = {}
+    for verdict in verdicts:
+        for check in verdict.checks:
+            found.setdefault(check.name, []).append((check, verdict.file))
+    return [_tally(name, made) for name, made in found.items()]
+
+
+def _tally(name: str, made: list[tuple[Check, str]]) -> Tally:
+    passed, warned, failed = (sum(check.status == status for check, _ in made) for status in ("pass", "warn", "fail"))
+    worst, file = max(made, key=lambda entry: -entry[0].value if entry[0].at_least else entry[0].value)
+    return Tally(name, (passed, warned, failed), worst, file)
+
+
+def totals(verdicts: list[Verdict]) -> dict[str, Json]:
+    """Counts over documents and behaviours, in all and per folder and type of behaviour, and over checks."""
+    folders: dict[str, Json] = {}
+    for folder in sorted({str(Path(verdict.file).parent) for verdict in verdicts}):
+        here = [verdict for verdict in verdicts if str(Path(verdict.file).parent) == folder]
+        types = sorted({kind for verdict in here for kind, _ in verdict.behaviours})
+        folders[folder] = {
+            **counts(here),
+            "types": {kind: _shares([o for v in here for k, o in v.behaviours if k == kind]) for kind in types},
+        }
+    return {**counts(verdicts), "folders": folders, "checks": {tally.name: _json(tally) for tally in tallies(verdicts)}}
+
+
+def counts(verdicts: list[Verdict]) -> dict[str, Json]:
+    """How many documents, what became of them, and of their behaviours; `failed` of those that were performed."""
+    return {
+        "documents": len(verdicts),
+        **{outcome: sum(verdict.outcome == outcome for verdict in verdicts) for outcome in OUTCOMES},
+        "failed": sum(verdict.outcome == "performed" and verdict.exit > 0 for verdict in verdicts),
+        **_shares([outcome for verdict in verdicts for _, outcome in verdict.behaviours]),
+    }
+
+
+def _shares(outcomes: list[str]) -> dict[str, Json]:
+    return {name: outcomes.count(name) for name in SHARES}
+
+
+def _json(tally: Tally) -> dict[str, Json]:
+    passed, warned, failed = tally.counts
+    return {
+        "pass": passed,
+        "warn": warned,
+        "fail": failed,
+        "worst": tally.worst.value,
+        "limit": tally.worst.limit,
+        "unit": tally.worst.unit,
+        "where": tally.worst.where,
+        "file": tally.file,
+    }

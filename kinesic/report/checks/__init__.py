@@ -1,0 +1,30 @@
+"""The dry run's verdicts: pass, warn or fail, each with value, limit and place.
+
+A goal that is missed without danger warns (timing, tracking, load); limits and distances fail.
+"""
+
+from kinesic.controller.performance import Performance
+from kinesic.report.checks.check import Check, Status
+from kinesic.report.checks.distances import distance_checks
+from kinesic.report.checks.limits import TOLERANCE, limit_checks
+from kinesic.report.checks.motion import motion_checks
+from kinesic.report.checks.power import power_checks
+from kinesic.report.checks.servos import servo_checks
+from kinesic.report.checks.timing import stroke_errors, timing_checks
+from kinesic.report.checks.tracking import tracking_checks
+
+__all__ = ["TOLERANCE", "Check", "Status", "checks", "stroke_errors"]
+
+
+def checks(performance: Performance) -> tuple[Check, ...]:
+    """All verdicts on one performance."""
+    parts = (
+        limit_checks,
+        distance_checks,
+        timing_checks,
+        tracking_checks,
+        servo_checks,
+        power_checks,
+        motion_checks,
+    )
+    return tuple(check for part in parts for check in part(performance))

@@ -1,0 +1,52 @@
+"""The plan alone: what it asks of the hinges and of their servos, before anything moves."""
+
+import numpy as np
+
+from kinesic.controller.performance import Performance
+from kinesic.report.checks.check import Check, at, bound, goal, least
+
+TOLERANCE = 1.001  # on ratios to limits
+DUTY = 1.0  # of full PWM
+HOLDING_GOAL = 0.4  # share of the stall torque that a posture should need
+HOLDING_LIMIT = 0.8  # above which the servo overheats or gives way
+
+
+def limit_checks(performance: Performance) -> list[Check]:
+    """Ratios to limits and margin to the stops at 1 kHz, duty by inverse dynamics, torque to stand still."""
+    names = performance.plan.facts.robot.skeleton.names
+    slack = TOLERANCE - 1.0
+    found = [_margin(performance)]
+    for quantity, peak in performance.reference.peaks.shares.items():
+        where = f"{names[peak.hinge]} {at(peak.time)}"
+        name = "limits.reserve" if quantity == "duty" else f"limits.{quantity}"
+        found.append(bound(name, float(peak.ratios[peak.hinge]), 1.0, "ratio", where, slack=slack))
+    found.append(_duty(performance))
+    found.append(_holding(performance))
+    return found
+
+
+def _margin(performance: Performance) -> Check:
+    """Degrees to the nearest stop; a motion may lie on it."""
+    skeleton = performance.plan.facts.robot.skeleton
+    position = performance.reference.peaks.shares["position"]
+    half = (skeleton.upper - skeleton.lower) / 2
+    margins = np.degrees(half * (1.0 - position.ratios))
+    hinge = int(margins.argmin())
+    slack = float(np.degrees(half[hinge])) * (TOLERANCE - 1.0)
+    return least("limits.margin", float(margins[hinge]), 0.0, "deg", skeleton.names[hinge], slack=slack)
+
+
+def _duty(performance: Performance) -> Check:
+    duty = np.abs(performance.reference.duties)
+    row, hinge = np.unravel_index(int(duty.argmax()), duty.shape)
+    where = f"{performance.plan.facts.robot.skeleton.names[hinge]} {at(performance.measured.times[row])}"
+    return bound("limits.duty", float(duty[row, hinge]), DUTY, "ratio", where, slack=TOLERANCE - 1.0)
+
+
+def _holding(performance: Performance) -> Check:
+    times, shares = performance.reference.holding
+    row, hinge = np.unravel_index(int(shares.argmax()), shares.shape)
+    value = float(shares[row, hinge])
+    where = f"{performance.plan.facts.robot.skeleton.names[hinge]} {at(times[row])}"
+    judge, limit = (bound, HOLDING_LIMIT) if value > HOLDING_LIMIT else (goal, HOLDING_GOAL)
+    return judge("limits.holding", value, limit, "of stall", where)

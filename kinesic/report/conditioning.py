@@ -1,0 +1,172 @@
+"""The story of conditioning: which sync points moved, which limit moved them, and what the strokes lost."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.controller.arrival import HANDS, paths
+from kinesic.controller.performance import Performance
+from kinesic.expressivity.keyframes import PartName
+from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime, limit_met
+
+STROKE = ("strokeStart", "strokeEnd")
+RATE = 100  # [Hz]
+LOSS_TO_TELL = 0.05  # share of a stroke's speed or path
+STRAY_TO_TELL = 1.0  # [deg]
+MOST_STRAYS = 3  # hinges that are named
+LEAST = {"m": 0.01, "m/s": 0.05, "deg": 1.0, "deg/s": 5.0}  # below which nobody sees a stroke
+
+
+@dataclass(frozen=True)
+class Moved:
+    """Sync points of one behaviour that moved together, away from where they were asked."""
+
+    syncs: tuple[str, ...]
+    asked: float  # [s] block time of the first
+    planned: float  # [s] block time of the first
+    hinge: str  # whose limit was met; empty when none is known
+    quantity: str  # of that limit
+    ratio: float  # by which the time was too short
+
+    @property
+    def milliseconds(self) -> int:
+        """By which it moved."""
+        return round(1000 * (self.planned - self.asked))
+
+
+@dataclass(frozen=True)
+class Loss:
+    """What a stroke was to be and what it will be."""
+
+    part: PartName
+    quantity: str
+    unit: str
+    asked: float
+    planned: float
+
+    @property
+    def share(self) -> float:
+        """Of what was asked that is gone; negative when there is more."""
+        return 1.0 - self.planned / self.asked if self.asked else 0.0
+
+
+@dataclass(frozen=True)
+class Stray:
+    """A hinge that moves otherwise than wished, between its keys."""
+
+    hinge: str
+    degrees: float  # root mean square over the whole motion
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """One behaviour that had to give."""
+
+    behaviour: str
+    moved: tuple[Moved, ...]
+    losses: tuple[Loss, ...]
+    stroke: bool  # whether it has one
+
+    @property
+    def shift(self) -> float:
+        """[s] of the sync point that moved most."""
+        return max((abs(moved.planned - moved.asked) for moved in self.moved), default=0.0)
+
+
+def story(performance: Performance) -> tuple[Chapter, ...]:
+    """Every behaviour with a sync point that moved, or a stroke that lost more than 5 %; the largest shift first."""
+    plan = performance.plan
+    wish = _wish(performance)
+    found = []
+    for name in dict.fromkeys(sync.behaviour for sync in plan.syncs):
+        syncs = [sync for sync in plan.syncs if sync.behaviour == name]
+        moved = _together(_moved(sync, performance) for sync in syncs if abs(sync.planned - sync.asked) > SHIFT_TO_WARN)
+        parts = sorted(plan.keyframes.uses.get(name, frozenset()) & set(performance.reference.paths))
+        core = _core(syncs)
+        losses = tuple(loss for part in parts if core for loss in _losses(part, core, wish, performance))
+        if moved or losses:
+            found.append(Chapter(name, moved, losses, stroke=core is not None))
+    return tuple(sorted(found, key=lambda chapter: -chapter.shift))
+
+
+def strays(performance: Performance) -> tuple[Stray, ...]:
+    """The hinges whose way differs most from the wished one."""
+    names, lost = performance.plan.facts.robot.skeleton.names, np.degrees(performance.plan.motion.lost)
+    order = np.argsort(-lost)[:MOST_STRAYS]
+    return tuple(Stray(names[hinge], float(lost[hinge])) for hinge in order if lost[hinge] > STRAY_TO_TELL)
+
+
+@dataclass(frozen=True, eq=False)
+class _Wish:
+    """Where each part was to be, at block times."""
+
+    times: Floats  # (m,) [s]
+    paths: Mapping[PartName, Floats]  # (m, 3)
+
+
+def _wish(performance: Performance) -> _Wish:
+    wished = performance.plan.wished
+    times = np.arange(int(np.ceil(wished.duration * RATE)) + 1) / RATE
+    return _Wish(times - wished.zero, paths(wished.sample(times)[0], performance.plan.facts.robot))
+
+
+def _moved(sync: SyncTime, performance: Performance) -> Moved:
+    plan = performance.plan
+    met = limit_met(sync, plan.keyframes, plan.motion, plan.facts.robot)
+    if met is None:
+        return Moved((sync.sync,), sync.asked, sync.planned, "", "", 0.0)
+    name = plan.facts.robot.skeleton.names[met.hinge]
+    return Moved((sync.sync,), sync.asked, sync.planned, name, met.quantity, met.ratio)
+
+
+def _together(moved: Iterable[Moved]) -> tuple[Moved, ...]:
+    """Neighbours that moved equally far for the same reason as one."""
+    found: list[Moved] = []
+    for one in moved:
+        last = found[-1] if found else None
+        if last and (last.hinge, last.quantity, last.milliseconds) == (one.hinge, one.quantity, one.milliseconds):
+            found[-1] = replace(last, syncs=(*last.syncs, *one.syncs))
+        else:
+            found.append(one)
+    return tuple(found)
+
+
+def _core(syncs: list[SyncTime]) -> tuple[SyncTime, SyncTime] | None:
+    """First and last sync point of the stroke; None for a behaviour without one."""
+    known = {sync.sync: sync for sync in syncs}
+    if STROKE[0] in known and STROKE[1] in known:
+        return known[STROKE[0]], known[STROKE[1]]
+    return None
+
+
+def _losses(part: PartName, core: tuple[SyncTime, SyncTime], wish: _Wish, performance: Performance) -> Iterator[Loss]:
+    """What the stroke of a part lost in speed and in size."""
+    zero = performance.plan.trajectory.zero
+    before = _cut(wish.times, wish.paths[part], core[0].asked, core[1].asked)
+    after = _cut(
+        performance.measured.times, performance.reference.paths[part], zero + core[0].planned, zero + core[1].planned
+    )
+    unit, scale = ("m", 1.0) if part in HANDS else ("deg", float(np.degrees(1.0)))
+    for quantity, per, measure in (("speed", "/s", _fastest), ("path", "", _length)):
+        loss = Loss(part, quantity, unit + per, scale * measure(*before), scale * measure(*after))
+        if loss.share > LOSS_TO_TELL and loss.asked > LEAST[loss.unit]:
+            yield loss
+
+
+def _cut(times: Floats, path: Floats, begin: float, end: float) -> tuple[Floats, Floats]:
+    """The samples from begin to end, both included."""
+    inner = times[(times > begin) & (times < end)]
+    moments = np.array([begin, *inner, end])
+    return moments, np.column_stack([np.interp(moments, times, column) for column in path.T])
+
+
+def _fastest(times: Floats, path: Floats) -> float:
+    steps = np.diff(times)
+    distances = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    return float(np.divide(distances, steps, out=np.zeros_like(steps), where=steps > 1e-3).max(initial=0.0))
+
+
+def _length(_: Floats, path: Floats) -> float:
+    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())

@@ -1,0 +1,92 @@
+"""What is written of a performance."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+from kinesic.controller.performance import Performance
+from kinesic.controller.play import play, ticks
+from kinesic.controller.soundtrack import sound, write_wav
+from kinesic.face.display import DisplayError
+from kinesic.face.show.recording import Recording
+from kinesic.planning.face_track import asks_face, faced
+from kinesic.planning.plan import Plan
+from kinesic.report.folders import emptied
+from kinesic.report.page import write_page
+from kinesic.report.report import Json
+from kinesic.sim.film import FilmError
+from kinesic.sim.film import film as write_film
+from kinesic.sim.log import write_log
+
+FILM_RATE = 12.5  # [Hz]
+FACE_RATE = 16  # [Hz] lips move faster than arms: no closure of theirs is left out
+NOT_ASKED = "not asked for"
+FACE_SIDE = 256  # pixels
+
+
+@dataclass(frozen=True)
+class Written:
+    """Paths of what was written."""
+
+    report: Path
+    page: Path
+    measured: Path  # what the twin did, as `kinesic twin fit` reads it
+    film: Path | None
+    why_no_film: str = ""
+    face: Path | None = None  # a film of it
+    why_no_face: str = ""
+    voice: Path | None = None  # what is heard
+
+
+def write(performance: Performance, data: dict[str, Json], folder: Path, *, film: bool = True) -> Written:
+    """Writes report.json, report.html, measured.npz, speech.wav and, where OpenGL works, films of twin and face."""
+    plan = performance.plan
+    report = emptied(folder) / "report.json"
+    picture, why = _filmed(performance, folder / "film.webp") if film else (None, NOT_ASKED)
+    face, why_not = _face(plan, folder / "face.webp") if film else (None, NOT_ASKED)
+    measured = folder / "measured.npz"
+    write_log(performance.measured, plan.facts.robot, measured)
+    voice, heard = folder / "speech.wav", sound(plan)
+    if heard is not None:
+        write_wav(heard, voice)
+    page = folder / "report.html"
+    written = Written(report, page, measured, picture, why, face, why_not, None if heard is None else voice)
+    tell(written, performance, data)
+    return written
+
+
+def tell(written: Written, performance: Performance, data: dict[str, Json]) -> None:
+    """Writes the report and its page, over older ones."""
+    written.report.write_text(json.dumps(data, indent=1), encoding="utf-8")
+    write_page(
+        performance,
+        data,
+        film=written.film,
+        path=written.page,
+        no_film=written.why_no_film,
+        face=written.face,
+        no_face=written.why_no_face,
+        voice=written.voice,
+    )
+
+
+def _face(plan: Plan, path: Path) -> tuple[Path | None, str]:
+    """The path of the face's film, or why there is none."""
+    if not asks_face(plan):
+        return None, "nothing is asked of it"
+    times = ticks(plan.duration, rate=FACE_RATE)
+    try:
+        play(faced(plan, times), Recording(path, plan.facts.robot, rate=FACE_RATE, side=FACE_SIDE))
+    except DisplayError as error:
+        return None, str(error)
+    return path, ""
+
+
+def _filmed(performance: Performance, path: Path) -> tuple[Path | None, str]:
+    """The film's path, or why there is none."""
+    measured = performance.measured
+    try:
+        write_film(performance.plan.facts.robot, measured.times, measured.angles, path, rate=FILM_RATE)
+    except FilmError as error:
+        return None, str(error)
+    return path, ""

@@ -1,0 +1,102 @@
+"""The paths of the hands in three views that share their height: from the robot's right, the front, and its left."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from markupsafe import Markup
+
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.controller.arrival import paths
+from kinesic.controller.performance import Performance
+from kinesic.expressivity.keyframes import PartName
+from kinesic.report.plots.plots import ASKED, FAINT, GRID, INK, PERFORMED, PLANNED, WIDTH, figure, plain, svg, write
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+HANDS: dict[Side, PartName] = {"l": "l_hand", "r": "r_hand"}
+GAP, TOP, BOTTOM = 0.5, 0.3, 0.3  # [in]
+TALLEST = 4.6  # [in] of the views
+MOST_POINTS = 4000  # of a path
+ROOM = 0.06  # [m] about what is drawn
+
+
+@dataclass(frozen=True)
+class View:
+    """How the body is looked at."""
+
+    title: str
+    across: int  # the coordinate that runs across
+    mirrored: bool  # it grows to the left
+    sides: tuple[Side, ...]  # hands shown
+
+
+VIEWS = (
+    View("right hand, from its right", 0, False, ("r",)),
+    View("from the front", 1, False, SIDES),
+    View("left hand, from its left", 0, True, ("l",)),
+)
+
+
+def hands(performance: Performance) -> Markup:
+    """Planned and performed paths of both hands, keys as dots, over the robot at rest."""
+    robot = performance.plan.facts.robot
+    planned = paths(performance.reference.angles, robot)
+    reference = {side: planned[HANDS[side]] for side in SIDES}
+    keys = {side: _keys(performance, side) for side in SIDES}
+    bones = _bones(robot)
+    everything = np.concatenate([*reference.values(), *performance.measured.hands.values(), *keys.values(), *bones])
+    low, high = everything.min(axis=0) - ROOM, everything.max(axis=0) + ROOM
+    spans = [float((high - low)[view.across]) for view in VIEWS]
+    scale = min((WIDTH - GAP * len(VIEWS)) / sum(spans), TALLEST / float((high - low)[2]))  # [in/m]
+    tall = scale * float((high - low)[2])
+    height = tall + TOP + BOTTOM
+    drawn = figure(height)
+    left = (WIDTH - scale * sum(spans) - GAP * (len(VIEWS) - 1)) / 2 + GAP / 4
+    for view, span in zip(VIEWS, spans, strict=True):
+        axes = drawn.add_axes((left / WIDTH, BOTTOM / height, scale * span / WIDTH, tall / height))
+        left += scale * span + GAP
+        _frame(axes, view, low, high)
+        for bone in bones:
+            axes.plot(bone[:, view.across], bone[:, 2], color=GRID, linewidth=3, solid_capstyle="round")
+        for side in view.sides:
+            _path(axes, view, reference[side], performance.measured.hands[side], keys[side])
+    return svg(drawn)
+
+
+def _frame(axes: "Axes", view: View, low: Floats, high: Floats) -> None:
+    plain(axes, ticks=6)
+    span = (low[view.across], high[view.across])
+    axes.set_xlim(*(span[::-1] if view.mirrored else span))
+    axes.set_ylim(low[2], high[2])
+    write(axes, 0.0, 1.02, view.title, colour=INK)
+    write(axes, 1.0, 1.02, f"{'xyz'[view.across]}, z [m]", colour=FAINT, align="right")
+
+
+def _path(axes: "Axes", view: View, planned: Floats, performed: Floats, keys: Floats) -> None:
+    planned, performed = (path[:: len(path) // MOST_POINTS + 1] for path in (planned, performed))
+    axes.plot(planned[:, view.across], planned[:, 2], color=PLANNED, linewidth=1.2)
+    axes.plot(performed[:, view.across], performed[:, 2], color=PERFORMED, linewidth=1.0, linestyle=(0, (4, 2)))
+    axes.scatter(keys[:, view.across], keys[:, 2], s=8, facecolor=ASKED, edgecolor=PLANNED, linewidth=0.8, zorder=3)
+
+
+def _keys(performance: Performance, side: Side) -> Floats:
+    """(k, 3) [m] the hand at the keys of its arm."""
+    plan = performance.plan
+    arm = plan.facts.robot.joints(f"{side}_arm")
+    keyed = [posture.angles for posture in plan.postures.postures if any(posture.keyed[joint] for joint in arm)]
+    if not keyed:
+        return np.zeros((0, 3))
+    return paths(np.stack(keyed), plan.facts.robot)[HANDS[side]]
+
+
+def _bones(robot: Robot) -> list[Floats]:
+    """Lines (2, 3) [m] from segment to segment, at rest."""
+    origins = robot.skeleton.frames(robot.skeleton.rest).origins
+    return [
+        np.stack([origins[robot.skeleton.segment(segment.parent)], origins[k]])
+        for k, segment in enumerate(robot.skeleton.segments)
+        if segment.parent is not None
+    ]

@@ -1,0 +1,165 @@
+"""Every hinge that moves: asked against planned against performed, with its range and the sync points."""
+
+from collections.abc import Iterator
+from itertools import zip_longest
+from typing import TYPE_CHECKING
+
+import numpy as np
+from markupsafe import Markup
+
+from kinesic.body.arrays import Flags, Floats
+from kinesic.body.robot import Robot
+from kinesic.controller.performance import Performance
+from kinesic.planning.syncs import CHAINS, SyncTime
+from kinesic.report.plots.plots import (
+    ASKED,
+    FAINT,
+    GRID,
+    INK,
+    OUTSIDE,
+    PERFORMED,
+    PLANNED,
+    WIDTH,
+    apart,
+    figure,
+    is_stroke,
+    shortened,
+    svg,
+    thinned,
+    timed,
+    write,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+PAIRS = (("torso", "neck"), ("r_arm", "l_arm"))  # side by side
+PARTS = {chain: part for part, chain in CHAINS.items()}  # of key frames
+OTHERS = "other hinges"  # outside any chain
+NAMES = {"l_arm": "left arm", "r_arm": "right arm"}
+STILL = 0.5  # [deg] a hinge that moves less is not drawn
+LEAST_SPAN = 10.0  # [deg] of a panel, so that noise does not look like motion
+LEFT, RIGHT, GAP = 0.45, 0.1, 0.55  # [in]
+TOP, PANEL, HEAD, BOTTOM = 0.46, 0.95, 0.2, 0.3  # [in]; the head of a panel holds its name
+MOST_LINES = 100  # for sync points of a panel
+LABEL = 0.62  # [in] of a sync point
+
+
+def joints(performance: Performance) -> Iterator[Markup]:
+    """One figure for torso and neck, one for the arms, one for hinges outside any chain, if they move."""
+    robot = performance.plan.facts.robot
+    curves = _curves(performance)
+    moving = _moving(curves)
+    columns = {name: robot.joints(name) for pair in PAIRS for name in pair}
+    columns[OTHERS] = tuple(
+        sorted(set(range(len(moving))) - {joint for column in columns.values() for joint in column})
+    )
+    for left, right in (*PAIRS, (OTHERS, "")):
+        rows = zip_longest(columns[left], columns.get(right, ()))
+        shown = [row for row in rows if any(joint is not None and moving[joint] for joint in row)]
+        if shown:
+            yield _figure(performance, (left, right), shown, curves)
+
+
+def still(performance: Performance) -> list[str]:
+    """Names of the hinges that are not drawn."""
+    moving = _moving(_curves(performance))
+    return [name for name, moves in zip(performance.plan.facts.robot.skeleton.names, moving, strict=True) if not moves]
+
+
+def _moving(curves: tuple[Floats, Floats, Floats]) -> Flags:
+    """(n,) whether the curves of a hinge leave one place, or one another."""
+    return np.asarray(np.ptp(np.concatenate(curves), axis=0) >= STILL)
+
+
+def _curves(performance: Performance) -> tuple[Floats, Floats, Floats]:
+    """Asked, planned and performed angles [deg], each (m, n), at the measured times."""
+    plan = performance.plan
+    asked = plan.wished.sample(performance.measured.times - plan.trajectory.zero + plan.wished.zero)[0]
+    return np.degrees(asked), np.degrees(performance.reference.angles), np.degrees(performance.measured.angles)
+
+
+def _figure(
+    performance: Performance,
+    names: tuple[str, str],
+    rows: list[tuple[int | None, int | None]],
+    curves: tuple[Floats, Floats, Floats],
+) -> Markup:
+    height = TOP + PANEL * len(rows) + BOTTOM
+    drawn = figure(height)
+    width = (WIDTH - LEFT - RIGHT - GAP) / 2
+    left, moving = LEFT / WIDTH, _moving(curves)
+    for column, name in enumerate(names):
+        shown = [(row, joint) for row, pair in enumerate(rows) if (joint := pair[column]) is not None and moving[joint]]
+        syncs = _syncs(performance, name)
+        for row, joint in shown:
+            bottom = (BOTTOM + PANEL * (len(rows) - 1 - row)) / height
+            axes = drawn.add_axes((left, bottom, width / WIDTH, (PANEL - HEAD) / height))
+            _panel(axes, performance, joint, curves, syncs)
+            axes.tick_params(labelbottom=row == shown[-1][0])
+            if row == shown[0][0]:
+                drawn.text(left, bottom + (PANEL + 0.2) / height, NAMES.get(name, name), fontsize=9, color=INK)
+                _label(axes, performance, syncs, width)
+        left += (width + GAP) / WIDTH if shown else 0.0
+    return svg(drawn)
+
+
+def _panel(
+    axes: "Axes",
+    performance: Performance,
+    joint: int,
+    curves: tuple[Floats, Floats, Floats],
+    syncs: list[SyncTime],
+) -> None:
+    """One hinge."""
+    times, robot = performance.measured.times, performance.plan.facts.robot
+    timed(axes, end=float(times[-1]))
+    _mark(axes, performance, syncs)
+    styles = ((ASKED, 2.6, "-"), (PLANNED, 1.2, "-"), (PERFORMED, 1.0, (0, (4, 2))))
+    for curve, (colour, width, dashes) in zip(curves, styles, strict=True):
+        axes.plot(*thinned(times, curve[:, joint]), color=colour, linewidth=width, linestyle=dashes)
+    low, high = min(c[:, joint].min() for c in curves), max(c[:, joint].max() for c in curves)
+    room = max(0.12 * (high - low), (LEAST_SPAN - (high - low)) / 2)
+    axes.set_ylim(low - room, high + room)
+    _shade(axes, robot, joint)
+    hinge = robot.skeleton.hinges[joint]
+    write(axes, 0.0, 1.06, hinge.name)
+    span = f"range {np.degrees(hinge.lower):.0f}\u2026{np.degrees(hinge.upper):.0f}\u00b0"
+    write(axes, 1.0, 1.06, span, colour=FAINT, align="right")
+
+
+def _shade(axes: "Axes", robot: Robot, joint: int) -> None:
+    """Angles outside the range of a hinge, where the panel shows some."""
+    low, high = axes.get_ylim()
+    hinge = robot.skeleton.hinges[joint]
+    lower, upper = float(np.degrees(hinge.lower)), float(np.degrees(hinge.upper))
+    if low < lower:
+        axes.axhspan(low, lower, color=OUTSIDE, linewidth=0)
+    if high > upper:
+        axes.axhspan(upper, high, color=OUTSIDE, linewidth=0)
+
+
+def _syncs(performance: Performance, chain: str) -> list[SyncTime]:
+    """Sync points, in time, of the behaviours that move a chain."""
+    plan = performance.plan
+    part = PARTS.get(chain)
+    return [sync for sync in plan.syncs if part in plan.keyframes.uses.get(sync.behaviour, frozenset())]
+
+
+def _mark(axes: "Axes", performance: Performance, syncs: list[SyncTime]) -> None:
+    """Sync points as lines, strokes stronger; of many only the strokes."""
+    zero = performance.plan.trajectory.zero
+    for strong in (False, True) if len(syncs) <= MOST_LINES else (True,):
+        times = [zero + sync.planned for sync in syncs if is_stroke(sync) == strong]
+        colour, width = (FAINT, 0.9) if strong else (GRID, 0.7)
+        axes.vlines(times, 0, 1, transform=axes.get_xaxis_transform(), colors=colour, linewidth=width)
+
+
+def _label(axes: "Axes", performance: Performance, syncs: list[SyncTime], width: float) -> None:
+    """Names of behaviours over their strokes, as many as fit."""
+    zero = performance.plan.trajectory.zero
+    strokes = [sync for sync in syncs if is_stroke(sync)]
+    per_second = width / float(performance.measured.times[-1])
+    for k in apart([sync.planned for sync in strokes], LABEL / per_second):
+        label = shortened(strokes[k].behaviour, LABEL)
+        write(axes, zero + strokes[k].planned, 1.3, label, colour=FAINT, place="time", align="center")

@@ -1,0 +1,107 @@
+"""How much room is left over time: distance to the body, share of the servos' limits, and tracking error."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from markupsafe import Markup
+
+from kinesic.body.arrays import Floats
+from kinesic.controller.performance import Performance
+from kinesic.report.plots.plots import (
+    ASKED,
+    FAINT,
+    INK,
+    LIMIT,
+    OUTSIDE,
+    PERFORMED,
+    PLANNED,
+    SPEECH,
+    WIDTH,
+    figure,
+    svg,
+    thinned,
+    timed,
+    write,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+PANEL, TOP, BOTTOM = 1.35, 0.0, 0.3  # [in]
+LEFT, RIGHT = 0.45, 0.1  # [in]
+
+
+def margins(performance: Performance) -> Markup:
+    """Clearance, shares of limits and tracking error over performance time."""
+    panels = (_clearance, _shares, _tracking)
+    height = TOP + PANEL * len(panels) + BOTTOM
+    drawn = figure(height)
+    for row, panel in enumerate(panels):
+        bottom = (BOTTOM + PANEL * (len(panels) - 1 - row)) / height
+        axes = drawn.add_axes((LEFT / WIDTH, bottom, 1 - (LEFT + RIGHT) / WIDTH, (PANEL - 0.25) / height))
+        timed(axes, end=float(performance.measured.times[-1]))
+        panel(axes, performance)
+        if row < len(panels) - 1:
+            axes.tick_params(labelbottom=False)
+    return svg(drawn)
+
+
+def _clearance(axes: "Axes", performance: Performance) -> None:
+    """Distance of the closest pair of segments, with the least that is required."""
+    plan, measured = performance.plan, performance.measured
+    least = 1000 * plan.facts.robot.least_clearance
+    curves = (
+        (plan.clearance_times, plan.clearance, PLANNED, "-"),
+        (measured.times, measured.clearance, PERFORMED, (0, (4, 2))),
+    )
+    for times, clearance, colour, dashes in curves:
+        axes.plot(*thinned(times, 1000 * clearance.distances), color=colour, linewidth=1.2, linestyle=dashes)
+    lowest = 1000 * min(float(clearance.distances.min()) for _, clearance, _, _ in curves)
+    axes.set_ylim(min(0.0, lowest - 5.0), None)
+    axes.axhspan(axes.get_ylim()[0], least, color=OUTSIDE, linewidth=0)
+    axes.axhline(least, color=LIMIT, linewidth=0.8)
+    worst = measured.clearance.worst
+    a, b = measured.clearance.pairs[worst]
+    _title(axes, "distance to the body [mm]", f"nearest: {a} and {b} at {measured.times[worst]:.2f} s")
+
+
+def _shares(axes: "Axes", performance: Performance) -> None:
+    """The hinge that is nearest to its limit, of speed, acceleration, jerk and duty."""
+    limits, times = performance.plan.facts.limits, performance.measured.times
+    speeds, accelerations = performance.reference.speeds, performance.reference.accelerations
+    shares = (
+        ("speed", np.abs(speeds) / limits.speed, PLANNED),
+        ("acceleration", np.abs(accelerations) / limits.acceleration, FAINT),
+        ("jerk", np.abs(performance.plan.trajectory.jerks(times)) / limits.jerk, ASKED),
+        ("duty", np.abs(performance.reference.duties), SPEECH),
+    )
+    for _, share, colour in shares:
+        axes.plot(*thinned(times, share.max(axis=1)), color=colour, linewidth=1.1)
+    top = max(1.1, *(1.05 * float(share.max()) for _, share, _ in shares))
+    axes.set_ylim(0.0, top)
+    axes.axhline(1.0, color=LIMIT, linewidth=0.8)
+    axes.axhspan(1.0, top, color=OUTSIDE, linewidth=0)
+    _title(axes, "share of limit, worst hinge", "")
+    for k, (name, share, colour) in enumerate(shares):
+        write(axes, 1.0 - 0.21 * (3 - k), 1.05, _peak(name, share, performance), colour=colour, align="right")
+
+
+def _tracking(axes: "Axes", performance: Performance) -> None:
+    """Measured minus planned angle of the hinge that is furthest off; in grey also those that hardly move."""
+    everything = np.degrees(np.abs(performance.measured.angles - performance.reference.angles))
+    counted = np.degrees(np.abs(np.nan_to_num(performance.errors)))
+    for errors, colour in ((everything, ASKED), (counted, PERFORMED)):
+        axes.plot(*thinned(performance.measured.times, errors.max(axis=1)), color=colour, linewidth=1.1)
+    axes.set_ylim(0.0, None)
+    title = "tracking error of the twin, worst hinge [deg]; grey: with hinges that hardly move"
+    _title(axes, title, _peak("while moving", counted, performance))
+
+
+def _peak(name: str, values: Floats, performance: Performance) -> str:
+    hinge = performance.plan.facts.robot.skeleton.names[int(values.max(axis=0).argmax())]
+    return f"{name}: {values.max():.2f}, {hinge}"
+
+
+def _title(axes: "Axes", what: str, note: str) -> None:
+    write(axes, 0.0, 1.05, what, colour=INK)
+    write(axes, 1.0, 1.05, note, colour=FAINT, align="right")

@@ -1,0 +1,146 @@
+"""How the figures of the report are drawn: deterministic SVG in the colours of the page, light or dark."""
+
+import io
+import re
+import warnings
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+import numpy as np
+from markupsafe import Markup
+
+from kinesic.body.arrays import Floats
+from kinesic.planning.syncs import SyncTime
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# Stand-ins that become variables of the page's style sheet, so that one figure suits light and dark.
+INK, FAINT, GRID, OUTSIDE = "#010101", "#020202", "#030303", "#040404"
+ASKED, PLANNED, PERFORMED, SPEECH, LIMIT = "#050505", "#060606", "#070707", "#080808", "#090909"
+_VARIABLES = {
+    INK: "--ink",
+    FAINT: "--faint",
+    GRID: "--grid",
+    OUTSIDE: "--outside",
+    ASKED: "--asked",
+    PLANNED: "--planned",
+    PERFORMED: "--performed",
+    SPEECH: "--speech",
+    LIMIT: "--fail",
+}
+_NO_METADATA = dict.fromkeys(("Creator", "Date", "Format", "Type"))
+_UNNEEDED_ID = re.compile(r' id="(?:figure|axes|patch|line2d|text|matplotlib\.axis|xtick|ytick|legend)\w*"')
+_SIZE = re.compile(r' (?:width|height)="[^"]*"')
+_PATH = re.compile(r' d="[^"]*"')
+_LONG_NUMBER = re.compile(r"(\.\d\d)\d+")
+
+TIME = "performance time"
+WIDTH = 11.0  # [in] of every figure; the page scales it
+SMALL = 7.5  # [pt]
+POINTS = 1000  # of one line; more cannot be seen
+_LETTER = 0.55 * SMALL / 72  # [in] mean width
+
+
+def figure(height: float) -> "Figure":
+    """An empty figure, `height` [in] high."""
+    from matplotlib.figure import Figure  # noqa: PLC0415 - slow to import, and few performances are drawn
+
+    return Figure(figsize=(WIDTH, height))
+
+
+def svg(drawn: "Figure") -> Markup:
+    """A figure as an element of the page."""
+    from matplotlib import rc_context  # noqa: PLC0415 - as above
+
+    text = io.StringIO()
+    with rc_context({"svg.fonttype": "none", "svg.hashsalt": "kinesic"}), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph", category=UserWarning)  # the browser has fonts of its own
+        drawn.savefig(text, format="svg", transparent=True, metadata=_NO_METADATA)
+    body = text.getvalue()
+    body = body[body.index("<svg") :]
+    opening, rest = body.split(">", 1)
+    body = _SIZE.sub("", opening) + ">" + rest
+    body = _PATH.sub(lambda found: _LONG_NUMBER.sub(r"\1", found.group()), _UNNEEDED_ID.sub("", body))
+    for colour, variable in _VARIABLES.items():
+        body = body.replace(colour, f"var({variable})")
+    columns = sorted(
+        {(box.x0, box.x1) for axes in drawn.axes if axes.get_label() == TIME and (box := axes.get_position())}
+    )
+    heads = "".join(f'<i class="playhead" data-from="{x0:.5f}" data-to="{x1:.5f}"></i>' for x0, x1 in columns)
+    return Markup(f'<div class="plot"><div>{body}{heads}</div></div>')  # Matplotlib escapes every text in it
+
+
+def timed(axes: "Axes", *, end: float, ticks: int = 3) -> None:
+    """Plain axes over performance time, 0..end [s], on which the replay shows where it is."""
+    plain(axes, ticks=ticks)
+    axes.set_xlim(0.0, end)
+    axes.set_label(TIME)
+
+
+def plain(axes: "Axes", *, ticks: int = 3) -> None:
+    """Takes away what does not inform."""
+    from matplotlib.ticker import MaxNLocator  # noqa: PLC0415 - as above
+
+    axes.yaxis.set_major_locator(MaxNLocator(ticks))
+    axes.tick_params(length=2, width=0.5, labelsize=SMALL, color=FAINT, labelcolor=FAINT)
+    axes.grid(visible=True, color=GRID, linewidth=0.5)
+    axes.set_axisbelow(True)
+    for spine in axes.spines.values():
+        spine.set(color=GRID, linewidth=0.5)
+
+
+def write(
+    axes: "Axes", x: float, y: float, words: str, *, colour: str = INK, place: str = "axes", align: str = "left"
+) -> None:
+    """Writes a text as it stands, without mathematics.
+
+    Args:
+        axes: where.
+        x: of the text's side that `align` names.
+        y: of its base line.
+        words: may come from strangers.
+        colour: of the text.
+        place: "axes": x and y are shares of the axes; "time": x is a time; "data": both are data.
+        align: left, center or right.
+    """
+    transform = {"axes": axes.transAxes, "time": axes.get_xaxis_transform(), "data": axes.transData}[place]
+    printable = "".join(letter if letter.isprintable() else " " for letter in words)
+    axes.text(x, y, printable, fontsize=SMALL, color=colour, ha=align, transform=transform, parse_math=False)
+
+
+def shortened(words: str, width: float) -> str:
+    """What of a text fits into a width [in]."""
+    letters = int(width / _LETTER)
+    return words if len(words) <= letters else words[: letters - 1] + "\u2026" if letters > 1 else ""
+
+
+def is_stroke(sync: SyncTime) -> bool:
+    """Whether a sync point is a stroke, the first or a repeated one."""
+    return sync.sync == "stroke" or sync.sync.startswith("stroke:")
+
+
+def apart(times: Iterable[float], least: float) -> list[int]:
+    """Indices of times, in increasing order, that leave at least `least` [s] between them."""
+    kept: list[int] = []
+    last = -np.inf
+    for k, time in enumerate(times):
+        if time - last >= least:
+            kept.append(k)
+            last = time
+    return kept
+
+
+def thinned(times: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """A line with at most about `POINTS` points that shows the same extremes, for (m,) times and values."""
+    size = int(np.ceil(2 * len(times) / POINTS))
+    if size < 3:
+        return times, values
+    starts = np.arange(0, len(times), size)
+    pieces = np.split(values, starts[1:])
+    extremes = [
+        sorted({start + int(p.argmin()), start + int(p.argmax())}) for start, p in zip(starts, pieces, strict=True)
+    ]
+    kept = np.unique([0, len(times) - 1, *(k for pair in extremes for k in pair)])
+    return times[kept], values[kept]

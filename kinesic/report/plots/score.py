@@ -1,0 +1,92 @@
+"""The block as a score: one row per behaviour over performance time, with its strokes and its words."""
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from markupsafe import Markup
+
+from kinesic.bml.block import Speech
+from kinesic.controller.performance import Performance
+from kinesic.report.captions import Said, spoken
+from kinesic.report.plots.plots import (
+    ASKED,
+    FAINT,
+    INK,
+    PLANNED,
+    SPEECH,
+    WIDTH,
+    figure,
+    is_stroke,
+    shortened,
+    svg,
+    timed,
+    write,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+ROW, TOP, BOTTOM = 0.21, 0.06, 0.3  # [in]
+LEFT, RIGHT = 1.6, 0.1  # [in]
+CORES = (("strokeStart", "strokeEnd"), ("ready", "relax"), ("attackPeak", "relax"))  # of gestures, gaze, faces
+ROWS = 50  # a longer score is cut, and says so
+
+
+def score(performance: Performance) -> Markup | None:
+    """Who does what when; None when nothing is performed."""
+    scheduled = {entry.behaviour.id for entry in performance.plan.timeline.timed}
+    outcomes = performance.plan.keyframes.outcomes
+    behaviours = [b for b in performance.plan.timeline.block.behaviours if b.id in scheduled]
+    behaviours = [b for b in behaviours if outcomes[b.id].kind != "dropped"]
+    if not behaviours:
+        return None
+    rows = behaviours[:ROWS]
+    height = TOP + ROW * (len(rows) + (len(behaviours) > ROWS)) + BOTTOM
+    drawn = figure(height)
+    width = WIDTH - LEFT - RIGHT
+    axes = drawn.add_axes((LEFT / WIDTH, BOTTOM / height, width / WIDTH, 1 - (TOP + BOTTOM) / height))
+    end = float(performance.measured.times[-1])
+    timed(axes, end=end)
+    axes.set_ylim((height - TOP - BOTTOM) / ROW, 0)
+    axes.set_yticks([])
+    pieces = tuple(spoken(performance.plan))
+    for row, behaviour in enumerate(rows):
+        write(axes, -0.008 * end, row + 0.7, shortened(behaviour.id, LEFT), place="data", align="right")
+        if isinstance(behaviour.action, Speech):
+            _words(axes, row, (said for said in pieces if said.behaviour == behaviour.id), width / end)
+        else:
+            _phases(axes, row, behaviour.id, performance)
+    if len(behaviours) > ROWS:
+        write(axes, 0.0, ROWS + 0.7, f"and {len(behaviours) - ROWS} more behaviours", colour=FAINT, place="data")
+    return svg(drawn)
+
+
+def _phases(axes: "Axes", row: int, name: str, performance: Performance) -> None:
+    """From start to end, the stroke or hold in full colour; below it what was asked."""
+    zero = performance.plan.trajectory.zero
+    syncs = [sync for sync in performance.plan.syncs if sync.behaviour == name]
+    if not syncs:
+        return
+    at = {sync.sync: zero + sync.planned for sync in syncs}
+    begin, end = min(at.values()), max(at.values())
+    axes.broken_barh([(begin, end - begin)], (row + 0.2, 0.5), color=PLANNED, alpha=0.3, linewidth=0)
+    for first, last in CORES:
+        if first in at and last in at:
+            axes.broken_barh([(at[first], at[last] - at[first])], (row + 0.2, 0.5), color=PLANNED, linewidth=0)
+            break
+    strokes = [sync for sync in syncs if is_stroke(sync)]
+    axes.vlines([zero + sync.planned for sync in strokes], row + 0.08, row + 0.82, colors=INK, linewidth=1.2)
+    asked = [zero + sync.asked for sync in syncs]
+    axes.hlines(row + 0.86, min(asked), max(asked), colors=ASKED, linewidth=1.8)
+    axes.vlines([zero + sync.asked for sync in strokes], row + 0.74, row + 0.98, colors=ASKED, linewidth=1.8)
+
+
+def _words(axes: "Axes", row: int, pieces: Iterable[Said], per_second: float) -> None:
+    """The text between its marks, each piece where it is said."""
+    for said in pieces:
+        axes.broken_barh(
+            [(said.begin, said.end - said.begin)], (row + 0.1, 0.8), facecolor=SPEECH, alpha=0.25, linewidth=0
+        )
+        axes.vlines(said.begin, row + 0.1, row + 0.9, colors=SPEECH, linewidth=1.0)
+        words = shortened(said.text, (said.end - said.begin) * per_second - 0.06)
+        write(axes, said.begin + 0.03 / per_second, row + 0.7, words, place="data")

@@ -1,0 +1,243 @@
+"""The dry-run report as data: `report.json`, whose keys may grow but are never renamed."""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from time import perf_counter
+
+import numpy as np
+
+from kinesic import __version__
+from kinesic.bml.block import Behaviour, Block
+from kinesic.bml.reading.manner import modality_of
+from kinesic.controller.performance import Performance
+from kinesic.controller.smoothness import dimensionless_jerk, spectral_arc_length
+from kinesic.expressivity.style.sources import told
+from kinesic.expressivity.style.style import Style
+from kinesic.ik import KERNEL
+from kinesic.planning.plan import Plan
+from kinesic.report.checks import TOLERANCE, Check, checks
+from kinesic.report.checks.distances import penetrations
+from kinesic.report.checks.tracking import tracking
+from kinesic.report.comparison import following
+from kinesic.report.conditioning import story
+from kinesic.report.feedback import feedback
+
+Json = None | bool | int | float | str | list["Json"] | dict[str, "Json"]
+
+SCHEMA = 1
+MISS_TO_NAME = 0.02  # [m] a hand that stays further from its target is named
+
+
+def report(
+    performance: Performance, *, source: str, seed: int = 0, beside: Sequence[Performance] = ()
+) -> dict[str, Json]:
+    """Everything that is known about one performance.
+
+    Args:
+        performance: what was planned and performed; the checks are of this one.
+        source: name of the document.
+        seed: of everything random.
+        beside: the same plan in other twins, whose errors are told too.
+    """
+    plan = performance.plan
+    began = perf_counter()
+    verdicts = checks(performance)
+    checking = perf_counter() - began
+    return {
+        "schema": SCHEMA,
+        "kinesic": __version__,
+        "robot": plan.facts.robot.name,
+        "input": source,
+        "style": _style(plan.facts.style, plan.timeline.block),
+        "seed": seed,
+        "kernel": KERNEL,
+        "ok": all(check.status != "fail" for check in verdicts),
+        "checks": [_check(check) for check in verdicts],
+        "behaviours": _behaviours(performance),
+        "speech": _speech(plan),
+        "sync": _syncs(performance),
+        "tracking": _tracking(performance),
+        "limits": _limits(performance),
+        "conditioning": _conditioning(performance),
+        "collision": _collision(performance),
+        "smoothness": _smoothness(performance),
+        "power": _power(performance),
+        "twins": {each.twin_name: asdict(following(each)) for each in (performance, *beside)},
+        "warnings": [{"type": n.type.value, "id": n.id, "text": n.text} for n in plan.notices],
+        "feedback": list(feedback(plan, performance.lags)),
+        "timing": _timing(performance, checking),
+    }
+
+
+def _style(style: Style, block: Block) -> dict[str, Json]:
+    """The numbers of each modality, and what was said beside the preset: by settings, and by the block.
+
+    Those of gestures stand also beside the name, where readers of one modality find them.
+    """
+    tables: dict[str, Json] = {modality: dict(numbers) for modality, numbers in style.numbers().items()}
+    said: dict[str, Json] = {
+        modality: {name: value for name, value in asdict(manner).items() if value is not None}
+        for modality, manner in block.manners.items()
+    }
+    tables |= {"settings": [str(setting) for setting in style.settings], "block": said}
+    return {"name": style.name, **asdict(style.gesture), **tables}
+
+
+def _manner(behaviour: Behaviour, plan: Plan) -> dict[str, Json] | None:
+    """The numbers that a behaviour is moved with, and who said each; None when it moves nothing."""
+    modality = modality_of(behaviour.action)
+    if modality is None:
+        return None
+    found = told(plan.facts.style, modality, plan.timeline.block, behaviour)
+    carried: dict[str, Json] = {"intensity": behaviour.manner.intensity}  # of Greta's signals
+    return {"modality": modality, "values": asdict(found.expressivity), "sources": dict(found.sources), **carried}
+
+
+def _check(check: Check) -> dict[str, Json]:
+    return {
+        "name": check.name,
+        "status": check.status,
+        "value": check.value,
+        "limit": check.limit,
+        "unit": check.unit,
+        "where": check.where,
+        "at_least": check.at_least,
+    }
+
+
+def _behaviours(performance: Performance) -> list[Json]:
+    plan = performance.plan
+    found: list[Json] = []
+    for behaviour in plan.timeline.block.behaviours:
+        outcome = plan.keyframes.outcomes[behaviour.id]
+        miss = plan.postures.misses.get(behaviour.id, 0.0)
+        reasons = [outcome.why] if outcome.why else []
+        if outcome.kind != "dropped" and miss > MISS_TO_NAME:
+            reasons.append(f"hand stays {100 * miss:.0f} cm from its target, out of reach or too near the body")
+        found.append(
+            {
+                "id": behaviour.id,
+                "type": behaviour.type,
+                "outcome": outcome.kind,
+                "why": "; ".join(reasons),
+                "manner": _manner(behaviour, plan),
+            }
+        )
+    return found
+
+
+def _speech(plan: Plan) -> list[Json]:
+    """Who says what is said, and whether it is heard."""
+    return [
+        {"id": name, "voice": said.voice, "duration_s": said.duration, "heard": said.sound is not None}
+        for name, said in plan.utterances.items()
+    ]
+
+
+def _syncs(performance: Performance) -> list[Json]:
+    block = performance.plan.timeline.block.id
+    found: list[Json] = []
+    for sync in performance.plan.syncs:
+        lag = performance.lags.get(sync, 0.0)
+        found.append(
+            {
+                "id": f"{block}:{sync.behaviour}:{sync.sync}",
+                "asked_s": sync.asked,
+                "planned_s": sync.planned,
+                "twin_s": None if lag is None else sync.planned + lag,
+                "amplitude": 1.0,
+            }
+        )
+    return found
+
+
+def _tracking(performance: Performance) -> dict[str, Json]:
+    names = performance.plan.facts.robot.skeleton.names
+    squares = np.degrees(np.nan_to_num(performance.errors)) ** 2
+    means = squares.sum(axis=0) / np.maximum(performance.reference.moving.sum(axis=0), 1)
+    found = tracking(performance)
+    late = performance.lateness
+    return {
+        "rmse_deg": found.rmse,
+        "p95_deg": found.p95,
+        "max_deg": found.max,
+        "per_joint": {name: float(np.sqrt(mean)) for name, mean in zip(names, means, strict=True)},
+        "lateness_s": {names[hinge]: float(late[hinge]) for hinge in np.flatnonzero(np.isfinite(late))},
+    }
+
+
+def _limits(performance: Performance) -> dict[str, Json]:
+    shares = performance.reference.peaks.shares
+    quantity, peak = max(shares.items(), key=lambda item: float(item[1].ratios.max()))
+    return {
+        "violations": int(sum((share.ratios > TOLERANCE).sum() for share in shares.values())),
+        "worst": {
+            "joint": performance.plan.facts.robot.skeleton.names[peak.hinge],
+            "quantity": quantity,
+            "ratio": float(peak.ratios[peak.hinge]),
+            "time_s": peak.time,
+        },
+    }
+
+
+def _conditioning(performance: Performance) -> dict[str, Json]:
+    """What had to give, behaviour by behaviour, and how far each hinge strays from the wish."""
+    plan = performance.plan
+    strays = zip(plan.facts.robot.skeleton.names, np.degrees(plan.motion.lost), strict=True)
+    return {
+        "gave": [asdict(chapter) for chapter in story(performance)],
+        "lost_deg": {name: float(lost) for name, lost in strays},
+    }
+
+
+def _collision(performance: Performance) -> dict[str, Json]:
+    plan, measured = performance.plan, performance.measured
+    nearest = min(
+        ((plan.clearance, plan.clearance_times), (measured.clearance, measured.times)),
+        key=lambda found: float(found[0].distances.min()),
+    )
+    clearance, times = nearest
+    worst = clearance.worst
+    return {
+        "penetrations": penetrations(performance),
+        "min_distance_m": float(clearance.distances[worst]),
+        "pair": list(clearance.pairs[worst]),
+        "time_s": float(times[worst]),
+    }
+
+
+def _smoothness(performance: Performance) -> dict[str, Json]:
+    hands: dict[str, Json] = {}
+    period = performance.period
+    for side, performed in performance.measured.hands.items():
+        planned = performance.reference.hands[side]
+        hands[side] = {
+            "dimensionless_jerk": dimensionless_jerk(planned, period=period),
+            "sparc_planned": spectral_arc_length(planned, period=period),
+            "sparc_twin": spectral_arc_length(performed, period=period),
+        }
+    return {"rms_jerk_rad_s3": performance.reference.peaks.rms_jerk, "hands": hands}
+
+
+def _power(performance: Performance) -> dict[str, Json]:
+    power, supply = performance.measured.power, performance.plan.facts.robot.supply
+    return {
+        "peak_a": float(power.peak.max()),
+        "mean_a": float(power.mean.mean()),
+        "supply_a": None if supply is None else supply.amps,
+        "energy_j": power.energy,
+        "warming_k": {name: float(rise.max()) for name, rise in power.warming.items()},
+    }
+
+
+def _timing(performance: Performance, checking: float) -> dict[str, Json]:
+    duration = performance.plan.duration
+    parse, planned, dry = performance.parse_seconds, performance.plan.seconds, performance.dry_run_seconds + checking
+    return {
+        "parse_ms": 1000 * parse,
+        "plan_ms": 1000 * planned,
+        "first_command_ms": 1000 * (parse + planned),
+        "dry_run_ms": 1000 * dry,
+        "real_time_factor": duration / dry if dry else 0.0,
+        "duration_s": duration,
+    }

@@ -1,0 +1,99 @@
+"""What the robot did, beside what was planned: figures, checks, and a log that the twin can be fitted to."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from kinesic.controller.servo_performance import Live
+from kinesic.report.checks import Check
+from kinesic.report.checks.check import goal, least
+from kinesic.report.checks.tracking import MAX, P95
+from kinesic.report.report import Json
+from kinesic.sim.log import Log
+
+RMSE = 1.0  # [deg]
+WHOLE = 0.999  # share of a plan that is all of it
+
+
+def live_checks(live: Live) -> list[Check]:
+    """How near the robot stayed to the plan, and whether it came to its end."""
+    found = [least("measured.performed", live.performed, WHOLE, "ratio", live.why or live.ending)]
+    errors = np.degrees(np.abs(live.errors))
+    counted = errors[np.isfinite(errors)]
+    if not len(counted):
+        return found
+    names = live.performance.plan.facts.robot.skeleton.names
+    row, hinge = np.unravel_index(int(np.nan_to_num(errors).argmax()), errors.shape)
+    worst = f"{names[hinge]} at {live.times[row]:.2f} s"
+    return [
+        *found,
+        goal("measured.rmse", float(np.sqrt(np.mean(counted**2))), RMSE, "deg", f"most {_most(live)}"),
+        goal("measured.p95", float(np.percentile(counted, 95)), P95, "deg"),
+        goal("measured.max", float(counted.max()), MAX, "deg", worst),
+    ]
+
+
+def _most(live: Live) -> str:
+    """The hinge that strays most."""
+    sums = (np.nan_to_num(live.errors) ** 2).sum(axis=0)
+    return live.performance.plan.facts.robot.skeleton.names[int(sums.argmax())]
+
+
+def with_live(data: Mapping[str, Json], live: Live) -> dict[str, Json]:
+    """A report with what the robot did: more checks, the times of its sync points, and a table `servos`."""
+    found = live_checks(live)
+    rows: list[Json] = [{**vars(check)} for check in found]
+    earlier, syncs = data["checks"], data["sync"]
+    assert isinstance(earlier, list)  # as `report` makes them
+    assert isinstance(syncs, list)
+    return {
+        **data,
+        "ok": bool(data["ok"]) and all(check.status != "fail" for check in found),
+        "checks": [*earlier, *rows],
+        "sync": _syncs(syncs, live),
+        "servos": _servos(live, {check.name.partition(".")[2]: check.value for check in found}),
+    }
+
+
+def _syncs(rows: list[Json], live: Live) -> list[Json]:
+    """With the time at which the robot met each."""
+    found: list[Json] = []
+    for row, sync in zip(rows, live.performance.plan.syncs, strict=True):
+        lag = live.lags.get(sync, 0.0)
+        assert isinstance(row, dict)
+        found.append({**row, "servos_s": None if lag is None else sync.planned + lag})
+    return found
+
+
+def _servos(live: Live, figures: Mapping[str, float]) -> dict[str, Json]:
+    names = live.performance.plan.facts.robot.skeleton.names
+    squares = np.degrees(np.nan_to_num(live.errors)) ** 2
+    means = squares.sum(axis=0) / np.maximum(np.isfinite(live.errors).sum(axis=0), 1)
+    last = live.history[-1] if live.history else None
+    return {
+        "ending": live.ending,
+        "why": live.why,
+        "performed": live.performed,
+        "rmse_deg": figures.get("rmse"),
+        "p95_deg": figures.get("p95"),
+        "max_deg": figures.get("max"),
+        "per_joint": {name: float(np.sqrt(mean)) for name, mean in zip(names, means, strict=True)},
+        "samples": len(live.times),
+        "late_cycles": last.late if last else 0,
+        "hottest_c": max((told.hottest for told in live.history), default=None),
+        "lowest_v": min((told.volts for told in live.history), default=None),
+        "events": [
+            {
+                "time_s": note.clock,
+                "kind": note.kind,
+                "servo": note.servo if note.servo >= 0 else None,
+                "text": note.text,
+            }
+            for note in live.notes
+        ],
+    }
+
+
+def live_log(live: Live) -> Log:
+    """Goals sent and angles measured, as `kinesic twin fit` reads them."""
+    return Log(live.clocks, live.goals, live.followed)

@@ -1,0 +1,177 @@
+"""Dry-runs many documents in processes of their own, and goes on where an interrupted run stopped."""
+
+import hashlib
+import json
+from collections.abc import Callable, Generator, Iterable
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Literal
+
+from kinesic.bml.block import BmlError
+from kinesic.controller.perform import performances
+from kinesic.controller.performance import Performance
+from kinesic.planning.setup import Facts
+from kinesic.report.checks import Check, checks
+from kinesic.report.journal import Journal
+from kinesic.report.report import Json, report
+from kinesic.report.worker_pool import Crash, crew
+from kinesic.sim.servo_factors import NOMINAL, Factors
+
+SUFFIXES = (".xml", ".bml")
+JOURNAL = "finished.jsonl"
+
+Outcome = Literal["performed", "refused", "crashed"]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What became of one document."""
+
+    file: str
+    outcome: Outcome
+    exit: int  # as `perform` would end; 0 for a well-founded refusal
+    behaviours: tuple[tuple[str, str], ...] = ()  # (type, outcome)
+    checks: tuple[Check, ...] = ()
+    error: str = ""
+    report: str | None = None  # path of its report
+
+    def count(self, outcome: str) -> int:
+        """How many behaviours had this outcome."""
+        return sum(found == outcome for _, found in self.behaviours)
+
+
+def documents(paths: tuple[Path, ...]) -> list[Path]:
+    """Files, and the BML and XML files below folders in order of their names; each once.
+
+    Raises:
+        BmlError: a path does not exist.
+    """
+    found: list[Path] = []
+    for path in paths:
+        if path.is_dir():
+            found += sorted(file for file in path.rglob("*") if file.suffix.lower() in SUFFIXES)
+        elif path.exists():
+            found.append(path)
+        else:
+            raise BmlError(f"{path}: no such file or folder")
+    return list(dict.fromkeys(found))
+
+
+def validate(
+    files: Iterable[Path],
+    make_facts: Callable[[], Facts],
+    *,
+    jobs: int,
+    twins: tuple[Factors, ...] = (NOMINAL,),
+    folder: Path | None = None,
+    settings: str = "",
+) -> Generator[Verdict, None, None]:
+    """Dry-runs documents; verdicts come in the order in which they are ready, those of an earlier run first.
+
+    With a folder, each report is written there, and each verdict is noted as soon as it is known: a run with the same
+    folder takes over what is noted of documents that did not change, under the same settings. A document that kills
+    its process is named, and the others go on.
+
+    Args:
+        files: to be performed in the twin.
+        make_facts: called once in each process; picklable.
+        jobs: number of processes.
+        twins: who performs; the checks are of the first.
+        folder: of the reports.
+        settings: everything beside a document that its verdict depends on; another text makes a fresh start.
+    """
+    tasks = {file: _key(file, settings) for file in files}
+    journal = Journal(folder / JOURNAL, Verdict) if folder else None
+    known = _resumed(journal, tasks) if journal else {}
+    yield from known.values()
+    left = [file for file in tasks if file not in known]
+    prepare = partial(_prepare, make_facts, twins, folder, tasks)
+    for file, result in crew(left, prepare, jobs=jobs, preload=__name__):
+        verdict = _crashed(file, result, folder, tasks[file]) if isinstance(result, Crash) else result
+        if journal:
+            journal.append(tasks[file], verdict)
+        yield verdict
+
+
+def _key(file: Path, settings: str) -> str:
+    """What a verdict depends on."""
+    try:
+        content = file.read_bytes()
+    except OSError:
+        content = b""
+    return hashlib.sha256(b"\0".join([settings.encode(), str(file).encode(), content])).hexdigest()
+
+
+def _resumed(journal: Journal[Verdict], tasks: dict[Path, str]) -> dict[Path, Verdict]:
+    """Verdicts that still hold; a crash is tried again."""
+    noted = journal.read()
+    known = {
+        file: noted[key]
+        for file, key in tasks.items()
+        if key in noted and noted[key].outcome != "crashed" and _is_there(noted[key].report)
+    }
+    journal.rewrite({tasks[file]: verdict for file, verdict in known.items()})
+    return known
+
+
+def _is_there(path: str | None) -> bool:
+    return path is None or Path(path).exists()
+
+
+def _crashed(file: Path, crash: Crash, folder: Path | None, key: str) -> Verdict:
+    if folder:
+        (folder / f"{_name(file, key)}.crash.txt").write_text(crash.trace, encoding="utf-8")
+    return Verdict(str(file), "crashed", 1, error=f"{file}: {crash.reason}")
+
+
+def _prepare(
+    make_facts: Callable[[], Facts], twins: tuple[Factors, ...], folder: Path | None, tasks: dict[Path, str]
+) -> Callable[[Path], Verdict]:
+    known = make_facts()
+
+    def do(file: Path) -> Verdict:
+        verdict, data = judge(file, known, twins=twins)
+        if not folder or not data:
+            return verdict
+        path = folder / f"{_name(file, tasks[file])}.json"
+        path.write_text(json.dumps(data, indent=1), encoding="utf-8")
+        return replace(verdict, report=str(path))
+
+    return do
+
+
+def _name(file: Path, key: str) -> str:
+    """Of a report: two documents of one name in two folders have two."""
+    return f"{file.stem}-{key[:8]}"
+
+
+def judge(file: Path, known: Facts, *, twins: tuple[Factors, ...] = (NOMINAL,)) -> tuple[Verdict, dict[str, Json]]:
+    """Performs one document in the twin.
+
+    Returns:
+        The verdict, and the report; empty for a document that is refused before anything is planned.
+    """
+    try:
+        performance, *beside = performances(file.read_bytes(), twins, known, source=str(file))
+    except BmlError as error:
+        return Verdict(str(file), "refused", 0, error=str(error)), {}
+    except OSError as error:
+        return Verdict(str(file), "refused", 2, error=f"{file}: {error.strerror}"), {}
+    data = report(performance, source=str(file), beside=beside)
+    outcomes = performance.plan.keyframes.outcomes
+    behaviours = tuple((b.type, outcomes[b.id].kind) for b in performance.plan.timeline.block.behaviours)
+    if behaviours and all(outcome == "dropped" for _, outcome in behaviours):
+        return Verdict(str(file), "refused", 0, behaviours, error=_nothing_left(file, performance)), data
+    return Verdict(str(file), "performed", 0 if data["ok"] else 1, behaviours, checks(performance)), data
+
+
+def _nothing_left(file: Path, performance: Performance) -> str:
+    """Why a document of which everything was dropped does not count as performed."""
+    plan = performance.plan
+    first = plan.timeline.block.behaviours[0]
+    reasons = "; ".join(
+        f"{behaviour.id}: {plan.keyframes.outcomes[behaviour.id].why}" for behaviour in plan.timeline.block.behaviours
+    )
+    robot = plan.facts.robot.name
+    return f"{file}:{first.place.line}:{first.place.column}: {robot} can perform none of its behaviours ({reasons})"

@@ -1,0 +1,79 @@
+"""When the body was where a sync point wants it, as sensors have it.
+
+By the rule of reports, on hinges: a behaviour's hinges arrive when they first enter a ball about their planned posture.
+The plan is judged by the same rule, and the sync point counts as met by as much later as the body entered the ball.
+"""
+
+from collections import deque
+from collections.abc import Sequence
+
+import numpy as np
+
+from kinesic.body.arrays import Flags, Floats
+from kinesic.controller.play import RATE
+from kinesic.serve.sinks import Playing
+
+WINDOW = 0.3  # [s] before a sync point in which the ball is entered
+KEPT = 1.0  # [s] of what was measured
+LEAST_BALL = np.radians(0.5)  # [rad]
+SHARE = 0.05  # of the way in the window
+LEAST_WAY = np.radians(2.0)  # [rad] in the window, below which nothing is measured
+
+
+class Gauge:
+    """What a body did lately."""
+
+    def __init__(self) -> None:
+        """Nothing yet."""
+        self._times: deque[float] = deque()
+        self._angles: deque[Floats] = deque()
+
+    def add(self, time: float, angles: Floats) -> None:
+        """One more measurement.
+
+        Args:
+            time: [s] of the clock, later than those before; else it is passed over, as are those without a number.
+            angles: (n,) [rad].
+        """
+        if (self._times and time <= self._times[-1]) or not np.isfinite(angles).all():
+            return
+        self._times.append(time)
+        self._angles.append(angles)
+        while self._times[0] < time - KEPT:
+            self._times.popleft()
+            self._angles.popleft()
+
+    def lateness(self, time: float, hinges: Flags, playing: Playing) -> float | None:
+        """By how much later [s] than the plan some hinges arrive where they are to be at a time [s] of the clock.
+
+        Returns:
+            None while they have not arrived; NaN where they hardly move, so that nothing can be said.
+        """
+        begin = time - WINDOW
+        instants = begin + np.arange(round(WINDOW * RATE) + 1) / RATE
+        planned = playing.trajectory.sample(instants - playing.epoch)[0][:, hinges]
+        way = float(np.linalg.norm(np.diff(planned, axis=0), axis=1).sum())
+        radius = max(LEAST_BALL, SHARE * way)
+        due = _entry(instants.tolist(), planned, planned[-1], radius)
+        if way < LEAST_WAY or due is None or due == instants[0]:
+            return float("nan")
+        lately = [k for k, at in enumerate(self._times) if at >= begin]
+        if not lately:
+            return None
+        seen = np.array([self._angles[k][hinges] for k in lately])
+        came = _entry([self._times[k] for k in lately], seen, planned[-1], radius)
+        return None if came is None else came - due
+
+
+def _entry(times: Sequence[float], path: Floats, place: Floats, radius: float) -> float | None:
+    """When a path (m, k) enters a ball for the last time [s], between samples by linear interpolation; None: never."""
+    distance = np.linalg.norm(path - place, axis=1)
+    inside = np.flatnonzero(distance <= radius)
+    if not len(inside):
+        return None
+    outside = np.flatnonzero(distance[: inside[-1]] > radius)
+    if not len(outside):
+        return times[0]
+    before = int(outside[-1])
+    outer, inner = distance[before : before + 2]
+    return float(times[before] + (outer - radius) / (outer - inner) * (times[before + 1] - times[before]))

@@ -1,0 +1,140 @@
+"""Where all messages come in, whatever wire they came by: control messages are obeyed, documents are handed on."""
+
+from collections.abc import Callable
+from hmac import compare_digest
+from itertools import count
+
+from kinesic.bml.block import NoticeType
+from kinesic.serve.guest import LATER, POLICY, Guest
+from kinesic.serve.messages import Restyling
+from kinesic.serve.outbox import Outbox
+from kinesic.serve.protocol import (
+    Control,
+    Enquiry,
+    Hello,
+    Interrupt,
+    Ping,
+    Restyle,
+    Resume,
+    Stop,
+    control,
+    told,
+)
+from kinesic.serve.quotas import Bucket, Rules, refused
+from kinesic.serve.session import Performer
+from kinesic.serve.turns import Waiting
+
+NO_TOKEN = 'a token is needed: send {"do": "hello", "token": "..."} first'
+
+
+class Desk:
+    """All clients of a server."""
+
+    def __init__(self, rules: Rules, token: str | None, performer: Callable[["Desk"], Performer]) -> None:
+        """With nobody there.
+
+        Args:
+            rules: what a client may do.
+            token: that each client must show; None: none is needed.
+            performer: made for this desk, whose `tell` it uses.
+        """
+        self.rules, self._token = rules, token
+        self._guests: dict[int, Guest] = {}
+        self._numbers = count(1)
+        self.performer = performer(self)
+
+    def joined(self, name: str, *, token: str | None = None, trusted: bool = False) -> Guest:
+        """Somebody has come.
+
+        Args:
+            name: where it is.
+            token: that came with the connection.
+            trusted: needs no token.
+        """
+        admitted = trusted or self._token is None or self.is_right(token)
+        guest = Guest(next(self._numbers), name, admitted, Bucket(self.rules), Outbox(self.rules.unread))
+        if len(self._guests) >= self.rules.clients:
+            guest.close(LATER, f"rule clients: {self.rules.clients} are connected already")
+        elif token is not None and not admitted:
+            guest.close(POLICY, "the token is wrong")
+        else:
+            self._guests[guest.number] = guest
+        return guest
+
+    def left(self, guest: Guest) -> None:
+        """Somebody is gone; its blocks are performed all the same."""
+        self._guests.pop(guest.number, None)
+        guest.outbox.end()
+
+    @property
+    def is_open(self) -> bool:
+        """Whether no token is needed."""
+        return self._token is None
+
+    def is_right(self, token: str | None) -> bool:
+        """Whether this is the token."""
+        return token is not None and self._token is not None and compare_digest(token.encode(), self._token.encode())
+
+    def heard(self, guest: Guest, message: bytes) -> None:
+        """Takes a message: an emergency stop before all that waits, everything else within the rules."""
+        try:
+            wish = control(message)
+        except ValueError as error:
+            guest.put(told("refused", why=str(error)))
+            return
+        if not guest.admitted:
+            self._admit(guest, wish)
+        elif isinstance(wish, Stop):
+            self.performer.halt()
+            guest.put(told("stopped"))
+        elif not guest.bucket.takes():
+            guest.put(refused("rate", f"at most {self.rules.rate:g} messages a second are taken from each client"))
+        elif wish is not None:
+            self._obey(guest, wish)
+        else:
+            guest.count += 1
+            source = f"{guest.name}, message {guest.count}"
+            refusal = self.performer.perform(Waiting(message, guest.number, source))
+            if refusal is not None:
+                guest.put(refusal)
+
+    def overlong(self, guest: Guest, error: ValueError) -> None:
+        """A message was longer than it may be."""
+        guest.put(refused("message", str(error), type_=NoticeType.PARSING_FAILURE))
+
+    def tell(self, message: str, sender: int) -> None:
+        """Gives a sender a message, if it is still there."""
+        guest = self._guests.get(sender)
+        if guest is not None:
+            guest.put(message)
+
+    def close(self, code: int, why: str) -> None:
+        """Sends everybody home."""
+        for guest in self._guests.values():
+            guest.close(code, why)
+
+    def _admit(self, guest: Guest, wish: Control | None) -> None:
+        if isinstance(wish, Hello) and self.is_right(wish.token):
+            guest.admitted = True
+            guest.put(told("welcome"))
+            return
+        why = "the token is wrong" if isinstance(wish, Hello) else NO_TOKEN
+        guest.put(told("refused", why=why))
+        guest.close(POLICY, why)
+
+    def _obey(self, guest: Guest, wish: Control) -> None:
+        match wish:
+            case Resume():
+                self.performer.resume()
+            case Interrupt(block):
+                self.performer.interrupt(block)
+            case Restyle(style, changes, amount, block):
+                self.performer.restyle(Restyling(style, changes, amount, block, guest.number))
+            case Enquiry():
+                guest.put(told("status", clients=len(self._guests), **self.performer.status()))
+            case Ping(id):
+                guest.put(told("pong", id=id))
+            case Hello():
+                guest.put(told("welcome"))
+            case Stop():
+                self.performer.halt()

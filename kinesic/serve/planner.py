@@ -1,0 +1,272 @@
+"""The process that plans: it reads documents, keeps the scene, and proposes motions and agendas to the loop."""
+
+import signal
+from collections.abc import Callable
+from dataclasses import replace
+from math import isfinite
+from multiprocessing.connection import Connection, wait
+
+from kinesic.bml.block import BmlError
+from kinesic.bml.reading.tree import Bounds
+from kinesic.body.config import ConfigError
+from kinesic.expressivity.style.style import Style
+from kinesic.motion.trajectory import Trajectory
+from kinesic.planning.setup import Facts
+from kinesic.realizer.asked import Message, asked, refused
+from kinesic.realizer.contention import among
+from kinesic.realizer.realizer import Due, Ready, Scene, begun, changed, improved, interrupted, passed, ready
+from kinesic.realizer.release import released
+from kinesic.serve.clock import Clock
+from kinesic.serve.messages import (
+    Beginning,
+    Document,
+    Done,
+    Halted,
+    Interruption,
+    Motion,
+    Proposal,
+    Restyling,
+    Resumption,
+    Tell,
+    Verdict,
+    Wanted,
+    Warm,
+)
+from kinesic.serve.protocol import told
+from kinesic.serve.quotas import Rules
+from kinesic.serve.quotas import refused as refused_by
+from kinesic.serve.refiner import Better, Leisure, packed, unpacked
+from kinesic.serve.tracks import Track, Version, track, version
+
+MARGIN = 0.015  # [s] from a proposal to its cut, beside what it takes to make it
+LONGEST = 1.0  # [s] that making one may take
+SLOWER = 0.7  # share of that which is kept when the next one takes less
+ATTEMPTS = 5  # at being in time
+LOOK = 0.05  # [s] between two looks at what is due
+WARMING = (
+    '<bml id="warming"><head id="nod" lexeme="NOD" start="0"/><gesture id="beat" lexeme="BEAT" start="0"/>'
+    '<faceLexeme id="brows" lexeme="RAISE_BROWS" start="0"/><speech id="yes"><text>Yes.</text></speech></bml>'
+)
+
+Change = Callable[[Scene, float], tuple[Scene, tuple[Due, ...]]]
+
+
+def run(
+    facts_of: Callable[[], Facts],
+    wishes: Connection,
+    loop: Connection,
+    improver: Connection,
+    clock: Clock,
+    beginning: Beginning,
+    rules: Rules,
+) -> None:
+    """Plans until the server is gone.
+
+    Args:
+        facts_of: makes what planning needs.
+        wishes: what clients want comes here, one after the other.
+        loop: proposals go there, verdicts and stops come back.
+        improver: plans again what has begun.
+        clock: the server's.
+        beginning: what plays.
+        rules: how large a document may be, and how long a block.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which then folds the robot
+    try:
+        planning = Planning(facts_of(), loop, improver, clock, beginning, rules)
+        loop.send(Warm())
+        while True:
+            heard = wait([wishes, loop, improver], planning.pause)
+            if loop in heard:
+                planning.heard(loop.recv())
+            elif wishes in heard:
+                planning.fulfil(wishes.recv())
+                loop.send(Done())
+            elif improver in heard:
+                planning.improve(improver.recv_bytes())
+            else:
+                planning.go_on()
+            planning.ask_for_better()
+    except (EOFError, BrokenPipeError, ConnectionResetError):
+        return
+
+
+class Planning:
+    """The scene, and how it changes."""
+
+    def __init__(
+        self,
+        facts: Facts,
+        loop: Connection,
+        improver: Connection,
+        clock: Clock,
+        beginning: Beginning,
+        rules: Rules,
+    ) -> None:
+        """Warms up by planning a block that nobody sees."""
+        self._loop, self._improver, self._clock, self._rules = loop, improver, clock, rules
+        self._bounds = Bounds(rules.message, rules.depth)
+        self._stops, self._took = beginning.stops, 0.0
+        self._senses, self._versions = beginning.senses, dict[str, Version]()  # of the tracks that the loop has
+        self._improving = False  # whether the improver is at work
+        begin, _ = begun(Scene.of(facts), _ready(WARMING.encode(), Scene.of(facts)), 0.0)
+        for staged in begin.playing:
+            track(staged, beginning.senses)
+        passed(begin, 0.1)
+        self._scene = replace(_moved(Scene.of(facts), beginning.motion), agenda=beginning.agenda)
+
+    @property
+    def pause(self) -> float | None:
+        """[s] until something is due; None: nothing is."""
+        due = self._scene.next_time - self._clock.now()
+        return max(due, LOOK) if isfinite(due) else None
+
+    def go_on(self) -> None:
+        """Lets time pass: what is over is forgotten, and whose turn it is begins."""
+        self._propose(passed)
+
+    def fulfil(self, wanted: Wanted) -> None:
+        """Does what a client wants, once every emergency stop is known that was before it."""
+        if isinstance(wanted, Document | Resumption):
+            self._catch_up(wanted.stops)
+        match wanted:
+            case Document():
+                self._plan(wanted)
+            case Interruption(block):
+                self._propose(lambda scene, now: interrupted(scene, now, block))
+            case Restyling():
+                self._restyle(wanted)
+            case Resumption(stops) if stops == self._stops:
+                self._propose(_resumed)
+
+    def ask_for_better(self) -> None:
+        """Has the improver plan the first block that could be planned better, when it has nothing else to do."""
+        if self._improving or not self._scene.wishes:
+            return
+        first, *others = self._scene.wishes
+        self._scene = replace(self._scene, wishes=tuple(others))
+        self._improver.send_bytes(packed(Leisure(first, self._scene.facts.style)))
+        self._improving = True
+
+    def improve(self, data: bytes) -> None:
+        """Goes over into what the improver has found, where that is still possible."""
+        self._improving = False
+        better = unpacked(data, self._scene.facts)
+        if not isinstance(better, Better) or (found := better.plan) is None:
+            return
+
+        def change(scene: Scene, now: float) -> tuple[Scene, tuple[Due, ...]]:
+            after, dues = passed(scene, now)
+            return improved(after, better.block, found, now) or after, dues
+
+        self._propose(change)
+
+    def heard(self, halted: Halted) -> None:
+        """Takes over what the loop has made of an emergency stop: every block is interrupted, and stays where it is."""
+        self._stops = halted.stops
+
+        def stopped(scene: Scene, _now: float) -> tuple[Scene, tuple[Due, ...]]:
+            after, dues = interrupted(scene, halted.time)
+            return _moved(after, halted.motion), dues
+
+        self._propose(stopped, moves=False)
+
+    def _catch_up(self, stops: int) -> None:
+        """Waits for the loop to say what became of the motion at so many stops, which it does in its next tick."""
+        while self._stops < stops:
+            self.heard(self._loop.recv())
+
+    def _plan(self, document: Document) -> None:
+        message = Message(document.text, document.sender, document.source)
+        try:
+            around = self._scene.around(self._clock.now())
+            known = among(self._scene, asked(message, self._scene.facts, around=around, bounds=self._bounds))
+            if known.timeline.end - known.timeline.start > self._rules.duration:
+                what = (
+                    f"{known.block.id} lasts {known.timeline.end:.0f} s, at most {self._rules.duration:g} s are taken"
+                )
+                self._loop.send(Tell(refused_by("duration", f"{what}: split it", name=known.block.id), document.sender))
+                return
+            self._loop.send(Tell(known.prediction, document.sender))
+            coming = ready(known, self._scene.facts)
+        except BmlError as error:
+            self._loop.send(Tell(refused(message, error), document.sender))
+            return
+        if document.stops != self._stops or not self._propose(lambda scene, now: begun(scene, coming, now)):
+            text = refused_by("stopped", "an emergency stop came; resume first", name=known.block.id)
+            self._loop.send(Tell(text, document.sender))
+
+    def _restyle(self, wanted: Restyling) -> None:
+        try:
+            style: Style | str | None = wanted.style
+            if wanted.block is None and (wanted.style or wanted.changes):
+                manner = Style.load(wanted.style) if wanted.style else self._scene.facts.style
+                style = manner.changed(wanted.changes)
+            self._propose(lambda scene, now: changed(scene, now, style=style, amount=wanted.amount, block=wanted.block))
+        except (ConfigError, ValueError) as error:
+            self._loop.send(Tell(told("refused", do="style", why=str(error)), wanted.sender))
+
+    def _propose(self, change: Change, *, moves: bool = True) -> bool:
+        """Changes the scene as soon as the loop can follow; False when it cannot, or an emergency stop came before.
+
+        Args:
+            change: from a scene and a time [s].
+            moves: whether the loop is to play the motion; else it plays it already.
+        """
+        for _ in range(ATTEMPTS):
+            now = self._clock.now()
+            ahead = self._took + MARGIN
+            scene, due = change(replace(self._scene, ahead=ahead), now)
+            self._took = min(LONGEST, max(self._clock.now() - now, SLOWER * self._took))
+            motion = None
+            if moves and scene.motion is not self._scene.motion:
+                motion = Motion(scene.motion.controls, scene.motion.zero, scene.epoch)
+            versions, tracks = self._tracks(scene)
+            owed = frozenset(staged.sender for staged in scene.blocks)
+            moving = {(staged.id, busy.behaviour): busy.hinges for staged in scene.blocks for busy in staged.busy}
+            self._loop.send(
+                Proposal(self._stops, now, now + ahead, motion, (*due, *scene.agenda), owed, moving, tracks)
+            )
+            halted, verdict = self._answer()
+            if verdict.taken:
+                self._scene, self._versions = scene, versions
+            if halted is not None:
+                self.heard(halted)
+            if verdict.taken or halted is not None:
+                return verdict.taken
+            if verdict.stops > self._stops:
+                self._catch_up(verdict.stops)
+                return False
+        return False
+
+    def _tracks(self, scene: Scene) -> tuple[dict[str, Version], dict[str, Track | None]]:
+        """What is seen and heard of the blocks that play, where the loop does not know it yet."""
+        if not (self._senses.face or self._senses.sound):
+            return {}, {}
+        playing = {staged.id: staged for staged in scene.playing}
+        versions = {id: version(staged) for id, staged in playing.items()}
+        over: dict[str, Track | None] = dict.fromkeys(self._versions.keys() - versions.keys())
+        fresh = [id for id, own in versions.items() if self._versions.get(id) != own]
+        return versions, over | {id: track(playing[id], self._senses) for id in fresh}
+
+    def _answer(self) -> tuple[Halted | None, Verdict]:
+        """The loop's verdict, and what it had to say before it."""
+        halted = None
+        while not isinstance(heard := self._loop.recv(), Verdict):
+            halted = heard
+        return halted, heard
+
+
+def _ready(text: bytes, scene: Scene) -> Ready:
+    return ready(asked(Message(text), scene.facts), scene.facts)
+
+
+def _moved(scene: Scene, motion: Motion) -> Scene:
+    return replace(scene, motion=Trajectory(motion.controls, motion.zero), epoch=motion.epoch)
+
+
+def _resumed(scene: Scene, now: float) -> tuple[Scene, tuple[Due, ...]]:
+    """Back to rest, all hinges together."""
+    everything = scene.facts.limits.lower < scene.facts.limits.upper
+    motion = released(scene.motion, scene.first_change(now), everything, scene.facts)
+    return replace(scene, motion=Trajectory(motion.controls, motion.zero)), ()

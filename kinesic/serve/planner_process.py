@@ -1,0 +1,117 @@
+"""The planning processes as the server sees them: one wish at a time, killed when they hang, and begun anew."""
+
+from asyncio import TimerHandle, get_running_loop
+from collections.abc import Callable
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
+
+from kinesic.planning.setup import Facts
+from kinesic.report.worker_pool import clean
+from kinesic.serve import planner, refiner
+from kinesic.serve.clock import Clock
+from kinesic.serve.loop import Loop
+from kinesic.serve.messages import Document, Done, Wanted, Warm
+from kinesic.serve.quotas import Rules
+
+
+class Planner:
+    """One process at a time; everything here happens in the server's asyncio loop."""
+
+    def __init__(
+        self,
+        facts_of: Callable[[], Facts],
+        loop: Loop,
+        clock: Clock,
+        *,
+        rules: Rules,
+        idle: Callable[[], None],
+        lost: Callable[[Wanted | None], None],
+    ) -> None:
+        """Not started yet.
+
+        Args:
+            facts_of: makes what planning needs, in the other process.
+            loop: gets what is planned.
+            clock: of everybody.
+            rules: how large a document may be, and how long one wish may take.
+            idle: called whenever it can take a wish.
+            lost: called with what it was doing, when it has died; it is then started again, unless it failed.
+        """
+        self._facts_of, self._loop, self._clock, self._rules = facts_of, loop, clock, rules
+        self._idle, self._lost = idle, lost
+        self._processes: list[BaseProcess] = []
+        self._wishes: Connection | None = None
+        self._watch: TimerHandle | None = None
+        self._present: Wanted | None = None  # what it is doing
+        self.warm = False
+        self.deaths = 0  # so far
+        self.failed = False  # it cannot even be started
+
+    @property
+    def free(self) -> bool:
+        """Whether it waits for something to do."""
+        return self.warm and self._present is None
+
+    def serves(self, sender: int) -> bool:
+        """Whether it plans a document of this sender."""
+        return isinstance(self._present, Document) and self._present.sender == sender
+
+    def start(self) -> None:
+        """Begins a process, which tells when it is warm."""
+        context = clean(planner.__name__, self._facts_of.__module__)  # nothing of the server's threads
+        there, self._wishes = context.Pipe(duplex=False)
+        loop_end, planner_end = context.Pipe()
+        improver_end, leisure_end = context.Pipe()
+        ends = (there, planner_end, leisure_end)
+        beginning = self._loop.beginning()
+        arguments = (self._facts_of, *ends, self._clock, beginning, self._rules)
+        self._processes = [
+            context.Process(target=planner.run, args=arguments, name="planner", daemon=True),
+            context.Process(target=refiner.run, args=(self._facts_of, improver_end), name="improver", daemon=True),
+        ]
+        for process in self._processes:
+            process.start()
+        for end in (*ends, improver_end):
+            end.close()
+        self._loop.link(loop_end, beginning)
+
+    def send(self, wanted: Wanted) -> None:
+        """Has it do something; only while it is free."""
+        if self._wishes is None or not self.free:
+            raise RuntimeError("the planner is at work: send when it is free")
+        self._present = wanted
+        self._watch = get_running_loop().call_later(self._rules.planning, self._kill)
+        try:
+            self._wishes.send(wanted)
+        except OSError:
+            return  # it has died, as the loop will find out
+
+    def heard(self, news: Warm | Done | None) -> None:
+        """What came of it; None: it has died."""
+        if self._watch is not None:
+            self._watch.cancel()
+        present, self._present = self._present, None
+        match news:
+            case Warm() | Done():
+                self.warm = True
+                self._idle()
+            case None:
+                was_warm, self.warm = self.warm, False
+                self.deaths += 1
+                self.close()
+                self.failed = not was_warm
+                self._lost(present)
+                if not self.failed:
+                    self.start()
+
+    def close(self) -> None:
+        """Ends the processes."""
+        if self._wishes is not None:
+            self._wishes.close()
+        for process in self._processes:
+            process.kill()
+            process.join()
+
+    def _kill(self) -> None:
+        for process in self._processes:
+            process.kill()

@@ -1,0 +1,66 @@
+"""What a client may do; each refusal names its rule."""
+
+from dataclasses import dataclass, fields
+from time import monotonic
+
+from kinesic.bml.block import Notice, NoticeType
+from kinesic.bml.feedback import warning
+from kinesic.bml.reading.tree import BOUNDS
+
+NOBODY = "message"  # id of a warning about a message whose own id nobody has read
+
+
+@dataclass(frozen=True)
+class Rules:
+    """Limits of a server, above zero."""
+
+    message: int = 1_000_000  # [bytes] of one message
+    depth: int = BOUNDS.depth  # of elements inside one another
+    duration: float = 300.0  # [s] of one block: a longer one delays others while it is planned
+    rate: float = 50.0  # [1/s] messages of one client, in the long run
+    burst: int = 100  # messages of one client at once
+    waiting: int = 256  # blocks of one client that wait to be planned
+    clients: int = 256  # at once
+    unread: int = 512  # messages that wait for one client to read them
+    patience: float = 10.0  # [s] for a token, for the rest of a message, for a client that does not read
+    planning: float = 10.0  # [s] that planning one block may take
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if not value > 0:
+                raise ValueError(f"{field.name} is {value}, must be above 0 (usual: {field.default})")
+
+
+USUAL = Rules()
+
+
+class Bucket:
+    """Lets through `rate` messages a second, and `burst` at once."""
+
+    def __init__(self, rules: Rules) -> None:
+        """Full."""
+        self._rate, self._burst = rules.rate, float(rules.burst)
+        self._left, self._time = self._burst, monotonic()
+
+    def takes(self) -> bool:
+        """Whether one more may pass now."""
+        now = monotonic()
+        self._left = min(self._burst, self._left + self._rate * (now - self._time))
+        self._time = now
+        if self._left < 1.0:
+            return False
+        self._left -= 1.0
+        return True
+
+
+def refused(rule: str, what: str, *, name: str = NOBODY, type_: NoticeType = NoticeType.IMPOSSIBLE_TO_SCHEDULE) -> str:
+    """The warningFeedback that tells a sender by which rule a message was not taken.
+
+    Args:
+        rule: name of the rule.
+        what: what was wrong, and what would have worked.
+        name: id of its block, where that can be read.
+        type_: of the warning.
+    """
+    return warning(Notice(type_, name, f"rule {rule}: {what}"))

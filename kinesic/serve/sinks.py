@@ -1,0 +1,155 @@
+"""Sinks in real time: each gets its commands when it wants them."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import ceil, floor
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from msgspec.structs import replace
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.command import Command, Sink
+from kinesic.body.robot import Robot
+from kinesic.controller.feedforward import lead
+from kinesic.controller.play import RATE, commands
+from kinesic.hardware.servos import Servos
+from kinesic.hardware.supervisor.state_machine import Stage
+from kinesic.motion.trajectory import Trajectory
+from kinesic.planning.setup import Facts
+from kinesic.sim.twin import Twin
+
+SAME = 1e-6  # ticks
+AHEAD = 0.7  # [s] servos' supervisor lets time run when it has 0.5 s of commands
+DELAY = 0.002  # [s] from a command's time until its goals have gone over the wire
+Face = Callable[[float], Mapping[str, float]]  # action units at a time [s] of the clock
+
+KEPT = 1000  # commands after which a twin forgets what it measured
+RUNNING = frozenset({Stage.ACTIVE, Stage.DEGRADED})
+
+
+@dataclass(frozen=True, eq=False)
+class Playing:
+    """What is performed: a trajectory on the clock."""
+
+    trajectory: Trajectory
+    epoch: float  # [s] of the clock at performance time 0
+
+    @property
+    def end(self) -> float:
+        """[s] of the clock from which it rests."""
+        return self.epoch + self.trajectory.duration
+
+
+@runtime_checkable
+class Timed(Protocol):
+    """A sink that owns the time."""
+
+    def time(self, clock: float, /) -> float | None:
+        """[s] the performance's own time at one of the machine's monotonic clock [s]; None while it stands still."""
+
+
+@runtime_checkable
+class Measuring(Protocol):
+    """A sink that knows where its joints are."""
+
+    def seen(self) -> tuple[float, Floats] | None:
+        """A time [s] of the clock and the angles (n,) [rad] then; None when there is nothing yet."""
+
+
+class RealTwin:
+    """A twin that lives as long as the server: it forgets what it measured."""
+
+    def __init__(self, robot: Robot) -> None:
+        """At rest."""
+        self._twin, self._count, self._time = Twin(robot), 0, 0.0
+
+    def write(self, command: Command, /) -> None:
+        """Follows one command."""
+        self._twin.write(command)
+        self._count, self._time = self._count + 1, command.time
+        if self._count % KEPT == 0:
+            self._twin.forget()
+
+    def seen(self) -> tuple[float, Floats]:
+        """The time of the last command, and where the joints were then."""
+        return self._time, self._twin.positions()
+
+    def close(self) -> None:
+        """Nothing to give back."""
+        self._twin.close()
+
+
+class RealServos:
+    """Servos, whose supervisor owns the time."""
+
+    def __init__(self, servos: Servos) -> None:
+        """Takes over opened servos."""
+        self.servos = servos
+
+    def write(self, command: Command, /) -> None:
+        """Hands one command on."""
+        self.servos.write(command)
+
+    def seen(self) -> tuple[float, Floats] | None:
+        """What the supervisor told last."""
+        told = self.servos.state()
+        return (told.time, told.angles) if told.stage in RUNNING else None
+
+    def time(self, clock: float, /) -> float | None:
+        """[s] where the supervisor is in the performance."""
+        told = self.servos.state()
+        return told.time_at(clock) if told.stage in RUNNING else None
+
+    def close(self) -> None:
+        """Waits until the robot has folded and is limp."""
+        self.servos.close()
+
+
+class Follower:
+    """A sink, and which of its commands is next."""
+
+    def __init__(self, sink: Sink, *, ahead: float = 0.0, delay: float = 0.0) -> None:
+        """From the clock's zero on.
+
+        Args:
+            sink: closed at the end by whoever drives this.
+            ahead: [s] by which it wants commands before their time.
+            delay: [s] from a command's time until its goals arrive.
+        """
+        self.sink, self.ahead, self.delay = sink, ahead, delay
+        self._next = 0  # tick
+
+    def follow(self, playing: Playing, now: float, facts: Facts, face: Face) -> None:
+        """Hands on all commands that it wants at a time [s]."""
+        last = floor((now + self.ahead) * RATE + SAME)
+        if last < self._next:
+            return
+        times = np.arange(self._next, last + 1) / RATE
+        local = times - playing.epoch
+        setpoints = lead(
+            playing.trajectory, local, facts.robot, facts.dynamics, period=1 / RATE, delay=self.delay, terms="full"
+        )
+        for time, command in zip(times.tolist(), commands(playing.trajectory, local, setpoints), strict=True):
+            self.sink.write(replace(command, time=time, face=face(time)))
+        self._next = last + 1
+
+    def again(self, cut: float) -> None:
+        """Commands from a time [s] on are to be handed on again; they replace those that are out."""
+        self._next = min(self._next, ceil(cut * RATE - SAME))
+
+
+def steady(old: Playing, new: Playing, time: float) -> bool:
+    """Whether going over from one to the other at a time [s] of the clock is no step."""
+    at = np.array([time])
+    before, after = (playing.trajectory.sample(at - playing.epoch) for playing in (old, new))
+    return all(np.allclose(a, b, rtol=0.0, atol=most) for a, b, most in zip(before, after, STEPS, strict=True))
+
+
+STEPS = (1e-6, 1e-4, 1e-1)  # [rad], [rad/s], [rad/s^2] that nobody can see
+
+
+def resting(robot: Robot, now: float) -> Playing:
+    """At rest from a time [s] on."""
+    rest = sealed(np.repeat(robot.skeleton.rest[None, :], 13, axis=0))
+    return Playing(Trajectory(rest, 0.0), now)

@@ -1,0 +1,106 @@
+"""What of a scene is seen and heard beside the motion: faces as tracks of action units, and sounds, on the clock."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.body.utterance import Sound
+from kinesic.controller.play import RATE
+from kinesic.planning.face_track import asks_face, shown
+from kinesic.realizer.running_block import Staged
+from kinesic.speech.loudspeaker import SpeakerError
+from kinesic.speech.speaker import Speaker
+
+
+@dataclass(frozen=True)
+class Senses:
+    """What is wanted of a scene."""
+
+    face: bool = False
+    sound: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """Of one block."""
+
+    begin: float  # [s] of the clock, of the first row
+    face: Mapping[str, Floats]  # action unit -> (m,) 0..1, 100 a second
+    sounds: tuple[tuple[float, Sound], ...]  # [s] of the clock at which each begins
+
+    def at(self, time: float) -> dict[str, float]:
+        """Action units at a time [s] of the clock; none before and after."""
+        row = int((time - self.begin) * RATE)
+        return {unit: float(values[row]) for unit, values in self.face.items() if 0 <= row < len(values)}
+
+
+Sounds = Mapping[tuple[str, float], Sound]  # by block and the time [s] of the clock at which each begins
+Version = tuple[int, float, float, int]  # of a block: it has another one when its track has to be made anew
+
+
+def version(staged: Staged) -> Version:
+    """By which one knows whether a block's track is still right."""
+    return id(staged.ready.plan), staged.zero, staged.end, len(staged.times)
+
+
+def track(staged: Staged, senses: Senses) -> Track:
+    """What is seen and heard of a block that plays."""
+    plan, zero = staged.ready.plan, staged.zero
+    begin = zero - plan.trajectory.zero
+    sounds = tuple((spoken.begin, found) for spoken in staged.speeches if (found := spoken.utterance.sound) is not None)
+    is_seen = senses.face and asks_face(plan)
+    times = np.arange(int(plan.duration * RATE) + 1) / RATE
+    return Track(begin, shown(plan, times) if is_seen else {}, sounds if senses.sound else ())
+
+
+class Effects:
+    """The tracks of all blocks that play, as the loop has them."""
+
+    def __init__(self, speaker: Speaker | None = None, *, face: bool = False) -> None:
+        """None yet.
+
+        Args:
+            speaker: of sounds; None: nothing is heard.
+            face: whether a sink shows it.
+        """
+        self._speaker, self._tracks = speaker, dict[str, Track]()
+        self.senses = Senses(face, speaker is not None)
+
+    def take(self, changes: Mapping[str, Track | None]) -> None:
+        """Takes new tracks by block, and drops those that are None. A loudspeaker that fails is not asked again."""
+        before = self._sounds()
+        for block, one in changes.items():
+            self._tracks.pop(block, None)
+            if one is not None:
+                self._tracks[block] = one
+        try:
+            self._play(before, self._sounds())
+        except SpeakerError:
+            self._speaker = None
+
+    def _play(self, before: Sounds, after: Sounds) -> None:
+        """Lets the loudspeaker play what is new; what is no more heard can only be ended with all others."""
+        if self._speaker is None:
+            return
+        if before.keys() - after.keys():
+            self._speaker.stop()
+            before = {}
+        for block, begin in after.keys() - before.keys():
+            self._speaker.play(after[block, begin], begin)
+
+    def clear(self) -> None:
+        """Ends everything at once."""
+        self.take(dict.fromkeys(self._tracks))
+
+    def face(self, time: float) -> dict[str, float]:
+        """Of each action unit the greatest intensity at a time [s] of the clock."""
+        found: dict[str, float] = {}
+        for one in self._tracks.values():
+            for unit, value in one.at(time).items():
+                found[unit] = max(value, found.get(unit, 0.0))
+        return found
+
+    def _sounds(self) -> Sounds:
+        return {(block, begin): sound for block, one in self._tracks.items() for begin, sound in one.sounds}

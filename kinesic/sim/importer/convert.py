@@ -1,0 +1,103 @@
+"""The whole way from a foreign file to a robot's tables, with what is worth saying about them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import degrees, exp
+from pathlib import Path
+
+import msgspec
+
+from kinesic.body.robot_schema import ImportTable, RobotFile, ServoTable
+from kinesic.sim.dynamics import MujocoDynamics
+from kinesic.sim.importer.draft import robot_of
+from kinesic.sim.importer.exclusions import with_exclusions
+from kinesic.sim.importer.hinges import Named, named_hinges, spelled
+from kinesic.sim.importer.load import load
+from kinesic.sim.importer.rest_pose import nearest_to_zero, resting
+from kinesic.sim.importer.segments import layout
+from kinesic.sim.importer.servos import servo
+from kinesic.sim.importer.tables import servo_of, tables
+from kinesic.sim.importer.zero_pose import Figure, figure
+
+REVIEW_BELOW = 0.6  # confidence
+PLAIN, SURE = 1.0, 3.0  # likeness of a split at which confidence is 0, and 1
+LEANING = 0.5  # [rad] an arm that hangs so far off takes two thirds of the confidence
+UNEVEN = 0.5  # arm lengths of asymmetry that do so
+UNTOLD = 0.7  # times the confidence where nothing says which side is left
+UNIT = ServoTable(0, 48.0, 1.0, 1.0, 60.0, 1.0, 0.0, (0.01,) * 3, 800.0, 0.0, 128.0, 0.0, 0.0, 0.0)  # of 1 Nm
+
+
+@dataclass(frozen=True, eq=False)
+class Mapped:
+    """A foreign robot as kinesic's, to be written and reviewed."""
+
+    file: RobotFile
+    figure: Figure
+    hinges: tuple[Named, ...]
+    remarks: Mapping[str, str]  # hinge, or name of its servo -> where its figures come from
+    confidence: float  # 0..1
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether a person must look at it before it moves."""
+        return self.confidence < REVIEW_BELOW
+
+
+def mapped(path: Path) -> Mapped:
+    """Maps an MJCF or URDF humanoid.
+
+    Raises:
+        ConfigError: the file cannot be read, or has no two arms.
+    """
+    found = figure(load(path))
+    hinges = named_hinges(found)
+    where = layout(found, hinges)
+    alike = {servo_of(hinge): UNIT for hinge in hinges}
+    draft = tables(found, where, hinges, alike, nearest_to_zero(hinges))
+    servos, sources = _servos(found, hinges, draft, path)
+    file = msgspec.structs.replace(draft, servos=servos)
+    file = with_exclusions(msgspec.structs.replace(file, rest=resting(found, hinges, file, path)), path)
+    confidence = _confidence(found)
+    file.robot.imported = ImportTable(path.name, round(confidence, 2), _review(found, hinges))
+    joints = found.tree.joints
+    remarks = {hinge.name: spelled(hinge, joints[hinge.joint].name) for hinge in hinges}
+    return Mapped(file, found, hinges, remarks | sources, confidence)
+
+
+def _servos(
+    figure: Figure, hinges: tuple[Named, ...], draft: RobotFile, path: Path
+) -> tuple[dict[str, ServoTable], dict[str, str]]:
+    """A servo model for each pair of hinges, strong enough for the worse side, and where its figures come from."""
+    robot = robot_of(draft, path)
+    load = MujocoDynamics(robot).load
+    found: dict[str, tuple[ServoTable, str]] = {}
+    for hinge in hinges:
+        joint = robot.skeleton.joint(hinge.name)
+        told = figure.tree.joints[hinge.joint]
+        model = servo(told, gravity=float(load.holding[joint]), inertia=float(load.inertia[joint]))
+        found.setdefault(servo_of(hinge), model)
+    return {name: table for name, (table, _) in found.items()}, {name: why for name, (_, why) in found.items()}
+
+
+def _confidence(figure: Figure) -> float:
+    """How far geometry speaks for the mapping, 0 to 1."""
+    split = min(max((figure.likeness - PLAIN) / (SURE - PLAIN), 0.0), 1.0)
+    leaning = max(arm.off for arm in figure.arms.values())
+    sides = 1.0 if figure.sides.certain else UNTOLD
+    return split * sides * exp(-leaning / LEANING) * exp(-figure.asymmetry / UNEVEN)
+
+
+def _review(figure: Figure, hinges: tuple[Named, ...]) -> list[str]:
+    """What a person should look at."""
+    assumed = [hinge.name for hinge in hinges if hinge.assumed]
+    leaning = degrees(max(arm.off for arm in figure.arms.values()))
+    said = {
+        f"ranges of {', '.join(assumed)} are assumed, as the file tells none": bool(assumed),
+        "which side is left is a guess": not figure.sides.certain,
+        "pairs of hinges were found by name, as the file's pose is not symmetric": figure.sides.by_names,
+        f"arms hang {leaning:.0f} deg off the vertical at best": leaning > 10.0,
+        f"the arms differ by {100 * figure.asymmetry:.0f} % of their length": figure.asymmetry > 0.02,
+        "palms are assumed to face the thighs": True,
+        "legs are left out, the trunk stands on a fixed base": True,
+    }
+    return [text for text, applies in said.items() if applies]

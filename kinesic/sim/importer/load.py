@@ -1,0 +1,170 @@
+"""Loads an MJCF or URDF file without its meshes: kinematics, weights, primitive shapes and what its motors can do."""
+
+import warnings
+from pathlib import Path
+from xml.etree import ElementTree
+
+import mujoco
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.config import ConfigError
+from kinesic.body.skeleton import Capsule
+from kinesic.sim.importer.model_tree import BASE, Joint, Part, Tree
+from kinesic.sim.importer.urdf import UrdfJoint, urdf_joints
+
+MESHES = (mujoco.mjtGeom.mjGEOM_MESH, mujoco.mjtGeom.mjGEOM_HFIELD, mujoco.mjtGeom.mjGEOM_SDF)
+NOT_NEEDED = ("keys", "sensors", "tendons", "equalities", "pairs", "excludes", "skins", "flexes", "meshes", "hfields")
+LOOKS = ("materials", "textures", "cameras", "lights")
+GHOST_MASS = 1e-3  # [kg] of a body of which nothing is known
+GHOST_INERTIA = 1e-6  # [kg m^2]
+LEAST_SHAPE = 0.005  # [m] radius of a shape that counts
+
+
+def load(path: Path) -> Tree:
+    """Reads a robot.
+
+    Args:
+        path: of an MJCF or URDF file; its meshes need not exist.
+
+    Returns:
+        Its motorised hinges in the pose of the file. Joints that mimic others, slides, balls and the free joint of
+        the root are held where they are.
+
+    Raises:
+        ConfigError: the file is missing, or MuJoCo cannot read it.
+    """
+    if not path.is_file():
+        raise ConfigError(f"{path}: no such file")
+    try:
+        urdf = urdf_joints(path)
+        mujoco.set_mju_user_warning(_unheard)  # by default they go to a file in the present folder
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of bodies without weight: they get some
+            model = _without_meshes(path)
+    except (ValueError, ElementTree.ParseError) as error:
+        raise ConfigError(f"{path}: neither MJCF nor URDF that can be read: {' '.join(str(error).split())}") from None
+    finally:
+        mujoco.set_mju_user_warning(None)
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    return _tree(path.stem, model, data, urdf)
+
+
+def _unheard(_: str) -> None:
+    """What MuJoCo warns of in a URDF is looked at here."""
+
+
+def _without_meshes(path: Path) -> mujoco.MjModel:
+    spec = mujoco.MjSpec.from_file(str(path))
+    for geom in list(spec.geoms):
+        if geom.type in MESHES:
+            spec.delete(geom)
+        else:
+            geom.material = ""
+    for kind in (*NOT_NEEDED, *LOOKS):
+        for element in list(getattr(spec, kind)):
+            spec.delete(element)
+    for body in spec.bodies[1:]:
+        if not body.explicitinertial and not len(body.geoms):
+            body.mass, body.inertia, body.explicitinertial = GHOST_MASS, [GHOST_INERTIA] * 3, True
+    spec.compiler.boundmass = GHOST_MASS
+    spec.compiler.boundinertia = GHOST_INERTIA
+    spec.compiler.balanceinertia = True
+    return spec.compile()
+
+
+def _tree(name: str, model: mujoco.MjModel, data: mujoco.MjData, urdf: dict[str, UrdfJoint]) -> Tree:
+    joints: list[Joint] = []
+    owner: dict[int, int] = {0: BASE}  # body -> the hinge that moves it
+    for body in range(1, model.nbody):
+        last = owner[int(model.body_parentid[body])]
+        first = int(model.body_jntadr[body])
+        for k in range(first, first + int(model.body_jntnum[body])):
+            told = urdf.get(model.joint(k).name)
+            if model.jnt_type[k] == mujoco.mjtJoint.mjJNT_HINGE and not (told and told.mimics):
+                joints.append(_joint(model, data, k, last, told))
+                last = len(joints) - 1
+        owner[body] = last
+    rows: dict[int, list[int]] = {k: [] for k in range(BASE, len(joints))}
+    for body, k in owner.items():
+        rows[k].append(body)
+    parts = {k: _part(model, data, bodies, joints[k].anchor if k != BASE else None) for k, bodies in rows.items()}
+    return Tree(name, tuple(joints), tuple(parts[k] for k in range(len(joints))), parts[BASE])
+
+
+def _joint(model: mujoco.MjModel, data: mujoco.MjData, k: int, parent: int, told: UrdfJoint | None) -> Joint:
+    dof = int(model.jnt_dofadr[k])
+    limited = bool(model.jnt_limited[k])
+    return Joint(
+        name=model.joint(k).name,
+        parent=parent,
+        anchor=sealed(data.xanchor[k]),
+        axis=sealed(data.xaxis[k]),
+        zero=float(model.qpos0[model.jnt_qposadr[k]]),
+        lower=float(model.jnt_range[k, 0]) if limited else None,
+        upper=float(model.jnt_range[k, 1]) if limited else None,
+        effort=_effort(model, k),
+        speed=told.speed if told else None,
+        gain=_gain(model, k),
+        armature=_positive(model.dof_armature[dof]),
+        friction=_positive(model.dof_frictionloss[dof]),
+        damping=_positive(model.dof_damping[dof]),
+    )
+
+
+def _effort(model: mujoco.MjModel, joint: int) -> float | None:
+    """The torque that the joint or its actuator is limited to [Nm]."""
+    found = [float(model.jnt_actfrcrange[joint, 1])] if model.jnt_actfrclimited[joint] else []
+    for a in _actuators(model, joint):
+        gear = abs(float(model.actuator_gear[a, 0]))
+        if model.actuator_forcelimited[a]:
+            found.append(gear * float(model.actuator_forcerange[a, 1]))
+        elif model.actuator_ctrllimited[a] and model.actuator_biastype[a] == mujoco.mjtBias.mjBIAS_NONE:
+            found.append(gear * abs(float(model.actuator_gainprm[a, 0] * model.actuator_ctrlrange[a, 1])))
+    return _positive(min(found, default=0.0))
+
+
+def _gain(model: mujoco.MjModel, joint: int) -> float | None:
+    """Of a position actuator, whose bias undoes its gain [Nm/rad]."""
+    for a in _actuators(model, joint):
+        gain = float(model.actuator_gainprm[a, 0])
+        if model.actuator_biastype[a] == mujoco.mjtBias.mjBIAS_AFFINE and model.actuator_biasprm[a, 1] == -gain:
+            return _positive(gain)
+    return None
+
+
+def _actuators(model: mujoco.MjModel, joint: int) -> list[int]:
+    at_joint = model.actuator_trntype == mujoco.mjtTrn.mjTRN_JOINT
+    return [int(a) for a in np.flatnonzero(at_joint & (model.actuator_trnid[:, 0] == joint))]
+
+
+def _positive(value: float) -> float | None:
+    return float(value) if value > 0 else None
+
+
+def _part(model: mujoco.MjModel, data: mujoco.MjData, bodies: list[int], anchor: Floats | None) -> Part:
+    masses, centres = model.body_mass[bodies], data.xipos[bodies]
+    mass = float(masses.sum())
+    fallback = np.zeros(3) if anchor is None else anchor
+    centre = masses @ centres / mass if mass > 0 else fallback
+    shapes = [_capsule(model, data, g) for g in range(model.ngeom) if int(model.geom_bodyid[g]) in bodies]
+    return Part(mass, sealed(centre), tuple(shape for shape in shapes if shape is not None))
+
+
+def _capsule(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Capsule | None:
+    """A primitive shape as the capsule that holds nearly all of it."""
+    kind, size = model.geom_type[geom], model.geom_size[geom]
+    centre, frame = data.geom_xpos[geom], data.geom_xmat[geom].reshape(3, 3)
+    if kind == mujoco.mjtGeom.mjGEOM_SPHERE:
+        half, radius = np.zeros(3), float(size[0])
+    elif kind == mujoco.mjtGeom.mjGEOM_CAPSULE:
+        half, radius = frame[:, 2] * size[1], float(size[0])
+    elif kind in (mujoco.mjtGeom.mjGEOM_CYLINDER, mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_ELLIPSOID):
+        sizes = np.array([size[0], size[0], size[1]]) if kind == mujoco.mjtGeom.mjGEOM_CYLINDER else size
+        longest = int(np.argmax(sizes))
+        radius = float(np.delete(sizes, longest).mean())
+        half = frame[:, longest] * max(float(sizes[longest]) - radius, 0.0)
+    else:
+        return None
+    return Capsule(sealed(centre - half), sealed(centre + half), radius) if radius >= LEAST_SHAPE else None

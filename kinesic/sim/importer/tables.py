@@ -1,0 +1,121 @@
+"""From a figure to the tables of a robot's file."""
+
+from collections.abc import Mapping
+from math import degrees
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import SIDES, Side
+from kinesic.body.robot_schema import (
+    CollisionTable,
+    HingeTable,
+    MountTable,
+    RobotFile,
+    RobotTable,
+    ServoTable,
+    SiteTable,
+    Triple,
+)
+from kinesic.sim.importer import shapes
+from kinesic.sim.importer.hinge_row import foot
+from kinesic.sim.importer.hinges import Named
+from kinesic.sim.importer.segments import HEAD, TRUNK, Layout, bodies, hand
+from kinesic.sim.importer.zero_pose import Figure
+
+CLEARANCE = 0.010  # [m]
+PALM = 0.5  # of the hand's length
+EYES_HIGH = 1.13  # [m] of the default robot, for whose eyes the targets below are placed
+TARGETS: Mapping[str, Triple] = {
+    "audience": (2.0, 0.0, 1.2),
+    "camera": (1.5, 0.0, 1.3),
+    "user": (1.5, 0.0, 1.1),
+    "left": (1.0, 1.5, 1.0),
+    "right": (1.0, -1.5, 1.0),
+}
+
+
+def tables(
+    figure: Figure,
+    where: Layout,
+    hinges: tuple[Named, ...],
+    servos: Mapping[str, ServoTable],
+    rest: Mapping[str, float],
+) -> RobotFile:
+    """The file of a robot, without what is excluded from collisions.
+
+    Args:
+        figure: the robot, arms hanging.
+        where: its segments.
+        hinges: named.
+        servos: a model for each hinge, named as `servo_of` says.
+        rest: hinge -> [deg].
+    """
+    eyes = _eyes(figure, where)
+    high = float((where.origins[eyes.body] + eyes.at)[2])
+    return RobotFile(
+        robot=RobotTable(name=figure.tree.name),
+        body=bodies(figure, where, hinges),
+        hinge=[_hinge(where, hinge) for hinge in hinges],
+        chains=_chains(figure, where),
+        sites={f"{side}_palm": _palm(figure, where, side) for side in SIDES} | {"eyes": eyes},
+        collision=CollisionTable(clearance=CLEARANCE),
+        rest=dict(rest),
+        targets={name: (x, y, round(z + high - EYES_HIGH, 3)) for name, (x, y, z) in TARGETS.items()},
+        servos=dict(servos),
+    )
+
+
+def servo_of(hinge: Named) -> str:
+    """The name of a hinge's servo model; mirror images share it."""
+    return hinge.name.removeprefix("l_").removeprefix("r_")
+
+
+def _hinge(where: Layout, hinge: Named) -> HingeTable:
+    origin = where.origins[hinge.segment]
+    at = _triple(foot(origin, hinge.anchor, hinge.axis) - origin, 6)
+    x, y, z = (round(float(value), 9) + 0.0 for value in hinge.axis)
+    return HingeTable(
+        name=hinge.name,
+        body=hinge.segment,
+        axis=(x, y, z),
+        range_deg=(round(degrees(hinge.lower), 3), round(degrees(hinge.upper), 3)),
+        servo=servo_of(hinge),
+        mount=MountTable(where.parents[hinge.segment], (0.0, 0.0, 0.0)),
+        at=at,
+    )
+
+
+def _chains(figure: Figure, where: Layout) -> dict[str, list[str]]:
+    chains = {"torso": [TRUNK]} if figure.trunk else {}
+    if figure.neck:
+        chains["neck"] = [HEAD]
+    for side in SIDES:
+        girdle = [f"{side}_sternoclavicular"] if figure.split.girdle else []
+        chains[f"{side}_arm"] = [*girdle, f"{side}_shoulder", f"{side}_elbow", f"{side}_wrist"]
+    return chains
+
+
+def _palm(figure: Figure, where: Layout, side: Side) -> SiteTable:
+    """The palm half-way along the hand, facing the thigh."""
+    along = hand(figure, where, side)
+    inward = np.array([0.0, -1.0 if side == "l" else 1.0, 0.0])
+    direction = along / np.linalg.norm(along)
+    facing = inward - direction * (direction @ inward)
+    return SiteTable(f"{side}_wrist", _triple(PALM * along, 6), _triple(facing / np.linalg.norm(facing), 6))
+
+
+def _eyes(figure: Figure, where: Layout) -> SiteTable:
+    size = figure.arm_length
+    if figure.neck:
+        centre = figure.tree.lump(figure.tree.below(figure.neck[0])).centre - where.origins[HEAD]
+        return SiteTable(HEAD, _triple(centre + shapes.HEAD * size * np.array([1.0, 0.0, 0.2]), 6), (1.0, 0.0, 0.0))
+    shoulder = figure.arms["l"].centres.shoulder
+    between = np.array([shoulder[0], 0.0, shoulder[2]])
+    place = where.inside(where.carrier, between + size * np.array([shapes.HEAD, 0.0, 0.35]))
+    return SiteTable(where.carrier, _triple(place, 6), (1.0, 0.0, 0.0))
+
+
+def _triple(point: Floats, digits: int) -> Triple:
+    x, y, z = (round(float(value), digits) + 0.0 for value in point)
+    return x, y, z

@@ -1,0 +1,114 @@
+"""The figure that a foreign robot makes when it stands upright and its arms hang: kinesic's zero pose."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.robot import Side
+from kinesic.sim.importer.arm import Centres, Split, centres, likeness, splits
+from kinesic.sim.importer.branches import Branches, branches
+from kinesic.sim.importer.hanging_pose import Posed, Ranges, Wish, posed
+from kinesic.sim.importer.hinge_row import Limb
+from kinesic.sim.importer.mirror import Sides, sides
+from kinesic.sim.importer.model_tree import Tree
+
+ACROSS = sealed([1.0, -1.0, 1.0])
+HANGING = Wish(upper=sealed([0, 0, -1]), fore=sealed([0, 0, -1]), hinge=sealed([0, -1, 0]))
+RIVAL = 0.8  # likeness behind the best at which a split is still hung up and looked at again
+
+
+@dataclass(frozen=True, eq=False)
+class Arm:
+    """One arm, hanging."""
+
+    joints: tuple[int, ...]  # of the tree, fingers left out
+    limb: Limb
+    centres: Centres
+    off: float  # [rad] of its worse bone from the vertical
+
+
+@dataclass(frozen=True, eq=False)
+class Figure:
+    """Everything that geometry tells, in x forward, y left, z up, the midline at y = 0, arms hanging."""
+
+    tree: Tree
+    sides: Sides
+    trunk: tuple[int, ...]
+    neck: tuple[int, ...]
+    split: Split
+    likeness: float  # of the split
+    arms: dict[Side, Arm]
+
+    @property
+    def arm_length(self) -> float:
+        """Shoulder to wrist of the left arm [m]."""
+        return sum(self.arms["l"].centres.lengths)
+
+    @property
+    def asymmetry(self) -> float:
+        """How far the right arm's centres are from the left's mirror images, in arm lengths."""
+        left, right = (np.array([a.centres.shoulder, a.centres.elbow, a.centres.wrist]) for a in self.arms.values())
+        return float(np.linalg.norm(left - right * ACROSS, axis=1).max()) / self.arm_length
+
+
+def figure(tree: Tree) -> Figure:
+    """Maps a robot.
+
+    Raises:
+        ConfigError: it has no arms.
+    """
+    found = sides(tree)
+    upright = tree.moved(found.upright, np.zeros(3))
+    rows = branches(upright, found)
+    split, left = _best(upright, rows)
+    row, image = rows.left[: split.hinges], rows.right[: split.hinges]
+    right = hung(upright, image, split, HANGING, strict=False, first=mirrored(upright, row, image, left.angles))
+    turns = dict(zip((*row, *image), (*left.angles, *right.angles), strict=True))
+    hanging = upright.turned(turns)
+    limbs = {"l": Limb.of(hanging, row), "r": Limb.of(hanging, image)}
+    middle = np.mean([centres(limb, split).shoulder[1] for limb in limbs.values()])
+    standing = hanging.moved(np.eye(3), np.array([0.0, -float(middle), 0.0]))
+    arms: dict[Side, Arm] = {"l": _arm(standing, row, split, left), "r": _arm(standing, image, split, right)}
+    return Figure(standing, found, rows.trunk, rows.neck, split, likeness(arms["l"].limb, split), arms)
+
+
+def hung(
+    tree: Tree, row: tuple[int, ...], split: Split, wish: Wish, *, strict: bool, first: Floats | None = None
+) -> Posed:
+    """The angles that bring an arm of a tree nearest to a wish."""
+    return posed(Limb.of(tree, row), split, wish, _ranges(tree, row, strict), [] if first is None else [first])
+
+
+def mirrored(tree: Tree, row: tuple[int, ...], image: tuple[int, ...], angles: Floats) -> Floats:
+    """(k,) [rad] of the other arm that mirror an arm's, if the tree's pose is symmetric."""
+    signs = [
+        np.sign(tree.joints[a].axis * -ACROSS @ tree.joints[b].axis) or 1.0 for a, b in zip(row, image, strict=True)
+    ]
+    return np.array(signs) * angles
+
+
+def _best(tree: Tree, rows: Branches) -> tuple[Split, Posed]:
+    """The split that looks most like an arm when it hangs; those that look best in the file's pose are tried."""
+    limb = Limb.of(tree, rows.left)
+    ranked = {split: likeness(limb, split) for split in splits(len(rows.left))}
+    tried = []
+    for split in (split for split, like in ranked.items() if like >= max(ranked.values()) - RIVAL):
+        row = rows.left[: split.hinges]
+        pose = hung(tree, row, split, HANGING, strict=False)
+        tried.append((likeness(Limb.of(tree, row).turned(pose.angles), split), split, pose))
+    _, split, pose = max(tried, key=lambda one: one[0])
+    return split, pose
+
+
+def _arm(tree: Tree, row: tuple[int, ...], split: Split, pose: Posed) -> Arm:
+    limb = Limb.of(tree, row)
+    return Arm(row, limb, centres(limb, split), pose.off)
+
+
+def _ranges(tree: Tree, row: tuple[int, ...], strict: bool) -> Ranges:
+    """Ranges [rad] as angles from the tree's pose."""
+    joints = [tree.joints[k] for k in row]
+    lower = sealed([-np.inf if joint.lower is None else joint.lower - joint.zero for joint in joints])
+    upper = sealed([np.inf if joint.upper is None else joint.upper - joint.zero for joint in joints])
+    return Ranges(lower, upper, strict)

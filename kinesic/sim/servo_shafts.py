@@ -1,0 +1,85 @@
+"""The robot's hinges as its servos turn them: each driven to an angle with a share of its torque, or limp."""
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from kinesic.body.arrays import Flags, Floats, sealed
+from kinesic.body.robot import Robot
+from kinesic.sim.model import actuator_order, build, joint_order
+from kinesic.sim.servo_factors import NOMINAL, Factors
+from kinesic.sim.twin import STEP
+
+GROUPS = 31  # of actuators that MuJoCo can disable
+
+
+class Shafts:
+    """The same physics as the twin's, without its measurements, and with torque that comes and goes."""
+
+    def __init__(self, robot: Robot, *, factors: Factors = NOMINAL, start: Floats | None = None) -> None:
+        """Stands still, limp.
+
+        Args:
+            robot: what is simulated.
+            factors: how far its servos and masses are from the description.
+            start: (n,) [rad] first posture; the robot's rest posture if not given.
+
+        Raises:
+            ValueError: there are more hinges than torque can be taken from one by one.
+        """
+        if len(robot.skeleton.hinges) > GROUPS:
+            raise ValueError(f"{robot.name} has {len(robot.skeleton.hinges)} hinges, must be at most {GROUPS}")
+        self._drives = factors.applied(robot).drives
+        self._model = build(robot, servos=factors)
+        self._data = mujoco.MjData(self._model)
+        self._joints: NDArray[np.intp] = joint_order(robot, self._model)
+        self._actuators: NDArray[np.intp] = actuator_order(robot, self._model)
+        self._model.actuator_group[self._actuators] = np.arange(len(self._actuators))
+        self._stalls = np.array([drive.stall for drive in self._drives])
+        self._goals = np.array(robot.skeleton.rest if start is None else start)
+        self._shares = np.zeros(len(self._goals))
+        self._data.qpos[self._joints] = self._goals
+
+    @property
+    def angles(self) -> Floats:
+        """(n,) [rad]."""
+        # MuJoCo's semi-implicit steps run half a step ahead of the held goals; its speeds lie on time
+        ahead = self._model.opt.timestep / 2 * self._data.qvel[self._joints]
+        return sealed(self._data.qpos[self._joints] - ahead)
+
+    @property
+    def speeds(self) -> Floats:
+        """(n,) [rad/s]."""
+        return sealed(self._data.qvel[self._joints])
+
+    @property
+    def duties(self) -> Floats:
+        """(n,) -1..1 of the servos' law."""
+        gains = np.array([drive.gain for drive in self._drives])
+        return sealed(np.clip(gains * (self._goals - self.angles), -self._shares, self._shares))
+
+    @property
+    def loads(self) -> Floats:
+        """(n,) torque over stall torque."""
+        return sealed(self._data.actuator_force[self._actuators] / self._stalls)
+
+    def advance(self, seconds: float, goals: Floats, shares: Floats) -> None:
+        """Moves time on, in steps no longer than the twin's.
+
+        Args:
+            seconds: [s].
+            goals: (n,) [rad] that the servos hold.
+            shares: (n,) 0..1 of the stall torque that each may use; 0: limp.
+        """
+        if seconds <= 0.0:
+            return
+        self._goals, self._shares = np.array(goals), np.array(shares)
+        limp: Flags = self._shares <= 0.0
+        self._data.ctrl[self._actuators] = self._goals
+        self._model.opt.disableactuator = int(np.sum(1 << np.flatnonzero(limp)))
+        self._model.actuator_forcelimited[self._actuators] = self._shares < 1.0
+        limits = (self._stalls * self._shares)[:, None] * [-1.0, 1.0]
+        self._model.actuator_forcerange[self._actuators] = limits
+        count = int(np.ceil(seconds / STEP - 1e-9))
+        self._model.opt.timestep = seconds / count
+        mujoco.mj_step(self._model, self._data, count)

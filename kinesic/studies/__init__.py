@@ -1,0 +1,1 @@
+"""Experiments without a robot's clock: gestures alone, sweeps, and a perception study."""

@@ -1,0 +1,93 @@
+"""One gesture played alone, as a document that asks for nothing else."""
+
+from dataclasses import dataclass
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+
+from kinesic.bml.block import BmlError, Mode
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.robot import SIDES, Side
+from kinesic.controller.perform import plan
+from kinesic.expressivity.lexicon.form import GestureForm
+from kinesic.planning.plan import Plan
+from kinesic.planning.setup import Facts
+
+STROKE = 2.0  # [s] time enough for every preparation
+BEHAVIOUR = "gesture"
+_PATH_POINTS = 80
+_MODES: dict[Mode, str] = {"left": "LEFT_HAND", "right": "RIGHT_HAND", "both": "BOTH_HANDS", "unspecified": ""}
+
+
+@dataclass(frozen=True, eq=False)
+class Show:
+    """The stroke of a gesture as key postures, and the ways of the palms through it."""
+
+    form: GestureForm
+    postures: tuple[Floats, ...]  # (n,) [rad] each, in order
+    stroke: int  # which of them falls on the sync point `stroke`
+    paths: dict[Side, Floats]  # (m, 3) [m] in the world, of the hands that take part
+
+
+def document(lexeme: str, mode: Mode = "unspecified", *, stroke: float = STROKE) -> str:
+    """BML that asks for one gesture, its stroke at a time [s]."""
+    hands = f" mode={quoteattr(_MODES[mode])}" if _MODES[mode] else ""
+    gesture = (
+        f"<gesture id={quoteattr(BEHAVIOUR)} lexeme={quoteattr(lexeme)}{hands} stroke={quoteattr(f'{stroke:g}')}/>"
+    )
+    return f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="alone">{gesture}</bml>'
+
+
+def played(form: GestureForm, known: Facts, mode: Mode = "unspecified", *, stroke: float = STROKE) -> Plan:
+    """The plan of one gesture from rest to rest."""
+    return plan(document(f"{form.category}={form.id}", mode, stroke=stroke), known)
+
+
+def stroke_error(planned: Plan) -> float:
+    """How much later than asked the stroke of a gesture that is played alone comes [s]; not a number without one."""
+    strokes = [sync.planned - sync.asked for sync in planned.syncs if sync.sync == "stroke"]
+    return max(strokes, key=abs, default=float("nan"))
+
+
+def show(form: GestureForm, planned: Plan, most: int) -> Show:
+    """Key postures of a gesture that is played alone, at most so many, and its palms' ways.
+
+    Args:
+        form: of the gesture.
+        planned: as `played` gives it.
+        most: at least 2; stroke and, if there is room, first and last are among them.
+
+    Raises:
+        BmlError: it could not be planned.
+    """
+    outcome = planned.keyframes.outcomes[BEHAVIOUR]
+    if outcome.kind == "dropped":
+        raise BmlError(f"{form.id} cannot be drawn, {planned.facts.robot.name} cannot play it: {outcome.why}")
+    times = {sync.sync: sync for sync in planned.syncs if sync.behaviour == BEHAVIOUR}
+    first, stroke, last = (times[name] for name in ("strokeStart", "stroke", "strokeEnd"))
+    inside = [posture for posture in planned.postures.postures if first.asked <= posture.time <= last.asked]
+    middle = int(np.argmin([abs(posture.time - stroke.asked) for posture in inside]))
+    chosen = _thinned(len(inside), middle, most)
+    spanned = planned.trajectory.zero + np.linspace(first.planned, last.planned, _PATH_POINTS)
+    frames = planned.facts.robot.skeleton.frames(planned.trajectory.sample(spanned)[0])
+    paths = {side: _palm(planned, side, frames.rotations, frames.origins) for side in SIDES if side in form.sides}
+    return Show(form, tuple(inside[k].angles for k in chosen), chosen.index(middle), paths)
+
+
+def _thinned(count: int, middle: int, most: int) -> list[int]:
+    """Indices, evenly spread, with the first, the middle one and the last."""
+    if count <= most:
+        return list(range(count))
+    spread = np.round(np.linspace(0, count - 1, most)).astype(int)
+    inner = 1 + int(np.argmin(np.abs(spread[1:-1] - middle))) if most > 2 else most - 1
+    if middle not in (0, count - 1):
+        spread[inner] = middle
+    return sorted({int(k) for k in spread} | {middle})
+
+
+def _palm(planned: Plan, side: Side, rotations: Floats, origins: Floats) -> Floats:
+    """(m, 3) [m] of one palm."""
+    robot = planned.facts.robot
+    palm = robot.sites[f"{side}_palm"]
+    k = robot.skeleton.segment(palm.segment)
+    return sealed(origins[:, k] + rotations[:, k] @ palm.position)

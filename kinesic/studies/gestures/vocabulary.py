@@ -1,0 +1,55 @@
+"""The lexicon as a vocabulary: what a planner, or a language model, must know to choose a gesture."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from kinesic.body.robot import SIDES, Side
+from kinesic.expressivity.durations import stroke_spans
+from kinesic.expressivity.hands.poses import poses
+from kinesic.expressivity.lexicon.form import GestureForm
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.expressivity.lexicon.synonyms import Sense
+from kinesic.expressivity.style.pace import Pace
+from kinesic.expressivity.style.style import NEUTRAL
+
+_NAMES: Mapping[Side, str] = {"l": "left", "r": "right"}
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One gesture in words. Fields may be added, never renamed."""
+
+    id: str  # what BML's `lexeme` says
+    category: str
+    says: str  # one line: what is done, and what it means
+    meanings: tuple[str, ...]  # words that find it too, the most characteristic first
+    hands: tuple[str, ...]  # left, right: those that take part
+    shapes: tuple[str, ...]  # that they take
+    stroke_s: float  # [s] that its stroke naturally takes
+    whole_s: float  # [s] from rest to rest
+
+
+def vocabulary(lexicon: Lexicon, pace: Pace) -> list[Entry]:
+    """Every gesture in words, by category and name.
+
+    Args:
+        lexicon: of gestures.
+        pace: of the robot that would play them.
+    """
+    found = [_entry(form, sense, pace) for form, sense in zip(lexicon.forms, lexicon.senses, strict=True)]
+    return sorted(found, key=lambda entry: (entry.category, entry.id))
+
+
+def _entry(form: GestureForm, sense: Sense, pace: Pace) -> Entry:
+    natural = stroke_spans(poses(form, pace.robot, NEUTRAL), pace, NEUTRAL, held=not form.rest)
+    shapes = [pose.shape for key in form.keys for pose in key.hands.values() if pose.shape]
+    return Entry(
+        id=form.id,
+        category=form.category,
+        says=sense.says,
+        meanings=sense.words,
+        hands=tuple(_NAMES[side] for side in SIDES if side in form.sides),
+        shapes=tuple(dict.fromkeys(shapes)),
+        stroke_s=round(natural["stroke"] + natural["strokeEnd"], 2),
+        whole_s=round(sum(natural.values()), 2),
+    )

@@ -1,0 +1,153 @@
+"""A gesture played at several values of one parameter of expressivity."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.body.config import CONFIGS, ConfigError, closest
+from kinesic.controller.perform import perform
+from kinesic.expressivity.style.style import RANGES, Style
+from kinesic.planning.setup import Facts
+from kinesic.studies.sweep.measures import Measures, measures
+
+STROKE = 3.0  # [s] block time at which the stroke is asked for: time for the slowest preparation
+COUNT = 5  # values over a range, ends included
+LATE = 0.010  # [s] from the asked time, beyond which a stroke is late
+ID = "swept"
+BLOCK = (
+    '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="sweep">'
+    '<gesture id="{id}" lexeme="{lexeme}" stroke="{stroke}"/></bml>'
+)
+
+
+@dataclass(frozen=True)
+class Measure:
+    """What a parameter changes: a field of `Measures`, and in which direction it grows with the parameter."""
+
+    name: str
+    sign: float  # 1: grows; -1: shrinks
+
+
+MEASURE_OF: Mapping[str, Measure] = {
+    "spatial": Measure("swept_volume", 1.0),
+    "temporal": Measure("preparation", -1.0),
+    "fluidity": Measure("jerk", -1.0),
+    "power": Measure("stroke_speed", 1.0),
+    "tension": Measure("curvature", 1.0),
+    "openness": Measure("elbow_offset", 1.0),
+    "repetition": Measure("strokes", 1.0),
+    "activation": Measure("energy", 1.0),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Played:
+    """One value, and what the twin made of it."""
+
+    value: float
+    measures: Measures
+    hands: Mapping[str, Floats]  # side -> (m, 3) [m] path in the world, of the gesture alone
+    times: Floats  # (m,) [s] after the asked stroke
+
+    @property
+    def in_time(self) -> bool:
+        """Whether the stroke came when it was asked for."""
+        error = self.measures.stroke_error
+        return error is not None and abs(error) <= LATE
+
+
+@dataclass(frozen=True, eq=False)
+class Series:
+    """One gesture over one parameter."""
+
+    gesture: str
+    parameter: str
+    played: tuple[Played, ...]  # by increasing value
+
+    @property
+    def own(self) -> tuple[float | None, ...]:
+        """The parameter's own measure at each value, with the sign with which it should grow."""
+        measure = MEASURE_OF[self.parameter]
+        found = [getattr(one.measures, measure.name) for one in self.played]
+        return tuple(None if value is None else measure.sign * value for value in found)
+
+    @property
+    def monotone(self) -> bool:
+        """Whether the parameter's own measure grows with each value; a count may stay, but not throughout."""
+        own = self.own
+        if any(value is None for value in own):
+            return False
+        if len(own) < 2:
+            return True
+        steps = np.diff(np.array(own, dtype=float))
+        counted = isinstance(getattr(self.played[0].measures, MEASURE_OF[self.parameter].name), int)
+        return bool((steps >= 0.0).all() and steps.sum() > 0.0) if counted else bool((steps > 0.0).all())
+
+    @property
+    def worst_stroke(self) -> float | None:
+        """Largest distance of a stroke from the time it was asked for [s]; None: one never came."""
+        errors = [one.measures.stroke_error for one in self.played]
+        known = [abs(error) for error in errors if error is not None]
+        return max(known) if len(known) == len(errors) else None
+
+    @property
+    def in_time(self) -> bool:
+        """Whether every stroke came when it was asked for."""
+        return all(one.in_time for one in self.played)
+
+
+def sweep(gesture: str, parameter: str, known: Facts, *, values: Sequence[float] = ()) -> Series:
+    """Plays a gesture at several values of a parameter, all else as in the style, and measures each in the twin.
+
+    Args:
+        gesture: a lexeme.
+        parameter: of expressivity.
+        known: with the style that the parameter is changed in.
+        values: within the parameter's range; evenly over all of it when none are given.
+
+    Raises:
+        ConfigError: no such gesture or parameter, or a value out of range.
+    """
+    if parameter not in RANGES:
+        raise ConfigError(f"a style has no {parameter}{closest(parameter, list(RANGES))}")
+    _check(gesture, known)
+    chosen = sorted(set(values)) or np.linspace(*RANGES[parameter], COUNT).tolist()
+    styles = [known.style.changed([f"{parameter}={value!r}"]) for value in chosen]
+    rows = [
+        _played(gesture, replace(known, style=style), f"{parameter} {value:g}", value)
+        for style, value in zip(styles, chosen, strict=True)
+    ]
+    return Series(gesture, parameter, tuple(rows))
+
+
+def presets(gesture: str, known: Facts) -> Mapping[str, Played]:
+    """Plays a gesture in every preset of `configs/styles/`, by name; the value of each is 0.
+
+    Raises:
+        ConfigError: no such gesture.
+    """
+    _check(gesture, known)
+    names = sorted(path.stem for path in (CONFIGS / "styles").glob("*.toml"))
+    return {name: _played(gesture, replace(known, style=Style.load(name)), name, 0.0) for name in names}
+
+
+def _check(gesture: str, known: Facts) -> None:
+    """Refuses what is no gesture of the lexicon."""
+    match = known.lexicon.find(gesture)
+    if match is None or match.substitute or not match.form.keys:
+        raise ConfigError(f"no gesture {gesture}{closest(gesture, [form.id for form in known.lexicon.forms])}")
+
+
+def _played(gesture: str, known: Facts, where: str, value: float) -> Played:
+    """Performs a gesture in the twin and measures it; `where` is for the message when it cannot be performed."""
+    performance = perform(BLOCK.format(id=ID, lexeme=gesture, stroke=STROKE), known, source=gesture)
+    outcome = performance.plan.keyframes.outcomes[ID]
+    if outcome.kind == "dropped":
+        raise ConfigError(f"{gesture} cannot be performed at {where}: {outcome.why}")
+    times, zero = performance.measured.times, performance.plan.trajectory.zero
+    own = [zero + sync.planned for sync in performance.plan.syncs if sync.behaviour == ID]
+    part = slice(*times.searchsorted([min(own), max(own)]))
+    hands = {side: path[part] for side, path in performance.measured.hands.items()}
+    return Played(value, measures(performance, ID), hands, times[part] - zero - STROKE)

@@ -1,0 +1,56 @@
+"""The lexicon in every style: a seeded sample of what `make bench` plays in full."""
+
+import pytest
+
+from kinesic.bench.expressivity.lexicon import NEUTRAL, Result, every, figures, judged, play, sample
+from kinesic.body.config import names_of
+
+SHARE = 0.01
+TASKS = every(names_of("style"))
+
+
+def test_every_gesture_is_played_in_every_style(known):
+    assert len(TASKS) == len(set(TASKS)) == len(known.lexicon.forms) * len(names_of("style"))
+    assert len(names_of("style")) >= 7
+
+
+def test_a_sample_is_seeded_and_in_order():
+    chosen = sample(TASKS, share=SHARE, seed=3)
+    assert chosen == sample(TASKS, share=SHARE, seed=3) != sample(TASKS, share=SHARE, seed=4)
+    assert len(chosen) == len(set(chosen)) == round(SHARE * len(TASKS))
+    assert [TASKS.index(task) for task in chosen] == sorted(TASKS.index(task) for task in chosen)
+
+
+@pytest.mark.parametrize(("gesture", "style"), sample(TASKS, share=SHARE, seed=1))
+def test_a_gesture_keeps_limits_and_distances_and_tells_what_moves(known, gesture, style):
+    result = judged(gesture, style, known)
+    assert not result.dropped
+    assert result.penetrations == 0
+    assert result.violations == 0
+    assert result.clearance >= known.robot.least_clearance
+    assert result.reported
+
+
+@pytest.mark.parametrize(("gesture", "style"), sample(every((NEUTRAL,)), share=0.1, seed=2))
+def test_in_the_neutral_style_strokes_are_on_time_and_hands_where_they_belong(known, gesture, style):
+    result = judged(gesture, style, known)
+    assert result.on_time
+    assert result.stroke_error <= 0.010
+    assert result.miss < 0.03
+
+
+def test_figures_tell_what_is_wrong():
+    good = Result("beat", NEUTRAL, False, 0.014, 0, 0, 0.001, True, True, 0.002)
+    bad = Result("offer", "angry", True, -0.001, 3, 2, 0.4, False, False, 0.2)
+    found = {figure.name: figure for figure in figures([good, bad])}
+    assert all(figure.ok is not False for name, figure in found.items() if name.startswith("expressivity.lexicon."))
+    wrong = {"dropped": 1, "penetrations": 3, "clearance": -1, "violations": 2, "unreported": 1}
+    assert {name: found[f"expressivity.styles.{name}"].value for name in wrong} == pytest.approx(wrong)
+    assert not any(found[f"expressivity.styles.{name}"].ok for name in wrong)
+    assert found["expressivity.styles.stroke_moved"].why == "offer (angry)"
+
+
+def test_a_crew_plays_them_too():
+    results = list(play([("beat", NEUTRAL), ("offer", "calm")], jobs=2))
+    assert {(result.gesture, result.style) for result in results} == {("beat", NEUTRAL), ("offer", "calm")}
+    assert all(result.reported for result in results)

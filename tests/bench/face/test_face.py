@@ -1,0 +1,83 @@
+"""The figures of the face: names everywhere, values where something can be drawn."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from kinesic.bench import face
+from kinesic.bench.face import colour_difference
+from kinesic.cli.bench import PARTS
+from kinesic.face.display import available
+
+drawable = pytest.mark.skipif(available() is not None, reason=available() or "")
+
+
+def test_without_opengl_every_figure_has_a_reason(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(face, "available", lambda: "no OpenGL here")
+    figures = PARTS["face"]()
+    assert {figure.value for figure in figures} == {None}
+    assert {figure.why for figure in figures} == {"no OpenGL here"}
+    names = [figure.name for figure in figures]
+    assert len(set(names)) == len(names)
+    for stem in ("face.fps.", "face.occlusion.", "face.scattering.", "face.wrinkle."):
+        assert any(name.startswith(stem) for name in names)
+
+
+@drawable
+def test_the_laws_of_wrinkles_hold():
+    from kinesic.bench.face.wrinkles import laws  # noqa: PLC0415 - needs the optional library
+
+    found = laws()
+    wanted = {name: goal for name, _, goal, _ in face.wanted() if name.startswith("face.wrinkle.")}
+    assert found.keys() == wanted.keys()
+    for name, goal in wanted.items():
+        assert goal is not None
+        assert found[name] <= goal, name
+
+
+@drawable
+def test_scattering_keeps_most_of_what_is_seen(monkeypatch: pytest.MonkeyPatch):
+    from kinesic.bench.face import scattering  # noqa: PLC0415 - needs the optional library
+
+    monkeypatch.setattr(scattering, "REPETITIONS", 2)
+    found = scattering.scattering()
+    assert 0.0 < found["face.scattering.filtered"] < 50.0
+    assert found["face.scattering.kept"] > 50.0
+    assert found["face.scattering.kept_visible"] > 80.0
+    assert found["face.scattering.ratio"] > 0.0
+
+
+@drawable
+def test_occlusion_has_a_row_for_each_estimator_and_is_near_to_exact(monkeypatch: pytest.MonkeyPatch):
+    from kinesic.bench.face import occlusion  # noqa: PLC0415 - needs the optional library
+
+    monkeypatch.setattr(occlusion, "REPETITIONS", 1)
+    monkeypatch.setattr(occlusion, "TABLE_SIZE", (128, 96))
+    found = occlusion.occlusion(face.SIZES)
+    assert found.keys() == {name for name, *_ in face.wanted() if name.startswith("face.occlusion.")}
+    assert found["face.occlusion.boxes_rmse"] < 0.04
+    assert found["face.occlusion.boxes_correlation"] > 0.97
+    assert found["face.occlusion.samples_21_exact"] > 4 * found["face.occlusion.samples_21_separable"]
+
+
+@drawable
+def test_frames_are_counted_for_every_preset(monkeypatch: pytest.MonkeyPatch):
+    from kinesic.bench.face import frame_rate  # noqa: PLC0415 - needs the optional library
+
+    monkeypatch.setattr(frame_rate, "FRAMES", 2)
+    monkeypatch.setattr(frame_rate, "SLOW_FRAMES", 1)
+    draft = {"draft": dataclasses.replace(frame_rate.DRAFT)}
+    monkeypatch.setattr(frame_rate, "PRESETS", draft)
+    found = frame_rate.frames(((64, 64),))
+    assert found["face.fps.draft_64x64"] > 0.0
+    assert found["face.fps.covered"] > 40.0
+
+
+def test_colours_are_apart_as_people_see_them():
+    grey, white = np.full((1, 1, 3), 119, np.uint8), np.full((1, 1, 3), 255, np.uint8)
+    np.testing.assert_allclose(colour_difference.lab(white)[0, 0], (100.0, 0.0, 0.0), atol=1e-2)
+    np.testing.assert_allclose(colour_difference.lab(grey)[0, 0], (50.0, 0.0, 0.0), atol=0.3)
+    red = np.array([[[255, 0, 0]]], np.uint8)
+    np.testing.assert_allclose(colour_difference.lab(red)[0, 0], (53.24, 80.09, 67.20), atol=0.05)
+    assert colour_difference.difference(grey, grey)[0, 0] == 0.0

@@ -1,0 +1,51 @@
+"""The reach benches on few targets: the figures are there, and their accuracy goals hold."""
+
+import numpy as np
+import pytest
+
+from kinesic.bench.ik import reach, tasks, tracking
+from kinesic.bench.ik.arms import random_arm, targets
+from kinesic.ik import KERNEL
+
+
+@pytest.fixture
+def few(monkeypatch):
+    monkeypatch.setattr(reach, "TARGETS", {"compiled": 400, "numpy": 60})
+    monkeypatch.setattr(reach, "POSTURES", {"compiled": 200, "numpy": 60})
+    monkeypatch.setattr(reach, "ARMS", 6)
+    monkeypatch.setattr(reach, "TARGETS_OF_ARM", 40)
+    monkeypatch.setattr(reach, "BATCH", 2000)
+    monkeypatch.setattr(tasks, "POSES", 40)
+    monkeypatch.setattr(tasks, "PAIRS", 10)
+    monkeypatch.setattr(tasks, "BEYOND", 6)
+
+
+@pytest.mark.usefixtures("few")
+def test_reach_is_sure_and_exact():
+    figures = {figure.name: figure for figure in reach.bench()}
+    for name in ("ik.success_mm", "ik.violations", "ik.repeatable", "ik.extraction", "ik.success_random_arms_worst"):
+        assert figures[name].ok, figures[name]
+    assert (figures["ik.batch"].value is None) == (KERNEL == "numpy")
+
+
+@pytest.mark.usefixtures("few")
+def test_tasks_are_met():
+    figures = {figure.name: figure for figure in tasks.bench()}
+    assert figures["ik.pose"].value >= 0.95
+    assert figures["ik.both_hands"].ok
+    assert figures["ik.unreachable"].value >= 0.8
+
+
+def test_tracking_is_exact_and_comes_home():
+    figures = {figure.name: figure for figure in tracking.bench()}
+    assert figures["ik.tracking_error"].ok
+    assert figures["ik.tracking_drift"].ok
+
+
+def test_random_arms_hang_and_their_targets_are_reachable():
+    chance = np.random.default_rng(3)
+    chain = random_arm(chance)
+    asked = targets(chance, chain, 20)
+    reach_of_chain = chain.lengths[:-1].sum()
+    assert np.all(np.linalg.norm(asked - chain.origin_in_base, axis=1) <= reach_of_chain + 1e-9)
+    assert np.all(chain.lower < chain.upper)

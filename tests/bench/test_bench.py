@@ -1,0 +1,85 @@
+import json
+
+import numpy as np
+import pytest
+
+from kinesic.bench import corpus, following, plan, twin
+from kinesic.bench.crowd import crowd
+from kinesic.bench.figure import Figure
+from kinesic.bench.plan import first_command as first
+from kinesic.cli.bench import PARTS, bench
+from kinesic.controller.perform import facts
+
+SMALL = 4  # the seed of a crowded block whose optimum is soon found
+
+
+@pytest.fixture
+def brief(monkeypatch):
+    """One or two repetitions are enough to see that the figures are there."""
+    monkeypatch.setattr(plan, "REPETITIONS", 1)
+    monkeypatch.setattr(plan, "CROWDS", 1)
+    monkeypatch.setattr(plan, "crowd", lambda seed, lexemes: crowd(SMALL + seed, lexemes))
+    monkeypatch.setattr(first, "REPETITIONS", 2)
+    monkeypatch.setattr(twin, "REPETITIONS", 2)
+    monkeypatch.setattr(following, "BLOCKS", 2)
+
+
+def test_a_figure_knows_whether_its_goal_is_met():
+    assert Figure("x", 2.0, "ms", 3.0, "lower").ok is True
+    assert Figure("x", 2.0, "x", 3.0, "higher").ok is False
+    assert Figure("x", None, "x", 3.0, "higher", why="no OpenGL").ok is None
+
+
+def test_plan_has_its_figures_and_no_violation(brief):
+    figures = {figure.name: figure for figure in plan.bench()}
+    assert figures["plan.full_5s_p95"].value > 0
+    assert figures["plan.violations"].value == 0
+    assert figures["plan.stretch_blocks"].value == 1
+    assert figures["plan.stretch"].ok
+
+
+def test_twin_measures_speed_and_clearance(brief):
+    figures = {figure.name: figure for figure in twin.bench()}
+    assert figures["twin.real_time"].value > 1
+    assert figures["twin.clearance"].ok
+
+
+@pytest.mark.skipif(corpus.folder() is None, reason="no corpus of BML documents (KINESIC_CORPUS)")
+def test_feed_forward_and_correction_each_bring_servos_nearer_to_the_plan():
+    figures = {figure.name: figure for figure in following.following(facts(), 3)}
+    for twin_name in ("nominal", "pessimistic"):
+        helped, alone, without = (
+            figures[f"twin.rmse_{twin_name}{kind}"].value for kind in ("", "_feedforward_only", "_without")
+        )
+        assert helped < alone < without
+    assert figures["twin.rmse_nominal"].ok
+    assert figures["twin.rmse_pessimistic_without"].ok is None
+
+
+def test_without_a_corpus_the_table_is_null_and_says_why(monkeypatch):
+    monkeypatch.setenv("KINESIC_CORPUS", "nowhere")
+    figures = following.following(facts())
+    assert len(figures) == 36
+    assert all(figure.value is None and "KINESIC_CORPUS" in figure.why for figure in figures)
+
+
+def test_the_choice_of_documents_is_the_same_each_time():
+    where = corpus.folder()
+    if where is None:
+        pytest.skip("no corpus of BML documents (KINESIC_CORPUS)")
+    known = facts()
+    first, again = (corpus.blocks(where, known, 2) for _ in range(2))
+    assert [plan.timeline.block.id for plan in first] == [plan.timeline.block.id for plan in again]
+
+
+def test_the_first_command_has_its_figures(brief):
+    figures = {figure.name: figure for figure in first.bench()}
+    assert 0 < figures["plan.first_command_median"].value <= figures["plan.first_command_p95"].value
+    assert np.isfinite(figures["plan.taken_over"].value)
+
+
+def test_json_is_a_list_of_figures(monkeypatch, capsys):
+    monkeypatch.setitem(PARTS, "plan", lambda: [Figure("plan.x", 2.0, "ms", 3.0, "lower")])
+    bench.main(["plan", "--json"], standalone_mode=False)
+    entries = json.loads(capsys.readouterr().out)
+    assert {"name", "value", "unit", "goal", "better", "ok"} <= entries[0].keys()

@@ -1,0 +1,107 @@
+"""Fragments in SmartBody's words: what becomes of each, and what others wrote."""
+
+import json
+import os
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from kinesic.bml.block import Action, BmlError, Custom, Face, Gaze, Gesture, Head, Pointing, Posture, Speech, SyncRef
+from kinesic.bml.parse import parse
+
+CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[4] / "shared" / "corpus"))
+FRAGMENTS = CORPUS / "smartbody" / "fragments.jsonl"
+ALWAYS = ("gaze", "head", "gesture", "face", "speech")  # behaviours that BML has as well
+
+
+@pytest.mark.parametrize(
+    ("text", "action"),
+    [
+        ('<gaze target="t"/>', Gaze("t", shift=True)),
+        ('<gaze target="t" end="3"/>', Gaze("t")),
+        ('<gaze target="t" sbm:joint-range="EYES NECK"/>', Gaze("t", "NECK", shift=True)),
+        ('<gaze target="t" sbm:joint-range="eyes chest back"/>', Gaze("t", "WAIST", shift=True)),
+        ('<gaze sbm:target-pos="1 2 3"/>', Gaze("3 1 2", shift=True)),
+        ('<head type="SHAKE" repeats="5"/>', Head("SHAKE", 5)),
+        ('<face type="facs" au="1_left" amount="1"/>', Face((), 1, "left", 1.0)),
+        ('<face type="facs" au="12" amount=".5"/>', Face((), 12, "both", 0.5)),
+        ('<gesture lexeme="DEICTIC" type="YOU"/>', Gesture("YOU_DEICTIC")),
+        ('<gesture type="BEAT" mode="LEFT_HAND"/>', Gesture("BEAT", "left")),
+        ('<gesture name="Someone@Stand01_BeatLow01"/>', Gesture("BeatLow01")),
+        ('<body posture="Someone@Idle01"/>', Posture(poses=(("WHOLEBODY", "Idle01"),), shift=True)),
+        ('<sbm:reach sbm:action="point-at" target="t" sbm:reach-type="left"/>', Pointing("t", "left")),
+        ('<sbm:reach sbm:action="touch" target="t"/>', Custom("sbm:reach")),
+        ('<saccade mode="talk"/>', Custom("saccade")),
+        ('<?xml version="1.0"?><head type="NOD"/>', Head("NOD")),
+    ],
+)
+def test_what_a_fragment_means(text: str, action: Action) -> None:
+    block = parse(text)
+    assert [behaviour.action for behaviour in block.behaviours] == [action]
+    assert block.dialect == "smartbody"
+
+
+def test_a_row_of_behaviours_is_one_block() -> None:
+    block = parse('<speech type="text/plain">Hi <sync id="m"/>there</speech> + <face au="1"/> <head type="NOD"/>')
+    speech = block.behaviours[0].action
+    assert isinstance(speech, Speech)
+    assert (speech.script.text, [mark.name for mark in speech.script.marks]) == ("Hi there", ["m"])
+    assert [behaviour.type for behaviour in block.behaviours] == ["speech", "face", "head"]
+    assert block.notices == ()
+
+
+def test_the_name_is_the_one_that_was_written() -> None:
+    assert [each.type for each in parse('<gaze target="t"/><body posture="Idle"/>').behaviours] == ["gaze", "body"]
+
+
+def test_holds_are_sync_points() -> None:
+    (behaviour,) = parse('<gesture id="g" type="BEAT" prestroke_hold="0.5" poststroke_hold="2"/>').behaviours
+    assert behaviour.syncs == {
+        "strokeStart": SyncRef("block", "g", "ready", offset=0.5),
+        "relax": SyncRef("block", "g", "strokeEnd", offset=2.0),
+    }
+
+
+def test_a_body_comes_when_it_is_ready_or_at_once() -> None:
+    one, two = parse('<body posture="a" start=".4" ready="0" relax="0"/><body posture="b" ready="2"/>').behaviours
+    assert {sync: ref.offset for sync, ref in one.syncs.items()} == {"start": 0.4}
+    assert {sync: ref.offset for sync, ref in two.syncs.items()} == {"end": 2.0}
+
+
+def test_what_has_no_meaning_is_warned_of_by_name() -> None:
+    block = parse('<gaze target="t" sbm:joint-speed="800"/><head type="NOD" velocity="2"/>')
+    assert [notice.text.split()[2] for notice in block.notices] == ["sbm:joint-speed", "velocity"]
+
+
+def test_places_are_those_of_the_text() -> None:
+    one, two = parse('<head type="NOD"/>\n  <gaze target="t"/>').behaviours
+    assert [(each.place.line, each.place.column) for each in (one, two)] == [(1, 1), (2, 3)]
+    with pytest.raises(BmlError, match=r"^f:1:11: not XML: mismatched tag; "):
+        parse("<speech></head>", source="f")
+
+
+@pytest.mark.parametrize("text", ["<gestuary><gesture/></gestuary>", "<html/>", "<foo:gaze2/>"])
+def test_other_documents_are_no_fragments(text: str) -> None:
+    with pytest.raises(BmlError, match="holds no <bml>"):
+        parse(text)
+
+
+def test_a_comment_about_behaviours_makes_no_fragment() -> None:
+    assert parse('<!-- <head/> --><bml id="b"><gaze id="g" target="t"/></bml>').dialect == "none"
+
+
+def test_the_fragments_of_others_become_behaviours_or_are_named() -> None:
+    if not FRAGMENTS.exists():
+        pytest.skip(f"no corpus at {CORPUS}")
+    rows = [json.loads(line) for line in FRAGMENTS.read_text(encoding="utf-8").splitlines()]
+    written: Counter[str] = Counter()
+    understood: Counter[str] = Counter()
+    for row in rows:
+        if row["dynamic"]:
+            continue
+        for behaviour in parse(row["bml"]).behaviours:
+            written[behaviour.type] += 1
+            understood[behaviour.type] += not isinstance(behaviour.action, Custom)
+    assert sum(written.values()) > 140
+    assert all(understood[name] == written[name] > 0 for name in ALWAYS)

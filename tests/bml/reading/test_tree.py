@@ -1,0 +1,77 @@
+"""XML as a tree, and the documents that are refused before they are BML."""
+
+import pytest
+
+from kinesic.bml.block import BmlError, Place
+from kinesic.bml.reading.tree import Bounds, read_tree
+
+
+def test_places_are_those_of_the_start_tags() -> None:
+    root = read_tree('<a>\n  <b\n  c="1">text<d/></b>\n</a>', source="x")
+    (b,) = root.children
+    assert (root.place, b.place, b.children[0].place) == (Place(1, 1), Place(2, 3), Place(3, 13))
+    assert b.content[0] == "text"
+
+
+def test_namespaces_and_undeclared_prefixes() -> None:
+    root = read_tree('<a xmlns="u" xmlns:p="v"><p:b q:c="1"/><d xmlns=""/></a>', source="x")
+    b, d = root.children
+    assert (b.local, b.scope["p"], b.attributes["q:c"]) == ("b", "v", "1")
+    assert (d.scope[""], root.scope[""]) == ("", "u")
+
+
+def test_bytes_are_decoded_as_declared_and_text_is_taken_as_it_is() -> None:
+    latin = '<?xml version="1.0" encoding="ISO-8859-1"?><a>é</a>'
+    assert read_tree(latin.encode("latin-1"), source="x").text == "é"
+    assert read_tree(latin, source="x").text == "é"
+    assert read_tree("<a>日本</a>".encode("utf-16"), source="x").text == "日本"
+
+
+def test_a_doctype_is_tolerated() -> None:
+    assert read_tree('<!DOCTYPE a SYSTEM "elsewhere.dtd" []><a/>', source="x").name == "a"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '<!DOCTYPE a [<!ENTITY e "x">]><a/>',
+        '<!DOCTYPE a [<!ENTITY e "x">]><a b="&e;"/>',
+        '<!DOCTYPE a [<!ENTITY e SYSTEM "file:///etc/passwd">]><a>&e;</a>',
+        '<!DOCTYPE a [<!ENTITY % e "x">]><a/>',
+        '<!DOCTYPE a [<!ENTITY l "ha"><!ENTITY l2 "&l;&l;&l;&l;">]><a>&l2;</a>',
+        '<!DOCTYPE a SYSTEM "elsewhere.dtd"><a>&unknown;</a>',
+        "<a>&unknown;</a>",
+    ],
+)
+def test_entities_are_refused(text: str) -> None:
+    with pytest.raises(BmlError, match=r"^x:1:\d+: .*; "):
+        read_tree(text, source="x")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", b"", "  \n", "hello", "<a>", "<a></b>", '<a b="1" b="2"/>', b"\xff\xfe\x00", "<a/><b/>", "\ud800<a/>", "\x00"],
+)
+def test_what_is_not_xml_is_refused_with_its_place(text: str | bytes) -> None:
+    with pytest.raises(BmlError, match=r"^x:\d+:\d+: .*; "):
+        read_tree(text, source="x")
+
+
+@pytest.mark.parametrize("encoding", ["no-such", "utf-7", "shift_jis", "idna"])
+def test_unknown_encodings_are_refused(encoding: str) -> None:
+    with pytest.raises(BmlError, match=r"^x:\d+:\d+: .*; "):
+        read_tree(f'<?xml version="1.0" encoding="{encoding}"?><a>é</a>'.encode("latin-1"), source="x")
+
+
+def test_size_is_checked_before_anything_is_read() -> None:
+    with pytest.raises(BmlError, match="100000000 characters; at most 4000000"):
+        read_tree(b"<" * 100_000_000, source="x")
+
+
+def test_depth() -> None:
+    deep = "<a>" * 64 + "</a>" * 64
+    assert read_tree(deep, source="x").name == "a"
+    with pytest.raises(BmlError, match=r"^x:1:193: .*at most 64"):
+        read_tree(f"{deep[:192]}<b/>{deep[192:]}", source="x")
+    with pytest.raises(BmlError, match="at most 2"):
+        read_tree("<a><a><a/></a></a>", source="x", bounds=Bounds(depth=2))

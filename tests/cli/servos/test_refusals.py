@@ -1,0 +1,88 @@
+"""What `kinesic perform --on servos` refuses: one clear line each, and nothing is energised."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import serial
+
+from kinesic.cli import perform
+from kinesic.controller.perform import performances
+from kinesic.controller.performance import Performance
+from kinesic.hardware.bus.serial_wire import SerialWire
+from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.virtual.faults import FaultPlan, Mishap
+from kinesic.report import output
+from kinesic.sim.servo_factors import NOMINAL
+
+from .conftest import Table, serving
+
+pytestmark = pytest.mark.realtime
+
+NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" stroke="0.8"/></bml>'
+FAULTS = [
+    (Mishap("silent"), "no servo of ids"),
+    (Mishap("wrong_model", (15,)), "servo 15: is a xl430_w250, must be a xm430_w210"),
+    (Mishap("old_firmware", (15,), value=37), "firmware 37 has no bus watchdog"),
+    (Mishap("duplicate_id", (15,)), "several servos have this id"),
+    (Mishap("undervoltage", (15,), value=5.0), "supply is 5.0 V"),
+    (Mishap("alert", (15,), value=32), "has shut down (overload)"),
+]
+
+
+@pytest.fixture(scope="module")
+def twins() -> tuple[Performance, ...]:
+    """What the twin makes of a nod."""
+    return performances(NOD, (NOMINAL,))
+
+
+@pytest.fixture(autouse=True)
+def _once(monkeypatch: pytest.MonkeyPatch, twins: tuple[Performance, ...]) -> None:
+    """The twin has performed before the servos are asked; once is enough, and nobody reads its page."""
+    monkeypatch.setattr(perform, "performances", lambda *_, **__: twins)
+    monkeypatch.setattr(output, "write_page", lambda *_, **__: None)
+
+
+@pytest.fixture
+def nod(tmp_path: Path) -> Path:
+    path = tmp_path / "nod.bml"
+    path.write_text(NOD, encoding="utf-8")
+    return path
+
+
+def refused(kinesic: Callable, nod: Path, table: Table) -> str:
+    """The one line of a performance that does not begin."""
+    ended = kinesic("perform", nod, "--no-film", "--json", "--on", "servos", "--port", table.port)
+    lines = [line for line in ended.err.splitlines() if line.startswith("kinesic: ")]
+    assert ended.code == 2
+    assert len(lines) == 1, ended.err
+    assert table.energised == 0
+    return lines[0]
+
+
+@pytest.mark.parametrize(("mishap", "message"), FAULTS, ids=[mishap.kind for mishap, _ in FAULTS])
+def test_wrong_servos_are_one_line(kinesic: Callable, nod: Path, tmp_path: Path, mishap: Mishap, message: str):
+    with serving(Table(FaultPlan((mishap,))), tmp_path / "port") as table:
+        assert message in refused(kinesic, nod, table)
+
+
+def test_limits_outside_of_the_servos_are_one_line(kinesic: Callable, nod: Path, served: Table):
+    served.set(15, Register.MAX_POSITION_LIMIT, 2100)
+    assert "its hinge needs" in refused(kinesic, nod, served)
+
+
+def test_a_busy_port_is_one_line(kinesic: Callable, nod: Path, served: Table):
+    wire = SerialWire(served.port, 1_000_000)
+    assert "another program uses this port" in refused(kinesic, nod, served)
+    wire.close()
+
+
+def test_a_port_that_may_not_be_used_is_one_line(kinesic: Callable, monkeypatch: pytest.MonkeyPatch, served: Table):
+    def refuses(*_: object, **__: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(serial, "Serial", refuses)
+    ended = kinesic("servos", "release", "--yes", "--port", served.port)
+    assert ended.code == 2
+    (line,) = ended.err.splitlines()
+    assert "dialout" in line

@@ -1,0 +1,126 @@
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+from contextlib import contextmanager
+
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.cli.serve import read_address, read_rules
+from kinesic.client import Client
+from kinesic.serve.quotas import USUAL
+from kinesic.serve.serving import Address
+
+pytestmark = pytest.mark.realtime
+
+NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}"><head id="h" lexeme="NOD" start="0"/></bml>'
+SERVE = (sys.executable, "-m", "kinesic", "serve", "--voice", "durations")
+
+
+@pytest.mark.parametrize(
+    ("text", "token", "address"),
+    [
+        ("none", None, None),
+        ("127.0.0.1:0", None, Address("127.0.0.1", 0)),
+        ("localhost:80", None, Address("localhost", 80)),
+        ("[::1]:80", None, Address("::1", 80)),
+        ("0.0.0.0:80", "t", Address("0.0.0.0", 80)),
+    ],
+)
+def test_addresses(text, token, address):
+    assert read_address(text, token) == address
+
+
+@pytest.mark.parametrize("text", ["0.0.0.0:80", "[::]:80", "robot.local:80", "192.168.0.2:80"])
+@pytest.mark.parametrize("token", [None, ""])
+def test_others_need_a_token(text, token):
+    with pytest.raises(ConfigError, match="give --token, or set KINESIC_TOKEN"):
+        read_address(text, token)
+
+
+@pytest.mark.parametrize("text", ["", "80", "localhost", "localhost:", "localhost:x", "localhost:99999"])
+def test_what_is_no_address_is_refused(text):
+    with pytest.raises(ConfigError, match=r"give HOST:PORT"):
+        read_address(text, None)
+
+
+def test_rules():
+    assert read_rules(()) == USUAL
+    changed = read_rules(("rate=5", "message=100"))
+    assert (changed.rate, changed.message, changed.depth) == (5.0, 100, USUAL.depth)
+
+
+@pytest.mark.parametrize(
+    ("text", "why"), [("rat=5", "did you mean"), ("rate=fast", "fast"), ("depth=0", "above 0"), ("rate", "could not")]
+)
+def test_wrong_rules_are_refused(text, why):
+    with pytest.raises(ConfigError, match=why):
+        read_rules((text,))
+
+
+def test_addresses_are_written_as_they_are_read():
+    for text in ("127.0.0.1:5", "[::1]:5"):
+        assert str(read_address(text, None)) == text
+
+
+def test_standard_input_is_performed_and_ends_it():
+    given = NOD.format("one") + "\0" + NOD.format("two").replace(" id", ' composition="APPEND" id', 1)
+    done = subprocess.run([*SERVE, "--listen", "none"], input=given, capture_output=True, text=True, check=True)
+    ends = re.findall(r'blockProgress[^>]* id="(\w+:\w+)"', done.stdout)
+    assert ends == [f"{name}:{point}" for name in ("one", "two") for point in ("start", "relax", "end")]
+    assert all(line.startswith("<") for line in done.stdout.splitlines())
+    assert "reading standard input" in done.stderr
+
+
+def test_the_token_of_the_environment_is_asked_for_and_ctrl_c_folds_and_ends_well():
+    with _serving(KINESIC_TOKEN="t") as (process, port):
+        with pytest.raises(PermissionError):
+            Client(port=port, token="wrong")
+        with Client(port=port, token="t") as client:
+            client.send(NOD.format("cut"))
+            while 'id="cut:start"' not in client.receive(20):
+                pass
+            process.send_signal(signal.SIGINT)
+            rest = _until_closed(client)
+        assert "cut:end" in rest
+        assert "the server ends" in rest
+        assert process.wait(20) == 0
+
+
+def test_an_address_that_is_taken_is_told_in_one_line():
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        address = f"127.0.0.1:{taken.getsockname()[1]}"
+        done = subprocess.run(
+            [*SERVE, "--listen", address], stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False
+        )
+    assert done.returncode == 2
+    assert re.fullmatch(r"kinesic: .*address already in use.*\n", done.stderr)
+
+
+@contextmanager
+def _serving(**environment):
+    """A server on a free port: its process, and the port."""
+    with subprocess.Popen(
+        [*SERVE, "--listen", "127.0.0.1:0"],
+        stdin=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | environment,
+    ) as process:
+        try:
+            yield process, int(re.search(r"listening at 127.0.0.1:(\d+)", process.stderr.readline())[1])
+        finally:
+            process.kill()
+
+
+def _until_closed(client):
+    told = []
+    try:
+        while (message := client.receive(20)) is not None:
+            told.append(message)
+    except ConnectionError:
+        pass
+    return "\n".join(told)

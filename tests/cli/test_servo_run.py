@@ -1,0 +1,63 @@
+"""A performance on servos that is heard."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from kinesic.body.utterance import Sound
+from kinesic.cli import loudspeaker, servo_run
+from kinesic.hardware.supervisor.channel import Status
+from kinesic.hardware.supervisor.state_machine import Stage
+from kinesic.speech.loudspeaker import SpeakerError
+
+PLAN = SimpleNamespace()
+SAID = Sound.of(8000, np.full(800, 0.5))
+
+
+class Fake:
+    """A speaker that keeps what it is asked."""
+
+    def __init__(self) -> None:
+        self.asked: list[str] = []
+        self.begun: list[float] = []
+
+    def play(self, sound: Sound, at: float) -> None:
+        assert sound is SAID
+        self.begun.append(at)
+
+    def stop(self) -> None:
+        self.asked.append("stop")
+
+    def close(self) -> None:
+        self.asked.append("close")
+
+
+def test_what_is_said_begins_with_the_performance_and_the_speaker_is_let_go(monkeypatch: pytest.MonkeyPatch):
+    fake = Fake()
+    monkeypatch.setattr(servo_run, "sound", lambda plan: SAID)
+    monkeypatch.setattr(loudspeaker, "Speaker", lambda: fake)
+    with servo_run.speaking(PLAN) as said:
+        for stage, time, scale in [(Stage.HOLD, 0.0, 0.0), (Stage.ACTIVE, 0.02, 1.0), (Stage.ACTIVE, 0.04, 1.0)]:
+            said(Status(stage, clock=7.0 + time, time=time, scale=scale))
+        assert fake.begun == [7.0]
+        said(Status(Stage.STOPPED, clock=8.0, time=0.5, scale=0.0))
+    assert fake.asked == ["stop", "close"]
+
+
+def test_without_a_loudspeaker_it_is_performed_in_silence(monkeypatch: pytest.MonkeyPatch, capsys):
+    def none() -> None:
+        raise SpeakerError("no device; plug one in")
+
+    monkeypatch.setattr(servo_run, "sound", lambda plan: SAID)
+    monkeypatch.setattr(loudspeaker, "Speaker", none)
+    with servo_run.speaking(PLAN) as said:
+        said(Status(Stage.ACTIVE, clock=7.0, time=0.0, scale=1.0))
+    assert capsys.readouterr().err == "voice: not heard (no device; plug one in)\n"
+
+
+def test_nothing_is_opened_where_nothing_is_said(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(servo_run, "sound", lambda plan: None)
+    monkeypatch.setattr(loudspeaker, "Speaker", lambda: pytest.fail("opened"))
+    with servo_run.speaking(PLAN) as said:
+        said(Status(Stage.ACTIVE, clock=7.0, time=0.0, scale=1.0))

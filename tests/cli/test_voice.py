@@ -1,0 +1,44 @@
+import json
+
+import pytest
+
+from kinesic.speech.espeak_pool import fault
+
+HURRIED = b"""<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">
+  <speech id="s"><text>See <sync id="a"/>this, <sync id="b"/>this.</text></speech>
+  <gesture id="g1" lexeme="offer" mode="RIGHT_HAND" stroke="s:a"/>
+  <gesture id="g2" lexeme="large" mode="BOTH_HANDS" stroke="s:b"/>
+</bml>
+"""
+
+
+def performed(kinesic, folder, *options: str) -> dict:
+    (folder / "hurried.bml").write_bytes(HURRIED)
+    out = str(folder / "out")
+    ended = kinesic("perform", str(folder / "hurried.bml"), "--no-film", "--json", "--force", "--out", out, *options)
+    assert ended.code in (0, 1), ended.err
+    return json.loads(ended.out)
+
+
+def test_the_command_line_speaks_where_it_can(kinesic, tmp_path):
+    if fault():
+        pytest.skip(fault())
+    assert [said["heard"] for said in performed(kinesic, tmp_path)["speech"]] == [True]
+    assert (tmp_path / "out" / "speech.wav").stat().st_size > 10000
+
+
+def test_words_wait_when_they_are_told_to(kinesic, tmp_path):
+    def pauses(*options: str) -> list[str]:
+        warnings = performed(kinesic, tmp_path, "--voice", "durations", *options)["warnings"]
+        return [warning["text"] for warning in warnings if warning["text"].startswith("a pause of")]
+
+    assert pauses() == []
+    assert pauses("--pause", "1")
+
+
+@pytest.mark.parametrize("option", [("--voice", "nobody"), ("--pause", "-1"), ("--pause", "soon")])
+def test_a_wrong_option_is_refused(option, kinesic, tmp_path):
+    (tmp_path / "hurried.bml").write_bytes(HURRIED)
+    ended = kinesic("plan", str(tmp_path / "hurried.bml"), "--out", str(tmp_path / "motion.npz"), *option)
+    assert ended.code == 2
+    assert option[0] in ended.err

@@ -1,0 +1,168 @@
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import Floats
+from kinesic.body.command import Command
+from kinesic.controller.perform import perform
+from kinesic.controller.performance import Performance
+from kinesic.controller.servo_performance import Live, Wish, perform_live
+from kinesic.hardware.protocol.wire import BusError
+from kinesic.hardware.supervisor.channel import Note, Status
+from kinesic.hardware.supervisor.state_machine import Stage
+from kinesic.report.report import report
+from kinesic.report.servo_report import live_checks, live_log, with_live
+
+NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" stroke="0.8"/></bml>'
+
+
+@pytest.fixture(scope="module")
+def performance() -> Performance:
+    return perform(NOD)
+
+
+def told(status: Status, goals: Floats, angles: Floats) -> Status:
+    """With angles measured at its clock."""
+    return replace(status, goals=goals, angles=angles, taken=np.full(len(angles), status.clock))
+
+
+class Actor:
+    """Plays what it is told, `late` seconds behind, when it is closed; `part` of it if it is stopped before."""
+
+    def __init__(self, late: float = 0.0, part: float = 1.0, error: BusError | None = None, faulty: bool = False):
+        self.told: list[Command] = []
+        self.late, self.part, self.error, self.faulty = late, part, error, faulty
+        self.done: list[str] = []
+        self.waiting: Callable[[], bool] = lambda: False
+
+    def write(self, command: Command, /) -> None:
+        self.told.append(command)
+
+    def close(self) -> None:
+        while self.waiting():
+            pass
+        self.done.append("close")
+        if self.error is not None:
+            raise self.error
+
+    def stop(self) -> None:
+        self.done.append("stop")
+
+    def release(self) -> None:
+        self.done.append("release")
+
+    def history(self) -> tuple[Status, ...]:
+        if "close" not in self.done:
+            return ()
+        self.done.remove("close")
+        times = [command.time for command in self.told]
+        rows = np.array([command.angles for command in self.told])
+        seen = [np.interp(np.array(times) - self.late, times, row) for row in rows.T]
+        found = [
+            told(Status(Stage.ACTIVE, 100.0 + c.time, c.time, 1.0, 23, faulty=self.faulty), c.goals, angles)
+            for c, angles in zip(self.told, np.transpose(seen), strict=True)
+        ]
+        return (Status(stage=Stage.HOLD), *found[: round(self.part * len(found))])
+
+    def events(self) -> tuple[Note, ...]:
+        return (Note(1.0, 5, "failed", "skullbase_tilt: shut down"),) if self.faulty else ()
+
+
+def test_a_robot_that_follows_is_said_to(performance: Performance):
+    live = perform_live(performance, Actor())
+    assert (live.ending, live.performed) == ("performed", pytest.approx(1.0))
+    found = {check.name: check for check in live_checks(live)}
+    assert all(check.status == "pass" for check in found.values())
+    assert found["measured.rmse"].value < 1e-6
+    assert set(live.lags.values()) <= {0.0}
+
+
+def test_a_late_robot_is_measured_by_the_plan(performance: Performance):
+    live = perform_live(performance, Actor(late=0.1))
+    found = {check.name: check for check in live_checks(live)}
+    assert found["measured.rmse"].status == "warn"
+    assert found["measured.rmse"].where == "most skullbase_tilt"
+    assert max(live.lags.values()) == pytest.approx(0.1, abs=0.03)
+
+
+def test_the_report_has_both(performance: Performance):
+    live = perform_live(performance, Actor(late=0.02))
+    before = report(performance, source="nod")
+    told = with_live(before, live)
+    assert set(before) < set(told)
+    assert told["servos"]["rmse_deg"] == pytest.approx(np.sqrt(np.nanmean(np.degrees(live.errors) ** 2)))
+    assert told["servos"]["per_joint"]["l_elbow_flexion"] == 0.0
+    assert [row["name"] for row in told["checks"]][-4:] == [
+        "measured.performed",
+        "measured.rmse",
+        "measured.p95",
+        "measured.max",
+    ]
+    moved = [row for row in told["sync"] if row["servos_s"] != row["planned_s"]]
+    assert all(row["servos_s"] > row["planned_s"] for row in moved)
+
+
+def test_the_log_is_what_was_sent_and_seen(performance: Performance):
+    actor = Actor(late=0.02)
+    log = live_log(perform_live(performance, actor))
+    assert log.times[0] == 0.0
+    assert np.allclose(np.diff(log.times), 0.01)
+    np.testing.assert_array_equal(log.goals, [command.goals for command in actor.told])
+
+
+@pytest.mark.parametrize(
+    ("wishes", "done", "ending"),
+    [
+        (["stop"], ["stop"], "stopped"),
+        (["stop", "stop"], ["stop", "release"], "stopped"),
+        (["end"], ["release"], "ended"),
+        ([], [], "performed"),
+    ],
+)
+def test_what_the_keyboard_wants_is_done(performance: Performance, wishes: list[Wish], done: list[str], ending: str):
+    actor, left = Actor(part=0.4 if wishes else 1.0), [*wishes]
+    actor.waiting = lambda: bool(left)
+    live = perform_live(performance, actor, wish=lambda: left.pop(0) if left else "go on")
+    assert [word for word in actor.done if word != "close"] == done
+    assert live.ending == ending
+    status = live_checks(live)[0].status
+    assert status == ("fail" if wishes else "pass")
+
+
+def test_a_fault_is_told_by_its_reason(performance: Performance):
+    broken = perform_live(performance, Actor(error=BusError("the supervisor died"), part=0.3))
+    assert (broken.ending, broken.why) == ("failed", "the supervisor died")
+    faulty = perform_live(performance, Actor(faulty=True, part=0.3))
+    assert (faulty.ending, faulty.why) == ("failed", "skullbase_tilt: shut down")
+
+
+def test_a_robot_that_never_moved_has_no_figures(performance: Performance):
+    live = perform_live(performance, Actor(part=0.0))
+    told = with_live(report(performance, source="nod"), live)
+    assert told["ok"] is False
+    assert told["servos"]["rmse_deg"] is None
+    assert told["servos"]["samples"] == 0
+
+
+def test_samples_of_silent_servos_and_of_standing_time_do_not_count(performance: Performance):
+    live = perform_live(performance, Actor())
+    rows = list(live.history)
+    gone = rows[20].angles.copy()
+    gone[3] = np.nan
+    rows[20] = replace(rows[20], angles=gone)
+    rows.insert(30, rows[29])
+    again = Live(live.performance, tuple(rows), (), "performed")
+    assert len(again.times) == len(live.times) - 1
+    assert (np.diff(again.times) > 0).all()
+
+
+def test_an_old_angle_is_compared_with_the_plan_of_its_own_time_and_counts_once(performance: Performance):
+    live = perform_live(performance, Actor())
+    rows = list(live.history)
+    for k in range(1, len(rows), 2):
+        rows[k] = replace(rows[k], angles=rows[k - 1].angles, taken=rows[k - 1].taken)
+    again = Live(live.performance, tuple(rows), (), "performed")
+    assert np.nanmax(np.abs(again.errors)) < 1e-6
+    assert np.isfinite(again.errors).sum() == pytest.approx(np.isfinite(live.errors).sum() / 2, rel=0.2)

@@ -1,0 +1,28 @@
+import numpy as np
+import pytest
+
+from kinesic.controller.tracking_delay import lateness
+
+TIMES = np.arange(0.0, 4.0, 0.01)
+
+
+def pulse(times, late):
+    """Two strokes, there and back."""
+    moved = times - late
+    return np.exp(-((moved - 1.2) ** 2) / 0.02) - 0.7 * np.exp(-((moved - 2.6) ** 2) / 0.05)
+
+
+@pytest.mark.parametrize("late", [0.0, 0.0032, 0.0471, 0.2, -0.031])
+def test_a_delay_is_found_between_samples(late):
+    planned = np.stack([pulse(TIMES, 0.0), 3.0 * pulse(TIMES, 0.3)], axis=1)
+    performed = np.stack([0.8 * pulse(TIMES, late), 3.0 * pulse(TIMES, 0.3)], axis=1)
+    found = lateness(planned, performed, np.array([True, True]), period=0.01)
+    assert found == pytest.approx([late, 0.0], abs=2e-4)
+
+
+def test_a_hinge_that_does_not_move_has_none():
+    planned = np.stack([pulse(TIMES, 0.0), np.zeros_like(TIMES)], axis=1)
+    found = lateness(planned, planned, np.array([True, False]), period=0.01)
+    assert found[0] == pytest.approx(0.0, abs=1e-9)
+    assert np.isnan(found[1])
+    assert np.isnan(lateness(planned, planned, np.array([False, False]), period=0.01)).all()

@@ -1,0 +1,88 @@
+import numpy as np
+import pytest
+
+from kinesic.body.action_units import ASIDE, DOWNWARD, UPWARD
+from kinesic.expressivity.face.eyes import (
+    CLOSING,
+    FLITTING,
+    LEAST_GAP,
+    OPENING,
+    SHUT,
+    Look,
+    blink_times,
+    blinking,
+    flitting,
+    gaze_units,
+    looking,
+)
+
+TIMES = np.arange(0.0, 10.0, 0.005)
+AHEAD = np.zeros((len(TIMES), 2))
+
+
+def test_blinks_come_by_chance_about_every_four_seconds():
+    begins = np.array(blink_times((0.0, 4000.0), (), 3))
+    gaps = np.diff(begins)
+    assert gaps.min() >= LEAST_GAP - 1e-9
+    assert 3.0 < gaps.mean() < 5.0
+    assert blink_times((0.0, 4000.0), (), 3) == tuple(begins)
+    assert blink_times((0.0, 4000.0), (), 4) != tuple(begins)
+
+
+def test_a_longer_performance_has_the_same_blinks_and_more():
+    short, long = (blink_times((0.0, end), (), 5) for end in (30.0, 60.0))
+    assert long[: len(short)] == short
+
+
+def test_wide_turns_of_the_gaze_bring_a_blink_small_ones_do_not():
+    wide, narrow = Look(3.0, 0.6, 0.0, 6.0), Look(3.0, 0.1, 0.0, 6.0)
+    assert {3.0, 6.0} <= set(blink_times((0.0, 10.0), [wide], 1))
+    assert not {3.0, 6.0} & set(blink_times((0.0, 10.0), [narrow], 1))
+
+
+def test_a_blink_comes_when_it_is_asked_for_unless_one_has_just_been():
+    assert {2.0, 4.0} <= set(blink_times((0.0, 10.0), (), 1, also=[2.0, 2.5, 4.0]))
+    assert 2.5 not in blink_times((0.0, 10.0), (), 1, also=[2.0, 2.5, 4.0])
+
+
+def test_a_blink_closes_both_eyes_fully_and_is_soon_over():
+    found = blinking([2.0], TIMES)
+    assert found.keys() == {"L45", "R45"}
+    closed = found["L45"]
+    assert closed.max() == 1.0
+    whole = CLOSING + SHUT + OPENING
+    np.testing.assert_array_equal(closed[np.abs(TIMES - 2.0 - whole / 2) > whole / 2 + 1e-9], 0.0)
+    assert 0.14 < whole < 0.22
+
+
+def test_eyes_look_before_the_head_and_stay_on_it_while_the_head_follows():
+    look = Look(2.0, 0.5, 0.1, 6.0)
+    head = np.stack([np.interp(TIMES, [2.1, 2.8, 6.0, 6.7], [0.0, 0.5, 0.5, 0.0]), 0.0 * TIMES], axis=1)
+    eyes = looking([look], TIMES, head)
+    gaze = eyes + head
+    fixed = (TIMES > 2.15) & (TIMES < 5.99)
+    np.testing.assert_allclose(gaze[fixed], np.tile([0.5, 0.1], (fixed.sum(), 1)), atol=1e-12)
+    np.testing.assert_array_equal(eyes[TIMES <= 2.0], 0.0)
+    np.testing.assert_array_equal(eyes[TIMES > 6.2], 0.0)
+
+
+def test_a_later_look_takes_over_and_what_stays_is_returned_to():
+    eyes = looking([Look(1.0, 0.2, 0.0), Look(3.0, -0.3, 0.0, 5.0)], TIMES, AHEAD)
+    for time, left in ((2.0, 0.2), (4.0, -0.3), (8.0, 0.2)):
+        assert eyes[np.searchsorted(TIMES, time), 0] == pytest.approx(left)
+
+
+def test_eyes_flit_a_little_and_the_same_way_with_the_same_seed():
+    strayed = flitting((0.0, 10.0), TIMES, 4)
+    assert 0.0 < np.abs(strayed).max() <= 2 * FLITTING + 1e-12
+    np.testing.assert_array_equal(strayed, flitting((0.0, 10.0), TIMES, 4))
+    assert np.any(strayed != flitting((0.0, 10.0), TIMES, 5))
+    assert np.mean(np.abs(np.diff(strayed[:, 0])) > 0.0) < 0.2  # most of the time they rest
+
+
+def test_angles_become_units_one_of_each_pair_and_are_cut_at_the_range():
+    found = gaze_units(np.array([[ASIDE, UPWARD / 2], [-ASIDE / 2, -DOWNWARD], [9.0, -9.0]]))
+    np.testing.assert_allclose(found["61"], [1.0, 0.0, 1.0])
+    np.testing.assert_allclose(found["62"], [0.0, 0.5, 0.0])
+    np.testing.assert_allclose(found["63"], [0.5, 0.0, 0.0])
+    np.testing.assert_allclose(found["64"], [0.0, 1.0, 1.0])

@@ -1,0 +1,119 @@
+from pathlib import Path
+
+import pytest
+
+from kinesic.bml.block import Face
+from kinesic.body.action_units import CHANNELS, UNITS, channels
+from kinesic.body.config import ConfigError
+from kinesic.expressivity.face.lexemes import entries, expression
+
+CORE = {  # BML 1.0's lexemes, and the units that must be among those they move
+    "OBLIQUE_BROWS": (*channels(1), *channels(4)),
+    "RAISE_BROWS": (*channels(1), *channels(2)),
+    "RAISE_LEFT_BROW": ("L1", "L2"),
+    "RAISE_RIGHT_BROW": ("R1", "R2"),
+    "LOWER_BROWS": channels(4),
+    "LOWER_LEFT_BROW": ("L4",),
+    "LOWER_RIGHT_BROW": ("R4",),
+    "LOWER_MOUTH_CORNERS": channels(15),
+    "LOWER_LEFT_MOUTH_CORNER": ("L15",),
+    "LOWER_RIGHT_MOUTH_CORNER": ("R15",),
+    "RAISE_MOUTH_CORNERS": channels(12),
+    "RAISE_LEFT_MOUTH_CORNER": ("L12",),
+    "RAISE_RIGHT_MOUTH_CORNER": ("R12",),
+    "OPEN_MOUTH": ("25", "26"),
+    "OPEN_LIPS": ("25",),
+    "WIDEN_EYES": channels(5),
+    "CLOSE_EYES": channels(43),
+}
+EMOTIONS = {
+    "joy": (6, 12),
+    "sadness": (1, 4, 15),
+    "anger": (4, 5, 7, 23),
+    "fear": (1, 2, 4, 5, 20),
+    "surprise": (1, 2, 5, 26),
+    "disgust": (9,),
+}
+
+
+def shown(lexeme: str, amount: float = 1.0) -> dict[str, float]:
+    return dict(expression(Face((lexeme,), amount=amount)).units)
+
+
+@pytest.mark.parametrize("lexeme", CORE)
+def test_core_lexemes_move_what_they_name(lexeme: str):
+    found = shown(lexeme)
+    assert set(CORE[lexeme]) <= found.keys()
+    for side, other in (("LEFT", "R"), ("RIGHT", "L")):
+        if side in lexeme:
+            assert not [channel for channel in found if channel.startswith(other)]
+    assert "26" not in shown("OPEN_LIPS")
+
+
+@pytest.mark.parametrize("emotion", EMOTIONS)
+def test_basic_emotions_have_their_units_on_both_sides(emotion: str):
+    found = shown(emotion)
+    for number in EMOTIONS[emotion]:
+        assert set(channels(number)) <= found.keys()
+    for channel, value in found.items():
+        if channel[0] == "L":
+            assert found["R" + channel[1:]] == value
+
+
+@pytest.mark.parametrize(
+    ("lexeme", "like"),
+    [
+        ("Eyebrows_Raise", "RAISE_BROWS"),
+        ("eyebrowsFrown", "LOWER_BROWS"),
+        ("happy", "joy"),
+        ("Surprised", "surprise"),
+        ("shut_eyes", "CLOSE_EYES"),
+    ],
+)
+def test_a_lexeme_is_understood_by_its_words(lexeme: str, like: str):
+    assert shown(lexeme) == shown(like)
+
+
+def test_words_change_size_and_side():
+    assert shown("small_smile")["L12"] == pytest.approx(shown("smile")["L12"] / 2)
+    assert shown("wink").keys() == {"L46", "L12"}
+    assert shown("wink_right").keys() == {"R46", "R12"}
+
+
+def test_the_amount_is_the_intensity_and_eyes_close_at_half_of_it():
+    assert shown("RAISE_BROWS", 0.3)["L1"] == pytest.approx(0.3)
+    assert shown("CLOSE_EYES", 0.5)["L43"] == 1.0
+    assert shown("RAISE_BROWS", 7.0)["L1"] == 1.0
+    assert shown("RAISE_BROWS", -1.0)["L1"] == 0.0
+
+
+def test_units_are_shown_by_number():
+    assert expression(Face(action_unit=12, side="left", amount=0.4)).units == {"L12": 0.4}
+    assert expression(Face(action_unit=12, amount=0.4)).units == {"L12": 0.4, "R12": 0.4}
+    assert expression(Face(action_unit=26, side="left", amount=0.4)).units == {"26": 0.4}
+    assert expression(Face(action_unit=99)).unknown == ("99",)
+
+
+def test_of_several_lexemes_the_stronger_counts_and_unknown_ones_are_named():
+    found = expression(Face(("smile", "joy", "Qwrtz"), amount=1.0))
+    assert found.units["L12"] == max(shown("smile")["L12"], shown("joy")["L12"])
+    assert found.unknown == ("Qwrtz",)
+
+
+def test_every_entry_is_found_by_its_own_words():
+    for entry in entries():
+        assert shown("_".join(entry.words)) is not None
+        assert all(expression(Face((word,))).unknown == () for word in entry.words)
+        assert set(shown(entry.words[0])) <= set(CHANNELS)
+
+
+def test_a_file_of_ones_own_is_checked(tmp_path: Path):
+    path = tmp_path / "mine.toml"
+    path.write_text('[[expression]]\nwords = ["zap"]\nsays = "zap"\nunits = { 12 = 0.5 }\n', encoding="utf-8")
+    assert expression(Face(("zap",), amount=1.0), path=path).units == {"L12": 0.5, "R12": 0.5}
+    assert 3 not in UNITS
+    for wrong, why in (("3 = 1.0", "no action unit 3; known"), ("12 = -0.5", "must be at least 0")):
+        other = tmp_path / f"{wrong[0]}.toml"
+        other.write_text(f'[[expression]]\nwords = ["zap"]\nsays = "zap"\nunits = {{ {wrong} }}\n', encoding="utf-8")
+        with pytest.raises(ConfigError, match=why):
+            expression(Face(("zap",)), path=other)

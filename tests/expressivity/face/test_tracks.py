@@ -1,0 +1,173 @@
+import numpy as np
+import pytest
+
+from kinesic.bml.block import Face, Speech, Timeline
+from kinesic.bml.parse import parse
+from kinesic.bml.schedule import schedule
+from kinesic.body.action_units import CHANNELS, UPWARD
+from kinesic.body.command import NO_FACE
+from kinesic.body.utterance import Utterance
+from kinesic.expressivity.face.eyes import Habits, Look
+from kinesic.expressivity.face.tracks import face, outcome, told
+from kinesic.expressivity.style.style import Expressivity, Style
+from kinesic.speech.durations import DurationModel
+
+TIMES = np.arange(-0.5, 8.0, 0.01)
+
+
+def scheduled(inside: str) -> tuple[Timeline, dict[str, Utterance]]:
+    block = parse(f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{inside}</bml>')
+    said = {
+        behaviour.id: DurationModel().say(behaviour.action.script)
+        for behaviour in block.behaviours
+        if isinstance(behaviour.action, Speech)
+    }
+    return schedule(block, said, {}), said
+
+
+def at(values: np.ndarray, time: float) -> float:
+    return float(np.interp(time, TIMES, values))
+
+
+def test_a_lexeme_follows_its_sync_points():
+    timeline, said = scheduled(
+        '<faceLexeme id="f" lexeme="RAISE_BROWS" amount="0.6" start="1" attackPeak="1.5" relax="3" end="4"/>'
+    )
+    found = face(timeline, said, TIMES)
+    assert found.keys() == {"L1", "R1", "L2", "R2"}
+    for time, share in ((0.9, 0.0), (1.25, 0.5), (1.5, 1.0), (3.0, 1.0), (3.5, 0.5), (4.01, 0.0)):
+        assert at(found["L1"], time) == pytest.approx(0.6 * share, abs=1e-3)
+
+
+def test_the_stronger_wins():
+    weak = '<faceLexeme id="f" lexeme="RAISE_BROWS" amount="0.3" start="0" attackPeak="0.5" relax="5" end="6"/>'
+    strong = '<faceLexeme id="g" lexeme="RAISE_LEFT_BROW" amount="0.8" start="2" attackPeak="2.5" relax="3" end="4"/>'
+    found = face(*scheduled(weak + strong), TIMES)
+    assert at(found["L1"], 2.7) == pytest.approx(0.8)
+    assert at(found["R1"], 2.7) == pytest.approx(0.3)
+    assert at(found["L1"], 4.5) == pytest.approx(0.3)
+
+
+def test_an_expression_that_stays_gives_way_to_the_next():
+    found = face(
+        *scheduled(
+            '<faceShift id="f" lexeme="joy" amount="1" start="0" end="1"/>'
+            '<faceShift id="g" lexeme="sadness" amount="1" start="3" end="4"/>'
+        ),
+        TIMES,
+    )
+    assert at(found["L12"], 2.0) == pytest.approx(1.0)
+    assert at(found["L12"], 5.0) == pytest.approx(0.0, abs=1e-9)
+    assert at(found["L15"], 2.0) == pytest.approx(0.0, abs=1e-9)
+    assert at(found["L15"], 7.0) == pytest.approx(0.9)
+
+
+def test_the_style_of_the_face_and_no_other_is_used():
+    asked = scheduled('<faceLexeme id="f" lexeme="smile" start="1" attackPeak="1.5" relax="3" end="4"/>')
+    wide = Expressivity(spatial=0.5)
+    plain, own, other = (
+        face(*asked, TIMES, style=style)["L12"] for style in (Style(), Style(face=wide), Style(head=wide))
+    )
+    np.testing.assert_array_equal(other, plain)
+    assert own.max() == pytest.approx(1.25 * plain.max())
+
+
+def test_a_flowing_face_goes_from_one_expression_into_the_next():
+    asked = scheduled(
+        '<faceLexeme id="f" lexeme="smile" start="1" attackPeak="1.3" relax="2" end="2.4"/>'
+        '<faceLexeme id="g" lexeme="RAISE_BROWS" start="2.7" attackPeak="3" relax="4" end="4.4"/>'
+    )
+    plain, flowing = (face(*asked, TIMES, style=Style(face=Expressivity(fluidity=f)))["L12"] for f in (0.0, 0.5))
+    assert at(plain, 2.6) == 0.0
+    assert at(flowing, 2.6) > 0.05
+    assert at(flowing, 3.01) == 0.0
+    assert at(flowing, 2.0) == at(plain, 2.0)
+    far = face(*asked, TIMES, style=Style(face=Expressivity(fluidity=0.2)))["L12"]
+    np.testing.assert_array_equal(far, plain)
+
+
+def test_repeated_blinks_are_several():
+    found = face(
+        *scheduled('<faceLexeme id="f" lexeme="REPEATED_BLINK" start="1" attackPeak="1.1" relax="2.4" end="2.5"/>'),
+        TIMES,
+    )
+    closed = found["L45"] > 0.8
+    assert np.sum(np.diff(closed.astype(int)) == 1) == 5
+
+
+def test_speech_moves_the_mouth_and_opens_pressed_lips():
+    speech = '<speech id="s" start="1"><text>Mama, papa, hello everybody</text></speech>'
+    angry = '<faceLexeme id="f" lexeme="anger" amount="1" start="0" attackPeak="0.5" relax="6" end="7"/>'
+    timeline, said = scheduled(speech + angry)
+    found = face(timeline, said, TIMES)
+    for sound in said["s"].phonemes:
+        middle = 1.0 + sound.start + sound.duration / 2
+        if sound.symbol in "pbm":
+            assert at(found["24"], middle) == pytest.approx(1.0)
+        elif sound.symbol == "a" and sound.duration > 0.08:
+            assert at(found["24"], middle) < 0.2
+            assert at(found["26"], middle) > 0.5
+    assert at(found["24"], 0.8) == pytest.approx(0.5)
+    assert at(found["L4"], 2.0) == pytest.approx(1.0)
+
+
+def test_eyes_blink_and_flit_only_by_habit():
+    timeline, said = scheduled('<wait id="w" duration="1"/>')
+    assert face(timeline, said, TIMES) == {}
+    lively = face(timeline, said, TIMES, habits=Habits(seed=3))
+    assert {"L45", "R45"} <= lively.keys() <= set(CHANNELS)
+    still = face(timeline, said, TIMES, habits=Habits(seed=3, saccades=False))
+    assert still.keys() == {"L45", "R45"}
+
+
+def test_eyes_blink_before_a_speech():
+    found = face(*scheduled('<speech id="s" start="2"><text>Hello</text></speech>'), TIMES, habits=Habits(seed=0))
+    assert at(found["L45"], 1.92) == pytest.approx(1.0)
+
+
+def test_the_gaze_turns_the_eyes():
+    timeline, said = scheduled('<wait id="w" duration="1"/>')
+    found = face(timeline, said, TIMES, looks=[Look(1.0, -0.4, 0.0, 3.0)])
+    assert found.keys() == {"62"}
+    assert at(found["62"], 2.0) > 0.5
+
+
+def test_eyes_stay_ahead_while_the_head_nods():
+    timeline, said = scheduled('<wait id="w" duration="1"/>')
+    nod = np.zeros((len(TIMES), 2))
+    nod[:, 1] = -0.3 * np.exp(-((TIMES - 2.0) ** 2) / 0.02)
+    found = face(timeline, said, TIMES, head=nod)
+    assert found.keys() == {"63"}
+    np.testing.assert_allclose(found["63"] * UPWARD, -nod[:, 1], atol=1e-12)
+
+
+def test_commands_hold_what_is_shown_at_their_tick():
+    timeline, said = scheduled('<faceLexeme id="f" lexeme="smile" start="1" attackPeak="1.5" relax="3" end="4"/>')
+    found = face(timeline, said, TIMES)
+    rows = list(told(found, len(TIMES)))
+    assert len(rows) == len(TIMES)
+    assert rows[0] is NO_FACE
+    k = int(np.searchsorted(TIMES, 2.0))
+    assert rows[k] == {channel: values[k] for channel, values in found.items()}
+    assert list(told({}, 2)) == [NO_FACE, NO_FACE]
+
+
+def test_asking_for_no_time_is_nothing():
+    timeline, said = scheduled('<faceLexeme id="f" lexeme="smile"/>')
+    assert face(timeline, said, np.zeros(0), habits=Habits()) == {}
+
+
+@pytest.mark.parametrize(
+    ("action", "kind", "why"),
+    [
+        (Face(("joy",)), "realised", ""),
+        (Face(("joy", "Qwrtz")), "substituted", "no expression for Qwrtz"),
+        (Face(("Qwrtz",)), "dropped", "no expression for Qwrtz"),
+        (Face(action_unit=12), "realised", ""),
+        (Face(action_unit=99), "dropped", "no action unit 99; known"),
+    ],
+)
+def test_what_becomes_of_a_face(action: Face, kind: str, why: str):
+    found = outcome(action)
+    assert found.kind == kind
+    assert found.why.startswith(why)

@@ -1,0 +1,189 @@
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import sealed
+from kinesic.body.reach import Reach
+from kinesic.expressivity.hands.keys import HandKey, hand_at
+from kinesic.expressivity.hands.phases import arranged
+from kinesic.expressivity.hands.poses import REST, Poses, pointing_poses, poses, resting, shoulder
+from kinesic.expressivity.hands.strokes import Stroke, moments
+from kinesic.expressivity.keyframes import Hand
+from kinesic.expressivity.lexicon.form import StrokeKey
+from kinesic.expressivity.style.style import Expressivity
+
+
+def reach(x, y, z):
+    return Hand(Reach(sealed([x, y, z])))
+
+
+A, B, C = reach(0.25, 0.1, 0.8), reach(0.25, 0.2, 0.7), reach(0.25, 0.3, 0.9)
+
+
+def work(*hands, side="r"):
+    return Poses({side: hands}, stroke=len(hands) // 2)
+
+
+def times_of(keys):
+    return [round(key.time, 6) for key in keys]
+
+
+def test_a_gesture_goes_from_rest_through_its_strokes_and_back(pace, phases):
+    stroke = Stroke("g", phases(0, 0.6, 0.7, 1.0, 1.3, 1.5, 2.0), (work(A, B, C),))
+    keys = arranged([stroke], pace).hands["r"]
+    assert times_of(keys) == [0, 0.6, 0.7, 1.0, 1.3, 1.5, 2.0]
+    assert [key.hand for key in keys] == [REST, A, A, B, C, C, REST]
+    assert arranged([stroke], pace).hands["l"] == ()
+
+
+def test_one_key_is_exactly_at_the_stroke(robot, pace, lexicon, phases):
+    for form in lexicon.forms:
+        if form.keys:
+            keys = poses(form, robot, Expressivity())
+            found = moments(keys, phases(0, 0.5, 0.6, 1.0, 1.7, 1.8, 2.5), pace)
+            assert found[keys.stroke] == 1.0
+            assert found[0] == 0.6 or keys.stroke == 0
+            assert all(a < b for a, b in pairwise(found))
+
+
+def test_without_room_after_the_stroke_its_last_key_is_the_stroke(pace, phases):
+    found = moments(work(A, B, C, A), phases(0, 0.5, 0.6, 1.0, 1.0, 1.8, 2.5), pace)
+    assert found[-1] == 1.0
+
+
+def test_strokes_without_any_room_keep_the_stroke_key(pace, phases):
+    stroke = Stroke("g", phases(0, 0.5, 1.0, 1.0, 1.0, 1.4, 2.0), (work(A, B, C),))
+    keys = arranged([stroke], pace).hands["r"]
+    assert times_of(keys) == [0, 0.5, 1.0, 1.4, 2.0]
+    assert keys[2].hand is C
+
+
+def test_a_form_of_one_key_strokes_into_it(robot, lexicon):
+    rest = resting(robot)["r"].position
+    form = lexicon.find("arms_crossed", "right").form
+    near, there = (hand.reach.position for hand in poses(form, robot, Expressivity()).hands["r"])
+    np.testing.assert_allclose(near - there, 0.15 * (rest - there), atol=1e-12)
+
+
+def test_neighbours_do_not_pass_through_rest(pace, phases):
+    first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.0, 1.2, 1.8), (work(A, B),))
+    second = Stroke("g2", phases(2.2, 2.8, 2.8, 3.2, 3.2, 3.4, 4.0), (work(C, A),))
+    keys = arranged([first, second], pace).hands["r"]
+    assert [key.time for key in keys if key.hand is REST] == [0, 4.0]
+
+
+def test_the_hand_leaves_an_overlapped_hold_in_time(pace, phases):
+    first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.0, 2.0, 2.5), (work(A, B),))
+    second = Stroke("g2", phases(1.2, 1.8, 1.8, 2.2, 2.2, 2.4, 3.0), (work(C, A),))
+    keys = arranged([first, second], pace).hands["r"]
+    leaving = max(key.time for key in keys if key.hand is B)
+    assert 1.0 <= leaving <= 1.55
+    assert next(key for key in keys if key.time == 1.8).hand is C
+
+
+def test_far_gestures_rest_between(pace, phases):
+    first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.0, 1.2, 1.8), (work(A, B),))
+    second = Stroke("g2", phases(2.5, 3, 3, 3.2, 3.2, 3.4, 4.0), (work(C, A),))
+    keys = arranged([first, second], pace).hands["r"]
+    assert [key.time for key in keys if key.hand is REST] == [0, 1.8, 2.5, 4.0]
+
+
+def test_a_stroke_inside_anothers_is_dropped_and_says_which(pace, phases):
+    first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 1.8), (work(A, B),))
+    second = Stroke("g2", phases(0.5, 1.2, 1.2, 1.6, 1.6, 1.9, 2.4), (work(C, A),))
+    found = arranged([first, second], pace)
+    assert found.outcomes["g2"].kind == "dropped"
+    assert "g1" in found.outcomes["g2"].why
+    assert "1.40" in found.outcomes["g2"].why
+    assert "g2" not in found.sides
+
+
+def test_a_stroke_inside_anothers_takes_the_free_hand(pace, phases):
+    first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 1.8), (work(A, B),))
+    second = Stroke("g2", phases(0.5, 1.2, 1.2, 1.6, 1.6, 1.9, 2.4), (work(C, A), work(C, A, side="l")))
+    found = arranged([first, second], pace)
+    assert found.outcomes["g2"].kind == "substituted"
+    assert "left hand" in found.outcomes["g2"].why
+    assert found.sides["g2"] == {"l"}
+
+
+def test_a_rest_pose_stays_until_the_next(pace, phases):
+    folded = Stroke("r", phases(0, 0.6, 0.6, 1.0, 1.0, 1.0, 1.5), (work(A),), rest=True)
+    gesture = Stroke("g", phases(4, 4.6, 4.6, 5.0, 5.0, 5.2, 6.0), (work(C, B),))
+    keys = arranged([folded, gesture], pace).hands["r"]
+    assert keys[0].hand is REST
+    assert keys[-1].hand is A
+    assert next(key for key in keys if key.time == 4.0).hand is A
+
+
+def test_a_rest_pose_in_a_stroke_is_taken_when_the_hand_goes_back(pace, phases):
+    gesture = Stroke("g", phases(0, 0.6, 0.6, 1.0, 2.0, 2.2, 3.0), (work(C, B),))
+    folded = Stroke("r", phases(0.5, 1.2, 1.2, 1.5, 1.5, 1.5, 1.5), (work(A),), rest=True)
+    keys = arranged([gesture, folded], pace).hands["r"]
+    assert [key.hand for key in keys].count(A) == 1
+    assert keys[-1].time == 3.0
+    assert keys[-1].hand is A
+
+
+def test_a_gesture_without_time_for_its_ways_gets_natural_ones(pace, phases):
+    keys = arranged([Stroke("g", phases(1, 1, 1, 1, 1, 1, 1), (work(A, B),))], pace).hands["r"]
+    assert keys[0].time < 0.8
+    assert keys[-1].time > 1.2
+    assert [key.hand for key in keys] == [REST, B, REST]
+
+
+def test_pointing_puts_the_wrist_on_the_line_to_the_target(robot):
+    target = sealed([1.0, -1.5, 1.0])
+    hand = pointing_poses(target, "r", robot).hands["r"][-1]
+    centre = shoulder(robot, "r")
+    line = (target - centre) / np.linalg.norm(target - centre)
+    np.testing.assert_allclose(hand.reach.position, centre + 0.98 * robot.arm_length * line, atol=1e-12)
+    np.testing.assert_allclose(hand.reach.pointing, line, atol=1e-12)
+    np.testing.assert_array_equal(hand.aim, target)
+
+
+def test_openness_lifts_the_elbow(robot, lexicon):
+    form = lexicon.find("beat", "right").form
+    form = replace(form, keys=tuple(StrokeKey({"r": replace(key.hands["r"], openness=0.0)}) for key in form.keys))
+    opened = [poses(form, robot, Expressivity(openness=o)).hands["r"][-1].openness for o in (0.0, 0.3, 1.0)]
+    assert opened == [0.0, 0.3, 1.0]
+
+
+@pytest.mark.parametrize(("power", "effort"), [(-1.0, 0.0), (0.0, 0.0), (0.7, 0.7)])
+def test_power_is_the_arms_effort(robot, lexicon, power, effort):
+    work = poses(lexicon.find("beat", "right").form, robot, Expressivity(power=power))
+    assert work.hands["r"][-1].effort == effort
+
+
+def test_repetition_repeats_the_stroke(robot, lexicon):
+    form = lexicon.find("beat", "right").form
+    assert [poses(form, robot, Expressivity(repetition=r)).count for r in (-1.0, 0.0, 0.5, 1.0)] == [2, 2, 4, 6]
+
+
+def test_between_two_keys_directions_turn_and_stay_unit(robot):
+    rest = resting(robot)["r"]
+    a = Hand(Reach(sealed([0, 0, 0]), pointing=sealed([1, 0, 0]), palm=sealed([0, 0, 1])))
+    b = Hand(Reach(sealed([1, 0, 0]), pointing=sealed([0, 1, 0])), openness=0.6, effort=0.2)
+    way = hand_at((HandKey(0.0, a), HandKey(1.0, b)), 0.5, rest)
+    assert (way.openness, way.effort) == pytest.approx((0.3, 0.1))
+    middle = way.reach
+    np.testing.assert_allclose(middle.position, [0.5, 0, 0])
+    np.testing.assert_allclose(middle.pointing, [np.sqrt(0.5), np.sqrt(0.5), 0])
+    assert middle.palm is None
+    assert hand_at((HandKey(0.0, a), HandKey(1.0, b)), 0.25, rest).reach.palm is a.reach.palm
+
+
+def test_a_hand_on_its_way_from_rest_starts_where_it_hangs(robot):
+    rest = resting(robot)["r"]
+    keys = (HandKey(0.0, REST), HandKey(1.0, A))
+    assert hand_at(keys, 0.0, rest) is REST
+    np.testing.assert_allclose(hand_at(keys, 0.01, rest).reach.position, rest.position, atol=0.01)
+    assert hand_at(keys, 2.0, rest) is A
+
+
+def test_hands_are_as_they_hang(robot):
+    rest = resting(robot)
+    assert rest["l"].position == pytest.approx(rest["r"].position * [1, -1, 1])
+    assert np.linalg.norm(rest["l"].palm) == pytest.approx(1.0)

@@ -1,0 +1,180 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import sealed
+from kinesic.expressivity.hands.phases import arranged
+from kinesic.expressivity.hands.poses import poses
+from kinesic.expressivity.hands.strokes import Stroke, keys_of, moments, natural_times, worked
+from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
+from kinesic.expressivity.lexicon.lexicon import mirrored
+from kinesic.expressivity.lexicon.paths import shaped
+from kinesic.expressivity.style.style import Expressivity
+
+NEUTRAL = Expressivity()
+HERE, THERE = sealed([0.55, 0.3, 0.5]), sealed([0.55, 0.5, 0.4])
+
+
+def form(*positions, path=None):
+    """Keys of the right hand, the last of them with a path."""
+    keys = [StrokeKey({"r": HandPose(position, palm=sealed([1.0, 0, 0]))}) for position in positions]
+    keys[-1] = StrokeKey({"r": replace(keys[-1].hands["r"], path=path)})
+    return GestureForm("own", "iconic", tuple(keys))
+
+
+CIRCLE = form(HERE, HERE, path=shaped("circle"))
+WAVE = form(HERE, HERE, path=shaped("wave", frequency=4.0))
+TWO = form(HERE, THERE)
+WAVED = form(HERE, THERE, HERE, THERE)  # written twice
+
+
+@pytest.fixture
+def done(robot, pace, phases):
+    """A form's work and its keys, from strokeStart, stroke and strokeEnd."""
+
+    def run(form, *times, manner=NEUTRAL):
+        start, stroke, end = times
+        asked = phases(start - 1, start, start, stroke, end, end, end + 1)
+        work = worked(
+            Stroke("g", asked, (poses(form, robot, manner),), manner=manner), poses(form, robot, manner), pace
+        )
+        return work, keys_of(work, "r", pace)
+
+    return run
+
+
+def test_a_path_becomes_keys_between_those_of_the_stroke(robot, done):
+    _, keys = done(CIRCLE, 1.0, 2.0, 2.0)
+    assert keys[0].time == 1.0
+    assert keys[-1].time == 2.0
+    places = np.array([key.hand.reach.position for key in keys])
+    np.testing.assert_array_equal(places[0], places[-1])
+    centre = places[0] - [0, 0, 0.12 * robot.arm_length]
+    np.testing.assert_allclose(np.linalg.norm(places - centre, axis=1), 0.12 * robot.arm_length, atol=1e-9)
+    assert [key.hand.passing for key in keys] == [False, *[True] * (len(keys) - 2), False]
+    assert len(keys) >= 9
+
+
+def test_hands_turn_along_their_path(robot, done):
+    turned = form(HERE, THERE, path=shaped("arc"))
+    last = turned.keys[1].hands["r"]
+    turned = replace(turned, keys=(turned.keys[0], StrokeKey({"r": replace(last, palm=sealed([0, 0, -1.0]))})))
+    _, keys = done(turned, 1.0, 2.0, 2.0)
+    palms = np.array([key.hand.reach.palm for key in keys])
+    np.testing.assert_allclose(np.linalg.norm(palms, axis=1), 1.0)
+    assert np.all(np.diff(palms[:, 2]) < 0)
+
+
+def test_sampling_follows_size_and_never_time(done):
+    small, large = (form(HERE, HERE, path=shaped("circle", amplitude=size)) for size in (0.03, 0.3))
+    counts = [len(done(one, 1.0, end, end)[1]) for one in (small, large) for end in (2.0, 4.0)]
+    assert counts[0] == counts[1] < counts[2] == counts[3]
+
+
+def test_keys_on_a_path_are_never_nearer_than_a_key_may_be(done):
+    _, keys = done(CIRCLE, 1.0, 1.1, 1.1)
+    assert np.diff([key.time for key in keys]).min() >= 0.02 - 1e-9
+
+
+def test_a_path_that_turns_oftener_than_servos_can_is_slowed_and_says_so(done):
+    fast, _ = done(WAVE, 1.0, 1.6, 1.6)
+    slow, _ = done(WAVE, 1.0, 6.0, 6.0)
+    assert slow.remarks == ()
+    assert fast.poses.path("r", 1).turns < 4
+    assert "of its 4 turns: in 0.60 s" in fast.remarks[0]
+
+
+def test_a_hurried_wave_keeps_its_amplitude_and_its_ends(done):
+    work, keys = done(WAVE, 1.0, 1.8, 1.8)
+    out = [key.hand.reach.position[1] for key in keys]
+    assert out[0] == out[-1]
+    np.testing.assert_array_equal(
+        work.poses.path("r", 1).amplitude, done(WAVE, 1, 9, 9)[0].poses.path("r", 1).amplitude
+    )
+
+
+def test_amplitude_follows_spatial_extent_but_for_fixed_axes(robot):
+    sizes = [poses(CIRCLE, robot, Expressivity(spatial=s)).path("r", 1).amplitude for s in (-1.0, 0.0, 1.0)]
+    assert abs(sizes[0][1]) < abs(sizes[1][1]) < abs(sizes[2][1])
+    hand = replace(CIRCLE.keys[1].hands["r"], fixed=(False, True, True))
+    fixed = replace(CIRCLE, keys=(CIRCLE.keys[0], StrokeKey({"r": hand})))
+    np.testing.assert_allclose(poses(fixed, robot, Expressivity(spatial=1.0)).path("r", 1).amplitude, sizes[1])
+
+
+def test_left_and_right_paths_mirror_each_other(robot, pace, done):
+    kinds = [shaped("spiral"), shaped("points", points=(sealed([0.5, 0.4, 0.2]),)), shaped("wave", shift=0.1)]
+    for path in kinds:
+        one = form(HERE, THERE, path=path)
+        work, keys = done(one, 1.0, 3.0, 3.0)
+        other = worked(work.stroke, poses(mirrored(one), robot, NEUTRAL), pace)
+        for a, b in zip(keys, keys_of(other, "l", pace), strict=True):
+            assert a.time == pytest.approx(b.time, abs=1e-12)
+            np.testing.assert_allclose(a.hand.reach.position * [1, -1, 1], b.hand.reach.position, atol=1e-12)
+
+
+def test_ways_along_a_path_take_longer_than_straight_ones(robot, pace):
+    arc, straight = (poses(one, robot, NEUTRAL) for one in (form(HERE, THERE, path=shaped("arc")), TWO))
+    assert natural_times(arc, pace)[0] > natural_times(straight, pace)[0]
+    once, twice = (
+        natural_times(poses(form(HERE, HERE, path=shaped("wave", frequency=f)), robot, NEUTRAL), pace)[0]
+        for f in (1.0, 2.0)
+    )
+    assert twice == pytest.approx(2 * once, rel=0.01)
+
+
+def test_power_makes_the_hand_faster_half_way(done):
+    shares = []
+    for power in (-1.0, 0.0, 1.0):
+        _, keys = done(CIRCLE, 1.0, 2.0, 2.0, manner=Expressivity(power=power))
+        times = np.array([key.time for key in keys])
+        shares.append(np.diff(times)[len(times) // 2])
+    assert shares[0] > shares[1] > shares[2]
+
+
+@pytest.mark.parametrize(("one", "written"), [(TWO, 1), (CIRCLE, 1), (WAVED, 2)])
+def test_the_number_of_strokes_grows_with_repetition(robot, one, written):
+    times = [poses(one, robot, Expressivity(repetition=r)).times for r in (-1.0, -0.4, 0.0, 0.2, 0.5, 0.8, 1.0)]
+    assert times == sorted(times)
+    assert times[2] == written
+    assert times[0] == max(1, written - 1)
+    assert times[-1] == written + 2
+
+
+def test_a_circle_that_is_repeated_goes_on_without_a_stop(robot):
+    work = poses(CIRCLE, robot, Expressivity(repetition=1.0))
+    assert work.count == 4
+    assert work.again == (2, 3)
+    assert [path and path.kind for path in work.paths["r"]] == [None, "circle", "circle", "circle"]
+
+
+def test_repetition_keeps_the_time_of_the_first_stroke(robot, pace, phases):
+    thrice = poses(TWO, robot, Expressivity(repetition=1.0))
+    natural = natural_times(thrice, pace)
+    times = phases(0, 0.6, 0.6, 1.0, 1.0, 1.0, 1.5) | {"strokeEnd": 1.0 + sum(natural[1:]), "relax": 9.0, "end": 10.0}
+    numbered = times | {"stroke:2": 1.0 + sum(natural[1:3]), "stroke:3": 1.0 + sum(natural[1:5])}
+    for asked in (times, numbered):
+        found = moments(thrice, asked, pace)
+        assert found[1] == 1.0
+        assert found[3] == pytest.approx(numbered["stroke:2"])
+        assert found[5] == pytest.approx(numbered["stroke:3"])
+
+
+def test_numbered_strokes_fall_on_their_sync_points(robot, pace, phases):
+    thrice = poses(TWO, robot, Expressivity(repetition=1.0))
+    times = phases(0, 0.6, 0.6, 1.0, 4.0, 4.0, 5.0) | {"stroke:2": 2.5, "stroke:3": 3.9}
+    found = moments(thrice, times, pace)
+    assert (found[1], found[3], found[5]) == (1.0, 2.5, 3.9)
+
+
+@pytest.mark.parametrize(("end", "times"), [(1.0, 1), (1.05, 1), (9.0, 3)])
+def test_repetitions_share_what_time_there_is(done, end, times):
+    work, _ = done(TWO, 0.6, 1.0, end, manner=Expressivity(repetition=1.0))
+    assert work.poses.times == times
+    assert bool(work.remarks) == (times < 3)
+    assert all("its stroke is done once, not 3" in remark for remark in work.remarks)
+
+
+def test_a_path_that_is_not_asked_for_changes_nothing(robot, pace, phases):
+    stroke = Stroke("g", phases(0, 0.6, 0.6, 1.0, 1.0, 1.2, 1.8), (poses(TWO, robot, NEUTRAL),))
+    assert [key.time for key in arranged([stroke], pace).hands["r"]] == pytest.approx([0, 0.6, 1.0, 1.2, 1.8])

@@ -1,0 +1,216 @@
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.expressivity.lexicon.gestuary import enabled, read_gestuary
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+
+ROOT = Path(__file__).resolve().parents[3]
+FOLDER = Path(os.environ.get("KINESIC_CORPUS", ROOT.parent / "shared" / "corpus")) / "greta" / "lexicon"
+
+HAND = """
+<hand side="{side}" openness="1.13">
+  <uniformPosition>
+    <horizontalLocation value="0.3" fixed="true"/><verticalLocation value="0.2"/><frontalLocation value="0.5"/>
+  </uniformPosition>
+  <handShape value="{shape}"/>
+  <wristOrientation global="{world}" w="{w}" x="{x}" y="{y}" z="{z}"/>
+</hand>"""
+
+
+def hand(side="LEFT", shape="FORM_OPEN", world="true", w=1.0, x=0.0, y=0.0, z=0.0):
+    return HAND.format(side=side, shape=shape, world=world, w=w, x=x, y=y, z=z)
+
+
+@pytest.fixture
+def read(tmp_path):
+    def from_phases(*phases, category="deictic"):
+        path = tmp_path / "own.xml"
+        inside = "".join(f"<phase>{phase}</phase>" for phase in phases)
+        path.write_text(f'<gestuary><gesture category="{category}" id="Own">{inside}</gesture></gestuary>')
+        return read_gestuary(path)[0]
+
+    return from_phases
+
+
+def test_greta_says_outward_up_forward_and_we_forward_outward_up(read):
+    pose = read(hand()).keys[0].hands["l"]
+    assert pose.position == pytest.approx([0.5, 0.3, 0.2])
+    assert pose.fixed == (False, True, False)
+    assert pose.openness == 1.0
+    assert pose.shape == "form_open"
+
+
+@pytest.mark.parametrize(("side", "own"), [("LEFT", "l"), ("RIGHT", "r")])
+def test_a_hand_without_turn_hangs_with_its_palm_to_the_body(read, side, own):
+    pose = read(hand(side)).keys[0].hands[own]
+    assert pose.pointing == pytest.approx([0, 0, -1])
+    assert pose.palm == pytest.approx([0, -1, 0])
+
+
+def test_a_turn_about_the_lateral_axis_raises_the_hand(read):
+    half = np.sqrt(0.5)
+    pose = read(hand(w=half, x=-half)).keys[0].hands["l"]
+    assert pose.pointing == pytest.approx([1, 0, 0])
+    assert pose.palm == pytest.approx([0, -1, 0])
+
+
+def test_a_turn_in_the_forearm_needs_no_pointing_when_the_hand_stays_straight(read):
+    half = np.sqrt(0.5)
+    pose = read(hand(world="false", w=half, y=-half)).keys[0].hands["l"]
+    assert pose.pointing is None
+    assert pose.palm is not None
+    assert pose.palm[2] < -0.7  # a quarter turn about the forearm: palm down
+
+
+def test_mirrored_quaternions_give_mirrored_directions(read):
+    for world in ("true", "false"):
+        left, right = hand("LEFT", "X", world, 0.5, 0.3, 0.6, -0.4), hand("RIGHT", "X", world, 0.5, 0.3, -0.6, 0.4)
+        hands = read(left + right).keys[0].hands
+        assert hands["l"].palm == pytest.approx(hands["r"].palm)
+        assert hands["l"].pointing == pytest.approx(hands["r"].pointing)
+
+
+def test_what_a_phase_leaves_open_is_as_before(read):
+    later = '<hand side="LEFT"><handShape value="EMPTY"/></hand>'
+    first, second = (key.hands["l"] for key in read(hand(), later).keys)
+    assert second.position == pytest.approx(first.position)
+    assert second.palm == pytest.approx(first.palm)
+    assert second.shape == first.shape
+
+
+def test_a_touch_is_near_the_body_on_the_side_it_names(read):
+    places = [
+        read(f'<hand side="{side}"><touchPosition value="chin{end}"/></hand>').keys[0].hands[own].position
+        for side, own, end in (("LEFT", "l", ""), ("LEFT", "l", "_L"), ("RIGHT", "r", "_L"))
+    ]
+    assert places[0] == pytest.approx(places[1])
+    assert places[2] == pytest.approx(places[1] * [1, -1, 1])
+
+
+def test_switched_off_and_empty_gestures_are_not_enabled(read):
+    assert enabled(read(hand()))
+    assert not enabled(read(hand(), category="zziconic"))
+    assert not enabled(read())
+    assert read(hand(), category="REST").rest
+
+
+@pytest.mark.parametrize(
+    ("phase", "message"),
+    [
+        ('<hand side="MIDDLE"/>', r"own\.xml:1: <hand> side is 'middle', must be LEFT or RIGHT"),
+        ("<hand/>", r"<hand> has no side"),
+        (hand().replace('"0.3"', '"far"'), r"own\.xml:4: <horizontalLocation> value is 'far', not a number"),
+        (hand().replace('"0.3"', '"nan"'), r"must be a finite number"),
+        (hand().replace('fixed="true"', 'fixed="maybe"'), r"fixed is 'maybe'; known: 0, 1, false, true"),
+        (hand().replace("uniform", "symbolic"), r"0.3 is no sector of x; known: XEP"),
+        (
+            '<hand side="LEFT"><symbolicPosition><horizontalLocation value="XC"/></symbolicPosition></hand>',
+            "has no <vert",
+        ),
+        ('<hand side="LEFT"><touchPosition value="chinn"/></hand>', r"no touch point; did you mean chin\?"),
+    ],
+)
+def test_a_wrong_gesture_is_located(read, phase, message):
+    with pytest.raises(ConfigError, match=message):
+        read(phase)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("<bml/>", r"root is <bml>, a gestuary begins with <gestuary>"),
+        ("<gestuary>", r"x\.xml:1"),
+        ('<!DOCTYPE g [<!ENTITY e "x">]><gestuary/>', "entity"),
+    ],
+)
+def test_what_is_no_gestuary_is_refused(tmp_path, text, message):
+    (tmp_path / "x.xml").write_text(text)
+    with pytest.raises(ConfigError, match=message):
+        read_gestuary(tmp_path / "x.xml")
+
+
+def test_a_missing_file_is_named(tmp_path):
+    with pytest.raises(ConfigError, match=r"none\.xml"):
+        read_gestuary(tmp_path / "none.xml")
+
+
+@pytest.mark.skipif(not FOLDER.is_dir(), reason="no corpus; set KINESIC_CORPUS")
+@pytest.mark.parametrize(
+    ("name", "count", "usable"), [("gestuary", 12, 12), ("gestuary_camille", 282, 273), ("gestuary_poppy", 179, 116)]
+)
+def test_the_gestuaries_of_the_corpus(name, count, usable):
+    forms = read_gestuary(FOLDER / f"{name}.xml")
+    assert len(forms) == count
+    assert sum(enabled(form) for form in forms) == usable
+    for form in forms:
+        for pose in (pose for key in form.keys for pose in key.hands.values()):
+            assert np.isfinite(pose.position).all()
+            assert 0 <= pose.openness <= 1
+            for direction in (pose.palm, pose.pointing):
+                assert direction is None or np.linalg.norm(direction) == pytest.approx(1.0)
+
+
+@pytest.mark.skipif(not FOLDER.is_dir(), reason="no corpus; set KINESIC_CORPUS")
+def test_a_gestuary_comes_before_our_own_gestures():
+    lexicon = Lexicon.load(FOLDER / "gestuary_camille.xml")
+    for form in (form for form in read_gestuary(FOLDER / "gestuary_camille.xml") if enabled(form)):
+        match = lexicon.find(f"{form.category}={form.id.upper()}")
+        assert match is not None
+        assert match.substitute == ""
+        assert match.form.id.lower() == form.id.lower()
+    assert lexicon.find("no_wag").form.id == "no_wag"
+
+
+CIRCLE = """<Trajectory type="CIRCLE">
+  <x amplitude="0.2" frequency="2" spatialVariation="GREATER"/><y amplitude="0.1" frequency="2" shift="0.25"/>
+</Trajectory>"""
+
+
+def moved(trajectory, **options):
+    return hand(**options).replace("</hand>", f"{trajectory}</hand>")
+
+
+def test_a_trajectory_leads_to_its_phase(read):
+    first, second = (key.hands["l"] for key in read(hand(), moved(CIRCLE)).keys)
+    assert first.path is None
+    assert second.path.kind == "circle"
+    assert second.path.amplitude == pytest.approx([0, 0.2, 0.1])
+    assert second.path.shift == pytest.approx([0, 0, 0.25])
+    assert second.path.turns == 2
+    assert second.path.amplitude_variation == "grows"
+
+
+def test_a_trajectory_in_the_first_phase_leads_to_the_second(read):
+    first, second = (key.hands["l"] for key in read(moved(CIRCLE), hand()).keys)
+    assert first.path is None
+    assert second.path.kind == "circle"
+
+
+def test_a_trajectory_is_not_inherited(read):
+    keys = read(hand(), moved(CIRCLE), hand()).keys
+    assert [key.hands["l"].path is None for key in keys] == [True, False, True]
+
+
+def test_a_trajectory_without_axes_is_as_usual(read):
+    assert read(hand(), moved('<Trajectory type="wave"/>')).keys[1].hands["l"].path.turns == 2
+
+
+@pytest.mark.parametrize(
+    ("trajectory", "said"),
+    [
+        ('<Trajectory type="circel"/>', r"own\.xml:\d+: <Trajectory> type is 'circel'; did you mean circle"),
+        (
+            '<Trajectory type="wave"><x amplitude="9" frequency="1"/></Trajectory>',
+            r"<Trajectory> amplitude is \[9, 0, 0\]",
+        ),
+        (CIRCLE.replace("GREATER", "MORE"), "spatialVariation is 'MORE'"),
+        (CIRCLE.replace('"0.2"', '"wide"'), "amplitude is 'wide', not a number"),
+    ],
+)
+def test_a_wrong_trajectory_is_located(read, trajectory, said):
+    with pytest.raises(ConfigError, match=said):
+        read(hand(), moved(trajectory))

@@ -1,0 +1,23 @@
+from typing import get_args
+
+from kinesic.expressivity.lexicon.hand_shapes import SHAPES, HandShape
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+
+LEXICON = Lexicon.load()
+
+
+def test_every_shape_is_described_and_no_other():
+    assert set(SHAPES) == set(get_args(HandShape))
+    assert len({(shape.straight, shape.apart) for shape in SHAPES.values()}) == len(SHAPES)
+    assert len({shape.says for shape in SHAPES.values()}) == len(SHAPES)
+
+
+def test_fingers_are_between_closed_and_straight():
+    for shape in SHAPES.values():
+        assert all(0.0 <= straight <= 1.0 for straight in shape.straight)
+        assert -1.0 <= shape.apart <= 1.0
+
+
+def test_every_shape_is_used_and_every_pose_has_one():
+    used = {pose.shape for form in LEXICON.forms for key in form.keys for pose in key.hands.values()}
+    assert used == set(SHAPES)

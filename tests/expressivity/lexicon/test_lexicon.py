@@ -1,0 +1,273 @@
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kinesic.body.config import ConfigError
+from kinesic.body.robot import SIDES, Robot
+from kinesic.expressivity.lexicon.lexicon import Lexicon, in_mode, mirrored
+from kinesic.expressivity.lexicon.space import to_world
+from kinesic.expressivity.lexicon.synonyms import Reading, Sense, nearest, read_lexeme
+
+ROBOT = Robot.load()
+LEXICON = Lexicon.load()
+CATEGORIES = sorted({form.category for form in LEXICON.forms})
+FORMS = pytest.mark.parametrize(  # by category: a test for each gesture would cost more than what it looks at
+    "forms", [tuple(form for form in LEXICON.forms if form.category == name) for name in CATEGORIES], ids=CATEGORIES
+)
+MODES = ("left", "right", "both", "unspecified")
+
+
+def world(side, pose):
+    """(3,) [arm lengths] of a wrist in the world."""
+    return to_world(ROBOT, side, pose.position) / ROBOT.arm_length
+
+
+def way(a, b) -> float:
+    """From one pose to the next, along its path [arm lengths]."""
+    return float(np.linalg.norm(b.position - a.position)) if b.path is None else b.path.length(a.position, b.position)
+
+
+def test_there_are_gestures_of_every_category():
+    assert len(LEXICON.forms) >= 150
+    assert {form.category for form in LEXICON.forms} == {
+        "beat",
+        "deictic",
+        "iconic",
+        "metaphoric",
+        "emblem",
+        "adaptor",
+        "emotion",
+        "rest",
+    }
+    assert len({form.id for form in LEXICON.forms}) == len(LEXICON.forms)
+
+
+@FORMS
+@pytest.mark.parametrize("mode", MODES)
+def test_every_hand_is_within_reach_and_clear_of_the_other(forms, mode):
+    for form in forms:
+        frames = ROBOT.skeleton.frames(ROBOT.skeleton.rest)
+        for key in in_mode(form, mode).keys:
+            wrists = {side: world(side, pose) for side, pose in key.hands.items()}
+            for side, wrist in wrists.items():
+                shoulder = frames.origins[ROBOT.skeleton.segment(f"{side}_shoulder")] / ROBOT.arm_length
+                assert 0.35 <= np.linalg.norm(wrist - shoulder) <= 1.15, form.id
+            if len(wrists) == 2:
+                assert np.linalg.norm(wrists["l"] - wrists["r"]) >= 0.2, form.id
+
+
+@FORMS
+def test_no_hand_is_inside_trunk_or_head(forms):
+    for form in forms:
+        for key in form.keys:
+            for pose in key.hands.values():
+                forward, outward, up = pose.position
+                assert forward >= 0.35 or outward >= 0.4 or pose.touch == "lap", form.id  # below the trunk
+                assert up < 0.75 or np.hypot(forward, outward) >= 0.3, form.id
+
+
+@FORMS
+def test_a_stroke_can_be_seen(forms):
+    for form in forms:
+        if form.rest:
+            continue
+        assert len(form.keys) >= 2, form.id
+        rows = [[key.hands[side] for key in form.keys if side in key.hands] for side in form.sides]
+        ways = [[way(a, b) for a, b in pairwise(row)] for row in rows]
+        assert max(map(sum, ways)) >= 0.12 or not any(ways), form.id
+
+
+@FORMS
+def test_directions_are_units_and_not_parallel(forms):
+    for form in forms:
+        for pose in (pose for key in form.keys for pose in key.hands.values()):
+            assert pose.palm is not None, form.id
+            assert pose.pointing is not None, form.id
+            assert np.linalg.norm(pose.palm) == pytest.approx(1.0), form.id
+            assert np.linalg.norm(pose.pointing) == pytest.approx(1.0), form.id
+            assert abs(pose.palm @ pose.pointing) < 0.9, form.id
+
+
+@FORMS
+def test_the_mirror_image_is_exact_and_its_own_inverse(forms):
+    for form in forms:
+        image = mirrored(form)
+        for key, other in zip(form.keys, image.keys, strict=True):
+            for side, pose in key.hands.items():
+                opposite = "r" if side == "l" else "l"
+                assert np.array_equal(world(side, pose) * [1, -1, 1], world(opposite, other.hands[opposite])), form.id
+        assert [key.hands for key in mirrored(image).keys] == [key.hands for key in form.keys], form.id
+
+
+@FORMS
+def test_left_and_right_mirror_each_other(forms):
+    for form in forms:
+        if len(form.sides) == 2:
+            continue
+        left, right = in_mode(form, "left"), in_mode(form, "right")
+        assert (left.sides, right.sides) == ({"l"}, {"r"}), form.id
+        for one, other in zip(left.keys, right.keys, strict=True):
+            assert np.array_equal(world("l", one.hands["l"]) * [1, -1, 1], world("r", other.hands["r"])), form.id
+
+
+@FORMS
+def test_a_mode_yields_its_sides(forms):
+    for form in forms:
+        assert in_mode(form, "left").sides == {"l"}, form.id
+        assert in_mode(form, "right").sides == {"r"}, form.id
+        assert in_mode(form, "both").sides == set(SIDES), form.id
+        assert in_mode(form, "unspecified") is form, form.id
+
+
+def test_one_side_of_a_two_handed_form_is_what_this_hand_does():
+    form = LEXICON.find("balance").form
+    assert [key.hands["l"] for key in in_mode(form, "left").keys] == [key.hands["l"] for key in form.keys]
+
+
+def test_both_hands_of_an_inward_form_stay_apart():
+    key = LEXICON.find("me", "both").form.keys[-1]
+    assert key.hands["l"].position == pytest.approx(key.hands["r"].position)
+    assert key.hands["l"].position[1] > LEXICON.find("me").form.keys[-1].hands["r"].position[1]
+
+
+@FORMS
+def test_names_are_found_in_any_case_and_with_their_category(forms):
+    for form in forms:
+        for lexeme in (form.id, form.id.upper(), f"{form.category}={form.id.title()}"):
+            match = LEXICON.find(lexeme)
+            assert match.form is form, form.id
+            assert match.substitute == "", form.id
+
+
+@pytest.mark.parametrize(
+    ("lexeme", "gesture", "sides"),
+    [
+        ("Tiny_Ges_R", "small_pinch", "r"),
+        ("yesterday_Pos_L2", "past_over_shoulder", "l"),
+        ("TheBoxes", "object_hold", "lr"),
+        ("UnderTheTable", "hands_low", "lr"),
+        ("handsTogetherLeaning", "hands_together_forward", "lr"),
+        ("fold_arms", "arms_crossed", "lr"),
+        ("Greeting-left", "greet_wave", "l"),
+        ("LEFT", "left", "lr"),
+        ("INFORM_GES_UP", "inform_raise", "lr"),
+        ("objectManip", "object_handle", "lr"),
+        ("some_deictic_self", "me", "r"),
+        ("understand", "think", "r"),
+        ("POINT", "this_index", "r"),
+        ("BEAT3", "beat", "r"),
+        ("beat_strongly_ges_b", "beat_strong", "lr"),
+    ],
+)
+def test_a_lexeme_is_understood_by_its_words(lexeme, gesture, sides):
+    match = LEXICON.find(lexeme)
+    assert match is not None
+    assert match.form.id == gesture
+    assert "".join(sorted(match.form.sides)) == sides
+    if lexeme.lower() != gesture:
+        assert match.substitute.startswith(f"substituted by {gesture}: ")
+
+
+def test_a_substitute_says_which_words_led_to_it():
+    assert LEXICON.find("Tiny_Ges_R").substitute == 'substituted by small_pinch: "tiny"'
+    assert LEXICON.find("under_table").substitute == 'substituted by hands_low: "under table"'
+
+
+def test_the_mode_outweighs_the_letter_in_the_name():
+    assert LEXICON.find("tiny_Ges_R", "left").form.sides == {"l"}
+    assert LEXICON.find("tiny_Ges_R", "both").form.sides == {"l", "r"}
+
+
+def test_nameless_gestures_are_beats_or_of_their_category():
+    assert LEXICON.find("").substitute == "substituted by beat: no lexeme"
+    assert LEXICON.find("", category="deictic").form.category == "deictic"
+    assert LEXICON.find("rest=qwzx").form.rest
+    assert LEXICON.find("qwzx", category="performative").form.id == "inform_spread"
+
+
+@pytest.mark.parametrize("lexeme", ["qwzx", "Xy_Ges_B", "42", "nothingness=qwzx", "wing"])
+def test_a_word_without_meaning_finds_nothing(lexeme):
+    assert LEXICON.find(lexeme) is None
+
+
+@given(st.text(max_size=40), st.sampled_from(MODES))
+def test_any_text_is_either_understood_or_not(lexeme, mode):
+    match = LEXICON.find(lexeme, mode)
+    assert match is None or match.form.keys
+
+
+@pytest.mark.parametrize(
+    ("lexeme", "reading"),
+    [
+        ("past_Ges_L", Reading(("past",), "left")),
+        ("HandsTogetherR_Pos_B", Reading(("hands", "together"), "both")),
+        ("INFORM_GES_B_UP", Reading(("inform", "up"), "both")),
+        ("wave_right", Reading(("wave",), "right")),
+        ("right", Reading(("right",), "unspecified")),
+        ("beat4", Reading(("beat",), "unspecified")),
+        ("", Reading((), "unspecified")),
+    ],
+)
+def test_a_lexeme_is_taken_apart(lexeme, reading):
+    assert read_lexeme(lexeme) == reading
+
+
+def test_exact_words_outweigh_inflected_and_abbreviated_ones():
+    senses = [Sense(("manipulate", "larger"), "iconic"), Sense(("other", "large"), "beat"), Sense(("x",), "iconic")]
+    assert nearest(["large"], senses) == (1, ("large",))
+    assert nearest(["manip"], senses) == (0, ("manip",))
+    assert nearest(["iconic"], senses) == (0, ("iconic",))
+    assert nearest(["zzz"], senses) is None
+    assert nearest([], senses) is None
+
+
+GESTURE = """
+category = "beat"
+[[gesture]]
+id = "own"
+meanings = ["mine"]
+keys = [{ right = { at = ["XC", 0.1, "ZNear"], palm = "in up" } }, { both = { at = [0.3, 0.2, 0.5] } }]
+"""
+
+
+def test_gestures_of_the_user_come_first(tmp_path: Path):
+    (tmp_path / "a.toml").write_text(GESTURE.replace('"own"', '"beat"'))
+    for path in (tmp_path, tmp_path / "a.toml"):
+        lexicon = Lexicon.load(path)
+        assert lexicon.find("beat").form.keys[0].hands["r"].position == pytest.approx([0.4, 0.25, 0.1])
+        assert lexicon.find("mine").form.id == "beat"
+        assert lexicon.find("stop").form.id == "stop"
+        assert lexicon.find("beat").form.keys[0].hands["r"].palm == pytest.approx([0, -np.sqrt(0.5), np.sqrt(0.5)])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("palm", "plam", r"plam.*did you mean palm\?"),
+        ('"beat"', '"beet"', "beet"),
+        ("in up", "inn", r"gesture own: inn is no direction; did you mean in\?"),
+        ("in up", "in out", r"gesture own: 'in out' points nowhere"),
+        ("XC", "XD", r"gesture own: XD is no sector of x; known: XEP"),
+        ("{ both = { at = [0.3, 0.2, 0.5] } }", "{}", r"gesture own: a key without hands"),
+        ("{ both =", "{ left = { at = [0.3, 0, 0.5] }, both =", r"gesture own: a key has both and a single hand"),
+        ('palm = "in up"', "openness = 3", r"gesture own: openness is 3, outside \[0, 1\]"),
+        ("0.1,", "inf,", r"must be a finite number"),
+    ],
+)
+def test_a_wrong_file_teaches(tmp_path: Path, old, new, message):
+    assert old in GESTURE
+    (tmp_path / "own.toml").write_text(GESTURE.replace(old, new))
+    with pytest.raises(ConfigError, match=message) as error:
+        Lexicon.load(tmp_path / "own.toml")
+    assert "own.toml" in str(error.value)
+
+
+def test_missing_files_and_empty_folders_are_named(tmp_path: Path):
+    with pytest.raises(ConfigError, match=r"without \.toml files"):
+        Lexicon.load(tmp_path)
+    with pytest.raises(ConfigError, match="no such file"):
+        Lexicon.load(tmp_path / "none.toml")

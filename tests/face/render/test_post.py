@@ -1,0 +1,66 @@
+"""Depth of field, and edges."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from kinesic.face.render.camera import FRONT, Camera
+from kinesic.face.render.presets import DRAFT, NORMAL, Focus, Preset
+
+from ..conftest import Gallery
+
+SIZE = (256, 256)
+ASIDE = Camera(yaw_deg=60.0)
+
+
+@pytest.fixture
+def drawn(gallery: Gallery) -> Callable[..., NDArray[np.int64]]:
+    """A picture of the face at rest."""
+
+    def draw(preset: Preset, camera: Camera = ASIDE, size: tuple[int, int] = SIZE) -> NDArray[np.int64]:
+        with gallery(preset, size) as portrait:
+            return portrait.draw({}, camera).astype(np.int64)
+
+    return draw
+
+
+def sharpness(pixels: NDArray[np.int64]) -> float:
+    """How much neighbours differ."""
+    return float(np.abs(np.diff(pixels, axis=1)).mean())
+
+
+def test_what_is_in_focus_stays_and_what_is_behind_is_blurred(drawn):
+    plain, blurred = (drawn(replace(NORMAL, focus=focus), FRONT) for focus in (None, Focus(circle=0.3)))
+    eyes, ear = np.s_[90:112, 85:170], np.s_[95:145, 55:74]
+    assert np.abs(blurred - plain)[eyes].mean() < 1.0
+    assert sharpness(blurred[ear]) < 0.9 * sharpness(plain[ear])
+    assert abs(blurred.mean() - plain.mean()) < 2.0
+
+
+def test_what_is_sharp_does_not_bleed_into_the_backdrop(drawn):
+    plain, blurred = (drawn(replace(DRAFT, focus=focus), FRONT) for focus in (None, Focus(circle=0.12)))
+    apart = np.abs(blurred - plain).max(axis=2)
+    assert apart[30:200, :30].max() <= 2  # well beside the head, but within the circle of the shoulders
+
+
+def test_a_wider_circle_blurs_more_and_none_is_no_change(drawn):
+    plain = drawn(DRAFT)
+    apart = [float(np.abs(drawn(replace(DRAFT, focus=Focus(circle=c))) - plain).mean()) for c in (0.0, 0.03, 0.12)]
+    assert apart[0] < 0.01
+    assert apart[0] < apart[1] < apart[2]
+
+
+def test_smooth_edges_change_edges_alone(drawn):
+    plain, smoothed = drawn(DRAFT), drawn(replace(DRAFT, smooth=True))
+    changed = np.abs(smoothed - plain).max(axis=2) > 0
+    steep = np.maximum(np.abs(np.diff(plain, axis=0, prepend=0)), np.abs(np.diff(plain, axis=1, prepend=0))).max(axis=2)
+    assert 0.001 < changed.mean() < 0.15
+    assert steep[changed].mean() > 4 * steep[~changed].mean()
+
+
+def test_more_samples_are_the_mean_of_a_larger_picture(drawn):
+    mean = drawn(DRAFT, size=(512, 512)).astype(np.float64).reshape(256, 2, 256, 2, 3).mean(axis=(1, 3))
+    assert np.abs(drawn(replace(DRAFT, samples=2)) - mean).max() <= 1.0

@@ -1,0 +1,47 @@
+"""What the G-buffer packs into few numbers is what was drawn."""
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from kinesic.face.assets.action_units import deformed
+from kinesic.face.assets.mesh import PARTS
+from kinesic.face.render.camera import Camera
+from kinesic.face.render.portrait import Portrait
+from kinesic.face.render.seen import SeenPass
+
+UNITS = {"26": 0.7, "12": 0.4}
+
+
+@pytest.mark.parametrize("yaw", [0.0, 70.0])
+def test_each_pixel_lies_on_the_part_that_it_names(portrait: Portrait, yaw: float):
+    geometry, camera = portrait.pipeline.geometry, Camera(yaw_deg=yaw)
+    with geometry.context:
+        geometry.draw(UNITS, camera)
+        parts, positions = geometry.parts(), geometry.positions()
+    assert set(np.unique(parts)) <= set(range(len(PARTS) + 1))
+    view, mesh = camera.view(), portrait.mesh
+    corners = deformed(mesh, UNITS)[mesh.triangles]
+    surface = np.einsum("bk,tkc->tbc", np.random.default_rng(1).dirichlet((1.0, 1.0, 1.0), 24), corners)
+    for number in range(len(PARTS)):
+        seen = positions[parts == number + 1]
+        assert len(seen) > 20 or yaw > 0.0
+        part = surface[mesh.parts[mesh.triangles[:, 0]] == number].reshape(-1, 3)
+        away, _ = cKDTree(part).query((seen - view[:3, 3]) @ view[:3, :3])
+        assert not len(away) or np.percentile(away, 99) < (0.006 if number == 0 else 0.002)  # [m] hair stands off
+
+
+@pytest.mark.parametrize("pixels", [1, 2])
+def test_unpacking_takes_the_pixel_in_the_middle(portrait: Portrait, pixels: int):
+    geometry = portrait.pipeline.geometry
+    with geometry.context as context:
+        geometry.draw(UNITS, Camera(yaw_deg=20.0))
+        parts, positions, whole = geometry.parts(), geometry.positions(), geometry.target.read(0)
+        unpacked = SeenPass(context, geometry, pixels)
+        unpacked.draw()
+        seen, normal = (unpacked.target.read(number) for number in (0, 1))
+    rows, columns = slice(pixels - 1 - pixels // 2, None, pixels), slice(pixels // 2, None, pixels)  # from top and left
+    np.testing.assert_array_equal(seen[..., 3], parts[rows, columns])
+    head = parts[rows, columns] > 0
+    np.testing.assert_allclose(seen[head, :3], positions[rows, columns][head], atol=1e-6)
+    np.testing.assert_array_equal(normal[head, :3], whole[rows, columns][head, :3])

@@ -1,0 +1,196 @@
+"""The laws of wrinkles: of the maps on paper, and of the normals that pictures are lit with."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation
+
+from kinesic.body.arrays import Floats
+from kinesic.face.assets.action_units import intensities
+from kinesic.face.assets.chart import window
+from kinesic.face.render.camera import FRONT, Camera
+from kinesic.face.render.portrait import Portrait
+from kinesic.face.render.wrinkles import MAPS, maps, shares, smooth_line, wrinkles
+
+TABLE_41 = {1: (0,), 2: (1, 2), 4: (3,), 6: (4, 5), 10: (6, 7), 12: (8, 9), 20: (10, 11)}  # of the thesis
+UNITS = sorted(TABLE_41)
+VIEWS = (0.0, 30.0, 90.0, -90.0, 140.0, 180.0)
+BACK = -0.6  # [distances between the eyes] the wrinkles end in front of this
+
+
+class Bent:
+    """The normals of one still head, with wrinkles asked for apart from the shape, so that only they differ."""
+
+    def __init__(self, portrait: Portrait) -> None:
+        self.pipeline = portrait.pipeline
+
+    def normals(self, units: dict[str, float], camera: Camera = FRONT, gain: float = 1.0) -> Floats:
+        """(height, width, 3) with the shape at rest."""
+        with self.context():
+            self.pipeline.geometry.draw({}, camera)
+            _, found = self.pipeline.relief.draw(shares(intensities(units)) * gain)
+            width, height = found.size
+            pixels = np.frombuffer(found.read(), "f4").reshape(height, width, 4)[::-1, :, :3].astype(np.float64)
+            return pixels * self.covered(camera)[..., None]
+
+    def covered(self, camera: Camera) -> Floats:
+        """(height, width) 1 on the head."""
+        with self.context():
+            self.pipeline.geometry.draw({}, camera)
+            return np.sign(self.pipeline.geometry.parts())
+
+    def flat(self, camera: Camera = FRONT) -> Floats:
+        """(height, width, 3) of the G-buffer."""
+        with self.context():
+            return self.pipeline.geometry.draw({}, camera).read()[..., :3] * self.covered(camera)[..., None]
+
+    def places(self, camera: Camera = FRONT) -> tuple[Floats, NDArray[np.intp]]:
+        """(height, width, 4) places in the chart, and (height, width) parts, 0 for none and 1 for skin."""
+        with self.context():
+            buffer = self.pipeline.geometry.draw({}, camera)
+            return buffer.read(1), self.pipeline.geometry.parts()
+
+    def context(self):
+        return self.pipeline.geometry.context
+
+
+@pytest.fixture(scope="module")
+def bent(portrait: Portrait) -> Bent:
+    return Bent(portrait)
+
+
+def tangent(normals: Floats, flat: Floats) -> Floats:
+    """(height, width) tangent of the angle by which normals deviate; the cosine would lose small angles."""
+    cosine = (normals * flat).sum(axis=2)
+    sine = np.linalg.norm(np.cross(normals, flat), axis=2)
+    return np.where(cosine > 0.0, sine / np.maximum(cosine, 1e-3), 0.0)
+
+
+def test_each_unit_has_the_maps_of_table_41():
+    assert {wrinkle.unit: wrinkle.maps for wrinkle in wrinkles()} == TABLE_41
+    assert maps().shape[0] == MAPS
+    assert np.all(np.abs(maps()).max(axis=(1, 2)) > 0.2)
+
+
+def test_maps_of_two_sides_mirror_and_whole_ones_are_symmetric():
+    for numbers in TABLE_41.values():
+        left, right = maps()[numbers[0]], maps()[numbers[-1]]
+        np.testing.assert_allclose(left, right[:, ::-1], atol=1e-9)
+
+
+def test_maps_end_within_the_window():
+    border = np.concatenate([maps()[:, 0], maps()[:, -1], maps()[:, :, 0], maps()[:, :, -1]], axis=1)
+    assert np.all(border == 0.0)
+
+
+def test_a_side_shows_its_own_unit():
+    left = shares(intensities({"L12": 0.7, "L1": 0.3}))
+    assert np.all(left[:, 8] == 0.7)
+    assert np.all(left[:, 9] == 0.0)
+    assert left[:, 0].tolist() == [0.3, 0.0]
+    assert np.all(shares(intensities({"26": 1.0, "9": 1.0})) == 0.0)
+
+
+def test_a_line_goes_through_its_points():
+    points = np.array([[0.0, 0.0], [1.0, 0.5], [2.0, 0.0]])
+    line = smooth_line(points)
+    for point in points:
+        assert np.linalg.norm(line - point, axis=1).min() < 1e-12
+
+
+@pytest.mark.parametrize("yaw", [0.0, 60.0])
+def test_no_intensity_and_no_gain_are_bit_for_bit_no_wrinkles(bent: Bent, yaw: float):
+    camera = Camera(yaw_deg=yaw)
+    none = bent.normals({}, camera)
+    everything = {str(unit): 1.0 for unit in UNITS}
+    np.testing.assert_array_equal(bent.normals(dict.fromkeys(everything, 0.0), camera), none)
+    np.testing.assert_array_equal(bent.normals(everything, camera, gain=0.0), none)
+    np.testing.assert_array_equal(none, bent.flat(camera))
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_the_tangent_of_the_deviation_is_linear_in_the_intensity(bent: Bent, unit: int):
+    flat = bent.normals({})
+    full, half, quarter = (tangent(bent.normals({str(unit): k}), flat) for k in (1.0, 0.5, 0.25))
+    deep = (full > 0.05) & (full < 1.5)
+    assert deep.sum() > 40
+    np.testing.assert_allclose(np.median(half[deep] / full[deep]), 0.5, atol=0.005)
+    np.testing.assert_allclose(half[deep], 0.5 * full[deep], rtol=0.02, atol=2e-3)
+    np.testing.assert_allclose(quarter[deep], 0.25 * full[deep], rtol=0.02, atol=2e-3)
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_a_unit_bends_only_the_skin_that_its_maps_cover(bent: Bent, unit: int):
+    shown, none = bent.normals({str(unit): 1.0}), bent.normals({})
+    deviation = tangent(shown, none)
+    place, part = bent.places()
+    scale_a, scale_y, offset_a, offset_y = window()
+    size = maps().shape[1]
+    column = np.clip((place[..., 0] * scale_a + offset_a) * size, 0, size - 1).astype(int)
+    row = np.clip((place[..., 1] * scale_y + offset_y) * size, 0, size - 1).astype(int)
+    drawn = np.abs(maps()[list(TABLE_41[unit])]).max(axis=0) > 1e-3
+    support = binary_dilation(drawn, iterations=8)[row, column]
+    energy = deviation**2
+    assert energy[support & (part == 1)].sum() >= 0.9999 * energy.sum() > 0.0
+    assert (support & (part == 1)).sum() < 0.25 * (part > 0).sum()
+    np.testing.assert_array_equal(shown[part > 1], none[part > 1])
+    assert np.degrees(np.arctan(deviation.max())) < 65.0
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_left_wrinkles_mirror_right_ones(bent: Bent, unit: int):
+    flat = bent.normals({})
+    left, right = (tangent(bent.normals({f"{side}{unit}": 1.0}), flat) for side in "LR")
+    assert left.max() > 0.1
+    difference = np.sqrt(np.mean((left - right[:, ::-1]) ** 2) / np.mean(left**2))
+    assert difference < 0.003
+
+
+@pytest.mark.parametrize("yaw", VIEWS)
+def test_the_back_of_the_head_has_no_wrinkles_from_any_side(bent: Bent, yaw: float):
+    camera = Camera(yaw_deg=yaw)
+    everything = {str(unit): 1.0 for unit in UNITS}
+    changed = np.any(bent.normals(everything, camera) != bent.normals({}, camera), axis=2)
+    geometry, view, mesh = bent.pipeline.geometry, camera.view(), bent.pipeline.geometry.mesh
+    with bent.context():
+        geometry.draw({}, camera)
+        seen, positions = geometry.parts() > 0, geometry.positions()
+    in_head = (positions - view[:3, 3]) @ view[:3, :3]
+    behind = seen & (in_head[..., 0] / (mesh.eyes[0, 1] - mesh.eyes[1, 1]) < BACK - 0.05)
+    assert behind.sum() > 500 or abs(yaw) < 45
+    assert not changed[behind].any()
+    if yaw == 180.0:
+        assert not changed.any()
+
+
+@pytest.mark.parametrize("yaw", VIEWS)
+def test_nothing_of_a_wrinkle_lies_outside_the_rectangle_that_is_drawn(
+    bent: Bent, yaw: float, monkeypatch: pytest.MonkeyPatch
+):
+    camera, everything = Camera(yaw_deg=yaw), {str(unit): 1.0 for unit in UNITS}
+    found = bent.normals(everything, camera)
+    geometry = bent.pipeline.geometry
+    monkeypatch.setattr(geometry, "rectangle", lambda _: (0, 0, *geometry.size))
+    np.testing.assert_allclose(found, bent.normals(everything, camera), atol=1e-4)
+
+
+def test_wrinkles_do_not_depend_on_how_far_the_camera_is(bent: Bent):
+    """From twice as far, through a lens of half the angle, each furrow is as steep."""
+    near = Camera()
+    far = Camera(distance=2 * near.distance, field_deg=near.field_deg / 2)
+    steep = [
+        np.degrees(np.arctan(tangent(bent.normals({"4": 1.0}, each), bent.normals({}, each)))) for each in (near, far)
+    ]
+    strong = [np.percentile(each[each > 2.0], 90) for each in steep]
+    np.testing.assert_allclose(strong[0], strong[1], rtol=0.1)
+
+
+def test_the_picture_grows_rougher_with_intensity(portrait: Portrait):
+    """Contrast of the forehead against the same shape without wrinkles."""
+    contrasts = []
+    for intensity in (0.0, 0.25, 0.5, 0.75, 1.0):
+        units = {"1": intensity, "2": intensity}
+        bright = [portrait.draw(units, gain=gain).astype(float).mean(axis=2) for gain in (0.0, 1.0)]
+        contrasts.append(np.abs(bright[1] - bright[0]).mean())
+    assert contrasts[0] == 0.0
+    assert np.all(np.diff(contrasts) > 0.0)

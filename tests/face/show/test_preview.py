@@ -1,0 +1,229 @@
+"""The face as a sink that draws in a process of its own."""
+
+import multiprocessing
+import os
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kinesic.body.command import NO_FACE, Command
+from kinesic.body.robot import Robot
+from kinesic.controller.play import play
+from kinesic.face.display import DisplayError, offscreen
+from kinesic.face.render.portrait import Portrait
+from kinesic.face.show.controls import Controls
+from kinesic.face.show.files import save_film
+from kinesic.face.show.preview import Preview
+from kinesic.face.show.process import Look, follow, painter
+from kinesic.face.show.shared_command import Board, Shown
+from kinesic.face.show.side_film import Beside
+from kinesic.face.show.window import has_display
+
+pytestmark = pytest.mark.realtime
+
+SMALL = Look(preset="draft", side=32)
+NONE = np.zeros(0)
+
+
+def command(time: float, face: Mapping[str, float] = NO_FACE, angles: np.ndarray = NONE) -> Command:
+    return Command(time, angles, angles, angles, angles, face)
+
+
+def board() -> Board:
+    return Board(multiprocessing.get_context("spawn"))
+
+
+class Screen:
+    """Is closed after some pictures."""
+
+    def __init__(self, pictures: int = 1000, keys: list[str] | None = None) -> None:
+        self.titles: list[str] = []
+        self._most, self._keys = pictures, keys or []
+
+    @property
+    def closed(self) -> bool:
+        return len(self.titles) >= self._most
+
+    def show(self, pixels: np.ndarray, title: str) -> None:
+        self.titles.append(title)
+
+    def pressed(self) -> list[str]:
+        keys, self._keys = self._keys, []
+        return keys
+
+
+def test_a_board_holds_the_newest():
+    here = board()
+    assert here.read() == Shown(0, 0.0, (0.0, 0.0, 0.0), {})
+    for number in (1, 2):
+        assert here.write(Shown(number, 0.5, (0.1, 0.2, 0.3), {"12": 0.4, "26": 0.5}))
+    assert here.read() == Shown(2, 0.5, (0.1, 0.2, 0.3), {"L12": 0.4, "R12": 0.4, "26": 0.5})
+
+
+def test_whoever_writes_does_not_wait_for_whoever_reads():
+    here = board()
+    with here._held:
+        assert not here.write(Shown(1, 0.0, (0.0, 0.0, 0.0), {}))
+    assert here.write(Shown(2, 0.0, (0.0, 0.0, 0.0), {}))
+
+
+@pytest.mark.parametrize(
+    ("units", "says"),
+    [({"99": 1.0}, "no action unit 99"), ({"12": 1.5}, "action unit 12 is 1.5; intensities go from 0 to 1")],
+)
+def test_a_face_that_cannot_be_is_one_line(units: Mapping[str, float], says: str):
+    with pytest.raises(DisplayError, match=says) as caught:
+        board().write(Shown(1, 0.0, (0.0, 0.0, 0.0), units))
+    assert "\n" not in str(caught.value)
+
+
+def test_what_does_not_change_is_drawn_once_and_the_last_command_always():
+    here, screen, drawn = board(), Screen(), []
+    here.write(Shown(7, 0.0, (0.0, 0.0, 0.0), {"12": 0.4}))
+    here.end()
+    assert follow(here, screen, lambda shown, told: drawn.append(shown), Controls()) == 1
+    assert [shown.number for shown in drawn] == [7]
+
+
+def test_keys_change_what_is_drawn():
+    here, told = board(), []
+    here.end()
+    follow(here, Screen(keys=["3", "up"]), lambda shown, controls: told.append(controls), Controls())
+    assert (told[-1].preset, told[-1].units) == ("full", {12: 0.1})
+
+
+@pytest.mark.parametrize("screen", [Screen(pictures=1), Screen(keys=["escape"])])
+def test_a_closed_window_ends_the_drawing(screen: Screen):
+    here = board()
+    assert follow(here, screen, lambda shown, told: None, Controls()) <= 1
+
+
+@pytest.fixture(scope="module")
+def robot() -> Robot:
+    return Robot.load("upper22")
+
+
+def test_commands_go_on_when_nothing_is_drawn_any_more(drawable: None, robot: Robot):
+    """As after somebody has closed the window."""
+    with Preview(robot, look=SMALL, windowed=False) as preview:
+        preview.write(command(0.0, {"12": 0.5}, robot.skeleton.rest))
+        assert not preview.closed
+        preview._process.kill()
+        preview._process.join()
+        assert preview.closed
+        play((command(k / 100, {"12": 0.5}, robot.skeleton.rest) for k in range(100)), preview)
+
+
+def test_the_loop_is_not_held_up_and_the_last_command_is_shown(portrait: Portrait, robot: Robot):
+    """A command costs a small part of a picture, so that pictures are dropped and commands are not."""
+    began = time.perf_counter()
+    for k in range(5):
+        portrait.draw({"12": k / 5})
+    picture = (time.perf_counter() - began) / 5
+    with Preview(robot, look=SMALL, windowed=False) as preview:
+        began = time.perf_counter()
+        for k in range(1000):
+            preview.write(command(k / 100, {"26": k / 1000}, robot.skeleton.rest))
+        spent = (time.perf_counter() - began) / 1000
+    assert spent < picture / 5
+    shown = preview._board.read()
+    assert (shown.number, shown.time, shown.units) == (1000, 9.99, {"26": 0.999})
+
+
+def test_the_body_is_shown_beside_in_step(drawable: None, tmp_path: Path):
+    path = tmp_path / "film.webp"
+    save_film([np.full((30, 40, 3), 25 * k, dtype=np.uint8) for k in range(10)], path, rate=10.0)
+    body = Beside(path, 60)
+    assert body.at(0.0).shape == (60, 80, 3)
+    for time_s, shade in ((0.05, 0), (0.35, 75), (0.35, 75), (5.0, 225)):
+        assert body.at(time_s).mean() == pytest.approx(shade, abs=4)
+    with offscreen() as context:
+        draw = painter(context, (60, 60), Beside(path, 60))
+        pixels = draw(Shown(1, 0.55, (0.0, 0.0, 0.0), {}), Controls(preset="draft"))
+    assert pixels.shape == (60, 140, 3)
+    assert pixels[:, 60:].mean() == pytest.approx(125, abs=4)
+
+
+def test_a_film_that_is_none_is_one_line(tmp_path: Path):
+    (tmp_path / "film.webp").write_text("nothing")
+    with pytest.raises(DisplayError, match=r"film\.webp: no film: ") as caught:
+        Beside(tmp_path / "film.webp", 60)
+    assert "\n" not in str(caught.value)
+
+
+def test_no_display_is_one_line(drawable: None, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    pytest.importorskip("glfw")
+    if has_display():
+        pytest.skip("this system has a display in any case")
+    with pytest.raises(DisplayError, match="no window: ") as caught:
+        Preview(look=SMALL, windowed=True)
+    assert "\n" not in str(caught.value)
+    assert "--out" in str(caught.value)
+
+
+@pytest.fixture
+def display() -> Iterator[str]:
+    """A display that nobody sees."""
+    server = shutil.which("Xvfb")
+    if server is None:
+        pytest.skip("no Xvfb: apt-get install xvfb")
+    reader, writer = os.pipe()
+    words = [server, "-displayfd", str(writer), "-screen", "0", "320x240x24", "-nolisten", "tcp"]
+    with subprocess.Popen(words, pass_fds=[writer], stderr=subprocess.DEVNULL) as running:
+        os.close(writer)
+        with os.fdopen(reader) as told:
+            number = told.readline().strip()
+        yield f":{number}"
+        running.terminate()
+
+
+WINDOWED = """
+import threading, time
+import glfw
+from kinesic.face.show.shared_command import Shown
+from kinesic.face.show.controls import Controls
+from kinesic.face.show.process import follow, painter
+from kinesic.face.show.window import window
+
+class Board:
+    over = False
+    def read(self):
+        return Shown(1, 0.0, (0.0, 0.0, 0.0), {"12": 0.7})
+
+with window((64, 64), "t") as framed:
+    picture = painter(framed.context, (64, 64))
+    def draw(shown, told):
+        glfw.set_window_should_close(framed._handle, True)
+        return picture(shown, told)
+    pictures = follow(Board(), framed, draw, Controls(preset="draft"))
+    seen = framed.context.screen.read(viewport=(0, 0, 64, 64))
+print(pictures, len(set(seen)) > 50)
+"""
+
+
+def test_a_window_shows_the_picture_until_it_is_closed(drawable: None, display: str):
+    pytest.importorskip("glfw")
+    environment = {**os.environ, "DISPLAY": display}
+    ended = subprocess.run(
+        [sys.executable, "-c", WINDOWED], env=environment, capture_output=True, text=True, check=False
+    )
+    assert ended.stdout.split() == ["1", "True"], ended.stderr
+
+
+def test_a_preview_opens_a_window_where_there_is_a_display(
+    drawable: None, display: str, monkeypatch: pytest.MonkeyPatch
+):
+    pytest.importorskip("glfw")
+    monkeypatch.setenv("DISPLAY", display)
+    with Preview(look=SMALL) as preview:
+        preview.write(command(0.0, {"12": 0.5}))
+        assert not preview.closed
+    assert preview._process.exitcode == 0

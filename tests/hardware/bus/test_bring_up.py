@@ -1,0 +1,95 @@
+import pytest
+
+from kinesic.hardware.bus.bring_up import open_bus
+from kinesic.hardware.bus.bus import Servo
+from kinesic.hardware.protocol.models import MODELS
+from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.protocol.wire import BusError
+from kinesic.hardware.virtual.faults import CALM, FaultPlan, Mishap
+from kinesic.hardware.virtual.memory_wire import MemoryWire
+from kinesic.hardware.virtual.shaft_simulation import Plant
+from kinesic.hardware.virtual.wiring import Cable, Fitting, build
+
+MODEL = MODELS["xm430_w350"]
+
+
+def wire_of(faults: FaultPlan = CALM, baud: int = 1_000_000, count: int = 3) -> tuple[MemoryWire, Plant]:
+    plant, buses = build([Cable("body", tuple(Fitting(k + 1) for k in range(count)), baud=baud, faults=faults)])
+    return MemoryWire(buses["body"], name="/dev/ttyUSB0"), plant
+
+
+def refused(*mishaps: Mishap, ids: tuple[int, ...] = (1, 2, 3), host_baud: int | None = None) -> str:
+    """What is said when a bus does not open; nothing is energised."""
+    wire, plant = wire_of(FaultPlan(mishaps))
+    if host_baud is not None:
+        wire.baud = host_baud
+    wire.sleep(0.1)
+    with pytest.raises(BusError) as error:
+        open_bus(wire, [Servo(servo, MODEL) for servo in ids])
+    assert not any(servo.memory[Register.TORQUE_ENABLE] for servo in plant.servos)
+    return str(error.value)
+
+
+def test_a_bus_opens_limp():
+    wire, plant = wire_of()
+    bus = open_bus(wire, [Servo(servo, MODEL) for servo in (3, 1, 2)])
+    assert bus.fast
+    assert bus.ids == (3, 1, 2)
+    assert not any(servo.memory[Register.TORQUE_ENABLE] for servo in plant.servos)
+
+
+def test_opening_again_drops_no_torque():
+    wire, plant = wire_of()
+    servos = [Servo(servo, MODEL) for servo in (1, 2, 3)]
+    open_bus(wire, servos)
+    for servo in plant.servos:
+        servo.memory[Register.TORQUE_ENABLE] = 1
+    assert open_bus(wire, servos).cycle().each("torque").tolist() == [1, 1, 1]
+
+
+def test_no_servo_at_all():
+    assert refused(host_baud=57_600) == (
+        "/dev/ttyUSB0: no servo of ids 1, 2, 3 at 57600 baud; is the power on, is the baud rate right?"
+    )
+
+
+def test_other_servos_than_those_wanted():
+    assert "those who answer: 1 (xm430_w350), 2 (xm430_w350), 3 (xm430_w350)" in refused(ids=(11, 12))
+
+
+def test_one_servo_missing():
+    assert refused(ids=(1, 2, 3, 4)) == (
+        "/dev/ttyUSB0: servo 4: no answer at 1000000 baud; `kinesic servos scan` tells who is there"
+    )
+
+
+def test_a_wrong_model():
+    said = refused(Mishap("wrong_model", servos=(2,)))
+    assert said == "/dev/ttyUSB0: servo 2: is a xl430_w250, must be a xm430_w350; wrong id, or wrong robot?"
+
+
+def test_firmware_without_watchdog():
+    said = refused(Mishap("old_firmware", servos=(2,), value=36))
+    assert "servo 2: firmware 36 has no bus watchdog, must be 38 or newer" in said
+
+
+def test_an_id_twice():
+    assert "servo 2:" in refused(Mishap("duplicate_id", servos=(2,)))
+
+
+def test_a_supply_that_is_too_low():
+    assert refused(Mishap("undervoltage", value=9.0)).splitlines() == [
+        f"/dev/ttyUSB0: servo {servo}: supply is 9.0 V, must be 9.5 V at least" for servo in (1, 2, 3)
+    ]
+
+
+def test_every_problem_has_its_line():
+    said = refused(Mishap("wrong_model", servos=(1,)), Mishap("old_firmware", servos=(3,), value=36))
+    assert [line.split(":")[1] for line in said.splitlines()] == [" servo 1", " servo 3"]
+
+
+def test_firmware_that_does_not_answer_fast_reads_is_found_out():
+    wire, _ = wire_of(FaultPlan((Mishap("old_firmware", servos=(2,), value=41),)))
+    bus = open_bus(wire, [Servo(servo, MODEL) for servo in (1, 2, 3)])
+    assert not bus.fast
+    assert bus.cycle().fresh.all()

@@ -1,0 +1,275 @@
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from kinesic.hardware.bus.cycle import Cycle
+from kinesic.hardware.protocol.registers import HardwareError, Register
+from kinesic.hardware.virtual.faults import FaultPlan, Mishap
+
+MID = 2048
+Make = Callable  # of a rig, see conftest
+
+
+def plan(kind: str, **changes: object) -> FaultPlan:
+    return FaultPlan((Mishap(kind, **changes),), seed=1)
+
+
+def kinds(cycles: list[Cycle]) -> list[tuple[str, int | None]]:
+    return [(event.kind, event.servo) for cycle in cycles for event in cycle.events]
+
+
+def fresh_share(cycles: list[Cycle]) -> float:
+    return float(np.mean([cycle.fresh for cycle in cycles]))
+
+
+def test_everybody_is_fresh_in_every_cycle(rig: Make):
+    cycles = rig(14).run(50)
+    assert fresh_share(cycles) == 1.0
+    assert all(not cycle.events for cycle in cycles)
+
+
+def test_records_are_what_the_registers_hold(rig: Make):
+    made = rig(7)
+    made.energise()
+    (cycle,) = made.run(1, np.full(7, MID))
+    assert (cycle.positions == made.true(Register.PRESENT_POSITION)).all()
+    assert (cycle.each("volts") == made.true(Register.PRESENT_INPUT_VOLTAGE)).all()
+    assert (cycle.each("temperature") == made.true(Register.PRESENT_TEMPERATURE)).all()
+    assert (cycle.each("torque") == 1).all()
+    assert (cycle.ages >= 0.0).all()
+    assert (cycle.ages < made.bus.period).all()
+
+
+def test_goals_are_followed(rig: Make):
+    made = rig(7)
+    made.energise()
+    goals = MID + np.arange(7) * 20
+    assert (np.abs(made.run(100, goals)[-1].positions - goals) <= 2).all()
+
+
+def test_goals_outside_of_a_turn_are_clipped(rig: Make):
+    made = rig(2)
+    made.run(1, np.array([-50, 9000]))
+    assert made.true(Register.GOAL_POSITION).tolist() == [0, 4095]
+
+
+def test_without_goals_nothing_is_written(rig: Make):
+    made = rig(3)
+    before = made.true(Register.GOAL_POSITION).tolist()
+    made.run(5)
+    assert made.true(Register.GOAL_POSITION).tolist() == before
+    assert not made.true(Register.TORQUE_ENABLE).any()
+
+
+def test_a_cycle_is_one_write_and_takes_what_its_bytes_take(rig: Make):
+    made = rig(14)
+    made.run(3, np.full(14, MID))
+    (cycle,) = made.run(1, np.full(14, MID))
+    octets = 14 + 5 * 14 + 14 + 14 + 8 + 22 * 14
+    assert cycle.duration == pytest.approx(octets * 1e-5 + 0.001, abs=5e-5)
+
+
+def test_registers_are_written_with_the_next_cycle(rig: Make):
+    made = rig(3)
+    made.bus.put(Register.PROFILE_VELOCITY, {1: 100, 3: 300})
+    assert not made.true(Register.PROFILE_VELOCITY).any()
+    made.run(1)
+    assert made.true(Register.PROFILE_VELOCITY).tolist() == [100, 0, 300]
+
+
+def test_a_value_that_does_not_fit_is_refused_at_once(rig: Make):
+    with pytest.raises(ValueError, match="does not fit"):
+        rig(1).bus.put(Register.TORQUE_ENABLE, {1: 256})
+
+
+@pytest.mark.parametrize("model", ["xl330_m288", "xl430_w250", "xm540_w270"])
+def test_every_family_shows_its_record(rig: Make, model: str):
+    assert fresh_share(rig(4, model=model).run(5)) == 1.0
+
+
+def test_families_with_other_cells_share_a_wire(rig: Make):
+    made = rig(8, mixed=True)
+    made.energise()
+    cycles = made.run(20, np.full(8, MID))
+    assert fresh_share(cycles) == 1.0
+    assert (cycles[-1].positions == made.true(Register.PRESENT_POSITION)).all()
+
+
+@pytest.mark.parametrize("mixed", [False, True])
+def test_old_firmware_is_asked_plainly(rig: Make, mixed: bool):
+    made = rig(7, firmware=41, mixed=mixed)
+    assert not made.bus.fast
+    assert fresh_share(made.run(20, np.full(7, MID))) == 1.0
+
+
+def test_one_servo_is_a_bus(rig: Make):
+    assert fresh_share(rig(1).run(10, np.array([MID]))) == 1.0
+
+
+@pytest.mark.parametrize("kind", ["corrupt", "drop", "truncate", "duplicate", "noise", "lost", "late"])
+@pytest.mark.parametrize("count", [7, 26])
+def test_one_damaged_answer_in_a_hundred_is_made_good(rig: Make, kind: str, count: int):
+    made = rig(count, baud=4_000_000, faults=plan(kind, rate=0.01, start=0.2))
+    made.energise()
+    cycles = made.run(200, np.full(count, MID))
+    assert fresh_share(cycles) >= (0.985 if kind == "late" else 0.999)
+    assert all((np.abs(cycle.positions - MID) <= 2).all() for cycle in cycles[10:])
+    assert np.quantile([cycle.duration for cycle in cycles], 0.99) < made.bus.period
+    assert max(cycle.ages.max() for cycle in cycles) < 3 * made.bus.period
+
+
+def test_many_faults_at_once_are_no_exception_and_no_lie(rig: Make):
+    names = ("corrupt", "drop", "truncate", "duplicate", "noise", "lost", "late")
+    faults = FaultPlan(tuple(Mishap(name, rate=0.05, start=0.2) for name in names), seed=2)
+    made = rig(14, faults=faults)
+    made.energise()
+    cycles = made.run(300, np.full(14, MID))
+    assert all((np.abs(cycle.positions - MID) <= 2).all() for cycle in cycles[30:])
+    assert fresh_share(cycles) > 0.1
+
+
+def test_a_silent_servo_holds_up_nobody(rig: Make):
+    made = rig(14)
+    made.run(3)
+    made.plant.servos[4].mute = True
+    cycles = made.run(200)
+    others = [np.delete(cycle.fresh, 4) for cycle in cycles]
+    assert np.mean(others) >= 0.99
+    assert kinds(cycles) == [("silent", 5)]
+    assert np.quantile([cycle.duration for cycle in cycles], 0.99) < made.bus.period
+    assert cycles[-1].silent.tolist() == [k == 4 for k in range(14)]
+    assert cycles[-1].ages[4] > 1.9
+
+
+def test_quarantine_lets_go_with_the_first_answer(rig: Make):
+    made = rig(14)
+    made.plant.servos[4].mute = True
+    made.run(60)
+    made.plant.servos[4].mute = False
+    cycles = made.run(20)
+    assert kinds(cycles[:3]) == [("heard", 5)]
+    assert fresh_share(cycles[2:]) == 1.0
+
+
+def test_a_silent_servo_is_asked_now_and_then_even_without_time(rig: Make):
+    made = rig(14, period=0.0055)
+    made.plant.servos[4].mute = True
+    made.run(100)
+    made.plant.servos[4].mute = False
+    cycles = made.run(60)
+    assert ("heard", 5) in kinds(cycles)
+    assert cycles[-1].fresh.all()
+
+
+def test_when_all_are_silent_nobody_is_blamed(rig: Make):
+    made = rig(7)
+    for servo in made.plant.servos:
+        servo.mute = True
+    silent = made.run(50)
+    for servo in made.plant.servos:
+        servo.mute = False
+    assert kinds(silent) == []
+    assert fresh_share(silent[1:]) == 0.0
+    assert fresh_share(made.run(20)[1:]) == 1.0
+
+
+@pytest.mark.parametrize("error", HardwareError)
+@pytest.mark.parametrize("count", [7, 26])
+def test_an_alert_is_seen_in_the_next_cycle(rig: Make, count: int, error: HardwareError):
+    made = rig(count)
+    made.energise()
+    made.plant.servos[2].electronics.fail(error.value)
+    (cycle,) = made.run(1, np.full(count, MID))
+    assert ("error", 3) in kinds([cycle])
+    assert cycle.each("hardware_error")[2] == error.value
+    assert cycle.fresh.all()
+
+
+def test_a_servo_that_has_rebooted_shows_its_record_again(rig: Make):
+    made = rig(7)
+    made.energise()
+    made.plant.servos[2].reboot(seconds=0.13)
+    cycles = made.run(60, np.full(7, MID))
+    told = kinds(cycles)
+    assert ("rebooted", 3) in told
+    assert ("torque", 3) in told
+    assert cycles[-1].fresh.all()
+    assert cycles[-1].each("torque").tolist() == [1, 1, 0, 1, 1, 1, 1]
+    assert all(cycle.each("volts")[2] > 0 for cycle in cycles)
+    answered = next(k for k, cycle in enumerate(cycles) if ("rebooted", 3) in kinds([cycle]))
+    assert cycles[answered + 2].fresh.all()
+
+
+def test_a_watchdog_that_tripped_is_told(rig: Make):
+    made = rig(3)
+    made.energise()
+    made.bus.put(Register.BUS_WATCHDOG, dict.fromkeys(made.bus.ids, 2))
+    made.run(3, np.full(3, MID))
+    made.wire.sleep(made.wire.now() + 0.2)
+    cycles = made.run(3, np.full(3, MID))
+    assert kinds(cycles) == [("watchdog", 1), ("watchdog", 2), ("watchdog", 3)]
+    assert (cycles[-1].each("watchdog") == -1).all()
+
+
+def test_a_port_that_goes_and_comes_is_an_event(rig: Make):
+    made = rig(7, faults=plan("unplug", start=0.5, seconds=0.4))
+    made.energise()
+    cycles = made.run(150, np.full(7, MID))
+    assert kinds(cycles) == [("port lost", None), ("port back", None)]
+    gone = [cycle for cycle in cycles if cycle.lost]
+    assert gone
+    assert all(not cycle.fresh.any() for cycle in gone)
+    assert cycles[-1].fresh.all()
+    back = next(cycle for cycle in cycles if ("port back", None) in kinds([cycle]))
+    assert back.time - 0.9 < 0.1
+    assert made.true(Register.TORQUE_ENABLE).all()
+
+
+def test_what_was_to_be_written_is_not_kept_while_the_port_is_lost(rig: Make):
+    made = rig(2, faults=plan("unplug", start=0.3, seconds=0.2))
+    made.wire.sleep(0.35)
+    assert made.run(1)[0].lost
+    made.bus.put(Register.TORQUE_ENABLE, {1: 1})
+    cycles = made.run(40)
+    assert not cycles[-1].lost
+    assert not made.true(Register.TORQUE_ENABLE).any()
+
+
+def test_a_slow_adapter_is_waited_for_once_it_is_known(rig: Make):
+    made = rig(7, latency=0.012, period=0.03)
+    cycles = made.run(120, np.full(7, MID))
+    assert fresh_share(cycles[-40:]) == 1.0
+    assert not cycles[-1].silent.any()
+
+
+def test_an_adapter_slower_than_the_period_makes_records_old_and_nothing_worse(rig: Make):
+    made = rig(7, latency=0.016)
+    cycles = made.run(100, np.full(7, MID))
+    assert not any(event.kind == "silent" for cycle in cycles for event in cycle.events)
+    assert max(cycle.ages.max() for cycle in cycles[20:]) < 0.06
+
+
+@pytest.mark.parametrize("kind", ["corrupt", "drop", "truncate", "duplicate", "noise", "lost"])
+def test_a_wire_that_is_busy_for_four_fifths_of_the_time_leaves_enough_to_ask_again(rig: Make, kind: str):
+    made = rig(26, period=0.0108, faults=plan(kind, rate=0.01, start=0.2))
+    made.energise()
+    cycles = made.run(120, np.full(26, MID))
+    assert fresh_share(cycles) >= 0.999
+    assert np.quantile([cycle.duration for cycle in cycles], 0.99) < made.bus.period
+
+
+def test_a_silent_servo_cuts_off_the_others_only_once(rig: Make):
+    made = rig(26, period=0.0108)
+    made.run(5)
+    made.plant.servos[2].mute = True
+    cycles = made.run(100)
+    others = [np.delete(cycle.fresh, 2) for cycle in cycles]
+    assert all(fresh.all() for fresh in others[2:])
+
+
+def test_an_answer_that_is_later_than_its_cycle_costs_that_cycle_alone(rig: Make):
+    made = rig(14, faults=plan("late", start=0.5, seconds=0.008))
+    made.energise()
+    whole = [bool(cycle.fresh.all()) for cycle in made.run(50, np.full(14, MID))]
+    assert whole.count(False) == 1

@@ -1,0 +1,158 @@
+from collections import deque
+
+import pytest
+
+from kinesic.hardware.bus.health import BLOCK
+from kinesic.hardware.bus.listener import BURST, RESTLESS, Listener
+from kinesic.hardware.bus.query import FastQuestion, PlainQuestion
+from kinesic.hardware.protocol.packet import BROADCAST, HEADER, Instruction, crc16, status
+
+SERVOS = tuple(range(1, 15))
+QUESTION = FastQuestion(SERVOS, (224,) * 14)
+END = 0.0095
+
+
+class Arrivals:
+    """A wire on which bytes arrive at times set beforehand."""
+
+    name, baud = "arrivals", 1_000_000
+
+    def __init__(self, *arrivals: tuple[float, bytes]) -> None:
+        self._coming, self._time = deque(arrivals), 0.0
+
+    def now(self) -> float:
+        return self._time
+
+    def write(self, data: bytes | bytearray, /) -> None:
+        pass
+
+    def read(self, deadline: float, /) -> bytes:
+        due = self._coming[0][0] if self._coming else deadline
+        self._time = max(self._time, min(due, deadline))
+        came = b""
+        while self._coming and self._coming[0][0] <= self._time:
+            came += self._coming.popleft()[1]
+        return came
+
+    def sleep(self, until: float, /) -> None:
+        self._time = max(self._time, until)
+
+    def reopen(self) -> bool:
+        return True
+
+    def close(self) -> None:
+        pass
+
+
+def joint(mark: int = 0) -> bytes:
+    length = 1 + BLOCK.itemsize * len(SERVOS)
+    raw = bytearray(HEADER + bytes((BROADCAST, length & 0xFF, length >> 8, Instruction.STATUS)))
+    for servo in SERVOS:
+        raw += bytes((0, servo, mark)) + bytes(17)
+        raw += crc16(raw).to_bytes(2, "little")
+    return bytes(raw)
+
+
+def listener(*arrivals: tuple[float, bytes]) -> Listener:
+    made = Listener(Arrivals(*arrivals))
+    for _ in range(200):
+        made.slack.took(0.001)
+    made.say(QUESTION.data)
+    return made
+
+
+READY = 28e-5 + QUESTION.length * 1e-5  # [s] when the last byte is out
+
+
+def test_an_answer_in_time_is_heard_when_it_has_come():
+    made = listener((READY - 0.002, joint()[:186]), (READY + 0.001, joint()[186:]))
+    answer = made.hear(QUESTION, end=END)
+    assert answer is not None
+    assert answer.whole
+    assert made.wire.now() == pytest.approx(READY + 0.001)
+    assert made.heard == joint()
+    assert not made.mute
+    assert not made.early
+
+
+def test_an_answer_that_does_not_begin_is_given_up_in_time_to_ask_again():
+    made = listener()
+    assert made.hear(QUESTION, end=END) is None
+    assert made.mute
+    assert made.wire.now() < READY + 0.001
+
+
+def test_an_answer_that_breaks_off_is_given_up_when_its_bytes_should_be_here():
+    made = listener((0.002, joint()[:BURST]))
+    answer = made.hear(QUESTION, end=END)
+    assert answer is not None
+    assert answer.found.sum() == 2
+    assert made.wire.now() == pytest.approx(READY)
+
+
+def test_where_time_is_short_an_answer_that_breaks_off_is_given_up_at_once():
+    made = listener((28e-5 + BURST * 1e-5, joint()[:BURST]), (0.0018, joint()[BURST:100]))
+    answer = made.hear(QUESTION, end=READY + 0.003)
+    assert answer is not None
+    assert answer.found.sum() == 4
+    assert made.wire.now() < READY - 0.0005
+
+
+def test_an_answer_to_which_bytes_were_added_is_heard_to_its_end():
+    at = 8 + 22 * 3
+    longer = joint()[: at + 22] + joint()[at:]
+    made = listener((READY - 0.001, longer[:300]), (READY, longer[300 : len(joint())]), (READY + 0.0013, longer[-22:]))
+    answer = made.hear(QUESTION, end=END)
+    assert answer is not None
+    assert answer.whole
+
+
+def test_after_a_damaged_answer_every_burst_is_looked_at():
+    made = listener((0.002, joint()[:BURST]), (0.0085, joint()[:30]), (0.2, b""))
+    made.hear(QUESTION, end=END)
+    made.say(QUESTION.data)
+    began = made.wire.now()
+    made.hear(QUESTION, end=began + END)
+    assert made.wire.now() < began + 0.0065
+
+
+def test_it_calms_down():
+    answers = [((k + 1) * 0.01 - 0.0005, joint()) for k in range(RESTLESS + 3)]
+    made = Listener(Arrivals((0.0, b"\xff"), *answers))
+    for k in range(RESTLESS + 2):
+        made.wire.sleep(k * 0.01 + 0.005)
+        made.say(QUESTION.data)
+        answer = made.hear(QUESTION, end=k * 0.01 + 0.0149)
+        assert answer is not None
+
+
+def test_a_patient_one_waits_to_the_end():
+    made = listener((0.009, joint()))
+    answer = made.hear(QUESTION, end=END, patient=True)
+    assert answer is not None
+    assert answer.whole
+
+
+def test_two_answers_at_once_are_heard_one_after_the_other():
+    made = listener((0.002, joint(1)[:200]), (READY + 0.001, joint(1)[200:] + joint(0)))
+    first = made.hear(QUESTION, end=END)
+    second = made.hear(QUESTION, end=END, again=True)
+    assert first is not None
+    assert second is not None
+    assert (first.blocks["torque"][0], second.blocks["torque"][0]) == (1, 0)
+    assert made.hear(QUESTION, end=END, again=True) is None
+
+
+def test_an_answer_before_its_time_is_an_earlier_one():
+    single = PlainQuestion((1,), (224,))
+    made = Listener(Arrivals((1e-5, status(1, 0, bytes(18)))))
+    made.say(single.data)
+    made._restless = 1
+    assert made.hear(single, end=END) is not None
+    assert made.early
+
+
+def test_one_servo_is_asked_and_heard():
+    made = Listener(Arrivals((0.001, status(2, 0, b"\x01")), (0.0015, status(1, 0, b"\x02"))))
+    assert made.exchange(b"question", 1, 1) == b"\x02"
+    assert made.exchange(b"question", 1, 1) is None

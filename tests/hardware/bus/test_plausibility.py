@@ -1,0 +1,160 @@
+from math import inf
+
+import numpy as np
+import pytest
+
+from kinesic.hardware.bus.health import BLOCK, Records
+from kinesic.hardware.bus.plausibility import LEAP, LEEWAY, Gate
+from kinesic.hardware.bus.query import Answer
+from kinesic.hardware.protocol.models import MODELS
+
+ALL = slice(None)
+PERIOD = 0.01
+
+
+def blocks(tick: int, place: int = 2048, **changes: int) -> Records:
+    """Two servos; the changes are of the second."""
+    made = np.zeros(2, BLOCK)
+    made["tick"], made["position"], made["volts"], made["temperature"] = tick, place, 120, 40
+    for name, value in changes.items():
+        made[name][1] = value
+    return made
+
+
+def answer(made: Records) -> Answer:
+    return Answer(made, np.ones(len(made), dtype=np.bool_), True, 0)
+
+
+@pytest.fixture
+def gate() -> Gate:
+    opened = Gate((MODELS["xm430_w350"],) * 2, PERIOD)
+    opened.begin()
+    opened.admit(ALL, answer(blocks(1000)), 1.0)
+    opened.begin()
+    return opened
+
+
+def told(gate: Gate, made: Records, time: float = 1.01) -> list[bool]:
+    gate.begin()
+    gate.admit(ALL, answer(made), time)
+    return [bool(fresh) for fresh in gate.fresh]
+
+
+def test_the_first_record_is_believed():
+    opened = Gate((MODELS["xm430_w350"],) * 2, PERIOD)
+    opened.begin()
+    assert opened.times.tolist() == [-inf, -inf]
+    opened.admit(ALL, answer(blocks(1000, 17)), 1.0)
+    assert opened.fresh.all()
+    assert opened.blocks["position"].tolist() == [17, 17]
+    assert opened.times.tolist() == [1.0, 1.0]
+
+
+def test_what_a_servo_can_do_is_believed(gate: Gate):
+    assert told(gate, blocks(1010, 2048 + LEEWAY)) == [True, True]
+    assert told(gate, blocks(1020, temperature=40 + LEAP), 1.02) == [True, True]
+    assert told(gate, blocks(1030, hardware_error=0x20, error=0x80, temperature=44), 1.03) == [True, True]
+
+
+@pytest.mark.parametrize(
+    "lie",
+    [
+        {"position": 3000},
+        {"position": 2048 - 2**31},
+        {"position": -(2**31)},
+        {"temperature": 200},
+        {"hardware_error": 4},
+        {"error": 0x80},
+    ],
+)
+def test_what_surprises_must_be_said_twice(gate: Gate, lie: dict[str, int]):
+    assert told(gate, blocks(1010, **lie)) == [True, False]
+    assert gate.doubted == {1}
+    assert gate.blocks["position"][1] == 2048
+    assert told(gate, blocks(1020, **lie), 1.02) == [True, True]
+
+
+def test_a_lie_that_is_not_repeated_is_forgotten(gate: Gate):
+    assert told(gate, blocks(1010, position=3000)) == [True, False]
+    assert told(gate, blocks(1020), 1.02) == [True, True]
+    assert told(gate, blocks(1030, position=3000), 1.03) == [True, False]
+
+
+def test_after_a_silence_a_joint_may_be_elsewhere(gate: Gate):
+    assert told(gate, blocks(1500, position=3500), 1.5) == [True, True]
+
+
+def test_who_has_not_been_heard_for_long_may_have_warmed(gate: Gate):
+    assert told(gate, blocks(1200, temperature=40 + LEAP + 10), 1.2) == [True, True]
+    assert told(gate, blocks(1210, temperature=40 + LEAP + 10 + LEAP + 2), 1.21) == [True, False]
+
+
+@pytest.mark.parametrize("tick", [1000, 990, 900])
+def test_a_record_from_the_past_is_none(gate: Gate, tick: int):
+    assert told(gate, blocks(tick, 2060)) == [False, False]
+    assert gate.blocks["position"].tolist() == [2048, 2048]
+
+
+def test_the_clock_of_a_servo_starts_again_after_half_a_minute(gate: Gate):
+    for k in range(1, 4000):
+        assert all(told(gate, blocks((1000 + 10 * k) % 32768), 1.0 + 0.01 * k))
+
+
+def test_a_clock_that_stays_in_the_past_has_started_anew(gate: Gate):
+    heard = [told(gate, blocks(10 * k), 1.0 + 0.01 * k) for k in range(1, 8)]
+    assert heard[0] == [False, False]
+    assert heard[-1] == [True, True]
+
+
+def test_a_record_without_voltage_is_none(gate: Gate):
+    empty = blocks(1010)
+    empty[1] = np.zeros(1, BLOCK)[0]
+    assert told(gate, empty) == [True, False]
+    assert gate.forgetful == {1}
+    assert gate.blocks["volts"][1] == 120
+
+
+def test_a_servo_that_was_forgotten_may_say_anything(gate: Gate):
+    gate.forget(1)
+    assert told(gate, blocks(5, position=3000)) == [False, True]
+
+
+def test_a_late_record_counts_from_when_it_was_taken(gate: Gate):
+    gate.admit_late(ALL, answer(blocks(1010, 2050)), 1.025)
+    assert not gate.fresh.any()
+    assert gate.late.all()
+    assert gate.blocks["position"].tolist() == [2050, 2050]
+    assert gate.times.tolist() == pytest.approx([1.01, 1.01])
+    gate.admit_late(ALL, answer(blocks(1005, 2070)), 1.03)
+    assert gate.blocks["position"].tolist() == [2050, 2050]
+
+
+def test_a_record_is_late_by_the_servos_clock(gate: Gate):
+    assert gate.is_late(0, blocks(1005)[0], 1.02, leeway=0.004)
+    assert not gate.is_late(0, blocks(1019)[0], 1.02, leeway=0.004)
+
+
+def test_a_clock_that_is_not_trusted_proves_nothing_until_the_next_record(gate: Gate):
+    gate.distrust_clocks()
+    assert not gate.is_late(0, blocks(1005)[0], 1.02, leeway=0.004)
+    gate.admit(ALL, answer(blocks(1005)), 1.02)
+    assert gate.times.tolist() == [1.02, 1.02]
+    assert gate.is_late(0, blocks(1010)[0], 1.04, leeway=0.004)
+
+
+def test_who_did_not_answer_keeps_the_record(gate: Gate):
+    gate.begin()
+    gate.admit(ALL, Answer(blocks(1010, 2060), np.array([True, False]), False, 0), 1.01)
+    assert gate.blocks["position"].tolist() == [2060, 2048]
+    assert gate.times.tolist() == [1.01, 1.0]
+    assert gate.fresh.tolist() == [True, False]
+
+
+def test_what_was_handed_out_does_not_change(gate: Gate):
+    before, times = gate.blocks, gate.times
+    kept = before.copy()
+    told(gate, blocks(1010, 2060))
+    told(gate, blocks(1020, position=3000), 1.02)
+    gate.forget(0)
+    assert (before == kept).all()
+    assert times.tolist() == [1.0, 1.0]

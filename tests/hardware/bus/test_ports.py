@@ -1,0 +1,62 @@
+from pathlib import Path
+
+from kinesic.hardware.bus.ports import Latency, latency, ports, stable_name
+
+
+def links(folder: Path) -> tuple[Path, Path]:
+    """A port and its lasting name."""
+    device, names = folder / "ttyUSB0", folder / "by-id"
+    device.touch()
+    names.mkdir()
+    (names / "usb-FTDI_U2D2_FT1-if00-port0").symlink_to(device)
+    return device, names
+
+
+def test_a_port_is_known_by_its_lasting_name(tmp_path: Path):
+    device, names = links(tmp_path)
+    name = names / "usb-FTDI_U2D2_FT1-if00-port0"
+    assert stable_name(device, names=names) == name
+    assert stable_name(name, names=names) == name
+    assert ports(names=names) == (name,)
+
+
+def test_a_port_without_one_keeps_its_name(tmp_path: Path):
+    device, names = links(tmp_path)
+    other = tmp_path / "ttyUSB1"
+    other.touch()
+    assert stable_name(other, names=names) == other
+    assert stable_name(device, names=tmp_path / "none") == device
+    assert stable_name(tmp_path / "gone", names=names) == tmp_path / "gone"
+    assert ports(names=tmp_path / "none") == ()
+
+
+def timer(folder: Path, value: str) -> Path:
+    setting = folder / "bus/usb-serial/devices/ttyUSB0/latency_timer"
+    setting.parent.mkdir(parents=True)
+    setting.write_text(value)
+    return setting
+
+
+def test_the_latency_timer_is_read_through_the_lasting_name(tmp_path: Path):
+    _, names = links(tmp_path)
+    setting = timer(tmp_path, "16\n")
+    name = names / "usb-FTDI_U2D2_FT1-if00-port0"
+    found = latency(name, system=tmp_path)
+    assert found == Latency(name, 16, setting)
+    assert not found.good
+    assert f"{name}: USB latency timer is 16 ms, which limits every bus to about 62 Hz" in found.remedy
+    assert f"echo 1 | sudo tee {setting}" in found.remedy
+    assert "udev" in found.remedy
+
+
+def test_a_timer_of_one_millisecond_is_good(tmp_path: Path):
+    timer(tmp_path, "1\n")
+    found = latency(tmp_path / "ttyUSB0", system=tmp_path)
+    assert found is not None
+    assert found.good
+
+
+def test_some_ports_have_no_timer(tmp_path: Path):
+    assert latency(tmp_path / "pts3", system=tmp_path) is None
+    timer(tmp_path, "nonsense")
+    assert latency(tmp_path / "ttyUSB0", system=tmp_path) is None

@@ -1,0 +1,151 @@
+import os
+import threading
+import time
+import tty
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import serial
+
+from kinesic.hardware.bus.bring_up import open_bus
+from kinesic.hardware.bus.bus import Servo
+from kinesic.hardware.bus.cycle import Cycle
+from kinesic.hardware.bus.serial_wire import SerialWire
+from kinesic.hardware.protocol.models import MODELS
+from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.protocol.wire import BusError
+from kinesic.hardware.virtual.faults import FaultPlan, Mishap
+from kinesic.hardware.virtual.pty import PtyPort, serve
+from kinesic.hardware.virtual.shaft_simulation import Plant
+from kinesic.hardware.virtual.wiring import Cable, Fitting, build
+
+pytestmark = pytest.mark.realtime
+
+SERVOS = [Servo(k + 1, MODELS["xm430_w350"]) for k in range(4)]
+
+
+@pytest.fixture
+def ends(tmp_path: Path) -> Iterator[tuple[int, Path]]:
+    """Our end of a pseudo-terminal, and the name of the other."""
+    ours, hosts = os.openpty()
+    tty.setraw(hosts)
+    yield ours, Path(os.ttyname(hosts))
+    for end in (ours, hosts):
+        os.close(end)
+
+
+def serving(folder: Path, faults: FaultPlan) -> Iterator[tuple[Path, Plant]]:
+    plant, buses = build([Cable("body", tuple(Fitting(servo.id) for servo in SERVOS), faults=faults)])
+    link, running = folder / "port", threading.Event()
+    running.set()
+    thread = threading.Thread(target=serve, args=([PtyPort(buses["body"], link)], running.is_set))
+    thread.start()
+    while not link.exists():
+        time.sleep(0.001)
+    yield link, plant
+    running.clear()
+    thread.join()
+
+
+@pytest.fixture
+def port(tmp_path: Path) -> Iterator[tuple[Path, Plant]]:
+    """Virtual servos on a pseudo-terminal."""
+    yield from serving(tmp_path, FaultPlan())
+
+
+@pytest.fixture
+def pulled(tmp_path: Path) -> Iterator[tuple[Path, Plant]]:
+    """The same, unplugged for a while after a second and a half."""
+    yield from serving(tmp_path, FaultPlan((Mishap("unplug", start=1.5, seconds=0.3),)))
+
+
+def test_bytes_go_both_ways(ends: tuple[int, Path]):
+    ours, path = ends
+    wire = SerialWire(path, 1_000_000)
+    wire.write(bytearray(b"\x00\xff\x11\x13\x0d\x0a"))
+    assert os.read(ours, 100) == b"\x00\xff\x11\x13\x0d\x0a"
+    os.write(ours, b"\xff\xfd\x00\x03\x04")
+    assert wire.read(wire.now() + 1.0) == b"\xff\xfd\x00\x03\x04"
+    assert wire.baud == 1_000_000
+    assert wire.name == str(path)
+    wire.close()
+    wire.close()
+
+
+def test_waiting_ends_with_the_deadline(ends: tuple[int, Path]):
+    wire = SerialWire(ends[1], 57_600)
+    began = wire.now()
+    assert wire.read(began + 0.02) == b""
+    assert wire.now() - began >= 0.02
+    assert wire.read(began) == b""
+    wire.sleep(began + 0.04)
+    assert wire.now() - began >= 0.04
+    wire.close()
+
+
+def test_a_port_is_one_programs_alone(ends: tuple[int, Path]):
+    wire = SerialWire(ends[1], 57_600)
+    with pytest.raises(BusError, match="another program uses this port"):
+        SerialWire(ends[1], 57_600)
+    wire.close()
+    SerialWire(ends[1], 57_600).close()
+
+
+def test_no_such_port():
+    with pytest.raises(BusError, match="/dev/ttyNONE: no such port; is the adapter plugged in"):
+        SerialWire("/dev/ttyNONE", 57_600)
+
+
+def test_a_port_that_may_not_be_used(ends: tuple[int, Path], monkeypatch: pytest.MonkeyPatch):
+    def refuses(*_: object, **__: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(serial, "Serial", refuses)
+    with pytest.raises(BusError, match=r"no permission; `sudo usermod -aG dialout \$USER`, then log in again"):
+        SerialWire(ends[1], 57_600)
+
+
+def test_what_is_no_port_does_not_open(tmp_path: Path):
+    file = tmp_path / "file"
+    file.write_text("no port")
+    with pytest.raises(BusError, match="does not"):
+        SerialWire(file, 57_600)
+
+
+def test_a_port_that_is_gone_is_told(tmp_path: Path):
+    ours, hosts = os.openpty()
+    tty.setraw(hosts)
+    wire = SerialWire(os.ttyname(hosts), 57_600)
+    os.close(hosts)
+    os.close(ours)
+    with pytest.raises(BusError, match="the port is gone"):
+        wire.read(wire.now() + 0.5)
+    assert not wire.reopen()
+    with pytest.raises(BusError, match="the port is gone"):
+        wire.write(b"a")
+
+
+def test_servos_on_a_pseudo_terminal(port: tuple[Path, Plant]):
+    link, plant = port
+    wire = SerialWire(link, 1_000_000)
+    bus = open_bus(wire, SERVOS, period=0.02)
+    assert bus.fast
+    cycles: list[Cycle] = [bus.cycle() for _ in range(20)]
+    assert max(cycle.fresh.sum() for cycle in cycles) == len(SERVOS)
+    assert cycles[-1].positions.tolist() == [servo.memory[Register.PRESENT_POSITION] for servo in plant.servos]
+    wire.close()
+
+
+def test_a_port_that_comes_back_is_taken_again(pulled: tuple[Path, Plant]):
+    wire = SerialWire(pulled[0], 1_000_000)
+    bus = open_bus(wire, SERVOS, period=0.02)
+    told: list[str] = []
+    limit = time.monotonic() + 10.0
+    while "port back" not in told and time.monotonic() < limit:
+        cycle = bus.cycle()
+        told += [event.kind for event in cycle.events if event.servo is None]
+        wire.sleep(cycle.time + bus.period)
+    assert told == ["port lost", "port back"]
+    assert any(bus.cycle().fresh.any() for _ in range(20))
+    wire.close()

@@ -1,0 +1,76 @@
+from collections.abc import Callable
+
+import pytest
+
+from kinesic.hardware.protocol.device import Change, Cold, Found
+from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.protocol.wire import BusError
+from kinesic.hardware.virtual.faults import FaultPlan, Mishap
+
+Make = Callable  # of a rig, see conftest
+
+
+@pytest.fixture
+def cold(rig: Make) -> Cold:
+    return Cold(rig(3).wire)
+
+
+def test_a_ping_tells_model_and_firmware(cold: Cold):
+    found = cold.ping(2)
+    assert found == Found(2, 1020, 52)
+    assert found.name == "xm430_w350"
+    assert Found(1, 77, 1).name == "model 77"
+    assert cold.ping(9) is None
+
+
+def test_everyone_is_found(cold: Cold):
+    assert [found.id for found in cold.everyone()] == [1, 2, 3]
+
+
+def test_registers_are_read_and_written(cold: Cold):
+    cold.write(1, Register.HOMING_OFFSET, -5)
+    assert cold.read(1, Register.HOMING_OFFSET) == -5
+    assert cold.read_span(1, 144, 3) == bytes((120, 0, cold.read(1, Register.PRESENT_TEMPERATURE)))
+
+
+def test_who_does_not_answer_is_named(cold: Cold):
+    with pytest.raises(BusError, match=r"memory: servo 9: read of 4 bytes at 132.*is it powered, wired"):
+        cold.read(9, Register.PRESENT_POSITION)
+
+
+def test_a_refusal_is_named(cold: Cold):
+    with pytest.raises(BusError, match=r"servo 1: write of OPERATING_MODE at 11 refused \(range error\)"):
+        cold.write(1, Register.OPERATING_MODE, 7)
+    with pytest.raises(BusError, match=r"write of PRESENT_POSITION at 132 refused \(access error\)"):
+        cold.write(1, Register.PRESENT_POSITION, 1)
+
+
+def test_only_what_differs_is_set(cold: Cold):
+    wanted = {Register.MAX_POSITION_LIMIT: 3000, Register.MIN_POSITION_LIMIT: 0, Register.PROFILE_VELOCITY: 100}
+    assert cold.configure(1, wanted) == (
+        Change(1, Register.MAX_POSITION_LIMIT, 4095, 3000),
+        Change(1, Register.PROFILE_VELOCITY, 0, 100),
+    )
+    assert cold.configure(1, wanted) == ()
+
+
+def test_eeprom_is_not_set_while_torque_is_on(cold: Cold):
+    cold.write(1, Register.TORQUE_ENABLE, 1)
+    with pytest.raises(BusError, match="MAX_POSITION_LIMIT cannot be set while its torque is on"):
+        cold.configure(1, {Register.MAX_POSITION_LIMIT: 3000})
+    assert cold.configure(1, {Register.PROFILE_VELOCITY: 100})
+
+
+def test_a_reboot_forgets_ram(cold: Cold):
+    cold.write(1, Register.PROFILE_VELOCITY, 100)
+    cold.reboot(1)
+    cold.wire.sleep(cold.wire.now() + 1.0)
+    assert cold.read(1, Register.PROFILE_VELOCITY) == 0
+
+
+def test_damaged_answers_are_asked_for_again(rig: Make):
+    made = rig(2, faults=FaultPlan((Mishap("corrupt", rate=0.3, start=0.2),), seed=3))
+    cold = Cold(made.wire)
+    made.wire.sleep(0.3)
+    for _ in range(30):
+        assert cold.read(1, Register.MODEL_NUMBER) == 1020

@@ -1,0 +1,145 @@
+import pytest
+from dynamixel_sdk import Protocol2PacketHandler
+
+from kinesic.hardware.protocol import packet
+from kinesic.hardware.protocol.packet import Fault, Instruction, Packet, Reader, crc16, stuffed, unstuffed
+
+MANUAL = {  # examples of the public manual (Protocol 2.0)
+    "ping": (packet.ping(1), "ff ff fd 00 01 03 00 01 19 4e"),
+    "ping to all": (packet.ping(254), "ff ff fd 00 fe 03 00 01 31 42"),
+    "status of a ping": (packet.status(1, 0, bytes((6, 4, 0x26))), "ff ff fd 00 01 07 00 55 00 06 04 26 65 5d"),
+    "status of the second": (packet.status(2, 0, bytes((6, 4, 0x26))), "ff ff fd 00 02 07 00 55 00 06 04 26 6f 6d"),
+    "read": (packet.read(1, 132, 4), "ff ff fd 00 01 07 00 02 84 00 04 00 1d 15"),
+    "status of a read": (packet.status(1, 0, bytes((0xA6, 0, 0, 0))), "ff ff fd 00 01 08 00 55 00 a6 00 00 00 8c c0"),
+    "write": (
+        packet.write(1, 116, (512).to_bytes(4, "little")),
+        "ff ff fd 00 01 09 00 03 74 00 00 02 00 00 ca 89",
+    ),
+    "status of a write": (packet.status(1, 0), "ff ff fd 00 01 04 00 55 00 a1 0c"),
+    "reg write": (
+        packet.packet(1, Instruction.REG_WRITE, bytes((104, 0, 200, 0, 0, 0))),
+        "ff ff fd 00 01 09 00 04 68 00 c8 00 00 00 ae 8e",
+    ),
+    "action": (packet.packet(1, Instruction.ACTION), "ff ff fd 00 01 03 00 05 02 ce"),
+    "factory reset": (packet.packet(1, Instruction.FACTORY_RESET, b"\1"), "ff ff fd 00 01 04 00 06 01 a1 e6"),
+    "reboot": (packet.packet(1, Instruction.REBOOT), "ff ff fd 00 01 03 00 08 2f 4e"),
+    "clear": (
+        packet.packet(1, Instruction.CLEAR, bytes((1, 0x44, 0x58, 0x4C, 0x22))),
+        "ff ff fd 00 01 08 00 10 01 44 58 4c 22 b1 dc",
+    ),
+    "sync read": (
+        packet.sync_read([1, 2], 132, 4, fast=False),
+        "ff ff fd 00 fe 09 00 82 84 00 04 00 01 02 ce fa",
+    ),
+    "fast sync read": (
+        packet.sync_read([1, 2], 580, 4, fast=True),
+        "ff ff fd 00 fe 09 00 8a 44 02 04 00 01 02 72 f2",
+    ),
+    "sync write": (
+        packet.sync_write(116, 4, {1: bytes((150, 0, 0, 0)), 2: bytes((170, 0, 0, 0))}),
+        "ff ff fd 00 fe 11 00 83 74 00 04 00 01 96 00 00 00 02 aa 00 00 00 82 87",
+    ),
+    "bulk read": (
+        packet.bulk_read({1: (144, 2), 2: (146, 1)}, fast=False),
+        "ff ff fd 00 fe 0d 00 92 01 90 00 02 00 02 92 00 01 00 1a 05",
+    ),
+}
+
+
+@pytest.mark.parametrize("example", MANUAL)
+def test_packets_are_those_of_the_manual(example: str):
+    made, manual = MANUAL[example]
+    assert made == bytes.fromhex(manual)
+    (read,) = Reader().feed(made)
+    assert read.id == made[4]
+    assert read.instruction == made[7]
+    assert read.parameters == made[8:-2]
+
+
+def test_the_crc_of_a_joint_reply_covers_everything_before_it():
+    # the manual's answer of three XC330 to a fast sync read
+    first = bytes.fromhex("ff ff fd 00 fe 19 00 55 00 03 a6 00 00 00")
+    second = bytes.fromhex("00 07 1f 08 00 00")
+    assert crc16(first) == 0x0884
+    assert crc16(second, crc16(b"\x84\x08", 0x0884)) == 0xCA16
+
+
+def test_stuffing_is_undone():
+    for body in (b"\xff\xff\xfd", b"\xff\xff\xfd\xfd", b"\xff\xff\xff\xfd\xff\xff\xfd", b"\xfd\xff\xff\xfd\xfd\xfd"):
+        assert unstuffed(stuffed(body)) == body
+    assert stuffed(b"\xff\xff\xfd\x01") == b"\xff\xff\xfd\xfd\x01"
+
+
+def test_a_goal_current_of_minus_one_before_a_velocity_of_minus_three_arrives():
+    data = (-1).to_bytes(2, "little", signed=True) + (-3).to_bytes(4, "little", signed=True)
+    (read,) = Reader().feed(packet.write(1, 102, data))
+    assert read.parameters == bytes((102, 0)) + data
+
+
+def test_what_is_no_packet_is_passed_over():
+    good = packet.status(3, 0, b"\x01\x02")
+    wrong = bytearray(packet.status(4, 0, b"\x01\x02"))
+    wrong[-3] ^= 1
+    stream = b"\xff\xff\xfd" + packet.ping(2)[:6] + good + bytes(wrong) + b"\xff\xff" + good
+    reader = Reader()
+    assert [found for byte in stream for found in reader.feed(bytes((byte,)))] == [Packet(3, 0x55, b"\0\1\2")] * 2
+
+
+def test_a_length_that_no_servo_sends_is_noise():
+    reader = Reader()
+    assert list(reader.feed(b"\xff\xff\xfd\x00\x01\xff\xff" + packet.ping(1))) == [Packet(1, 1, b"")]
+    assert list(reader.feed(b"\xff\xff\xfd\x00\x01\x02\x00\x55" + packet.ping(1))) == [Packet(1, 1, b"")]
+
+
+def test_a_status_tells_error_and_data():
+    (status,) = Reader().feed(packet.status(9, 0x80 | Fault.ACCESS, b"\x05"))
+    assert (status.error, status.data) == (0x87, b"\x05")
+
+
+@pytest.mark.parametrize("servo", [-1, 253, 255, 300])
+def test_an_id_that_no_servo_has_is_refused(servo: int):
+    with pytest.raises(ValueError, match="id is"):
+        packet.ping(servo)
+
+
+def test_what_servos_do_not_read_is_refused():
+    with pytest.raises(ValueError, match="longer than"):
+        packet.write(1, 0, bytes(2000))
+    with pytest.raises(ValueError, match="must be 4"):
+        packet.sync_write(116, 4, {1: b"\0"})
+
+
+@pytest.mark.parametrize("parameters", [b"", b"\x01", bytes(range(200)), b"\xff\xff\xfe\xfd", b"\xff\xfd"])
+def test_the_sdk_computes_the_same_crc(parameters: bytes):
+    made = packet.packet(7, Instruction.WRITE, parameters)
+    assert Protocol2PacketHandler().updateCRC(0, made, len(made) - 2) == int.from_bytes(made[-2:], "little")
+
+
+class _Sent:
+    """A port that keeps what the SDK writes."""
+
+    def __init__(self) -> None:
+        self.is_using, self.data = False, b""
+
+    def clearPort(self) -> None:  # noqa: N802  # the SDK's name
+        self.data = b""
+
+    def writePort(self, data: list[int]) -> int:  # noqa: N802  # the SDK's name
+        self.data = bytes(data)
+        return len(data)
+
+    def setPacketTimeout(self, length: int) -> None:  # noqa: N802  # the SDK's name
+        pass
+
+
+def test_the_sdk_sends_the_same_where_nothing_is_stuffed():
+    port, sdk = _Sent(), Protocol2PacketHandler()
+    sdk.writeTxOnly(port, 5, 116, 4, [1, 2, 3, 4])
+    assert port.data == packet.write(5, 116, bytes((1, 2, 3, 4)))
+    port.is_using = False
+    sdk.readTx(port, 5, 132, 4)
+    assert port.data == packet.read(5, 132, 4)
+    for fast in (False, True):
+        port.is_using = False
+        sdk.syncReadTx(port, 224, 18, [1, 2, 3], 3, fast)
+        assert port.data == packet.sync_read([1, 2, 3], 224, 18, fast=fast)

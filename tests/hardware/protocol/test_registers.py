@@ -1,0 +1,212 @@
+from itertools import pairwise
+
+import pytest
+
+from kinesic.body.config import CONFIGS
+from kinesic.body.robot_file import servo_models
+from kinesic.hardware.protocol.models import BY_NUMBER, MODELS, NEVER, Model
+from kinesic.hardware.protocol.registers import BAUD_RATES, Mode, Register
+
+EVERY = pytest.mark.parametrize("model", MODELS.values(), ids=list(MODELS))
+NUMBERS = {
+    "xl330_m077": 1190,
+    "xl330_m288": 1200,
+    "xc330_t181": 1210,
+    "xc330_t288": 1220,
+    "xc330_m181": 1230,
+    "xc330_m288": 1240,
+    "xl430_w250": 1060,
+    "2xl430_w250": 1090,
+    "xc430_w150": 1070,
+    "xc430_w240": 1080,
+    "xm430_w350": 1020,
+    "xm430_w210": 1030,
+    "xh430_w350": 1000,
+    "xh430_w210": 1010,
+    "xm540_w270": 1120,
+    "xm540_w150": 1130,
+    "xh540_w270": 1100,
+    "xh540_w150": 1110,
+    "xw540_t260": 1170,
+}
+
+
+def test_no_registers_overlap():
+    fields = sorted((register.field for register in Register), key=lambda field: field.address)
+    for one, next_one in pairwise(fields):
+        assert one.end <= next_one.address
+
+
+def test_every_register_has_a_member_of_its_own():
+    assert len(Register) == len(Register.__members__)
+    assert len({register.field.address for register in Register}) == len(Register)
+
+
+def test_sizes_are_those_of_the_wire():
+    assert {register.field.size for register in Register} == {1, 2, 4}
+
+
+def test_figures_fit_into_their_registers():
+    for model in MODELS.values():
+        for register in model.registers:
+            lower, upper = model.range(register)
+            assert lower <= upper
+            for value in (model.starts(register), lower, upper):
+                assert register.field.unpack(register.field.pack(value)) == value
+
+
+@EVERY
+def test_factory_values_are_within_their_ranges(model: Model):
+    for register in model.registers:
+        lower, upper = model.range(register)
+        if register.field.writable:
+            assert lower <= model.starts(register) <= upper
+
+
+@pytest.mark.parametrize(
+    "register",
+    [
+        Register.MODEL_NUMBER,
+        Register.MODEL_INFORMATION,
+        Register.FIRMWARE_VERSION,
+        Register.REGISTERED_INSTRUCTION,
+        Register.HARDWARE_ERROR_STATUS,
+        Register.REALTIME_TICK,
+        Register.MOVING,
+        Register.MOVING_STATUS,
+        Register.PRESENT_PWM,
+        Register.PRESENT_CURRENT,
+        Register.PRESENT_VELOCITY,
+        Register.PRESENT_POSITION,
+        Register.VELOCITY_TRAJECTORY,
+        Register.POSITION_TRAJECTORY,
+        Register.PRESENT_INPUT_VOLTAGE,
+        Register.PRESENT_TEMPERATURE,
+        Register.BACKUP_READY,
+    ],
+)
+def test_what_the_servo_tells_cannot_be_written(register: Register):
+    assert not register.field.writable
+    assert sum(not other.field.writable for other in Register) == 17
+
+
+def test_eeprom_ends_before_torque_enable():
+    assert Register.SHUTDOWN.field.eeprom
+    assert not Register.TORQUE_ENABLE.field.eeprom
+
+
+@pytest.mark.parametrize(
+    ("register", "address", "size", "signed"),
+    [
+        (Register.ID, 7, 1, False),
+        (Register.OPERATING_MODE, 11, 1, False),
+        (Register.HOMING_OFFSET, 20, 4, True),
+        (Register.CURRENT_LIMIT, 38, 2, False),
+        (Register.TORQUE_ENABLE, 64, 1, False),
+        (Register.BUS_WATCHDOG, 98, 1, True),
+        (Register.GOAL_CURRENT, 102, 2, True),
+        (Register.PROFILE_ACCELERATION, 108, 4, False),
+        (Register.GOAL_POSITION, 116, 4, True),
+        (Register.PRESENT_CURRENT, 126, 2, True),
+        (Register.PRESENT_POSITION, 132, 4, True),
+        (Register.PRESENT_INPUT_VOLTAGE, 144, 2, False),
+        (Register.PRESENT_TEMPERATURE, 146, 1, False),
+    ],
+)
+def test_registers_stand_where_the_manual_says(register: Register, address: int, size: int, signed: bool):
+    field = register.field
+    assert (field.address, field.size, field.signed) == (address, size, signed)
+
+
+def test_units():
+    assert Register.PRESENT_VELOCITY.field.scale == pytest.approx(0.229 * 6.283185307 / 60)
+    assert Register.PRESENT_INPUT_VOLTAGE.field.scale == pytest.approx(0.1)
+    assert Register.BUS_WATCHDOG.field.scale == pytest.approx(0.020)
+    assert 4096 * Register.GOAL_POSITION.field.scale == pytest.approx(6.283185307)
+    assert 885 * Register.GOAL_PWM.field.scale == pytest.approx(1.0)
+
+
+def test_a_value_that_does_not_fit_is_refused():
+    with pytest.raises(ValueError, match="does not fit into an unsigned register of 1 bytes at 64"):
+        Register.TORQUE_ENABLE.field.pack(300)
+    with pytest.raises(ValueError, match="has 4 bytes, not 2"):
+        Register.GOAL_POSITION.field.unpack(b"\0\0")
+
+
+def test_negative_values_are_twos_complement():
+    assert Register.GOAL_POSITION.field.pack(-1) == b"\xff\xff\xff\xff"
+    assert Register.BUS_WATCHDOG.field.unpack(b"\xff") == -1
+
+
+def test_model_numbers():
+    assert {name: model.number for name, model in MODELS.items()} == NUMBERS
+    assert {model.name for model in BY_NUMBER.values()} == set(MODELS)
+
+
+def test_models_that_the_twin_knows_have_the_same_number():
+    known = servo_models()
+    assert known, CONFIGS
+    for name, model in known.items():
+        assert MODELS[name].number == model.model
+
+
+@pytest.mark.parametrize(
+    ("name", "register", "initial", "span"),
+    [
+        ("xl330_m288", Register.TEMPERATURE_LIMIT, 70, (0, 100)),
+        ("xl330_m288", Register.MIN_VOLTAGE_LIMIT, 35, (31, 70)),
+        ("xl330_m288", Register.CURRENT_LIMIT, 1750, (0, 1750)),
+        ("xl330_m288", Register.VELOCITY_LIMIT, 445, (0, 2047)),
+        ("xl330_m288", Register.SHUTDOWN, 53, (0, 63)),
+        ("xl330_m288", Register.BAUD_RATE, 1, (0, 6)),
+        ("xc330_t288", Register.MAX_VOLTAGE_LIMIT, 140, (55, 140)),
+        ("xc330_t288", Register.POSITION_P_GAIN, 900, (0, 16383)),
+        ("xl430_w250", Register.POSITION_D_GAIN, 4000, (0, 16383)),
+        ("xl430_w250", Register.TEMPERATURE_LIMIT, 72, (0, 100)),
+        ("xm430_w350", Register.CURRENT_LIMIT, 1193, (0, 1193)),
+        ("xm430_w350", Register.GOAL_CURRENT, 1193, (-1193, 1193)),
+        ("xm540_w270", Register.VELOCITY_LIMIT, 128, (0, 1023)),
+        ("xm540_w270", Register.MIN_VOLTAGE_LIMIT, 95, (95, 160)),
+        ("xh540_w270", Register.POSITION_P_GAIN, 800, (0, 16383)),
+    ],
+)
+def test_figures_of_the_manual(name: str, register: Register, initial: int, span: tuple[int, int]):
+    assert MODELS[name].starts(register) == initial
+    assert MODELS[name].range(register) == span
+
+
+def test_a_servo_without_current_sensor_has_no_current_modes():
+    model = MODELS["xl430_w250"]
+    assert model.amperes is None
+    assert not model.has(Register.CURRENT_LIMIT)
+    assert not model.has(Register.GOAL_CURRENT)
+    assert model.modes == {Mode.VELOCITY, Mode.POSITION, Mode.EXTENDED_POSITION, Mode.PWM}
+    assert MODELS["xm430_w350"].amperes == pytest.approx(2.69e-3)
+    assert MODELS["xl330_m288"].amperes == pytest.approx(1e-3)
+
+
+def test_what_only_some_models_have():
+    assert MODELS["xm540_w270"].has(Register.EXTERNAL_PORT_MODE_1)
+    assert not MODELS["xm430_w350"].has(Register.EXTERNAL_PORT_MODE_1)
+    assert MODELS["xl330_m288"].has(Register.PWM_SLOPE)
+    assert not MODELS["xw540_t260"].has(Register.LED)
+
+
+@EVERY
+def test_indirect_cells_stand_behind_everything(model: Model):
+    end = max(register.field.end for register in model.registers)
+    for cells in model.cells:
+        assert cells.addresses >= end
+        assert cells.data >= cells.addresses + 2 * cells.count
+
+
+def test_firmware_that_answers_fast_reads():
+    assert MODELS["xl330_m288"].fast_firmware == 46
+    assert MODELS["xm430_w350"].fast_firmware == 45
+    assert MODELS["2xl430_w250"].fast_firmware == NEVER
+
+
+def test_baud_rates():
+    assert BAUD_RATES[1] == 57_600
+    assert BAUD_RATES[3] == 1_000_000
+    assert BAUD_RATES[6] == 4_000_000

@@ -1,0 +1,166 @@
+from collections.abc import Callable
+
+import pytest
+from dynamixel_sdk import COMM_RX_TIMEOUT, COMM_SUCCESS, GroupSyncRead, Protocol2PacketHandler
+
+from kinesic.hardware.protocol.packet import Instruction, packet, status, stuffed
+from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.protocol.sdk import Packets, WirePort
+from kinesic.hardware.protocol.wire import BusError
+
+Make = Callable  # of a rig, see conftest
+
+
+class Script:
+    """A wire that answers each write with what was prepared for it."""
+
+    name, baud = "script", 4_500_000
+
+    def __init__(self, *answers: bytes, error: BusError | None = None) -> None:
+        self._answers, self._coming, self._error = list(answers), b"", error
+        self.time, self.reads, self.closed = 0.0, 0, False
+
+    def now(self) -> float:
+        return self.time
+
+    def write(self, data: bytes | bytearray, /) -> None:
+        if self._error is not None:
+            raise self._error
+        self._coming = self._answers.pop(0) if self._answers else b""
+
+    def read(self, deadline: float, /) -> bytes:
+        if self._error is not None:
+            raise self._error
+        self.reads += 1
+        if not self._coming:
+            self.time = max(self.time, deadline)
+        data, self._coming = self._coming, b""
+        return data
+
+    def sleep(self, until: float, /) -> None:
+        self.time = max(self.time, until)
+
+    def reopen(self) -> bool:
+        return True
+
+    def close(self) -> None:
+        self.closed = True
+
+
+@pytest.mark.parametrize("body", [b"\xff\xff\xfd", b"\xff\xff\xfd\xfd\xff\xfd\xfd", b"\x01\x02", b""])
+def test_stuffing_is_done_and_undone_in_place(body: bytes):
+    plain = [0xFF, 0xFF, 0xFD, 0, 1, len(body) + 2, 0, *body, 0, 0]
+    packets = Packets()
+    made = list(plain)
+    packets.addStuffing(made)
+    assert bytes(made[7:-2]) == stuffed(body)
+    assert made[5] == len(stuffed(body)) + 2
+    packets.removeStuffing(made)
+    assert made == plain
+
+
+def test_what_needs_stuffing_arrives(rig: Make):
+    made = rig(1)
+    port, packets = WirePort(made.wire), Packets()
+    data = [0xFF, 0xFF, 0xFD, 0xFF, 0xFF, 0xFF]  # goal current -1, goal velocity -3
+    assert packets.writeTxRx(port, 1, 102, 6, data) == (COMM_SUCCESS, 0)
+    assert made.true(Register.GOAL_CURRENT) == [-1]
+    assert made.true(Register.GOAL_VELOCITY) == [-3]
+
+
+def test_a_late_acknowledgement_is_no_answer_to_a_read():
+    wire = Script(status(1, 0) + status(1, 0, bytes((7, 0, 0, 0))))
+    assert Packets().read4ByteTxRx(WirePort(wire), 1, 132) == (7, COMM_SUCCESS, 0)
+
+
+def test_a_late_position_is_no_temperature():
+    wire = Script(status(1, 0, bytes(4)) + status(1, 0, bytes((41,))))
+    assert Packets().read1ByteTxRx(WirePort(wire), 1, 146) == (41, COMM_SUCCESS, 0)
+
+
+def test_the_answer_of_another_servo_is_passed_over():
+    wire = Script(status(2, 0, bytes((9,))) + status(1, 0, bytes((41,))))
+    assert Packets().read1ByteTxRx(WirePort(wire), 1, 146) == (41, COMM_SUCCESS, 0)
+
+
+def test_a_refusal_is_told():
+    assert Packets().readTxRx(WirePort(Script(status(1, 7))), 1, 148, 1) == ([], COMM_SUCCESS, 7)
+
+
+def test_an_alert_is_data():
+    wire = Script(status(1, 0x80, bytes((0x20,))))
+    assert Packets().read1ByteTxRx(WirePort(wire), 1, 70) == (0x20, COMM_SUCCESS, 0x80)
+
+
+@pytest.mark.realtime
+def test_waiting_does_not_burn_a_core():
+    wire = Script()
+    _, result, _ = Packets().read1ByteTxRx(WirePort(wire), 1, 146)
+    assert result == COMM_RX_TIMEOUT
+    assert wire.reads < 10
+    assert wire.time < 0.02
+
+
+@pytest.mark.parametrize("way", ["read", "write"])
+def test_a_port_that_failed_is_free_again(way: str):
+    wire = Script(error=BusError("gone"))
+    port, packets = WirePort(wire), Packets()
+    with pytest.raises(BusError):
+        packets.readTxRx(port, 1, 146, 1) if way == "read" else packets.write1ByteTxRx(port, 1, 64, 1)
+    assert not port.is_using
+
+
+def test_every_baud_rate_is_the_wires_business():
+    port = WirePort(Script())
+    assert port.getBaudRate() == 4_500_000
+    assert port.setBaudRate(4_500_000)
+    assert not port.setBaudRate(57_600)
+    port.closePort()
+    assert not port.is_open
+
+
+def test_bytes_can_be_counted_before_they_are_read():
+    wire = Script(b"abc")
+    port = WirePort(wire)
+    port.writePort([1])
+    assert port.getBytesAvailable() == 3
+    assert port.readPort(2) == b"ab"
+    port.clearPort()
+    assert port.getBytesAvailable() == 0
+
+
+def test_group_reads_go_through(rig: Make):
+    made = rig(4)
+    port = WirePort(made.wire)
+    group = GroupSyncRead(port, Packets(), 132, 4)
+    for servo in made.bus.ids:
+        assert group.addParam(servo)
+    for read in (group.txRxPacket, group.fastSyncRead):
+        assert read() == COMM_SUCCESS
+        assert [group.getData(servo, 132, 4) for servo in made.bus.ids] == made.true(Register.PRESENT_POSITION).tolist()
+
+
+def test_a_broadcast_ping_finds_everybody(rig: Make):
+    made = rig(5)
+    found, result = Packets().broadcastPing(WirePort(made.wire))
+    assert result == COMM_SUCCESS
+    assert found == {servo: [1020, 52] for servo in made.bus.ids}
+
+
+class Ear(Script):
+    """Keeps what is written."""
+
+    sent = b""
+
+    def write(self, data: bytes | bytearray, /) -> None:
+        self.sent = bytes(data)
+
+
+def test_what_is_sent_is_what_the_codec_sends_where_the_sdk_alone_forgets_to_stuff():
+    data = [0xFF, 0xFF, 0xFD, 0xFD, 1]
+    right = packet(3, Instruction.WRITE, bytes((200, 0, *data)))
+    wire = Ear()
+    Packets().writeTxOnly(WirePort(wire), 3, 200, 5, data)
+    assert wire.sent == right
+    Protocol2PacketHandler().writeTxOnly(WirePort(wire), 3, 200, 5, data)
+    assert wire.sent != right

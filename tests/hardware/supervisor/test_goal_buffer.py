@@ -1,0 +1,58 @@
+import numpy as np
+import pytest
+
+from kinesic.hardware.supervisor.goal_buffer import Score
+
+
+def score_of(times, goals) -> Score:
+    score = Score()
+    for time, goal in zip(times, goals, strict=True):
+        score.add(float(time), np.atleast_1d(np.asarray(goal, dtype=float)))
+    return score
+
+
+def test_it_passes_every_goal():
+    times, goals = np.arange(10) * 0.01, np.random.default_rng(0).normal(size=(10, 3))
+    score = score_of(times, goals)
+    for time, goal in zip(times, goals, strict=True):
+        assert score.at(float(time)) == pytest.approx(goal, abs=1e-12)
+
+
+def test_straight_and_curved_motion_is_met_between_goals_too():
+    times = np.arange(20) * 0.01
+    score = score_of(times, 3 * times**2 - times)
+    for time in np.linspace(0.02, 0.16, 57):
+        assert score.at(float(time))[0] == pytest.approx(3 * time**2 - time, abs=1e-9)
+
+
+def test_its_speed_never_jumps():
+    rng = np.random.default_rng(1)
+    times = np.cumsum(rng.uniform(0.005, 0.03, 30))
+    score = score_of(times, np.cumsum(rng.normal(size=30)))
+    for time in times[1:-1]:
+        before, here, after = (score.at(float(time) + step)[0] for step in (-1e-7, 0.0, 1e-7))
+        assert (after - here) == pytest.approx(here - before, abs=1e-8)
+
+
+def test_outside_of_what_is_known_the_nearest_goals_stand():
+    score = score_of([1.0, 2.0], [3.0, 5.0])
+    assert score.at(0.0) == 3.0
+    assert score.at(9.0) == 5.0
+    with pytest.raises(LookupError, match="no goals"):
+        Score().at(0.0)
+
+
+def test_what_is_past_is_forgotten_and_the_curve_stays():
+    times = np.arange(50) * 0.01
+    score, kept = (score_of(times, np.sin(9 * times)) for _ in range(2))
+    score.forget(0.305)
+    assert len(score) == 50 - 29
+    for time in np.linspace(0.305, 0.48, 40):
+        assert score.at(float(time)) == pytest.approx(kept.at(float(time)), abs=1e-12)
+
+
+def test_a_later_word_on_the_future_replaces_it():
+    score = score_of([0.0, 0.1, 0.2, 0.3], [0.0, 1.0, 2.0, 3.0])
+    score.add(0.15, np.array([7.0]))
+    assert (score.begin, score.end, len(score)) == (0.0, 0.15, 3)
+    assert score.at(0.15) == 7.0

@@ -1,0 +1,94 @@
+import pytest
+
+from kinesic.hardware.protocol import packet
+from kinesic.hardware.protocol.packet import ALERT
+from kinesic.hardware.protocol.registers import HardwareError, Register
+from kinesic.hardware.virtual.faults import FaultPlan, Mishap
+from kinesic.hardware.virtual.firmware import ROOM
+from kinesic.hardware.virtual.wiring import Cable, Fitting
+
+from .conftest import Line
+
+
+def struck(*mishaps: Mishap) -> Line:
+    return Line(Cable("body", (Fitting(1), Fitting(2)), faults=FaultPlan(mishaps)))
+
+
+def test_an_alert_comes_at_its_time_and_takes_the_torque():
+    line = struck(Mishap("alert", servos=(2,), start=1.0))
+    line.set(Register.TORQUE_ENABLE, 1, servo=2)
+    line.pass_time(0.9)
+    assert line.error(packet.ping(2)) == 0
+    line.pass_time(0.2)
+    assert line.error(packet.ping(2)) == ALERT
+    assert line.get(Register.HARDWARE_ERROR_STATUS, servo=2) == HardwareError.OVERLOAD.value
+    assert line.get(Register.TORQUE_ENABLE, servo=2) == 0
+    assert line.error(packet.ping(1)) == 0
+
+
+def test_heat_rises_until_the_servo_shuts_down():
+    line = struck(Mishap("overheat", servos=(1,), start=1.0, seconds=20.0, value=5.0))
+    line.set(Register.TORQUE_ENABLE, 1)
+    line.pass_time(11.0)
+    assert line.get(Register.PRESENT_TEMPERATURE) == pytest.approx(ROOM + 50, abs=1)
+    assert line.get(Register.TORQUE_ENABLE) == 1
+    line.pass_time(1.1)
+    assert line.get(Register.HARDWARE_ERROR_STATUS) == HardwareError.OVERHEATING.value
+    assert line.get(Register.TORQUE_ENABLE) == 0
+    line.pass_time(20.0)
+    assert line.get(Register.PRESENT_TEMPERATURE) == pytest.approx(ROOM + 100, abs=1), "it ends"
+
+
+def test_voltage_sags_and_recovers_and_the_error_stays():
+    line = struck(Mishap("undervoltage", start=0.5, seconds=0.5, value=8.0))
+    line.pass_time(0.7)
+    assert line.get(Register.PRESENT_INPUT_VOLTAGE) == 80
+    line.pass_time(0.5)
+    assert line.get(Register.PRESENT_INPUT_VOLTAGE) == 120
+    assert line.get(Register.HARDWARE_ERROR_STATUS) == HardwareError.VOLTAGE.value
+
+
+def test_a_reboot_a_trip_and_a_silence_happen_when_planned():
+    line = struck(
+        Mishap("reboot", servos=(1,), start=1.0, value=0.5),
+        Mishap("watchdog", servos=(2,), start=1.0),
+        Mishap("silent", servos=(2,), start=2.0, seconds=0.5),
+    )
+    line.pass_time(1.3)
+    assert line.ask(packet.ping(1)) == []
+    assert line.get(Register.BUS_WATCHDOG, servo=2) == -1
+    line.pass_time(0.3)
+    assert len(line.ask(packet.ping(1))) == 1
+    line.pass_time(0.6)
+    assert line.ask(packet.ping(2)) == []
+    line.pass_time(0.4)
+    assert len(line.ask(packet.ping(2))) == 1
+
+
+def test_a_rebooted_arm_keeps_its_goal_where_it_fell():
+    line = struck(Mishap("reboot", servos=(1,), start=0.5))
+    line.set(Register.TORQUE_ENABLE, 1)
+    line.set(Register.GOAL_POSITION, 2500)
+    line.pass_time(0.55)
+    line.plant.physics.turn(0, 1000 * Register.PRESENT_POSITION.field.scale)
+    line.pass_time(0.5)
+    assert line.get(Register.GOAL_POSITION) == 1000
+
+
+def test_the_watchdog_trips_to_the_tick_whatever_the_steps():
+    line = struck()
+    line.set(Register.TORQUE_ENABLE, 1)
+    line.set(Register.BUS_WATCHDOG, 3)
+    heard = line.servo.electronics._heard
+    trips = []
+    plain = line.servo.electronics.trip
+    line.servo.electronics.trip = lambda: (trips.append(line.servo.electronics.time), plain())
+    line.pass_time(1.0)
+    assert trips == [pytest.approx(heard + 0.06)]
+
+
+def test_time_never_goes_back():
+    line = struck()
+    line.plant.advance(2.0)
+    line.plant.advance(1.0)
+    assert line.plant.time == 2.0

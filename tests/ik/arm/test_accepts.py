@@ -1,0 +1,122 @@
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.chain import Chain, ChainJoint
+from kinesic.body.config import ConfigError
+from kinesic.body.reach import Reach
+from kinesic.body.robot import Robot
+from kinesic.body.skeleton import Hinge
+from kinesic.ik.arm.accepts import checked
+from kinesic.ik.arm.linkage import linkage_of
+from kinesic.ik.solve import solve
+
+LEFT = Robot.load().arms["l"]
+AXES: Mapping[str, Floats] = {"x": np.array([1.0, 0, 0]), "y": np.array([0, 1.0, 0]), "z": np.array([0, 0, 1.0])}
+
+
+def _hinge(name: str, axis: str, lower: float = -1.5, upper: float = 1.5) -> Hinge:
+    return Hinge(name, name, sealed(AXES[axis]), lower, upper, 0.0)
+
+
+def _arm(shoulder: str, elbow: str, wrist: str) -> Chain:
+    """Bones along z; a letter for each hinge's axis."""
+    parts = (("s", shoulder, -0.3), ("e", elbow, -0.25), ("w", wrist, -0.08))
+    joints = tuple(
+        ChainJoint(name, tuple(_hinge(f"{name}{k}", a) for k, a in enumerate(axes)), sealed([0.0, 0.0, length]))
+        for name, axes, length in parts
+    )
+    count = len(shoulder + elbow + wrist)
+    return Chain("arm", "trunk", sealed([0.0, 0.1, 0.0]), joints, tuple(range(count)), sealed([0.0, -1.0, 0.0]))
+
+
+def _with(chain: Chain, joint: int, **changes: object) -> Chain:
+    joints = list(chain.joints)
+    joints[joint] = replace(joints[joint], **changes)
+    return replace(chain, joints=tuple(joints))
+
+
+@pytest.mark.parametrize("side", ["l", "r"])
+def test_the_arms_of_the_default_robot_are_solved_as_they_are(side):
+    chain = Robot.load().arms[side]
+    assert linkage_of(checked(chain)).links == linkage_of(chain).links
+
+
+def test_a_first_hinge_along_the_parents_bone_slides_down_it_and_nothing_moves_otherwise():
+    chain = _arm("yx", "zy", "zyx")
+    taken = checked(chain)
+    assert [[hinge.name for hinge in joint.hinges] for joint in taken.joints] == [
+        ["s0", "s1", "e0"],
+        ["e1", "w0"],
+        ["w1", "w2"],
+    ]
+    random = np.random.default_rng(71)
+    for _ in range(20):
+        angles = random.uniform(chain.lower, chain.upper)
+        assert np.allclose(chain.frames(angles)[1], taken.frames(angles)[1], atol=1e-12)
+        assert np.allclose(chain.frames(angles)[0][-1], taken.frames(angles)[0][-1], atol=1e-12)
+    assert all(np.array_equal(getattr(chain, name), getattr(taken, name)) for name in ("lower", "upper", "rest"))
+
+
+@pytest.mark.parametrize("arm", [("yxz", "y", "yx"), ("xyz", "xz", "xy"), ("zxz", "yz", "yx"), ("yx", "yz", "yx")])
+def test_usual_arms_are_taken_and_solved(arm):
+    chain = checked(_arm(*arm))
+    random = np.random.default_rng(72)
+    for _ in range(15):
+        position = chain.hand(random.uniform(chain.lower, chain.upper))
+        assert solve(chain, Reach(position), start=chain.rest).reached
+
+
+def test_axes_need_not_be_perpendicular():
+    random = np.random.default_rng(73)
+    for _ in range(4):
+        chain = LEFT
+        for joint, part in enumerate(LEFT.joints):
+            hinges = tuple(
+                hinge if abs(hinge.axis[2]) > 0.9 else replace(hinge, axis=_tilted(hinge.axis, random, 0.15))
+                for hinge in part.hinges
+            )
+            chain = _with(chain, joint, hinges=hinges)
+        chain = checked(chain)
+        for _ in range(15):
+            position = chain.hand(random.uniform(chain.lower, chain.upper))
+            assert solve(chain, Reach(position), start=chain.rest).residual < 1e-4
+
+
+def _tilted(axis: Floats, random: np.random.Generator, by: float) -> Floats:
+    aside = axis + by * random.normal(size=3) / np.sqrt(3)
+    return sealed(aside / np.linalg.norm(aside))
+
+
+def test_three_hinges_that_swing_one_bone_break_a_rule():
+    with pytest.raises(ConfigError, match=r"chain arm: joint s: hinges s0, s1, s2 all swing .* at most two may"):
+        checked(_arm("xyx", "y", "zyx"))
+    with pytest.raises(ConfigError, match=r"joint w: hinges w1, w2, w3 all swing"):
+        checked(_arm("yxz", "y", "zyxy"))
+
+
+def test_two_hinges_on_one_line_break_a_rule():
+    with pytest.raises(ConfigError, match=r"joint s: hinges s2 and e0 turn about the same line"):
+        checked(_arm("yxz", "zy", "yx"))
+
+
+def test_a_bone_without_length_leads_nowhere():
+    with pytest.raises(ConfigError, match=r"chain l_arm: joint l_elbow: its bone is 0 m long; it must lead somewhere"):
+        checked(_with(LEFT, 2, bone=sealed([0.0, 0.0, 0.0])))
+    assert checked(_with(LEFT, 3, bone=sealed([0.0, 0.0, 0.0]))).lengths[-1] == 0.0
+
+
+def test_numbers_that_make_no_sense_are_refused():
+    with pytest.raises(ConfigError, match=r"has 2 joints; an arm has at least shoulder, elbow, wrist"):
+        checked(replace(LEFT, joints=LEFT.joints[:2]))
+    with pytest.raises(ConfigError, match=r"bone of joint l_elbow is .*nan.*three finite numbers"):
+        checked(_with(LEFT, 2, bone=sealed([np.nan, 0.0, -0.2])))
+    with pytest.raises(ConfigError, match=r"hinge a: range \[1, -1\] rad is empty; write the smaller first"):
+        checked(_with(LEFT, 0, hinges=(_hinge("a", "x", 1.0, -1.0),)))
+    with pytest.raises(ConfigError, match=r"hinge a: range \[-inf, 1.0\].*must be finite"):
+        checked(_with(LEFT, 0, hinges=(_hinge("a", "x", -np.inf, 1.0),)))
+    with pytest.raises(ConfigError, match=r"hinge a: axis \[2.0, 0.0, 0.0\] has length 2; divide"):
+        checked(_with(LEFT, 0, hinges=(replace(_hinge("a", "x"), axis=sealed([2.0, 0.0, 0.0])),)))

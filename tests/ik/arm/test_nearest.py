@@ -1,0 +1,64 @@
+import numpy as np
+from numpy.random import default_rng
+
+from kinesic.bench.ik.best_posture import optimum
+from kinesic.body.arrays import Floats
+from kinesic.body.reach import Reach
+from kinesic.body.robot import Robot
+from kinesic.ik.arm.linkage import linkage_of
+from kinesic.ik.arm.nearest import finish
+from kinesic.ik.scalar3 import vector
+from kinesic.ik.solve import solve
+
+LEFT = Robot.load().arms["l"]
+LINKAGE = linkage_of(LEFT)
+SHOULDER = np.array([0.0, 0.155, -0.035])
+
+
+def _beyond(count: int, *, seed: int) -> list[Floats]:
+    """Targets that no posture holds: too far, too near, behind the back."""
+    random, found = default_rng(seed), []
+    while len(found) < count:
+        direction = random.normal(size=3)
+        length = random.uniform(0.1, 1.5) * LINKAGE.farthest
+        target = SHOULDER + direction * length / np.linalg.norm(direction)
+        if not solve(LEFT, Reach(target), start=LEFT.rest).reached:
+            found.append(target)
+    return found
+
+
+def test_the_hand_comes_as_near_as_the_offline_reference_finds():
+    gaps = []
+    for target in _beyond(30, seed=41):
+        first = solve(LEFT, Reach(target), start=LEFT.rest)
+        found = finish(LINKAGE, vector(target), first.angles.tolist())
+        gaps.append(found.miss - optimum(LEFT, Reach(target), beginnings=8).residual)
+    assert np.mean(np.array(gaps) < 5e-3) >= 0.95
+    assert np.mean(np.array(gaps) < 1e-3) >= 0.9
+
+
+def test_it_stays_in_the_ranges_and_never_loses_ground():
+    random = default_rng(42)
+    for target in _beyond(40, seed=43):
+        start = random.uniform(LEFT.lower, LEFT.upper)
+        found = finish(LINKAGE, vector(target), start.tolist())
+        angles = np.array([*found.angles, *start[len(found.angles) :]])
+        assert np.all((LEFT.lower <= angles) & (angles <= LEFT.upper))
+        assert abs(np.linalg.norm(LEFT.hand(angles) - target) - found.miss) < 1e-12
+        assert found.miss <= np.linalg.norm(LEFT.hand(start) - target)
+        assert found.rounds <= 30
+
+
+def test_where_it_ends_no_hinge_alone_helps():
+    for target in _beyond(15, seed=44):
+        found = finish(LINKAGE, vector(target), LEFT.rest.tolist())
+        for k in range(len(found.angles)):
+            for step in (-1e-4, 1e-4):
+                moved = np.array([*found.angles, *LEFT.rest[len(found.angles) :]])
+                moved[k] = np.clip(moved[k] + step, LEFT.lower[k], LEFT.upper[k])
+                assert np.linalg.norm(LEFT.hand(moved) - target) > found.miss - 1e-6
+
+
+def test_a_hand_on_its_target_stays():
+    found = finish(LINKAGE, vector(LEFT.hand(LEFT.rest)), LEFT.rest.tolist())
+    assert np.abs(np.array(found.angles) - LEFT.rest[: len(found.angles)]).max() < 1e-9

@@ -1,0 +1,74 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.random import default_rng
+
+from kinesic.body.arrays import sealed
+from kinesic.body.chain import Chain, ChainJoint
+from kinesic.body.reach import Reach
+from kinesic.body.robot import Robot
+from kinesic.ik.arm.offset_hinges import nominal, solve_offset
+from kinesic.ik.solve import solve
+
+LEFT = Robot.load().arms["l"]
+
+
+def _split(chain: Chain, name: str, after: int, offset: tuple[float, float, float]) -> Chain:
+    """The chain with one joint's hinges apart: the first ones, a short bone, the others."""
+    joints: list[ChainJoint] = []
+    for joint in chain.joints:
+        if joint.name == name:
+            joints.append(ChainJoint(f"{name}_first", joint.hinges[:after], sealed(offset)))
+            joint = replace(joint, hinges=joint.hinges[after:])  # noqa: PLW2901 - the rest of the joint
+        joints.append(joint)
+    return replace(chain, joints=tuple(joints))
+
+
+def _apart(offset: float) -> Chain:
+    """Shoulder, elbow and wrist, each with hinges that do not meet."""
+    chain = _split(LEFT, "l_shoulder", 1, (offset, offset, 0.0))
+    chain = _split(chain, "l_elbow", 1, (offset, 0.0, 0.0))
+    return _split(chain, "l_wrist", 1, (0.0, offset, -offset))
+
+
+@pytest.mark.parametrize("offset", [0.01, 0.02, 0.03])
+def test_targets_of_random_postures_are_reached_with_hinges_apart(offset):
+    chain, random = _apart(offset), default_rng(81)
+    for _ in range(50):
+        position = chain.hand(random.uniform(chain.lower, chain.upper))
+        found = solve_offset(chain, Reach(position), start=chain.rest)
+        assert np.all((chain.lower <= found.angles) & (found.angles <= chain.upper))
+        assert found.residual == pytest.approx(np.linalg.norm(chain.hand(found.angles) - position), abs=1e-12)
+        assert found.residual < 1e-4
+
+
+def test_the_nominal_arm_has_the_same_hinges_and_one_centre_for_each_joint():
+    ideal = nominal(_apart(0.02))
+    assert [joint.name for joint in ideal.joints] == [joint.name for joint in LEFT.joints]
+    assert [h.name for j in ideal.joints for h in j.hinges] == [h.name for j in LEFT.joints for h in j.hinges]
+    assert nominal(LEFT) is LEFT
+
+
+def test_an_offset_along_the_bone_lengthens_it():
+    ideal = nominal(_split(LEFT, "l_shoulder", 2, (0.02, 0.0, -0.02)))
+    assert ideal.joints[1].bone == pytest.approx([0.0, 0.0, -0.24])
+
+
+def test_without_offsets_it_is_solve():
+    reach = Reach(np.array([0.25, 0.15, -0.05]), pointing=np.array([1.0, 0.0, 0.0]))
+    plain, found = solve(LEFT, reach, start=LEFT.rest), solve_offset(LEFT, reach, start=LEFT.rest)
+    assert np.abs(plain.angles - found.angles).max() < 1e-6
+    assert found.pointing_error == pytest.approx(plain.pointing_error, abs=1e-6)
+
+
+def test_pointing_and_palm_are_measured_on_the_true_arm():
+    chain = _apart(0.02)
+    posture = np.array([0.1, 0.6, 0.4, -0.3, 1.2, 0.2, 0.1, -0.1])
+    rotations, centres = chain.frames(posture)
+    pointing = (centres[-1] - centres[-2]) / np.linalg.norm(centres[-1] - centres[-2])
+    found = solve_offset(chain, Reach(centres[-2], pointing, rotations[-1] @ chain.palm), start=posture)
+    points = chain.frames(found.angles)[1]
+    along = (points[-1] - points[-2]) / np.linalg.norm(points[-1] - points[-2])
+    assert found.pointing_error == pytest.approx(np.arccos(np.clip(along @ pointing, -1, 1)), abs=1e-6)
+    assert found.palm_error is not None

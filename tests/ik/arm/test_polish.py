@@ -1,0 +1,57 @@
+import numpy as np
+import pytest
+from numpy.random import default_rng
+
+from kinesic.body.robot import Robot
+from kinesic.ik.arm.linkage import linkage_of
+from kinesic.ik.arm.polish import ROUNDS, polish
+from kinesic.ik.scalar3 import distance, vector
+
+CHAIN = Robot.load().arms["l"]
+ARM = linkage_of(CHAIN)
+HOME = CHAIN.rest.tolist()
+EASE = [0.1, *[1.0] * 7]
+
+
+def test_a_hand_near_its_target_is_brought_onto_it() -> None:
+    random = default_rng(6)
+    middle, half = 0.5 * (CHAIN.lower + CHAIN.upper), 0.5 * (CHAIN.upper - CHAIN.lower)
+    for _ in range(50):
+        angles = middle + 0.7 * half * random.uniform(-1, 1, 8)
+        target = vector(CHAIN.hand(angles + random.uniform(-0.1, 0.1, 8)))
+        found = polish(ARM, target, angles.tolist(), posture=HOME, mobility=EASE)
+        assert found.miss < 1e-6
+        assert found.miss == pytest.approx(distance(ARM.hand(found.angles), target), abs=1e-15)
+        assert found.rounds <= ROUNDS
+
+
+def test_the_error_never_grows_and_the_ranges_hold() -> None:
+    random = default_rng(7)
+    for _ in range(50):
+        angles = random.uniform(CHAIN.lower, CHAIN.upper)
+        target = tuple(random.uniform(-0.8, 0.8, 3).tolist())
+        found = polish(ARM, target, angles.tolist(), posture=HOME, mobility=EASE)
+        assert found.miss <= distance(ARM.hand(angles.tolist()), target) + 1e-15
+        assert np.all(CHAIN.lower[:5] <= found.angles)
+        assert np.all(found.angles <= CHAIN.upper[:5])
+
+
+def test_a_fixed_hinge_stays() -> None:
+    target = vector(CHAIN.hand(CHAIN.rest + 0.1))
+    found = polish(ARM, target, HOME, posture=HOME, mobility=[0.0, *EASE[1:]])
+    assert found.angles[0] == HOME[0]
+    assert found.miss < 1e-6
+
+
+def test_a_hand_on_its_target_is_left_alone() -> None:
+    found = polish(ARM, ARM.hand(HOME), HOME, posture=HOME, mobility=EASE)
+    assert found.rounds == 0
+    assert found.angles == tuple(HOME[:5])
+
+
+def test_an_excess_at_one_stop_goes_to_the_other_hinges() -> None:
+    angles = [0.0, 0.5, 0.2, CHAIN.upper[3], 1.2, 0.0, 0.0, 0.0]
+    outside = [0.0, 0.5, 0.2, CHAIN.upper[3] + 0.15, 1.2, 0.0, 0.0, 0.0]
+    found = polish(ARM, ARM.hand(outside), angles, posture=HOME, mobility=EASE)
+    assert found.miss < 1e-6
+    assert found.angles[3] <= CHAIN.upper[3]

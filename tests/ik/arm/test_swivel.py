@@ -1,0 +1,64 @@
+import math
+
+import numpy as np
+import pytest
+
+from kinesic.body.robot import Robot
+from kinesic.ik.arm.linkage import linkage_of
+from kinesic.ik.arm.swivel import elbow_at, hanging, swivel, swivel_of
+from kinesic.ik.scalar3 import Vector, distance, dot, unit
+
+ROBOT = Robot.load()
+ARM = linkage_of(ROBOT.arms["l"])
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ((1.0, 0.0, 0.0), (0.0, 0.0, -1.0)),
+        ((0.0, 1.0, 0.0), (0.0, 0.0, -1.0)),
+        ((0.0, 0.0, -1.0), (-1.0, 0.0, 0.0)),
+        ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0)),
+    ],
+)
+def test_an_elbow_hangs_below_a_raised_arm_and_behind_a_hanging_one(line: Vector, expected: Vector) -> None:
+    assert hanging(line) == pytest.approx(expected)
+
+
+def test_hanging_is_perpendicular_and_smooth() -> None:
+    before = None
+    for angle in np.linspace(0.0, 2.0, 100):
+        line = unit((math.cos(angle), math.sin(angle), 0.3 * math.sin(3 * angle)))
+        zero = hanging(line)
+        assert dot(zero, line) == pytest.approx(0.0, abs=1e-12)
+        assert dot(zero, zero) == pytest.approx(1.0)
+        assert before is None or distance(before, zero) < 0.1
+        before = zero
+
+
+def test_the_elbow_keeps_both_bones_and_its_swivel() -> None:
+    shoulder, hand = (0.0, 0.155, -0.035), (0.25, 0.2, -0.1)
+    for wished in (-2.0, -0.5, 0.0, 1.0, 3.0):
+        elbow = elbow_at(ARM, shoulder, hand, wished)
+        assert distance(shoulder, elbow) == pytest.approx(0.22)
+        assert distance(elbow, hand) == pytest.approx(0.20)
+        assert swivel_of(ARM, (shoulder, elbow, hand)) == pytest.approx(wished)
+
+
+def test_positive_is_away_from_the_body_on_both_sides() -> None:
+    hand = (0.3, 0.0, 0.0)
+    left = elbow_at(ARM, (0.0, 0.0, 0.0), hand, 1.0)
+    right = elbow_at(linkage_of(ROBOT.arms["r"]), (0.0, 0.0, 0.0), hand, 1.0)
+    assert left[1] > 0.05
+    assert right == pytest.approx((left[0], -left[1], left[2]))
+
+
+def test_a_straight_arm_has_no_swivel() -> None:
+    chain = ROBOT.arms["l"]
+    assert swivel(chain, np.zeros(8)) is None
+    assert swivel(chain, chain.rest) is not None
+
+
+def test_a_span_out_of_reach_puts_the_elbow_on_the_line() -> None:
+    assert elbow_at(ARM, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), 0.3) == pytest.approx((0.22, 0.0, 0.0))
+    assert all(math.isfinite(x) for x in elbow_at(ARM, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.3))

@@ -1,0 +1,51 @@
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import Floats
+from kinesic.ik.box_lm import Box, descend
+
+ALL = np.ones(3)
+
+
+def _line(angles: Floats) -> tuple[Floats, Floats]:
+    """One row: the sum should be 2."""
+    return np.array([2.0 - angles.sum()]), np.ones((1, 3))
+
+
+def test_what_a_stopped_variable_cannot_give_the_others_take_over():
+    box = Box(np.zeros(3), np.array([0.1, 5.0, 5.0]), np.zeros(3), ALL)
+    found = descend(_line, np.zeros(3), box, tolerance=1e-9)
+    assert found.miss < 1e-9
+    assert found.angles[0] == 0.1
+    assert found.angles[1] == pytest.approx(found.angles[2])
+
+
+def test_a_variable_without_mobility_stays():
+    box = Box(-5 * ALL, 5 * ALL, ALL, np.array([0.0, 1.0, 1.0]))
+    found = descend(_line, np.zeros(3), box, tolerance=1e-9)
+    assert found.angles[0] == 0.0
+    assert found.miss < 1e-9
+
+
+def test_a_heavy_variable_moves_less():
+    box = Box(-5 * ALL, 5 * ALL, np.zeros(3), np.array([0.1, 1.0, 1.0]))
+    found = descend(_line, np.zeros(3), box, tolerance=1e-9)
+    assert found.miss < 1e-9
+    assert 0.0 < found.angles[0] < 0.2 * found.angles[1]
+
+
+def test_springs_draw_what_the_error_leaves_open():
+    home = np.array([2.0, 1.0, -1.0])
+    box = Box(-5 * ALL, 5 * ALL, home, ALL)
+    near, far = np.array([2.5, 0.0, 0.0]), np.array([5.0, -5.0, 5.0])
+    for start in (near, far):
+        found = descend(_line, start, box, tolerance=1e-9)
+        assert found.miss < 1e-9
+        assert np.linalg.norm(found.angles - home) < np.linalg.norm(start - home)
+
+
+def test_what_cannot_be_had_ends_at_the_best_in_bounded_rounds():
+    box = Box(np.zeros(3), 0.5 * ALL, np.zeros(3), ALL)
+    found = descend(_line, np.zeros(3), box, tolerance=1e-9)
+    assert found.miss == pytest.approx(0.5, abs=1e-6)
+    assert found.rounds <= 40

@@ -1,0 +1,95 @@
+import numpy as np
+import pytest
+from numpy.random import default_rng
+
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.ik.two_hands import Both, reach_both
+
+ROBOT = Robot.load()
+SKELETON = ROBOT.skeleton
+REST = SKELETON.rest
+WRISTS = {side: SKELETON.segment(ROBOT.arms[side].joints[-1].name) for side in SIDES}
+TORSO = list(ROBOT.joints("torso"))
+
+
+def _hands(angles: Floats) -> dict[Side, Floats]:
+    origins = SKELETON.frames(angles).origins
+    return {side: origins[WRISTS[side]] for side in SIDES}
+
+
+def _check(found: Both, targets: dict[Side, Floats]) -> None:
+    assert np.all((SKELETON.lower <= found.angles) & (found.angles <= SKELETON.upper))
+    for side, hand in _hands(found.angles).items():
+        assert found.residuals[side] == pytest.approx(np.linalg.norm(hand - targets[side]), abs=1e-12)
+    assert found.reached == (max(found.residuals.values()) <= 1e-3)
+    assert found.torso_travel == pytest.approx(np.abs(found.angles - REST)[TORSO].sum())
+
+
+def test_pairs_of_random_postures_are_reached_and_a_heavy_torso_travels_less():
+    travel, reached = {1.0: 0.0, 0.15: 0.0}, {1.0: 0, 0.15: 0}
+    for weight in travel:
+        random = default_rng(51)
+        for _ in range(60):
+            targets = _hands(random.uniform(SKELETON.lower, SKELETON.upper))
+            found = reach_both(ROBOT, targets, start=REST, torso_weight=weight)
+            _check(found, targets)
+            travel[weight] += found.torso_travel
+            reached[weight] += found.reached
+    assert min(reached.values()) >= 0.97 * 60
+    assert travel[0.15] < travel[1.0]
+
+
+def test_a_torso_that_is_not_needed_stays():
+    targets = _hands(REST)
+    found = reach_both(ROBOT, targets, start=REST)
+    _check(found, targets)
+    assert found.reached
+    assert found.torso_travel == 0.0
+
+
+def test_a_torso_of_no_weight_stays_even_when_needed():
+    targets = {"l": np.array([0.6, 0.2, 0.9]), "r": np.array([0.6, -0.2, 0.9])}
+    stays = reach_both(ROBOT, targets, start=REST, torso_weight=0.0)
+    helps = reach_both(ROBOT, targets, start=REST, torso_weight=1.0)
+    assert stays.torso_travel == 0.0
+    assert helps.torso_travel > 0.1
+    assert sum(helps.residuals.values()) < sum(stays.residuals.values())
+
+
+def test_hinges_that_carry_no_hand_stay():
+    start = REST.copy()
+    others = [k for k in range(len(REST)) if k not in (*TORSO, *ROBOT.arms["l"].indices, *ROBOT.arms["r"].indices)]
+    start[others] = 0.1
+    found = reach_both(ROBOT, _hands(SKELETON.lower * 0.5), start=start)
+    assert np.array_equal(found.angles[others], start[others])
+
+
+@pytest.mark.parametrize(("first", "other"), [("l", "r"), ("r", "l")])
+def test_where_both_cannot_be_had_one_may_come_first(first, other):
+    random, away = default_rng(52), {"l": 1.0, "r": -1.0}
+    for _ in range(8):
+        targets = _hands(random.uniform(SKELETON.lower, SKELETON.upper))
+        targets[other] = np.array([random.uniform(0.0, 0.5), away[other] * random.uniform(0.8, 1.0), 0.9])
+        found = reach_both(ROBOT, targets, start=REST, priority=first)
+        _check(found, targets)
+        assert found.residuals[first] < 1e-3
+        assert not found.reached
+
+
+def test_the_answer_is_the_same_twice():
+    targets = _hands(SKELETON.upper * 0.6)
+    one, two = (reach_both(ROBOT, targets, start=REST) for _ in range(2))
+    assert one.angles.tobytes() == two.angles.tobytes()
+
+
+def test_wrong_questions_are_refused_and_explained():
+    good = _hands(REST)
+    with pytest.raises(ValueError, match=r"hands are \['l'\]; both are needed"):
+        reach_both(ROBOT, {"l": good["l"]}, start=REST)
+    with pytest.raises(ValueError, match=r"target of hand r is .*nan.*finite"):
+        reach_both(ROBOT, {"l": good["l"], "r": np.array([np.nan, 0, 0])}, start=REST)
+    with pytest.raises(ValueError, match=r"torso_weight is 2.0; it must be between 0"):
+        reach_both(ROBOT, good, start=REST, torso_weight=2.0)
+    with pytest.raises(ValueError, match=r"start has shape \(3,\)"):
+        reach_both(ROBOT, good, start=np.zeros(3))

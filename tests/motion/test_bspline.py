@@ -1,0 +1,50 @@
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import sealed
+from kinesic.body.limits import Limits
+from kinesic.motion.bspline import grid
+from kinesic.motion.trajectory import STEP, Trajectory
+
+LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
+GRID = grid(20, STEP)
+CONTROLS = 0.02 * np.random.default_rng(11).normal(size=(23, 1))
+MOTION = Trajectory(CONTROLS, 0.0)
+TIMES = np.linspace(0.0, MOTION.duration, 8001)[:-1]
+
+
+def test_rows_are_the_shares_of_the_limits():
+    rows = np.abs(GRID.rows(LIMITS, 0) @ CONTROLS[:, 0])
+    shares = [np.abs(share) for share in GRID.shares(CONTROLS[:, 0], LIMITS, 0)]
+    np.testing.assert_allclose(rows, np.concatenate(shares[1:]))
+    np.testing.assert_allclose(shares[0], np.abs(CONTROLS[:, 0]) / 2)
+
+
+def test_what_holds_on_the_control_points_holds_between_the_knots():
+    _, speeds, accelerations = MOTION.sample(TIMES)
+    duty = LIMITS.inertial * accelerations + LIMITS.viscous * speeds
+    jerks = MOTION.jerks(TIMES)
+    shares = [float(np.abs(share).max()) for share in GRID.shares(CONTROLS[:, 0], LIMITS, 0)][1:]
+    for values, limit, share in zip((speeds, accelerations, jerks), (4, 40, 1e3), shares[:3], strict=True):
+        assert np.abs(values).max() / limit <= share + 1e-9
+    rise = LIMITS.viscous[0] * np.abs(jerks).max() * STEP**2 / 8  # of a parabola over its chord
+    assert np.abs(duty).max() <= shares[3] * GRID.duty(LIMITS)[0] + rise + 1e-9
+
+
+def test_knots_and_factor():
+    np.testing.assert_allclose(GRID.at_knots @ CONTROLS[:, 0], MOTION.sample(GRID.knots)[0][:, 0])
+    upper = np.zeros((23, 23))
+    for band in range(3):
+        upper += np.diag(GRID.factor[2 - band, band:], band)
+    np.testing.assert_allclose(upper.T @ upper, GRID.closeness.toarray(), atol=1e-12)
+
+
+def test_a_hinge_that_cannot_move_has_a_share():
+    stuck = Limits(*(sealed([value]) for value in (0.5, 0.5, 4, 40, 1e3, 0.01, 0.15, 0.7)))
+    assert GRID.shares(np.full(23, 0.5), stuck, 0)[0] == pytest.approx(0.0)
+
+
+def test_rows_that_follow_from_the_ends_are_free():
+    rows = GRID.rows(LIMITS, 0).toarray()
+    inner = np.any(rows[:, 3:-3] != 0.0, axis=1)
+    np.testing.assert_array_equal(GRID.bounds == 1.0, inner)

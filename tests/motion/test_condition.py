@@ -1,0 +1,161 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import sealed
+from kinesic.body.limits import Limits
+from kinesic.expressivity.style.passage import Passage
+from kinesic.motion.condition import LEAD_IN, condition
+from kinesic.motion.limit_check import peaks
+from kinesic.planning.coupling import Bond
+from kinesic.planning.postures import Posture
+
+BOXES = ([-2] * 2, [2] * 2, [4, 6], [40, 60], [1e3, 1.5e3])
+DUTY = ([0.01] * 2, [0.15] * 2, [0.7] * 2)
+LIMITS = Limits(*(sealed(pair) for pair in (*BOXES, *DUTY)))
+
+
+def posture(time: float, angles: tuple[float, float], *syncs: str, behaviour: str = "b") -> Posture:
+    return Posture(time, sealed(angles), (True, True), tuple((behaviour, sync) for sync in syncs))
+
+
+def highest(motion) -> float:
+    """Largest share of any limit."""
+    return max(float(peak.ratios.max()) for peak in peaks(motion.trajectory, LIMITS).shares.values())
+
+
+def test_a_feasible_motion_keeps_its_times():
+    keys = (posture(0.0, (0, 0), "start"), posture(1.0, (0.5, 0.5), "stroke"), posture(2.0, (0, 0), "end"))
+    motion = condition(keys, LIMITS)
+    np.testing.assert_array_equal(motion.planned, motion.asked)
+    assert not motion.bottlenecks
+    assert motion.lost.max() < 1e-4
+
+
+def test_a_fast_motion_is_stretched_into_the_limits_and_says_which():
+    keys = (posture(0.0, (0, 0), "start"), posture(0.2, (1.5, 0.1), "stroke"), posture(0.4, (0, 0), "end"))
+    motion = condition(keys, LIMITS)
+    assert {found.hinge for found in motion.bottlenecks.values()} == {0}
+    assert highest(motion) <= 1.0 + 1e-6
+    assert motion.planned[2] - motion.planned[0] > 0.4
+
+
+def test_a_wish_that_is_too_sharp_keeps_its_times_and_loses_its_shape():
+    keys = (posture(0.0, (0, 0), "start"), posture(0.44, (1.0, 0), "stroke"), posture(0.88, (0, 0), "end"))
+    motion = condition(tuple(replace(key, passages=(Passage(tension=1.0),) * 2) for key in keys), LIMITS)
+    np.testing.assert_array_equal(motion.planned, motion.asked)
+    assert motion.lost[0] > 1e-3
+    assert highest(motion) <= 1.0 + 1e-6
+
+
+def test_keys_are_passed_exactly_at_times_off_the_grid():
+    rng = np.random.default_rng(3)
+    times = np.cumsum(rng.uniform(0.3, 0.6, 8))
+    keys = tuple(posture(float(t), tuple(rng.uniform(-0.6, 0.6, 2)), "stroke") for t in times)
+    motion = condition(keys, LIMITS)
+    found = motion.trajectory.sample(motion.planned + motion.trajectory.zero)[0]
+    np.testing.assert_allclose(found, [key.angles for key in keys], atol=1e-7)
+
+
+def test_the_stroke_is_kept_when_the_preparation_can_begin_earlier():
+    keys = (posture(0.0, (0, 0), "start"), posture(0.3, (1.2, 0.1), "stroke"), posture(3.0, (0, 0), "end"))
+    motion = condition(keys, LIMITS)
+    assert motion.planned[1] == pytest.approx(0.3, abs=1e-6)
+    assert motion.planned[0] < 0.0
+
+
+def test_the_lead_in_is_bounded():
+    keys = (posture(0.0, (0, 0), "start"), posture(0.05, (1.9, 1.9), "stroke"), posture(3.0, (0, 0), "end"))
+    assert condition(keys, LIMITS).planned[0] >= -LEAD_IN - 1e-9
+    assert condition(keys, LIMITS, lead_in=0.0).planned[0] >= -1e-9
+
+
+def test_keys_at_the_end_of_a_range_are_met_within_a_milliradian():
+    keys = (posture(0.0, (2, -2), "start"), posture(1.0, (0.5, 2), "stroke"), posture(2.0, (2, 0), "end"))
+    motion = condition(keys, LIMITS)
+    assert abs(motion.trajectory.at(0.0).angles[0] - 2.0) <= 1.001e-3
+    assert highest(motion) <= 1.0 + 1e-6
+
+
+def test_order_of_keys_is_kept():
+    rng = np.random.default_rng(4)
+    keys = tuple(posture(0.1 * k, tuple(rng.uniform(-1.5, 1.5, 2)), "stroke") for k in range(8))
+    motion = condition(keys, LIMITS)
+    assert np.all(np.diff(motion.planned) > 0)
+
+
+def test_keys_that_were_asked_for_at_the_same_time_are_moved_apart():
+    keys = (
+        posture(0.0, (0, 0), "start"),
+        posture(1.0, (0.3, 0), "stroke"),
+        posture(1.0, (0.2, 0.1)),
+        posture(2.0, (0, 0), "end"),
+    )
+    motion = condition(keys, LIMITS)
+    assert np.all(np.diff(motion.planned) > 0.019)
+    assert np.all(np.isfinite(motion.trajectory.sample(np.linspace(0, 2, 50))[2]))
+
+
+def test_what_bml_ties_moves_together():
+    first, second = (True, False), (False, True)
+    keys = (
+        posture(0.0, (0, 0), "start", behaviour="one"),
+        Posture(0.15, sealed((1.5, 0)), first, (("one", "stroke"),)),
+        Posture(0.65, sealed((1.5, 0.1)), second, (("two", "stroke"),)),
+        posture(3.0, (0, 0), "end", behaviour="one"),
+    )
+    ties = (Bond(("one", "stroke"), ("two", "stroke"), 0.5), Bond(("two", "stroke"), ("one", "stroke"), -0.5))
+    free, tied = (condition(keys, LIMITS, bonds=bonds, lead_in=0.0).planned for bonds in ((), ties))
+    assert free[1] > 0.25
+    assert free[2] == pytest.approx(0.65)
+    assert tied[2] - tied[1] == pytest.approx(0.5)
+
+
+def on_a_circle(turns: float, amplitude: float, seconds: float) -> tuple[Posture, ...]:
+    """A way with two firm keys at one place, and a circle from one to the other."""
+    shares = np.linspace(0.0, 1.0, 9 * round(turns))
+    circle = amplitude * np.stack([np.sin(2 * np.pi * turns * shares), np.cos(2 * np.pi * turns * shares) - 1.0])
+    firm = [0, len(shares) - 1]
+    inner = tuple(
+        Posture(
+            1.0 + seconds * float(share),
+            sealed(angles),
+            (True, True),
+            ((("b", "strokeStart"), ("b", "stroke"))[k > 0],) if k in firm else (),
+            firm=k in firm,
+        )
+        for k, (share, angles) in enumerate(zip(shares, circle.T, strict=True))
+    )
+    return (posture(0.0, (0, 0), "start"), *inner, posture(2.0 + seconds, (0, 0), "end"))
+
+
+def test_a_path_that_can_be_followed_is_followed():
+    keys = on_a_circle(turns=2, amplitude=0.2, seconds=2.0)
+    motion = condition(keys, LIMITS)
+    np.testing.assert_array_equal(motion.planned, motion.asked)
+    found = motion.trajectory.sample(motion.planned + motion.trajectory.zero)[0]
+    np.testing.assert_allclose(found, [key.angles for key in keys], atol=1e-3)
+
+
+def test_a_path_that_is_too_fast_becomes_smaller_and_no_key_moves():
+    keys = on_a_circle(turns=4, amplitude=0.3, seconds=1.0)
+    motion = condition(keys, LIMITS)
+    np.testing.assert_array_equal(motion.planned, motion.asked)
+    assert not motion.bottlenecks
+    assert highest(motion) <= 1.0 + 1e-6
+    found = motion.trajectory.sample(motion.planned + motion.trajectory.zero)[0]
+    firm = [key.firm for key in keys]
+    np.testing.assert_allclose(found[firm], [key.angles for key in keys if key.firm], atol=1e-6)
+    assert 0.02 < np.ptp(found[:, 0]) < 0.5 * np.ptp([key.angles[0] for key in keys])
+
+
+def test_keys_on_a_path_come_along_when_its_ends_must_move():
+    keys = on_a_circle(turns=1, amplitude=0.2, seconds=0.5)
+    late = tuple(replace(key, time=key.time - 0.95) if key.time > 0 else key for key in keys)
+    far = tuple(replace(key, angles=sealed(np.asarray(key.angles) + 0.9)) if key.time > 0 else key for key in late)
+    motion = condition((*far[:-1], replace(far[-1], angles=sealed([0.0, 0.0]))), LIMITS, lead_in=0.0)
+    assert motion.bottlenecks
+    assert np.all(np.diff(motion.planned) > 0.0)
+    share = np.interp(motion.planned, motion.planned[[1, -2]], [0.0, 1.0])
+    np.testing.assert_allclose(share[1:-1], np.linspace(0.0, 1.0, len(share) - 2), atol=1e-6)

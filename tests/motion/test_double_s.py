@@ -1,0 +1,90 @@
+from math import sqrt
+
+import numpy as np
+import pytest
+
+from kinesic.body.dynamics import Load
+from kinesic.body.limits import Limits
+from kinesic.body.robot import Robot
+from kinesic.motion.double_s import SPEEDS, least_time, least_times
+
+
+def simulated(distance, speed, acceleration, jerk):
+    """The same time by the seven phases, their peak speed found by bisection."""
+
+    def phases(peak):
+        top = min(acceleration, sqrt(peak * jerk))
+        rise, flat = top / jerk, max(peak / top - top / jerk, 0.0)
+        return rise, flat, peak * (2 * rise + flat)
+
+    low, high = 0.0, speed
+    for _ in range(200):
+        middle = (low + high) / 2
+        low, high = (low, middle) if phases(middle)[2] > distance else (middle, high)
+    rise, flat, covered = phases(low)
+    return 2 * (2 * rise + flat) + max(distance - covered, 0.0) / low
+
+
+@pytest.mark.parametrize(
+    ("distance", "speed", "acceleration", "jerk"),
+    [
+        (2.0, 1.5, 10.0, 250.0),  # cruises
+        (0.3, 2.0, 10.0, 250.0),  # reaches its acceleration
+        (0.001, 2.0, 10.0, 250.0),  # reaches neither
+        (2.0, 1.0, 50.0, 100.0),  # cruises before it has its acceleration
+        (0.01, 1.0, 50.0, 100.0),
+    ],
+)
+def test_it_is_what_the_seven_phases_take(distance, speed, acceleration, jerk):
+    assert least_time(distance, speed, acceleration, jerk) == pytest.approx(
+        simulated(distance, speed, acceleration, jerk), rel=1e-9
+    )
+
+
+def test_no_way_takes_no_time_and_the_sign_does_not_matter():
+    assert least_time(0.0, 1.0, 2.0, 3.0) == 0.0
+    assert least_time(-0.7, 1.0, 2.0, 3.0) == least_time(0.7, 1.0, 2.0, 3.0)
+
+
+def test_without_a_bound_on_jerk_it_is_the_trapezoid():
+    assert least_time(2.0, 1.0, 4.0, np.inf) == pytest.approx(2.0 + 1.0 / 4.0)
+    assert least_time(0.1, 1.0, 4.0, np.inf) == pytest.approx(2 * sqrt(0.1 / 4.0))
+
+
+def test_without_a_bound_on_acceleration_jerk_and_speed_decide():
+    assert least_time(2.0, 1.0, np.inf, 25.0) == pytest.approx(2.0 + 2 * sqrt(1 / 25))
+
+
+def test_arrays_broadcast():
+    times = least_time(np.array([[0.1], [1.0]]), np.array([1.0, 2.0, 4.0]), 10.0, 200.0)
+    assert times.shape == (2, 3)
+    assert times[1, 2] == least_time(1.0, 4.0, 10.0, 200.0)
+
+
+@pytest.fixture(scope="module")
+def limits():
+    robot = Robot.load()
+    stall = np.array([drive.stall for drive in robot.drives])
+    return Limits.of(robot, Load(inertia=stall / 100, holding=0.2 * stall))
+
+
+def test_hinges_take_as_long_as_their_limits_and_their_duty_ask(limits):
+    turns = np.linspace(-1.0, 1.0, len(limits.speed))
+    found = least_times(turns, limits)
+    for k, turn in enumerate(turns):
+        bounds = [
+            (
+                min(limits.speed[k], share * limits.duty[k] / limits.viscous[k]),
+                min(limits.acceleration[k], (1 - share) * limits.duty[k] / limits.inertial[k]),
+            )
+            for share in SPEEDS
+        ]
+        assert found[k] >= least_time(turn, limits.speed[k], limits.acceleration[k], limits.jerk[k]) - 1e-12
+        assert found[k] <= min(float(least_time(turn, v, a, limits.jerk[k])) for v, a in bounds) + 1e-12
+
+
+def test_hinges_take_any_shape_of_turns(limits):
+    turns = np.random.default_rng(1).uniform(-1, 1, (4, 3, len(limits.speed)))
+    found = least_times(turns, limits)
+    assert found.shape == turns.shape
+    np.testing.assert_allclose(found[2, 1], least_times(turns[2, 1], limits))

@@ -1,0 +1,39 @@
+import numpy as np
+
+from kinesic.body.arrays import sealed
+from kinesic.body.limits import Limits
+from kinesic.motion.key_time_lp import relaxed
+from kinesic.motion.keys import Keys
+from kinesic.planning.postures import LEAST_GAP, Posture
+
+LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
+BOTH, FIRST, SECOND = (True, True), (True, False), (False, True)
+PATH = ((BOTH, True), (FIRST, True), (FIRST, False), (SECOND, True), (FIRST, False), (FIRST, True), (BOTH, True))
+
+
+def keys(*rows):
+    postures = [Posture(0.1 * k, sealed([0.1 * k] * 2), keyed, firm=firm) for k, (keyed, firm) in enumerate(rows)]
+    return Keys.of(tuple(postures), LIMITS)
+
+
+def test_a_hinge_has_to_pass_only_firm_keys():
+    found = keys((BOTH, True), (FIRST, False), (SECOND, True), (FIRST, False), (BOTH, True))
+    assert found.own == ([0, 4], [0, 2, 4])
+    assert [found.led(hinge).tolist() for hinge in (0, 1)] == [[True], [False, False]]
+
+
+def test_keys_beside_a_path_stay_between_its_ends():
+    found = keys(*PATH)
+    assert {(1, 3), (3, 5), (1, 5)} <= found.gaps.keys()
+
+
+def test_keys_on_a_path_keep_their_order_when_others_move():
+    found = keys(*PATH)
+    for gap in ({(0, 1): 0.5}, {(1, 3): 0.4}, {(3, 5): 0.6}, {(1, 5): 0.9}, {(0, 3): 0.8}):
+        times = relaxed(found, {**found.gaps, **gap}, 0.0)
+        assert np.all(np.diff(times) > 0.0)
+        assert times[5] - times[1] >= 2 * LEAST_GAP - 1e-9
+
+
+def test_a_key_on_a_path_costs_nothing():
+    assert keys((BOTH, True), (BOTH, False), (BOTH, True)).weights[1] == 0.0

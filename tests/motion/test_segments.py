@@ -1,0 +1,66 @@
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import sealed
+from kinesic.body.limits import Limits
+from kinesic.motion.keys import Keys
+from kinesic.motion.segments import pieces, segments
+from kinesic.motion.trajectory import STEP
+from kinesic.planning.postures import Posture
+
+LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
+ROWS = ((0.0, 0.0, 1.0), (0.5, 0.7, 1.0), (1.3, 0.7, 1.0), (1.805, 0.2, 0.4), (2.2, 0.0, 1.0))
+KEYS = Keys.of(tuple(Posture(time, sealed(angles), (True, True)) for time, *angles in ROWS), LIMITS)
+
+
+def cut(hinge: int):
+    return [found for found in segments(KEYS.asked, KEYS, STEP) if found.hinge == hinge]
+
+
+def test_a_hold_is_cut_in_its_middle():
+    first, second = cut(0)
+    assert (first.first, second.first) == (0, 90)
+    assert (first.start, first.end, second.start, second.end) == (0.0, 0.7, 0.7, 0.0)
+    assert first.pairs == ((0, 1), (1, 2))
+    assert second.pairs == ((1, 2), (2, 3), (3, 4))
+    assert second.places == pytest.approx([40.0, 90.5])
+
+
+def test_segments_cover_the_motion():
+    for hinge in (0, 1):
+        found = cut(hinge)
+        assert [s.knots.stop - 1 for s in found] == [*(s.first for s in found[1:]), pieces(KEYS.asked, STEP)]
+
+
+def test_a_hinge_at_rest_is_still():
+    assert [found.still for found in cut(1)] == [True, True, False]
+
+
+def test_gaps_are_seconds():
+    assert cut(0)[0].gaps == pytest.approx([0.5, 0.4])
+
+
+def test_control_points_pass_keys_and_rest_at_the_ends():
+    way = cut(0)[1]
+    matrix, values = way.fixed
+    assert matrix.shape == (8, way.grid.size)
+    np.testing.assert_allclose(matrix.sum(axis=1), 1.0)
+    np.testing.assert_allclose(values, [0.7, 0.2, 0.7, 0.7, 0.7, 0.0, 0.0, 0.0])
+
+
+def test_a_last_key_between_knots_is_met_before_the_end():
+    times = KEYS.asked + np.array([0, 0, 0, 0, 0.004])
+    last = [found for found in segments(times, KEYS, STEP) if found.hinge == 0][-1]
+    assert last.places[-1] == pytest.approx(130.4)
+    assert last.pairs[-1] == (4, 4)
+
+
+def test_a_path_between_two_keys_of_one_angle_is_no_hold():
+    rows = ((0.0, 0.0, True), (0.5, 0.7, True), (0.9, 0.9, False), (1.3, 0.7, True), (2.0, 0.0, True))
+    keys = Keys.of(tuple(Posture(t, sealed([a] * 2), (True, True), firm=firm) for t, a, firm in rows), LIMITS)
+    assert keys.own == ([0, 1, 3, 4], [0, 1, 3, 4])
+    assert keys.led(0).tolist() == [False, True, False]
+    assert [(found.hinge, found.first, found.led) for found in segments(keys.asked, keys, STEP)] == [
+        (0, 0, True),
+        (1, 0, True),
+    ]

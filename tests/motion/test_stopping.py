@@ -1,0 +1,64 @@
+from functools import cache
+
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import sealed
+from kinesic.body.limits import Limits
+from kinesic.motion.condition import condition
+from kinesic.motion.double_s import least_stop
+from kinesic.motion.limit_check import peaks
+from kinesic.motion.stopping import cut, stopped
+from kinesic.motion.trajectory import STEP, held
+from kinesic.planning.postures import Posture
+
+BOXES = ([-1.5] * 3, [1.5] * 3, [1.0, 4.0, 6.0], [10.0, 59.0, 350.0], [250.0, 1500.0, 8750.0])
+DUTY = ([0.05, 0.01, 0.002], [0.8, 0.18, 0.134], [0.58, 0.65, 0.79])
+LIMITS = Limits(*(sealed(values) for values in (*BOXES, *DUTY)))
+
+
+def random_postures(seed: int) -> tuple[Posture, ...]:
+    chance = np.random.default_rng(seed)
+    times = np.cumsum(chance.uniform(0.1, 0.8, 6))
+    return tuple(Posture(float(t), sealed(chance.uniform(-1.2, 1.2, 3)), (True,) * 3) for t in times)
+
+
+@cache
+def moving(seed: int):
+    return condition(random_postures(seed), LIMITS).trajectory
+
+
+def largest(trajectory) -> float:
+    return max(float(peak.ratios.max()) for peak in peaks(trajectory, LIMITS).shares.values())
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_stopping_keeps_the_past_and_the_limits(seed):
+    motion = moving(seed)
+    time = np.random.default_rng(100 + seed).uniform(0, motion.duration)
+    halted = stopped(motion, time, LIMITS)
+    past = np.linspace(0.0, cut(motion, time) * STEP, 50)
+    for before, after in zip(motion.sample(past), halted.sample(past), strict=True):
+        np.testing.assert_allclose(after, before, atol=1e-9)
+    assert largest(halted) <= 1.001
+    np.testing.assert_allclose(halted.sample(np.array([halted.duration]))[1], 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_stopping_takes_the_physical_minimum_but_for_the_grid(seed):
+    motion = moving(seed)
+    knot = cut(motion, 0.4 * motion.duration)
+    _, speeds, accelerations = motion.sample(np.array([knot * STEP]))
+    least = float(least_stop(speeds[0], accelerations[0], LIMITS.acceleration, LIMITS.jerk).max())
+    taken = stopped(motion, knot * STEP, LIMITS).duration - knot * STEP
+    assert least - 1e-9 <= taken <= max(least, 0.0) + 4 * STEP
+
+
+def test_a_motion_is_left_at_the_next_knot():
+    still = held(np.zeros(3), 0.1)
+    assert [cut(still, time) for time in (-1.0, 0.0, 0.0101, 0.02, 0.5)] == [0, 0, 2, 2, 10]
+
+
+def test_what_is_at_rest_stays():
+    still = held(np.array([0.1, 0.2, 0.3]), 0.1)
+    np.testing.assert_array_equal(stopped(still, 0.05, LIMITS).controls, still.controls[:8])

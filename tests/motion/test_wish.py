@@ -1,0 +1,186 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import sealed
+from kinesic.body.limits import Limits
+from kinesic.expressivity.style.passage import PLAIN, Passage
+from kinesic.motion.waypoints import Waypoints
+from kinesic.motion.wish import Wish, wish
+from kinesic.planning.postures import Posture
+
+TIMES = np.array([0.0, 0.5, 1.2, 1.5, 2.4])
+ANGLES = np.array([[0.0, 1.0], [0.4, 1.0], [0.9, 0.2], [0.9, -0.4], [0.1, -0.4]])
+ALL = np.ones_like(ANGLES, dtype=bool)
+LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 10, 100, 1e4, 1e-3, 1e-2, 1)))
+
+
+def keys(passed: Passage = PLAIN, keyed=ALL, angles=ANGLES, times=TIMES):
+    rows = zip(times, angles, keyed, strict=True)
+    return [Posture(time, sealed(row), tuple(own), passages=(passed,) * len(row)) for time, row, own in rows]
+
+
+def joined(passed: Passage = PLAIN, keyed=ALL, zero: float = 0.0, angles=ANGLES, times=TIMES):
+    limits = LIMITS.part(np.arange(angles.shape[1]))
+    return wish(times, Waypoints.of(keys(passed, keyed, angles, times), limits), zero=zero)
+
+
+def state(motion, time: float):
+    return [values[0] for values in motion.sample(np.array([time]))]
+
+
+def test_keys_are_met_exactly():
+    np.testing.assert_allclose(joined().sample(TIMES)[0], ANGLES, atol=1e-12)
+
+
+def test_angles_are_those_of_the_sample():
+    times = np.linspace(-0.2, joined().duration + 0.2, 31)
+    assert np.array_equal(joined().angles(times), joined().sample(times)[0])
+
+
+def test_every_hinge_passes_its_own_keys_as_if_it_were_alone():
+    keyed = ALL.copy()
+    keyed[2, 1] = False
+    times, both = np.linspace(0.0, 2.4, 49), joined(keyed=keyed)
+    for hinge in range(2):
+        alone = joined(keyed=keyed[:, hinge : hinge + 1], angles=ANGLES[:, hinge : hinge + 1])
+        for one, other in zip(both.sample(times), alone.sample(times), strict=True):
+            assert np.array_equal(one[:, hinge], other[:, 0])
+
+
+def test_starts_and_ends_at_rest():
+    for time in (0.0, joined().duration):
+        _, speeds, accelerations = state(joined(), time)
+        np.testing.assert_allclose(speeds, 0.0, atol=1e-9)
+        np.testing.assert_allclose(accelerations, 0.0, atol=1e-7)
+
+
+def test_speed_and_acceleration_are_continuous_at_keys():
+    for time in TIMES[1:-1]:
+        before, after = state(joined(), time - 1e-7), state(joined(), time + 1e-7)
+        np.testing.assert_allclose(before[1], after[1], atol=1e-4)
+        np.testing.assert_allclose(before[2], after[2], atol=1e-3)
+
+
+def test_speeds_are_the_derivative_of_angles():
+    times = np.linspace(0.01, joined().duration - 0.01, 97)
+    step = 1e-6
+    ahead, behind = joined().sample(times + step)[0], joined().sample(times - step)[0]
+    np.testing.assert_allclose((ahead - behind) / (2 * step), joined().sample(times)[1], atol=1e-5)
+
+
+def test_holds_do_not_move():
+    times = np.linspace(1.2, 1.5, 31)
+    np.testing.assert_allclose(joined().sample(times)[0][:, 0], 0.9, atol=1e-12)
+
+
+def test_a_hinge_without_a_key_passes_through():
+    keyed = ALL.copy()
+    keyed[2, 1] = False
+    motion = joined(keyed=keyed)
+    assert abs(state(motion, 1.2)[0][1] - ANGLES[2, 1]) > 0.05
+    np.testing.assert_allclose(state(motion, 1.5)[0][1], ANGLES[3, 1], atol=1e-12)
+
+
+def test_tension_one_stops_at_each_key():
+    np.testing.assert_allclose(joined(Passage(tension=1.0)).sample(TIMES)[1], 0.0, atol=1e-9)
+
+
+def test_continuity_lets_keys_flow():
+    stiff, fluid = joined(Passage(continuity=-1.0)), joined(Passage(continuity=0.0))
+    assert abs(state(stiff, 0.5)[1][0]) < 1e-9
+    assert state(fluid, 0.5)[1][0] > 0.5
+
+
+def test_zero_is_the_time_of_the_blocks_start():
+    assert joined(zero=0.7).zero == pytest.approx(0.7)
+
+
+def test_outside_it_stands_still():
+    angles, speeds, _ = state(joined(), 99.0)
+    np.testing.assert_allclose(angles, ANGLES[-1])
+    np.testing.assert_array_equal(speeds, 0.0)
+
+
+def eased(easing: str, steepness: float = 3.0, to: float = 0.9) -> Wish:
+    """From rest to rest over one second, one hinge."""
+    angles, times = np.array([[0.0], [to]]), np.array([0.0, 1.0])
+    return joined(Passage(easing=easing, steepness=steepness), ALL[:2, :1], angles=angles, times=times)
+
+
+GRID = np.linspace(0.0, 1.0, 501)
+
+
+def test_an_easing_moves_the_way_but_not_its_ends():
+    for easing in ("linear", "out_quart", "out_back", "out_bounce", "out_power"):
+        motion = eased(easing, 6.0)
+        np.testing.assert_allclose(motion.sample(np.array([0.0, 1.0]))[0][:, 0], [0.0, 0.9], atol=1e-12)
+        np.testing.assert_allclose(motion.sample(np.array([0.0, 1.0]))[1], 0.0, atol=1e-9)
+        assert np.abs(motion.angles(GRID) - eased("minimum_jerk").angles(GRID)).max() > 0.01
+        assert np.abs(np.diff(motion.sample(GRID)[2], axis=0)).max() < 2.5
+
+
+def test_steepness_raises_the_peak_speed():
+    peaks = [float(eased("out_back", k).sample(GRID)[1].max()) for k in (1.0, 1.5, 2.0, 3.0)]
+    assert np.all(np.diff(peaks) > 0.0)
+    assert peaks[-1] > 1.8 * peaks[0]
+
+
+def test_out_back_overshoots_as_far_as_there_is_room():
+    def beyond(to: float) -> float:
+        return float(eased("out_back", 6.0, to).angles(GRID).max()) - to
+
+    assert beyond(0.9) == pytest.approx(0.1 * 0.9, rel=0.15)
+    assert 0.02 * 1.9 < beyond(1.9) <= 0.1
+    assert beyond(1.98) <= 1e-9
+
+
+def test_an_easing_goes_only_as_far_as_the_limits_of_all_hinges_allow():
+    slow = replace(LIMITS, acceleration=sealed([100.0, 0.01]))
+    angles, times = np.array([[0.0, 0.0], [0.9, 0.9]]), np.array([0.0, 1.0])
+    rows = keys(Passage(easing="out_back"), ALL[:2], angles, times)
+    found = wish(times, Waypoints.of(rows, slow)).angles(GRID)
+    np.testing.assert_allclose(found, eased("minimum_jerk").angles(GRID) @ np.ones((1, 2)), atol=1e-12)
+
+
+def test_keys_on_a_circle_are_passed_along_it():
+    times = np.linspace(0.0, 2.0, 25)
+    ease = 10 * (times / 2) ** 3 - 15 * (times / 2) ** 4 + 6 * (times / 2) ** 5
+    angles = 0.3 * np.stack([np.cos(2 * np.pi * ease), np.sin(2 * np.pi * ease)], axis=1)
+    motion = joined(keyed=np.ones_like(angles, dtype=bool), angles=angles, times=times)
+    found = motion.angles(np.linspace(0.0, 2.0, 801))
+    np.testing.assert_allclose(np.linalg.norm(found, axis=1), 0.3, atol=2e-3)
+
+
+def test_keys_on_a_smooth_curve_are_passed_without_a_wobble():
+    times = np.linspace(0.0, 2 * np.pi, 25)
+    times[1:-1] += 0.1 * np.sin(17.0 * times[1:-1])
+    angles = 0.3 * (1.0 - np.cos(times))[:, None]
+    motion = joined(keyed=np.ones_like(angles, dtype=bool), angles=angles, times=times)
+    inner = np.linspace(times[2], times[-3], 801)
+    np.testing.assert_allclose(motion.sample(inner)[1][:, 0], 0.3 * np.sin(inner), atol=8e-3)
+    np.testing.assert_allclose(motion.sample(inner)[2][:, 0], 0.3 * np.cos(inner), atol=0.1)
+
+
+def test_a_loose_hinge_swings_beyond_its_keys_but_not_beyond_its_range():
+    angles, times = np.array([[0.0], [1.2], [1.9], [1.5], [0.0]]), np.array([0.0, 0.4, 0.8, 1.2, 1.6])
+    grid = np.linspace(0.0, 1.6, 801)
+    highest = [
+        joined(Passage(tension=tension), np.ones((5, 1), dtype=bool), angles=angles, times=times).angles(grid).max()
+        for tension in (1.0, 0.0, -1.0)
+    ]
+    assert highest[0] == pytest.approx(1.9)
+    assert highest[0] <= highest[1] < highest[2] <= 2.0
+
+
+def test_every_hinge_and_key_has_a_manner_of_its_own():
+    stiff, plain = Passage(tension=1.0), PLAIN
+    rows = [replace(key, passages=(plain, stiff)) for key in keys()]
+    rows[1] = replace(rows[1], passages=(stiff, plain))
+    speeds = wish(TIMES, Waypoints.of(rows, LIMITS)).sample(TIMES)[1]
+    assert speeds[1, 0] == pytest.approx(0.0, abs=1e-9)
+    assert abs(speeds[2, 1]) < 1e-9
+    plainly = joined().sample(TIMES)[1]
+    assert plainly[1, 0] > 0.5
+    assert abs(plainly[2, 1]) > 0.5

@@ -1,0 +1,59 @@
+"""Facts, performances and motions that tests of several rooms share."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.limits import Limits
+from kinesic.controller.perform import facts, perform
+from kinesic.controller.performance import Performance
+from kinesic.motion.condition import condition
+from kinesic.motion.trajectory import Trajectory
+from kinesic.planning.postures import Posture
+from kinesic.planning.setup import Facts
+
+BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="block">{}</bml>'
+HURRIED = BLOCK.format(
+    '<speech id="s"><text><sync id="one"/>Hello there, <sync id="two"/>welcome</text></speech>'
+    '<gesture id="rushed" lexeme="offer" mode="RIGHT_HAND" start="0" stroke="0.25" end="0.6"/>'
+    '<gesture id="odd" lexeme="xyzzy" stroke="1"/>'
+    '<head id="nod" lexeme="NOD" stroke="s:two"/>'
+)
+CALM = BLOCK.format('<gesture id="offering" lexeme="offer" mode="RIGHT_HAND" stroke="2"/>')
+
+
+@pytest.fixture(scope="session")
+def known() -> Facts:
+    """The default robot and style."""
+    return facts()
+
+
+@pytest.fixture(scope="session")
+def hurried(known: Facts) -> Performance:
+    """A stroke that comes too soon, a nod in time, a gesture that nobody knows."""
+    return perform(HURRIED, known, source="hurried.bml")
+
+
+@pytest.fixture(scope="session")
+def calm(known: Facts) -> Performance:
+    """One gesture with all the time it wants."""
+    return perform(CALM, known, source="calm.bml")
+
+
+def generous(count: int) -> Limits:
+    """Limits that nothing meets."""
+    return Limits(*(sealed(np.full(count, value)) for value in (-10, 10, 1e2, 1e4, 1e6, 1e-6, 1e-4, 1.0)))
+
+
+@pytest.fixture(scope="session")
+def through() -> Callable[[Floats, Floats], Trajectory]:
+    """A motion through (m, n) postures at (m,) times."""
+
+    def made(times: Floats, angles: Floats) -> Trajectory:
+        whole = (True,) * angles.shape[1]
+        keys = tuple(Posture(float(time), sealed(row), whole) for time, row in zip(times, angles, strict=True))
+        return condition(keys, generous(angles.shape[1])).trajectory
+
+    return made

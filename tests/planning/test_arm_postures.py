@@ -1,0 +1,73 @@
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import sealed
+from kinesic.body.reach import Reach
+from kinesic.body.robot import SIDES, Robot
+from kinesic.expressivity.keyframes import Hand
+from kinesic.ik.arm.swivel import swivel
+from kinesic.planning.arm_postures import OPEN, with_arms
+
+ROBOT = Robot.load()
+REST = ROBOT.skeleton.rest
+PLACES = [(0.25, 0.12, 0.75), (0.2, 0.2, 0.9), (0.22, 0.05, 0.85)]  # forward, outward, up [m], all in 80 % of the reach
+
+
+def solved(place, *, side="l", palm=None, **manner):
+    forward, outward, up = place
+    position = sealed([forward, outward if side == "l" else -outward, up])
+    hand = Hand(Reach(position, palm=palm), **manner)
+    return with_arms(REST, {side: hand}, {side: hand.reach}, ROBOT)
+
+
+def elbow(angles, side="l"):
+    origins = ROBOT.skeleton.frames(angles).origins
+    return abs(float(origins[ROBOT.skeleton.segment(f"{side}_elbow")][1])) / ROBOT.arm_length
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_openness_moves_the_elbow_outwards_without_a_jump(place):
+    offsets = [elbow(solved(place, openness=share)) for share in np.linspace(0.0, 1.0, 21)]
+    steps = np.diff(offsets)
+    assert np.all(steps > 0.0)
+    assert steps.max() < 0.05
+    assert offsets[-1] - offsets[0] >= 0.15
+
+
+@pytest.mark.parametrize("palm", [[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]])
+def test_openness_wins_over_the_palm(palm):
+    arm = list(ROBOT.joints("l_arm"))
+    found = swivel(ROBOT.arms["l"], solved(PLACES[0], palm=sealed(palm), openness=1.0)[arm])
+    assert found == pytest.approx(OPEN, abs=1e-6)
+
+
+@pytest.mark.parametrize("manner", [{}, {"openness": 0.6}, {"effort": 1.0}, {"openness": 1.0, "effort": 1.0}])
+def test_the_hand_stays_and_sides_mirror(manner):
+    angles = [solved(PLACES[1], side=side, **manner) for side in SIDES]
+    for side, found in zip(SIDES, angles, strict=True):
+        wrist = ROBOT.skeleton.frames(found).origins[ROBOT.skeleton.segment(f"{side}_wrist")]
+        np.testing.assert_allclose(np.abs(wrist), PLACES[1], atol=1e-6)
+    left, right = (found[list(ROBOT.joints(f"{side}_arm"))] for side, found in zip(SIDES, angles, strict=True))
+    np.testing.assert_allclose(left, right, atol=1e-9)
+
+
+def test_effort_takes_the_shoulder_along():
+    collar = ROBOT.joints("l_arm")[0]
+    turned = [abs(solved(PLACES[1], effort=share)[collar]) for share in (0.0, 0.5, 1.0)]
+    assert turned[0] == 0.0
+    assert np.radians(2) < turned[1] < turned[2]
+
+
+def test_a_hand_without_reach_rests():
+    angles = solved(PLACES[0])
+    np.testing.assert_array_equal(with_arms(angles, {"l": Hand()}, {"l": None}, ROBOT), REST)
+
+
+@pytest.mark.parametrize("place", [(2.0, 0.5, 1.2), (0.6, 1.5, 2.0), (1.0, -0.3, 0.5)])
+def test_an_arm_points_at_what_is_out_of_reach(place):
+    origins = ROBOT.skeleton.frames(solved(place)).origins
+    shoulder, _, wrist = (origins[ROBOT.skeleton.segment(name)] for name in ROBOT.chains["l_arm"][-3:])
+    line, wanted = wrist - shoulder, np.array(place) - shoulder
+    cosine = line @ wanted / np.linalg.norm(line) / np.linalg.norm(wanted)
+    assert np.degrees(np.arccos(min(1.0, cosine))) < 1.0
+    assert np.linalg.norm(line) > 0.99 * ROBOT.arm_length

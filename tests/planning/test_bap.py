@@ -1,0 +1,109 @@
+import numpy as np
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.body.robot import Robot
+from kinesic.planning.bap import NUMBERS, PARAMETERS, RATE, read_bap, write_bap
+
+ROBOT = Robot.load()
+NAMES = ROBOT.skeleton.names
+HEADER = "3.2 made 25 {}"
+
+
+def mask(*numbers: int, of: int = PARAMETERS) -> str:
+    return " ".join("1" if number in numbers else "0" for number in range(1, of + 1))
+
+
+@pytest.fixture
+def written(tmp_path):
+    """Writes lines into a file."""
+
+    def write(*lines: str):
+        path = tmp_path / "made.bap"
+        path.write_text("\n".join(lines) + "\n", encoding="ascii")
+        return path
+
+    return write
+
+
+def angle(frames, name: str) -> list[float]:
+    return frames.angles[:, NAMES.index(name)].tolist()
+
+
+def test_what_was_written_is_read_again(through, tmp_path):
+    angles = np.stack([ROBOT.skeleton.rest, ROBOT.skeleton.clamp(ROBOT.skeleton.rest + 0.3)])
+    motion = through(np.array([0.0, 1.0]), angles)
+    write_bap(motion, ROBOT, tmp_path / "m.bap")
+    frames = read_bap(tmp_path / "m.bap", ROBOT)
+    np.testing.assert_allclose(frames.times, np.arange(26) / RATE)
+    np.testing.assert_allclose(frames.angles, motion.sample(frames.times)[0], atol=0.5e-5 + 1e-12)
+    assert sorted(frames.given) == sorted(NAMES)
+    assert frames.strangers == ()
+
+
+def test_signs_are_those_of_the_standard(written):
+    """Arms forward, elbows bent, arms outward: a positive angle turns both sides about the same axis."""
+    numbers = [NUMBERS[f"{side}_shoulder_{turn}"] for turn in ("flexion", "abduct") for side in "lr"]
+    frames = read_bap(written(HEADER.format(1), mask(*numbers), "0 10000 10000 20000 -20000"), ROBOT)
+    assert angle(frames, "l_shoulder_flexion") == angle(frames, "r_shoulder_flexion") == [0.1]
+    assert angle(frames, "l_shoulder_abduct") == angle(frames, "r_shoulder_abduct") == [0.2]  # mirror images
+
+
+def test_leaning_forward_is_negative_tilt(written):
+    frames = read_bap(written(HEADER.format(1), mask(NUMBERS["vl5_tilt"]), "0 -5000"), ROBOT)
+    assert angle(frames, "vl5_tilt") == [0.05]
+
+
+def test_a_parameter_that_is_masked_out_stays_as_it_was(written):
+    elbow, neck = NUMBERS["l_elbow_flexion"], NUMBERS["skullbase_torsion"]
+    frames = read_bap(
+        written(HEADER.format(3), mask(elbow), "0 50000", mask(neck), "1 20000", mask(), "4"),
+        ROBOT,
+    )
+    assert frames.times.tolist() == [0.0, 1 / 25, 4 / 25]
+    assert angle(frames, "l_elbow_flexion") == [0.5, 0.5, 0.5]
+    assert angle(frames, "skullbase_torsion") == [0.0, 0.2, 0.2]
+    rest = ROBOT.skeleton.rest[NAMES.index("r_elbow_flexion")]
+    assert angle(frames, "r_elbow_flexion") == [rest] * 3
+    assert set(frames.given) == {"l_elbow_flexion", "skullbase_torsion"}
+
+
+def test_parameters_of_legs_and_of_older_files(written):
+    frames = read_bap(written("2.1 old name 30 1", mask(4, 38, of=186), "0 7 60000"), ROBOT)
+    assert frames.strangers == (4,)
+    assert angle(frames, "l_elbow_flexion") == [0.6]
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        ((), r"made\.bap:1: '' is no header"),
+        (("3.2 made fast 3",), r":1: .* is no header; write VERSION NAME RATE FRAMES"),
+        (("3.2 made 0 1",), r":1: 0 frames/s; must be above 0"),
+        (("3.2 made nan 1",), r":1: nan frames/s; must be above 0"),
+        ((HEADER.format(1), "1 0 1", "0 1 1"), r":2: a mask of 3 words; must be 296 flags"),
+        ((HEADER.format(1), mask().replace("0", "2", 1), "0"), r":2: a mask of 296 words"),
+        ((HEADER.format(1), mask(38), "0 1.5"), r":3: only whole numbers"),
+        ((HEADER.format(1), mask(38), "0 1 2"), r":3: 2 values for 1 parameters"),
+        ((HEADER.format(2), mask(38), "3 1", mask(38), "3 2"), r":5: frame 3 after frame 3"),
+        ((HEADER.format(1), mask(38), "-1 1"), r":3: frame -1 after"),
+        ((HEADER.format(1), mask(38)), r":2: a mask without a frame"),
+        ((HEADER.format(4), mask(38), "0 1"), r":3: ends after 1 of 4 frames"),
+    ],
+)
+def test_errors_name_the_line(written, lines, message):
+    with pytest.raises(ConfigError, match=message):
+        read_bap(written(*lines), ROBOT)
+
+
+def test_a_missing_file(tmp_path):
+    with pytest.raises(ConfigError, match=r"none\.bap: No such file"):
+        read_bap(tmp_path / "none.bap", ROBOT)
+
+
+def test_the_name_of_a_motion_is_one_word_of_ascii(through, tmp_path):
+    motion = through(np.array([0.0, 0.5]), np.stack([ROBOT.skeleton.rest] * 2))
+    path = tmp_path / "gr\u00fc\u00df dich.bap"
+    write_bap(motion, ROBOT, path)
+    assert path.read_text(encoding="ascii").split()[1] == "gr___dich"
+    assert len(read_bap(path, ROBOT).times) == 14

@@ -1,0 +1,108 @@
+"""The plan keeps clear of the body: touches hover, crossing hands go round, and what cannot be mended is named."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.bml.parse import parse
+from kinesic.controller.perform import facts
+from kinesic.expressivity.lexicon.lexicon import mirrored
+from kinesic.expressivity.style.style import Expressivity, Style
+from kinesic.planning.clearance import LAG_RESERVE
+from kinesic.planning.plan import plan
+
+FACTS = facts()
+ROBOT = FACTS.robot
+LEAST = ROBOT.least_clearance + LAG_RESERVE
+ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+WILD = Style.uniform(
+    Expressivity(spatial=1, temporal=1, fluidity=1, power=1, tension=-1, repetition=1, openness=1), "wild"
+)
+TIGHT = Style.uniform(Expressivity(spatial=-1, temporal=-1, fluidity=-1, power=-1, tension=1, repetition=-1), "tight")
+TOUCHES = {
+    "hands_together": {("l_wrist", "r_wrist")},
+    "hands_together_forward": {("l_wrist", "r_wrist")},
+    "arms_crossed": {("l_wrist", "r_elbow"), ("l_shoulder", "r_wrist")},
+    "chin": {("skullbase", "r_wrist")},
+    "hands_low": {("humanoid_root", "l_wrist"), ("humanoid_root", "r_wrist")},
+}
+
+
+def planned(body, **changes):
+    return plan(parse(ROOT.format(body)), replace(FACTS, **changes))
+
+
+def gaps(posture):
+    return dict(zip(ROBOT.counted_pairs, FACTS.distances.gaps(posture[None])[0], strict=True))
+
+
+def at_sync(made, sync):
+    time = next(point.planned for point in made.syncs if point.behaviour == "g" and point.sync == sync)
+    return made.trajectory.sample(np.array([time + made.trajectory.zero]))[0][0]
+
+
+@pytest.mark.parametrize("style", [Style(), WILD, TIGHT], ids=lambda style: style.name)
+@pytest.mark.parametrize("lexeme", TOUCHES)
+def test_a_touch_is_a_hover(lexeme, style):
+    made = planned(f'<gesture id="g" lexeme="{lexeme}" start="0.5"/>', style=style)
+    assert made.keyframes.outcomes["g"].kind == "realised"
+    for sync in ("stroke", "relax"):
+        posture = gaps(at_sync(made, sync))
+        for pair in TOUCHES[lexeme]:
+            assert 0.010 <= posture[pair] <= 0.025
+    assert made.clearance.distances.min() >= LEAST
+
+
+@pytest.mark.parametrize("lexeme", TOUCHES)
+def test_a_touch_is_held(lexeme):
+    body = (
+        f'<gesture id="g" lexeme="{lexeme}" start="0" relax="3"/><head id="h" lexeme="NOD" start="1.5" amount="0.2"/>'
+    )
+    made = planned(body)
+    arms = [*ROBOT.joints("l_arm"), *ROBOT.joints("r_arm")]
+    strokeless = [made.trajectory.zero + time for time in np.linspace(1.4, 2.9, 30)]
+    found = made.trajectory.sample(np.array(strokeless))[0][:, arms]
+    if lexeme != "chin":  # which gives way to the nodding head
+        assert np.ptp(found, axis=0).max() < np.radians(1.0)
+    assert made.clearance.distances.min() >= LEAST
+
+
+@pytest.mark.parametrize("lexeme", TOUCHES)
+def test_left_and_right_are_mirror_images(lexeme):
+    forms = FACTS.lexicon.forms
+    turned = tuple(mirrored(form) if form.id == lexeme else form for form in forms)
+    body = f'<gesture id="g" lexeme="{lexeme}" start="0"/>'
+    one = at_sync(planned(body), "stroke")
+    other = at_sync(planned(body, lexicon=replace(FACTS.lexicon, forms=turned)), "stroke")
+    for side, across in (("l", "r"), ("r", "l")):
+        np.testing.assert_allclose(
+            one[list(ROBOT.joints(f"{side}_arm"))], other[list(ROBOT.joints(f"{across}_arm"))], atol=1e-6
+        )
+
+
+@pytest.mark.parametrize(("first", "second"), [("arms_crossed", "hands_together"), ("chin", "hands_low")])
+def test_one_touch_leads_into_another(first, second):
+    body = '<gesture id="a" lexeme="{}" start="0" stroke="1.2"/><gesture id="g" lexeme="{}" stroke="3.0"/>'
+    for names in ((first, second), (second, first)):
+        made = planned(body.format(*names))
+        assert {outcome.kind for outcome in made.keyframes.outcomes.values()} == {"realised"}
+        assert made.clearance.distances.min() >= LEAST
+
+
+def test_hands_that_change_places_go_round_one_another():
+    body = (
+        '<gesture id="a" lexeme="arms_crossed" stroke="1.6"/>'
+        '<gesture id="g" lexeme="write" mode="LEFT_HAND" stroke="4"/>'
+        '<pointing id="p" target="left" mode="RIGHT_HAND" stroke="6"/>'
+    )
+    made = planned(body)
+    assert not [outcome.why for outcome in made.keyframes.outcomes.values() if outcome.kind == "dropped"]
+    assert made.clearance.distances.min() >= LEAST
+
+
+def test_what_cannot_be_mended_is_dropped_by_name_pair_and_time():
+    made = planned('<gesture id="g" lexeme="offer" start="0"/>', robot=replace(ROBOT, least_clearance=0.2))
+    why = made.keyframes.outcomes["g"].why
+    assert re.fullmatch(r"brings \w+ within -?\d+ mm of \w+ at -?\d+\.\d\d s", why)

@@ -1,0 +1,88 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import sealed
+from kinesic.body.limits import Limits
+from kinesic.body.robot import Robot
+from kinesic.planning.detour import LEAST_STEP, Course, led_around
+from kinesic.planning.postures import Posture
+from kinesic.sim.distances import CapsuleDistances
+from kinesic.sim.dynamics import MujocoDynamics
+
+ROBOT = Robot.load()
+DISTANCES = CapsuleDistances(ROBOT)
+LIMITS = Limits.of(ROBOT, MujocoDynamics(ROBOT).load)
+REST = ROBOT.skeleton.rest
+LEFT, RIGHT = (list(ROBOT.joints(f"{side}_arm")) for side in ("l", "r"))
+LEAST = 0.014
+IN_FRONT = np.radians([0, 40, -15, -50, 70, 0, 0, 0])
+HIGHER = np.radians([0, 75, -15, -50, 70, 0, 0, 0])
+
+
+def key(time, left=None, right=None):
+    """A key of the arms that are given; of all hinges, at rest, when none is."""
+    angles, keyed = REST.copy(), np.full(len(REST), left is None and right is None)
+    for arm, given in ((LEFT, left), (RIGHT, right)):
+        if given is not None:
+            angles[arm], keyed[arm] = given, True
+    return Posture(time, sealed(angles), tuple(bool(one) for one in keyed))
+
+
+def course(*keys):
+    return Course(keys, sealed([posture.time for posture in keys]), ROBOT, LIMITS)
+
+
+CROSSING = course(
+    key(0.0),
+    key(1.0, left=IN_FRONT, right=REST[RIGHT]),
+    key(2.0, left=REST[LEFT], right=IN_FRONT),
+    key(3.0),
+)
+
+
+def least(made):
+    times = np.arange(0.0, made.motion.duration, 0.005)
+    return DISTANCES.clearance(made.motion.sample(times)[0]).distances.min()
+
+
+def test_a_clear_motion_stays_as_it_is():
+    clear = course(key(0.0), key(1.0, right=IN_FRONT), key(2.0))
+    assert least(clear) >= LEAST
+    assert led_around(clear, DISTANCES, least=LEAST) is clear
+
+
+def test_hands_in_one_place_go_round_one_another():
+    together = course(key(0.0), key(1.0, left=IN_FRONT), key(1.4, right=IN_FRONT), key(1.8, left=HIGHER), key(3.0))
+    assert least(together) < 0
+    led = led_around(together, DISTANCES, least=LEAST)
+    assert least(led) >= LEAST - 1e-3
+
+
+def test_keys_of_an_arm_stay_apart_and_in_order():
+    together = course(key(0.0), key(1.0, left=IN_FRONT), key(1.4, right=IN_FRONT), key(1.8, left=HIGHER), key(3.0))
+    led = led_around(together, DISTANCES, least=LEAST)
+    for arm in (LEFT, RIGHT):
+        own = [k for k, posture in enumerate(led.postures) if posture.keyed[arm[0]]]
+        assert np.diff(led.planned[own]).min() >= LEAST_STEP - 1e-9
+        assert np.diff([led.postures[k].time for k in own]).min() > 0
+    assert len({posture.time for posture in led.postures}) == len(led.postures)
+
+
+def test_a_key_that_moves_away_moves_with_its_hold():
+    held = course(key(0.0), key(1.0, right=IN_FRONT), key(2.0, right=IN_FRONT), key(3.0))
+    aside = held.at(1.0)
+    aside[RIGHT] += 0.05
+    moved = held.moved(1, aside, tuple(RIGHT))
+    np.testing.assert_array_equal(moved.postures[1].angles, moved.postures[2].angles)
+    np.testing.assert_array_equal(moved.postures[3].angles, REST)
+
+
+def test_a_new_key_is_asked_for_when_its_arm_was_asked_to_be_there():
+    late = replace(CROSSING, planned=sealed([0.0, 1.5, 3.0, 4.0]))
+    longer = late.extended(2.25, late.at(2.25), tuple(LEFT))
+    (added,) = set(longer.postures) - set(late.postures)
+    assert added.time == pytest.approx(1.5)
+    assert longer.planned[list(longer.postures).index(added)] == 2.25
+    assert [joint for joint, keyed in enumerate(added.keyed) if keyed] == LEFT

@@ -1,0 +1,59 @@
+import csv
+
+import numpy as np
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.body.robot import Robot
+from kinesic.planning.bap import NUMBERS, PARAMETERS
+from kinesic.planning.motion_files import write_motion
+
+ROBOT = Robot.load()
+
+
+@pytest.fixture
+def motion(through):
+    angles = np.stack([ROBOT.skeleton.rest, ROBOT.skeleton.rest + 0.1])
+    return through(np.array([0.0, 1.0]), angles)
+
+
+def test_npz_holds_the_samples(motion, tmp_path):
+    write_motion(motion, ROBOT, tmp_path / "m.npz")
+    with np.load(tmp_path / "m.npz") as data:
+        assert tuple(data["names"]) == ROBOT.skeleton.names
+        np.testing.assert_allclose(data["angles"], motion.sample(data["times"])[0])
+        assert data["times"][-1] == pytest.approx(1.0)
+
+
+def test_csv_has_a_column_for_each_hinge(motion, tmp_path):
+    write_motion(motion, ROBOT, tmp_path / "m.csv")
+    with (tmp_path / "m.csv").open() as file:
+        rows = list(csv.reader(file))
+    assert rows[0][0] == "time_s"
+    assert len(rows) == 102
+    np.testing.assert_allclose([float(cell) for cell in rows[-1][1:]], ROBOT.skeleton.rest + 0.1, atol=1e-8)
+
+
+def test_bap_writes_angles_in_its_unit(motion, tmp_path):
+    write_motion(motion, ROBOT, tmp_path / "m.bap")
+    header, mask, first, *_ = (tmp_path / "m.bap").read_text().splitlines()
+    assert header.split()[2:] == ["25", "26"]
+    flags = mask.split()
+    assert len(flags) == PARAMETERS
+    assert flags.count("1") == 22
+    values = dict(zip([k for k, flag in enumerate(flags, start=1) if flag == "1"], first.split()[1:], strict=True))
+    elbow = ROBOT.skeleton.rest[ROBOT.skeleton.joint("l_elbow_flexion")]
+    assert int(values[NUMBERS["l_elbow_flexion"]]) == round(elbow * 1e5)
+
+
+def test_numbers_of_the_standard():
+    assert NUMBERS["l_shoulder_flexion"] == 32
+    assert NUMBERS["r_wrist_twisting"] == 47
+    assert NUMBERS["skullbase_roll"] == 48
+    assert NUMBERS["vt1_roll"] == 72
+    assert NUMBERS["vl5_tilt"] == 122
+
+
+def test_an_unknown_suffix_names_the_known_ones(motion, tmp_path):
+    with pytest.raises(ConfigError, match=r"m\.txt.*\.npz, \.csv, \.bap"):
+        write_motion(motion, ROBOT, tmp_path / "m.txt")

@@ -1,0 +1,114 @@
+"""Paths of hands in the planned motion, and gestures that overlap."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kinesic.bml.parse import parse
+from kinesic.expressivity.hands.poses import poses
+from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.planning.plan import Plan, plan
+from kinesic.planning.setup import Facts
+
+HAND = 'palm = "forward", pointing = "forward up"'
+LEXICON = f"""category = "iconic"
+[[gesture]]
+id = "circling"
+keys = [
+  {{ right = {{ at = [0.30, 0.45, 0.60], {HAND} }} }},
+  {{ right = {{ at = [0.30, 0.45, 0.60], {HAND} }}, path = {{ kind = "circle" }} }},
+]
+[[gesture]]
+id = "waving"
+keys = [
+  {{ right = {{ at = [0.46, 0.80, 0.46], {HAND} }} }},
+  {{ right = {{ at = [0.46, 0.80, 0.46], {HAND} }}, path = {{ kind = "wave", frequency = 3 }} }},
+]
+[[gesture]]
+id = "beating"
+keys = [
+  {{ right = {{ at = [0.34, 0.32, 0.50], palm = "in", pointing = "forward up" }} }},
+  {{ right = {{ at = [0.30, 0.05, 0.56], palm = "in", pointing = "forward" }} }},
+]
+"""
+
+Planner = Callable[..., Plan]
+
+
+@pytest.fixture(scope="module")
+def planned(known: Facts, tmp_path_factory: pytest.TempPathFactory) -> Planner:
+    path: Path = tmp_path_factory.mktemp("own") / "own.toml"
+    path.write_text(LEXICON)
+    facts = replace(known, lexicon=Lexicon.load(path))
+
+    def of(inside: str, *settings: str) -> Plan:
+        block = parse(f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{inside}</bml>')
+        return plan(block, replace(facts, style=facts.style.changed(settings)))
+
+    return of
+
+
+def times_of(made: Plan, behaviour: str) -> dict[str, float]:
+    return {sync.sync: sync.planned for sync in made.syncs if sync.behaviour == behaviour}
+
+
+def hand_in_world(made: Plan, times: np.ndarray) -> np.ndarray:
+    skeleton = made.facts.robot.skeleton
+    wrist = skeleton.segment(made.facts.robot.chains["r_arm"][-1])
+    angles = made.trajectory.sample(times + made.trajectory.zero)[0]
+    return np.array([skeleton.frames(row).origins[wrist] for row in angles])
+
+
+@pytest.mark.parametrize(("lexeme", "settings"), [("circling", ()), ("waving", ()), ("circling", ("spatial=-1",))])
+def test_the_planned_hand_follows_the_path_that_was_asked(planned, lexeme, settings):
+    made = planned(f'<gesture id="g" lexeme="{lexeme}" mode="RIGHT_HAND" stroke="4"/>', *settings)
+    syncs = times_of(made, "g")
+    assert syncs["stroke"] == pytest.approx(4.0, abs=0.01)
+    work = poses(made.facts.lexicon.find(lexeme).form, made.facts.robot, made.facts.style.gesture)
+    start, end = (hand.reach.position for hand in work.hands["r"])
+    asked = work.path("r", 1).at(start, end, np.linspace(0, 1, 400))
+    hand = hand_in_world(made, np.linspace(syncs["strokeStart"], syncs["stroke"], 400))
+    away = np.linalg.norm(hand[:, None] - asked[None], axis=2)
+    assert away.min(axis=0).max() < 0.01  # every place of the path is passed
+    assert away.min(axis=1).max() < 0.012  # and no other
+    ways = [np.linalg.norm(np.diff(curve, axis=0), axis=1).sum() for curve in (hand, asked)]
+    assert ways[0] == pytest.approx(ways[1], rel=0.06)
+
+
+def test_a_wave_in_too_short_a_time_has_fewer_turns_and_its_stroke_in_time(planned):
+    made = planned('<gesture id="g" lexeme="waving" mode="RIGHT_HAND" strokeStart="3" stroke="4"/>')
+    assert times_of(made, "g")["stroke"] == pytest.approx(4.0, abs=0.01)
+    assert any("of its 3 turns" in notice.text for notice in made.notices)
+
+
+def test_repetition_keeps_the_first_stroke_and_numbers_the_others(planned):
+    asked = '<gesture id="g" lexeme="beating" stroke="2"/><head id="h" lexeme="NOD" stroke="g:stroke:2"/>'
+    once, thrice = (planned(asked, f"repetition={r}") for r in (0, 1))
+    assert times_of(once, "g")["stroke"] == pytest.approx(times_of(thrice, "g")["stroke"], abs=0.01)
+    assert once.keyframes.outcomes["h"].kind == "dropped"
+    assert times_of(thrice, "g")["stroke:2"] == pytest.approx(times_of(thrice, "h")["stroke"], abs=1e-6)
+    assert times_of(thrice, "g")["stroke:3"] > times_of(thrice, "g")["stroke:2"] > 2.2
+
+
+def test_two_overlapping_gestures_of_one_hand_are_both_performed_in_time(planned):
+    made = planned(
+        '<gesture id="a" lexeme="beating" mode="RIGHT_HAND" stroke="2"/>'
+        '<gesture id="b" lexeme="circling" mode="RIGHT_HAND" stroke="4"/>',
+        "repetition=1",
+    )
+    assert {id: outcome.kind for id, outcome in made.keyframes.outcomes.items()} == {"a": "realised", "b": "realised"}
+    assert times_of(made, "a")["stroke"] == pytest.approx(2.0, abs=0.01)
+    assert times_of(made, "b")["stroke"] == pytest.approx(4.0, abs=0.01)
+    assert times_of(made, "a")["strokeEnd"] <= times_of(made, "b")["strokeStart"]
+
+
+def test_gestures_of_both_hands_merge(planned):
+    made = planned(
+        '<gesture id="a" lexeme="beating" mode="RIGHT_HAND" stroke="2"/>'
+        '<gesture id="b" lexeme="circling" mode="LEFT_HAND" stroke="2.2"/>'
+    )
+    assert {outcome.kind for outcome in made.keyframes.outcomes.values()} == {"realised"}
+    assert made.keyframes.uses == {"a": {"r_hand"}, "b": {"l_hand"}}

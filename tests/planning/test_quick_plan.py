@@ -1,0 +1,53 @@
+import numpy as np
+import pytest
+
+from kinesic.bench.passage import passage
+from kinesic.bml.parse import parse
+from kinesic.body.arrays import sealed
+from kinesic.body.limits import Limits
+from kinesic.motion.limit_check import peaks
+from kinesic.planning.quick_plan import duration, opening
+
+LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
+
+
+@pytest.fixture(scope="module")
+def slow(known):
+    return opening(parse(passage(1)), known)
+
+
+def largest(trajectory, limits) -> float:
+    return max(float(peak.ratios.max()) for peak in peaks(trajectory, limits).shares.values())
+
+
+def test_a_quintic_of_its_duration_keeps_every_limit():
+    s = np.linspace(0, 1, 2001)
+    for way in (0.001, 0.03, 0.4, 3.9):
+        t = duration(way, LIMITS, 0)
+        speed = way / t * 30 * (s**2 - 2 * s**3 + s**4)
+        acceleration = way / t**2 * (60 * s - 180 * s**2 + 120 * s**3)
+        jerk = way / t**3 * (60 - 360 * s + 360 * s**2)
+        duty = LIMITS.inertial * acceleration + LIMITS.viscous * speed
+        for values, limit in ((speed, 4), (acceleration, 40), (jerk, 1e3), (duty, 0.7)):
+            assert np.abs(values).max() <= limit
+    assert duration(0.0, LIMITS, 0) == 0.0
+
+
+def test_the_opening_is_certified_and_begins_with_the_block(slow, known):
+    assert largest(slow.trajectory, known.limits) <= 1.001
+    assert slow.trajectory.zero == pytest.approx(-slow.timeline.start)
+    assert slow.clearance.distances.min() >= known.robot.least_clearance
+
+
+def test_the_opening_rests_at_every_key(slow):
+    times = slow.motion.planned + slow.trajectory.zero
+    speeds = slow.trajectory.sample(times)[1]
+    for row, posture in enumerate(slow.postures.postures):
+        assert np.abs(speeds[row, list(posture.keyed)]).max(initial=0.0) < 0.05
+
+
+def test_what_it_says_about_times_is_so(slow):
+    reached = slow.trajectory.sample(slow.motion.planned + slow.trajectory.zero)[0]
+    for row, posture in enumerate(slow.postures.postures):
+        keyed = list(posture.keyed)
+        np.testing.assert_allclose(reached[row, keyed], posture.angles[keyed], atol=1.1e-3)

@@ -1,0 +1,130 @@
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from kinesic.bml.block import Speech
+from kinesic.body.utterance import Mark, Pause, Script
+from kinesic.controller.perform import facts, plan
+from kinesic.planning.plan import Plan
+from kinesic.planning.plan import plan as plan_block
+from kinesic.planning.setup import Facts
+from kinesic.planning.speech_pauses import Waiting, paused
+from kinesic.planning.syncs import SHIFT_TO_WARN
+from kinesic.report.feedback import feedback
+from kinesic.speech.espeak_pool import fault
+
+HURRIED = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:kinesic="urn:kinesic" id="b" {block}>
+  <speech id="s" {speech}>
+    <text>See <sync id="a"/>this, <sync id="b"/>this and <sync id="c"/>that one.</text>
+  </speech>
+  <gesture id="g1" lexeme="offer" mode="RIGHT_HAND" stroke="s:a"/>
+  <gesture id="g2" lexeme="large" mode="BOTH_HANDS" stroke="s:b"/>
+  <gesture id="g3" lexeme="greet_wave" mode="RIGHT_HAND" stroke="s:c"/>
+</bml>
+"""
+MARKS = {"g1": "a", "g2": "b", "g3": "c"}
+
+
+@cache
+def hurried(known: Facts, *, block: str = "", speech: str = "") -> Plan:
+    return plan(HURRIED.format(block=block, speech=speech), known)
+
+
+def missed(planned: Plan) -> Iterator[float]:
+    """[s] between each stroke and its word."""
+    said = planned.utterances["s"].marks
+    start = next(t.times["start"] for t in planned.timeline.timed if isinstance(t.behaviour.action, Speech))
+    for sync in planned.syncs:
+        if sync.sync == "stroke" and sync.behaviour in MARKS:
+            yield abs(sync.planned - start - said[MARKS[sync.behaviour]])
+
+
+def pauses(planned: Plan) -> list[str]:
+    return [notice.text for notice in planned.notices if notice.text.startswith("a pause of")]
+
+
+@pytest.fixture(scope="module", params=["durations", "espeak"])
+def known(request: pytest.FixtureRequest) -> Facts:
+    if request.param == "espeak" and fault():
+        pytest.skip(fault())
+    return facts(voice=request.param)
+
+
+@pytest.fixture(scope="module")
+def waiting(known: Facts) -> Plan:
+    return hurried(known, speech='kinesic:pause="true"')
+
+
+def test_the_word_waits_for_the_body_where_it_may(known: Facts, waiting: Plan):
+    assert max(missed(hurried(known))) > 5 * SHIFT_TO_WARN
+    assert max(missed(waiting)) <= SHIFT_TO_WARN
+    assert pauses(waiting)
+
+
+def test_each_pause_is_told_with_its_word_and_its_gesture(waiting: Plan):
+    assert any("before 'that' (mark c), so that stroke of 'g3' is in time" in text for text in pauses(waiting))
+    warnings = [text for text in feedback(waiting) if "a pause of" in text]
+    assert len(warnings) == len(pauses(waiting))
+
+
+def test_the_prediction_has_the_times_with_the_pauses(waiting: Plan):
+    prediction = next(iter(feedback(waiting)))
+    said = waiting.utterances["s"]
+    start = next(t.times["start"] for t in waiting.timeline.timed if t.behaviour.id == "s")
+    assert f'<sync id="c" time="{round(start + said.marks["c"], 6)!r}"' in prediction
+
+
+def test_nothing_waits_unless_it_may(known: Facts):
+    without = hurried(known)
+    assert pauses(without) == []
+    assert hurried(known, block='kinesic:pause="0.3"', speech='kinesic:pause="false"').utterances == without.utterances
+
+
+def test_no_pause_is_longer_than_it_may_be(known: Facts):
+    planned = hurried(known, block='kinesic:pause="0.12"')
+    assert pauses(planned)
+    assert all(float(text.split()[3]) <= 0.12 for text in pauses(planned))
+    usual = hurried(known).utterances["s"].marks
+    said = planned.utterances["s"].marks
+    assert said["b"] - usual["b"] <= 0.12 + 0.03  # what is said before a pause sounds otherwise
+    assert said["c"] - usual["c"] <= 0.24 + 0.06
+
+
+def test_the_facts_say_so_for_documents_that_do_not():
+    usual = facts(voice="durations", pause=2.0)
+    assert max(missed(hurried(usual))) <= SHIFT_TO_WARN
+    assert pauses(hurried(usual, block='kinesic:pause="false"')) == []
+
+
+def test_a_speech_that_is_in_time_is_said_as_it_is(known: Facts):
+    text = (
+        '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b" kinesic:pause="true">'
+        '<speech id="s"><text>My two hands can do <sync id="m"/>this</text></speech>'
+        '<gesture id="g" lexeme="offer" mode="RIGHT_HAND" stroke="s:m"/></bml>'
+    )
+    planned = plan(text, known)
+    assert planned.notices == ()
+    assert planned.utterances["s"].marks == plan(text.replace("true", "false"), known).utterances["s"].marks
+
+
+def test_an_utterance_that_is_decided_stays(known: Facts, waiting: Plan):
+    again = plan_block(waiting.timeline.block, known, utterances=waiting.utterances)
+    assert again.utterances == waiting.utterances
+    assert pauses(again) == []
+
+
+def test_a_pause_goes_right_before_its_mark():
+    script = Script("one two", (Mark("a", 4), Mark("b", 4)), pauses=(Pause(4, 0.1),))
+    found = paused(script, (Waiting("s", "b", 0.0, ("g", "stroke"), 0.2, 0.2), Waiting("s", "a", 0.0, ("g", "stroke"))))
+    assert found.stops() == (Pause(4, 0.1), Mark("a", 4), Pause(4, 0.2, 1), Mark("b", 4))
+
+
+def test_a_recording_does_not_wait(known: Facts, tmp_path: Path):
+    text = HURRIED.format(block='kinesic:pause="true"', speech="").replace(
+        "</speech>", '<description type="audio/wav" ref="missing.wav"/></speech>'
+    )
+    planned = plan(text, known, source=str(tmp_path / "hurried.bml"))
+    assert pauses(planned) == []
+    assert any("missing.wav" in notice.text for notice in planned.notices)

@@ -1,0 +1,57 @@
+from importlib import resources
+
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import sealed
+from kinesic.body.reach import Reach
+from kinesic.body.robot import Robot
+from kinesic.expressivity.keyframes import Turn
+from kinesic.planning.volume import volume
+
+ROBOT = Robot.load()
+PLACE = Reach(sealed([0.3, 0.1, 0.8]), pointing=sealed([1.0, 0.0, 0.0]))
+
+
+def test_an_upright_torso_moves_nothing():
+    assert volume(ROBOT, Turn()) is None
+
+
+def test_the_box_turns_with_the_torso_about_its_first_joint():
+    placed = volume(ROBOT, Turn(torsion=np.pi / 6)).placed(PLACE)
+    cosine, sine = np.cos(np.pi / 6), np.sin(np.pi / 6)
+    np.testing.assert_allclose(placed.position, [0.3 * cosine - 0.1 * sine, 0.3 * sine + 0.1 * cosine, 0.8])
+    np.testing.assert_allclose(placed.pointing, [cosine, sine, 0.0])
+
+
+@pytest.mark.parametrize("turn", [Turn(torsion=0.5), Turn(tilt=0.4), Turn(roll=-0.3)])
+def test_a_rigid_trunk_keeps_the_boxs_size(turn):
+    assert volume(ROBOT, turn).scale == pytest.approx(1.0, abs=1e-12)
+
+
+def test_a_box_of_another_scale_is_smaller_about_the_pivot():
+    box = volume(ROBOT, Turn(tilt=0.3))
+    half = type(box)(box.pivot, box.rotation, 0.5)
+    np.testing.assert_allclose(
+        half.placed(PLACE).position - box.pivot, 0.5 * (box.placed(PLACE).position - box.pivot), atol=1e-12
+    )
+
+
+def test_a_spine_that_bends_in_two_places_is_shorter_and_so_is_the_box(tmp_path):
+    text = resources.files("kinesic").joinpath("configs/robots/upper22.toml").read_text()
+    body = '[[body]]\nname = "vt10"\nparent = "vl5"\npos = [0, 0, 0.15]\nmass = 0.3\ncapsules = []\n\n'
+    hinge = (
+        '[[hinge]]\nname = "vt10_tilt"\nbody = "vt10"\naxis = [0, 1, 0]\nrange_deg = [-15, 35]\n'
+        'servo = "xm540_w270"\nmount = { body = "vl5", at = [0, 0, 0.1] }\n\n'
+    )
+    trunk = '[[body]]\nname = "vt1"\nparent = "vl5"\npos = [0, 0, 0.29]'
+    text = text.replace(trunk, body + trunk.replace("vl5", "vt10").replace("0.29", "0.14"))
+    neck = '[[hinge]]\nname = "skullbase_torsion"'
+    text = text.replace(neck, hinge + neck).replace('torso = ["vl5"]', 'torso = ["vl5", "vt10"]')
+    path = tmp_path / "bending.toml"
+    path.write_text(text)
+    box = volume(Robot.load(path), Turn(tilt=0.8))
+    lower, upper = 0.15, 0.14  # [m] of the spine, bent by half of the tilt where they meet
+    length = np.sqrt(lower**2 + upper**2 + 2 * lower * upper * np.cos(0.4))
+    assert box.scale == pytest.approx(length / (lower + upper))
+    np.testing.assert_allclose(box.rotation[:, 0], [np.cos(0.8), 0.0, -np.sin(0.8)], atol=1e-12)

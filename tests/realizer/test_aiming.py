@@ -1,0 +1,126 @@
+"""Hands that point beside blocks that move the trunk."""
+
+import numpy as np
+import pytest
+
+from kinesic.motion.limit_check import peaks
+from kinesic.motion.transition import knot_at
+from kinesic.planning.clearance import LAG_RESERVE, scan
+from kinesic.realizer import aiming
+from kinesic.realizer.pointing import pointed
+from kinesic.realizer.realizer import begun, improved, interrupted, ready, taken
+
+LEAN = '<torso id="t" lexeme="lean" amount="1" start="0" end="3"/>'
+GAZE = '<gaze id="t" target="left" influence="WAIST" start="0" end="3"/>'
+POINT = '<pointing id="p" target="audience" mode="RIGHT_HAND"/>'
+LEFT = '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND"/>'
+SLIGHT = np.radians(0.2)
+
+
+def missed(play, block: str, *, motion=None) -> float:
+    """By how much the hand of a block points past its target in its stroke [rad]."""
+    staged = play.scene.find(block)
+    (one,) = pointed(staged.ready.plan)
+    stroke = play.scene.performance(staged.zero + staged.times[one.behaviour]["stroke"])
+    return one.miss((motion or play.scene.motion).sample(np.array([stroke]))[0][0], play.scene.facts.robot)
+
+
+def check(play) -> None:
+    known = play.scene.facts
+    for name, peak in peaks(play.scene.motion, known.limits).shares.items():
+        assert peak.ratios.max() <= 1.001, name
+    nearest = scan(play.scene.motion, known.distances)[1].distances.min()
+    assert nearest >= known.robot.least_clearance + LAG_RESERVE - 1e-4
+
+
+@pytest.mark.parametrize("other", [LEAN, GAZE])
+def test_a_hand_that_comes_to_point_allows_for_the_trunk(play, other):
+    play.send("a", other).until(0.4).send("b", POINT)
+    assert missed(play, "b") < SLIGHT
+    check(play)
+    play.until(6.0)
+    assert play.warnings() == []
+    assert play.scene.motion.controls[-1] == pytest.approx(play.scene.facts.robot.skeleton.rest, abs=1e-6)
+
+
+@pytest.mark.parametrize("other", [LEAN, GAZE])
+def test_a_hand_that_is_going_to_point_allows_for_a_trunk_that_moves_then(play, other):
+    play.send("a", POINT).until(0.2)
+    before = play.scene.motion
+    play.send("b", other)
+    assert missed(play, "a") < SLIGHT
+    check(play)
+    knot = knot_at(play.scene.performance(0.2))
+    np.testing.assert_allclose(play.scene.motion.controls[:knot], before.controls[:knot], atol=1e-8)
+    play.until(6.0)
+    assert play.warnings() == []
+
+
+def test_a_trunk_that_comes_back_sooner_leaves_the_hand_where_it_points(play):
+    play.send("a", LEAN).until(0.4).send("b", POINT).until(0.5)
+    play.take(interrupted(play.scene, play.now, "a"))
+    assert missed(play, "b") < aiming.ASTRAY
+    check(play)
+
+
+def test_a_hand_that_is_interrupted_rests_while_the_trunk_goes_on(play):
+    play.send("a", LEAN).until(0.4).send("b", POINT).until(0.8)
+    play.take(interrupted(play.scene, play.now, "b"))
+    check(play)
+    play.until(6.0)
+    assert play.scene.motion.controls[-1] == pytest.approx(play.scene.facts.robot.skeleton.rest, abs=1e-6)
+    assert play.was_told("a:t:end")
+
+
+def test_other_works_of_the_hand_stay_as_they_are(play):
+    row = POINT.replace("/>", ' stroke="1.2"/>') + '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND" stroke="3.2"/>'
+    play.send("b", row)
+    before = play.scene.motion
+    beat = play.scene.find("b").times["g"]
+    play.until(0.2).send("a", LEAN.replace('end="3"', 'end="2"'))
+    assert missed(play, "b") < SLIGHT
+    times = np.arange(beat["ready"], beat["relax"], 0.01)
+    arm = list(play.scene.facts.robot.joints("r_arm"))
+    np.testing.assert_allclose(play.scene.motion.sample(times)[0][:, arm], before.sample(times)[0][:, arm], atol=1e-6)
+
+
+def test_what_servos_cannot_mend_is_told_by_name(play, monkeypatch):
+    monkeypatch.setattr(aiming, "corrected", lambda *_: None)
+    play.send("a", LEAN).until(0.4).send("b", POINT)
+    (text,) = play.warnings()
+    assert 'id="b:p" type="IMPOSSIBLE_TO_SCHEDULE"' in text
+    assert f"points {np.degrees(missed(play, 'b')):.0f} deg past its target" in text
+    play.until(0.6).send("c", LEFT)
+    assert len(play.warnings()) == 1
+
+
+def test_a_trunk_that_leans_when_it_is_too_late_is_told(play):
+    play.send("a", POINT)
+    stroke = play.scene.find("a").times["p"]["stroke"]
+    play.until(stroke - 0.12).send("b", LEAN.replace("lean", "turn left"))
+    off = missed(play, "a")
+    assert (len(play.warnings("a:p")) == 1) == (off > aiming.ASTRAY)
+    check(play)
+
+
+def test_a_hand_beside_an_arm_stays_as_planned(play):
+    play.send("a", LEFT).until(0.3).send("b", POINT)
+    alone = play.ready("c", POINT).plan.trajectory.controls
+    arm = list(play.scene.facts.robot.joints("r_arm"))
+    own = play.scene.find("b").merged.layer.controls[:, arm]
+    assert np.ptp(own, axis=0) == pytest.approx(np.ptp(alone[:, arm], axis=0), abs=1e-6)
+
+
+def test_a_better_plan_points_as_well(play):
+    nods = "".join(f'<head id="h{k}" lexeme="NOD" stroke="{1.0 + 1.2 * k}"/>' for k in range(4))
+    play.send("a", LEAN).until(0.3)
+    coming = play.ready("b", POINT.replace("/>", ' stroke="1.3"/>') + nods)
+    assert coming.is_provisional
+    play.take(begun(play.scene, coming, play.now))
+    assert missed(play, "b") < SLIGHT
+    play.scene, (wish,) = taken(play.scene)
+    after = improved(play.scene, "b", ready(wish, play.scene.facts).plan, play.now)
+    assert after is not None
+    play.scene = after
+    assert missed(play, "b") < SLIGHT
+    check(play)

@@ -1,0 +1,135 @@
+"""Another manner while a block plays."""
+
+import numpy as np
+import pytest
+
+from kinesic.bml.block import Head
+from kinesic.body.config import ConfigError
+from kinesic.expressivity.style.style import Style
+from kinesic.motion.limit_check import peaks
+from kinesic.planning.setup import Facts
+from kinesic.realizer.asked import Asked, Message, asked
+from kinesic.realizer.realizer import Scene, begun, changed, improved, passed, ready, taken
+
+BML = (
+    '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:bmla="http://www.asap-project.org/bmla" '
+    'id="{}">{}</bml>'
+)
+NODS = '<head id="h" lexeme="NOD" repetition="6" amount="0.8"/>'
+SPEECH = '<speech id="s"><text>One two three four five six seven</text></speech>'
+
+
+def sent(scene: Scene, id: str, inside: str, now: float) -> Scene:
+    coming = ready(asked(Message(BML.format(id, inside)), scene.facts, around=scene.around(now)), scene.facts)
+    return begun(scene, coming, now)[0]
+
+
+def granted(scene: Scene, now: float) -> tuple[Scene, tuple[Asked, ...]]:
+    """The scene with all its wishes planned, as far as that can be."""
+    scene, wishes = taken(scene)
+    for wish in wishes:
+        scene = improved(scene, wish.block.id, ready(wish, scene.facts).plan, now) or scene
+    return scene, wishes
+
+
+def swing(scene: Scene, begin: float, end: float) -> float:
+    """[rad] how far the head goes up and down."""
+    times = np.arange(begin, end, 0.01) - scene.epoch
+    neck = list(scene.facts.robot.joints("neck"))
+    return float(np.ptp(scene.motion.sample(times)[0][:, neck], axis=0).max())
+
+
+@pytest.fixture
+def nodding(known: Facts) -> Scene:
+    return sent(Scene.of(known), "a", NODS, 0.0)
+
+
+def test_amount_changes_what_is_still_to_come(nodding: Scene) -> None:
+    before = swing(nodding, 1.8, 2.6)
+    scene, dues = changed(passed(nodding, 1.0)[0], 1.0, amount=0.3)
+    assert dues == ()
+    scene, (wish,) = granted(scene, 1.0)
+    action = wish.block.behaviours[0].action
+    assert isinstance(action, Head)
+    assert action.amount == 0.3
+    assert swing(scene, 1.8, 2.6) == pytest.approx(before * 0.3 / 0.8, rel=0.1)
+    past = np.arange(0.0, 1.0, 0.01)
+    np.testing.assert_allclose(scene.motion.sample(past)[0], nodding.motion.sample(past)[0], atol=1e-12)
+    assert max(peak.ratios.max() for peak in peaks(scene.motion, scene.facts.limits).shares.values()) <= 1.001
+    assert taken(scene)[1] == ()
+
+
+def test_a_style_for_all_is_that_of_what_comes_too(nodding: Scene) -> None:
+    tense = Style.load("neutral").changed(["spatial=-0.8"])
+    scene, _ = changed(nodding, 0.2, style=tense)
+    assert scene.facts.style is tense
+    assert [wish.block.id for wish in scene.wishes] == ["a"]
+
+
+def test_a_style_for_one_block_leaves_the_others(nodding: Scene) -> None:
+    scene = sent(nodding, "b", '<gesture id="g" lexeme="BEAT"/>', 0.2)
+    scene, _ = changed(scene, 0.3, style="neutral", block="b")
+    (wish,) = scene.wishes
+    assert (wish.block.id, wish.block.behaviours[0].manner.style) == ("b", "neutral")
+    assert scene.facts.style is nodding.facts.style
+
+
+def test_changes_add_up(nodding: Scene) -> None:
+    scene, _ = changed(nodding, 0.2, amount=0.4)
+    scene, _ = changed(scene, 0.2, style="neutral", block="a")
+    (wish,) = scene.wishes
+    behaviour = wish.block.behaviours[0]
+    assert isinstance(behaviour.action, Head)
+    assert (behaviour.action.amount, behaviour.manner.style) == (0.4, "neutral")
+
+
+def test_what_is_said_already_stays(known: Facts) -> None:
+    scene = sent(Scene.of(known), "a", SPEECH + NODS, 0.0)
+    before = scene.speeches
+    scene, _ = changed(scene, 0.5, style=Style.load("neutral").changed(["temporal=0.9"]))
+    scene, (wish,) = granted(scene, 0.5)
+    assert wish.is_decided
+    assert scene.speeches == before
+
+
+def test_bad_wishes_are_refused(nodding: Scene) -> None:
+    with pytest.raises(ValueError, match=r"amount is 1\.5, outside \[0, 1\]"):
+        changed(nodding, 0.1, amount=1.5)
+    with pytest.raises(ConfigError, match="nobody"):
+        changed(nodding, 0.1, style="nobody")
+
+
+CHANGE = (
+    '<bmla:parameterValueChange id="p" target="{}" paramId="{}"><bmla:trajectory targetValue="{}"/>'
+    "</bmla:parameterValueChange>"
+)
+
+
+@pytest.mark.parametrize(
+    ("target", "parameter", "value"), [("a", "amount", "0.2"), ("a:h", "spatial", "-0.5"), ("a", "style", "neutral")]
+)
+def test_a_block_changes_another(nodding: Scene, target: str, parameter: str, value: str) -> None:
+    scene = sent(nodding, "b", CHANGE.format(target, parameter, value), 0.2)
+    scene, dues = passed(scene, 0.21)
+    assert not [due for due in dues if "<warning" in due.xml]
+    (wish,) = scene.wishes
+    changed_ = wish.block.behaviours[0]
+    assert changed_ != nodding.blocks[0].block.behaviours[0]
+    assert improved(scene, "a", ready(wish, scene.facts).plan, 0.25) is not None
+
+
+@pytest.mark.parametrize(
+    ("parameter", "value", "said"),
+    [
+        ("volume", "100", "'volume' cannot be changed; style"),
+        ("amount", "much", "'much' is no number"),
+        ("amount", "7", "outside [0, 1]"),
+        ("style", "nobody", "nobody"),
+    ],
+)
+def test_what_cannot_be_changed_is_warned(nodding: Scene, parameter: str, value: str, said: str) -> None:
+    scene, dues = passed(sent(nodding, "b", CHANGE.format("a", parameter, value), 0.2), 0.21)
+    warnings = [due.xml for due in dues if 'id="b:p"' in due.xml]
+    assert len(warnings) == 1
+    assert said in warnings[0]
+    assert scene.wishes == ()

@@ -1,0 +1,92 @@
+"""Blocks that end before their time."""
+
+import pytest
+
+from kinesic.bml.composition import State
+from kinesic.motion.limit_check import peaks
+from kinesic.realizer.realizer import interrupted
+
+NOD = '<head id="h" lexeme="NOD"/>'
+BEAT = '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND"/>'
+LEFT = '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND"/>'
+HELLO = '<speech id="s"><text>Hello <sync id="m"/>there</text></speech>'
+TICK = 0.01  # [s]
+
+
+def test_replace_stops_everything(play):
+    play.send("a", BEAT + HELLO, sender=1).send("w", NOD, 'composition="APPEND"', sender=2).until(0.8)
+    play.send("b", NOD + HELLO, 'composition="REPLACE"', sender=3)
+    assert play.state("a") is State.INTERRUPTED
+    assert play.state("w") is State.REVOKED
+    assert len(play.warnings("w")) == 1
+    assert [spoken.block for spoken in play.scene.speeches] == ["b"]
+    play.until(6.0)
+    assert play.at("a:end") == pytest.approx(0.8)
+    assert not play.was_told("a:g:end")
+    assert 'kinesic:state="INTERRUPTED"' in next(due.xml for due in play.told if 'id="a:end"' in due.xml)
+    assert play.was_told("b:h:stroke")
+    assert not play.was_told("w:start")
+    assert play.scene.motion.controls[-1] == pytest.approx(play.scene.facts.robot.skeleton.rest, abs=1e-6)
+
+
+def test_replacing_in_mid_stroke_keeps_the_limits(play):
+    play.send("a", BEAT).until(0.7).send("b", LEFT, 'composition="REPLACE"')
+    for name, peak in peaks(play.scene.motion, play.scene.facts.limits).shares.items():
+        assert peak.ratios.max() <= 1.001, name
+
+
+def test_interrupting_one_block_lets_others_go_on(play):
+    play.send("a", BEAT).send("b", '<head id="h" lexeme="NOD" repetition="4"/>').until(0.7)
+    play.take(interrupted(play.scene, play.now, "a")).until(5.0)
+    assert play.at("a:end") == pytest.approx(0.7)
+    assert not play.was_told("a:g:strokeEnd")
+    assert play.was_told("b:h:end")
+    assert play.scene.motion.controls[-1] == pytest.approx(play.scene.facts.robot.skeleton.rest, abs=1e-6)
+
+
+def test_interrupting_all(play):
+    play.send("a", BEAT).send("b", NOD).send("c", NOD, 'composition="APPEND"').until(0.5)
+    play.take(interrupted(play.scene, play.now)).until(3.0)
+    assert [play.state(id) for id in "abc"] == [State.INTERRUPTED, State.INTERRUPTED, State.REVOKED]
+    assert play.scene.agenda == ()
+    assert play.scene.motion.controls[-1] == pytest.approx(play.scene.facts.robot.skeleton.rest, abs=1e-6)
+
+
+def test_a_block_interrupts_another_when_it_begins(play):
+    play.send("a", BEAT).until(0.5).send("b", NOD, 'bmla:interrupt="a"')
+    assert play.state("a") is State.INTERRUPTED
+    assert play.state("b") is State.IN_EXEC
+
+
+def test_an_interrupt_behaviour_waits_for_its_time(play):
+    play.send("a", '<speech id="s"><text>One two three four five six seven eight nine ten</text></speech>' + BEAT)
+    play.send(
+        "b", '<bmla:interrupt id="i" target="a" start="1"/><speech id="s" start="i:start"><text>No</text></speech>'
+    )
+    play.until(4.0)
+    assert play.at("a:end") == pytest.approx(1.0, abs=2 * TICK)
+    assert play.at("b:i:start") == pytest.approx(1.0)
+
+
+def test_what_is_interrupted_makes_room(play):
+    long = '<head id="h" lexeme="NOD" repetition="8"/><speech id="s"><text>One two three four five six</text></speech>'
+    inside = '<head id="h" lexeme="SHAKE" start="i:start"/><speech id="s" start="i:start"><text>No</text></speech>'
+    play.send("a", long).send("b", '<bmla:interrupt id="i" target="a" start="0.8"/>' + inside).until(5.0)
+    assert play.warnings() == []
+    assert play.at("b:s:start") == pytest.approx(0.8)
+    assert play.was_told("b:h:stroke")
+    assert play.at("a:end") == pytest.approx(0.8, abs=2 * TICK)
+
+
+def test_an_interrupt_of_one_behaviour(play):
+    play.send("a", BEAT + '<head id="h" lexeme="NOD" repetition="4"/>').until(0.5)
+    play.send("b", '<bmla:interrupt id="i" target="a" include="g"/>').until(5.0)
+    assert not play.was_told("a:g:stroke")
+    assert play.was_told("a:h:end")
+    assert play.state("a") is State.DONE
+    assert play.at("a:end") == pytest.approx(play.at("a:h:end"), abs=1e-6)
+
+
+def test_what_is_done_to_a_block_that_is_nowhere_is_warned(play):
+    play.send("b", '<bmla:interrupt id="i" target="nobody"/><bmla:activate id="j" target="nobody"/>').until(0.1)
+    assert len(play.warnings("b:i")) == len(play.warnings("b:j")) == 1

@@ -1,0 +1,82 @@
+"""Feedback in time."""
+
+import pytest
+
+from kinesic.bml.composition import State
+from kinesic.realizer.feedback import Due, Progress, agenda, ordered, retimed, span, without
+
+TIMES = {"h": {"start": 0.0, "stroke": 1.0, "relax": 1.5, "end": 2.0}, "s": {"start": 0.5, "m": 0.7, "end": 1.7}}
+
+
+def keys(dues: tuple[Due, ...]) -> list[str]:
+    return [f"{due.told.behaviour or ''}:{due.told.point}" for due in dues if isinstance(due.told, Progress)]
+
+
+def test_span() -> None:
+    assert span({}) == (0.0, 0.0, 0.0)
+    assert span(TIMES) == (0.0, 1.7, 2.0)
+    assert span({"h": {"start": -0.5, "end": 1.0}}) == (-0.5, 1.0, 1.0)
+
+
+def test_everything_is_told_in_order() -> None:
+    dues = agenda("b", TIMES, 10.0, sender=4)
+    assert keys(dues) == [
+        ":start",
+        "h:start",
+        "s:start",
+        "s:m",
+        "h:stroke",
+        "h:relax",
+        "s:end",
+        ":relax",
+        "h:end",
+        ":end",
+    ]
+    assert [due.time for due in dues] == pytest.approx([10, 10, 10.5, 10.7, 11, 11.5, 11.7, 11.7, 12, 12])
+    assert {due.sender for due in dues} == {4}
+    assert {due.block for due in dues} == {"b"}
+    assert 'id="b:s:m" time="0.7" globalTime="10.7"' in dues[3].xml
+    assert 'id="b:relax" globalTime="11.7"' in dues[7].xml
+
+
+def test_an_empty_block() -> None:
+    assert keys(agenda("b", {}, 1.0, sender=0)) == [":start", ":relax", ":end"]
+
+
+def test_sync_points_never_go_back() -> None:
+    dues = agenda("b", {"h": {"start": 0.0, "ready": 0.3, "stroke": 0.3 - 1e-9, "end": 1.0}}, 0.0, sender=0)
+    assert keys(dues) == [":start", "h:start", "h:ready", "h:stroke", "h:end", ":relax", ":end"]
+
+
+def test_what_was_told_is_not_told_again_and_what_is_past_is_told_at_once() -> None:
+    left = agenda("b", TIMES, 10.0, sender=0)[4:]
+    sooner = {"h": {"start": 0.0, "stroke": 0.8, "relax": 1.2, "end": 1.6}, "s": TIMES["s"]}
+    again = retimed((*left, Due(11.0, "else")), "b", agenda("b", sooner, 10.0, sender=0), 10.9)
+    assert keys(again) == ["h:stroke", "h:relax", "h:end", "s:end", ":relax", ":end"]
+    assert [due.time for due in again] == pytest.approx([10.9, 11.0, 11.2, 11.6, 11.7, 11.7, 11.7])
+
+
+def test_a_part_can_be_left_out() -> None:
+    dues = agenda("b", TIMES, 0.0, sender=0)
+    assert keys(without(dues, "b", frozenset({"h"}))) == [":start", "s:start", "s:m", "s:end", ":relax", ":end"]
+    assert without(dues, "b") == ()
+    assert without(dues, "c") == dues
+
+
+def test_agendas_are_joined_in_time() -> None:
+    joined = ordered(agenda("a", {}, 1.0, sender=0), agenda("b", {}, 0.5, sender=0), agenda("c", {}, 1.0, sender=0))
+    assert [due.block for due in joined] == ["b"] * 3 + ["a"] * 3 + ["c"] * 3
+
+
+def test_measured_times_are_told_in_our_namespace() -> None:
+    due = Due(12.0, Progress("b", "h", "stroke", 2.0, "Anna")).seen(12.034)
+    assert 'xmlns:kinesic="urn:kinesic"' in due.xml
+    assert 'kinesic:measuredGlobalTime="12.034" kinesic:lag="0.034"' in due.xml
+    assert 'characterId="Anna"' in due.xml
+    ended = Due(3.0, Progress("b", None, "end", 2.0, state=State.INTERRUPTED)).seen(3.1)
+    assert 'kinesic:state="INTERRUPTED" kinesic:measuredGlobalTime="3.1"' in ended.xml
+    assert "kinesic" not in Due(3.0, Progress("b", None, "end", 2.0)).xml
+
+
+def test_a_written_message_is_told_as_it_is() -> None:
+    assert (Due(1.0, "<x/>").xml, Due(1.0, "<x/>").block) == ("<x/>", None)

@@ -1,0 +1,244 @@
+"""Blocks over a running motion, and in its place: what goes on, what comes, and what has no place."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.bench.bml import merging
+from kinesic.bench.passage import passage
+from kinesic.bml.block import NoticeType
+from kinesic.bml.parse import parse
+from kinesic.motion.limit_check import peaks
+from kinesic.motion.trajectory import held
+from kinesic.motion.transition import knot_at, lengthened
+from kinesic.planning.clearance import LAG_RESERVE, scan
+from kinesic.planning.quick_plan import opening
+from kinesic.realizer.busy import arm
+from kinesic.realizer.merge import merged, replaced
+
+ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+NOD = '<head id="n" lexeme="NOD"/>'
+SPOKEN = '<speech id="s"><text>Yes, <sync id="m"/>indeed.</text></speech>'
+
+
+@pytest.fixture(scope="module")
+def planned(known):
+    plans = {}
+
+    def made(text: str):
+        return plans.setdefault(text, opening(parse(text if "<bml" in text else ROOT.format(text)), known))
+
+    return made
+
+
+@pytest.fixture(scope="module")
+def rest(known):
+    return held(known.robot.skeleton.rest)
+
+
+@pytest.fixture(scope="module")
+def running(planned, rest):
+    """The passage, from rest, half a second later."""
+    return merged(rest, 0.0, planned(passage(0)), begin=0.5)
+
+
+def gesture(hand: str, stroke: float = 0.9, id: str = "g", lexeme: str = "beat") -> str:
+    return f'<gesture id="{id}" lexeme="{lexeme}" mode="{hand}_HAND" stroke="{stroke}"/>'
+
+
+def certified(motion, known, before=None, time: float = 0.0) -> None:
+    for name, peak in peaks(motion, known.limits).shares.items():
+        assert peak.ratios.max() <= 1.001, name
+    assert scan(motion, known.distances)[1].distances.min() >= known.robot.least_clearance + LAG_RESERVE - 1e-4
+    np.testing.assert_allclose(motion.controls[-3:], motion.controls[[-1] * 3], atol=1e-9)
+    if before is not None:
+        count = knot_at(time) + 3
+        same = (lengthened(each.controls, count)[:count] for each in (motion, before))
+        np.testing.assert_allclose(*same, atol=1e-8)
+
+
+def strokes(plan, found, hinges) -> None:
+    """Every stroke that is performed is where and when it should be."""
+    for sync in found.syncs:
+        if sync.sync == "stroke":
+            reached = found.trajectory.at(found.zero + sync.planned).angles[hinges]
+            wanted = plan.trajectory.at(plan.trajectory.zero + sync.planned).angles[hinges]
+            np.testing.assert_allclose(reached, wanted, atol=1e-6)
+
+
+def test_a_block_on_a_body_at_rest_is_its_own_plan(planned, running):
+    plan = planned(passage(0))
+    times = np.linspace(0.0, plan.trajectory.duration, 200)
+    moved = running.trajectory.sample(times + running.zero - plan.trajectory.zero)[0]
+    np.testing.assert_allclose(moved, plan.trajectory.sample(times)[0], atol=1e-9)
+    assert running.zero == pytest.approx(0.5 + plan.trajectory.zero)
+    assert (running.dropped, running.notices, running.syncs) == ((), (), plan.syncs)
+
+
+@pytest.mark.parametrize("time", [2.0, 3.7, 5.2, 9.0])
+def test_a_nod_goes_over_gestures_that_go_on(planned, running, known, time):
+    found = merged(running.trajectory, time, planned(NOD), begin=time, busy=running.busy)
+    certified(found.trajectory, known, running.trajectory, time)
+    assert found.dropped == ()
+    arms = [*arm("l_hand", known.robot), *arm("r_hand", known.robot)]
+    times = np.linspace(0.0, 7.0, 300)
+    before, after = (each.trajectory.sample(times)[0][:, arms] for each in (running, found))
+    np.testing.assert_allclose(after, before, atol=1e-12)
+    neck = list(known.robot.joints("neck"))
+    assert np.ptp(found.layer.controls[:, neck], axis=0).max() > 0.05
+
+
+def test_a_nod_adds_to_a_gaze(planned, rest, known):
+    gaze = merged(rest, 0.0, planned('<gaze id="z" target="left" start="0" end="4"/>'), begin=0.0)
+    found = merged(gaze.trajectory, 1.2, planned(NOD), begin=1.2, busy=gaze.busy)
+    certified(found.trajectory, known, gaze.trajectory, 1.2)
+    torsion, tilt, _ = known.robot.joints("neck")
+    times = np.linspace(0.0, 5.0, 200)
+    before, after = (each.trajectory.sample(times)[0] for each in (gaze, found))
+    np.testing.assert_allclose(after[:, torsion], before[:, torsion], atol=0.02)
+    assert (after[:, tilt] - before[:, tilt]).max() > 0.1
+
+
+def test_one_hand_goes_while_the_other_does_something_else(planned, rest, known):
+    left = merged(rest, 0.0, planned(gesture("LEFT", id="l", lexeme="offer")), begin=0.0)
+    plan = planned(gesture("RIGHT"))
+    found = merged(left.trajectory, 0.4, plan, begin=0.4, busy=left.busy)
+    certified(found.trajectory, known, left.trajectory, 0.4)
+    assert found.dropped == ()
+    strokes(plan, found, list(arm("r_hand", known.robot)))
+
+
+def test_the_lean_of_one_reach_adds_to_that_of_the_other(planned, rest, known):
+    far = {**known.targets, "far_left": np.array([0.9, 0.5, 0.3]), "far_right": np.array([0.9, -0.5, 0.3])}
+    reaching = replace(known, targets=far)
+    plans = [
+        opening(
+            parse(ROOT.format(f'<pointing id="{side[0]}" target="far_{side}" mode="{side.upper()}_HAND"/>')), reaching
+        )
+        for side in ("left", "right")
+    ]
+    first = merged(rest, 0.0, plans[0], begin=0.0)
+    found = merged(first.trajectory, 0.3, plans[1], begin=0.3, busy=first.busy)
+    certified(found.trajectory, known, first.trajectory, 0.3)
+    assert found.dropped == ()
+
+
+def test_a_hand_that_is_busy_leaves_the_behaviour_out_by_name(planned, rest, known):
+    first = merged(rest, 0.0, planned(gesture("RIGHT", 1.5, lexeme="offer")), begin=0.0)
+    plan = planned(SPOKEN + gesture("RIGHT", 1.2, id="beat") + '<head id="n" lexeme="NOD" start="0.4"/>')
+    found = merged(first.trajectory, 0.2, plan, begin=0.2, busy=first.busy)
+    certified(found.trajectory, known, first.trajectory, 0.2)
+    assert found.dropped == ("beat",)
+    (notice,) = found.notices
+    assert (notice.type, notice.id) == (NoticeType.IMPOSSIBLE_TO_SCHEDULE, "b:beat")
+    assert "r_hand busy with g for" in notice.text
+    assert {sync.behaviour for sync in found.syncs} == {"s", "n"}
+    assert {each.behaviour for each in found.busy} == {"n"}
+    hinges = list(arm("r_hand", known.robot))
+    times = np.linspace(0.0, 4.0, 100)
+    before, after = (each.trajectory.sample(times)[0][:, hinges] for each in (first, found))
+    np.testing.assert_allclose(after, before, atol=1e-12)
+
+
+def test_a_silent_block_waits_a_little_where_that_helps(planned, rest, known):
+    first = merged(rest, 0.0, planned(NOD), begin=0.0)
+    found = merged(first.trajectory, 0.1, planned('<head id="m" lexeme="SHAKE"/>'), begin=0.1, busy=first.busy)
+    certified(found.trajectory, known, first.trajectory, 0.1)
+    assert found.dropped == ()
+    assert 0.1 < found.zero - 0.1 <= 0.61
+    assert [notice.id for notice in found.notices] == ["b:m"]
+    assert f"{found.zero - 0.1:.3f} s later" in found.notices[0].text
+    (need,) = found.busy
+    assert need.ready >= first.busy[0].relax - 1e-9
+
+
+def test_a_block_that_speaks_does_not_wait(planned, rest):
+    first = merged(rest, 0.0, planned(NOD), begin=0.0)
+    plan = planned(SPOKEN + '<head id="m" lexeme="SHAKE"/>')
+    found = merged(first.trajectory, 0.1, plan, begin=0.1, busy=first.busy)
+    assert found.dropped == ("m",)
+    assert found.zero == pytest.approx(0.1)
+    assert found.trajectory is first.trajectory
+
+
+def test_arms_that_would_meet_are_not_moved_at_once(planned, rest, known):
+    point = '<pointing id="{}" target="{}" mode="{}_HAND"/>'
+    first = merged(rest, 0.0, planned(point.format("r", "left", "RIGHT")), begin=0.0)
+    found = merged(first.trajectory, 0.3, planned(point.format("l", "right", "LEFT")), begin=0.3, busy=first.busy)
+    assert found.dropped == ("l",)
+    assert "mm of" in found.notices[0].text
+    assert found.trajectory is first.trajectory
+
+
+def test_a_retraction_gives_way_to_the_next_gesture(planned, rest, known):
+    plan = planned(gesture("RIGHT"))
+    first = merged(rest, 0.0, planned(gesture("RIGHT", 1.0, lexeme="offer")), begin=0.0)
+    relax, end = first.busy[0].relax, first.busy[0].end
+    time = relax + 0.2 * (end - relax)
+    found = merged(first.trajectory, time, plan, begin=time, busy=first.busy)
+    certified(found.trajectory, known, first.trajectory, time)
+    assert found.dropped == ()
+    hinges = list(arm("r_hand", known.robot))
+    strokes(plan, found, hinges)
+    times = np.linspace(time, found.busy[0].ready, 50)
+    away = np.abs(found.trajectory.sample(times)[0][:, hinges] - known.robot.skeleton.rest[hinges]).max(axis=1)
+    assert away.min() > 0.05  # it does not go home in between
+
+
+def test_a_look_goes_where_it_is_asked_to_from_one_that_stays(planned, rest, known):
+    torsion = known.robot.joints("neck")[0]
+    left = merged(rest, 0.0, planned('<gazeShift id="l" target="left" start="0" end="1"/>'), begin=0.0)
+    right = planned('<gaze id="r" target="right" start="0" end="3"/>')
+    found = merged(left.trajectory, 2.0, right, begin=2.0, busy=left.busy)
+    certified(found.trajectory, known, left.trajectory, 2.0)
+    wanted = right.trajectory.at(1.6 + right.trajectory.zero).angles[torsion]
+    assert found.trajectory.at(found.zero + 1.6).angles[torsion] == pytest.approx(wanted, abs=0.02)
+    back = found.trajectory.controls[-1]
+    np.testing.assert_allclose(back, left.trajectory.controls[-1], atol=1e-6)
+    stays = merged(left.trajectory, 2.0, planned('<gazeShift id="r" target="right"/>'), begin=2.0, busy=left.busy)
+    assert stays.trajectory.controls[-1][torsion] == pytest.approx(-left.trajectory.controls[-1][torsion], abs=0.02)
+
+
+def test_two_looks_at_once_are_a_conflict(planned, rest):
+    looks = '<gaze id="{}" target="{}" start="0" ready="0.8" relax="{}" end="9"/>'
+    first = merged(rest, 0.0, planned(looks.format("z", "left", 6)), begin=0.0)
+    found = merged(first.trajectory, 0.3, planned(looks.format("y", "right", 3)), begin=0.3, busy=first.busy)
+    assert found.dropped == ("y",)
+    assert "look busy with z" in found.notices[0].text
+
+
+def test_a_clock_that_begins_anew_changes_nothing(planned, running, known):
+    later = running.earlier(2.0)
+    times = np.linspace(0.0, 5.0, 100)
+    one, other = later.trajectory.sample(times)[0], running.trajectory.sample(times + 2.0)[0]
+    np.testing.assert_allclose(one, other, atol=1e-12)
+    plan = planned(NOD)
+    one = merged(running.trajectory, 3.7, plan, begin=3.7, busy=running.busy)
+    other = merged(later.trajectory, 1.7, plan, begin=1.7, busy=later.busy)
+    assert other.zero == pytest.approx(one.zero - 2.0)
+    np.testing.assert_allclose(other.trajectory.controls, one.trajectory.controls[200:], atol=1e-9)
+
+
+@pytest.mark.parametrize("time", [0.9, 1.45, 3.1, 6.5, 8.0])
+def test_a_block_in_the_place_of_another_comes_at_once(planned, running, known, time):
+    plan = planned(gesture("RIGHT", 1.0, lexeme="offer"))
+    found = replaced(running.trajectory, time, plan)
+    certified(found.trajectory, known, running.trajectory, time)
+    strokes(plan, found, list(arm("r_hand", known.robot)))
+    assert 0.0 <= found.zero - plan.trajectory.zero - time <= 0.01
+    left = list(arm("l_hand", known.robot))
+    np.testing.assert_allclose(found.trajectory.controls[-1][left], known.robot.skeleton.rest[left], atol=1e-9)
+
+
+def test_a_sample_of_random_cuts_keeps_every_limit(known):
+    for cut in merging.cuts(known, 10, seed=4):
+        assert cut.ratio <= 1.001, cut
+        assert cut.step <= 1e-8, cut
+        assert cut.clearance >= 0.0, cut
+        assert cut.delay <= 0.6, cut
+
+
+def test_figures_of_cuts(monkeypatch):
+    monkeypatch.setattr(merging, "CUTS", 10)
+    assert {figure.name for figure in merging.bench() if figure.ok is False} <= {"bml.live.merged"}

@@ -1,0 +1,113 @@
+"""The life of a block in a scene, and what is told of it."""
+
+import re
+
+import numpy as np
+import pytest
+
+from kinesic.bml.block import BmlError
+from kinesic.bml.composition import State
+from kinesic.planning.setup import Facts
+from kinesic.realizer.asked import Message, asked
+from kinesic.realizer.realizer import begun, passed, ready
+
+HELLO = '<speech id="s"><text>Hello <sync id="m"/>there</text></speech>'
+NOD = '<head id="h" lexeme="NOD"/>'
+BEAT = '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND"/>'
+
+
+def test_an_empty_block_starts_and_ends(play):
+    play.send("b").until(0.02)
+    assert play.at("b:start") == play.at("b:end") == 0.0
+    assert play.warnings() == []
+    assert play.state("b") is State.DONE
+
+
+def test_a_block_without_id_gets_one_warning_and_a_free_name(play, known: Facts):
+    text = f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0">{NOD}</bml>'
+    for _ in range(2):
+        coming = ready(asked(Message(text), known, around=play.scene.around(play.now)), known)
+        play.take(begun(play.scene, coming, play.now))
+    assert list(play.scene.states) == ["block", "block.2"]
+    for id in play.scene.states:
+        assert len([text for text in play.warnings() if f'id="{id}"' in text]) == 1
+    play.until(3.0)
+    assert play.was_told("block:end")
+    assert play.was_told("block.2:end")
+
+
+def test_every_sync_point_is_told_once_in_order_with_its_times(play):
+    play.until(2.0).send("b", NOD + BEAT, sender=7).until(6.0)
+    for behaviour in ("h", "g"):
+        points = ("start", "ready", "strokeStart", "stroke", "strokeEnd", "relax", "end")
+        times = [play.at(f"b:{behaviour}:{point}") for point in points]
+        assert times == sorted(times)
+    since = re.search(r'id="b:g:stroke" time="([^"]*)"', "".join(due.xml for due in play.told))
+    assert since is not None
+    assert play.at("b:g:stroke") == pytest.approx(2.0 + float(since[1]), abs=1e-5)
+    assert play.at("b:start") <= play.at("b:relax") <= play.at("b:end")
+    assert play.at("b:end") == pytest.approx(play.at("b:g:end"), abs=1e-6)
+    assert {due.sender for due in play.told} == {7}
+    assert [due.time for due in play.told] == sorted(due.time for due in play.told)
+
+
+def test_the_prediction_comes_at_once_and_holds(play):
+    play.send("b", BEAT)
+    assert "<predictionFeedback" in play.told[0].xml
+    end = re.search(r'globalEnd="([^"]*)"', play.told[0].xml)
+    assert end is not None
+    play.until(4.0)
+    assert float(end[1]) == pytest.approx(play.at("b:end"), abs=1e-5)
+    assert len(play.predictions("b")) == 1
+
+
+def test_an_id_that_plays_is_refused_and_nothing_changes(play):
+    play.send("a", BEAT).until(0.3)
+    before = play.scene
+    play.send("a", NOD)
+    assert play.scene.motion is before.motion
+    assert play.scene.agenda == before.agenda
+    assert "plays already" in play.warnings("a")[-1]
+    play.until(5.0).send("a", NOD).until(7.0)
+    assert play.state("a") is State.DONE
+
+
+def test_a_block_for_somebody_else_is_refused(played):
+    play = played(character="Anna").send("a", NOD, 'characterId="Bert"').send("b", NOD, 'characterId="Anna"')
+    play.send("c", "").until(3.0)
+    assert "Bert" in play.warnings("a")[0]
+    assert not play.was_told("a:start")
+    assert all('characterId="Anna"' in due.xml for due in play.told if "b:" in due.xml)
+    assert play.was_told("c:end")
+
+
+def test_too_many_blocks_are_refused(play):
+    waiting = play.ready("w", "", 'composition="APPEND"')
+    play.send("a", '<wait id="w" duration="9"/>')
+    for number in range(300):
+        play.take(begun(play.scene, play.renamed(waiting, f"w{number}"), play.now))
+    assert len(play.scene.blocks) == 256
+    assert len(play.warnings()) == 300 - 255
+
+
+def test_a_bad_block_disturbs_nothing(play):
+    play.send("a", BEAT)
+    before = play.scene
+    with pytest.raises(BmlError):
+        play.send("b", '<head id="h" lexeme="NOD" start="nobody:end"/>')
+    assert play.scene is before
+
+
+def test_what_is_over_is_forgotten(play):
+    nod, said, empty = play.ready("n", NOD), play.ready("s", HELLO), play.ready("e")
+    sizes = []
+    for number in range(1000):
+        made = nod if number % 5 == 0 else said if number % 5 == 2 else empty
+        play.take(begun(play.scene, play.renamed(made, f"n{number}"), play.now))
+        play.now += 0.5
+        play.take(passed(play.scene, play.now))
+        scene = play.scene
+        sizes.append((len(scene.motion.controls), len(scene.blocks), len(scene.agenda), len(scene.past)))
+    assert np.max(sizes[500:], axis=0).tolist() == np.max(sizes[100:500], axis=0).tolist()
+    assert play.scene.epoch > 490.0
+    assert sum(':end" globalTime' in due.xml and "blockProgress" in due.xml for due in play.told) >= 998

@@ -1,0 +1,94 @@
+"""What is taken back of a running motion, and what is forgotten of it."""
+
+import numpy as np
+import pytest
+
+from kinesic.bench.passage import passage
+from kinesic.bml.parse import parse
+from kinesic.motion.trajectory import STEP, held
+from kinesic.planning.quick_plan import opening
+from kinesic.realizer.busy import arm, freed
+from kinesic.realizer.merge import merged
+from kinesic.realizer.release import released, tail
+
+from .certified import certified
+
+ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+OFFER = '<gesture id="{0}" lexeme="offer" mode="{1}_HAND" start="{2}" stroke="{3}" relax="{4}"/>'
+GAZE = '<gaze id="z" target="left" start="0" ready="0.9" relax="6" end="7"/>'
+
+
+@pytest.fixture(scope="module")
+def planned(known):
+    return lambda text: opening(parse(text if "<bml" in text else ROOT.format(text)), known)
+
+
+@pytest.fixture(scope="module")
+def rest(known):
+    return held(known.robot.skeleton.rest)
+
+
+@pytest.mark.parametrize("time", [0.4, 0.85, 1.3, 3.5, 4.6])
+def test_all_comes_to_rest_from_any_moment(planned, known, rest, time):
+    running = planned(passage(0)).trajectory
+    found = released(running, time, np.ones(22, dtype=bool), known)
+    certified(found, known, running, time)
+    np.testing.assert_allclose(found.controls[-1], rest.controls[-1], atol=1e-9)
+    assert found.duration < time + 2.5
+
+
+def test_what_rests_already_stays_as_it_is(known, rest):
+    found = released(rest, 0.02, np.ones(22, dtype=bool), known)
+    np.testing.assert_allclose(found.at(5.0).angles, rest.controls[0], atol=1e-12)
+
+
+def test_some_hinges_come_to_rest_and_the_others_go_on(planned, known):
+    running, left = planned(passage(0)).trajectory, list(arm("l_hand", known.robot))
+    free = np.isin(np.arange(22), left)
+    found = released(running, 1.0, free, known)
+    certified(found, known, running, 1.0)
+    np.testing.assert_allclose(found.controls[-1][left], known.robot.skeleton.rest[left], atol=1e-9)
+    times = np.linspace(0.0, 6.0, 200)
+    np.testing.assert_allclose(found.sample(times)[0][:, ~free], running.sample(times)[0][:, ~free], atol=1e-12)
+
+
+def test_a_block_is_taken_back_from_over_another(planned, known, rest):
+    gaze = merged(rest, 0.0, planned(GAZE), begin=0.0)
+    shake = planned('<head id="s" lexeme="SHAKE" repetition="3" start="0"/>')
+    both = merged(gaze.trajectory, 1.5, shake, begin=1.5, busy=gaze.busy)
+    moved = np.ptp(both.layer.controls, axis=0) > 0.0
+    free = freed(both.busy, moved, 2.2, known.robot, others=gaze.busy)
+    found = released(both.trajectory, 2.2, free, known, layer=both.layer, others=gaze.busy)
+    certified(found, known, both.trajectory, 2.2)
+    times = np.linspace(3.2, 8.0, 100)
+    np.testing.assert_allclose(found.sample(times)[0], gaze.trajectory.sample(times)[0], atol=1e-6)
+
+
+def test_an_arm_goes_to_rest_until_another_block_needs_it(planned, known, rest):
+    first = merged(rest, 0.0, planned(OFFER.format("one", "RIGHT", 0, 1.0, 2.0)), begin=0.0)
+    plan = planned(OFFER.format("two", "RIGHT", 3.5, 4.8, 5.3))
+    both = merged(first.trajectory, 0.5, plan, begin=0.5, busy=first.busy)
+    assert both.dropped == ()
+    moved = np.ptp(first.layer.controls, axis=0) > 0.0
+    free = freed(first.busy, moved, 1.1, known.robot, others=both.busy)
+    found = released(both.trajectory, 1.1, free, known, layer=first.layer, others=both.busy)
+    certified(found, known, both.trajectory, 1.1)
+    hinges = list(arm("r_hand", known.robot))
+    np.testing.assert_allclose(found.at(3.2).angles[hinges], known.robot.skeleton.rest[hinges], atol=1e-6)
+    times = np.linspace(both.busy[0].ready + STEP, 9.0, 100)
+    np.testing.assert_allclose(
+        found.sample(times)[0][:, hinges], both.trajectory.sample(times)[0][:, hinges], atol=1e-9
+    )
+
+
+@pytest.mark.parametrize("time", [-1.0, 0.0, 0.014, 2.0, 99.0])
+def test_what_is_still_to_come_is_exactly_the_same(planned, time):
+    running = planned(passage(0)).trajectory
+    left = tail(running, time)
+    shift = (len(running.controls) - len(left.controls)) * STEP
+    assert shift <= max(time, 0.0)
+    assert running.zero - left.zero == pytest.approx(shift)
+    times = np.linspace(0.0, 7.0, 150)
+    for before, after in zip(running.sample(times + shift), left.sample(times), strict=True):
+        np.testing.assert_allclose(after, before, atol=1e-9)
+    assert len(tail(running, 99.0).controls) <= 7

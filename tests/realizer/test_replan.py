@@ -1,0 +1,97 @@
+"""A block that runs, gone on with by another plan of it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.bench.passage import passage
+from kinesic.bml.parse import parse
+from kinesic.expressivity.style.style import Style
+from kinesic.motion.trajectory import held
+from kinesic.planning.plan import plan
+from kinesic.planning.quick_plan import opening
+from kinesic.realizer.busy import arm
+from kinesic.realizer.merge import merged
+from kinesic.realizer.release import released
+from kinesic.realizer.replan import restyled
+
+from .certified import certified
+
+ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="c">{}</bml>'
+
+
+@pytest.fixture(scope="module")
+def block():
+    return parse(passage(1))
+
+
+@pytest.fixture(scope="module")
+def playing(known, block):
+    return merged(held(known.robot.skeleton.rest), 0.0, opening(block, known), begin=0.2)
+
+
+@pytest.fixture(scope="module")
+def others(known, block):
+    styles = {name: replace(known, style=Style.load(name)) for name in ("neutral", "joyful", "sad")}
+    return {name: plan(block, facts) for name, facts in styles.items()}
+
+
+def reached(motion, zero, plan, sync, hinges) -> float:
+    """[rad] from where another plan is at a sync point."""
+    wanted = plan.trajectory.at(plan.trajectory.zero + sync.planned).angles[hinges]
+    return float(np.abs(motion.at(zero + sync.planned).angles[hinges] - wanted).max())
+
+
+def test_a_better_plan_is_gone_on_with_at_once(known, playing, others):
+    found = restyled(playing.trajectory, 0.35, playing, others["neutral"])
+    certified(found.trajectory, known, playing.trajectory, 0.35)
+    hinges = list(arm("r_hand", known.robot))
+    for sync in found.syncs:
+        if sync.sync == "stroke" and sync.behaviour.startswith("g"):
+            assert reached(found.trajectory, found.zero, others["neutral"], sync, hinges) < 1e-6
+    moved = max(abs(sync.planned - sync.asked) for sync in found.syncs)
+    assert moved <= max(abs(sync.planned - sync.asked) for sync in playing.syncs)
+    end = np.linspace(6.0, 8.0, 20)
+    np.testing.assert_allclose(
+        found.trajectory.sample(end)[0], others["neutral"].trajectory.sample(end - 0.2)[0], atol=1e-6
+    )
+
+
+@pytest.mark.parametrize("time", [0.3, 1.3, 1.9, 2.6, 3.6, 4.7])
+@pytest.mark.parametrize("style", ["joyful", "sad"])
+def test_another_manner_comes_at_any_moment(known, playing, others, time, style):
+    found = restyled(playing.trajectory, time, playing, others[style])
+    certified(found.trajectory, known, playing.trajectory, time)
+    strokes = {(sync.behaviour, sync.sync): sync.planned for sync in playing.syncs}
+    for sync in found.syncs:
+        if sync.sync == "stroke":
+            assert sync.planned == pytest.approx(strokes[sync.behaviour, "stroke"], abs=0.3)
+    assert {sync.behaviour for sync in found.syncs} == {sync.behaviour for sync in playing.syncs}
+
+
+def test_a_gesture_that_has_begun_is_ended_as_it_was(known, playing, others):
+    begun = next(need for need in playing.busy if need.behaviour == "g3")
+    time = begun.ready + 0.1
+    found = restyled(playing.trajectory, time, playing, others["joyful"])
+    kept = [sync for sync in playing.syncs if sync.behaviour == "g3"]
+    assert [sync for sync in found.syncs if sync.behaviour == "g3"] == kept
+
+
+def test_what_was_merged_later_goes_on(known, playing, others):
+    nod = opening(parse(ROOT.format('<gesture id="late" lexeme="beat" mode="RIGHT_HAND"/>')), known)
+    both = merged(playing.trajectory, 0.3, nod, begin=5.6, busy=playing.busy)
+    assert both.dropped == ()
+    found = restyled(both.trajectory, 0.4, playing, others["neutral"], others=both.busy)
+    certified(found.trajectory, known, both.trajectory, 0.4)
+    hinges = list(arm("r_hand", known.robot))
+    (stroke,) = (sync for sync in both.syncs if sync.sync == "stroke")
+    assert reached(found.trajectory, both.zero, nod, stroke, hinges) < 1e-6
+
+
+def test_a_restyled_block_can_be_taken_back(known, playing, others):
+    found = restyled(playing.trajectory, 1.3, playing, others["sad"])
+    free = np.ptp(found.layer.controls, axis=0) > 0.0
+    gone = released(found.trajectory, 2.0, free, known, layer=found.layer)
+    certified(gone, known, found.trajectory, 2.0)
+    np.testing.assert_allclose(gone.controls[-1], known.robot.skeleton.rest, atol=1e-6)

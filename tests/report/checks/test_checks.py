@@ -1,0 +1,244 @@
+"""Each verdict on performances of one block in the twin, as measured and with one thing made wrong."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import sealed
+from kinesic.body.description import Supply
+from kinesic.body.dynamics import Clearance
+from kinesic.body.measurements import Power
+from kinesic.controller.perform import dry_run, facts, perform
+from kinesic.controller.performance import Performance
+from kinesic.report.checks import checks
+from kinesic.report.report import report
+from kinesic.sim.servo_factors import PESSIMISTIC
+
+BML = """
+<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">
+  <gesture id="g" lexeme="offer" mode="RIGHT_HAND" stroke="2.0"/>
+  <head id="h" lexeme="NOD" start="1.5"/>
+</bml>
+"""
+NAMES = {
+    *(f"limits.{name}" for name in ("margin", "position", "speed", "acceleration", "jerk", "reserve")),
+    *("limits.duty", "limits.holding", "collision.plan", "collision.twin", "collision.penetrations"),
+    *(f"timing.{name}" for name in ("shift", "twin", "arrival", "stroke_median", "stroke_p95")),
+    *(f"tracking.{name}" for name in ("rmse", "p95", "max", "lateness")),
+    *("servo.saturation", "servo.load", "power.peak", "power.mean", "smoothness.hands"),
+}
+
+
+@pytest.fixture(scope="module")
+def known():
+    return facts()
+
+
+@pytest.fixture(scope="module")
+def done(known) -> Performance:
+    return perform(BML, known)
+
+
+def found(performance):
+    return {check.name: check for check in checks(performance)}
+
+
+def with_measured(performance, **changes):
+    return replace(performance, measured=replace(performance.measured, **changes))
+
+
+def with_facts(performance, **changes):
+    plan = replace(performance.plan, facts=replace(performance.plan.facts, **changes))
+    return replace(performance, reference=replace(performance.reference, plan=plan))
+
+
+def test_a_gesture_with_time_passes_every_check(done):
+    verdicts = found(done)
+    assert set(verdicts) == NAMES
+    assert {check.name: check for check in verdicts.values() if check.status != "pass"} == {}
+    for check in verdicts.values():
+        assert np.isfinite(check.value), check
+        assert check.value >= check.limit if check.at_least else check.value <= 1.001 * check.limit, check
+
+
+@pytest.mark.parametrize("name", ["limits.speed", "limits.acceleration", "limits.jerk", "limits.duty"])
+def test_limits_name_the_hinge_and_the_time_of_the_peak(done, name):
+    check = found(done)[name]
+    hinge, _, time = check.where.partition(" at ")
+    assert hinge in done.plan.facts.robot.skeleton.names
+    assert 0.0 <= float(time.removesuffix(" s")) <= done.plan.trajectory.duration
+
+
+@pytest.mark.parametrize("quantity", ["speed", "acceleration", "jerk"])
+def test_a_limit_that_is_exceeded_fails(done, quantity):
+    limits = done.plan.facts.limits
+    peak = done.reference.peaks.shares[quantity]
+    for share, status in ((1.0, "pass"), (0.9985, "fail")):
+        tight = replace(limits, **{quantity: sealed(getattr(limits, quantity) * peak.ratios.max() * share)})
+        narrow = with_facts(done)
+        narrow.plan.facts.__dict__["limits"] = tight  # what the cached property would work out
+        check = found(narrow)[f"limits.{quantity}"]
+        assert (check.status, check.value) == (status, pytest.approx(1 / share))
+
+
+def test_a_stop_that_is_passed_fails_in_degrees(done):
+    angles = done.plan.trajectory.sample(np.linspace(0.0, done.plan.trajectory.duration, 5000))[0]
+    limits = done.plan.facts.limits
+    highest = angles[:, 5].max()
+    upper = limits.upper.copy()
+    upper[5] = highest - np.radians(2.0)
+    skeleton = done.plan.facts.robot.skeleton
+    hinges = tuple(replace(h, upper=float(upper[k])) if k == 5 else h for k, h in enumerate(skeleton.hinges))
+    narrow = with_facts(done, robot=replace(done.plan.facts.robot, skeleton=replace(skeleton, hinges=hinges)))
+    verdicts = found(narrow)
+    assert verdicts["limits.margin"].status == "fail"
+    assert verdicts["limits.margin"].value == pytest.approx(-2.0, abs=0.01)
+    assert verdicts["limits.margin"].where == skeleton.names[5]
+    assert verdicts["limits.position"].status == "fail"
+
+
+def test_a_duty_above_one_fails_where_it_is(done):
+    duties = done.reference.duties.copy()
+    duties[120, 7] = -1.2
+    check = found(replace(done, reference=replace(done.reference, duties=duties)))["limits.duty"]
+    assert (check.status, check.value) == ("fail", 1.2)
+    assert check.where == f"{done.plan.facts.robot.skeleton.names[7]} at 1.20 s"
+
+
+@pytest.mark.parametrize(("share", "status", "limit"), [(0.39, "pass", 0.4), (0.5, "warn", 0.4), (0.81, "fail", 0.8)])
+def test_torque_to_stand_still(done, known, share, status, limit):
+    class Loaded:
+        """Dynamics of a robot that needs a share of its stall torque in one hinge."""
+
+        load = known.dynamics.load
+
+        def torques(self, angles, speeds, accelerations):
+            assert not speeds.any()
+            assert not accelerations.any()
+            torques = np.zeros(angles.shape)
+            torques[40, 3] = -share * known.robot.drives[3].stall
+            return torques
+
+    check = found(with_facts(done, dynamics=Loaded()))["limits.holding"]
+    assert (check.status, check.limit) == (status, limit)
+    assert check.value == pytest.approx(share)
+    assert check.where == f"{known.robot.skeleton.names[3]} at 2.00 s"
+
+
+@pytest.mark.parametrize(
+    ("distance", "near", "through"), [(0.011, "pass", "pass"), (0.009, "fail", "pass"), (-0.001, "fail", "fail")]
+)
+def test_distances(done, distance, near, through):
+    distances = done.measured.clearance.distances.copy()
+    distances[150] = distance
+    pairs = list(done.measured.clearance.pairs)
+    pairs[150] = ("l_wrist", "vl5")
+    verdicts = found(with_measured(done, clearance=Clearance(sealed(distances), pairs)))
+    assert verdicts["collision.twin"].status == near
+    assert verdicts["collision.twin"].where == "l_wrist and vl5 at 1.50 s"
+    assert verdicts["collision.penetrations"].status == through
+    assert verdicts["collision.penetrations"].value == (through == "fail")
+    assert verdicts["collision.plan"].status == "pass"
+
+
+def test_a_twin_that_is_late_is_measured_and_warned(done):
+    angles = np.concatenate([np.repeat(done.measured.angles[:1], 10, axis=0), done.measured.angles[:-10]])
+    speeds = np.concatenate([np.zeros((10, angles.shape[1])), done.measured.speeds[:-10]])
+    hands = {
+        side: np.concatenate([np.repeat(path[:1], 10, axis=0), path[:-10]])
+        for side, path in done.measured.hands.items()
+    }
+    late = with_measured(done, angles=angles, speeds=speeds, hands=hands)
+    verdicts = found(late)
+    moving = np.isfinite(late.lateness)
+    assert late.lateness[moving] == pytest.approx(done.lateness[moving] + 0.1, abs=0.002)
+    for name in ("timing.twin", "timing.stroke_median", "tracking.rmse", "tracking.p95", "tracking.lateness"):
+        assert verdicts[name].status == "warn", name
+    assert verdicts["timing.twin"].value == pytest.approx(0.1, abs=0.005)
+    assert verdicts["timing.twin"].where.split(" at ")[0] in ("g:stroke", "h:stroke")
+
+
+def test_strokes_that_never_come_are_counted_and_named(done):
+    still = {side: np.repeat(path[:1], len(path), axis=0) for side, path in done.measured.hands.items()}
+    check = found(with_measured(done, hands=still))["timing.arrival"]
+    assert (check.status, check.value, check.where) == ("warn", 1.0, "g:stroke")
+
+
+def test_full_duty_and_torque_that_heats_are_warned(done):
+    duties = np.zeros_like(done.measured.duties)
+    duties[50:60, 4] = 1.5
+    torques = np.zeros_like(duties)
+    torques[:, 9] = 0.31 * done.robot.drives[9].stall
+    names = done.plan.facts.robot.skeleton.names
+    verdicts = found(with_measured(done, duties=duties, torques=torques))
+    assert verdicts["servo.saturation"].status == "warn"
+    assert verdicts["servo.saturation"].value == pytest.approx(0.1)
+    assert verdicts["servo.saturation"].where == f"{names[4]} from 0.50 s"
+    assert verdicts["servo.load"].status == "warn"
+    assert verdicts["servo.load"].value == pytest.approx(0.31)
+    assert verdicts["servo.load"].where == names[9]
+
+
+def test_current_is_compared_with_the_supply_where_there_is_one(done):
+    count = len(done.measured.times)
+    peak = np.full(count, 2.0)
+    peak[30] = 6.0
+    power = Power(
+        sealed(np.full(count, 1.5)), sealed(peak), 90.0, {"l_elbow_flexion": sealed(np.linspace(0, 50, count))}
+    )
+    robot = done.plan.facts.robot
+    fed = with_measured(with_facts(done, robot=replace(robot, supply=Supply(12.0, 5.0))), power=power)
+    verdicts = found(fed)
+    assert (verdicts["power.peak"].status, verdicts["power.peak"].value) == ("warn", 6.0)
+    assert verdicts["power.peak"].where == "at 0.30 s"
+    assert (verdicts["power.mean"].status, verdicts["power.mean"].value) == ("pass", 1.5)
+    assert verdicts["power.warming"].status == "warn"
+    assert verdicts["power.warming"].where.startswith("l_elbow_flexion at ")
+    without = found(with_facts(done, robot=replace(robot, supply=None)))
+    assert set(without) == NAMES - {"power.peak", "power.mean"}
+
+
+def test_hands_that_tremble_are_warned(done):
+    times = done.measured.times
+    tremble = 0.01 * np.sin(2 * np.pi * 5 * times)
+    hands = {side: path + tremble[:, None] for side, path in done.measured.hands.items()}
+    check = found(with_measured(done, hands=hands))["smoothness.hands"]
+    assert check.status == "warn"
+    assert check.where == "r_hand"
+
+
+def test_a_block_without_motion_has_no_verdict_on_motion(known):
+    verdicts = found(perform('<bml id="b"/>', known))
+    assert set(verdicts) == {
+        name for name in NAMES if name.split(".")[0] in ("limits", "collision", "servo", "power")
+    } | {"timing.shift"}
+    assert all(check.status == "pass" for check in verdicts.values())
+
+
+def test_twins_side_by_side(done):
+    other = dry_run(done.plan, twin=PESSIMISTIC)
+    data = report(done, source="x", beside=(other,))
+    assert list(data["twins"]) == ["nominal", "pessimistic"]
+    alone = report(other, source="x")
+    assert data["twins"]["pessimistic"] == alone["twins"]["pessimistic"]
+    assert data["checks"] == report(done, source="x")["checks"]
+    assert found(done)["tracking.rmse"].limit == 0.2
+    assert found(other)["tracking.rmse"].limit == 1.0
+
+
+def test_the_report_is_json_and_says_what_the_checks_say(done):
+    data = json.loads(json.dumps(report(done, source="x"), allow_nan=False))
+    verdicts = found(done)
+    assert data["ok"]
+    assert data["limits"]["violations"] == 0
+    assert data["tracking"]["rmse_deg"] == verdicts["tracking.rmse"].value
+    assert data["power"]["peak_a"] == verdicts["power.peak"].value
+    assert data["collision"]["min_distance_m"] == min(
+        verdicts["collision.plan"].value, verdicts["collision.twin"].value
+    )
+    assert max(abs(late) for late in data["tracking"]["lateness_s"].values()) == verdicts["tracking.lateness"].value
+    assert data["smoothness"]["rms_jerk_rad_s3"] > 0
+    assert data["smoothness"]["hands"]["r"]["sparc_planned"] < 0
+    assert data["timing"]["dry_run_ms"] > 1000 * done.dry_run_seconds

@@ -1,0 +1,74 @@
+"""Figures of the page."""
+
+import re
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pytest
+
+from kinesic.controller.performance import Performance
+from kinesic.report.plots.hands import hands
+from kinesic.report.plots.joints import joints, still
+from kinesic.report.plots.margins import margins
+from kinesic.report.plots.plots import POINTS, apart, shortened, thinned
+from kinesic.report.plots.score import score
+
+
+def words_of(figure: str) -> set[str | None]:
+    drawn = re.findall(r"<svg.*?</svg>", figure, flags=re.DOTALL)
+    return {element.text for one in drawn for element in ElementTree.fromstring(one).iter()}
+
+
+@pytest.fixture(scope="module")
+def moves(hurried: Performance) -> list[str]:
+    return list(joints(hurried))
+
+
+@pytest.fixture(scope="module")
+def acts(hurried: Performance) -> str:
+    return score(hurried) or ""
+
+
+@pytest.fixture(scope="module")
+def ways(hurried: Performance) -> str:
+    return hands(hurried)
+
+
+def test_figures_are_well_formed_and_show_the_hinges_that_move(
+    hurried: Performance, moves: list[str], acts: str, ways: str
+) -> None:
+    drawn = set().union(*(words_of(figure) for figure in moves))
+    names = set(hurried.plan.facts.robot.skeleton.names)
+    assert "skullbase_tilt" in drawn
+    assert drawn & names == names - set(still(hurried))
+    assert {"rushed", "nod", "Hello there,"} <= words_of(acts)
+    assert len(words_of(ways)) > 3
+
+
+def test_figures_over_time_bear_playheads_where_their_axes_are(
+    hurried: Performance, moves: list[str], acts: str, ways: str
+) -> None:
+    for figure in (acts, margins(hurried), *moves):
+        heads = re.findall(r'class="playhead" data-from="([\d.]+)" data-to="([\d.]+)"', figure)
+        assert heads
+        assert all(0.0 < float(begin) < float(end) < 1.0 for begin, end in heads)
+    assert "playhead" not in ways
+
+
+def test_thinned_keeps_the_extremes() -> None:
+    times = np.arange(120_000) / 100
+    values = np.sin(times)
+    values[77_777], values[4_321] = 5.0, -5.0
+    few_times, few = thinned(times, values)
+    assert len(few) <= POINTS + 2
+    assert (few.max(), few.min()) == (5.0, -5.0)
+    assert few_times[0] == times[0]
+    assert few_times[-1] == times[-1]
+    assert (np.diff(few_times) > 0).all()
+
+
+def test_labels_fit() -> None:
+    assert shortened("short", 3.0) == "short"
+    assert shortened("a very long name of a behaviour", 1.0).endswith("\u2026")
+    assert shortened("long", 0.01) == ""
+    assert apart([0.0, 0.1, 1.0, 1.4, 2.1], 1.0) == [0, 2, 4]

@@ -1,0 +1,49 @@
+import pytest
+
+from kinesic.report.checks import Check
+from kinesic.report.journal import Journal
+from kinesic.report.validate import Verdict
+
+CHECK = Check("limits.speed", "pass", 0.5, 1.0, "ratio", "l_elbow_flexion at 1.00 s")
+VERDICTS = {
+    "a": Verdict("a.bml", "performed", 0, (("gesture", "realised"),), (CHECK,), report="out/a.json"),
+    "b": Verdict("b\nline.bml", "refused", 0, error="b.bml:1:1: no \u2028 element"),
+}
+
+
+@pytest.fixture
+def journal(tmp_path):
+    return Journal(tmp_path / "finished.jsonl", Verdict)
+
+
+def test_what_is_noted_is_read_again(journal):
+    assert journal.read() == {}
+    for key, verdict in VERDICTS.items():
+        journal.append(key, verdict)
+    assert journal.read() == VERDICTS
+
+
+@pytest.mark.parametrize("cut", [1, 2, 30, 90])
+def test_a_line_that_is_not_whole_does_not_count(journal, tmp_path, cut):
+    journal.append("a", VERDICTS["a"])
+    journal.append("b", VERDICTS["b"])
+    path = tmp_path / "finished.jsonl"
+    path.write_bytes(path.read_bytes()[:-cut])
+    assert journal.read() == {"a": VERDICTS["a"]}
+
+
+@pytest.mark.parametrize("line", [b"{}\n", b"null\n", b"\n", b'{"key": "c", "entry": {"file": 3}}\n', b"\xff\n"])
+def test_a_line_of_something_else_does_not_count(journal, tmp_path, line):
+    journal.append("a", VERDICTS["a"])
+    with (tmp_path / "finished.jsonl").open("ab") as file:
+        file.write(line)
+    journal.append("b", VERDICTS["b"])
+    assert journal.read() == VERDICTS
+
+
+def test_rewriting_leaves_only_what_is_given(journal, tmp_path):
+    for key, verdict in VERDICTS.items():
+        journal.append(key, verdict)
+    journal.rewrite({"b": VERDICTS["b"]})
+    assert journal.read() == {"b": VERDICTS["b"]}
+    assert [path.name for path in tmp_path.iterdir()] == ["finished.jsonl"]

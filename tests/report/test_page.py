@@ -1,0 +1,212 @@
+"""The page of the report."""
+
+import base64
+import json
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+import pytest
+
+from kinesic.controller.perform import perform
+from kinesic.controller.performance import Performance
+from kinesic.planning.setup import Facts
+from kinesic.report.page import HERE, SCRIPTS, breakable, departure, shift, verdict, write_page
+from kinesic.report.report import Json, report
+from kinesic.report.tiles import number
+
+HOSTILE = '<script>alert("$x_1^$")</script>&--> \u6b22\u8fce'
+FETCHED = re.compile(r'(?:src|href)="(?!data:|#)|url\((?!#)|@import|fetch\(|XMLHttpRequest|import\(')
+BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="block">{}</bml>'
+
+
+class Outline(HTMLParser):
+    """Tags, their attributes, and the text between them."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.words: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+
+    def handle_data(self, data: str) -> None:
+        self.words.append(data)
+
+
+@pytest.fixture(scope="module")
+def data(hurried: Performance) -> dict[str, Json]:
+    return report(hurried, source="hurried.bml")
+
+
+@pytest.fixture(scope="module")
+def text(hurried: Performance, data: dict[str, Json], tmp_path_factory: pytest.TempPathFactory) -> str:
+    return page(hurried, data, tmp_path_factory.mktemp("page"))
+
+
+def page(performance: Performance, data: dict[str, Json], folder: Path, film: Path | None = None) -> str:
+    path = folder / "report.html"
+    write_page(performance, data, film=film, path=path)
+    return path.read_text(encoding="utf-8")
+
+
+def test_page_says_the_verdict_first_then_figures_then_pictures(text: str, data: dict[str, Json]) -> None:
+    places = [text.index(mark) for mark in ("<h1>", 'class="tiles"', 'id="stage"', 'class="plot"', "<h2>")]
+    assert places == sorted(places)
+    assert verdict(data) in "".join(Outline(text).words)
+
+
+def test_page_holds_every_table(text: str, data: dict[str, Json]) -> None:
+    words = "".join(Outline(text).words)
+    for row in (*data["checks"], *data["behaviours"], *data["warnings"]):
+        shown = [value for name, value in row.items() if name != "manner" and not isinstance(value, bool)]
+        assert all(number(value) in words for value in shown)
+    for name in data["tracking"]["per_joint"]:
+        assert name in words
+    assert "No film: not recorded" in words
+
+
+def test_what_needs_attention_comes_first(text: str) -> None:
+    outline = Outline(text[text.index("All ") :])
+    statuses = [word for word in outline.words if word in ("fail", "warn", "pass")]
+    assert statuses == sorted(statuses, key=("fail", "warn", "pass").index)
+    assert text.index("xyzzy") < text.index("realised as asked")
+
+
+def test_page_tells_what_had_to_give(text: str) -> None:
+    story = text[text.index("What had to give") : text.index("<h2>Servos")]
+    assert "rushed" in story
+    assert re.search(r"hand \d+&#8239;% slower in the stroke", story)
+    assert re.search(r"(speed|acceleration|jerk|duty|position) of ", story)
+
+
+def test_nothing_to_tell_is_one_sentence(calm: Performance, tmp_path: Path) -> None:
+    text = page(calm, report(calm, source="calm.bml"), tmp_path)
+    story = text[text.index("What had to give") : text.index("<h2>Servos")]
+    assert "Nothing: every sync point is where it was asked" in story
+    assert "<table>" not in story
+
+
+def test_page_needs_nothing_beside_itself(text: str) -> None:
+    tags = Outline(text).tags
+    assert not FETCHED.search(re.sub(r"<svg.*?</svg>", "", text, flags=re.DOTALL))
+    assert not {"link", "iframe", "object", "embed"} & {tag for tag, _ in tags}
+    assert not [attributes for tag, attributes in tags if tag in ("script", "img") and "src" in attributes]
+    values = [value for _, attributes in tags for name, value in attributes.items() if not name.startswith("xmlns")]
+    assert not [value for value in values if value and "//" in value]
+    assert len(text) < 1_500_000
+
+
+def test_the_player_finds_its_parts(text: str) -> None:
+    script = "".join((HERE / name).read_text(encoding="utf-8") for name in SCRIPTS)
+    given = {attributes["data-part"] for _, attributes in Outline(text).tags if "data-part" in attributes}
+    assert set(re.findall(r'part\("([^"]+)"\)', script)) == given
+    ids = {attributes["id"] for _, attributes in Outline(text).tags if "id" in attributes}
+    assert set(re.findall(r'getElementById\("([^"]+)"\)', script)) <= ids
+
+
+def test_page_is_the_same_every_time(hurried: Performance, data: dict[str, Json], text: str, tmp_path: Path) -> None:
+    assert page(hurried, data, tmp_path) == text
+
+
+@pytest.fixture(scope="module")
+def media(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with films of twin and face, and a voice."""
+    folder = tmp_path_factory.mktemp("media")
+    for name in ("film.webp", "face.webp", "speech.wav"):
+        (folder / name).write_bytes(name.encode())
+    return folder
+
+
+@pytest.fixture(scope="module")
+def sources(hurried: Performance, data: dict[str, Json], media: Path) -> list[tuple[str, str | None]]:
+    """Tags and sources of the pictures and the sound of a page that has them all."""
+    path, films = media / "x.html", {"film": media / "film.webp", "face": media / "face.webp"}
+    write_page(hurried, data, path=path, **films, voice=media / "speech.wav")
+    tags = Outline(path.read_text(encoding="utf-8")).tags
+    return [(tag, attributes["src"]) for tag, attributes in tags if tag in ("img", "audio")]
+
+
+def embedded(path: Path, kind: str) -> str:
+    return f"data:{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"
+
+
+def test_film_becomes_part_of_the_page(
+    hurried: Performance, data: dict[str, Json], media: Path, sources: list[tuple[str, str | None]]
+) -> None:
+    assert ("img", embedded(media / "film.webp", "image/webp")) in sources
+    with pytest.raises(ValueError, match=r"film\.mp4 cannot be shown"):
+        page(hurried, data, media, media / "film.mp4")
+
+
+def test_voice_and_face_become_part_of_the_page(
+    hurried: Performance, data: dict[str, Json], media: Path, sources: list[tuple[str, str | None]]
+) -> None:
+    assert ("img", embedded(media / "face.webp", "image/webp")) in sources
+    assert ("audio", embedded(media / "speech.wav", "audio/wav")) in sources
+    assert len(sources) == len(set(sources)) == 3
+    with pytest.raises(ValueError, match=r"speech\.mp3 cannot be shown"):
+        write_page(hurried, data, film=None, path=media / "y.html", voice=media / "speech.mp3")
+
+
+def test_the_page_says_who_speaks_and_why_no_face_is_seen(text: str, data: dict[str, Json]) -> None:
+    (spoken,) = data["speech"]
+    assert spoken["voice"]
+    words = "".join(Outline(text).words)
+    assert f"s is spoken by {spoken['voice']}, not heard" in words
+    assert "No film of the face: not recorded" in words
+
+
+def test_names_from_strangers_stay_text(known: Facts, tmp_path: Path) -> None:
+    gesture = f'<gesture id={quoteattr(HOSTILE)} lexeme="beat" start="0" stroke="0.1"/>'
+    performance = perform(BLOCK.format(gesture), known)
+    text = page(performance, report(performance, source=HOSTILE), tmp_path)
+    assert "<script>alert" not in text
+    assert HOSTILE in "".join(Outline(text).words)
+    replay = json.loads(re.findall(r'id="replay">(.*?)</script>', text, re.DOTALL)[0])
+    assert {mark["behaviour"] for mark in replay["marks"]} == {HOSTILE}
+
+
+def test_colours_are_those_of_the_page(text: str) -> None:
+    used = set(re.findall(r"var\((--\w+)\)", text))
+    assert used <= set(re.findall(r"(--\w+):", text))
+    figures = "".join(re.findall(r"<svg.*?</svg>", text, flags=re.DOTALL))
+    assert not re.findall(r"(?:fill|stroke): #(?!ffffff|000000)\w{6}", figures)
+
+
+def test_a_block_where_nothing_happens_has_a_page(known: Facts, tmp_path: Path) -> None:
+    performance = perform(BLOCK.format(""), known)
+    text = page(performance, report(performance, source="empty.bml"), tmp_path)
+    assert "The block is empty." in text
+    assert "Nothing is performed." in text
+    assert "What had to give" not in text
+
+
+def test_verdict_names_what_fails(data: dict[str, Json]) -> None:
+    assert re.match(
+        r"ok: hurried\.bml on upper22, [\d.]+ s, nothing fails; .*1 dropped behaviour, \d+ warnings", verdict(data)
+    )
+    wrong: dict[str, Json] = {"name": "collision.twin", "status": "fail", "value": 0.004, "limit": 0.01}
+    assert re.match(r"fail: .*, collision\.twin 0\.004 \(limit 0\.01\)", verdict(data | {"checks": [wrong]}))
+
+
+def test_shift_and_breakable() -> None:
+    assert [shift(seconds) for seconds in (0.0834, -0.0152)] == ["+83\u2009ms", "\u221215\u2009ms"]
+    assert breakable("l_<b>") == "l_<wbr>&lt;b&gt;"
+
+
+def test_a_behaviour_tells_where_it_departs_from_its_style(known: Facts, tmp_path: Path) -> None:
+    bml = BLOCK.format('<head id="h" lexeme="NOD" start="0" kinesic:power="-0.5" kinesic:spatial="0"/>')
+    performance = perform(bml.replace("<bml", '<bml kinesic:temporal="0.25"'), known)
+    data = report(performance, source="x.bml")
+    (row,) = data["behaviours"]
+    assert departure(row, data["style"]) == "temporal 0.25 (block); power \u22120.5 (behaviour)"
+    assert departure({**row, "manner": None}, data["style"]) == ""
+    assert '<th class="wide">manner</th>' in page(performance, data, tmp_path)
+
+
+def test_the_table_has_no_manner_where_no_behaviour_departs(text: str) -> None:
+    assert '<th class="wide">manner</th>' not in text

@@ -1,0 +1,107 @@
+"""The page's player in a browser: the face and the voice keep step with the replay."""
+
+import wave
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kinesic.controller.performance import Performance
+from kinesic.face.show.files import save_film
+from kinesic.report.page import write_page
+from kinesic.report.report import report
+
+from ..chromium import Page, binary, opened
+
+RATE = 20.0  # [Hz] of the film
+FRAMES = 40
+SECONDS = 1.0  # of sound
+
+pytestmark = [
+    pytest.mark.realtime,
+    pytest.mark.skipif(binary() is None, reason="no Chromium: apt-get install chromium"),
+]
+
+
+def grey(frame: int) -> int:
+    return 20 + 5 * frame
+
+
+@pytest.fixture(scope="module")
+def url(hurried: Performance, tmp_path_factory: pytest.TempPathFactory) -> str:
+    """A page whose face grows brighter in a corner of each frame, and whose voice is silence."""
+    folder = tmp_path_factory.mktemp("player")
+    frames = []
+    for k in range(FRAMES):
+        frames.append(np.full((64, 64, 3), 30, dtype=np.uint8))
+        frames[-1][32:, 32:] = grey(k)  # most of the picture stays, so that the file holds parts of it
+    save_film(frames, folder / "face.webp", rate=RATE)
+    with wave.open(str(folder / "speech.wav"), "wb") as sound:
+        sound.setparams((1, 2, 8000, 0, "NONE", ""))
+        sound.writeframes(bytes(round(2 * 8000 * SECONDS)))
+    data, path = report(hurried, source="x.bml"), folder / "report.html"
+    write_page(hurried, data, film=None, path=path, face=folder / "face.webp", voice=folder / "speech.wav")
+    return path.as_uri()
+
+
+def seek(page: Page, time: float) -> None:
+    slider = "document.querySelector('[data-part=time]')"
+    page.value(f"{slider}.value = {time}; {slider}.dispatchEvent(new Event('input'))")
+
+
+def shade(page: Page) -> str:
+    """An expression: how bright the corner of the face is."""
+    return "document.querySelector('[data-part=face]').getContext('2d').getImageData(50, 50, 1, 1).data[0]"
+
+
+def test_the_face_shows_the_moment_of_the_replay_forwards_and_backwards(url: str, tmp_path: Path):
+    with opened(url, tmp_path) as page:
+        page.until("document.querySelector('#stage')?.hidden === false")
+        for frame in (3, 20, 31, 30, 5, 0, 39):
+            seek(page, (frame + 0.5) / RATE)
+            page.until(f"Math.abs({shade(page)} - {grey(frame)}) < 3")
+            rest = "document.querySelector('[data-part=face]').getContext('2d').getImageData(10, 10, 1, 1).data[0]"
+            assert abs(int(str(page.value(rest))) - 30) < 4
+
+
+def test_the_voice_is_the_clock_and_stops_with_the_replay(url: str, tmp_path: Path):
+    with opened(url, tmp_path) as page:
+        page.until("document.querySelector('#stage')?.hidden === false")
+        page.call("Runtime.evaluate", expression="window.voice = document.querySelector('audio')")
+        clock = "Number(document.querySelector('[data-part=clock]').textContent.split(' ')[0])"
+        look(
+            page,
+            "together",
+            f"!voice.paused && voice.currentTime > 0.2 && Math.abs({clock} - voice.currentTime) < 0.15 + gap",
+        )
+        page.click("[data-part=play]")
+        assert page.value("together")
+        page.click("[data-part=play]")
+        page.until("voice.paused")
+        seek(page, 0.1)
+        look(page, "again", "voice.currentTime < 0.6 && !voice.paused")
+        page.click("[data-part=play]")
+        assert page.value("again")
+        page.until(f"voice.paused && {clock} > {SECONDS + 0.2}")  # it goes on after the last word
+
+
+def look(page: Page, name: str, condition: str) -> None:
+    """Looks in every frame, however slow the machine, whether something is so; `name` is true as soon as it is.
+
+    A condition may speak of the `gap` [s] since the frame before: what is drawn is as old as that.
+    """
+    measure = "const now = performance.now(), gap = (now - last) / 1000; last = now"
+    frame = f"() => {{ {measure}; ({condition}) ? done(true) : requestAnimationFrame(once) }}"
+    watch = f"done => {{ let last = performance.now(); const once = {frame}; requestAnimationFrame(once) }}"
+    page.call("Runtime.evaluate", expression=f"window.{name} = new Promise({watch}), 0")
+
+
+def test_a_page_without_them_has_neither(hurried: Performance, tmp_path: Path):
+    path = tmp_path / "plain.html"
+    write_page(hurried, report(hurried, source="x.bml"), film=None, path=path)
+    with opened(path.as_uri(), tmp_path / "profile") as page:
+        page.until("document.querySelector('#stage')?.hidden === false")
+        assert page.value("document.querySelector('[data-part=face]').hidden")
+        assert page.value("document.querySelector('audio') === null")
+        page.click("[data-part=play]")
+        page.until("Number(document.querySelector('[data-part=clock]').textContent.split(' ')[0]) > 0.2")

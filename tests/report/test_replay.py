@@ -1,0 +1,79 @@
+"""What the player reads is the motion."""
+
+import base64
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.body.rotation import about
+from kinesic.controller.performance import Performance
+from kinesic.report import replay as module
+from kinesic.report.replay import replay
+
+
+def unpacked(text, kind, frames):
+    return np.frombuffer(base64.b64decode(text), dtype=kind).reshape(frames, -1)
+
+
+def origins(data, angles):
+    """(s, 3) where the player puts each segment, by its own steps."""
+    frames = []
+    for segment in data["segments"]:
+        rotation, origin = (np.eye(3), np.zeros(3)) if segment["parent"] < 0 else frames[segment["parent"]]
+        origin = origin + rotation @ segment["origin"]
+        for hinge in segment["hinges"]:
+            turned = rotation @ about(np.array(hinge["axis"]), angles[hinge["hinge"]])
+            origin, rotation = origin + (rotation - turned) @ hinge["at"], turned
+        frames.append((rotation, origin))
+    return np.stack([origin for _, origin in frames])
+
+
+def test_motions_are_those_of_plan_and_twin(hurried: Performance) -> None:
+    data = replay(hurried)
+    moments = np.linspace(0.0, data["end"], data["frames"])
+    assert np.diff(moments).max() <= 1 / module.RATE + 1e-12
+    twin, plan, asked = (
+        data["step"] * unpacked(data["motions"][name], "<i2", data["frames"]) for name in ("twin", "plan", "asked")
+    )
+    assert plan == pytest.approx(hurried.plan.trajectory.sample(moments)[0], abs=data["step"])
+    at = np.searchsorted(hurried.measured.times, moments[10])
+    assert twin[10] == pytest.approx(hurried.measured.angles[at], abs=0.02)
+    assert np.abs(asked - plan).max() > 0.1, "this block had to give"
+    assert data["step"] < 2e-4
+    duties = data["duty_step"] * unpacked(data["duties"], "u1", data["frames"])
+    assert duties.max() == pytest.approx(np.abs(hurried.measured.duties).max(), abs=0.1)
+
+
+def test_shapes_stand_where_the_skeleton_puts_them(hurried: Performance) -> None:
+    data, skeleton = replay(hurried), hurried.plan.facts.robot.skeleton
+    angles = hurried.measured.angles[60]
+    assert origins(data, angles) == pytest.approx(skeleton.frames(angles).origins, abs=1e-3)
+    assert sum(len(segment["capsules"]) for segment in data["segments"]) == sum(
+        len(s.capsules) for s in skeleton.segments
+    )
+    assert len(data["servos"]) == len(skeleton.hinges)
+    assert {"trunk", "limb", "l_hand", "r_hand"} == {segment["colour"] for segment in data["segments"]}
+    assert [eye["colour"] for eye in data["eyes"]] == ["white", "pupil"] * 2
+
+
+def test_marks_are_the_sync_points(hurried: Performance, calm: Performance) -> None:
+    kinds = {(mark["behaviour"], mark["sync"]): mark["kind"] for mark in replay(hurried)["marks"]}
+    assert kinds["rushed", "start"] == "moved"
+    assert kinds["nod", "stroke"] == "stroke"
+    assert not [mark for mark in replay(calm)["marks"] if "moved" in mark["kind"]]
+    assert [text for _, _, text in replay(hurried)["words"] if text] == ["Hello there,", "welcome"]
+
+
+def test_a_long_motion_has_a_lower_rate(hurried: Performance, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "MOST_FRAMES", 20)
+    monkeypatch.setattr(module, "MOST_MARKS", 3)
+    data = replay(hurried)
+    assert data["frames"] == 20
+    assert {mark["sync"] for mark in data["marks"]} == {"stroke"}
+
+
+def test_duties_beyond_a_byte_stay_at_its_end(hurried: Performance) -> None:
+    measured = replace(hurried.measured, duties=np.full_like(hurried.measured.duties, 9.0))
+    data = replay(replace(hurried, measured=measured))
+    assert set(base64.b64decode(data["duties"])) == {255}

@@ -1,0 +1,47 @@
+"""What the servos bear."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.controller.performance import Performance
+from kinesic.report.checks.servos import CONTINUOUS
+from kinesic.report.plots.plots_load import BINS, spark
+from kinesic.report.servo_load import draw, loads
+
+
+def test_the_most_strained_comes_first(hurried: Performance) -> None:
+    found = loads(hurried)
+    assert sorted(load.hinge for load in found) == sorted(hurried.plan.facts.robot.skeleton.names)
+    assert [load.strain for load in found] == sorted((load.strain for load in found), reverse=True)
+    assert all(0.0 <= load.rms <= load.torque for load in found)
+
+
+def test_figures_are_those_of_the_samples(hurried: Performance) -> None:
+    measured, robot = hurried.measured, hurried.plan.facts.robot
+    stall = np.array([drive.stall for drive in robot.drives])
+    duties = np.zeros_like(measured.duties)
+    duties[10:15, 3], torques = -1.5, np.tile(0.6 * stall, (len(duties), 1))
+    first = loads(replace(hurried, measured=replace(measured, duties=duties, torques=torques)))[0]
+    assert first.hinge != robot.skeleton.names[3], "torque strains longer than duty"
+    by_name = {load.hinge: load for load in loads(replace(hurried, measured=replace(measured, duties=duties)))}
+    load = by_name[robot.skeleton.names[3]]
+    assert (load.duty, load.duty_at) == (1.5, measured.times[10])
+    assert load.saturated == pytest.approx(0.05)
+    assert (first.rms, first.strain) == (pytest.approx(0.6), pytest.approx(0.6 / CONTINUOUS))
+
+
+def test_draw_sums_up_the_supply(hurried: Performance) -> None:
+    power = hurried.measured.power
+    found = draw(hurried)
+    assert 0.0 < found.mean < found.peak == power.peak.max()
+    assert found.energy == power.energy
+
+
+def test_a_spark_shows_the_peak(hurried: Performance) -> None:
+    load = replace(loads(hurried)[0], duties=np.r_[np.zeros(5000), 1.25, np.zeros(5000)])
+    drawn = spark(load)
+    assert drawn.count("L") == BINS
+    assert " 0L" in drawn
+    assert "<svg" in spark(replace(load, duties=np.zeros(1)))

@@ -1,0 +1,50 @@
+import os
+from functools import partial
+
+import pytest
+
+from kinesic.report.worker_pool import Crash, crew
+
+EVALUATE = partial(partial, eval)  # tasks are Python expressions
+DIES = {
+    "__import__('os')._exit(3)": "exit code 3: it wrote nothing",
+    "1 / 0": "exit code 1: ZeroDivisionError: division by zero",
+    "__import__('os').kill(__import__('os').getpid(), 9)": "signal SIGKILL",
+    "__import__('os').abort()": "signal SIGABRT: Fatal Python error: Aborted",
+}
+
+
+def alive(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+@pytest.mark.parametrize("jobs", [1, 3])
+def test_every_task_is_done_once(jobs):
+    tasks = [f"{k} ** 2" for k in range(7)]
+    assert dict(crew(tasks, EVALUATE, jobs=jobs)) == {task: k**2 for k, task in enumerate(tasks)}
+
+
+def test_no_tasks():
+    assert list(crew([], EVALUATE, jobs=2)) == []
+
+
+def test_processes_that_die_are_named_with_their_task_and_the_others_go_on():
+    tasks = ["1 + 1", *DIES, "2 + 2", "3 + 3"]
+    found = dict(crew(tasks, EVALUATE, jobs=2))
+    assert [found[task] for task in ("1 + 1", "2 + 2", "3 + 3")] == [2, 4, 6]
+    for task, reason in DIES.items():
+        assert isinstance(found[task], Crash)
+        assert reason in found[task].reason
+    assert 'File "<string>", line 1' in found["1 / 0"].trace
+
+
+def test_processes_end_when_nobody_listens_any_more():
+    results = crew(["__import__('os').getpid()"] + ["__import__('time').sleep(60)"] * 3, EVALUATE, jobs=2)
+    _, pid = next(results)
+    assert alive(pid)
+    results.close()
+    assert not alive(pid)

@@ -1,0 +1,109 @@
+"""A server of the tests' own, with real sockets, in a thread."""
+
+import asyncio
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from time import monotonic, sleep
+
+import pytest
+
+from kinesic.body.command import Command
+from kinesic.client import Client
+from kinesic.controller.perform import facts
+from kinesic.serve.quotas import Rules
+from kinesic.serve.serving import Address, Serving, serving, until_done
+from kinesic.serve.sinks import Follower, RealTwin
+
+
+class Witness:
+    """A sink that keeps all commands, with the time at which they came."""
+
+    def __init__(self) -> None:
+        self.commands: list[tuple[float, Command]] = []
+        self.closed = False
+
+    def write(self, command: Command, /) -> None:
+        self.commands.append((monotonic(), command))
+
+    def close(self) -> None:
+        self.closed = True
+
+
+PATIENCE = 30.0  # [s]
+
+
+@dataclass
+class Running:
+    """A server that runs, and what its sinks saw."""
+
+    open: Serving
+    witness: Witness
+    tasks: asyncio.AbstractEventLoop
+
+    @property
+    def port(self) -> int:
+        assert self.open.address is not None
+        return self.open.address.port
+
+    def client(self, **settings: object) -> Client:
+        return Client(port=self.port, **settings)
+
+
+@contextmanager
+def running(rules: Rules, token: str | None = None) -> Iterator[Running]:
+    """A server on a free port."""
+    witness, ready, found = Witness(), threading.Event(), []
+
+    async def serve() -> None:
+        enough = asyncio.Event()
+        followers = [Follower(witness), Follower(RealTwin(facts().robot))]
+        address = Address("127.0.0.1", 0)
+        async with serving(facts, followers, address=address, rules=rules, token=token, face=True) as open_:
+            found.extend((Running(open_, witness, asyncio.get_running_loop()), enough))
+            ready.set()
+            await until_done(open_, enough, console=False)
+
+    thread = threading.Thread(target=lambda: asyncio.run(serve()))
+    thread.start()
+    assert ready.wait(60), "the server did not open"
+    server, enough = found
+    try:
+        yield server
+    finally:
+        server.tasks.call_soon_threadsafe(enough.set)
+        thread.join(60)
+        assert not thread.is_alive()
+
+
+@pytest.fixture(scope="package")
+def server() -> Iterator[Running]:
+    """With the usual rules, but for the rate; it works as long as it is open, so not beside other tests."""
+    with running(Rules(rate=1000.0, burst=1000)) as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def guarded() -> Iterator[Running]:
+    """With a token and tight rules."""
+    rules = Rules(
+        message=2000, depth=8, rate=20.0, burst=10, waiting=2, clients=4, unread=64, patience=1.0, duration=20.0
+    )
+    with running(rules, "open sesame") as found:
+        yield found
+
+
+@pytest.fixture(scope="session")
+def becomes() -> Callable[[Callable[[], bool]], bool]:
+    """Waits until something is so; whether it became so in time."""
+
+    def waited(condition: Callable[[], bool]) -> bool:
+        end = monotonic() + PATIENCE
+        while not condition():
+            if monotonic() > end:
+                return False
+            sleep(0.01)
+        return True
+
+    return waited

@@ -1,0 +1,60 @@
+"""Mutated documents neither crash nor stall the server, whose performance goes on beside them."""
+
+import random
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.bench.bml.mutations import MUTATIONS, mutated
+from kinesic.bench.corpus import folder
+from kinesic.body.config import CONFIGS
+from kinesic.controller.play import RATE
+from kinesic.report.validate import documents
+
+pytestmark = pytest.mark.realtime
+
+OWN = sorted((CONFIGS / "bml").glob("*.bml"))
+COUNT = 120
+
+
+@pytest.mark.parametrize("mutation", MUTATIONS)
+@pytest.mark.parametrize("document", [b"", b"<", b'<bml id="a" b="c"/>', OWN[0].read_bytes()])
+def test_every_mutation_takes_any_document(mutation, document):
+    made = {mutation(document, random.Random(seed)) for seed in range(20)}
+    assert all(isinstance(each, bytes) for each in made)
+
+
+def test_the_same_seed_makes_the_same_document():
+    document = OWN[0].read_bytes()
+    made = [mutated(document, seed) for seed in range(50)]
+    assert made == [mutated(document, seed) for seed in range(50)]
+    assert len(set(made)) > 40
+
+
+def test_a_sample_of_them_is_answered_while_the_robot_performs(server, monkeypatch):
+    where = folder()
+    files = OWN if where is None else documents((where,))
+    chance = random.Random(7)
+    crowd = [mutated(chance.choice(files).read_bytes()[:6000], seed) for seed in range(COUNT)]
+    performer = server.open.desk.performer
+    patient = replace(server.open.desk.rules, planning=120.0)  # this machine may be busy with other tests
+    monkeypatch.setattr(performer.planner, "_rules", patient)
+    deaths, before = performer.planner.deaths, len(server.witness.commands)
+    with server.client() as wild:
+        answered = 0
+        for number, document in enumerate(crowd):
+            wild.send_bytes(document.replace(b"\0", b" "))
+            wild.do("ping", id=str(number))
+            while f'"id":"{number}"' not in (wild.receive(30) or "nothing"):
+                answered += 1
+            while performer.status()["waiting"]:
+                wild.receive(0.01)
+        wild.do("interrupt")
+        with server.client() as client:
+            messages = list(client.perform('<bml id="sane"><head id="h" lexeme="NOD" start="0"/></bml>'))
+    assert re.search(r'id="sane:end"', messages[-1])
+    assert performer.planner.deaths == deaths
+    ticks = np.rint([RATE * command.time for _, command in server.witness.commands[before:]]).astype(int)
+    assert (np.diff(ticks) == 1).all()

@@ -1,0 +1,91 @@
+import json
+from itertools import pairwise
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kinesic.serve.protocol import (
+    END,
+    Enquiry,
+    Frames,
+    Hello,
+    Interrupt,
+    Ping,
+    Restyle,
+    Resume,
+    Stop,
+    control,
+    told,
+)
+
+MESSAGES = st.lists(st.binary(min_size=1, max_size=40).map(lambda data: b"<" + data.replace(END, b"x")), max_size=6)
+
+
+@settings(deadline=None)
+@given(MESSAGES, st.lists(st.integers(0, 250), max_size=12))
+def test_messages_are_the_same_however_the_stream_is_cut(messages, cuts):
+    stream = b"".join(message + END for message in messages)
+    places = sorted({0, len(stream), *(min(cut, len(stream)) for cut in cuts)})
+    frames = Frames(100)
+    found = [each for a, b in pairwise(places) for each in frames.fed(stream[a:b])]
+    assert found == messages
+    assert not frames.half
+
+
+def test_blanks_between_messages_are_no_messages():
+    frames = Frames(10)
+    assert frames.fed(b" \n<a/>\0\n\0 \0<b/>") == [b"<a/>"]
+    assert frames.half
+    assert frames.fed(b"\0\n") == [b"<b/>"]
+    assert not frames.half
+
+
+@pytest.mark.parametrize("pieces", [[b"12345678901"], [b"12345", b"678901"], [b"12345678901\0"]])
+def test_an_overlong_message_is_told_as_soon_as_it_is(pieces):
+    frames, (*first, last) = Frames(10), pieces
+    assert [frames.fed(piece) for piece in first] == [[]] * len(first)
+    with pytest.raises(ValueError, match="11 bytes or more, at most 10"):
+        frames.fed(last)
+
+
+@pytest.mark.parametrize(
+    ("text", "wish"),
+    [
+        ('{"do": "stop"}', Stop()),
+        (' {"do": "resume"}\n', Resume()),
+        ('{"do": "hello", "token": "t"}', Hello("t")),
+        ('{"do": "interrupt"}', Interrupt()),
+        ('{"do": "interrupt", "block": "b"}', Interrupt("b")),
+        ('{"do": "style", "style": "calm", "set": ["power=1"]}', Restyle("calm", ("power=1",))),
+        ('{"do": "status"}', Enquiry()),
+        ('{"do": "ping", "id": "7"}', Ping("7")),
+    ],
+)
+def test_control_messages(text, wish):
+    assert control(text.encode()) == wish
+
+
+@pytest.mark.parametrize(
+    "text", ["<bml/>", '{"bml": {"id": "b"}}', "{", "[1]", '{"do": "stop"', '{"do": "stop"}' + " " * 9 + "x" * 5000]
+)
+def test_everything_else_is_a_document(text):
+    assert control(text.encode()) is None
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ('{"do": "dance"}', "dance"),
+        ('{"do": "stop", "now": 1}', "now"),
+        ('{"do": "interrupt", "block": 5}', "block"),
+        ('{"do": "hello"}', "token"),
+    ],
+)
+def test_wrong_control_messages_say_what_is_wrong(text, why):
+    with pytest.raises(ValueError, match=why):
+        control(text.encode())
+
+
+def test_answers_are_json():
+    assert json.loads(told("pong", id='"7"')) == {"told": "pong", "id": '"7"'}

@@ -1,0 +1,316 @@
+"""Clients of all kinds at real sockets: each gets what the rules say, and the performance goes on."""
+
+import json
+import os
+import re
+import signal
+import socket
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import connect
+
+from kinesic.controller.perform import facts
+from kinesic.controller.play import RATE
+from kinesic.planning.setup import Facts
+
+pytestmark = pytest.mark.realtime
+
+BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
+BEATS = 2
+NOD = '<head id="h" lexeme="NOD" start="0" end="0.5"/>'
+LONG = "".join(f'<gesture id="g{k}" lexeme="BEAT" mode="LEFT_HAND" stroke="{1 + 1.2 * k}"/>' for k in range(BEATS))
+POINTS = ["start", "h:start", "h:ready", "h:strokeStart", "h:stroke", "h:strokeEnd", "h:relax", "relax", "h:end", "end"]
+
+
+@cache
+def known() -> Facts:
+    """What the server's planner knows, read once."""
+    return facts()
+
+
+def progress(messages, name):
+    """What was told of a block's progress, in order."""
+    found = (re.search(rf'<(?:block|syncPoint)Progress[^>]* id="{name}:([^"]*)"', each) for each in messages)
+    return [match[1] for match in found if match]
+
+
+def undisturbed(commands):
+    """Whether commands are one motion: no tick missing or twice, and no step that the servos could not make."""
+    limits = known().limits
+    ticks = np.rint([RATE * command.time for command in commands]).astype(int)
+    angles = np.array([command.angles for command in commands])
+    speeds = np.abs(np.diff(angles, axis=0)) * RATE
+    jumps = np.abs(np.diff(angles, 2, axis=0)) * RATE**2
+    return (
+        (np.diff(ticks) == 1).all()
+        and (speeds <= 1.01 * limits.speed).all()
+        and (jumps <= 1.01 * limits.acceleration).all()
+    )
+
+
+def seen(server):
+    return [command for _, command in server.witness.commands]
+
+
+def test_a_block_is_predicted_performed_and_told_in_order(server):
+    with server.client() as client:
+        messages = list(client.perform(BLOCK.format("ordered", NOD)))
+    assert "<predictionFeedback" in messages[0]
+    assert progress(messages, "ordered") == POINTS
+    times = [float(time) for each in messages for time in re.findall(r'globalTime="([^"]*)"', each)]
+    assert times == sorted(times)
+    assert undisturbed(seen(server))
+
+
+def test_a_nod_moves_the_head_and_ends_at_rest(server):
+    with server.client() as client:
+        times = [
+            float(found[1])
+            for each in client.perform(BLOCK.format("moving", NOD))
+            if (found := re.search(r'globalTime="([^"]*)"', each))
+        ]
+    rest = known().robot.skeleton.rest
+    moved = [np.abs(each.angles - rest).max() for each in seen(server) if times[0] <= each.time <= times[-1]]
+    assert max(moved) > np.radians(5.0)
+    assert moved[0] < 1e-6
+    assert moved[-1] < 1e-3
+
+
+def test_a_websocket_gets_the_same(server):
+    with connect(f"ws://127.0.0.1:{server.port}") as client:
+        client.send(BLOCK.format("web", NOD))
+        messages = []
+        while progress(messages, "web")[-1:] != ["end"]:
+            messages.append(client.recv(20))
+    assert progress(messages, "web") == POINTS
+
+
+def test_a_websocket_may_send_in_fragments_and_bytes(server):
+    with connect(f"ws://127.0.0.1:{server.port}") as client:
+        client.send(['{"do": "pi', 'ng", "id"', ': "x"}'])
+        assert json.loads(client.recv(20)) == {"told": "pong", "id": "x"}
+        client.send(b'{"do": "ping"}')
+        assert json.loads(client.recv(20)) == {"told": "pong", "id": ""}
+
+
+def test_a_client_that_ends_its_side_still_gets_everything(server):
+    with socket.create_connection(("127.0.0.1", server.port), 20) as plain:
+        plain.sendall(BLOCK.format("half-closed", NOD).encode() + b"\0")
+        plain.shutdown(socket.SHUT_WR)
+        stream = plain.makefile("rb").read()
+    assert progress(stream.decode().split("\0"), "half-closed") == POINTS
+
+
+def test_a_client_that_goes_leaves_its_block_and_disturbs_nobody(server, becomes):
+    with server.client() as staying:
+        with server.client() as going:
+            going.send(BLOCK.format("left", LONG))
+        messages = list(staying.perform(BLOCK.format("stays", NOD)))
+        assert progress(messages, "stays") == POINTS
+    assert becomes(server.open.desk.performer.loop.settled)
+    assert undisturbed(seen(server))
+
+
+def test_bad_blocks_are_answered_and_disturb_nobody(server):
+    bad = ["<bml", "nonsense < here", "", "<a/>", '<bml id="x"><gesture stroke="nan"/></bml>', "{}", "\ufffe<bml/>"]
+    with server.client() as good, server.client() as other:
+        good.send(BLOCK.format("good", LONG))
+        for text in bad:
+            if text.strip():
+                other.send("<" + text if not text.startswith(("<", "{")) else text)
+        answers = [other.receive(20) for text in bad if text.strip()]
+        assert all("warningFeedback" in answer for answer in answers)
+        messages = []
+        while progress(messages, "good")[-1:] != ["end"]:
+            messages.append(good.receive(20))
+    assert len([each for each in messages if "syncPointProgress" in each]) == BEATS * 7
+    assert undisturbed(seen(server))
+
+
+def test_two_blocks_of_one_id_are_told_apart(server):
+    with server.client() as client, server.client() as other:
+        client.send(BLOCK.format("twin", NOD))
+        assert "<predictionFeedback" in client.receive(20)
+        messages = list(other.perform(BLOCK.format("twins", NOD)))
+    assert progress(messages, "twins")[-1] == "end"
+
+
+def test_two_hundred_connections_are_all_served(server):
+    clients = [server.client() for _ in range(200)]
+    try:
+        clients[0].send(BLOCK.format("crowd", NOD))
+        for number, client in enumerate(clients):
+            client.do("ping", id=str(number))
+        for number, client in enumerate(clients[1:], 1):
+            assert json.loads(client.receive(20))["id"] == str(number)
+        messages = []
+        while progress(messages, "crowd")[-1:] != ["end"]:
+            messages.append(clients[0].receive(20))
+        assert progress(messages, "crowd") == POINTS
+    finally:
+        for client in clients:
+            client.close()
+    assert undisturbed(seen(server))
+
+
+def test_a_slow_reader_loses_only_its_own(server, becomes):
+    guests = server.open.desk._guests
+    with server.client() as quick, server.client() as slow:
+        quick.do("ping")
+        quick.receive(20)
+        for _ in range(60):
+            slow.send("<" + "a" * 200)
+        messages = list(quick.perform(BLOCK.format("beside", NOD)))
+        assert progress(messages, "beside") == POINTS
+        assert all(len(guest.outbox) <= server.open.desk.rules.unread for guest in guests.values())
+
+
+def test_status_tells_how_it_goes(server):
+    with server.client() as client:
+        client.do("status")
+        told = json.loads(client.receive(20))
+    assert told["told"] == "status"
+    assert told["clients"] >= 1
+    assert told["planner"] == "warm"
+
+
+def test_blanks_without_end_are_sent_away(server):
+    with socket.create_connection(("127.0.0.1", server.port), 20) as blank:
+        blank.sendall(b" " * 70_000)
+        assert blank.makefile("rb").read() == b""
+
+
+def test_what_is_neither_a_document_nor_a_websocket_is_sent_away(server):
+    with socket.create_connection(("127.0.0.1", server.port), 20) as page:
+        page.sendall(b"POST / HTTP/1.1\r\nHost: x\r\n\r\n" + BLOCK.format("smuggled", NOD).encode() + b"\0")
+        assert page.makefile("rb").read() == b""
+
+
+def test_pages_from_elsewhere_may_not_connect(server):
+    with pytest.raises(InvalidStatus, match="403"):
+        connect(f"ws://127.0.0.1:{server.port}", origin="https://elsewhere.example")
+    with connect(f"ws://127.0.0.1:{server.port}", origin="http://localhost:8000") as client:
+        client.send('{"do": "ping"}')
+        assert "pong" in client.recv(20)
+
+
+def test_the_face_moves_in_time(server):
+    face = '<faceLexeme id="f" lexeme="RAISE_BROWS" amount="1" start="0" attackPeak="0.3" relax="0.6" end="0.9"/>'
+    with server.client() as client:
+        messages = list(client.perform(BLOCK.format("face", face)))
+    begin = min(float(time) for each in messages for time in re.findall(r' globalTime="([^"]*)"', each))
+    shown = {round(each.time - begin, 2): dict(each.face) for each in seen(server) if each.time >= begin}
+    brows = {time: units.get("L1", 0.0) for time, units in shown.items()}
+    assert max(brows.values()) == pytest.approx(max(value for time, value in brows.items() if 0.2 < time < 0.7))
+    assert max(brows.values()) > 0.5
+    assert brows[max(brows)] < 0.01
+
+
+def test_an_unknown_style_is_refused_and_a_known_one_taken(server):
+    with server.client() as client:
+        client.do("style", style="nonesuch")
+        assert "nonesuch" in json.loads(client.receive(20))["why"]
+        client.do("style", style="calm", set=["power=0.5"])
+        messages = list(client.perform(BLOCK.format("calmly", NOD)))
+        client.do("style", style="neutral")
+    assert progress(messages, "calmly")[-1] == "end"
+
+
+def test_interrupting_everything_ends_it_soon(server):
+    with server.client() as client:
+        client.send(BLOCK.format("cut-short", LONG))
+        messages = []
+        while not progress(messages, "cut-short"):
+            messages.append(client.receive(20))
+        client.do("interrupt")
+        while progress(messages, "cut-short")[-1] != "end":
+            messages.append(client.receive(20))
+    assert len(progress(messages, "cut-short")) < 5 * BEATS
+    assert undisturbed(seen(server))
+
+
+def test_an_emergency_stop_goes_before_everything(server, becomes):
+    with server.client() as busy, server.client() as guard:
+        for number in range(6):
+            busy.send(BLOCK.format(f"busy{number}", LONG))
+        busy.receive(20)
+        loop = server.open.desk.performer.loop
+        stops = loop.stops
+        guard.stop()
+        assert json.loads(guard.receive(20)) == {"told": "stopped"}
+        assert becomes(lambda: loop.halted and loop.stops == stops + 1 and loop.settled())
+        still = len(seen(server))
+        guard.send(BLOCK.format("refused", NOD))
+        assert "rule stopped" in guard.receive(20)
+        assert becomes(lambda: len(seen(server)) > still + 50)
+        held = np.array([command.angles for command in seen(server)[still:]])
+        assert np.ptp(held, axis=0).max() < 1e-9
+        guard.do("resume")
+        messages = list(guard.perform(BLOCK.format("resumed", NOD)))
+        assert progress(messages, "resumed") == POINTS
+    assert undisturbed(seen(server))
+
+
+def test_a_planner_that_dies_is_replaced_while_the_motion_goes_on(server, becomes):
+    performer = server.open.desk.performer
+    with server.client() as client:
+        client.send(BLOCK.format("survivor", LONG))
+        messages = []
+        while not progress(messages, "survivor"):
+            messages.append(client.receive(20))
+        os.kill(performer.planner._processes[0].pid, signal.SIGKILL)
+        while progress(messages, "survivor")[-1] != "end":
+            messages.append(client.receive(20))
+        assert becomes(lambda: performer.planner.free)
+        messages = list(client.perform(BLOCK.format("afterwards", NOD)))
+    assert progress(messages, "afterwards") == POINTS
+    assert undisturbed(seen(server))
+
+
+def test_a_block_that_takes_too_long_to_plan_is_given_up(server, becomes, monkeypatch):
+    performer = server.open.desk.performer
+    with server.client() as client, server.client() as other:
+        client.send(BLOCK.format("goes-on", LONG))
+        messages = []
+        while not progress(messages, "goes-on"):
+            messages.append(client.receive(20))
+        monkeypatch.setattr(performer.planner, "_rules", replace(server.open.desk.rules, planning=1e-4))
+        other.send(BLOCK.format("too-hard", LONG))
+        told = [other.receive(20)]
+        while "warningFeedback" not in told[-1]:
+            told.append(other.receive(20))
+        assert "rule planning" in told[-1]
+        monkeypatch.undo()
+        while progress(messages, "goes-on")[-1] != "end":
+            messages.append(client.receive(20))
+        assert becomes(lambda: performer.planner.free)
+    assert undisturbed(seen(server))
+
+
+def test_a_large_block_begins_at_once_and_is_planned_better_while_it_plays(server):
+    many = "".join(
+        f'<gesture id="g{k}" lexeme="BEAT" mode="{("LEFT", "RIGHT")[k % 2]}_HAND" stroke="{0.8 + 0.9 * k}"/>'
+        for k in range(6)
+    )
+    with server.client() as client:
+        messages = list(client.perform(BLOCK.format("large", many)))
+    strokes = [point for point in progress(messages, "large") if point.endswith(":stroke")]
+    assert strokes == [f"g{k}:stroke" for k in range(6)]
+    assert undisturbed(seen(server))
+
+
+def test_another_amount_while_it_plays(server):
+    with server.client() as client:
+        client.send(BLOCK.format("wide", LONG))
+        messages = []
+        while not progress(messages, "wide"):
+            messages.append(client.receive(20))
+        client.do("style", amount=0.9, block="wide")
+        while progress(messages, "wide")[-1] != "end":
+            messages.append(client.receive(20))
+    assert sum(point.endswith(":stroke") for point in progress(messages, "wide")) == BEATS
+    assert undisturbed(seen(server))

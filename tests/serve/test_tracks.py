@@ -1,0 +1,97 @@
+import numpy as np
+import pytest
+
+from kinesic.body.utterance import Sound
+from kinesic.realizer.asked import Message, asked
+from kinesic.realizer.realizer import Scene, begun, ready
+from kinesic.serve.tracks import Effects, Senses, Track, track, version
+from kinesic.speech.loudspeaker import SpeakerError
+
+BLOCK = (
+    '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">'
+    '<faceLexeme id="f" lexeme="RAISE_BROWS" amount="1" start="0" attackPeak="0.3" relax="0.6" end="0.9"/></bml>'
+)
+
+
+class Recorder:
+    """A loudspeaker that keeps what it was told."""
+
+    def __init__(self, fault=None):
+        self.told, self.fault = [], fault
+
+    def play(self, sound, at):
+        if self.fault:
+            raise self.fault
+        self.told.append(at)
+
+    def stop(self):
+        self.told.append("stop")
+
+
+def heard(*begins):
+    return Track(0.0, {}, tuple((begin, Sound.of(8000, np.zeros(8))) for begin in begins))
+
+
+def shows(begin, **units):
+    return Track(begin, {unit: np.array(values) for unit, values in units.items()}, ())
+
+
+@pytest.fixture(scope="module")
+def staged(known):
+    scene = Scene.of(known)
+    scene, _ = begun(scene, ready(asked(Message(BLOCK.encode()), known), known), 10.0)
+    return scene.playing[0]
+
+
+def test_a_block_s_face_is_on_the_clock(staged):
+    one = track(staged, Senses(face=True))
+    brows = {time: one.at(staged.zero + time).get("L1", 0.0) for time in (0.0, 0.3, 0.5, 0.89)}
+    assert brows[0.0] < 0.1 < 0.5 < brows[0.3] == pytest.approx(brows[0.5], abs=0.05)
+    assert brows[0.89] < 0.1
+    assert one.at(staged.zero - 1.0) == one.at(staged.zero + 60.0) == {}
+
+
+def test_what_is_not_wanted_is_not_made(staged):
+    assert track(staged, Senses()).face == {}
+    assert version(staged) == version(staged)
+
+
+def test_the_strongest_of_several_faces_is_shown():
+    effects = Effects(face=True)
+    effects.take({"a": shows(1.0, x=[0.2, 0.8], y=[0.5, 0.5]), "b": shows(1.01, x=[0.4])})
+    assert effects.face(1.0) == {"x": 0.2, "y": 0.5}
+    assert effects.face(1.0101) == {"x": 0.8, "y": 0.5}
+    effects.take({"a": None})
+    assert effects.face(1.0101) == {"x": 0.4}
+    effects.clear()
+    assert effects.face(1.0101) == {}
+
+
+def test_new_sounds_are_played_once():
+    speaker = Recorder()
+    effects = Effects(speaker)
+    effects.take({"a": heard(1.0)})
+    effects.take({"b": heard(2.0)})
+    effects.take({"a": heard(1.0)})
+    assert speaker.told == [1.0, 2.0]
+
+
+def test_sounds_that_are_taken_back_are_silent_and_the_others_go_on():
+    speaker = Recorder()
+    effects = Effects(speaker)
+    effects.take({"a": heard(1.0), "b": heard(2.0)})
+    speaker.told.clear()
+    effects.take({"a": None})
+    assert speaker.told == ["stop", 2.0]
+    effects.clear()
+    assert speaker.told == ["stop", 2.0, "stop"]
+
+
+def test_a_loudspeaker_that_fails_disturbs_nothing():
+    speaker = Recorder(SpeakerError("unplugged"))
+    effects = Effects(speaker, face=True)
+    effects.take({"a": heard(1.0), "b": shows(0.0, x=[1.0])})
+    speaker.fault = None
+    effects.take({"c": heard(3.0)})
+    assert speaker.told == []
+    assert effects.face(0.0) == {"x": 1.0}

@@ -1,0 +1,30 @@
+import pytest
+
+from kinesic.sim.importer.arm import Split, centres, likeness, splits
+from kinesic.sim.importer.hinge_row import Limb
+
+
+@pytest.fixture
+def limb(tee):
+    names = [joint.name for joint in tee.joints]
+    return Limb.of(tee, [names.index(f"l_{part}") for part in ("pitch", "roll", "twist", "bend", "turn", "nod", "wag")])
+
+
+def test_the_human_split_is_the_likeliest(limb):
+    ranked = sorted(splits(7), key=lambda split: -likeness(limb, split))
+    assert ranked[0] == Split(girdle=0, shoulder=3, wrist=3)
+    assert likeness(limb, ranked[0]) > likeness(limb, ranked[1]) + 0.3
+
+
+def test_centres_lie_where_the_axes_meet(limb):
+    found = centres(limb, Split(0, 3, 3))
+    assert found.shoulder == pytest.approx([0, 0.2, 1.45], abs=1e-3)
+    assert found.elbow == pytest.approx([0.01, 0.48, 1.45], abs=1e-3)
+    assert found.wrist == pytest.approx([0, 0.72, 1.45], abs=2e-3)
+    assert found.miss == pytest.approx(0.0, abs=1e-3)
+    assert found.lengths == pytest.approx((0.28, 0.24), abs=2e-3)
+
+
+def test_every_split_has_an_elbow_and_no_fingers():
+    assert {split.hinges for split in splits(3)} == {3}
+    assert all(split.hinges <= 8 for split in splits(9) if split.girdle + split.shoulder <= 4)

@@ -1,0 +1,71 @@
+import numpy as np
+import pytest
+
+from kinesic.body.robot import Robot
+from kinesic.body.robot_text import robot_text
+from kinesic.sim.dynamics import MujocoDynamics
+from kinesic.sim.importer.convert import mapped
+from kinesic.sim.importer.hinges import named_hinges
+from kinesic.sim.importer.load import load
+from kinesic.sim.importer.zero_pose import figure
+
+TOUCH = 5e-6  # [m] that rounding to micrometres leaves
+
+
+@pytest.fixture(scope="module")
+def robot(tee_mapped, tmp_path_factory):
+    path = tmp_path_factory.mktemp("robots") / "tee.toml"
+    path.write_text(robot_text(tee_mapped.file, heading=["tee"], remarks=tee_mapped.remarks), encoding="utf-8")
+    return Robot.load(path)
+
+
+def test_every_point_of_the_arm_is_where_the_foreign_model_has_it(robot, tee):
+    found = figure(tee)
+    hinges, skeleton = named_hinges(found), robot.skeleton
+    zero = skeleton.frames(np.zeros(len(skeleton.names)))
+    for angles in np.random.default_rng(0).uniform(skeleton.lower, skeleton.upper, (10, len(skeleton.names))):
+        turned = found.tree.turned({h.joint: h.sign * angles[skeleton.joint(h.name)] for h in hinges})
+        frames = skeleton.frames(angles)
+        for side in "lr":
+            k, tip = skeleton.segment(f"{side}_wrist"), found.arms[side].joints[-1]
+            inside = found.tree.parts[tip].centre - zero.origins[k]
+            assert frames.origins[k] + frames.rotations[k] @ inside == pytest.approx(
+                turned.parts[tip].centre, abs=TOUCH
+            )
+
+
+def test_the_files_angles_follow_from_kinesics(tee_mapped, robot):
+    hinges = {hinge.name: hinge for hinge in tee_mapped.hinges}
+    abduct = hinges["l_shoulder_abduct"]
+    lowest = abduct.sign * robot.skeleton.lower[robot.skeleton.joint("l_shoulder_abduct")] + abduct.zero
+    assert lowest == pytest.approx(-1.7, abs=1e-4)
+
+
+def test_a_clear_robot_needs_no_review(tee_mapped):
+    assert tee_mapped.confidence > 0.9
+    assert not tee_mapped.doubtful
+
+
+def test_no_hinge_is_overloaded(robot):
+    assert MujocoDynamics(robot).worst_static.values.max() <= 0.41
+
+
+def test_the_whole_is_deterministic(tee_path, tee_mapped):
+    again = mapped(tee_path)
+    assert robot_text(again.file, heading=[], remarks=again.remarks) == robot_text(
+        tee_mapped.file, heading=[], remarks=tee_mapped.remarks
+    )
+
+
+def test_an_arm_that_hardly_looks_like_one_is_doubtful(written, puppets):
+    odd = puppets.puppet().replace('axis="0 0 1" range="-2.4 0.1"', 'axis="0 1 0" range="-2.4 0.1"')
+    odd = odd.replace('axis="0 0 1" range="-0.1 2.4"', 'axis="0 1 0" range="-0.1 2.4"')
+    found = mapped(written("odd.xml", odd.replace('pos="0.01 0.28 0"', 'pos="0.2 0.1 0"')))
+    assert found.doubtful
+
+
+def test_gripper_and_tree_are_read_from_the_urdf(hanging_mapped, hanging_path):
+    assert len(hanging_mapped.hinges) == 1 + 2 * 5
+    assert load(hanging_path).name == "hanging"
+    assert hanging_mapped.file.chains["l_arm"] == ["l_shoulder", "l_elbow", "l_wrist"]
+    assert "torso" not in hanging_mapped.file.chains

@@ -1,0 +1,74 @@
+import numpy as np
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.sim.importer.load import load
+from kinesic.sim.importer.model_tree import BASE
+
+
+def named(tree, name):
+    return next(joint for joint in tree.joints if joint.name == name)
+
+
+def test_meshes_need_not_exist(tee, hanging):
+    assert len(tee.joints) == 4 + 2 * 9 + 2 * 3
+    assert len(hanging.joints) == 1 + 2 * 6
+
+
+def test_the_free_joint_and_mimics_are_held(tee, hanging):
+    assert not [joint.name for joint in hanging.joints if "mimic" in joint.name]
+    assert all(joint.name for joint in tee.joints)
+
+
+def test_parents_come_first_and_bases_have_none(tee):
+    assert all(joint.parent < k for k, joint in enumerate(tee.joints))
+    assert named(tee, "waist").parent == BASE
+    assert tee.joints[named(tee, "l_bend").parent].name == "l_twist"
+
+
+def test_what_the_files_say_of_motors(tee, hanging):
+    pitch = named(tee, "l_pitch")
+    assert (pitch.effort, pitch.gain, pitch.speed) == (20.0, 60.0, None)
+    assert named(tee, "r_pitch").effort is None
+    elbow = named(hanging, "left_elbow_joint")
+    assert (elbow.effort, elbow.speed) == (30.0, 3.5)
+
+
+def test_a_continuous_joint_has_no_range(hanging):
+    turn, elbow = named(hanging, "left_turn_joint"), named(hanging, "left_elbow_joint")
+    assert (turn.lower, turn.upper) == (None, None)
+    assert (elbow.lower, elbow.upper) == (-2.2, 0.0)
+
+
+def test_masses_and_primitive_shapes_belong_to_the_hinge_that_moves_them(tee):
+    k = [joint.name for joint in tee.joints].index("l_twist")
+    assert tee.parts[k].mass == pytest.approx(1.2)
+    (upper,) = tee.parts[k].shapes
+    assert upper.radius == 0.035
+    assert np.linalg.norm(upper.end - upper.start) == pytest.approx(0.28)
+    assert tee.base.mass == pytest.approx(4.0)
+
+
+def test_reading_leaves_no_file_behind(tee_path, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    load(tee_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("<mujoco><worldbody><body></mujoco>", "neither MJCF nor URDF"),
+        ("<mujoco><nonsense/></mujoco>", "neither MJCF nor URDF"),
+        ('<robot name="r"><joint name="j"><limit velocity="fast"/></joint></robot>', "neither MJCF nor URDF"),
+    ],
+)
+def test_a_broken_file_teaches(written, text, message):
+    with pytest.raises(ConfigError, match=message) as caught:
+        load(written("broken.xml", text))
+    assert "\n" not in str(caught.value)
+
+
+def test_a_missing_file_is_named(tmp_path):
+    with pytest.raises(ConfigError, match=r"nowhere\.xml: no such file"):
+        load(tmp_path / "nowhere.xml")

@@ -1,0 +1,49 @@
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+
+from kinesic.body.robot import Robot
+from kinesic.sim.model import build
+from kinesic.sim.scene_style import CAMERA, eyeballs, parts, staged
+
+ROBOT = Robot.load()
+MODEL = staged(ROBOT, width=320, height=240)
+
+
+def test_scenery_has_no_weight_and_touches_nothing():
+    plain = build(ROBOT)
+    assert MODEL.body_mass.sum() == pytest.approx(plain.body_mass.sum())
+    solid = [k for k in range(MODEL.ngeom) if MODEL.geom_contype[k] or MODEL.geom_conaffinity[k]]
+    assert len(solid) == sum(len(segment.capsules) for segment in ROBOT.skeleton.segments)
+
+
+def test_the_camera_stands_before_the_face():
+    camera = MODEL.camera(CAMERA)
+    assert camera.pos[0] > 1.0
+    assert abs(camera.pos[1]) < camera.pos[0]
+    view = np.empty(9)
+
+    mujoco.mju_quat2Mat(view, camera.quat)
+    assert view.reshape(3, 3)[2, 0] == pytest.approx(0.0, abs=1e-9), "the horizon is level"
+
+
+def test_pictures_of_the_asked_size_fit():
+    assert (MODEL.vis.global_.offwidth, MODEL.vis.global_.offheight) == (320, 240)
+
+
+def test_every_segment_is_painted_as_what_it_is():
+    painted = parts(ROBOT)
+    assert set(painted) == {segment.name for segment in ROBOT.skeleton.segments}
+    assert painted[ROBOT.chains["l_arm"][-1]] == "l_hand"
+    assert painted[ROBOT.chains["r_arm"][0]] == "limb"
+    assert painted[ROBOT.skeleton.segments[0].name] == "trunk"
+
+
+def test_pupils_look_where_the_face_does():
+    white, pupil = eyeballs(ROBOT)[:2]
+    eyes = ROBOT.sites["eyes"]
+    assert (white.dark, pupil.dark) == (False, True)
+    assert float((pupil.centre - white.centre) @ eyes.facing) > 0.0
+    assert eyeballs(replace(ROBOT, sites={name: site for name, site in ROBOT.sites.items() if name != "eyes"})) == ()

@@ -1,0 +1,105 @@
+import numpy as np
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.body.robot import Robot
+from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, DriveFactors, Factors
+
+ROBOT = Robot.load()
+
+
+def test_the_factors_of_both_twins_are_pinned():
+    assert Factors(stall=1.0, no_load=1.0, friction=1.0, armature=1.0, mass=1.0) == NOMINAL
+    assert Factors(stall=0.8, no_load=0.9, friction=1.5, armature=1.3, mass=1.1) == PESSIMISTIC
+
+
+def test_each_factor_scales_its_own_figure():
+    weak = PESSIMISTIC.applied(ROBOT)
+    for changed, drive in zip(weak.drives, ROBOT.drives, strict=True):
+        assert changed.stall == pytest.approx(0.8 * drive.stall)
+        assert changed.no_load == pytest.approx(0.9 * drive.no_load)
+        assert changed.frictionloss == pytest.approx(1.5 * drive.frictionloss)
+        assert changed.damping == pytest.approx(1.5 * drive.damping)
+        assert changed.armature == pytest.approx(1.3 * drive.armature)
+        assert changed.servo.mass == pytest.approx(1.1 * drive.servo.mass)
+        assert changed.gain == drive.gain
+        assert changed.tick == drive.tick
+    for changed_segment, segment in zip(weak.skeleton.segments, ROBOT.skeleton.segments, strict=True):
+        assert changed_segment.mass == pytest.approx(1.1 * segment.mass)
+
+
+def test_nominal_changes_nothing():
+    same = NOMINAL.applied(ROBOT)
+    assert same.drives == ROBOT.drives
+    assert np.array_equal(same.skeleton.lower, ROBOT.skeleton.lower)
+
+
+def test_factors_are_read_from_a_file(tmp_path):
+    path = tmp_path / "tired.toml"
+    path.write_text("stall = 0.7\nmass = 1.2\n")
+    assert Factors.read(path) == Factors(stall=0.7, mass=1.2)
+
+
+@pytest.mark.parametrize("text", ["stal = 0.7", "stall = 0.0", "mass = -1.0", "mass = 'heavy'", "mass = nan"])
+def test_wrong_factors_are_refused(tmp_path, text):
+    path = tmp_path / "wrong.toml"
+    path.write_text(text)
+    with pytest.raises(ConfigError, match=r"wrong\.toml"):
+        Factors.read(path)
+
+
+def test_a_factor_of_zero_is_named():
+    with pytest.raises(ValueError, match="factor armature is 0"):
+        Factors(armature=0.0)
+
+
+def test_all_factors_are_pinned_by_name_and_leave_things_as_they_are():
+    figures = ("stall", "no_load", "friction", "armature", "gain")
+    assert DriveFactors.__struct_fields__ == figures
+    assert Factors.__struct_fields__ == (*figures, "mass", "supply", "latency", "servos")
+    assert all(getattr(NOMINAL, name) == 1.0 for name in (*figures, "mass", "supply"))
+    assert NOMINAL.latency == 0.0
+    assert NOMINAL.servos == {}
+
+
+def test_gain_is_duty_per_error():
+    for changed, drive in zip(Factors(gain=0.9).applied(ROBOT).drives, ROBOT.drives, strict=True):
+        assert changed.gain == pytest.approx(0.9 * drive.gain)
+        assert changed.stall == drive.stall
+
+
+def test_torque_current_and_speed_follow_the_supply():
+    low = Factors(supply=11.1 / 12)
+    for changed, drive in zip(low.applied(ROBOT).drives, ROBOT.drives, strict=True):
+        assert changed.servo.volt == pytest.approx(11.1 / 12 * drive.servo.volt)
+        for name in ("stall_nm", "stall_a", "no_load_rpm"):
+            assert getattr(changed.servo, name) == pytest.approx(11.1 / 12 * getattr(drive.servo, name))
+        winding, same = ((d.servo.volt / d.servo.stall_a, d.servo.volt / d.servo.no_load_rpm) for d in (changed, drive))
+        assert winding == pytest.approx(same)
+
+
+def test_single_servos_have_factors_of_their_own():
+    some = Factors(stall=0.8, mass=1.1, servos={"xm430_w210": DriveFactors(friction=2.0)})
+    for changed, drive in zip(some.applied(ROBOT).drives, ROBOT.drives, strict=True):
+        own = drive.servo.name == "xm430_w210"
+        assert changed.stall == pytest.approx((1.0 if own else 0.8) * drive.stall)
+        assert changed.frictionloss == pytest.approx((2.0 if own else 1.0) * drive.frictionloss)
+        assert changed.servo.mass == pytest.approx(1.1 * drive.servo.mass)
+
+
+def test_a_file_may_name_everything(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text("supply = 0.95\nlatency = 0.004\ngain = 0.9\n[servos.xc430_w240]\nstall = 0.7\n")
+    read = Factors.read(path)
+    assert read == Factors(supply=0.95, latency=0.004, gain=0.9, servos={"xc430_w240": DriveFactors(stall=0.7)})
+    assert hash(read) == hash(Factors.read(path)) != hash(NOMINAL)
+
+
+def test_a_servo_that_the_robot_has_not_is_refused():
+    with pytest.raises(ConfigError, match="xm430_w21: upper22 has none; did you mean xm430_w210"):
+        Factors(servos={"xm430_w21": DriveFactors()}).applied(ROBOT)
+
+
+def test_a_latency_below_zero_is_refused():
+    with pytest.raises(ValueError, match=r"latency is -0\.001"):
+        Factors(latency=-0.001)

@@ -1,0 +1,36 @@
+import numpy as np
+import pytest
+
+from kinesic.body.robot import Robot
+from kinesic.sim.worst_postures import extremes, random_postures
+
+SKELETON = Robot.load().skeleton
+
+
+def test_postures_are_seeded_and_inside_the_ranges():
+    postures = random_postures(SKELETON, 200, seed=4)
+    assert np.array_equal(postures, random_postures(SKELETON, 200, seed=4))
+    assert not np.array_equal(postures, random_postures(SKELETON, 200, seed=5))
+    assert (postures >= SKELETON.lower).all()
+    assert (postures <= SKELETON.upper).all()
+    assert np.array_equal(postures[0], SKELETON.rest)
+    assert not postures[1].any()
+
+
+def test_every_second_posture_has_stops():
+    postures = random_postures(SKELETON, 200)
+    at_stop = (postures == SKELETON.lower) | (postures == SKELETON.upper)
+    assert not at_stop[2::2].any()
+    assert 0.4 < at_stop[3::2].mean() < 0.6
+
+
+def test_the_climb_finds_the_top():
+    def measure(postures):
+        return 1.0 - (postures - SKELETON.upper) ** 2 - np.abs(postures[:, ::-1] - SKELETON.lower[::-1])
+
+    found = extremes(SKELETON, measure)
+    for hinge, posture in enumerate(found.postures):
+        best = measure(posture[None])[0, hinge]
+        assert found.values[hinge] == pytest.approx(best)
+        assert posture[hinge] == pytest.approx(SKELETON.upper[hinge])
+        assert posture[21 - hinge] == pytest.approx(SKELETON.lower[21 - hinge])

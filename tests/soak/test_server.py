@@ -1,0 +1,105 @@
+"""The live server for long: ten blocks a second for ten minutes, and ten thousand mutated documents."""
+
+import json
+import random
+import re
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from kinesic.bench.bml import server as live
+from kinesic.bench.bml.mutations import mutated
+from kinesic.bench.corpus import folder
+from kinesic.body.config import CONFIGS
+from kinesic.client import Client
+from kinesic.report.validate import documents
+from kinesic.serve.quotas import USUAL
+
+DOCUMENTS = 10_000
+MINUTES = 10
+
+pytestmark = pytest.mark.soak
+
+
+def test_ten_blocks_a_second_for_ten_minutes_lose_nothing_and_memory_stays():
+    with live.opened() as server:
+        lasting = live.endurance(server, 60.0 * MINUTES)
+    assert lasting.lost == 0, lasting
+    assert lasting.growth is None or lasting.growth <= live.FLAT, lasting
+
+
+def test_mutated_documents_neither_crash_nor_stall_it():
+    where = folder()
+    files = sorted((CONFIGS / "bml").glob("*.bml")) if where is None else documents((where,))
+    chance = random.Random(7)
+    texts = [file.read_bytes()[:6000] for file in files]
+    patient = ("--rule", "planning=120", "--rule", "rate=1000", "--rule", "burst=1000")
+    with live.opened(*patient) as server, Client(port=server.port) as client:
+        for seed in range(DOCUMENTS):
+            text = mutated(chance.choice(texts), seed).replace(b"\0", b" ")
+            if len(text) > USUAL.message:
+                _sent_home(server.port, text)
+            else:
+                client.send_bytes(text)
+            status = _status(client)
+            while status["waiting"]:
+                client.receive(0.01)
+                status = _status(client)
+            if seed % 50 == 49:
+                client.do("interrupt")
+        assert status["deaths"] == 0
+        client.do("interrupt")
+        messages = list(client.perform('<bml id="sane"><head id="h" lexeme="NOD" start="0"/></bml>'))
+    assert re.search(r'id="sane:end"', messages[-1])
+
+
+def test_servos_on_a_wire_perform_stop_and_fold(tmp_path):
+    simulate = [sys.executable, "-m", "kinesic", "servos", "simulate", "--folder", str(tmp_path)]
+    with subprocess.Popen(simulate, stdout=subprocess.PIPE, text=True) as servos:
+        try:
+            assert "body" in servos.stdout.readline()
+            with live.opened("--on", "servos", "--port", str(tmp_path / "body"), cwd=tmp_path) as server:
+                _performed(server.port)
+                server.process.send_signal(signal.SIGINT)
+                assert server.process.wait(60.0) == 0
+        finally:
+            servos.kill()
+    events = [json.loads(line) for line in (tmp_path / "events.jsonl").read_text().splitlines()]
+    assert events[-1]["text"] == "release -> closed (done)"
+
+
+def _performed(port: int) -> None:
+    beat = '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND" start="0.3" stroke="1"/>'
+    with Client(port=port) as client:
+        messages = list(client.perform(f'<bml id="one">{beat}</bml>'))
+        late = [float(lag) for each in messages for lag in re.findall(r'lag="([^"]*)"', each)]
+        assert late
+        assert all(abs(lag) < 0.3 for lag in late)
+        client.send(f'<bml id="two">{beat}</bml>')
+        while 'id="two:start"' not in client.receive(60.0):
+            pass
+        client.stop()
+        assert _status(client)["state"] == "stopped"
+        client.do("resume")
+        messages = list(client.perform(f'<bml id="three">{beat}</bml>'))
+    assert 'id="three:end"' in messages[-1]
+
+
+def _sent_home(port: int, oversized: bytes) -> None:
+    """Sends a message that is too long, which must cost its sender the connection."""
+    with Client(port=port) as client:
+        client.send_bytes(oversized)
+        heard = client.receive(60.0)
+        assert heard is not None
+        assert "rule message" in heard
+
+
+def _status(client: Client) -> dict[str, object]:
+    client.do("status")
+    while True:
+        message = client.receive(60.0)
+        assert message is not None, "it has stalled"
+        if message.startswith("{") and (told := json.loads(message))["told"] == "status":
+            return told

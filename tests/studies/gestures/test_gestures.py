@@ -1,0 +1,108 @@
+"""Each gesture alone: played, drawn, and told in words."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from kinesic.expressivity.lexicon.hand_shapes import SHAPES
+from kinesic.studies.gestures.isolated import STROKE, document, played, show, stroke_error
+from kinesic.studies.gestures.sheet import sheet, strip
+from kinesic.studies.gestures.silhouette import PALE, depth, figure, hand, pale, seen
+from kinesic.studies.gestures.vocabulary import vocabulary
+
+
+@pytest.fixture(scope="module")
+def waved(known):
+    form = known.lexicon.find("greet_wave").form
+    return show(form, played(form, known), 6)
+
+
+def test_a_gesture_alone_strikes_when_it_is_asked(known):
+    planned = played(known.lexicon.find("offer").form, known, "left")
+    assert abs(stroke_error(planned)) < 0.01
+    assert planned.keyframes.uses["gesture"] == {"l_hand"}
+    assert next(sync.asked for sync in planned.syncs if sync.sync == "stroke") == STROKE
+
+
+def test_a_name_that_xml_would_misread_is_escaped():
+    assert 'lexeme="a&lt;b"' in document("a<b").replace("'", '"')
+
+
+def test_key_postures_are_those_of_the_stroke(waved, known):
+    assert 2 <= len(waved.postures) <= 6
+    assert set(waved.paths) == {"r"}
+    palm = waved.paths["r"]
+    assert np.all(palm[:, 1] < 0)
+    assert np.ptp(palm[:, 1]) > 0.05
+    wrist = known.robot.skeleton.frames(waved.postures[waved.stroke]).origins[known.robot.skeleton.segment("r_wrist")]
+    assert np.linalg.norm(palm - wrist, axis=1).min() < 0.09
+
+
+@pytest.mark.parametrize("most", [2, 3, 6])
+def test_of_many_keys_the_stroke_is_among_those_drawn(known, most):
+    form = known.lexicon.find("spiral_stairs").form
+    planned = played(form, known)
+    shown = show(form, planned, most)
+    stroke = next(posture.angles for posture in planned.postures.postures if ("gesture", "stroke") in posture.syncs)
+    assert len(shown.postures) <= most
+    assert np.array_equal(shown.postures[shown.stroke], stroke)
+
+
+def test_the_nearer_is_drawn_later_and_darker(known):
+    lines = figure(known.robot, known.robot.skeleton.rest, {})
+    depths = [line.depth for line in lines if line.owner]
+    assert depths == sorted(depths)
+    arm = [line for line in lines if line.owner == "r"]
+    near, far = max(arm, key=lambda line: line.depth), min(arm, key=lambda line: line.depth)
+    assert sum(near.colour) <= sum(far.colour)
+    assert all(line.colour == PALE for line in pale(lines))
+
+
+def test_left_is_seen_on_the_right_and_up_is_up():
+    assert seen(np.array([0.0, 1.0, 0.0])) == pytest.approx([1.0, 0.0])
+    assert seen(np.array([0.0, 0.0, 1.0]))[1] > 0.9
+    assert depth(np.array([1.0, 0.0, 0.0])) > 0.9
+
+
+def test_fingers_are_straight_or_bent_towards_the_palm(known):
+    site = known.robot.sites["l_palm"]
+    flat, fist = (hand(known.robot, "l", SHAPES[name]) for name in ("flat", "fist"))
+    for (straight, _), (bent, _) in list(zip(flat, fist, strict=True))[1:5]:
+        assert np.linalg.norm(straight[-1] - straight[0]) > np.linalg.norm(bent[-1] - bent[0])
+        assert (straight[-1] - straight[0]) @ site.facing == pytest.approx(0.0, abs=1e-9)
+        assert (bent[1] - bent[0]) @ site.facing > 0
+
+
+def test_thumbs_mirror_each_other(known):
+    left, right = (hand(known.robot, side, SHAPES["thumb"])[-1][0] for side in ("l", "r"))
+    assert left == pytest.approx(right * [1, -1, 1], abs=1e-9)
+
+
+def test_pictures_show_something(waved, known, tmp_path):
+    drawn = strip(waved, known.robot, tmp_path / "wave.png", says="The raised hand waves: hello.")
+    pixels = imread(drawn)
+    assert pixels.shape[1] > pixels.shape[0] > 100
+    assert (pixels[..., :3].min(axis=-1) < 0.9).mean() > 0.03
+    other = replace(waved, form=replace(waved.form, id="other", category="beat"))
+    whole = sheet([waved, other], known.robot, tmp_path / "sheet.png")
+    assert imread(whole).shape[1] > imread(whole).shape[0]
+    assert sheet([waved], known.robot, tmp_path / "sheet.svg").read_text().startswith("<?xml")
+
+
+def test_pictures_are_the_same_twice(waved, known, tmp_path):
+    one, two = (strip(waved, known.robot, tmp_path / f"{name}.png").read_bytes() for name in "ab")
+    assert one == two
+
+
+def test_the_vocabulary_tells_each_gesture_in_words(known):
+    entries = vocabulary(known.lexicon, known.pace)
+    assert [(entry.category, entry.id) for entry in entries] == sorted((entry.category, entry.id) for entry in entries)
+    assert len({entry.says for entry in entries}) == len(entries) >= 150
+    for entry in entries:
+        assert 10 < len(entry.says) < 90
+        assert entry.says.endswith((".", "!"))
+        assert entry.meanings
+        assert set(entry.hands) <= {"left", "right"}
+        assert 0.0 < entry.stroke_s < entry.whole_s < 10.0

@@ -1,0 +1,105 @@
+from dataclasses import replace
+
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.expressivity.style.style import RANGES
+from kinesic.studies.sweep.measures import Measures
+from kinesic.studies.sweep.series import LATE, MEASURE_OF, Played, Series, presets, sweep
+
+PLAIN = Measures(
+    peak_speed=1.0,
+    stroke_speed=0.5,
+    allowed_speed=1.0,
+    path_length=1.0,
+    swept_volume=0.01,
+    curvature=3.0,
+    torso_travel=0.1,
+    shoulder_travel=0.1,
+    jerk=50.0,
+    overshoot=0.0,
+    stroke_error=0.001,
+    preparation=0.5,
+    elbow_offset=0.1,
+    strokes=1,
+    energy=0.1,
+)
+
+
+def series(parameter: str, *values: object, name: str = "") -> Series:
+    """Values of the parameter's own measure, or of another."""
+    field = name or MEASURE_OF[parameter].name
+    rows = [Played(k, replace(PLAIN, **{field: value}), {}, ()) for k, value in enumerate(values)]
+    return Series("beat", parameter, tuple(rows))
+
+
+def test_every_parameter_has_a_measure():
+    assert set(MEASURE_OF) == set(RANGES)
+
+
+@pytest.mark.parametrize(
+    ("parameter", "values", "monotone"),
+    [
+        ("power", (0.4, 0.5, 0.9), True),
+        ("power", (0.4, 0.4, 0.9), False),
+        ("power", (0.4, 0.9, 0.8), False),
+        ("temporal", (0.9, 0.5, 0.4), True),
+        ("temporal", (0.4, 0.5, 0.9), False),
+        ("repetition", (1, 1, 2, 3), True),
+        ("repetition", (1, 1, 1), False),
+        ("repetition", (1, 3, 2), False),
+        ("openness", (0.1, None, 0.3), False),
+        ("power", (0.4,), True),
+    ],
+)
+def test_monotone(parameter, values, monotone):
+    assert series(parameter, *values).monotone is monotone
+
+
+def test_strokes_in_time():
+    assert series("power", -0.004, 0.009, name="stroke_error").in_time
+    late = series("power", 0.0, -2 * LATE, name="stroke_error")
+    assert late.worst_stroke == pytest.approx(2 * LATE)
+    assert not late.in_time
+    never = series("power", 0.0, None, name="stroke_error")
+    assert never.worst_stroke is None
+    assert not never.in_time
+
+
+def test_a_wider_gesture_sweeps_more_space(known):
+    found = sweep("flat_surface", "spatial", known, values=[0.8, -0.8])
+    assert [one.value for one in found.played] == [-0.8, 0.8]
+    assert found.monotone
+    assert found.in_time
+    narrow, wide = (one.measures for one in found.played)
+    assert wide.swept_volume > 2 * narrow.swept_volume
+    assert {len(path) for path in found.played[0].hands.values()} == {len(found.played[0].times)}
+    assert found.played[0].times[0] < 0.0 < found.played[0].times[-1]
+
+
+def test_a_sweep_is_the_same_twice(known):
+    first, again = (sweep("beat", "power", known, values=[0.5]).played[0].measures for _ in range(2))
+    assert first == again
+
+
+def test_values_default_to_the_whole_range(known, monkeypatch):
+    monkeypatch.setattr("kinesic.studies.sweep.series.COUNT", 2)
+    assert [one.value for one in sweep("beat", "openness", known).played] == [0.0, 1.0]
+
+
+def test_presets_are_played_by_name(known, monkeypatch, tmp_path):
+    (tmp_path / "styles").mkdir()
+    (tmp_path / "styles" / "sad.toml").touch()
+    monkeypatch.setattr("kinesic.studies.sweep.series.CONFIGS", tmp_path)
+    found = presets("beat", known)
+    assert list(found) == ["sad"]
+    assert found["sad"].measures.stroke_error is not None
+
+
+def test_errors_teach(known):
+    with pytest.raises(ConfigError, match=r"no gesture beet; did you mean beat\?"):
+        sweep("beet", "power", known)
+    with pytest.raises(ConfigError, match=r"a style has no powr; did you mean power\?"):
+        sweep("beat", "powr", known)
+    with pytest.raises(ConfigError, match=r"power is 2, outside \[-1, 1\]"):
+        sweep("beat", "power", known, values=[0.0, 2.0])

@@ -1,0 +1,41 @@
+"""What holds for every ball chain, target and method."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kinesic.bench.ik.baselines import METHODS, Method, solve_chain
+from kinesic.body.arrays import Floats
+from kinesic.ik import KERNEL
+
+pytestmark = pytest.mark.skipif(KERNEL != "compiled", reason="the baselines exist only in the compiled kernel")
+
+number = st.floats(-1.0, 1.0)
+vectors = st.tuples(number, number, number).map(np.array)
+bones = st.lists(vectors.filter(lambda v: np.linalg.norm(v) > 0.05), min_size=1, max_size=12)
+chains = st.tuples(vectors, bones).map(lambda parts: np.cumsum([parts[0], *parts[1]], axis=0))
+
+
+@settings(max_examples=150, deadline=None, derandomize=True)
+@given(method=st.sampled_from(METHODS), rest=chains, target=vectors, most=st.integers(1, 60))
+def test_bones_keep_their_length_and_the_residual_is_true(
+    method: Method, rest: Floats, target: Floats, most: int
+) -> None:
+    solved = solve_chain(method, rest, 4.0 * target, most=most)
+    lengths = np.linalg.norm(np.diff(rest, axis=0), axis=1)
+    away = 4.0 * target - rest[0]
+    far = float(np.linalg.norm(away))
+    clamped = rest[0] + away * (min(1.0, lengths.sum() / far) if far > 0.0 else 1.0)
+    assert (solved.points[0] == rest[0]).all()
+    assert np.abs(np.linalg.norm(np.diff(solved.points, axis=0), axis=1) - lengths).max() < 1e-9
+    assert np.abs(np.linalg.norm(solved.rotations, axis=1) - 1.0).max() < 1e-12
+    assert abs(solved.residual * lengths.sum() - np.linalg.norm(solved.points[-1] - clamped)) < 1e-9
+    assert 0 <= solved.iterations <= most
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(method=st.sampled_from(METHODS), rest=chains, target=vectors)
+def test_it_ends_at_the_target_or_after_its_last_iteration(method: Method, rest: Floats, target: Floats) -> None:
+    solved = solve_chain(method, rest, target, tolerance=1e-3, most=100)
+    assert solved.residual <= 1e-3 or solved.iterations == 100 or method == "triangulation"

@@ -1,0 +1,54 @@
+"""Every sampled state of a conditioned motion obeys every limit, whatever is asked."""
+
+from typing import get_args
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kinesic.body.arrays import sealed
+from kinesic.body.limits import Limits
+from kinesic.expressivity.style.passage import Passage
+from kinesic.motion.condition import condition
+from kinesic.motion.easing import Easing
+from kinesic.motion.limit_check import peaks
+from kinesic.planning.postures import Posture
+
+BOXES = ([-1.5] * 3, [1.5] * 3, [1.0, 4.0, 6.0], [10.0, 59.0, 350.0], [250.0, 1500.0, 8750.0])
+DUTY = ([0.05, 0.01, 0.002], [0.8, 0.18, 0.134], [0.58, 0.65, 0.79])
+LIMITS = Limits(*(sealed(values) for values in (*BOXES, *DUTY)))
+
+gaps = st.floats(0.021, 1.5)
+passages = st.builds(
+    Passage, st.floats(-1, 1), st.floats(-1, 0), st.floats(-1, 1), st.sampled_from(get_args(Easing)), st.floats(1, 8)
+)
+
+angles = st.tuples(*[st.floats(-1.5, 1.5)] * 3)
+rows = st.lists(st.tuples(gaps, angles, st.integers(0, 7), st.tuples(*[passages] * 3)), min_size=2, max_size=9)
+
+
+@settings(max_examples=20, deadline=None)
+@given(rows)
+def test_limits_hold_and_keys_are_met(rows):
+    times = np.cumsum([gap for gap, *_ in rows])
+    last = len(rows) - 1
+    keys = tuple(
+        Posture(
+            float(time),
+            sealed(angles),
+            tuple(k in (0, last) or bool(mask >> hinge & 1) for hinge in range(3)),
+            (("b", "stroke" if k % 2 else "relax"),),
+            passed,
+        )
+        for k, (time, (_, angles, mask, passed)) in enumerate(zip(times, rows, strict=True))
+    )
+    motion = condition(keys, LIMITS)
+    for peak in peaks(motion.trajectory, LIMITS).shares.values():
+        assert peak.ratios.max() <= 1.001
+    met = motion.trajectory.sample(motion.planned + motion.trajectory.zero)[0]
+    for k, key in enumerate(keys):
+        for hinge in np.flatnonzero(key.keyed):
+            assert abs(met[k, hinge] - key.angles[hinge]) <= 1.01e-3  # a key at the end of a range keeps room to turn
+    for hinge in range(3):
+        own = [k for k, key in enumerate(keys) if key.keyed[hinge]]
+        assert np.all(np.diff(motion.planned[own]) > 0)

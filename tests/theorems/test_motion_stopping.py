@@ -1,0 +1,43 @@
+"""A motion can be left at any moment, without a step and within every limit."""
+
+from functools import lru_cache
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kinesic.bench.passage import passage
+from kinesic.controller.perform import facts, plan
+from kinesic.motion.limit_check import peaks
+from kinesic.motion.stopping import cut, stopped
+from kinesic.motion.trajectory import STEP
+from kinesic.planning.plan import Plan
+
+
+@lru_cache(maxsize=2)
+def planned(repetition: int) -> Plan:
+    return plan(passage(repetition), known())
+
+
+@lru_cache(maxsize=1)
+def known():
+    return facts()
+
+
+def check(before, after, knot: int) -> None:
+    np.testing.assert_array_equal(after.controls[:knot], before.controls[:knot])
+    np.testing.assert_allclose(after.controls[knot : knot + 3], before.controls[knot : knot + 3], atol=1e-9)
+    for name, peak in peaks(after, known().limits).shares.items():
+        assert peak.ratios.max() <= 1.001, name
+
+
+@settings(max_examples=12, deadline=None)
+@given(st.floats(0.0, 1.0), st.floats(0.0, 1.0))
+def test_stops_at_random_and_stops_while_stopping(first, second):
+    motion = planned(0).trajectory
+    time = first * motion.duration
+    halted = stopped(motion, time, known().limits)
+    check(motion, halted, cut(motion, time))
+    begin = cut(motion, time) * STEP
+    again = begin + second * (halted.duration - begin)
+    check(halted, stopped(halted, again, known().limits), cut(halted, again))

@@ -1,0 +1,27 @@
+"""Blocks that ask for more than servos can: no limit is exceeded at 1 kHz, and every shift is said in advance."""
+
+import random
+from dataclasses import replace
+
+import pytest
+
+from kinesic.bench.crowd import crowd
+from kinesic.bench.plan import unsaid, violations
+from kinesic.controller.perform import facts, plan
+from kinesic.expressivity.style.style import RANGES, Expressivity, Style
+
+
+@pytest.fixture(scope="module")
+def known():
+    return facts()
+
+
+@pytest.mark.parametrize("seed", [20, 21, 25])
+def test_crowded_blocks_keep_limits_and_say_what_moves(seed, known):
+    chance = random.Random(seed)
+    manner = Expressivity(**{name: chance.choice(ends) for name, ends in RANGES.items()})
+    lexemes = [form.id for form in known.lexicon.forms]
+    planned = plan(crowd(seed, lexemes), replace(known, style=Style.uniform(manner)))
+    assert violations(planned) == 0
+    assert unsaid(planned) == (0, 0)
+    assert any(abs(sync.planned - sync.asked) > 0.01 for sync in planned.syncs)

@@ -1,0 +1,108 @@
+"""Whatever is laid over whatever, put in its place or taken back: every limit holds, nothing jumps, nothing touches."""
+
+from functools import cache, lru_cache
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kinesic.bml.parse import parse
+from kinesic.controller.perform import facts
+from kinesic.motion.limit_check import peaks
+from kinesic.motion.trajectory import STEP, Trajectory
+from kinesic.motion.trajectory import held as resting
+from kinesic.motion.transition import knot_at, lengthened
+from kinesic.planning.clearance import LAG_RESERVE, scan
+from kinesic.planning.plan import Plan, plan
+from kinesic.planning.quick_plan import opening
+from kinesic.realizer.busy import freed, held
+from kinesic.realizer.merge import merged, replaced
+from kinesic.realizer.release import released, tail
+from kinesic.realizer.replan import restyled
+
+ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+BLOCKS = (
+    '<head id="n" lexeme="NOD" repetition="2"/>',
+    '<head id="s" lexeme="SHAKE"/>',
+    '<gesture id="r" lexeme="beat" mode="RIGHT_HAND"/>',
+    '<gesture id="l" lexeme="offer" mode="LEFT_HAND"/>',
+    '<gesture id="b" lexeme="large" mode="BOTH_HANDS"/>',
+    '<pointing id="p" target="left" mode="LEFT_HAND"/>',
+    '<gaze id="z" target="right" start="0" end="1.6"/>',
+    '<gazeShift id="g" target="left"/>',
+    '<headDirectionShift id="d" target="right"/>',
+    '<posture id="t" start="0" end="3"><pose part="WHOLEBODY" lexeme="LEANING_FORWARD"/></posture>',
+    '<gesture id="v" lexeme="beat" mode="RIGHT_HAND" stroke="0.9"/><gesture id="w" lexeme="offer" mode="RIGHT_HAND" '
+    'stroke="2.2"/><head id="m" lexeme="NOD" start="1"/>',
+)
+DEEDS = st.tuples(
+    st.sampled_from(["over", "over", "over", "instead", "back", "otherwise"]),
+    st.integers(0, len(BLOCKS) - 1),
+    st.floats(0.0, 1.2),
+)
+
+
+@lru_cache(maxsize=1)
+def known():
+    return facts()
+
+
+@cache
+def planned(index: int, *, quickly: bool) -> Plan:
+    block = parse(ROOT.format(BLOCKS[index]))
+    return opening(block, known()) if quickly else plan(block, known())
+
+
+def check(before: Trajectory, after: Trajectory, time: float) -> None:
+    count = knot_at(time) + 3
+    same = [lengthened(each.controls, count)[:count] for each in (before, after)]
+    np.testing.assert_allclose(*same, atol=1e-8)
+    for name, peak in peaks(after, known().limits).shares.items():
+        assert peak.ratios.max() <= 1.001, name
+    least = known().robot.least_clearance + LAG_RESERVE
+    assert scan(after, known().distances)[1].distances.min() >= least - 1e-4
+    np.testing.assert_allclose(after.controls[-3:], after.controls[[-1] * 3], atol=1e-8)
+
+
+@settings(max_examples=12, deadline=None)
+@given(st.lists(DEEDS, min_size=2, max_size=5), st.booleans())
+def test_whatever_comes_over_whatever(deeds, quickly):
+    motion, time, playing = resting(known().robot.skeleton.rest), 0.0, []
+    for what, index, later in deeds:
+        time += later
+        needs = [need for _, each in playing for need in each.busy]
+        if what == "instead":
+            found = replaced(motion, time, planned(index, quickly=quickly))
+            after, playing = found.trajectory, [(index, found)]
+        elif what == "back" and playing:
+            _, gone = playing.pop(0)
+            others = [need for _, each in playing for need in each.busy]
+            moved = np.ptp(gone.layer.controls, axis=0) > 0.0
+            free = freed(gone.busy, moved, time, known().robot, others=others)
+            after = released(motion, time, free, known(), layer=gone.layer, others=others)
+        elif what == "otherwise" and playing:
+            own, gone = playing.pop()
+            others = [need for _, each in playing for need in each.busy]
+            found = restyled(motion, time, gone, planned(own, quickly=not quickly), others=others) or gone
+            after = motion if found is gone else found.trajectory
+            playing.append((own, found))
+        else:
+            found = merged(motion, time, planned(index, quickly=quickly), begin=time, busy=held(needs, time))
+            after = found.trajectory
+            playing.append((index, found))
+        check(motion, after, time)
+        motion = after
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, len(BLOCKS) - 1), st.integers(0, len(BLOCKS) - 1), st.floats(0.0, 3.0), st.integers(0, 200))
+def test_the_past_that_is_forgotten_changes_nothing_to_come(first, second, time, pieces):
+    pieces = min(pieces, knot_at(time))
+    one = merged(resting(known().robot.skeleton.rest), 0.0, planned(first, quickly=True), begin=0.0)
+    shift = round(one.trajectory.zero - tail(one.trajectory, pieces * STEP).zero, 9)
+    other = one.earlier(shift)
+    over = merged(one.trajectory, time, planned(second, quickly=True), begin=time, busy=one.busy)
+    again = merged(other.trajectory, time - shift, planned(second, quickly=True), begin=time - shift, busy=other.busy)
+    assert again.dropped == over.dropped
+    times = np.linspace(shift, shift + 6.0, 100)
+    np.testing.assert_allclose(again.trajectory.sample(times - shift)[0], over.trajectory.sample(times)[0], atol=1e-6)

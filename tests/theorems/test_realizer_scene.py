@@ -1,0 +1,166 @@
+"""Whatever is sent, and whenever: limits hold, nothing jumps, and feedback is complete, in order and told once."""
+
+import re
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kinesic.bml.block import Composition, Succession
+from kinesic.controller.perform import facts
+from kinesic.motion.limit_check import peaks
+from kinesic.planning.setup import Facts
+from kinesic.realizer.asked import Message, asked
+from kinesic.realizer.realizer import Due, Ready, Scene, begun, interrupted, passed, ready
+
+TEXT = (
+    '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:bmla="http://www.asap-project.org/bmla" '
+    'id="b">{}</bml>'
+)
+INSIDES = (
+    "",
+    '<head id="h" lexeme="NOD"/>',
+    '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND"/>',
+    '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND"/><head id="h" lexeme="SHAKE"/>',
+    '<gaze id="z" target="left"/>',
+    '<bmla:interrupt id="i" target="b1" start="0.3"/><gesture id="g" lexeme="BEAT" mode="RIGHT_HAND" start="i:start"/>',
+    '<bmla:interrupt id="i" target="b2" include="g"/><bmla:activate id="a" target="b3" start="0.2"/>',
+    '<pointing id="p" target="audience" mode="RIGHT_HAND"/>',
+    '<torso id="t" lexeme="lean" amount="1" start="0" end="1.6"/>',
+    '<speech id="s"><text>Good <sync id="m"/>morning</text></speech><head id="h" lexeme="NOD" stroke="s:m"/>',
+)
+WIDE = '<gesture id="g" lexeme="large" mode="BOTH_HANDS"/><head id="h" lexeme="SHAKE" repetition="3"/>'
+FULL = 1.0015  # of a limit
+ROUND = 1e-6  # [s] of times as they are written
+STILL = 2e-6  # [rad]
+ALIKE = (1e-8, 1e-6, 1e-4)  # [rad], [rad/s], [rad/s^2] before and after a change
+
+
+@lru_cache(maxsize=1)
+def known() -> Facts:
+    return facts()
+
+
+@lru_cache(maxsize=16)
+def made(inside: str) -> Ready:
+    return ready(asked(Message(TEXT.format(inside)), known()), known())
+
+
+def named(id: str, inside: str, composition: Composition, succession: Succession) -> Ready:
+    """A plan under another name, which costs nothing."""
+    found = made(inside)
+    block = replace(found.plan.timeline.block, id=id, composition=composition, succession=succession)
+    plan = replace(found.plan, timeline=replace(found.plan.timeline, block=block))
+    return replace(found, plan=plan, asked=replace(found.asked, block=block))
+
+
+ids = st.integers(0, 11).map("b{}".format)
+successions = st.one_of(
+    st.just(Succession()),
+    st.builds(Succession, after=st.tuples(ids)),
+    st.builds(Succession, chunk_after=st.tuples(ids)),
+    st.builds(Succession, chunk_before=st.tuples(ids)),
+    st.builds(Succession, interrupts=st.tuples(ids)),
+    st.builds(Succession, activates=st.tuples(ids)),
+    st.just(Succession(preplanned=True)),
+)
+sent = st.tuples(st.sampled_from(INSIDES), st.sampled_from(Composition), successions)
+events = st.lists(st.tuples(st.floats(0.0, 0.6), st.one_of(sent, sent, sent, ids, st.none())), min_size=1, max_size=9)
+
+
+class Watched:
+    """A scene whose every change is looked at."""
+
+    def __init__(self, ahead: float) -> None:
+        self.scene = Scene.of(known(), ahead=ahead)
+        self.told: list[Due] = []
+
+    def take(self, after: tuple[Scene, tuple[Due, ...]], now: float) -> None:
+        before, (self.scene, dues) = self.scene, after
+        self.told += dues
+        if self.scene.motion is not before.motion:
+            self._look(before, now + before.ahead)
+
+    def _look(self, before: Scene, cut: float) -> None:
+        scene = self.scene
+        times = np.array([max(cut - 0.2, before.epoch, scene.epoch), cut])
+        was, after = before.motion.sample(times - before.epoch), scene.motion.sample(times - scene.epoch)
+        for one, other, alike in zip(was, after, ALIKE, strict=True):
+            np.testing.assert_allclose(other, one, rtol=0.0, atol=alike)
+        for name, peak in peaks(scene.motion, known().limits).shares.items():
+            assert peak.ratios.max() <= FULL, name
+
+
+@settings(max_examples=25, deadline=None)
+@given(events, st.sampled_from([0.0, 0.13]))
+def test_any_scene(script: list[tuple[float, tuple[str, Composition, Succession] | str | None]], ahead: float) -> None:
+    watched, now = Watched(ahead), 0.0
+    for number, (pause, event) in enumerate(script):
+        now += pause
+        if event is None:
+            watched.take(passed(watched.scene, now), now)
+        elif isinstance(event, str):
+            watched.take(interrupted(watched.scene, now, event), now)
+        else:
+            watched.take(begun(watched.scene, named(f"b{number}", *event), now), now)
+    for _ in range(12):
+        now += 1.7
+        watched.take(passed(watched.scene, now), now)
+    watched.take(interrupted(watched.scene, now), now)  # what nobody activated
+    watched.take(passed(watched.scene, now + 30.0), now + 30.0)
+    check(watched.told)
+    assert watched.scene.blocks == watched.scene.agenda == ()
+    rest = known().robot.skeleton.rest
+    assert watched.scene.motion.controls == pytest.approx(np.tile(rest, (4, 1)), abs=STILL)
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.floats(0.0, 2.2), st.floats(0.0, 0.5), st.sampled_from(INSIDES[1:5]), st.sampled_from(INSIDES[1:5]))
+def test_replacing_and_replacing_again_in_the_midst(first: float, second: float, one: str, other: str) -> None:
+    watched = Watched(0.0)
+    watched.take(begun(watched.scene, named("b0", WIDE, Composition.MERGE, Succession()), 0.0), 0.0)
+    for time, id, inside in ((first, "b1", one), (first + second, "b2", other)):
+        watched.take(begun(watched.scene, named(id, inside, Composition.REPLACE, Succession()), time), time)
+    watched.take(passed(watched.scene, 30.0), 30.0)
+    check(watched.told)
+
+
+def check(told: list[Due]) -> None:
+    """Feedback of every block is complete, in order, and told once."""
+    progress = [due for due in told if "Progress " in due.xml]
+    keys = [written(due.xml, "id") for due in progress]
+    assert len(set(keys)) == len(keys)
+    latest: dict[str, float] = {}
+    for due, key in zip(progress, keys, strict=True):
+        time, block = float(written(due.xml, "globalTime")), key.partition(":")[0]
+        assert time == pytest.approx(due.time, abs=ROUND)
+        assert (block in latest) != (key == f"{block}:start")
+        assert time >= latest.get(block, time) - ROUND
+        latest[block] = time
+    ends = {key.partition(":")[0] for key in keys if re.fullmatch(r"b\d+:end", key)}
+    assert ends == latest.keys()
+    revoked = {written(due.xml, "id") for due in told if "revoked before" in due.xml}
+    assert revoked.isdisjoint(ends)
+    asked_for = {
+        key for due in told if "<predictionFeedback" in due.xml for key in re.findall(r'<bml id="([^"]*)"', due.xml)
+    }
+    assert asked_for == ends | revoked
+
+
+def written(xml: str, attribute: str) -> str:
+    found = re.search(rf' {attribute}="([^"]*)"', xml)
+    assert found is not None
+    return found[1]
+
+
+def test_the_same_script_gives_the_same_motion() -> None:
+    def played() -> np.ndarray:
+        scene = Scene.of(known())
+        for number, inside in enumerate(INSIDES):
+            scene, _ = begun(scene, named(f"b{number}", inside, Composition.MERGE, Succession()), 0.3 * number)
+        return scene.motion.controls
+
+    np.testing.assert_array_equal(played(), played())
