@@ -3,13 +3,13 @@
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-__version__ = "0.1.0"
 __all__ = ["Robot", "__version__", "client", "perform", "plan"]
 
 if TYPE_CHECKING:
     from kinesic import client
     from kinesic.body.robot import Robot
     from kinesic.controller.perform import perform, plan
+    from kinesic.version import __version__
 
 
 def __getattr__(name: str) -> object:
@@ -18,6 +18,10 @@ def __getattr__(name: str) -> object:
         from kinesic.body.robot import Robot  # noqa: PLC0415 - only when asked for
 
         return Robot
+    if name == "__version__":
+        from kinesic.version import __version__  # noqa: PLC0415 - only when asked for
+
+        return __version__
     if name == "client":
         return import_module("kinesic.client")
     if name in ("plan", "perform"):

@@ -4,11 +4,11 @@ import sys
 
 import click
 
-from kinesic import __version__
 from kinesic.bml.block import BmlError
 from kinesic.body.config import ConfigError
 from kinesic.cli.lazy_group import Verbs
 from kinesic.hardware.protocol.wire import BusError
+from kinesic.version import __version__
 
 BAD_INPUT = 2
 

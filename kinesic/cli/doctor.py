@@ -6,12 +6,12 @@ import platform
 import click
 from rich.table import Table
 
-from kinesic import __version__
 from kinesic.cli.console import console
 from kinesic.face import display
 from kinesic.ik import KERNEL
 from kinesic.sim import gl
 from kinesic.speech import espeak_pool, port_audio
+from kinesic.version import __version__
 
 EXTRAS = {"studio (viser)": ("viser", "studio")}
 

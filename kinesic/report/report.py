@@ -6,7 +6,6 @@ from time import perf_counter
 
 import numpy as np
 
-from kinesic import __version__
 from kinesic.bml.block import Behaviour, Block
 from kinesic.bml.reading.manner import modality_of
 from kinesic.controller.performance import Performance
@@ -21,6 +20,7 @@ from kinesic.report.checks.tracking import tracking
 from kinesic.report.comparison import following
 from kinesic.report.conditioning import story
 from kinesic.report.feedback import feedback
+from kinesic.version import __version__
 
 Json = None | bool | int | float | str | list["Json"] | dict[str, "Json"]
 
