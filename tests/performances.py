@@ -10,8 +10,8 @@ from kinesic.body.limits import Limits
 from kinesic.controller.perform import facts, perform
 from kinesic.controller.performance import Performance
 from kinesic.motion.condition import condition
+from kinesic.motion.keys import KeyPosture
 from kinesic.motion.trajectory import Trajectory
-from kinesic.planning.postures import Posture
 from kinesic.planning.setup import Facts
 
 BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="block">{}</bml>'
@@ -53,7 +53,7 @@ def through() -> Callable[[Floats, Floats], Trajectory]:
 
     def made(times: Floats, angles: Floats) -> Trajectory:
         whole = (True,) * angles.shape[1]
-        keys = tuple(Posture(float(time), sealed(row), whole) for time, row in zip(times, angles, strict=True))
+        keys = tuple(KeyPosture(float(time), sealed(row), whole) for time, row in zip(times, angles, strict=True))
         return condition(keys, generous(angles.shape[1])).trajectory
 
     return made

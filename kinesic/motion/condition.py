@@ -16,14 +16,11 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.bspline import grid
 from kinesic.motion.feasible import Bottleneck, Search
-from kinesic.motion.keys import Keys, Pair
+from kinesic.motion.keys import Bond, KeyPosture, Keys, Pair, Waypoints
 from kinesic.motion.qp import WITHIN, limited, unlimited
 from kinesic.motion.segments import Segment, pieces, segments
 from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.motion.waypoints import Waypoints
 from kinesic.motion.wish import wish
-from kinesic.planning.coupling import Bond
-from kinesic.planning.postures import Posture
 
 LEAD_IN = 0.6  # [s] by which the motion may begin before it is asked to
 
@@ -50,7 +47,7 @@ class Conditioned:
 
 
 def condition(
-    postures: tuple[Posture, ...],
+    postures: tuple[KeyPosture, ...],
     limits: Limits,
     *,
     bonds: tuple[Bond, ...] = (),

@@ -1,26 +1,106 @@
-"""Postures as arrays: what each hinge has to pass, and what it costs to move a key in time."""
+"""Key postures, and the same as arrays: what each hinge passes, how, and what it costs to move a key in time."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
+from typing import get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.waypoints import Waypoints
-from kinesic.planning.coupling import Bond
-from kinesic.planning.postures import LEAST_GAP, Posture
+from kinesic.expressivity.style.passage import PLAIN, Passage
+from kinesic.motion.easing import Easing
 
+Choices = NDArray[np.intp]
+Sync = tuple[str, str]  # behaviour id, sync point
 Pair = tuple[int, int]  # two keys, the earlier first
 
+EASINGS: tuple[Easing, ...] = get_args(Easing)
+SMOOTHEST = EASINGS.index(PLAIN.easing)
+
+LEAST_GAP = 0.02  # [s] between keys
 TURNING_ROOM = 1e-3  # [rad] so that control points may lie beyond a key at the end of a range
 HOLD = 1e-9  # [rad] keys nearer than this are a hold
 SAME = 1e-6  # [s]
 WEIGHTS = {"strokeStart": 5.0, "stroke": 5.0, "strokeEnd": 0.5, "ready": 0.3, "relax": 0.3}
 WEIGHT_AGAIN = 0.3  # of strokes after the first, which keeps its time before all others
 WEIGHT_ELSE = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class KeyPosture:
+    """Joint angles at one key time; only `keyed` hinges have a key here, the others pass through."""
+
+    time: float  # [s] block time
+    angles: Floats  # (n,) [rad]
+    keyed: tuple[bool, ...]  # (n,)
+    syncs: tuple[tuple[str, str], ...] = ()  # (behaviour id, sync point)
+    passages: tuple[Passage, ...] = ()  # (n,) how each hinge passes, and comes to, this key; all plainly where empty
+    firm: bool = True  # passed exactly; else on a path, which the motion only follows as far as it can
+
+
+@dataclass(frozen=True)
+class Bond:
+    """One sync point comes at least a while after another."""
+
+    earlier: Sync
+    later: Sync
+    least: float  # [s]
+
+
+@dataclass(frozen=True, eq=False)
+class Waypoints:
+    """Keys of all hinges, without their times."""
+
+    angles: Floats  # (m, n) [rad]
+    keyed: Flags  # (m, n) which hinges have a key where
+    tension: Floats  # (m, n) -1..1
+    continuity: Floats  # (m, n) -1..0
+    bias: Floats  # (m, n) -1..1
+    easing: Choices  # (m, n) of `EASINGS`, on the way to the key
+    steepness: Floats  # (m, n) 1..8
+    limits: Limits  # of the hinges
+
+    @classmethod
+    def of(cls, postures: Sequence[KeyPosture], limits: Limits, *, room: Floats | float = 0.0) -> "Waypoints":
+        """Keys of postures, those at the ends of the ranges moved in by some room (n,) [rad]."""
+        angles = np.clip([posture.angles for posture in postures], limits.lower + room, limits.upper - room)
+        keyed = np.array([posture.keyed for posture in postures], dtype=np.bool_)
+        manners = np.array([_manners(posture.passages, keyed.shape[1]) for posture in postures])
+        tension, continuity, bias, steepness, easing = manners.transpose(1, 0, 2)
+        return cls(sealed(angles), keyed, tension, continuity, bias, easing.astype(np.intp), steepness, limits)
+
+    def part(self, rows: Choices, hinges: Choices) -> "Waypoints":
+        """Some keys of some hinges."""
+        part = rows[:, None], hinges
+        return Waypoints(
+            self.angles[part],
+            self.keyed[part],
+            self.tension[part],
+            self.continuity[part],
+            self.bias[part],
+            self.easing[part],
+            self.steepness[part],
+            self.limits.part(hinges),
+        )
+
+    @classmethod
+    def plain(cls, angles: Floats, keyed: Flags, limits: Limits, *, tension: float = 0.0) -> "Waypoints":
+        """Keys that are all passed in one way."""
+        none = np.zeros(angles.shape)
+        easing = np.full(angles.shape, SMOOTHEST)
+        return cls(angles, keyed, none + tension, none, none, easing, none + PLAIN.steepness, limits)
+
+
+@lru_cache(maxsize=256)
+def _manners(passages: tuple[Passage, ...], count: int) -> Floats:
+    """(5, count) tension, continuity, bias, steepness and easing of each hinge; plain where none are told."""
+    told = passages or (PLAIN,) * count
+    rows = [[p.tension, p.continuity, p.bias, p.steepness, EASINGS.index(p.easing)] for p in told]
+    return sealed(np.transpose(rows))
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +115,7 @@ class Keys:
     bonds: Mapping[Pair, float]  # [s] least time from one key to another, either order, that BML asks for
 
     @classmethod
-    def of(cls, postures: tuple[Posture, ...], limits: Limits, bonds: tuple[Bond, ...] = ()) -> "Keys":
+    def of(cls, postures: tuple[KeyPosture, ...], limits: Limits, bonds: tuple[Bond, ...] = ()) -> "Keys":
         """Keys weigh as their heaviest sync point, and keep room to turn back at the ends of a hinge's range."""
         room = np.minimum(TURNING_ROOM, (limits.upper - limits.lower) / 2)
         waypoints = Waypoints.of(postures, limits, room=room)
@@ -88,7 +168,7 @@ class Keys:
         return bool(abs(self.angles[pair[0], hinge] - self.angles[pair[1], hinge]) < HOLD)
 
 
-def _followers(postures: tuple[Posture, ...], keyed: Flags, firm: Flags) -> set[Pair]:
+def _followers(postures: tuple[KeyPosture, ...], keyed: Flags, firm: Flags) -> set[Pair]:
     """Firm keys that follow one another in some hinge or in some behaviour; and all in whose time a hinge is on a path.
 
     So the times of keys on paths can lie in between.
@@ -112,7 +192,7 @@ def _with_paths(column: Flags, firm: Flags) -> list[int]:
     return sorted(chain)
 
 
-def _weight(posture: Posture) -> float:
+def _weight(posture: KeyPosture) -> float:
     if not posture.firm:
         return 0.0
     again = {sync: WEIGHT_AGAIN for _, sync in posture.syncs if sync.startswith("stroke:")}

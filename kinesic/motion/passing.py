@@ -8,8 +8,7 @@ along it: a circle through uneven keys strays by a tenth of what it does with th
 import numpy as np
 
 from kinesic.body.arrays import Flags, Floats
-from kinesic.motion.keys import HOLD
-from kinesic.motion.waypoints import Waypoints
+from kinesic.motion.keys import HOLD, Waypoints
 
 SWING = 0.05  # [rad] beyond its keys that any hinge may swing to pass them smoothly: what conditioning allows, too
 BULGE = 5.0  # speed, in distance / duration, that a quintic may have beside a still key to swing out by the distance

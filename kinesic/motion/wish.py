@@ -9,8 +9,8 @@ import scipy
 from kinesic.body.arrays import Floats
 from kinesic.motion.eases import changes
 from kinesic.motion.easing import PARTS
+from kinesic.motion.keys import SMOOTHEST, Waypoints
 from kinesic.motion.passing import accelerations, speeds
-from kinesic.motion.waypoints import SMOOTHEST, Waypoints
 
 Hinges = tuple[int, ...]  # in joint order
 

@@ -8,9 +8,8 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.motion.condition import LEAD_IN, Conditioned, condition
+from kinesic.motion.keys import Bond, KeyPosture
 from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.planning.coupling import Bond
-from kinesic.planning.postures import Posture
 from kinesic.planning.setup import Facts
 
 FULL = 0.995  # of the duty, at the knots: in between it may be a little more
@@ -19,7 +18,7 @@ ATTEMPTS = 6
 
 
 def certified(
-    keys: tuple[Posture, ...],
+    keys: tuple[KeyPosture, ...],
     facts: Facts,
     bonds: tuple[Bond, ...] = (),
     *,

@@ -10,12 +10,11 @@ from kinesic.body.robot import Robot
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.condition import Conditioned
 from kinesic.motion.key_time_lp import relaxed
-from kinesic.motion.keys import Keys
+from kinesic.motion.keys import Bond, KeyPosture, Keys
 from kinesic.motion.trajectory import Trajectory, held
 from kinesic.planning.certify import certified
-from kinesic.planning.coupling import Bond
 from kinesic.planning.detour import SCAN_RATE, Course, led_around
-from kinesic.planning.postures import Posture, Postures
+from kinesic.planning.postures import Postures
 from kinesic.planning.setup import Facts
 from kinesic.planning.syncs import on_keys
 
@@ -24,7 +23,7 @@ class Conditioner(Protocol):
     """Makes a motion through keys one that the servos can follow."""
 
     def __call__(
-        self, keys: tuple[Posture, ...], facts: Facts, bonds: tuple[Bond, ...] = ..., /, *, ease: float = ...
+        self, keys: tuple[KeyPosture, ...], facts: Facts, bonds: tuple[Bond, ...] = ..., /, *, ease: float = ...
     ) -> Conditioned:
         """At `ease` below 1 the times are found with less than the limits, so that the path is nearer to the wish."""
 
@@ -69,14 +68,14 @@ def scan(trajectory: Trajectory, distances: Distances) -> tuple[Floats, Clearanc
     return times, distances.clearance(trajectory.sample(times)[0])
 
 
-def _led_around(keys: tuple[Posture, ...], planned: Floats, facts: Facts, least: float) -> tuple[Posture, ...]:
+def _led_around(keys: tuple[KeyPosture, ...], planned: Floats, facts: Facts, least: float) -> tuple[KeyPosture, ...]:
     if len(keys) < 2:
         return keys
     course = Course(keys, planned, facts.robot, facts.limits)
     return led_around(course, facts.distances, least=least).postures
 
 
-def _times(postures: tuple[Posture, ...], facts: Facts) -> Floats:
+def _times(postures: tuple[KeyPosture, ...], facts: Facts) -> Floats:
     """(k,) [s] the times of the keys as asked for, where none is too near to another."""
     if len(postures) < 2:
         return np.zeros(len(postures))
@@ -85,7 +84,7 @@ def _times(postures: tuple[Posture, ...], facts: Facts) -> Floats:
 
 
 def _condition(
-    keys: tuple[Posture, ...], facts: Facts, bonds: tuple[Bond, ...], conditioned: Conditioner, ease: float
+    keys: tuple[KeyPosture, ...], facts: Facts, bonds: tuple[Bond, ...], conditioned: Conditioner, ease: float
 ) -> Conditioned:
     if len(keys) < 2:
         still = held(facts.robot.skeleton.rest)

@@ -1,21 +1,10 @@
 """What BML ties between behaviours, kept when sync points must move."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from kinesic.bml.block import Order, SyncRef, Timeline
 from kinesic.bml.timing.constraints import point_of, ties
-
-Sync = tuple[str, str]  # behaviour id, sync point
-
-
-@dataclass(frozen=True)
-class Bond:
-    """One sync point comes at least a while after another."""
-
-    earlier: Sync
-    later: Sync
-    least: float  # [s]
+from kinesic.motion.keys import Bond, Sync
 
 
 def bonds(timeline: Timeline) -> tuple[Bond, ...]:

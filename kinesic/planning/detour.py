@@ -10,10 +10,9 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.dynamics import Distances
 from kinesic.body.limits import Limits
 from kinesic.body.robot import SIDES, Robot
-from kinesic.motion.waypoints import Waypoints
+from kinesic.motion.keys import KeyPosture, Waypoints
 from kinesic.motion.wish import Wish, wish
 from kinesic.planning.apart import apart
-from kinesic.planning.postures import Posture
 
 Arm = tuple[int, ...]  # joints of an arm
 
@@ -31,7 +30,7 @@ GAIN = 0.98  # of what is lacking: a change that leaves more is none
 class Course:
     """Key postures, when they are planned, and the wished motion through them."""
 
-    postures: tuple[Posture, ...]  # in the order of their times
+    postures: tuple[KeyPosture, ...]  # in the order of their times
     planned: Floats  # (k,) [s] block time
     robot: Robot
     limits: Limits
@@ -85,7 +84,7 @@ class Course:
         k = sum(posture.time < asked for posture in self.postures)
         return replace(
             self,
-            postures=(*self.postures[:k], Posture(asked, sealed(angles), keyed), *self.postures[k:]),
+            postures=(*self.postures[:k], KeyPosture(asked, sealed(angles), keyed), *self.postures[k:]),
             planned=sealed(np.insert(self.planned, k, time)),
         )
 

@@ -13,12 +13,12 @@ from kinesic.body.config import ConfigError
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.condition import Conditioned
 from kinesic.motion.double_s import least_times
-from kinesic.motion.keys import Keys
+from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.motion.wish import wish
 from kinesic.planning.bap import Frames
 from kinesic.planning.clearance import cleared
 from kinesic.planning.plan import Plan
-from kinesic.planning.postures import Posture, Postures
+from kinesic.planning.postures import Postures
 from kinesic.planning.setup import Facts
 from kinesic.planning.syncs import SHIFT_TO_WARN
 
@@ -68,7 +68,7 @@ def imported(frames: Frames, facts: Facts, *, source: str) -> Plan:
     )
 
 
-def _keys(frames: Frames, facts: Facts) -> tuple[Posture, ...]:
+def _keys(frames: Frames, facts: Facts) -> tuple[KeyPosture, ...]:
     """Rest, samples of the motion, and rest again.
 
     Each hinge has keys where it turns back, and evenly elsewhere.
@@ -83,10 +83,10 @@ def _keys(frames: Frames, facts: Facts) -> tuple[Posture, ...]:
     there, back = (_way(facts, rest, posture) for posture in (angles[0], angles[-1]))
     whole = (True,) * len(rest)
     inner = [
-        Posture(time, sealed(posture), tuple(flags))
+        KeyPosture(time, sealed(posture), tuple(flags))
         for time, posture, flags in zip(times.tolist(), angles, keyed.tolist(), strict=True)
     ]
-    return (Posture(begin - there, rest, whole), *inner, Posture(end + back, rest, whole))
+    return (KeyPosture(begin - there, rest, whole), *inner, KeyPosture(end + back, rest, whole))
 
 
 def _turns(column: Floats) -> NDArray[np.intp]:

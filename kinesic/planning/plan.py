@@ -16,9 +16,8 @@ from kinesic.expressivity.hands.engaged import Engaged
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.expressivity.realise import keyframes
 from kinesic.motion.condition import Conditioned
-from kinesic.motion.keys import Keys
+from kinesic.motion.keys import Keys, Waypoints
 from kinesic.motion.trajectory import Trajectory
-from kinesic.motion.waypoints import Waypoints
 from kinesic.motion.wish import Wish, wish
 from kinesic.planning.certify import certified
 from kinesic.planning.clearance import Conditioner, cleared, culprits

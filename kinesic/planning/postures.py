@@ -14,32 +14,20 @@ from kinesic.expressivity.keyframes import Hand, KeyFrame, KeyFrames, PartName
 from kinesic.expressivity.style.passage import PLAIN, Passage
 from kinesic.expressivity.turns import axes
 from kinesic.ik.torso import lean
+from kinesic.motion.keys import LEAST_GAP, KeyPosture
 from kinesic.planning.arm_postures import turned, with_arms
 from kinesic.planning.hover import clear_hands
 from kinesic.planning.turning import set_turn, turn_of
 from kinesic.planning.volume import volume
 
-LEAST_GAP = 0.02  # [s] between keys
 PARTS: Mapping[PartName, str] = {"torso": "torso", "l_hand": "l_arm", "r_hand": "r_arm", "head": "neck"}
-
-
-@dataclass(frozen=True, eq=False)
-class Posture:
-    """Joint angles at one key time; only `keyed` hinges have a key here, the others pass through."""
-
-    time: float  # [s] block time
-    angles: Floats  # (n,) [rad]
-    keyed: tuple[bool, ...]  # (n,)
-    syncs: tuple[tuple[str, str], ...] = ()  # (behaviour id, sync point)
-    passages: tuple[Passage, ...] = ()  # (n,) how each hinge passes, and comes to, this key; all plainly where empty
-    firm: bool = True  # passed exactly; else on a path, which the motion only follows as far as it can
 
 
 @dataclass(frozen=True, eq=False)
 class Postures:
     """A block as joint angles."""
 
-    postures: tuple[Posture, ...]
+    postures: tuple[KeyPosture, ...]
     misses: Mapping[str, float]  # behaviour id -> how far its hand stays from what was asked, at worst [m]
 
 
@@ -49,7 +37,7 @@ def postures(keyframes: KeyFrames, robot: Robot, distances: Distances) -> Postur
     Hands keep the hover distance of `hover` from the body and from one another; an unreachable target
     becomes the best posture, and `misses` says by how much.
     """
-    solved: list[Posture] = []
+    solved: list[KeyPosture] = []
     misses: dict[str, float] = {}
     leans = [_lean(frame, robot) for frame in keyframes.frames]
     angles = np.array(robot.skeleton.rest)
@@ -72,7 +60,7 @@ def postures(keyframes: KeyFrames, robot: Robot, distances: Distances) -> Postur
         held |= {side: _Held.of(side, hand, angles, robot, held.get(side)) for side, hand in hands.items()}
         _note_misses(misses, keyframes, k, wanted, angles, robot)
         firm = _firm(frame) or k in (0, len(leans) - 1)
-        solved.append(Posture(frame.time, sealed(angles), tuple(keyed), frame.syncs, _passages(frame, robot), firm))
+        solved.append(KeyPosture(frame.time, sealed(angles), tuple(keyed), frame.syncs, _passages(frame, robot), firm))
     return Postures((*_beginning(solved, keyframes.timeline.start, robot), *solved), misses)
 
 
@@ -97,11 +85,11 @@ class _Held:
         return _same_hand(hand, self.hand) and bool(np.array_equal(torso, self.torso))
 
 
-def _beginning(solved: list[Posture], start: float, robot: Robot) -> list[Posture]:
+def _beginning(solved: list[KeyPosture], start: float, robot: Robot) -> list[KeyPosture]:
     """The robot at rest at the block's start, when nothing moves so early."""
     if not solved or solved[0].time <= start + LEAST_GAP:
         return []
-    return [Posture(start, robot.skeleton.rest, (True,) * len(robot.skeleton.hinges))]
+    return [KeyPosture(start, robot.skeleton.rest, (True,) * len(robot.skeleton.hinges))]
 
 
 def _lean(frame: KeyFrame, robot: Robot) -> Floats:

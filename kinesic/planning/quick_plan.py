@@ -16,15 +16,12 @@ from kinesic.expressivity.hands.engaged import Engaged
 from kinesic.motion.bspline import grid
 from kinesic.motion.condition import Conditioned
 from kinesic.motion.key_time_lp import relaxed
-from kinesic.motion.keys import Keys
+from kinesic.motion.keys import Bond, KeyPosture, Keys, Waypoints
 from kinesic.motion.qp import nearest
 from kinesic.motion.segments import pieces, segments
 from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.motion.waypoints import Waypoints
 from kinesic.motion.wish import wish
-from kinesic.planning.coupling import Bond
 from kinesic.planning.plan import Plan, plan
-from kinesic.planning.postures import Posture
 from kinesic.planning.setup import Facts
 
 PEAK_SPEED = 1.875  # of a quintic from rest to rest, in distance / duration
@@ -45,7 +42,7 @@ def opening(block: Block, facts: Facts, *, engaged: Sequence[Engaged] = ()) -> P
 
 
 def resting(
-    postures: tuple[Posture, ...], facts: Facts, bonds: tuple[Bond, ...] = (), *, ease: float = 1.0
+    postures: tuple[KeyPosture, ...], facts: Facts, bonds: tuple[Bond, ...] = (), *, ease: float = 1.0
 ) -> Conditioned:
     """The motion that rests at every key.
 

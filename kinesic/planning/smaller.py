@@ -10,13 +10,13 @@ from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.condition import Conditioned
-from kinesic.planning.postures import Posture
+from kinesic.motion.keys import KeyPosture
 
 SMALLER_TO_WARN = 0.1  # share of the length of a path
 
 
 def smaller(
-    block: Block, postures: Sequence[Posture], frames: KeyFrames, motion: Conditioned, robot: Robot
+    block: Block, postures: Sequence[KeyPosture], frames: KeyFrames, motion: Conditioned, robot: Robot
 ) -> list[Notice]:
     """A warning for each behaviour with a hand whose path is cut by more than a tenth.
 
@@ -46,7 +46,7 @@ def smaller(
     return found
 
 
-def _on_path(postures: Sequence[Posture], timed: Timed, robot: Robot, side: Side) -> list[int]:
+def _on_path(postures: Sequence[KeyPosture], timed: Timed, robot: Robot, side: Side) -> list[int]:
     """The keys of a hand on a path in a stroke, with those at its ends; none without a path."""
     start, end = (timed.times.get(sync, inf) for sync in ("strokeStart", "strokeEnd"))
     arm = robot.joints(f"{side}_arm")[0]

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 from kinesic.bml.block import Block, Notice, NoticeType, Speech, Timeline
 from kinesic.body.utterance import Mark, Pause, Script, Utterance
-from kinesic.planning.coupling import Sync, bonds
+from kinesic.motion.keys import Sync
+from kinesic.planning.coupling import bonds
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
 
 PRECISION = 0.002  # [s] of a pause

@@ -7,17 +7,16 @@ from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.expressivity.style.passage import Passage
 from kinesic.motion.condition import LEAD_IN, condition
+from kinesic.motion.keys import Bond, KeyPosture
 from kinesic.motion.limit_check import peaks
-from kinesic.planning.coupling import Bond
-from kinesic.planning.postures import Posture
 
 BOXES = ([-2] * 2, [2] * 2, [4, 6], [40, 60], [1e3, 1.5e3])
 DUTY = ([0.01] * 2, [0.15] * 2, [0.7] * 2)
 LIMITS = Limits(*(sealed(pair) for pair in (*BOXES, *DUTY)))
 
 
-def posture(time: float, angles: tuple[float, float], *syncs: str, behaviour: str = "b") -> Posture:
-    return Posture(time, sealed(angles), (True, True), tuple((behaviour, sync) for sync in syncs))
+def posture(time: float, angles: tuple[float, float], *syncs: str, behaviour: str = "b") -> KeyPosture:
+    return KeyPosture(time, sealed(angles), (True, True), tuple((behaviour, sync) for sync in syncs))
 
 
 def highest(motion) -> float:
@@ -101,8 +100,8 @@ def test_what_bml_ties_moves_together():
     first, second = (True, False), (False, True)
     keys = (
         posture(0.0, (0, 0), "start", behaviour="one"),
-        Posture(0.15, sealed((1.5, 0)), first, (("one", "stroke"),)),
-        Posture(0.65, sealed((1.5, 0.1)), second, (("two", "stroke"),)),
+        KeyPosture(0.15, sealed((1.5, 0)), first, (("one", "stroke"),)),
+        KeyPosture(0.65, sealed((1.5, 0.1)), second, (("two", "stroke"),)),
         posture(3.0, (0, 0), "end", behaviour="one"),
     )
     ties = (Bond(("one", "stroke"), ("two", "stroke"), 0.5), Bond(("two", "stroke"), ("one", "stroke"), -0.5))
@@ -112,13 +111,13 @@ def test_what_bml_ties_moves_together():
     assert tied[2] - tied[1] == pytest.approx(0.5)
 
 
-def on_a_circle(turns: float, amplitude: float, seconds: float) -> tuple[Posture, ...]:
+def on_a_circle(turns: float, amplitude: float, seconds: float) -> tuple[KeyPosture, ...]:
     """A way with two firm keys at one place, and a circle from one to the other."""
     shares = np.linspace(0.0, 1.0, 9 * round(turns))
     circle = amplitude * np.stack([np.sin(2 * np.pi * turns * shares), np.cos(2 * np.pi * turns * shares) - 1.0])
     firm = [0, len(shares) - 1]
     inner = tuple(
-        Posture(
+        KeyPosture(
             1.0 + seconds * float(share),
             sealed(angles),
             (True, True),

@@ -9,14 +9,13 @@ from kinesic.motion import feasible
 from kinesic.motion.condition import condition
 from kinesic.motion.feasible import Search
 from kinesic.motion.infeasibility import shortage
-from kinesic.motion.keys import Keys
+from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.motion.segments import segments
 from kinesic.motion.trajectory import STEP
-from kinesic.planning.postures import Posture
 
 LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 ROWS = ((0, 0, 0, "start"), (0.4, 0.6, 0, "ready"), (0.6, -0.6, 1, "stroke"), (0.8, 0.6, 1, "relax"), (2, 0, 0, "end"))
-KEYS = tuple(Posture(time, sealed(turn), (True, True), (("b", sync),)) for time, *turn, sync in ROWS)
+KEYS = tuple(KeyPosture(time, sealed(turn), (True, True), (("b", sync),)) for time, *turn, sync in ROWS)
 
 
 def lacking(search: Search, keys: Keys):

@@ -4,14 +4,13 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.key_time_lp import Cut, relaxed, strain
-from kinesic.motion.keys import Keys
-from kinesic.planning.postures import Posture
+from kinesic.motion.keys import KeyPosture, Keys
 
 LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 
 
-def keys_of(*rows: tuple[float, float, str]) -> tuple[Posture, ...]:
-    return tuple(Posture(time, sealed([angle]), (True,), (("b", sync),)) for time, angle, sync in rows)
+def keys_of(*rows: tuple[float, float, str]) -> tuple[KeyPosture, ...]:
+    return tuple(KeyPosture(time, sealed([angle]), (True,), (("b", sync),)) for time, angle, sync in rows)
 
 
 def test_gaps_push_the_cheapest_key():

@@ -3,8 +3,7 @@ import numpy as np
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.key_time_lp import relaxed
-from kinesic.motion.keys import Keys
-from kinesic.planning.postures import LEAST_GAP, Posture
+from kinesic.motion.keys import LEAST_GAP, KeyPosture, Keys
 
 LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 BOTH, FIRST, SECOND = (True, True), (True, False), (False, True)
@@ -12,7 +11,7 @@ PATH = ((BOTH, True), (FIRST, True), (FIRST, False), (SECOND, True), (FIRST, Fal
 
 
 def keys(*rows):
-    postures = [Posture(0.1 * k, sealed([0.1 * k] * 2), keyed, firm=firm) for k, (keyed, firm) in enumerate(rows)]
+    postures = [KeyPosture(0.1 * k, sealed([0.1 * k] * 2), keyed, firm=firm) for k, (keyed, firm) in enumerate(rows)]
     return Keys.of(tuple(postures), LIMITS)
 
 

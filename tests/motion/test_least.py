@@ -6,20 +6,19 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.condition import condition
-from kinesic.motion.keys import Keys
+from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.motion.least import full_speed, rest_to_rest
-from kinesic.planning.postures import Posture
 
 LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 
 
-def keys_of(*rows: tuple[float, float, str]) -> tuple[Posture, ...]:
-    return tuple(Posture(time, sealed([angle]), (True,), (("b", sync),)) for time, angle, sync in rows)
+def keys_of(*rows: tuple[float, float, str]) -> tuple[KeyPosture, ...]:
+    return tuple(KeyPosture(time, sealed([angle]), (True,), (("b", sync),)) for time, angle, sync in rows)
 
 
 @pytest.mark.parametrize("distance", [0.0, 0.002, 0.05, 0.4, 1.9, 3.9])
 def test_from_rest_to_rest_is_enough_and_full_speed_is_not(distance):
-    def ends(duration: float) -> tuple[Posture, ...]:
+    def ends(duration: float) -> tuple[KeyPosture, ...]:
         return keys_of((0, -1.95, "start"), (duration, -1.95 + distance, "stroke"))
 
     keys = Keys.of(ends(1.0), LIMITS)

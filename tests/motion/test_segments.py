@@ -3,14 +3,13 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.keys import Keys
+from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.motion.segments import pieces, segments
 from kinesic.motion.trajectory import STEP
-from kinesic.planning.postures import Posture
 
 LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 ROWS = ((0.0, 0.0, 1.0), (0.5, 0.7, 1.0), (1.3, 0.7, 1.0), (1.805, 0.2, 0.4), (2.2, 0.0, 1.0))
-KEYS = Keys.of(tuple(Posture(time, sealed(angles), (True, True)) for time, *angles in ROWS), LIMITS)
+KEYS = Keys.of(tuple(KeyPosture(time, sealed(angles), (True, True)) for time, *angles in ROWS), LIMITS)
 
 
 def cut(hinge: int):
@@ -57,7 +56,7 @@ def test_a_last_key_between_knots_is_met_before_the_end():
 
 def test_a_path_between_two_keys_of_one_angle_is_no_hold():
     rows = ((0.0, 0.0, True), (0.5, 0.7, True), (0.9, 0.9, False), (1.3, 0.7, True), (2.0, 0.0, True))
-    keys = Keys.of(tuple(Posture(t, sealed([a] * 2), (True, True), firm=firm) for t, a, firm in rows), LIMITS)
+    keys = Keys.of(tuple(KeyPosture(t, sealed([a] * 2), (True, True), firm=firm) for t, a, firm in rows), LIMITS)
     assert keys.own == ([0, 1, 3, 4], [0, 1, 3, 4])
     assert keys.led(0).tolist() == [False, True, False]
     assert [(found.hinge, found.first, found.led) for found in segments(keys.asked, keys, STEP)] == [

@@ -7,20 +7,20 @@ from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.condition import condition
 from kinesic.motion.double_s import least_stop
+from kinesic.motion.keys import KeyPosture
 from kinesic.motion.limit_check import peaks
 from kinesic.motion.stopping import cut, stopped
 from kinesic.motion.trajectory import STEP, held
-from kinesic.planning.postures import Posture
 
 BOXES = ([-1.5] * 3, [1.5] * 3, [1.0, 4.0, 6.0], [10.0, 59.0, 350.0], [250.0, 1500.0, 8750.0])
 DUTY = ([0.05, 0.01, 0.002], [0.8, 0.18, 0.134], [0.58, 0.65, 0.79])
 LIMITS = Limits(*(sealed(values) for values in (*BOXES, *DUTY)))
 
 
-def random_postures(seed: int) -> tuple[Posture, ...]:
+def random_postures(seed: int) -> tuple[KeyPosture, ...]:
     chance = np.random.default_rng(seed)
     times = np.cumsum(chance.uniform(0.1, 0.8, 6))
-    return tuple(Posture(float(t), sealed(chance.uniform(-1.2, 1.2, 3)), (True,) * 3) for t in times)
+    return tuple(KeyPosture(float(t), sealed(chance.uniform(-1.2, 1.2, 3)), (True,) * 3) for t in times)
 
 
 @cache

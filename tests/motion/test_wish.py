@@ -6,9 +6,8 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.expressivity.style.passage import PLAIN, Passage
-from kinesic.motion.waypoints import Waypoints
+from kinesic.motion.keys import KeyPosture, Waypoints
 from kinesic.motion.wish import Wish, wish
-from kinesic.planning.postures import Posture
 
 TIMES = np.array([0.0, 0.5, 1.2, 1.5, 2.4])
 ANGLES = np.array([[0.0, 1.0], [0.4, 1.0], [0.9, 0.2], [0.9, -0.4], [0.1, -0.4]])
@@ -18,7 +17,7 @@ LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 10, 100, 1e4, 1e-3, 1
 
 def keys(passed: Passage = PLAIN, keyed=ALL, angles=ANGLES, times=TIMES):
     rows = zip(times, angles, keyed, strict=True)
-    return [Posture(time, sealed(row), tuple(own), passages=(passed,) * len(row)) for time, row, own in rows]
+    return [KeyPosture(time, sealed(row), tuple(own), passages=(passed,) * len(row)) for time, row, own in rows]
 
 
 def joined(passed: Passage = PLAIN, keyed=ALL, zero: float = 0.0, angles=ANGLES, times=TIMES):

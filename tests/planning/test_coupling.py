@@ -1,6 +1,7 @@
 from kinesic.bml.parse import parse
 from kinesic.bml.schedule import schedule
-from kinesic.planning.coupling import Bond, bonds
+from kinesic.motion.keys import Bond
+from kinesic.planning.coupling import bonds
 
 BLOCK = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">
   <gesture id="one" lexeme="BEAT" start="0" stroke="1" end="3"/>

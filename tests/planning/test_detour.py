@@ -6,8 +6,8 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
+from kinesic.motion.keys import KeyPosture
 from kinesic.planning.detour import LEAST_STEP, Course, led_around
-from kinesic.planning.postures import Posture
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.dynamics import MujocoDynamics
 
@@ -27,7 +27,7 @@ def key(time, left=None, right=None):
     for arm, given in ((LEFT, left), (RIGHT, right)):
         if given is not None:
             angles[arm], keyed[arm] = given, True
-    return Posture(time, sealed(angles), tuple(bool(one) for one in keyed))
+    return KeyPosture(time, sealed(angles), tuple(bool(one) for one in keyed))
 
 
 def course(*keys):

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.condition import LEAD_IN, condition
+from kinesic.motion.keys import KeyPosture
 from kinesic.motion.limit_check import peaks
-from kinesic.planning.postures import Posture
 from kinesic.planning.syncs import SHIFT_TO_WARN
 
 # of a trunk, a shoulder, an elbow and a wrist with common servos
@@ -104,7 +104,7 @@ def check(rows, wishes):
     times = np.cumsum([gap for gap, _, _, _ in rows])
     last = len(rows) - 1
     keys = tuple(
-        Posture(
+        KeyPosture(
             float(time),
             sealed(LIMITS.lower + np.array(share) * (LIMITS.upper - LIMITS.lower)),
             tuple(k in (0, last) or bool(mask >> hinge & 1) for hinge in range(4)),

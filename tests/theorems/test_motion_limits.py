@@ -11,8 +11,8 @@ from kinesic.body.limits import Limits
 from kinesic.expressivity.style.passage import Passage
 from kinesic.motion.condition import condition
 from kinesic.motion.easing import Easing
+from kinesic.motion.keys import KeyPosture
 from kinesic.motion.limit_check import peaks
-from kinesic.planning.postures import Posture
 
 BOXES = ([-1.5] * 3, [1.5] * 3, [1.0, 4.0, 6.0], [10.0, 59.0, 350.0], [250.0, 1500.0, 8750.0])
 DUTY = ([0.05, 0.01, 0.002], [0.8, 0.18, 0.134], [0.58, 0.65, 0.79])
@@ -33,7 +33,7 @@ def test_limits_hold_and_keys_are_met(rows):
     times = np.cumsum([gap for gap, *_ in rows])
     last = len(rows) - 1
     keys = tuple(
-        Posture(
+        KeyPosture(
             float(time),
             sealed(angles),
             tuple(k in (0, last) or bool(mask >> hinge & 1) for hinge in range(3)),

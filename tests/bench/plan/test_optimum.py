@@ -9,15 +9,14 @@ from kinesic.body.limits import Limits
 from kinesic.controller.perform import facts, plan
 from kinesic.motion.condition import LEAD_IN, condition
 from kinesic.motion.key_time_lp import strain
-from kinesic.motion.keys import Keys
+from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.planning.coupling import bonds
-from kinesic.planning.postures import Posture
 
 LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 1e-4, 1e-4, 0.9)))  # the duty never binds
 
 
-def keys_of(*rows: tuple[float, float, str]) -> tuple[Posture, ...]:
-    return tuple(Posture(time, sealed([angle]), (True,), (("b", sync),)) for time, angle, sync in rows)
+def keys_of(*rows: tuple[float, float, str]) -> tuple[KeyPosture, ...]:
+    return tuple(KeyPosture(time, sealed([angle]), (True,), (("b", sync),)) for time, angle, sync in rows)
 
 
 def test_from_rest_to_rest_it_is_the_double_s():
