@@ -17,8 +17,8 @@ from kinesic.expressivity.hands.keys import HandKey, hand_at
 from kinesic.expressivity.hands.poses import resting
 from kinesic.expressivity.keyframes import KeyFrame, PartName, Turn
 from kinesic.expressivity.moments import Moment, SyncPoint, moments
-from kinesic.expressivity.style.passage import Passage
 from kinesic.expressivity.turns import Layer, TurnKey, clipped, plus, room, scaled, total
+from kinesic.motion.passage import Passage
 
 Gathering = Literal["complex", "lazy"]
 Priorities = Mapping[PartName, float]

@@ -8,7 +8,7 @@ from kinesic.bml.block import Notice, Timeline
 from kinesic.body.arrays import Floats
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Side
-from kinesic.expressivity.style.passage import Passage
+from kinesic.motion.passage import Passage
 
 PartName = Literal["torso", "head", "l_hand", "r_hand"]
 Touch = Literal["hand", "forearm", "upper_arm", "head", "chest", "lap"]  # arm and hand: those of the other side

@@ -10,8 +10,9 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.style.passage import PLAIN, Passage, Phase, passage
+from kinesic.expressivity.style.passage import Phase, passage
 from kinesic.expressivity.style.style import Expressivity
+from kinesic.motion.passage import PLAIN, Passage
 
 AXES = ("torsion", "tilt", "roll")  # in the order of Turn; hinges of neck and torso are named after them
 UPRIGHT = Turn()

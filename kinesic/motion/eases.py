@@ -11,9 +11,9 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
-from kinesic.expressivity.style.passage import EVEN, SOFTEST
 from kinesic.motion.easing import OVERSHOOT, Easing, softened
 from kinesic.motion.keys import EASINGS, SMOOTHEST, Waypoints
+from kinesic.motion.passage import EVEN, SOFTEST
 
 GRADE = 0.25  # of the steepness
 LEAST_OVERSHOOT = 0.02  # of a way; with less room OutQuart takes the place of OutBack

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.limits import Limits
-from kinesic.expressivity.style.passage import PLAIN, Passage
 from kinesic.motion.easing import Easing
+from kinesic.motion.passage import PLAIN, Passage
 
 Choices = NDArray[np.intp]
 Sync = tuple[str, str]  # behaviour id, sync point

@@ -11,10 +11,10 @@ from kinesic.body.dynamics import Distances
 from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.keyframes import Hand, KeyFrame, KeyFrames, PartName
-from kinesic.expressivity.style.passage import PLAIN, Passage
 from kinesic.expressivity.turns import axes
 from kinesic.ik.torso import lean
 from kinesic.motion.keys import LEAST_GAP, KeyPosture
+from kinesic.motion.passage import PLAIN, Passage
 from kinesic.planning.arm_postures import turned, with_arms
 from kinesic.planning.hover import clear_hands
 from kinesic.planning.turning import set_turn, turn_of

@@ -5,8 +5,8 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
-from kinesic.expressivity.style.passage import PLAIN, Passage
 from kinesic.motion.keys import KeyPosture, Waypoints
+from kinesic.motion.passage import PLAIN, Passage
 from kinesic.motion.wish import Wish, wish
 
 TIMES = np.array([0.0, 0.5, 1.2, 1.5, 2.4])

@@ -12,8 +12,8 @@ from kinesic.body.reach import Reach
 from kinesic.expressivity.hands.poses import REST, between
 from kinesic.expressivity.hands.rotation_spline import Turning, facing
 from kinesic.expressivity.keyframes import Hand
-from kinesic.expressivity.style.passage import PLAIN, Passage
 from kinesic.expressivity.turns import MERGE
+from kinesic.motion.passage import PLAIN, Passage
 
 PARALLEL = 0.99  # cosine of pointing and palm from which on they say no rotation
 

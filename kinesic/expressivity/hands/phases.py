@@ -14,9 +14,10 @@ from kinesic.expressivity.hands.poses import REST, distance, resting
 from kinesic.expressivity.hands.strokes import Stroke, Work, keys_of
 from kinesic.expressivity.keyframes import Hand, Outcome
 from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.style.passage import PLAIN, passage
+from kinesic.expressivity.style.passage import passage
 from kinesic.expressivity.style.style import Expressivity
 from kinesic.expressivity.turns import MERGE, arrival, departure
+from kinesic.motion.passage import PLAIN
 
 NEIGHBOUR = 0.5  # [s] gestures nearer than this do not pass through rest
 ALL_TIED: Tied = MappingProxyType({})  # every sync point stays where it is

@@ -2,9 +2,10 @@ import numpy as np
 import pytest
 from scipy.interpolate import BPoly
 
-from kinesic.expressivity.style.passage import PLAIN, Passage, passage
+from kinesic.expressivity.style.passage import passage
 from kinesic.expressivity.style.style import Expressivity
 from kinesic.motion.easing import PARTS, softened
+from kinesic.motion.passage import PLAIN, Passage
 
 PHASES = ("preparation", "stroke", "hold", "retraction")
 
