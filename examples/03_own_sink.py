@@ -1,10 +1,10 @@
 """A sink of one's own: anything with `write` and `close` follows the commands of the loop."""
 
-from kinesic.body.command import Command
+from kinesic.body.command import RATE, Command
 from kinesic.body.config import CONFIGS
 from kinesic.controller.feedforward import lead
 from kinesic.controller.perform import facts, plan
-from kinesic.controller.play import RATE, commands, play, ticks
+from kinesic.controller.play import commands, play, ticks
 
 
 class Ticker:

@@ -2,11 +2,11 @@
 
 import time
 
-from kinesic.body.command import Command
+from kinesic.body.command import RATE, Command
 from kinesic.body.config import CONFIGS
 from kinesic.controller.feedforward import lead
 from kinesic.controller.perform import facts, plan
-from kinesic.controller.play import RATE, commands, play, ticks
+from kinesic.controller.play import commands, play, ticks
 
 try:
     import rclpy

@@ -8,6 +8,7 @@ from msgspec import Struct
 
 from kinesic.body.arrays import Floats
 
+RATE = 100  # [Hz] of commands
 NO_FACE: Mapping[str, float] = MappingProxyType({})
 
 

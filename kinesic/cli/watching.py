@@ -7,10 +7,11 @@ from time import monotonic
 
 import click
 
+from kinesic.body.command import RATE
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.cli.loudspeaker import loudspeaker
-from kinesic.controller.play import RATE, paced, play, ticks
+from kinesic.controller.play import paced, play, ticks
 from kinesic.controller.soundtrack import sound
 from kinesic.face.display import DisplayError
 from kinesic.face.show.controls import HELP

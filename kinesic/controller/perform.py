@@ -9,12 +9,13 @@ from typing import Literal
 from kinesic.bml.block import Dialect
 from kinesic.bml.parse import parse
 from kinesic.body.arrays import Floats
+from kinesic.body.command import RATE
 from kinesic.body.measurements import Measurements
 from kinesic.body.robot import Robot
 from kinesic.controller.feedforward import Terms, lead
 from kinesic.controller.observer import Observer, corrected
 from kinesic.controller.performance import Performance
-from kinesic.controller.play import RATE, commands, play_together, ticks
+from kinesic.controller.play import commands, play_together, ticks
 from kinesic.controller.reference import Reference
 from kinesic.expressivity.gather import Gathering
 from kinesic.expressivity.idle import OFF, Idling

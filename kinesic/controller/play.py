@@ -8,11 +8,10 @@ from time import monotonic, sleep
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.command import NO_FACE, Command, Sink
+from kinesic.body.command import NO_FACE, RATE, Command, Sink
 from kinesic.controller.feedforward import Lead
 from kinesic.motion.trajectory import Trajectory
 
-RATE = 100  # [Hz] of commands
 SETTLE = 0.3  # [s] of stillness after the end
 
 

@@ -14,10 +14,11 @@ from typing import Literal
 import numpy as np
 
 from kinesic.body.arrays import Flags, Floats, sealed
+from kinesic.body.command import RATE
 from kinesic.controller.arrival import lags, paths
 from kinesic.controller.feedforward import lead
 from kinesic.controller.performance import Performance
-from kinesic.controller.play import RATE, commands, ticks
+from kinesic.controller.play import commands, ticks
 from kinesic.controller.reference import MOVING
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.servos import Servos

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
+from kinesic.body.command import RATE
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
-from kinesic.controller.play import RATE
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.bap import write_bap
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from kinesic.body.arrays import Flags, Floats
-from kinesic.controller.play import RATE
+from kinesic.body.command import RATE
 from kinesic.serve.sinks import Playing
 
 WINDOW = 0.3  # [s] before a sync point in which the ball is entered

@@ -14,8 +14,9 @@ from threading import Event, Thread
 from time import monotonic, sleep
 
 from kinesic.body.arrays import Flags
+from kinesic.body.command import RATE
 from kinesic.body.limits import Limits
-from kinesic.controller.play import RATE, SETTLE
+from kinesic.controller.play import SETTLE
 from kinesic.face.display import DisplayError
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.motion.stopping import stopped

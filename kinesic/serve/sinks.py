@@ -9,10 +9,10 @@ import numpy as np
 from msgspec.structs import replace
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.command import Command, Sink
+from kinesic.body.command import RATE, Command, Sink
 from kinesic.body.robot import Robot
 from kinesic.controller.feedforward import lead
-from kinesic.controller.play import RATE, commands
+from kinesic.controller.play import commands
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.motion.trajectory import Trajectory

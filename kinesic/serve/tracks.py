@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinesic.body.arrays import Floats
+from kinesic.body.command import RATE
 from kinesic.body.utterance import Sound
-from kinesic.controller.play import RATE
 from kinesic.planning.face_track import asks_face, shown
 from kinesic.realizer.running_block import Staged
 from kinesic.speech.loudspeaker import SpeakerError

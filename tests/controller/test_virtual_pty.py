@@ -11,10 +11,11 @@ import pytest
 from dynamixel_sdk import COMM_SUCCESS, GroupSyncRead, GroupSyncWrite, PacketHandler, PortHandler
 
 from kinesic.body.arrays import Floats
+from kinesic.body.command import RATE
 from kinesic.body.config import CONFIGS
 from kinesic.controller.feedforward import lead
 from kinesic.controller.perform import plan
-from kinesic.controller.play import RATE, commands, ticks
+from kinesic.controller.play import commands, ticks
 from kinesic.controller.servo_performance import DELAY, FULL
 from kinesic.hardware.protocol.servo_map import ServoMap
 from kinesic.hardware.servos import Servos

@@ -5,10 +5,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from kinesic.body.command import RATE
 from kinesic.body.config import CONFIGS
 from kinesic.controller.feedforward import lead
 from kinesic.controller.perform import plan
-from kinesic.controller.play import RATE, commands, ticks
+from kinesic.controller.play import commands, ticks
 from kinesic.controller.virtual_robot import TwinPhysics
 from kinesic.hardware.bus.bus import Servo
 from kinesic.hardware.protocol.models import MODELS

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from kinesic.body.action_units import ASIDE, UPWARD
-from kinesic.body.command import NO_FACE
+from kinesic.body.command import NO_FACE, RATE
 from kinesic.controller.feedforward import lead
 from kinesic.controller.perform import plan
-from kinesic.controller.play import RATE, commands, paced, ticks
+from kinesic.controller.play import commands, paced, ticks
 from kinesic.expressivity.idle import Idling
 from kinesic.expressivity.style.style import Style
 from kinesic.planning.face_track import asks_face, faced, faces, heads, shown

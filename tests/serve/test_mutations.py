@@ -9,8 +9,8 @@ import pytest
 
 from kinesic.bench.bml.mutations import MUTATIONS, mutated
 from kinesic.bench.corpus import folder
+from kinesic.body.command import RATE
 from kinesic.body.config import CONFIGS
-from kinesic.controller.play import RATE
 from kinesic.report.validate import documents
 
 pytestmark = pytest.mark.realtime

@@ -13,8 +13,8 @@ import pytest
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
+from kinesic.body.command import RATE
 from kinesic.controller.perform import facts
-from kinesic.controller.play import RATE
 from kinesic.planning.setup import Facts
 
 pytestmark = pytest.mark.realtime

@@ -8,9 +8,10 @@ import numpy as np
 from kinesic.bench.figure import Figure
 from kinesic.bench.passage import passage
 from kinesic.bml.parse import parse
+from kinesic.body.command import RATE
 from kinesic.controller.feedforward import lead
 from kinesic.controller.perform import facts
-from kinesic.controller.play import RATE, commands, ticks
+from kinesic.controller.play import commands, ticks
 from kinesic.motion.trajectory import held
 from kinesic.planning.plan import plan
 from kinesic.planning.quick_plan import opening
