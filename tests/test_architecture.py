@@ -1,6 +1,8 @@
 """What holds for the project as a whole."""
 
+import ast
 import os
+import re
 import subprocess
 import sys
 import tomllib
@@ -44,6 +46,15 @@ def test_every_room_is_a_package_and_there_is_no_other():
 def test_every_folder_with_code_is_a_package():
     folders = {path.parent for path in PACKAGE.rglob("*.py")}
     assert [str(folder.relative_to(ROOT)) for folder in sorted(folders) if not (folder / "__init__.py").exists()] == []
+
+
+@pytest.mark.parametrize(
+    "init", sorted(PACKAGE.rglob("__init__.py")), ids=lambda path: str(path.parent.relative_to(ROOT))
+)
+def test_a_folder_says_in_one_sentence_what_it_is_for(init: Path):
+    said = ast.get_docstring(ast.parse(init.read_text(encoding="utf-8"))) or ""
+    assert re.fullmatch(r"[^\n]+\.", said), said
+    assert not re.search(r"\. [A-Z]", said), said
 
 
 @pytest.mark.parametrize("name", LINKS)

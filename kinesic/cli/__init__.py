@@ -1,4 +1,4 @@
-"""The command line: one file per verb. It prints results, one line per error, and exits with the promised code."""
+"""The command line: one file per verb, one line per error, and exit codes as promised."""
 
 import sys
 

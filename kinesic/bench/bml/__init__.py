@@ -1,4 +1,4 @@
-"""BML as others expect it: the scenarios of a conformance suite, and what documents mean before any time is known."""
+"""Measures BML as others expect it: scenarios, documents, the live server and its speech."""
 
 from collections.abc import Iterator
 

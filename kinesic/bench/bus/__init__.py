@@ -1,9 +1,8 @@
-"""The bus: how near it comes to what the wire allows, and what it costs the host.
+"""Measures the bus: how near it comes to what the wire allows, and what it costs the host."""
 
-The wire keeps virtual time. The driver first talks to virtual servos, then once more to a recording of what they
-answered, so that host time is that of the driver alone. What the driver costs in real time is measured on a
-pseudo-terminal whose servos live in another process.
-"""
+# The wire keeps virtual time. The driver first talks to virtual servos, then once more to a recording of what they
+# answered, so that host time is that of the driver alone. What the driver costs in real time is measured on a
+# pseudo-terminal whose servos live in another process.
 
 import multiprocessing
 import tempfile

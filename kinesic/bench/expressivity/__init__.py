@@ -1,4 +1,4 @@
-"""Expressivity."""
+"""Measures what each parameter of expressivity changes, and whether gestures stay distinct."""
 
 from pathlib import Path
 

@@ -1,7 +1,6 @@
-"""The face: what its occlusion costs and misses, what its skin keeps, its wrinkles' laws, and how fast it is drawn.
+"""Measures the face: what occlusion costs and misses, its skin, its wrinkles and its frame rate."""
 
-A machine without OpenGL has every figure's name, and a reason instead of its value.
-"""
+# A machine without OpenGL has every figure's name, and a reason instead of its value.
 
 from collections.abc import Iterator
 from typing import Literal, get_args

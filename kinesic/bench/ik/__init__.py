@@ -1,4 +1,4 @@
-"""Inverse kinematics."""
+"""Measures inverse kinematics: reach, tracking, other libraries, and the thesis's table."""
 
 from collections.abc import Sequence
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Planning: how long it takes, what its plans exceed, how far from the optimum they move what must move."""
+"""Measures planning: how long it takes, what it exceeds, and how far from the optimum times move."""
 
 from collections.abc import Callable, Iterable
 from statistics import median

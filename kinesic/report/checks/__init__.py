@@ -1,7 +1,6 @@
-"""The dry run's verdicts: pass, warn or fail, each with value, limit and place.
+"""Checks a performance: pass, warn or fail, each with value, limit and place."""
 
-A goal that is missed without danger warns (timing, tracking, load); limits and distances fail.
-"""
+# A goal that is missed without danger warns (timing, tracking, load); limits and distances fail.
 
 from kinesic.controller.performance import Performance
 from kinesic.report.checks.check import Check, Status
