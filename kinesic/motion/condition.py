@@ -15,12 +15,12 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.bspline import grid
-from kinesic.motion.feasible import Bottleneck, Search
+from kinesic.motion.desired import wish
+from kinesic.motion.key_times import Bottleneck, Search
 from kinesic.motion.keys import Bond, KeyPosture, Keys, Pair, Waypoints
 from kinesic.motion.qp import WITHIN, limited, unlimited
 from kinesic.motion.segments import Segment, pieces, segments
 from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.motion.wish import wish
 
 LEAD_IN = 0.6  # [s] by which the motion may begin before it is asked to
 

@@ -10,8 +10,8 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.dynamics import Distances
 from kinesic.body.limits import Limits
 from kinesic.body.robot import SIDES, Robot
+from kinesic.motion.desired import Wish, wish
 from kinesic.motion.keys import KeyPosture, Waypoints
-from kinesic.motion.wish import Wish, wish
 from kinesic.planning.apart import apart
 
 Arm = tuple[int, ...]  # joints of an arm

@@ -12,9 +12,9 @@ from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.config import ConfigError
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.condition import Conditioned
+from kinesic.motion.desired import wish
 from kinesic.motion.double_s import least_times
 from kinesic.motion.keys import KeyPosture, Keys
-from kinesic.motion.wish import wish
 from kinesic.planning.bap import Frames
 from kinesic.planning.clearance import cleared
 from kinesic.planning.plan import Plan

@@ -16,9 +16,9 @@ from kinesic.expressivity.hands.engaged import Engaged
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.expressivity.realise import keyframes
 from kinesic.motion.condition import Conditioned
+from kinesic.motion.desired import Wish, wish
 from kinesic.motion.keys import Keys, Waypoints
 from kinesic.motion.trajectory import Trajectory
-from kinesic.motion.wish import Wish, wish
 from kinesic.planning.certify import certified
 from kinesic.planning.clearance import Conditioner, cleared, culprits
 from kinesic.planning.coupling import bonds

@@ -15,12 +15,12 @@ from kinesic.body.limits import Limits
 from kinesic.expressivity.hands.engaged import Engaged
 from kinesic.motion.bspline import grid
 from kinesic.motion.condition import Conditioned
+from kinesic.motion.desired import wish
 from kinesic.motion.key_time_lp import relaxed
 from kinesic.motion.keys import Bond, KeyPosture, Keys, Waypoints
 from kinesic.motion.qp import nearest
 from kinesic.motion.segments import pieces, segments
 from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.motion.wish import wish
 from kinesic.planning.plan import Plan, plan
 from kinesic.planning.setup import Facts
 

@@ -6,7 +6,7 @@ from kinesic.bml.block import Block, Notice, NoticeType
 from kinesic.body.robot import Robot
 from kinesic.expressivity.keyframes import KeyFrames, PartName
 from kinesic.motion.condition import Conditioned
-from kinesic.motion.feasible import Bottleneck
+from kinesic.motion.key_times import Bottleneck
 from kinesic.motion.keys import Pair
 
 SHIFT_TO_WARN = 0.010  # [s]

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from kinesic.controller.performance import Performance
-from kinesic.motion.feasible import Bottleneck
+from kinesic.motion.key_times import Bottleneck
 from kinesic.planning.syncs import SHIFT_TO_WARN, limit_met, shifts
 
 

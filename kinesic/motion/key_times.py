@@ -1,24 +1,31 @@
 """Key times at which every hinge can pass its keys, as near to the asked ones as can be.
 
-Times that are too short for some hinge are cut off by a plane, its shortage linearised, and the linear program is
-solved again (Kelley, The cutting-plane method, 1960). What a hinge lacks is nearly convex in the logarithm of its time,
-so that a few planes suffice; where they do not, the hinge rests at each of its keys, which is always possible.
+The least time of a hinge from one key to the next is that of its full speed; the time with a rest at both is always
+enough. Times that are too short for some hinge are cut off by a plane, its shortage linearised, and the linear program
+is solved again (Kelley, The cutting-plane method, 1960). What a hinge lacks is nearly convex in the logarithm of its
+time, so that a few planes suffice; where they do not, the hinge rests at each of its keys, which is always possible.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
+from kinesic.motion.double_s import least_times
 from kinesic.motion.infeasibility import Quantity, Shortage, roughly, shortage
 from kinesic.motion.key_time_lp import Cut, relaxed, strain
 from kinesic.motion.keys import SAME, Keys, Pair
-from kinesic.motion.least import Gaps, full_speed, rest_to_rest
 from kinesic.motion.segments import Segment, segments
 from kinesic.motion.trajectory import STEP
+
+Gaps = Mapping[tuple[int, Pair], float]  # hinge, two of its keys -> [s]
+
+RESERVE = 1.02  # on durations from rest to rest
+GRID = 0.04  # [s] that the grid may cost
 
 PLANES = 40  # of a hinge before it rests at its keys
 MARGIN = 0.002  # of the time, kept so that a motion is found quickly
@@ -27,6 +34,27 @@ LONGEST = 100.0  # times as long as a rest should suffice, before nothing does
 ROUGH = 1.3  # share of a limit on a smooth way that makes a segment suspect
 FLAT = 0.1  # [1/s] slopes that lead nowhere
 NEAR = 0.02  # share of the time within which a segment is looked at again
+
+
+def rest_to_rest(keys: Keys, limits: Limits) -> Gaps:
+    """The time in which each hinge can stop at each of its keys: always enough."""
+    ways, turns = _turns(keys)
+    every = RESERVE * least_times(turns, limits) + GRID
+    return {way: float(times[way[0]]) for way, times in zip(ways, every, strict=True)}
+
+
+def full_speed(keys: Keys, limits: Limits) -> Gaps:
+    """The time that each hinge needs from key to key at its full speed: less is never enough."""
+    ways, turns = _turns(keys)
+    every = np.abs(turns) / np.minimum(limits.speed, limits.duty / limits.viscous)
+    return {way: float(times[way[0]]) for way, times in zip(ways, every, strict=True)}
+
+
+def _turns(keys: Keys) -> tuple[list[tuple[int, Pair]], np.ndarray[tuple[int, int], np.dtype[np.float64]]]:
+    """Hinges with two keys that follow one another, and (p, n) [rad] from the one to the other."""
+    ways = [(hinge, pair) for hinge, own in enumerate(keys.own) for pair in pairwise(own)]
+    before, after = (keys.angles[[pair[end] for _, pair in ways]] for end in (0, 1))
+    return ways, after - before
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,9 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
+from kinesic.motion.desired import Wish, wish
 from kinesic.motion.keys import KeyPosture, Waypoints
 from kinesic.motion.passage import PLAIN, Passage
-from kinesic.motion.wish import Wish, wish
 
 TIMES = np.array([0.0, 0.5, 1.2, 1.5, 2.4])
 ANGLES = np.array([[0.0, 1.0], [0.4, 1.0], [0.9, 0.2], [0.9, -0.4], [0.1, -0.4]])

@@ -1,0 +1,243 @@
+"""The desired motion: one quintic spline per hinge through its own keys, whatever the servos can do.
+
+Speeds at keys are those of a Kochanek-Bartels spline, held back where nobody asks for a swing (D. Kochanek and R.
+Bartels, Interpolating splines with local tension, continuity, and bias control, SIGGRAPH 1984). Between uneven
+times the speed on each chord weighs as the time of the other, so that keys on a parabola are passed along it: a
+circle through uneven keys strays by a tenth of what it does with the mean over both.
+
+Easings change the ways between keys: as much as is asked, as far as the limits allow. All hinges with the same
+keys are eased alike, so that a hand keeps its path; a steepness that one of them cannot follow is lowered for all.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+import scipy
+
+from kinesic.body.arrays import Flags, Floats, sealed
+from kinesic.body.limits import Limits
+from kinesic.motion.easing import OVERSHOOT, PARTS, Easing, softened
+from kinesic.motion.keys import EASINGS, HOLD, SMOOTHEST, Waypoints
+from kinesic.motion.passage import EVEN, SOFTEST
+
+Hinges = tuple[int, ...]  # in joint order
+
+SWING = 0.05  # [rad] beyond its keys that any hinge may swing to pass them smoothly: what conditioning allows, too
+BULGE = 5.0  # speed, in distance / duration, that a quintic may have beside a still key to swing out by the distance
+BOW = 58.0  # acceleration, in distance / duration^2, that it may have for the same
+HULL = 2.5  # speed, in distance / duration, that keeps the control points of a quintic within the distance
+STEEPEST = 2.0  # speed, in shares of the slower chord, with which a hinge stays between its keys
+BEND = 6.0  # acceleration, in distance / duration^2, with which a hinge comes to a key and turns back without a swing
+GRADE = 0.25  # of the steepness
+LEAST_OVERSHOOT = 0.02  # of a way; with less room OutQuart takes the place of OutBack
+FINEST = 0.01  # of a way, steps of the overshoot
+ROUNDING = 1e-6  # of such a step
+ROOM = 3.0  # times the limits that an eased way may take: what is beyond them is rounded off without leaving the path
+
+SHARES = np.arange(PARTS) / PARTS  # of a way, where an easing is told
+
+
+def speeds(times: Floats, keys: Waypoints) -> Floats:
+    """(k, h) [rad/s] at the keys of some hinges, at (k,) times that all of them have.
+
+    Zero at the ends and beside holds. A speed that would carry the hinge beyond its keys by more than `SWING` is cut,
+    unless the tension is negative: at -1 only the ends of the range cut it.
+    """
+    found = np.zeros_like(keys.angles)
+    steps = np.diff(times)[:, None]
+    ways = np.diff(keys.angles, axis=0)
+    tension, bias = keys.tension[1:-1], keys.bias[1:-1]
+    before, after = ways[:-1], ways[1:]
+    earlier, later = before / steps[:-1] * steps[1:], after / steps[1:] * steps[:-1]
+    free = _flow(keys) * ((1 + bias) * earlier + (1 - bias) * later) / (steps[:-1] + steps[1:])
+    slower = np.minimum(np.abs(before) / steps[:-1], np.abs(after) / steps[1:])
+    inside = np.where(before * after < 0.0, 0.0, STEEPEST * slower)
+    smooth = BULGE * SWING / np.maximum(steps[:-1], steps[1:])
+    below, above = keys.angles[1:-1] - keys.limits.lower, keys.limits.upper - keys.angles[1:-1]
+    upward, downward = (
+        HULL * np.minimum(ahead / steps[1:], behind / steps[:-1]) for ahead, behind in ((above, below), (below, above))
+    )
+    room = np.where(free > 0.0, upward, downward)
+    kept = np.maximum(inside, np.minimum(smooth, room))
+    bound = kept + np.maximum(-tension, 0.0) * np.maximum(room - kept, 0.0)
+    found[1:-1] = np.where(_held(ways), 0.0, np.clip(free, -bound, bound))
+    return found
+
+
+def accelerations(times: Floats, keys: Waypoints, passed: Floats) -> Floats:
+    """(k, h) [rad/s^2] at the keys: the middle of what cubics of these speeds would have before and after the key.
+
+    So keys that lie on a smooth curve are passed along it. Zero at the ends, beside holds, and where a hinge stops.
+    """
+    found = np.zeros_like(passed)
+    steps = np.diff(times)[:, None]
+    ways = np.diff(keys.angles, axis=0)
+    ends = (-6 * ways + steps * (2 * passed[:-1] + 4 * passed[1:])) / steps**2
+    begins = (6 * ways - steps * (4 * passed[:-1] + 2 * passed[1:])) / steps**2
+    bends = np.abs(ways) / steps**2
+    longer = np.maximum(steps[:-1], steps[1:])
+    bound = np.maximum(BEND * np.minimum(bends[:-1], bends[1:]), BOW * SWING / longer**2)
+    middle = np.minimum(_flow(keys), 1.0) * (ends[:-1] + begins[1:]) / 2
+    found[1:-1] = np.where(_held(ways), 0.0, np.clip(middle, -bound, bound))
+    return found
+
+
+def _flow(keys: Waypoints) -> Floats:
+    """(k - 2, h) how much of its speed a hinge keeps at each inner key: 0 stops, 1 runs through."""
+    return (1 - keys.tension[1:-1]) * (1 + keys.continuity[1:-1])
+
+
+def _held(ways: Floats) -> Flags:
+    """(k - 2, h) whether the hinge is still before or after each inner key."""
+    still = np.abs(ways) < HOLD
+    return np.asarray(still[:-1] | still[1:])
+
+
+def changes(left: Floats, states: Floats, steps: Floats, keys: Waypoints) -> Floats:
+    """(3, k, h, p) what easings add to angles, speeds and accelerations along k ways of h hinges.
+
+    Args:
+        left: (k, h) [rad] of each way, what is eased.
+        states: (3, k, h, p) angles, speeds and accelerations without easings, at even shares of each way.
+        steps: (k,) [s] of the ways.
+        keys: (k + 1, h) at their ends.
+    """
+    found = np.zeros_like(states)
+    room = np.where(left > 0.0, keys.limits.upper - keys.angles[1:], keys.angles[1:] - keys.limits.lower)
+    shares = np.minimum(OVERSHOOT, room / np.maximum(np.abs(left), 1e-9))
+    moved = (keys.easing[1:] != SMOOTHEST) & (left != 0.0)
+    for k in np.flatnonzero(moved.any(axis=1)):
+        hinges = np.flatnonzero(moved[k])
+        scales = left[k, hinges] / (steps[k] ** np.arange(3))[:, None]
+        asked = [
+            (*_easing(EASINGS[keys.easing[k + 1, hinge]], shares[k, hinge]), float(keys.steepness[k + 1, hinge]))
+            for hinge in hinges
+        ]
+        limits = keys.limits.part(hinges)
+        for added in _offers(asked):
+            eased = states[:, k, hinges] + scales[:, :, None] * added
+            if _allowed(eased, limits):
+                found[:, k, hinges] = scales[:, :, None] * added
+                break
+    return found
+
+
+def _easing(easing: Easing, room: float) -> tuple[Easing, float]:
+    """An easing and its overshoot, where there is room for a share of the way."""
+    if easing == "out_back" and room < LEAST_OVERSHOOT:
+        return "out_quart", OVERSHOOT
+    return easing, FINEST * int(room / FINEST + ROUNDING) if easing == "out_back" else OVERSHOOT
+
+
+def _offers(asked: list[tuple[Easing, float, float]]) -> Iterator[Floats]:
+    """(3, h, p) what the easings of some hinges add to minimum jerk, from as steep as is asked to ever softer."""
+    steepest = max(steepness for _, _, steepness in asked)
+    for softer in np.arange(0.0, steepest - SOFTEST, GRADE):
+        yield np.stack([_change(*row[:2], max(row[2] - softer, SOFTEST)) for row in asked], axis=1)
+
+
+@lru_cache(maxsize=4096)
+def _change(easing: Easing, overshoot: float, steepness: float) -> Floats:
+    """(3, p) what an easing adds to minimum jerk, its speed and its acceleration."""
+    if steepness <= (EVEN if easing == "linear" else SOFTEST):
+        easing, steepness = "minimum_jerk", SOFTEST
+    return sealed((softened(easing, steepness, overshoot) - softened("minimum_jerk", SOFTEST))[:, :-1])
+
+
+def _allowed(states: Floats, limits: Limits) -> bool:
+    """Whether (3, h, p) angles, speeds and accelerations of hinges keep the limits of speed, acceleration and duty."""
+    _, speeds, accelerations = np.abs(states).max(axis=2)
+    pulling = limits.inertial[:, None] * states[2] + limits.viscous[:, None] * states[1]
+    duties = np.abs(pulling).max(axis=1)
+    return bool(
+        np.all(speeds <= ROOM * limits.speed)
+        and np.all(accelerations <= ROOM * limits.acceleration)
+        and np.all(duties <= ROOM * limits.duty)
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Wish:
+    """Angles over performance time; at rest before its start and after its end."""
+
+    # Of hinges with the same keys, over performance time, all from 0 to the same end.
+    curves: Mapping[Hinges, "scipy.interpolate.PPoly"]
+    zero: float  # [s] performance time of the block's zero
+
+    @property
+    def duration(self) -> float:
+        """[s]."""
+        return float(next(iter(self.curves.values())).x[-1])
+
+    def sample(self, times: Floats) -> tuple[Floats, Floats, Floats]:
+        """Angles, speeds and accelerations, each (m, n), at (m,) performance times."""
+        still = (times < 0.0) | (times > self.duration)
+        angles, speeds, accelerations = (self._values(times, order) for order in range(3))
+        speeds[still] = 0.0
+        accelerations[still] = 0.0
+        return angles, speeds, accelerations
+
+    def angles(self, times: Floats) -> Floats:
+        """(m, n) [rad] at (m,) performance times: of `sample` the first alone."""
+        return self._values(times, 0)
+
+    def _values(self, times: Floats, order: int) -> Floats:
+        """(m, n) of one derivative."""
+        inside = np.clip(times, 0.0, self.duration)
+        values = np.empty((len(times), sum(map(len, self.curves))))
+        for hinges, curve in self.curves.items():
+            values[:, hinges] = curve(inside, nu=order)
+        return values
+
+
+def wish(times: Floats, keys: Waypoints, *, zero: float = 0.0) -> Wish:
+    """Joins the keys of each hinge by quintics that are smooth up to the acceleration.
+
+    Speeds at keys are the tangents of a non-uniform Kochanek-Bartels spline, each key with its own tension, continuity
+    and bias; they are zero at the ends and beside holds, and carry a hinge beyond its keys only where its tension is
+    negative and only as far as its range goes. Easings move what the speeds at keys leave of a way.
+
+    Args:
+        times: (m,) [s] of the keys, increasing from key to key of each hinge.
+        keys: what is passed, and how; all hinges have a key in the first and the last row.
+        zero: [s] the time among `times` that is the block's zero.
+
+    Returns:
+        The wish; performance time starts at the first key.
+    """
+    together: dict[bytes, list[int]] = {}
+    for hinge, column in enumerate(keys.keyed.T):
+        together.setdefault(column.tobytes(), []).append(hinge)
+    curves = {}
+    for hinges in together.values():
+        rows = np.flatnonzero(keys.keyed[:, hinges[0]])
+        curves[tuple(hinges)] = _curve(times[rows] - times[0], keys.part(rows, np.array(hinges)))
+    return Wish(curves, zero - float(times[0]))
+
+
+def _curve(times: Floats, keys: Waypoints) -> "scipy.interpolate.PPoly":
+    """Of hinges that all have the same keys, at (k,) times."""
+    steps, passed = np.diff(times), speeds(times, keys)
+    plain = scipy.interpolate.PPoly(_quintics(steps, keys.angles, passed, accelerations(times, keys, passed)), times)
+    if np.all(keys.easing[1:] == SMOOTHEST):
+        return plain
+    ways, carried = np.diff(keys.angles, axis=0), steps[:, None] * (passed[:-1] + passed[1:]) / 2
+    left = np.where((ways - carried) * ways > 0.0, ways - carried, 0.0)
+    fine = np.append((times[:-1, None] + steps[:, None] * SHARES).ravel(), times[-1])
+    states = np.stack([plain(fine, nu=order) for order in range(3)])
+    along = states[:, :-1].reshape(3, len(steps), PARTS, -1).transpose(0, 1, 3, 2)
+    added = changes(left, along, steps, keys)
+    states[:, :-1] += added.transpose(0, 1, 3, 2).reshape(3, len(fine) - 1, -1)
+    return scipy.interpolate.PPoly(_quintics(np.diff(fine), *states), fine)
+
+
+def _quintics(steps: Floats, angles: Floats, speeds: Floats, accelerations: Floats) -> Floats:
+    """(6, k, h) coefficients, highest power first, between (k + 1, h) angles, speeds and accelerations."""
+    h, v0, a0 = steps[:, None], speeds[:-1], accelerations[:-1]
+    d = angles[1:] - angles[:-1] - v0 * h - a0 * h**2 / 2
+    v = (speeds[1:] - v0 - a0 * h) * h
+    a = (accelerations[1:] - a0) * h**2
+    high = [(6 * d - 3 * v + a / 2) / h**5, (-15 * d + 7 * v - a) / h**4, (10 * d - 4 * v + a / 2) / h**3]
+    return np.stack([*high, a0 / 2, v0, angles[:-1]])

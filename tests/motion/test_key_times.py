@@ -1,0 +1,104 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import sealed
+from kinesic.body.limits import Limits
+from kinesic.motion import key_times
+from kinesic.motion.condition import condition
+from kinesic.motion.infeasibility import shortage
+from kinesic.motion.key_times import Search, full_speed, rest_to_rest
+from kinesic.motion.keys import KeyPosture, Keys
+from kinesic.motion.segments import segments
+from kinesic.motion.trajectory import STEP
+
+LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
+
+
+def keys_of(*rows: tuple[float, float, str]) -> tuple[KeyPosture, ...]:
+    return tuple(KeyPosture(time, sealed([angle]), (True,), (("b", sync),)) for time, angle, sync in rows)
+
+
+@pytest.mark.parametrize("distance", [0.0, 0.002, 0.05, 0.4, 1.9, 3.9])
+def test_from_rest_to_rest_is_enough_and_full_speed_is_not(distance):
+    def ends(duration: float) -> tuple[KeyPosture, ...]:
+        return keys_of((0, -1.95, "start"), (duration, -1.95 + distance, "stroke"))
+
+    keys = Keys.of(ends(1.0), LIMITS)
+    enough, least = rest_to_rest(keys, LIMITS)[0, (0, 1)], full_speed(keys, LIMITS)[0, (0, 1)]
+    np.testing.assert_array_equal(condition(ends(enough), LIMITS).planned, [0.0, enough])
+    assert least <= enough
+    if distance > 0.01:
+        short = condition(ends(0.7 * enough - 0.04), LIMITS, lead_in=0.0)
+        assert least < short.planned[1] < 1.1 * enough
+
+
+def test_all_ways_of_a_hinge_are_known():
+    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "stroke"), (2, 1, "end")), LIMITS)
+    assert set(rest_to_rest(keys, LIMITS)) == {(0, (0, 1)), (0, (1, 2))}
+    assert full_speed(keys, LIMITS) == {(0, (0, 1)): pytest.approx(0.25), (0, (1, 2)): 0.0}
+
+
+def test_a_tighter_duty_takes_longer():
+    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "stroke")), LIMITS)
+    tight = replace(LIMITS, duty=sealed([0.35]))
+    for times in (rest_to_rest, full_speed):
+        assert times(keys, tight)[0, (0, 1)] > 1.2 * times(keys, LIMITS)[0, (0, 1)] or times is full_speed
+    assert full_speed(keys, tight)[0, (0, 1)] == pytest.approx(0.15 / 0.35)
+
+
+FEASIBLE_LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
+ROWS = ((0, 0, 0, "start"), (0.4, 0.6, 0, "ready"), (0.6, -0.6, 1, "stroke"), (0.8, 0.6, 1, "relax"), (2, 0, 0, "end"))
+KEYS = tuple(KeyPosture(time, sealed(turn), (True, True), (("b", sync),)) for time, *turn, sync in ROWS)
+
+
+def lacking(search: Search, keys: Keys):
+    found = [segment for segment in segments(search.times, keys, STEP) if not segment.still]
+    return [segment for segment in found if shortage(segment, FEASIBLE_LIMITS).amount > 0.0]
+
+
+def test_it_begins_at_full_speed():
+    keys = Keys.of(KEYS, FEASIBLE_LIMITS)
+    search = Search(keys, FEASIBLE_LIMITS, 0.6)
+    assert search.times[2] - search.times[1] == pytest.approx(0.3)
+    assert search.met[1, 2].quantity == "speed"
+    assert search.met[1, 2].ratio == pytest.approx(1.5)
+
+
+def test_what_lacks_time_is_given_time():
+    keys = Keys.of(KEYS, FEASIBLE_LIMITS)
+    search = Search(keys, FEASIBLE_LIMITS, 0.6)
+    lost = lacking(search, keys)
+    assert lost
+    search.avoid(lost[0])
+    assert not lacking(search, keys)
+
+
+def test_asked_times_that_suffice_are_not_touched():
+    slow = tuple(replace(key, time=3 * key.time) for key in KEYS)
+    keys = Keys.of(slow, FEASIBLE_LIMITS)
+    np.testing.assert_array_equal(Search(keys, FEASIBLE_LIMITS, 0.6).times, keys.asked)
+
+
+def test_a_segment_that_is_lost_whatever_is_known_rests_in_the_end(monkeypatch):
+    """As if no program were ever solved: times grow, and in the end somebody is named."""
+    monkeypatch.setattr(key_times, "LONGEST", 10.0)  # the longer a motion, the slower is each look at it
+    keys = Keys.of(KEYS, FEASIBLE_LIMITS)
+    search = Search(keys, FEASIBLE_LIMITS, 0.6)
+    began = search.times
+
+    def lose() -> None:
+        for _ in range(100):
+            search.avoid(next(segments(search.times, keys, STEP)))
+
+    with pytest.raises(ArithmeticError, match="hinge 0 cannot move"):
+        lose()
+    assert search.times[-1] - search.times[0] > 2 * (began[-1] - began[0])
+
+
+def test_a_hinge_that_can_hardly_move_takes_long():
+    weak = replace(FEASIBLE_LIMITS, duty=sealed([0.06, 0.06]))
+    motion = condition(KEYS, weak)
+    assert motion.planned[-1] > 10.0
+    assert {met.quantity for met in motion.bottlenecks.values()} == {"duty"}
