@@ -12,7 +12,7 @@ from kinesic.body.limits import Limits
 from kinesic.body.robot import SIDES, Robot
 from kinesic.motion.desired import Wish, wish
 from kinesic.motion.keys import KeyPosture, Waypoints
-from kinesic.planning.apart import apart
+from kinesic.planning.collision import apart
 
 Arm = tuple[int, ...]  # joints of an arm
 

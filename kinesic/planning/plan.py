@@ -24,11 +24,10 @@ from kinesic.planning.clearance import Conditioner, cleared, culprits
 from kinesic.planning.coupling import bonds
 from kinesic.planning.postures import Postures, postures
 from kinesic.planning.setup import Facts
-from kinesic.planning.smaller import smaller
 from kinesic.planning.speech import remarks, spoken
 from kinesic.planning.speech_pauses import Waiting, allowed, lateness, lengthened, wanted
 from kinesic.planning.speech_pauses import notices as pause_notices
-from kinesic.planning.syncs import SyncTime, shifts, sync_times
+from kinesic.planning.syncs import SyncTime, shifts, smaller, sync_times
 
 STILL = 0.1  # [s] of a wish for nothing
 ROUNDS = 3  # of planning, in which pauses are made longer

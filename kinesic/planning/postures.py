@@ -16,9 +16,8 @@ from kinesic.ik.torso import lean
 from kinesic.motion.keys import LEAST_GAP, KeyPosture
 from kinesic.motion.passage import PLAIN, Passage
 from kinesic.planning.arm_postures import turned, with_arms
-from kinesic.planning.hover import clear_hands
-from kinesic.planning.turning import set_turn, turn_of
-from kinesic.planning.volume import volume
+from kinesic.planning.collision import clear_hands
+from kinesic.planning.torso import set_turn, turn_of, volume
 
 PARTS: Mapping[PartName, str] = {"torso": "torso", "l_hand": "l_arm", "r_hand": "r_arm", "head": "neck"}
 

@@ -1,16 +1,22 @@
-"""When each sync point was asked for, and when it will be."""
+"""What becomes of what was asked: when each sync point will be, and which paths of hands become smaller."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
 
-from kinesic.bml.block import Block, Notice, NoticeType
-from kinesic.body.robot import Robot
+import numpy as np
+
+from kinesic.bml.block import Block, Notice, NoticeType, Timed
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.keyframes import KeyFrames, PartName
 from kinesic.motion.condition import Conditioned
 from kinesic.motion.key_times import Bottleneck
-from kinesic.motion.keys import Pair
+from kinesic.motion.keys import KeyPosture, Pair
 
 SHIFT_TO_WARN = 0.010  # [s]
 CHAINS: dict[PartName, str] = {"torso": "torso", "head": "neck", "l_hand": "l_arm", "r_hand": "r_arm"}
+SMALLER_TO_WARN = 0.1  # share of the length of a path
 
 
 @dataclass(frozen=True)
@@ -71,3 +77,47 @@ def limit_met(sync: SyncTime, frames: KeyFrames, motion: Conditioned, robot: Rob
         return float(max(begin - sync.asked, sync.asked - end, 0.0)), motion.bottlenecks[pair].hinge not in own
 
     return motion.bottlenecks[min(motion.bottlenecks, key=away)] if motion.bottlenecks else None
+
+
+def smaller(
+    block: Block, postures: Sequence[KeyPosture], frames: KeyFrames, motion: Conditioned, robot: Robot
+) -> list[Notice]:
+    """A warning for each behaviour with a hand whose path is cut by more than a tenth.
+
+    Args:
+        block: that is planned.
+        postures: that the motion was to pass.
+        frames: of the block.
+        motion: what became of them.
+        robot: whose hands.
+    """
+    if all(posture.firm for posture in postures):
+        return []
+    asked = robot.skeleton.frames(np.array([posture.angles for posture in postures])).origins
+    planned = robot.skeleton.frames(motion.trajectory.sample(motion.planned + motion.trajectory.zero)[0]).origins
+    found = []
+    for timed in frames.timeline.timed:
+        cut, name = 0.0, timed.behaviour.id
+        for side in SIDES:
+            if f"{side}_hand" in frames.uses.get(name, ()):
+                rows = _on_path(postures, timed, robot, side)
+                hand = robot.skeleton.segment(robot.chains[f"{side}_arm"][-1])
+                whole = _length(asked[rows, hand])
+                cut = max(cut, 1.0 - _length(planned[rows, hand]) / whole) if whole else cut
+        if cut > SMALLER_TO_WARN:
+            text = f"its path is made {100 * cut:.0f} % smaller: servos cannot follow it in its time"
+            found.append(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, f"{block.id}:{name}", text))
+    return found
+
+
+def _on_path(postures: Sequence[KeyPosture], timed: Timed, robot: Robot, side: Side) -> list[int]:
+    """The keys of a hand on a path in a stroke, with those at its ends; none without a path."""
+    start, end = (timed.times.get(sync, inf) for sync in ("strokeStart", "strokeEnd"))
+    arm = robot.joints(f"{side}_arm")[0]
+    rows = [k for k, posture in enumerate(postures) if posture.keyed[arm] and start <= posture.time <= end]
+    return [] if all(postures[k].firm for k in rows) else rows
+
+
+def _length(path: Floats) -> float:
+    """Of a path (m, 3) [m]."""
+    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())

@@ -8,7 +8,7 @@ from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.realise import keyframes
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Style
-from kinesic.planning.hover import HOVER
+from kinesic.planning.collision import HOVER
 from kinesic.planning.postures import postures
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.dynamics import MujocoDynamics
