@@ -20,10 +20,10 @@ from kinesic.body.config import ConfigError
 from kinesic.expressivity.style.style import Style, preset
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SHIFT_TO_WARN
-from kinesic.realizer.aiming import aimed_again
-from kinesic.realizer.asked import Asked, again
 from kinesic.realizer.feedback import Due, ordered, retimed, times_of
+from kinesic.realizer.pointing import aimed_again
 from kinesic.realizer.replan import restyled
+from kinesic.realizer.request import Asked, again
 from kinesic.realizer.running_block import Ready, Staged
 from kinesic.realizer.scene import Scene
 

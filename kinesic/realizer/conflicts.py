@@ -12,9 +12,8 @@ from kinesic.motion.transition import LEAST, SAME, lengthened
 from kinesic.planning.certify import duties
 from kinesic.planning.clearance import LAG_RESERVE, scan
 from kinesic.planning.setup import Facts
-from kinesic.realizer.busy import ARMS, Busy, arm
+from kinesic.realizer.occupancy import ARMS, Busy, Failed, Work, arm
 from kinesic.realizer.release import tail
-from kinesic.realizer.work import Failed, Work
 
 FULL = 1.0  # of a drive's duty
 

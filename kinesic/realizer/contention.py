@@ -7,10 +7,9 @@ from typing import Protocol
 from kinesic.bml.block import Block, Composition, Interrupt, Notice, NoticeType
 from kinesic.body.robot import SIDES
 from kinesic.expressivity.hands.engaged import Engaged
-from kinesic.realizer.around import LEAD
-from kinesic.realizer.asked import Asked
-from kinesic.realizer.busy import Busy
 from kinesic.realizer.feedback import Times
+from kinesic.realizer.occupancy import Busy
+from kinesic.realizer.request import LEAD, Asked
 from kinesic.realizer.running_block import Spoken, Staged
 from kinesic.realizer.scene import Scene
 

@@ -9,8 +9,8 @@ from kinesic.bml.block import Notice, NoticeType
 from kinesic.bml.composition import State
 from kinesic.body.arrays import Flags
 from kinesic.motion.trajectory import Trajectory
-from kinesic.realizer.busy import Busy, freed
 from kinesic.realizer.feedback import Due, Progress, retimed, without
+from kinesic.realizer.occupancy import Busy, freed
 from kinesic.realizer.release import released
 from kinesic.realizer.running_block import Staged
 from kinesic.realizer.scene import Scene

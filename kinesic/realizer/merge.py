@@ -17,12 +17,11 @@ from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.motion.transition import EARLY, LEAST, knot_at, lengthened, placed, roomy, shortened
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
-from kinesic.realizer.busy import Busy, held
-from kinesic.realizer.busy import busy as needs
 from kinesic.realizer.conflicts import hindered
-from kinesic.realizer.layers import laid
+from kinesic.realizer.occupancy import Busy, Failed, Work, held
+from kinesic.realizer.occupancy import busy as needs
+from kinesic.realizer.overlay import laid
 from kinesic.realizer.release import released, tail
-from kinesic.realizer.work import Failed, Work
 
 WAITS = (0, 10, 20, 40)  # knots from one attempt to the next
 MOST_LATER = 60  # knots by which a block may come later

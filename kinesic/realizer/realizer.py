@@ -14,12 +14,12 @@ from kinesic.planning.certify import certified
 from kinesic.planning.plan import plan
 from kinesic.planning.quick_plan import opening
 from kinesic.planning.setup import Facts
-from kinesic.realizer.aiming import aimed_again
-from kinesic.realizer.asked import Asked
 from kinesic.realizer.changing import changed, improved, parameter_changed, taken
 from kinesic.realizer.contention import interrupted_by
 from kinesic.realizer.ending import left_out, stopped
 from kinesic.realizer.feedback import Due, ordered
+from kinesic.realizer.pointing import aimed_again
+from kinesic.realizer.request import Asked
 from kinesic.realizer.running_block import Ready, Staged
 from kinesic.realizer.scene import Scene, forgotten
 from kinesic.realizer.starting import activated, started

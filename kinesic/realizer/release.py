@@ -25,7 +25,7 @@ from kinesic.motion.transition import (
 from kinesic.planning.clearance import LAG_RESERVE, scan
 from kinesic.planning.quick_plan import duration
 from kinesic.planning.setup import Facts
-from kinesic.realizer.busy import ARMS, Busy, arm
+from kinesic.realizer.occupancy import ARMS, Busy, arm
 
 WAIT = 10  # knots that an interruption waits at least, when the way back is not clear
 MOST_WAITS = 6  # each twice as long as the one before

@@ -13,11 +13,10 @@ from kinesic.motion.keys import Keys
 from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.motion.transition import LEAST, NOWHERE, SAME, crossed, knot_at, lengthened, placed, roomy, shortened
 from kinesic.planning.plan import Plan
-from kinesic.realizer.busy import ARMS, Busy, arm, busy, held
 from kinesic.realizer.conflicts import hindered
-from kinesic.realizer.layers import laid
 from kinesic.realizer.merge import Merged
-from kinesic.realizer.work import Failed, Work
+from kinesic.realizer.occupancy import ARMS, Busy, Failed, Work, arm, busy, held
+from kinesic.realizer.overlay import laid
 
 AHEAD = 3  # keys of the other plan that a hand may pass before it is on its way
 SWING = 0.1  # [rad] from the other motion, once a hand has met it

@@ -14,10 +14,10 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.utterance import Utterance
 from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.planning.plan import Plan
-from kinesic.realizer.asked import Asked
-from kinesic.realizer.busy import Busy
 from kinesic.realizer.feedback import Due, Times, agenda, span, times_of
 from kinesic.realizer.merge import Merged
+from kinesic.realizer.occupancy import Busy
+from kinesic.realizer.request import Asked
 
 PATIENCE = 1.0  # [s] for a better plan than a provisional one
 FEWEST = 4  # control points of a motion: one piece

@@ -13,10 +13,9 @@ from kinesic.bml.timing.constraints import Point
 from kinesic.body.arrays import Flags
 from kinesic.motion.trajectory import STEP, Trajectory, held
 from kinesic.planning.setup import Facts
-from kinesic.realizer.around import Around
-from kinesic.realizer.asked import Asked
-from kinesic.realizer.busy import Busy, settled
 from kinesic.realizer.feedback import Due
+from kinesic.realizer.occupancy import Busy, settled
+from kinesic.realizer.request import Around, Asked
 from kinesic.realizer.running_block import Past, Spoken, Staged, rest_of
 
 KEPT = 0.5  # [s] of the past that the motion keeps

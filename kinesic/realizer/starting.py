@@ -5,11 +5,11 @@ from dataclasses import replace
 from kinesic.bml.block import Composition, Notice, NoticeType
 from kinesic.bml.composition import State
 from kinesic.planning.syncs import SHIFT_TO_WARN
-from kinesic.realizer.aiming import aimed_again
 from kinesic.realizer.contention import busy, heard
 from kinesic.realizer.ending import Told, ended, stopped
 from kinesic.realizer.feedback import Due, ordered, times_of, without
 from kinesic.realizer.merge import Merged, merged, replaced
+from kinesic.realizer.pointing import aimed_again
 from kinesic.realizer.running_block import Staged
 from kinesic.realizer.scene import Scene
 

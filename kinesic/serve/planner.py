@@ -12,10 +12,10 @@ from kinesic.body.config import ConfigError
 from kinesic.expressivity.style.style import Style
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.setup import Facts
-from kinesic.realizer.asked import Message, asked, refused
 from kinesic.realizer.contention import among
 from kinesic.realizer.realizer import Due, Ready, Scene, begun, changed, improved, interrupted, passed, ready
 from kinesic.realizer.release import released
+from kinesic.realizer.request import Message, asked, refused
 from kinesic.serve.clock import Clock
 from kinesic.serve.messages import (
     Beginning,

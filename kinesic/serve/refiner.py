@@ -12,8 +12,8 @@ from kinesic.bml.block import BmlError
 from kinesic.expressivity.style.style import Style
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Facts
-from kinesic.realizer.asked import Asked
 from kinesic.realizer.realizer import ready
+from kinesic.realizer.request import Asked
 
 NICE = 5  # behind loop and planner
 FACTS = "facts"  # stands for them where a plan is sent: either side has its own

@@ -5,7 +5,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 
 from kinesic.planning.setup import Facts
-from kinesic.realizer.asked import named
+from kinesic.realizer.request import named
 from kinesic.serve.clock import Clock
 from kinesic.serve.loop import Loop
 from kinesic.serve.messages import Document, Done, Interruption, Restyling, Resumption, Wanted, Warm

@@ -8,9 +8,9 @@ import pytest
 
 from kinesic.bml.composition import State
 from kinesic.planning.setup import Facts
-from kinesic.realizer.asked import Message, asked
 from kinesic.realizer.contention import among
 from kinesic.realizer.realizer import Due, Ready, Scene, begun, passed, ready
+from kinesic.realizer.request import Message, asked
 
 TICK = 0.01  # [s]
 NAMESPACES = (

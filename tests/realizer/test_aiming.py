@@ -6,7 +6,7 @@ import pytest
 from kinesic.motion.limit_check import peaks
 from kinesic.motion.transition import knot_at
 from kinesic.planning.clearance import LAG_RESERVE, scan
-from kinesic.realizer import aiming
+from kinesic.realizer import pointing
 from kinesic.realizer.pointing import pointed
 from kinesic.realizer.realizer import begun, improved, interrupted, ready, taken
 
@@ -59,7 +59,7 @@ def test_a_hand_that_is_going_to_point_allows_for_a_trunk_that_moves_then(play, 
 def test_a_trunk_that_comes_back_sooner_leaves_the_hand_where_it_points(play):
     play.send("a", LEAN).until(0.4).send("b", POINT).until(0.5)
     play.take(interrupted(play.scene, play.now, "a"))
-    assert missed(play, "b") < aiming.ASTRAY
+    assert missed(play, "b") < pointing.ASTRAY
     check(play)
 
 
@@ -85,7 +85,7 @@ def test_other_works_of_the_hand_stay_as_they_are(play):
 
 
 def test_what_servos_cannot_mend_is_told_by_name(play, monkeypatch):
-    monkeypatch.setattr(aiming, "corrected", lambda *_: None)
+    monkeypatch.setattr(pointing, "corrected", lambda *_: None)
     play.send("a", LEAN).until(0.4).send("b", POINT)
     (text,) = play.warnings()
     assert 'id="b:p" type="IMPOSSIBLE_TO_SCHEDULE"' in text
@@ -99,7 +99,7 @@ def test_a_trunk_that_leans_when_it_is_too_late_is_told(play):
     stroke = play.scene.find("a").times["p"]["stroke"]
     play.until(stroke - 0.12).send("b", LEAN.replace("lean", "turn left"))
     off = missed(play, "a")
-    assert (len(play.warnings("a:p")) == 1) == (off > aiming.ASTRAY)
+    assert (len(play.warnings("a:p")) == 1) == (off > pointing.ASTRAY)
     check(play)
 
 

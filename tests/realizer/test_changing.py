@@ -8,8 +8,8 @@ from kinesic.body.config import ConfigError
 from kinesic.expressivity.style.style import Style
 from kinesic.motion.limit_check import peaks
 from kinesic.planning.setup import Facts
-from kinesic.realizer.asked import Asked, Message, asked
 from kinesic.realizer.realizer import Scene, begun, changed, improved, passed, ready, taken
+from kinesic.realizer.request import Asked, Message, asked
 
 BML = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:bmla="http://www.asap-project.org/bmla" '

@@ -14,8 +14,8 @@ from kinesic.motion.trajectory import held
 from kinesic.motion.transition import knot_at, lengthened
 from kinesic.planning.clearance import LAG_RESERVE, scan
 from kinesic.planning.quick_plan import opening
-from kinesic.realizer.busy import arm
 from kinesic.realizer.merge import merged, replaced
+from kinesic.realizer.occupancy import arm
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 NOD = '<head id="n" lexeme="NOD"/>'

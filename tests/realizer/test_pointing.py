@@ -7,7 +7,7 @@ from kinesic.bml.parse import parse
 from kinesic.motion.trajectory import Trajectory
 from kinesic.motion.transition import knot_at, lengthened
 from kinesic.planning.quick_plan import opening
-from kinesic.realizer.busy import busy
+from kinesic.realizer.occupancy import busy
 from kinesic.realizer.pointing import corrected, pointed
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'

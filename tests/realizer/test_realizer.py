@@ -8,8 +8,8 @@ import pytest
 from kinesic.bml.block import BmlError
 from kinesic.bml.composition import State
 from kinesic.planning.setup import Facts
-from kinesic.realizer.asked import Message, asked
 from kinesic.realizer.realizer import begun, passed, ready
+from kinesic.realizer.request import Message, asked
 
 HELLO = '<speech id="s"><text>Hello <sync id="m"/>there</text></speech>'
 NOD = '<head id="h" lexeme="NOD"/>'

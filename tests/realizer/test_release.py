@@ -7,8 +7,8 @@ from kinesic.bench.passage import passage
 from kinesic.bml.parse import parse
 from kinesic.motion.trajectory import STEP, held
 from kinesic.planning.quick_plan import opening
-from kinesic.realizer.busy import arm, freed
 from kinesic.realizer.merge import merged
+from kinesic.realizer.occupancy import arm, freed
 from kinesic.realizer.release import released, tail
 
 from .certified import certified

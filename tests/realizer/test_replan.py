@@ -11,8 +11,8 @@ from kinesic.expressivity.style.style import Style
 from kinesic.motion.trajectory import held
 from kinesic.planning.plan import plan
 from kinesic.planning.quick_plan import opening
-from kinesic.realizer.busy import arm
 from kinesic.realizer.merge import merged
+from kinesic.realizer.occupancy import arm
 from kinesic.realizer.release import released
 from kinesic.realizer.replan import restyled
 

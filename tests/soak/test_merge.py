@@ -15,8 +15,8 @@ from kinesic.planning.certify import duties
 from kinesic.planning.clearance import LAG_RESERVE, scan
 from kinesic.planning.plan import plan
 from kinesic.planning.quick_plan import opening
-from kinesic.realizer.busy import freed, held
 from kinesic.realizer.merge import merged, replaced
+from kinesic.realizer.occupancy import freed, held
 from kinesic.realizer.release import released, tail
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'

@@ -15,8 +15,8 @@ from kinesic.motion.transition import knot_at, lengthened
 from kinesic.planning.clearance import LAG_RESERVE, scan
 from kinesic.planning.plan import Plan, plan
 from kinesic.planning.quick_plan import opening
-from kinesic.realizer.busy import freed, held
 from kinesic.realizer.merge import merged, replaced
+from kinesic.realizer.occupancy import freed, held
 from kinesic.realizer.release import released, tail
 from kinesic.realizer.replan import restyled
 

@@ -13,8 +13,8 @@ from kinesic.bml.block import Composition, Succession
 from kinesic.controller.perform import facts
 from kinesic.motion.limit_check import peaks
 from kinesic.planning.setup import Facts
-from kinesic.realizer.asked import Message, asked
 from kinesic.realizer.realizer import Due, Ready, Scene, begun, interrupted, passed, ready
+from kinesic.realizer.request import Message, asked
 
 TEXT = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:bmla="http://www.asap-project.org/bmla" '

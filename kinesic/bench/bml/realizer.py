@@ -8,9 +8,9 @@ from collections.abc import Callable
 from kinesic.bench.bml.heard import Feedback, heard
 from kinesic.bml.block import BmlError
 from kinesic.planning.setup import Facts
-from kinesic.realizer.asked import Message, asked, refused
 from kinesic.realizer.contention import among
 from kinesic.realizer.realizer import Due, Scene, begun, passed, ready
+from kinesic.realizer.request import Message, asked, refused
 
 
 class Realizer:

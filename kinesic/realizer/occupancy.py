@@ -1,4 +1,4 @@
-"""Which hinges each behaviour of a plan needs, and when."""
+"""Which hinges each behaviour occupies, and when: of a running motion, and of a block that is laid over it."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -147,3 +147,28 @@ def arm(role: Role, robot: Robot) -> tuple[int, ...]:
     """Hinges of a hand's arm, in joint order."""
     sides = {f"{side}_hand": robot.joints(f"{side}_arm") for side in SIDES}
     return sides[role]
+
+
+@dataclass(frozen=True)
+class Failed:
+    """A behaviour that has no way within the limits."""
+
+    behaviour: str
+    why: str
+
+
+@dataclass(frozen=True, eq=False)
+class Work:
+    """What is laid over what: both from the same time on."""
+
+    base: Floats  # (k + 3, n) [rad] control points of what runs
+    coming: Floats  # (k + 3, n) [rad] of the block's own motion
+    cut: int  # knot until which nothing may change
+    held: Sequence[Busy]  # of what runs, what has not given way at the cut
+    performed: Sequence[Busy]  # behaviours of the block
+    dropped: Sequence[Busy]  # behaviours of the block that are left out
+
+    def blamed(self, why: str) -> Failed:
+        """The last behaviour of the block that moves the trunk fails; none where it performs none."""
+        performed = sorted(self.performed, key=lambda each: not each.roles <= set(ARMS))
+        return Failed(performed[-1].behaviour if performed else "", why)

@@ -10,8 +10,7 @@ from kinesic.bml.composition import State
 from kinesic.bml.parse import parse
 from kinesic.bml.timing.constraints import Point
 from kinesic.planning.setup import Facts
-from kinesic.realizer.around import LEAD, Around, anchored, refers_elsewhere
-from kinesic.realizer.asked import Message, again, asked, refused
+from kinesic.realizer.request import LEAD, Around, Message, again, anchored, asked, refers_elsewhere, refused
 
 BML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b" {}>{}</bml>'
 NOD = '<head id="h" lexeme="NOD" start="{}"/>'

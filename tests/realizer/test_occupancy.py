@@ -3,7 +3,7 @@ import pytest
 
 from kinesic.bml.parse import parse
 from kinesic.planning.quick_plan import opening
-from kinesic.realizer.busy import Busy, arm, busy, freed, held, settled
+from kinesic.realizer.occupancy import Busy, arm, busy, freed, held, settled
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 

@@ -1,0 +1,221 @@
+"""One block's motion laid over what runs.
+
+Movements of the trunk add up: a nod goes over a gaze, the lean of one reach over that of another. A hand does one
+work after the other: it leaves a hold or a retraction for what comes next (co-articulation).
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import ceil, floor
+from typing import Literal
+
+import numpy as np
+
+from kinesic.body.arrays import Flags, Floats
+from kinesic.body.limits import Limits
+from kinesic.motion.trajectory import STEP
+from kinesic.motion.transition import EARLY, LEAST, SAME, crossed, excesses, kept, lengthened
+from kinesic.planning.quick_plan import duration
+from kinesic.planning.setup import Facts
+from kinesic.realizer.occupancy import ARMS, Busy, Failed, Role, Work, arm
+
+EASE = 1.5  # times the least time, in which what stays gives way
+AGAIN = 1.5  # times as long, when a way back to rest is too short
+LONGEST = 400  # pieces of a way back to rest
+LEAST_BACK = 30  # pieces
+KEPT = 1.0 + 1e-6  # share of a limit
+
+
+def added(work: Work, alone: Flags, limits: Limits, names: Sequence[str]) -> Floats | Failed:
+    """Both motions added, nearest to their sum where that exceeds a limit.
+
+    Args:
+        work: what is laid over what.
+        alone: (n,) hinges of which only what runs counts.
+        limits: of all hinges.
+        names: of all hinges.
+
+    Returns:
+        (k + 3, n) [rad] control points; a behaviour of the block where a hinge cannot do both.
+    """
+    turns = [turn for each in work.performed for turn in _turns(each, work, limits)]
+    count = max([len(work.base), *(ceil(turn.over / STEP) + 2 * LEAST for turn in turns)])
+    base, coming = lengthened(work.base, count), lengthened(work.coming, count)
+    change = coming - coming[0]
+    change[:, alone] = 0.0
+    for gone in work.dropped:
+        _flatten(change, gone, work, limits)
+    for turn in turns:
+        change -= turn.share(count)[:, None] * turn.left
+    found = np.asarray(base + change)
+    rows, moved = np.flatnonzero(np.abs(change).max(axis=1) > SAME), np.flatnonzero(np.abs(change).max(axis=0) > SAME)
+    if not len(rows):
+        return found
+    first, last = max(work.cut, int(rows[0]) - LEAST), min(int(rows[-1]) + 1, len(found) - LEAST)
+    if last - first < LEAST:
+        return found
+    over = excesses(found[first : last + LEAST, moved], limits.part(moved)) > 1.0
+    for hinge in moved[over].tolist():
+        wish = np.clip(found[:, hinge], limits.lower[hinge], limits.upper[hinge])
+        column = kept(wish, first, last, limits, hinge)
+        if column is None:
+            return work.blamed(f"{names[hinge]} cannot do both within its limits")
+        found[:, hinge] = column
+    return found
+
+
+def _flatten(change: Floats, gone: Busy, work: Work, limits: Limits) -> None:
+    """Takes out of what a block changes (k + 3, n) [rad] what a behaviour did that is left out."""
+    begin, end = max(0, floor(gone.begin / STEP)), min(ceil(gone.end / STEP), len(change) - LEAST)
+    beside = [each for each in work.performed if each.begin < gone.end and gone.begin < each.end]
+    own = gone.hinges & ~np.any([each.hinges for each in beside], axis=0) if beside else np.ones_like(gone.hinges)
+    for hinge in np.flatnonzero(own).tolist() if begin < end else ():
+        column = change[:, hinge]
+        way = crossed(column, np.full(len(column), column[end + 1]), begin, end, limits, hinge)
+        if way is not None:
+            change[begin : end + 1, hinge] = way[begin : end + 1]
+
+
+@dataclass(frozen=True, eq=False)
+class _Turn:
+    """What an earlier behaviour has left gives way to one of its kind, while that lasts or for good."""
+
+    left: Floats  # (n,) [rad]
+    begin: float  # [s] from here
+    gone: float  # [s] until here it gives way
+    back: float  # [s] from here
+    end: float  # [s] until here it comes back, or never
+
+    @property
+    def over(self) -> float:
+        """When it is over [s]."""
+        return self.end if np.isfinite(self.end) else self.gone
+
+    def share(self, count: int) -> Floats:
+        """(count,) of what was left that is taken out, by control points."""
+        times = np.asarray((np.arange(count) - LEAST) * STEP, dtype=np.float64)
+        back = rise(times, self.back, self.end) if np.isfinite(self.end) else 0.0
+        return np.asarray(rise(times, self.begin, self.gone) * (1.0 - back))
+
+
+def _turns(each: Busy, work: Work, limits: Limits) -> Iterator[_Turn]:
+    for role in each.roles - set(ARMS):
+        left = next((other.offset for other in work.held if role in other.roles and other.end <= each.begin), None)
+        if left is not None:
+            least = EASE * max(duration(float(way), limits, hinge) for hinge, way in enumerate(left))
+            gone, end = max(each.ready, each.begin + least), np.inf if each.stays else each.end
+            yield _Turn(left, each.begin, gone, min(each.relax, each.end - least), end)
+
+
+def rise(times: Floats, begin: float, end: float) -> Floats:
+    """From 0 to 1 between two times [s], smooth up to the acceleration, at some times (m,) [s]."""
+    u = np.clip((times - begin) / max(end - begin, STEP), 0.0, 1.0)
+    return np.asarray(u**3 * (10 - 15 * u + 6 * u**2))
+
+
+def handed(work: Work, role: Role, hinge: int, limits: Limits) -> Floats | Failed:
+    """One hinge of an arm, through all that its hand has to do.
+
+    Args:
+        work: what is laid over what.
+        role: of the hand.
+        hinge: of its arm.
+        limits: of all hinges.
+
+    Returns:
+        (k + 3,) [rad] control points, maybe of more pieces than what is laid over what; the behaviour of the block for
+        which there is no time between two works.
+    """
+    sources = {"base": work.base[:, hinge], "coming": work.coming[:, hinge]}
+    column, source, left = sources["base"], "base", float(work.cut * STEP)
+    done = None
+    for stop, of in _stops(work, role):
+        if stop.ready < work.cut * STEP - EARLY:
+            column, source = sources[of], of  # it is there already
+        elif of != source or (done and of == "coming" and _between(work.dropped, role, done, stop)):
+            way = _led(column, sources[of], left, stop, limits, hinge)
+            if way is None:
+                name = stop.behaviour if of == "coming" or done is None else done.behaviour
+                return Failed(name, "its hand has not the time to come from one work to the next")
+            column, source = way, of
+        left, done = max(left, stop.relax), stop
+    if source == "base" or done is None:
+        return column
+    return _home(column, sources, done, work, role, limits, hinge)
+
+
+def _stops(work: Work, role: Role) -> list[tuple[Busy, Literal["base", "coming"]]]:
+    """What a hand has to do, in order; empty where the block asks nothing of it."""
+    own: list[tuple[Busy, Literal["base", "coming"]]] = [(b, "coming") for b in work.performed if role in b.roles]
+    if not own:
+        return []
+    return sorted([*own, *((b, "base") for b in work.held if role in b.roles)], key=lambda stop: stop[0].ready)
+
+
+def _between(dropped: Sequence[Busy], role: Role, before: Busy, after: Busy) -> bool:
+    return any(role in gone.roles and before.ready <= gone.ready <= after.ready for gone in dropped)
+
+
+def _led(own: Floats, after: Floats, left: float, stop: Busy, limits: Limits, hinge: int) -> Floats | None:
+    """From one work to the next: where both are one, else when the next begins, or as soon as the one gives way."""
+    land, soonest = floor(stop.ready / STEP + EARLY), ceil(left / STEP - EARLY)
+    apart = np.abs(own[soonest : land + LEAST] - after[soonest : land + LEAST]) > SAME
+    together = np.flatnonzero(~(apart[:-2] | apart[1:-1] | apart[2:]))
+    leaves = (
+        [soonest + int(together[-1])] if len(together) else [max(soonest, floor(stop.begin / STEP + EARLY)), soonest]
+    )
+    ways = (crossed(own, after, leave, land, limits, hinge) for leave in leaves)
+    return next((way for way in ways if way is not None), None)
+
+
+def _home(
+    column: Floats, sources: dict[str, Floats], done: Busy, work: Work, role: Role, limits: Limits, hinge: int
+) -> Floats | Failed:
+    """After its last work the hand rests as it did before, unless the block ends elsewhere."""
+    base, coming = sources["base"], sources["coming"]
+    cleanly = not any(role in gone.roles and gone.ready >= done.ready for gone in work.dropped)
+    other_rest = abs(coming[-1] - coming[0]) > SAME
+    if cleanly and (other_rest or abs(base[-1] - coming[-1]) <= SAME):
+        return column
+    rest = np.full(len(base), base[-1])
+    leave = ceil(done.relax / STEP - EARLY)
+    pieces = max(LEAST_BACK, ceil((done.end - done.relax) / STEP))
+    while pieces <= LONGEST:
+        short = max(0, leave + pieces + LEAST - len(column))
+        own, after = (np.pad(each, (0, short), mode="edge") for each in (column, rest))
+        way = crossed(own, after, leave, leave + pieces, limits, hinge)
+        if way is not None:
+            return way
+        pieces = ceil(AGAIN * pieces)
+    return Failed(done.behaviour, "its hand has no way back to rest within its limits")
+
+
+def laid(work: Work, facts: Facts, limits: Limits) -> Floats | Failed:
+    """Both together, at rest in the end.
+
+    Args:
+        work: what is laid over what.
+        facts: the robot.
+        limits: of its hinges.
+
+    Returns:
+        (k + 3, n) [rad] control points, the same as what runs until the cut; or a behaviour that has no way.
+    """
+    arms = {hinge: role for role in ARMS for hinge in arm(role, facts.robot)}
+    names = facts.robot.skeleton.names
+    found = added(work, np.isin(np.arange(len(names)), list(arms)), limits, names)
+    if isinstance(found, Failed):
+        return found
+    columns = [found[:, hinge] for hinge in range(found.shape[1])]
+    for hinge, role in arms.items():
+        column = handed(work, role, hinge, limits)
+        if isinstance(column, Failed):
+            return column
+        columns[hinge] = column
+    count = max(map(len, columns)) + 1
+    whole = np.stack([np.pad(column, (0, count - len(column)), mode="edge") for column in columns], axis=1)
+    changed = np.flatnonzero((np.abs(whole - lengthened(work.base, count)) > SAME).any(axis=0))
+    over = changed[excesses(whole[work.cut :, changed], limits.part(changed)) > KEPT]
+    if len(over):
+        return work.blamed(f"{names[over[0]]} cannot do both within its limits")
+    return whole
