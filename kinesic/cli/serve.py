@@ -19,7 +19,7 @@ from kinesic.face.show.preview import Preview
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.serve.quotas import USUAL, Rules
-from kinesic.serve.serving import Address, Serving, serving, until_done
+from kinesic.serve.server import Address, Serving, serving, until_done
 from kinesic.serve.sinks import AHEAD, DELAY, Follower, RealServos, RealTwin
 from kinesic.speech import port_audio
 

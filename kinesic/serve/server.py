@@ -1,8 +1,12 @@
-"""The server: clients come by TCP, WebSocket and standard input, and every one is attended to by itself."""
+"""The server: clients come by TCP, WebSocket and standard input, and every one is attended to by itself.
+
+As a whole it opens, waits until somebody wants it to end, and folds the robot to rest.
+"""
 
 from asyncio import (
     FIRST_COMPLETED,
     CancelledError,
+    Event,
     StreamReader,
     StreamWriter,
     create_task,
@@ -12,26 +16,30 @@ from asyncio import (
     wait,
 )
 from asyncio import Server as Listener
-from collections.abc import AsyncIterator, Callable
-from contextlib import suppress
+from collections.abc import AsyncIterator, Callable, Sequence
+from contextlib import asynccontextmanager, suppress
+from dataclasses import dataclass
 from socket import SO_KEEPALIVE, SO_SNDBUF, SOL_SOCKET
 from typing import Protocol
 
 from kinesic.body.config import ConfigError
-from kinesic.serve.console import Console
-from kinesic.serve.desk import Desk
-from kinesic.serve.guest import POLICY, TOO_BIG, Guest
-from kinesic.serve.line import HalfError, Line
+from kinesic.planning.setup import Facts
+from kinesic.serve.clients import POLICY, TOO_BIG, Desk, Guest
 from kinesic.serve.protocol import BLANK, END
-from kinesic.serve.quotas import refused
-from kinesic.serve.stream import Stream
+from kinesic.serve.quotas import USUAL, Rules, refused
+from kinesic.serve.session import Performer
+from kinesic.serve.sinks import Follower
+from kinesic.serve.transport import Console, HalfError, Line, Stream
 from kinesic.serve.websocket import WebSocket
 
 REQUEST = b"GET "  # how a WebSocket begins
 DOCUMENT = (b"<", b"{", END)  # how a message may begin, after blanks
 BUFFER = 65_536  # [bytes] for a client that does not read
 DOORWAY = 2  # times as many connections as clients, among them such as have not said anything
-LOOK = 0.05  # [s] between two looks at whether a client is owed something
+LOOK_AT_CLIENT = 0.05  # [s] between two looks at whether a client is owed something
+AWAY = 1001  # WebSocket's code of a server that ends
+FOLDING = 30.0  # [s] that ending everything and coming to rest may take
+LOOK_AT_LOOP = 0.1  # [s] between two looks at whether the loop still runs
 
 
 class Wire(Protocol):
@@ -104,7 +112,7 @@ async def _attend(desk: Desk, wire: Wire, guest: Guest) -> None:
     try:
         await wait((hearing, telling), return_when=FIRST_COMPLETED)
         while wire.lingers and not telling.done() and desk.performer.owes(guest.number):
-            await sleep(LOOK)
+            await sleep(LOOK_AT_CLIENT)
         guest.outbox.end()
         hearing.cancel()
         await telling
@@ -135,3 +143,92 @@ async def _hear(desk: Desk, wire: Wire, guest: Guest) -> None:
 async def _tell(wire: Wire, guest: Guest) -> None:
     while (message := await guest.outbox.take()) is not None:
         await wire.send(message)
+
+
+@dataclass(frozen=True)
+class Address:
+    """Where a server listens."""
+
+    host: str
+    port: int  # 0: any that is free
+
+    def __str__(self) -> str:
+        return f"[{self.host}]:{self.port}" if ":" in self.host else f"{self.host}:{self.port}"
+
+
+@dataclass(frozen=True, eq=False)
+class Serving:
+    """An open server."""
+
+    desk: Desk
+    address: Address | None  # None: only standard input
+
+
+@asynccontextmanager
+async def serving(
+    facts_of: Callable[[], Facts],
+    followers: Sequence[Follower],
+    *,
+    address: Address | None,
+    rules: Rules = USUAL,
+    token: str | None = None,
+    face: bool = False,
+    sound: bool = False,
+) -> AsyncIterator[Serving]:
+    """Opens a server once its planner is warm, and folds the robot to rest at the end.
+
+    Args:
+        facts_of: makes what planning needs; picklable, because another process calls it too.
+        followers: sinks, closed at the end.
+        address: to listen at; None: nowhere.
+        rules: what clients may do.
+        token: that clients must show.
+        face: one of the sinks shows it.
+        sound: speech is heard.
+
+    Raises:
+        ConfigError: the address cannot be had.
+    """
+    desk = Desk(rules, token, lambda own: Performer(facts_of, followers, rules, own.tell, face=face, sound=sound))
+    listener = None
+    try:
+        if address is not None:
+            listener = await listen(desk, address.host, address.port)
+            address = Address(address.host, listener.sockets[0].getsockname()[1])
+        await desk.performer.start()
+        if listener is not None:
+            await listener.start_serving()
+        yield Serving(desk, address)
+        if listener is not None:
+            listener.close()
+        with suppress(TimeoutError):
+            async with timeout(FOLDING):
+                await desk.performer.fold()
+    finally:
+        if listener is not None:
+            listener.close()
+        desk.close(AWAY, "the server ends")
+        await sleep(LOOK_AT_LOOP)  # for what is still to be read
+        desk.performer.close()
+
+
+async def until_done(open_: Serving, wanted: Event, *, console: bool) -> None:
+    """Waits until somebody wants the end, the loop has failed, or nothing can come any more.
+
+    Args:
+        open_: the server.
+        wanted: set by whoever wants the end.
+        console: whether standard input is read.
+    """
+    tasks = {create_task(wanted.wait()), create_task(_failed(open_.desk.performer))}
+    reading = create_task(attend_console(open_.desk)) if console else None
+    if reading is not None and open_.address is None:
+        tasks.add(reading)
+    await wait(tasks, return_when=FIRST_COMPLETED)
+    for task in (*tasks, *((reading,) if reading else ())):
+        task.cancel()
+
+
+async def _failed(performer: Performer) -> None:
+    while performer.loop.is_alive():
+        await sleep(LOOK_AT_LOOP)

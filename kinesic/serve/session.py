@@ -10,10 +10,10 @@ from kinesic.serve.clock import Clock
 from kinesic.serve.loop import Loop
 from kinesic.serve.messages import Document, Done, Interruption, Restyling, Resumption, Wanted, Warm
 from kinesic.serve.planner_process import Planner
+from kinesic.serve.queues import Turns, Waiting
 from kinesic.serve.quotas import Rules, refused
 from kinesic.serve.sinks import Follower
 from kinesic.serve.tracks import Effects
-from kinesic.serve.turns import Turns, Waiting
 from kinesic.speech.speaker import Speaker
 
 LOOK = 0.02  # [s] between two looks at whether it is at rest

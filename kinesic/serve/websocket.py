@@ -8,7 +8,7 @@ from websockets.http11 import Request
 from websockets.protocol import State
 from websockets.server import ServerProtocol
 
-from kinesic.serve.line import HalfError, Line
+from kinesic.serve.transport import HalfError, Line
 
 HERE = ("localhost", "127.0.0.1", "::1", None)  # whose pages may connect without a token
 DATA = (Opcode.TEXT, Opcode.BINARY, Opcode.CONT)

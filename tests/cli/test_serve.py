@@ -12,7 +12,7 @@ from kinesic.body.config import ConfigError
 from kinesic.cli.serve import read_address, read_rules
 from kinesic.client import Client
 from kinesic.serve.quotas import USUAL
-from kinesic.serve.serving import Address
+from kinesic.serve.server import Address
 
 pytestmark = pytest.mark.realtime
 

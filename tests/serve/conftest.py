@@ -13,7 +13,7 @@ from kinesic.body.command import Command
 from kinesic.client import Client
 from kinesic.controller.perform import facts
 from kinesic.serve.quotas import Rules
-from kinesic.serve.serving import Address, Serving, serving, until_done
+from kinesic.serve.server import Address, Serving, serving, until_done
 from kinesic.serve.sinks import Follower, RealTwin
 
 

@@ -1,7 +1,9 @@
+import asyncio
+
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinesic.serve.turns import Turns, Waiting
+from kinesic.serve.queues import MINOR, Outbox, Turns, Waiting
 
 
 def waiting(sender, text=b""):
@@ -44,3 +46,57 @@ def test_nobody_waits_for_more_than_one_block_of_each_other_client(senders):
         since = order[(before[-1] + 1 if before else 0) : place]
         assert len(since) == len(set(since))
     assert sorted(order) == sorted(senders)
+
+
+def drained(outbox):
+    async def all_of_them():
+        outbox.end()
+        return [message async for message in _messages(outbox)]
+
+    return asyncio.run(all_of_them())
+
+
+async def _messages(outbox):
+    while (message := await outbox.take()) is not None:
+        yield message
+
+
+def test_messages_come_in_order():
+    outbox = Outbox(3)
+    for message in "abc":
+        outbox.put(message)
+    assert drained(outbox) == ["a", "b", "c"]
+
+
+def test_of_too_many_the_oldest_minor_ones_go_first_and_the_loss_is_told():
+    outbox = Outbox(3)
+    for message in ("first", f"{MINOR} 1", f"{MINOR} 2", "second", "third", "fourth"):
+        outbox.put(message)
+    told, *left = drained(outbox)
+    assert "3 messages were dropped" in told
+    assert left == ["second", "third", "fourth"]
+
+
+def test_it_never_holds_more_than_it_may():
+    outbox = Outbox(5)
+    for number in range(1000):
+        outbox.put(str(number))
+    assert len(outbox) == 5
+
+
+def test_one_that_waits_gets_what_comes():
+    async def both():
+        outbox = Outbox(2)
+        waiting = asyncio.create_task(outbox.take())
+        await asyncio.sleep(0)
+        outbox.put("late")
+        return await waiting
+
+    assert asyncio.run(both()) == "late"
+
+
+def test_nothing_goes_in_after_the_end():
+    outbox = Outbox(2)
+    outbox.end()
+    outbox.put("a")
+    assert drained(outbox) == []

@@ -1,13 +1,12 @@
-"""Where all messages come in, whatever wire they came by: control messages are obeyed, documents are handed on."""
+"""The clients, whatever wire they came by: control messages are obeyed, documents are handed on."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from hmac import compare_digest
 from itertools import count
 
 from kinesic.bml.block import NoticeType
-from kinesic.serve.guest import LATER, POLICY, Guest
 from kinesic.serve.messages import Restyling
-from kinesic.serve.outbox import Outbox
 from kinesic.serve.protocol import (
     Control,
     Enquiry,
@@ -20,11 +19,40 @@ from kinesic.serve.protocol import (
     control,
     told,
 )
+from kinesic.serve.queues import Outbox, Waiting
 from kinesic.serve.quotas import Bucket, Rules, refused
 from kinesic.serve.session import Performer
-from kinesic.serve.turns import Waiting
 
+NORMAL, POLICY, TOO_BIG, LATER = 1000, 1008, 1009, 1013  # WebSocket's close codes
 NO_TOKEN = 'a token is needed: send {"do": "hello", "token": "..."} first'
+
+
+@dataclass(eq=False)
+class Guest:
+    """What the server knows of a client."""
+
+    number: int
+    name: str  # where it is
+    admitted: bool  # has shown the token, or needs none
+    bucket: Bucket
+    outbox: Outbox
+    code: int = NORMAL  # why it was closed, as WebSocket says it
+    why: str = ""
+    count: int = 0  # documents so far
+
+    @property
+    def open(self) -> bool:
+        """Whether it is still listened to."""
+        return self.code == NORMAL
+
+    def put(self, message: str) -> None:
+        """Sends a message, when it is this message's turn."""
+        self.outbox.put(message)
+
+    def close(self, code: int, why: str) -> None:
+        """Ends the connection after what is still to be read."""
+        self.code, self.why = code, why
+        self.outbox.end()
 
 
 class Desk:

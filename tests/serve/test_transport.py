@@ -4,7 +4,7 @@ from asyncio import StreamReader, StreamWriter
 
 import pytest
 
-from kinesic.serve.line import CHUNK, Line
+from kinesic.serve.transport import CHUNK, Line
 
 pytestmark = pytest.mark.realtime
 

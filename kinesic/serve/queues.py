@@ -1,13 +1,66 @@
-"""What one client has still to read: bounded, so that a slow reader costs nobody else anything."""
+"""Queues of clients: whose block is planned next, each in turn, and what one has still to read, bounded.
+
+So nobody waits behind somebody else's heap, and a slow reader costs nobody else anything.
+"""
 
 from asyncio import Event
 from collections import deque
+from dataclasses import dataclass
 
 from kinesic.bml.block import Notice, NoticeType
 from kinesic.bml.feedback import warning
 from kinesic.serve.quotas import NOBODY
 
 MINOR = "<syncPointProgress"  # what such a message begins with
+
+
+@dataclass(frozen=True)
+class Waiting:
+    """A document that waits to be planned."""
+
+    text: bytes
+    sender: int
+    source: str  # how messages call it
+
+
+class Turns:
+    """Documents by sender, in the order in which each sent them."""
+
+    def __init__(self, most: int) -> None:
+        """For so many documents of each sender."""
+        self._most = most
+        self._lines: dict[int, deque[Waiting]] = {}  # the sender whose turn it is first
+
+    def __len__(self) -> int:
+        return sum(map(len, self._lines.values()))
+
+    def __contains__(self, sender: int) -> bool:
+        return sender in self._lines
+
+    def add(self, waiting: Waiting) -> bool:
+        """Adds a document; False, and nothing happens, when too many of this sender's wait."""
+        line = self._lines.setdefault(waiting.sender, deque())
+        if len(line) >= self._most:
+            return False
+        line.append(waiting)
+        return True
+
+    def next(self) -> Waiting | None:
+        """Takes the document whose turn it is."""
+        if not self._lines:
+            return None
+        sender = next(iter(self._lines))
+        line = self._lines.pop(sender)
+        found = line.popleft()
+        if line:
+            self._lines[sender] = line  # behind the others
+        return found
+
+    def clear(self) -> tuple[Waiting, ...]:
+        """Takes all documents."""
+        found = tuple(waiting for line in self._lines.values() for waiting in line)
+        self._lines.clear()
+        return found
 
 
 class Outbox:

@@ -1,0 +1,172 @@
+"""Byte transports: TCP, and standard input and output, whose messages end with NUL.
+
+The other end of a connection may be slow, but not for ever. Of standard input the last document may end with the
+input.
+"""
+
+import os
+import sys
+from asyncio import StreamReader, StreamWriter, get_running_loop, timeout, to_thread
+from collections.abc import AsyncIterator, Callable, Iterable
+from contextlib import suppress
+from threading import Thread
+
+from kinesic.serve.protocol import END, Frames, told
+from kinesic.serve.quotas import Rules
+
+CHUNK = 65_536  # [bytes] read at once
+LINGER = 1.0  # [s] in which a client may read what was said last, while what it still says is thrown away
+
+
+class HalfError(EOFError):
+    """The connection ended, or came to a halt, within a message."""
+
+
+class Line:
+    """Bytes to and from a client, with patience."""
+
+    def __init__(self, reader: StreamReader, writer: StreamWriter, patience: float) -> None:
+        """Takes over a connection.
+
+        Args:
+            reader: from the client.
+            writer: to it.
+            patience: how long is waited for it [s].
+        """
+        self._reader, self._writer, self._patience = reader, writer, patience
+
+    async def read(self, *, hurry: bool) -> bytes:
+        """What comes next; nothing at the end.
+
+        Args:
+            hurry: whether it must come soon.
+
+        Raises:
+            HalfError: it must, and does not.
+        """
+        try:
+            async with timeout(self._patience if hurry else None):
+                return await self._reader.read(CHUNK)
+        except TimeoutError:
+            raise HalfError(f"nothing came for {self._patience:g} s") from None
+
+    async def write(self, pieces: Iterable[bytes]) -> None:
+        """Sends pieces, of which an empty one says that no other follows.
+
+        Raises:
+            TimeoutError: the client does not read.
+        """
+        for piece in pieces:
+            if piece:
+                self._writer.write(piece)
+            elif self._writer.can_write_eof():
+                self._writer.write_eof()
+        async with timeout(self._patience):
+            await self._writer.drain()
+
+    async def close(self) -> None:
+        """Ends the connection: this side at once, the other when the client does, or soon.
+
+        A connection that is closed while something of the client's is unread is reset, and the client may never read
+        why it was sent home.
+
+        Raises:
+            TimeoutError: the client does not read what is still to be sent.
+        """
+        if self._writer.can_write_eof():
+            self._writer.write_eof()
+        with suppress(TimeoutError):
+            async with timeout(min(LINGER, self._patience)):
+                while await self._reader.read(CHUNK):
+                    pass
+        self._writer.close()
+        async with timeout(self._patience):
+            await self._writer.wait_closed()
+
+
+class Stream:
+    """Messages over a stream of bytes."""
+
+    lingers = True
+
+    def __init__(self, line: Line, first: bytes, most: int) -> None:
+        """Takes over a connection.
+
+        Args:
+            line: to the client.
+            first: what has been read already.
+            most: how long a message may be [bytes].
+        """
+        self._line, self._first, self._frames = line, first, Frames(most)
+
+    async def messages(self, hurry: Callable[[], bool]) -> AsyncIterator[bytes]:
+        """Messages as they come, until the client ends its side.
+
+        Args:
+            hurry: whether the client has to say something soon.
+
+        Raises:
+            ValueError: a message is too long.
+            HalfError: one has begun and does not end.
+        """
+        data = self._first
+        while data:
+            for message in self._frames.fed(data):
+                yield message
+            data = await self._line.read(hurry=self._frames.half or hurry())
+        if self._frames.half:
+            raise HalfError("the connection ended")
+
+    async def send(self, message: str) -> None:
+        """Sends a message.
+
+        Raises:
+            TimeoutError: the client does not read.
+        """
+        await self._line.write([message.encode() + b"\n" + END])
+
+    async def close(self, code: int, why: str) -> None:
+        """Says why, and ends the connection."""
+        if why:
+            await self.send(told("closed", code=code, why=why))
+        await self._line.close()
+
+
+class Console:
+    """Messages over standard input and output."""
+
+    lingers = True
+
+    def __init__(self, rules: Rules) -> None:
+        """Begins to read; a thread does, since a file or terminal cannot be waited for."""
+        self._frames, self._reader = Frames(rules.message), StreamReader()
+        self._loop = get_running_loop()
+        Thread(target=self._read, name="stdin", daemon=True).start()
+
+    async def messages(self, _hurry: Callable[[], bool]) -> AsyncIterator[bytes]:
+        """Messages as they come, until the input ends.
+
+        Raises:
+            ValueError: a message is too long.
+        """
+        while data := await self._reader.read(CHUNK):
+            for message in self._frames.fed(data):
+                yield message
+        for message in self._frames.fed(END):
+            yield message
+
+    async def send(self, message: str) -> None:
+        """Prints a message; one line each."""
+        await to_thread(self._print, message)
+
+    async def close(self, _code: int, _why: str) -> None:
+        """Nothing to close."""
+
+    def _print(self, message: str) -> None:
+        sys.stdout.write(message + "\n")
+        sys.stdout.flush()
+
+    def _read(self) -> None:
+        while data := os.read(sys.stdin.fileno(), CHUNK):
+            self._loop.call_soon_threadsafe(self._reader.feed_data, data)
+        self._loop.call_soon_threadsafe(self._reader.feed_eof)
