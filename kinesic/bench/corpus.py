@@ -8,8 +8,8 @@ from kinesic.bml.block import BmlError
 from kinesic.controller.perform import plan
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Facts
-from kinesic.report.checks.timing import is_stroke
-from kinesic.report.validate import documents
+from kinesic.report.batch import documents
+from kinesic.report.checks.twin import is_stroke
 
 SEED = 50
 LONGEST = 60.0  # [s] of a block

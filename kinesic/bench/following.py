@@ -14,7 +14,7 @@ from kinesic.controller.performance import Performance
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Facts
 from kinesic.planning.syncs import SHIFT_TO_WARN
-from kinesic.report.checks.timing import is_stroke
+from kinesic.report.checks.twin import is_stroke
 from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors
 
 BLOCKS = 50

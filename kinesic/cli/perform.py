@@ -29,8 +29,7 @@ from kinesic.planning.imported_motion import imported
 from kinesic.planning.setup import Facts
 from kinesic.report.checks import Check, checks
 from kinesic.report.comparison import following
-from kinesic.report.folders import free_folder
-from kinesic.report.output import Written, write
+from kinesic.report.output import Written, free_folder, write
 from kinesic.report.page import verdict
 from kinesic.report.report import Json, report
 from kinesic.report.servo_report import live_checks

@@ -13,7 +13,7 @@ from kinesic.body.config import ConfigError
 from kinesic.cli.console import console
 from kinesic.face.display import DisplayError
 from kinesic.face.render.presets import PRESETS
-from kinesic.report.folders import emptied, free_folder
+from kinesic.report.output import emptied, free_folder
 from kinesic.report.report import Json
 from kinesic.studies.perception.analysis import MEASURES, Cell, Choices, Comparison, compared, first_choices
 from kinesic.studies.perception.answers import LABELS, read_answers

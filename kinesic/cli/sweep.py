@@ -12,7 +12,7 @@ from kinesic.body.config import ConfigError
 from kinesic.cli.console import console
 from kinesic.cli.options import Settings, planning
 from kinesic.expressivity.style.style import RANGES
-from kinesic.report.folders import emptied, free_folder
+from kinesic.report.output import emptied, free_folder
 from kinesic.report.report import Json
 from kinesic.studies.sweep.measures import SHOWN, Measures
 from kinesic.studies.sweep.plots import draw

@@ -17,11 +17,11 @@ from kinesic.cli.twins import HELP as TWIN_HELP
 from kinesic.cli.twins import read_twins
 from kinesic.cli.validate_fingerprint import fingerprint
 from kinesic.cli.validate_table import summarise
+from kinesic.report.batch import JOURNAL, Verdict, documents
+from kinesic.report.batch import validate as validate_documents
 from kinesic.report.batch_totals import totals
-from kinesic.report.folders import emptied
+from kinesic.report.output import emptied
 from kinesic.report.report import Json
-from kinesic.report.validate import JOURNAL, Verdict, documents
-from kinesic.report.validate import validate as validate_documents
 
 SUMMARY = "validate.json"
 INTERRUPTED = 130

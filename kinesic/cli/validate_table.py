@@ -6,8 +6,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+from kinesic.report.batch import Verdict
 from kinesic.report.batch_totals import OUTCOMES, SHARES, counts, tallies
-from kinesic.report.validate import Verdict
 
 MOST_ROWS = 16  # of folders; with more, folders are counted together
 

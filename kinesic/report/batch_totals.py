@@ -4,9 +4,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+from kinesic.report.batch import Verdict
 from kinesic.report.checks import Check
 from kinesic.report.report import Json
-from kinesic.report.validate import Verdict
 
 OUTCOMES = ("performed", "refused", "crashed")
 SHARES = ("realised", "substituted", "dropped")

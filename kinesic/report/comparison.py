@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinesic.controller.performance import Performance
-from kinesic.report.checks.timing import stroke_errors
-from kinesic.report.checks.tracking import tracking
+from kinesic.report.checks.twin import stroke_errors, tracking
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,12 @@
-"""What is written of a performance."""
+"""What is written of a performance, in a folder of its own, never on top of another."""
 
 import json
+import shutil
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
 
+from kinesic.body.config import ConfigError
 from kinesic.controller.performance import Performance
 from kinesic.controller.play import play, ticks
 from kinesic.controller.soundtrack import sound, write_wav
@@ -11,7 +14,6 @@ from kinesic.face.display import DisplayError
 from kinesic.face.show.recording import Recording
 from kinesic.planning.face_track import asks_face, faced
 from kinesic.planning.plan import Plan
-from kinesic.report.folders import emptied
 from kinesic.report.page import write_page
 from kinesic.report.report import Json
 from kinesic.sim.film import FilmError
@@ -22,6 +24,26 @@ FILM_RATE = 12.5  # [Hz]
 FACE_RATE = 16  # [Hz] lips move faster than arms: no closure of theirs is left out
 NOT_ASKED = "not asked for"
 FACE_SIDE = 256  # pixels
+
+
+def free_folder(asked: Path | None, source: str, *, force: bool = False) -> Path:
+    """The folder `asked`, or `out/NAME-TIME`; it is made when something is written.
+
+    Raises:
+        ConfigError: it exists already and `force` is not given.
+    """
+    folder = asked or Path("out") / f"{Path(source).stem or 'stdin'}-{datetime.now():%Y%m%d-%H%M%S}"
+    if folder.exists() and not force:
+        raise ConfigError(f"{folder} exists already; --force replaces it, --out names another")
+    return folder
+
+
+def emptied(folder: Path) -> Path:
+    """Makes a folder, and removes what was there before."""
+    if folder.exists():
+        shutil.rmtree(folder)
+    folder.mkdir(parents=True)
+    return folder
 
 
 @dataclass(frozen=True)

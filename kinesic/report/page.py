@@ -15,8 +15,8 @@ from kinesic.report.conditioning import story, strays
 from kinesic.report.plots.hands import hands
 from kinesic.report.plots.joints import joints, still
 from kinesic.report.plots.margins import margins
-from kinesic.report.plots.plots_load import spark
 from kinesic.report.plots.score import score
+from kinesic.report.plots.svg import spark
 from kinesic.report.replay import replay
 from kinesic.report.report import Json
 from kinesic.report.servo_load import draw, loads

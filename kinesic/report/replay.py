@@ -10,7 +10,7 @@ from kinesic.body.skeleton import Capsule, Hinge
 from kinesic.controller.performance import Performance
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
 from kinesic.report.captions import spoken
-from kinesic.report.plots.plots import is_stroke
+from kinesic.report.plots.svg import is_stroke
 from kinesic.report.report import Json
 from kinesic.sim.scene_style import VIEW_FROM, VIEW_HEIGHT, VIEW_RISE, eyeballs, parts
 

@@ -15,8 +15,8 @@ from kinesic.expressivity.style.style import Style
 from kinesic.ik import KERNEL
 from kinesic.planning.plan import Plan
 from kinesic.report.checks import TOLERANCE, Check, checks
-from kinesic.report.checks.distances import penetrations
-from kinesic.report.checks.tracking import tracking
+from kinesic.report.checks.plan import penetrations
+from kinesic.report.checks.twin import tracking
 from kinesic.report.comparison import following
 from kinesic.report.conditioning import story
 from kinesic.report.feedback import feedback

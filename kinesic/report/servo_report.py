@@ -7,7 +7,7 @@ import numpy as np
 from kinesic.controller.servo_performance import Live
 from kinesic.report.checks import Check
 from kinesic.report.checks.check import goal, least
-from kinesic.report.checks.tracking import MAX, P95
+from kinesic.report.checks.twin import MAX, P95
 from kinesic.report.report import Json
 from kinesic.sim.log import Log
 

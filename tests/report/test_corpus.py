@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from kinesic.controller.perform import facts
-from kinesic.report.validate import documents, judge
+from kinesic.report.batch import documents, judge
 
 CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
 FOLDERS = {"greta/bml": 4, "greta/fml": 3, "openbmlparser": 4, "realizertester": 5, "asap": 3}

@@ -7,7 +7,7 @@ import pytest
 
 from kinesic.controller.performance import Performance
 from kinesic.report.checks.servos import CONTINUOUS
-from kinesic.report.plots.plots_load import BINS, spark
+from kinesic.report.plots.svg import BINS, spark
 from kinesic.report.servo_load import draw, loads
 
 

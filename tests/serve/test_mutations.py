@@ -11,7 +11,7 @@ from kinesic.bench.bml.mutations import MUTATIONS, mutated
 from kinesic.bench.corpus import folder
 from kinesic.body.command import RATE
 from kinesic.body.config import CONFIGS
-from kinesic.report.validate import documents
+from kinesic.report.batch import documents
 
 pytestmark = pytest.mark.realtime
 

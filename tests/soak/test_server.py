@@ -14,7 +14,7 @@ from kinesic.bench.bml.mutations import mutated
 from kinesic.bench.corpus import folder
 from kinesic.body.config import CONFIGS
 from kinesic.client import Client
-from kinesic.report.validate import documents
+from kinesic.report.batch import documents
 from kinesic.serve.quotas import USUAL
 
 DOCUMENTS = 10_000

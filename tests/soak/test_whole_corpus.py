@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from kinesic.controller.perform import facts
-from kinesic.report.validate import documents, validate
+from kinesic.report.batch import documents, validate
 
 CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
 

@@ -19,7 +19,7 @@ from numpy._core import _multiarray_umath as umath
 
 from kinesic.bml.block import BmlError
 from kinesic.controller.perform import facts, plan
-from kinesic.report.validate import documents
+from kinesic.report.batch import documents
 
 ROOT = Path(__file__).resolve().parents[2]
 WELCOME = ROOT / "kinesic" / "configs" / "bml" / "welcome.bml"

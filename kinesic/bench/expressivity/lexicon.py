@@ -17,7 +17,7 @@ from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
 from kinesic.planning.setup import Facts
 from kinesic.planning.syncs import SHIFT_TO_WARN
-from kinesic.report.checks.distances import penetrations
+from kinesic.report.checks.plan import penetrations
 from kinesic.report.worker_pool import Crash, crew
 from kinesic.studies.gestures.isolated import played
 

@@ -4,13 +4,9 @@
 
 from kinesic.controller.performance import Performance
 from kinesic.report.checks.check import Check, Status
-from kinesic.report.checks.distances import distance_checks
-from kinesic.report.checks.limits import TOLERANCE, limit_checks
-from kinesic.report.checks.motion import motion_checks
-from kinesic.report.checks.power import power_checks
-from kinesic.report.checks.servos import servo_checks
-from kinesic.report.checks.timing import stroke_errors, timing_checks
-from kinesic.report.checks.tracking import tracking_checks
+from kinesic.report.checks.plan import TOLERANCE, distance_checks, limit_checks
+from kinesic.report.checks.servos import power_checks, servo_checks
+from kinesic.report.checks.twin import motion_checks, stroke_errors, timing_checks, tracking_checks
 
 __all__ = ["TOLERANCE", "Check", "Status", "checks", "stroke_errors"]
 

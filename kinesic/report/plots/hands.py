@@ -11,7 +11,7 @@ from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.controller.arrival import paths
 from kinesic.controller.performance import Performance
 from kinesic.expressivity.keyframes import PartName
-from kinesic.report.plots.plots import ASKED, FAINT, GRID, INK, PERFORMED, PLANNED, WIDTH, figure, plain, svg, write
+from kinesic.report.plots.svg import ASKED, FAINT, GRID, INK, PERFORMED, PLANNED, WIDTH, figure, plain, svg, write
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

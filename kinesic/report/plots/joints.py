@@ -11,7 +11,7 @@ from kinesic.body.arrays import Flags, Floats
 from kinesic.body.robot import Robot
 from kinesic.controller.performance import Performance
 from kinesic.planning.syncs import CHAINS, SyncTime
-from kinesic.report.plots.plots import (
+from kinesic.report.plots.svg import (
     ASKED,
     FAINT,
     GRID,

@@ -7,7 +7,7 @@ from markupsafe import Markup
 
 from kinesic.body.arrays import Floats
 from kinesic.controller.performance import Performance
-from kinesic.report.plots.plots import (
+from kinesic.report.plots.svg import (
     ASKED,
     FAINT,
     INK,

@@ -8,7 +8,7 @@ from markupsafe import Markup
 from kinesic.bml.block import Speech
 from kinesic.controller.performance import Performance
 from kinesic.report.captions import Said, spoken
-from kinesic.report.plots.plots import (
+from kinesic.report.plots.svg import (
     ASKED,
     FAINT,
     INK,

@@ -1,8 +1,7 @@
 import pytest
 
+from kinesic.report.batch import Journal, Verdict
 from kinesic.report.checks import Check
-from kinesic.report.journal import Journal
-from kinesic.report.validate import Verdict
 
 CHECK = Check("limits.speed", "pass", 0.5, 1.0, "ratio", "l_elbow_flexion at 1.00 s")
 VERDICTS = {

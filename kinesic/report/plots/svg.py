@@ -11,6 +11,7 @@ from markupsafe import Markup
 
 from kinesic.body.arrays import Floats
 from kinesic.planning.syncs import SyncTime
+from kinesic.report.servo_load import FULL, Load
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,6 +42,9 @@ WIDTH = 11.0  # [in] of every figure; the page scales it
 SMALL = 7.5  # [pt]
 POINTS = 1000  # of one line; more cannot be seen
 _LETTER = 0.55 * SMALL / 72  # [in] mean width
+BINS = 150
+TALLEST = 1.25  # duty at the top
+HEIGHT = 24
 
 
 def figure(height: float) -> "Figure":
@@ -144,3 +148,16 @@ def thinned(times: Floats, values: Floats) -> tuple[Floats, Floats]:
     ]
     kept = np.unique([0, len(times) - 1, *(k for pair in extremes for k in pair)])
     return times[kept], values[kept]
+
+
+def spark(load: Load) -> Markup:
+    """The largest duty of each piece of time as an area, and a line at full duty."""
+    edges = np.linspace(0, len(load.duties), min(BINS, len(load.duties)) + 1).astype(int)[:-1]
+    tops = HEIGHT * (1 - np.minimum(np.maximum.reduceat(load.duties, edges), TALLEST) / TALLEST)
+    points = "".join(f"L{k} {top:.3g}" for k, top in enumerate(tops))
+    full = HEIGHT * (1 - FULL / TALLEST)
+    return Markup(
+        f'<svg class="spark" viewBox="0 0 {max(len(tops) - 1, 1)} {HEIGHT}" preserveAspectRatio="none" '
+        f'role="img" aria-label="duty over time"><path d="M0 {HEIGHT}{points}V{HEIGHT}Z"/>'
+        f'<path class="full" d="M0 {full:.3g}H{len(tops)}"/></svg>'
+    )

@@ -10,8 +10,8 @@ from kinesic.controller.performance import Performance
 from kinesic.report.plots.hands import hands
 from kinesic.report.plots.joints import joints, still
 from kinesic.report.plots.margins import margins
-from kinesic.report.plots.plots import POINTS, apart, shortened, thinned
 from kinesic.report.plots.score import score
+from kinesic.report.plots.svg import POINTS, apart, shortened, thinned
 
 
 def words_of(figure: str) -> set[str | None]:
