@@ -14,9 +14,8 @@ from kinesic.body.measurements import Measurements
 from kinesic.body.robot import Robot
 from kinesic.controller.feedforward import Terms, lead
 from kinesic.controller.observer import Observer, corrected
-from kinesic.controller.performance import Performance
+from kinesic.controller.performance import Performance, Reference
 from kinesic.controller.play import commands, play_together, ticks
-from kinesic.controller.reference import Reference
 from kinesic.expressivity.gather import Gathering
 from kinesic.expressivity.idle import OFF, Idling
 from kinesic.expressivity.lexicon.lexicon import Lexicon

@@ -1,19 +1,106 @@
-"""What was planned and what was performed, side by side."""
+"""What was planned and what was performed, side by side.
 
+The reference is what a plan says at the times of its commands, whoever follows them.
+"""
+
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from kinesic.body.arrays import Flags, Floats
+from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.measurements import Measurements
-from kinesic.body.robot import Robot
-from kinesic.controller.arrival import lags, paths
-from kinesic.controller.reference import Reference
+from kinesic.body.robot import SIDES, Robot
+from kinesic.controller.arrival import Arrival, arrivals, lags, paths
+from kinesic.controller.smoothness import dimensionless_jerk
 from kinesic.controller.tracking_delay import lateness
+from kinesic.expressivity.keyframes import PartName
+from kinesic.motion.limit_check import Peaks, peaks
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SyncTime
+from kinesic.sim.kinematics import motion_frames
 from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors
+
+MOVING = 0.05  # share of its speed limit above which a hinge counts as moving
+LEAST_WAY = 0.05  # [m] below which a hand only sways with the body
+HOLDING_RATE = 20  # [Hz] at which the torque of standing still is judged: gravity changes slowly
+
+
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """One plan, computed once for all twins."""
+
+    plan: Plan
+    times: Floats  # (m,) [s] of the commands
+    duties: Floats  # (m, n) that the motion needs
+
+    @cached_property
+    def _motion(self) -> tuple[Floats, Floats, Floats]:
+        return self.plan.trajectory.sample(self.times)
+
+    @property
+    def angles(self) -> Floats:
+        """(m, n) [rad]."""
+        return self._motion[0]
+
+    @property
+    def speeds(self) -> Floats:
+        """(m, n) [rad/s]."""
+        return self._motion[1]
+
+    @property
+    def accelerations(self) -> Floats:
+        """(m, n) [rad/s^2]."""
+        return self._motion[2]
+
+    @cached_property
+    def peaks(self) -> Peaks:
+        """The plan against its limits, at 1 kHz."""
+        return peaks(self.plan.trajectory, self.plan.facts.limits)
+
+    @cached_property
+    def hands(self) -> Mapping[str, Floats]:
+        """Side -> (m, 3) [m] the wrist's centre in the world."""
+        robot = self.plan.facts.robot
+        origins = motion_frames(robot.skeleton, self.angles).origins
+        wrists = {side: robot.skeleton.segment(robot.chains[f"{side}_arm"][-1]) for side in SIDES}
+        return {side: sealed(origins[wrist].T) for side, wrist in wrists.items()}
+
+    @cached_property
+    def smoothness(self) -> Mapping[str, float | None]:
+        """Side -> dimensionless jerk of the hand's path; None for a hand that only sways with the body."""
+        period = float(self.times[-1] - self.times[0]) / max(1, len(self.times) - 1)
+        return {
+            side: dimensionless_jerk(path, period=period) if np.ptp(path, axis=0).max() >= LEAST_WAY else None
+            for side, path in self.hands.items()
+        }
+
+    @cached_property
+    def paths(self) -> Mapping[PartName, Floats]:
+        """Where hands (m, 3) [m], head and torso (m, 3) [rad] are."""
+        return paths(self.angles, self.plan.facts.robot, self.hands)
+
+    @cached_property
+    def arrivals(self) -> Mapping[SyncTime, tuple[Arrival, ...]]:
+        """What the sync points want of the parts that their behaviours move."""
+        return arrivals(self.plan, self.times, self.paths)
+
+    @cached_property
+    def moving(self) -> Flags:
+        """(m, n) where a hinge's speed is more than a small share of its limit."""
+        moving: Flags = np.abs(self.speeds) > MOVING * self.plan.facts.limits.speed
+        return moving
+
+    @cached_property
+    def holding(self) -> tuple[Floats, Floats]:
+        """Times (k,) [s] and share (k, n) of the stall torque that would hold the posture there."""
+        known = self.plan.facts
+        times = np.arange(0.0, self.plan.trajectory.duration + 1 / HOLDING_RATE, 1 / HOLDING_RATE)
+        angles = self.plan.trajectory.sample(times)[0]
+        still = np.zeros_like(angles)
+        stall = np.array([drive.stall for drive in known.robot.drives])
+        return times, np.abs(known.dynamics.torques(angles, still, still)) / stall
 
 
 @dataclass(frozen=True, eq=False)

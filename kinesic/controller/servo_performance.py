@@ -17,9 +17,8 @@ from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.command import RATE
 from kinesic.controller.arrival import lags, paths
 from kinesic.controller.feedforward import lead
-from kinesic.controller.performance import Performance
+from kinesic.controller.performance import MOVING, Performance
 from kinesic.controller.play import commands, ticks
-from kinesic.controller.reference import MOVING
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.channel import Note, Status

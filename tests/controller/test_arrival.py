@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from kinesic.controller.arrival import LEAST_BALL, SHARE, WINDOW, _entry
-from kinesic.controller.reference import MOVING
+from kinesic.controller.performance import MOVING
 
 TIMES = np.arange(0.0, 2.0, 0.01)
 PATH = np.stack([np.clip(TIMES, 0.0, 1.0), 0 * TIMES, 0 * TIMES], axis=1)  # 1 m/s, there at 1 s
