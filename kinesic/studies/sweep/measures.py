@@ -1,4 +1,4 @@
-"""What an observer could measure of one gesture in the twin."""
+"""What an observer could measure of one gesture in the twin; kinetic energy by the inverse dynamics of planning."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -6,18 +6,38 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinesic.body.arrays import Floats
+from kinesic.body.dynamics import Dynamics
 from kinesic.body.robot import SIDES, Side
 from kinesic.controller.performance import Performance
 from kinesic.motion.double_s import least_times
 from kinesic.planning.syncs import SyncTime
 from kinesic.sim.kinematics import motion_frames
-from kinesic.studies.sweep.energy import kinetic_energy
 from kinesic.studies.sweep.geometry import hull_volume, length, mean_curvature, peak_speed, rms_jerk, visits
 
 WITHIN_REACH = 0.8  # of the arm's length: farther out the elbow has no room to move
 BEND = 0.03  # of the arm's length: the arc over which a bend is judged
 LEAST_WAY = 0.02  # [m] below which a hand only sways with the body
 NEAR, FAR = 0.25, 0.5  # of a stroke's widest distance from its key: arrived, and left again
+
+
+def kinetic_energy(dynamics: Dynamics, angles: Floats, speeds: Floats) -> Floats:
+    """Kinetic energy of links and rotors: half of speed times mass matrix times speed.
+
+    The product of mass matrix and speed is the torque that would accelerate the resting robot by as much as its speed
+    is, beyond the torque that holds it.
+
+    Args:
+        dynamics: of the robot.
+        angles: (m, n) [rad].
+        speeds: (m, n) [rad/s].
+
+    Returns:
+        (m,) [J].
+    """
+    still = np.zeros_like(angles)
+    momenta = dynamics.torques(angles, still, speeds) - dynamics.torques(angles, still, still)
+    energies: Floats = 0.5 * np.vecdot(speeds, momenta)
+    return energies
 
 
 @dataclass(frozen=True)
