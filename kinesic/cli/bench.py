@@ -13,7 +13,7 @@ from kinesic.bench.bml import merging, server, speech
 from kinesic.bench.bus import faults
 from kinesic.bench.figure import Figure
 from kinesic.bench.plan import first_command
-from kinesic.cli.console import console
+from kinesic.cli.terminal import console
 
 PARTS: Mapping[str, Callable[[], list[Figure]]] = {
     "ik": ik.bench,

@@ -6,7 +6,7 @@ import platform
 import click
 from rich.table import Table
 
-from kinesic.cli.console import console
+from kinesic.cli.terminal import console
 from kinesic.face import display
 from kinesic.ik import KERNEL
 from kinesic.sim import gl

@@ -12,9 +12,8 @@ import numpy as np
 from kinesic.bml.block import Face
 from kinesic.body.command import Command
 from kinesic.body.config import ConfigError
-from kinesic.cli.document import read_document
-from kinesic.cli.options import Settings, planning
-from kinesic.cli.watching import watched
+from kinesic.cli.options import Settings, planning, read_document
+from kinesic.cli.playback import watched
 from kinesic.controller.perform import plan
 from kinesic.controller.play import play, ticks
 from kinesic.controller.soundtrack import sound, write_wav

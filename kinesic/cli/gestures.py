@@ -10,7 +10,7 @@ from rich.table import Table
 
 from kinesic.bml.block import BmlError
 from kinesic.body.config import ConfigError, closest
-from kinesic.cli.console import console
+from kinesic.cli.terminal import console
 from kinesic.controller.perform import facts
 from kinesic.expressivity.lexicon.form import Match
 from kinesic.expressivity.lexicon.lexicon import Lexicon

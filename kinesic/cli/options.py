@@ -1,5 +1,6 @@
-"""Options that several verbs share."""
+"""Options and arguments that several verbs share: document, robot, style, voice, sinks and twins."""
 
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import wraps
@@ -8,7 +9,7 @@ from typing import Literal, get_args
 
 import click
 
-from kinesic.bml.block import Dialect
+from kinesic.bml.block import BmlError, Dialect
 from kinesic.body.config import names_of
 from kinesic.controller.perform import facts
 from kinesic.expressivity.gather import Gathering
@@ -17,8 +18,13 @@ from kinesic.expressivity.style.style import RANGES, Style
 from kinesic.expressivity.targets import read_targets
 from kinesic.hardware.protocol.robots import load_robot
 from kinesic.planning.setup import Facts
+from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors
 from kinesic.speech.voice import VoiceName
 
+SINKS = ("twin", "servos", "face")
+FAULT = 3  # the exit code when one of them failed
+TWINS = {"nominal": (NOMINAL,), "pessimistic": (PESSIMISTIC,), "both": (NOMINAL, PESSIMISTIC)}
+TWIN_HELP = "nominal, pessimistic, both (checks of the nominal one, errors of both), or a TOML file of factors."
 DIALECTS = ["auto", *get_args(Dialect)]
 STYLE_HELP = f"Manner, unless documents say otherwise: {', '.join(names_of('style'))}, or a TOML file."
 SET_HELP = (
@@ -28,6 +34,42 @@ SET_HELP = (
 
 VOICE_HELP = "Who speaks: espeak is heard, durations is silent; auto takes espeak where it is installed."
 PAUSE_HELP = "Longest pause before a word for which the body would be late, unless documents say otherwise."
+
+
+def read_document(file: str) -> bytes:
+    """The bytes of a file, or of standard input for `-`.
+
+    Raises:
+        BmlError: there is no such file, or it cannot be read.
+    """
+    if file == "-":
+        return sys.stdin.buffer.read()
+    try:
+        return Path(file).read_bytes()
+    except OSError as error:
+        raise BmlError(f"{file}: {error.strerror}") from None
+
+
+class SinkNames(click.ParamType[frozenset[str]]):
+    """Names of sinks, with commas between them."""
+
+    name = "sinks"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> frozenset[str]:
+        """Their set."""
+        names = frozenset(str(value).split(","))
+        if names - set(SINKS):
+            self.fail(f"{value!r} is not one of {', '.join(SINKS)}, or several with commas between them", param, ctx)
+        return names
+
+
+def read_twins(name: str) -> tuple[Factors, ...]:
+    """The factors on the servos' and masses' nominal values; the first twin's are checked.
+
+    Raises:
+        ConfigError: no such file, or not factors.
+    """
+    return TWINS[name] if name in TWINS else (Factors.read(Path(name)),)
 
 
 @dataclass(frozen=True)

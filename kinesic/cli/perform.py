@@ -9,16 +9,12 @@ from typing import get_args
 import click
 from rich.table import Table
 
-from kinesic.cli.console import console
-from kinesic.cli.document import read_document
-from kinesic.cli.options import Settings, planning
+from kinesic.cli.options import FAULT, TWIN_HELP, Settings, SinkNames, planning, read_document, read_twins
+from kinesic.cli.playback import following as following_face
+from kinesic.cli.playback import watched, watching
 from kinesic.cli.servo_run import performed_live, write_live
 from kinesic.cli.servos.ports import PORT_HELP, all_ports
-from kinesic.cli.sinks import FAULT, SinkNames
-from kinesic.cli.twins import HELP as TWIN_HELP
-from kinesic.cli.twins import read_twins
-from kinesic.cli.watching import following as following_face
-from kinesic.cli.watching import watched, watching
+from kinesic.cli.terminal import console
 from kinesic.controller.feedforward import Terms
 from kinesic.controller.perform import dry_runs, performances
 from kinesic.controller.performance import Performance

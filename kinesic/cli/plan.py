@@ -4,8 +4,7 @@ from pathlib import Path
 
 import click
 
-from kinesic.cli.document import read_document
-from kinesic.cli.options import Settings, planning
+from kinesic.cli.options import Settings, planning, read_document
 from kinesic.controller.perform import plan as plan_document
 from kinesic.planning.bap import SUFFIX, read_bap
 from kinesic.planning.imported_motion import imported

@@ -8,7 +8,7 @@ from rich.table import Table
 
 from kinesic.body.config import CONFIGS, ConfigError
 from kinesic.body.robot_text import robot_text
-from kinesic.cli.console import console
+from kinesic.cli.terminal import console
 from kinesic.hardware.protocol.robots import load_robot
 from kinesic.planning.workspace import workspace
 from kinesic.sim.importer.convert import REVIEW_BELOW, Mapped, mapped

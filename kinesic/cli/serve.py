@@ -11,9 +11,8 @@ from pathlib import Path
 import click
 
 from kinesic.body.config import ConfigError, closest
-from kinesic.cli.options import Settings, planning
+from kinesic.cli.options import FAULT, Settings, SinkNames, planning
 from kinesic.cli.servos.ports import PORT_HELP, all_ports
-from kinesic.cli.sinks import FAULT, SinkNames
 from kinesic.client import PORT
 from kinesic.face.show.preview import Preview
 from kinesic.hardware.servos import Servos

@@ -10,8 +10,8 @@ import click
 from rich.console import Console
 from rich.live import Live as Display
 
-from kinesic.cli.keyboard import pressed
-from kinesic.cli.loudspeaker import loudspeaker
+from kinesic.cli.playback import loudspeaker
+from kinesic.cli.terminal import pressed
 from kinesic.controller.performance import Performance
 from kinesic.controller.servo_performance import Live, Wish, perform_live
 from kinesic.controller.soundtrack import sound

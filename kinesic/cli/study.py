@@ -10,7 +10,7 @@ from rich.progress import Progress
 from rich.table import Table
 
 from kinesic.body.config import ConfigError
-from kinesic.cli.console import console
+from kinesic.cli.terminal import console
 from kinesic.face.display import DisplayError
 from kinesic.face.render.presets import PRESETS
 from kinesic.report.output import emptied, free_folder

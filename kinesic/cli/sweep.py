@@ -9,8 +9,8 @@ import click
 from rich.table import Table
 
 from kinesic.body.config import ConfigError
-from kinesic.cli.console import console
 from kinesic.cli.options import Settings, planning
+from kinesic.cli.terminal import console
 from kinesic.expressivity.style.style import RANGES
 from kinesic.report.output import emptied, free_folder
 from kinesic.report.report import Json

@@ -10,7 +10,7 @@ import numpy as np
 from rich.table import Table
 
 from kinesic.body.config import ConfigError
-from kinesic.cli.console import console
+from kinesic.cli.terminal import console
 from kinesic.hardware.protocol.robots import load_robot
 from kinesic.sim.fit import Estimate, Fit
 from kinesic.sim.fit import fit as fit_log

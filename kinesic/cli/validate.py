@@ -11,10 +11,8 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from kinesic.body.config import ConfigError
-from kinesic.cli.console import console
-from kinesic.cli.options import Settings, planning
-from kinesic.cli.twins import HELP as TWIN_HELP
-from kinesic.cli.twins import read_twins
+from kinesic.cli.options import TWIN_HELP, Settings, planning, read_twins
+from kinesic.cli.terminal import console
 from kinesic.cli.validate_fingerprint import fingerprint
 from kinesic.cli.validate_table import summarise
 from kinesic.report.batch import JOURNAL, Verdict, documents

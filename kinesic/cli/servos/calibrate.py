@@ -14,9 +14,8 @@ from kinesic.body.calibration import Calibration, calibration_path, read_calibra
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.body.servo import TICKS_PER_TURN
-from kinesic.cli.console import console
-from kinesic.cli.keyboard import pressed
 from kinesic.cli.servos.ports import all_ports, opened, robot_and_ports
+from kinesic.cli.terminal import console, pressed
 from kinesic.hardware.protocol.device import Change
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.robots import load_robot

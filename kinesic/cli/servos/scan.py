@@ -11,7 +11,7 @@ from rich.progress import Progress
 from rich.table import Table
 
 from kinesic.body.config import ConfigError
-from kinesic.cli.console import console
+from kinesic.cli.terminal import console
 from kinesic.hardware.bus.ports import ports as ports_here
 from kinesic.hardware.bus.scan import Sighting
 from kinesic.hardware.bus.scan import scan as scan_port

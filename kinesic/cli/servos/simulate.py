@@ -10,7 +10,7 @@ from types import FrameType
 import click
 
 from kinesic.body.config import ConfigError
-from kinesic.cli.twins import read_twins
+from kinesic.cli.options import read_twins
 from kinesic.controller.virtual_robot import TwinPhysics
 from kinesic.hardware.bus.real_time import granted
 from kinesic.hardware.protocol.registers import BAUD_RATES

@@ -1,4 +1,4 @@
-"""Keys as they are pressed, while something else goes on."""
+"""The terminal: tables as wide as it is, and keys as they are pressed while something else goes on."""
 
 import os
 import select
@@ -8,7 +8,15 @@ import tty
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from rich.console import Console
+
+WIDTH = 160  # [characters]
 MOST = 64  # [bytes] taken at once
+
+
+def console() -> Console:
+    """A console on standard output."""
+    return Console() if sys.stdout.isatty() else Console(width=WIDTH)
 
 
 @contextmanager

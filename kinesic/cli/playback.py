@@ -1,4 +1,4 @@
-"""The window of the face while a document is performed."""
+"""What people see and hear while a document is performed: the face's window and the machine's loudspeaker."""
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -10,7 +10,6 @@ import click
 from kinesic.body.command import RATE
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
-from kinesic.cli.loudspeaker import loudspeaker
 from kinesic.controller.play import paced, play, ticks
 from kinesic.controller.soundtrack import sound
 from kinesic.face.display import DisplayError
@@ -21,6 +20,23 @@ from kinesic.face.show.window import has_display
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.planning.face_track import faced
 from kinesic.planning.plan import Plan
+from kinesic.speech.loudspeaker import SpeakerError
+from kinesic.speech.speaker import Speaker
+
+
+@contextmanager
+def loudspeaker() -> Iterator[Speaker | None]:
+    """Open meanwhile; None, and a line that tells why, where nothing can be heard."""
+    try:
+        speaker = Speaker()
+    except SpeakerError as error:
+        click.echo(f"voice: not heard ({error})", err=True)
+        yield None
+        return
+    try:
+        yield speaker
+    finally:
+        speaker.close()
 
 
 @contextmanager

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import pytest
 
-from kinesic.cli.keyboard import pressed
+from kinesic.cli.terminal import pressed
 
 pytestmark = pytest.mark.realtime
 
