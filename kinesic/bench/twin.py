@@ -1,25 +1,115 @@
-"""The twin: how much faster than real time, and how near servos come to a plan."""
+"""The twin: how much faster than real time, and how near servos come to a plan.
 
+The table compares plans with and without feed-forward and correction.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
 from statistics import median
 from time import process_time
 
-from kinesic.bench import following
+import numpy as np
+
+from kinesic.bench import corpus
+from kinesic.bench.blocks import passage
 from kinesic.bench.figure import Figure
-from kinesic.bench.passage import passage
-from kinesic.controller.perform import dry_runs, facts, plan
+from kinesic.body.arrays import Floats
+from kinesic.controller.feedforward import Terms
+from kinesic.controller.perform import dry_run, dry_runs, facts, plan
 from kinesic.controller.performance import Performance
 from kinesic.planning.plan import Plan
+from kinesic.planning.setup import Facts
+from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.report.checks import checks
-from kinesic.sim.servo_factors import Factors
+from kinesic.report.checks.twin import is_stroke
+from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors
 
+BLOCKS = 50
+TWINS: tuple[tuple[str, Factors], ...] = (("nominal", NOMINAL), ("pessimistic", PESSIMISTIC))
+HELPS: tuple[tuple[str, Terms, bool], ...] = (
+    ("", "full", True),
+    ("_feedforward_only", "full", False),
+    ("_without", "none", False),
+)
+GOALS = {"rmse": 1.0, "p95": 2.5, "max": 5.0, "stroke_median": 15.0, "stroke_p95": 30.0, "stroke_lost": 0.0}
+UNITS = {"rmse": "deg", "p95": "deg", "max": "deg", "stroke_median": "ms", "stroke_p95": "ms", "stroke_lost": "strokes"}
+NOMINAL_RMSE = 0.2  # [deg]
 REPETITIONS = 7
+
+
+@dataclass(frozen=True, eq=False)
+class Errors:
+    """Of several performances together."""
+
+    angles: Floats  # (k,) [rad] of all moving hinges
+    strokes: Floats  # (s,) [s] to the asked time, of the strokes that were planned there and that arrived
+    lost: int  # strokes that never arrived
+
+    @classmethod
+    def of(cls, performances: Iterable[Performance]) -> "Errors":
+        """Gathers the samples that count."""
+        angles: list[Floats] = []
+        strokes: list[float] = []
+        lost = 0
+        for performance in performances:
+            angles.append(np.abs(performance.errors[performance.reference.moving]))
+            lags = [(sync, lag) for sync, lag in performance.lags.items() if is_stroke(sync)]
+            lost += sum(lag is None for _, lag in lags)
+            strokes += [
+                abs(sync.planned + lag - sync.asked)
+                for sync, lag in lags
+                if lag is not None and abs(sync.planned - sync.asked) <= SHIFT_TO_WARN
+            ]
+        return cls(np.concatenate(angles), np.array(strokes), lost)
+
+    @property
+    def figures(self) -> dict[str, float]:
+        """By name, in the units of the table."""
+        degrees = np.degrees(self.angles)
+        return {
+            "rmse": float(np.sqrt(np.mean(degrees**2))),
+            "p95": float(np.percentile(degrees, 95)),
+            "max": float(degrees.max()),
+            "stroke_median": 1000 * float(np.median(self.strokes)),
+            "stroke_p95": 1000 * float(np.percentile(self.strokes, 95)),
+            "stroke_lost": float(self.lost),
+        }
+
+
+def following(known: Facts, blocks: int = BLOCKS) -> list[Figure]:
+    """Each figure of each twin, with feed-forward and correction, with feed-forward only, and with neither.
+
+    Only the first has goals; the others stand beside it.
+    """
+    where = corpus.folder()
+    plans = corpus.blocks(where, known, blocks) if where else ()
+    why = "" if plans else "no corpus of BML documents (KINESIC_CORPUS)"
+    return [
+        Figure(f"twin.{name}_{twin}{kind}", value, UNITS[name], _goal(name, twin, kind), "lower", why)
+        for kind, terms, correction in HELPS
+        for twin, factors in TWINS
+        for name, value in _figures(plans, factors, terms, correction).items()
+    ]
+
+
+def _figures(plans: Iterable[Plan], factors: Factors, terms: Terms, correction: bool) -> dict[str, float | None]:
+    if not plans:
+        return dict.fromkeys(GOALS)
+    runs = (dry_run(plan, twin=factors, feedforward=terms, correction=correction) for plan in plans)
+    return {**Errors.of(runs).figures}
+
+
+def _goal(name: str, twin: str, kind: str) -> float | None:
+    if kind:
+        return None
+    return NOMINAL_RMSE if (name, twin) == ("rmse", "nominal") else GOALS[name]
 
 
 def bench() -> list[Figure]:
     """The passage in both twins: simulated time over feed-forward, physics and checks; then a set of documents."""
     known = facts()
     plans = [plan(passage(repetition), known) for repetition in range(REPETITIONS)]
-    everyone = tuple(factors for _, factors in following.TWINS)
+    everyone = tuple(factors for _, factors in TWINS)
     _timed(plans[0], everyone)
     one = [_timed(planned, everyone[:1]) for planned in plans]
     both = [_timed(planned, everyone) for planned in plans]
@@ -29,7 +119,7 @@ def bench() -> list[Figure]:
         Figure("twin.real_time", median(speed for speed, _ in one), "x", 100.0, "higher"),
         Figure("twin.real_time_both", median(speed for speed, _ in both), "x", 60.0, "higher"),
         Figure("twin.clearance", 1000 * clearance, "mm", 10.0, "higher"),
-        *following.following(known, following.BLOCKS),
+        *following(known, BLOCKS),
     ]
 
 

@@ -3,8 +3,8 @@ import json
 import numpy as np
 import pytest
 
-from kinesic.bench import corpus, following, plan, twin
-from kinesic.bench.crowd import crowd
+from kinesic.bench import corpus, plan, twin
+from kinesic.bench.blocks import crowd
 from kinesic.bench.figure import Figure
 from kinesic.bench.plan import first_command as first
 from kinesic.cli.bench import PARTS, bench
@@ -21,7 +21,7 @@ def brief(monkeypatch):
     monkeypatch.setattr(plan, "crowd", lambda seed, lexemes: crowd(SMALL + seed, lexemes))
     monkeypatch.setattr(first, "REPETITIONS", 2)
     monkeypatch.setattr(twin, "REPETITIONS", 2)
-    monkeypatch.setattr(following, "BLOCKS", 2)
+    monkeypatch.setattr(twin, "BLOCKS", 2)
 
 
 def test_a_figure_knows_whether_its_goal_is_met():
@@ -46,7 +46,7 @@ def test_twin_measures_speed_and_clearance(brief):
 
 @pytest.mark.skipif(corpus.folder() is None, reason="no corpus of BML documents (KINESIC_CORPUS)")
 def test_feed_forward_and_correction_each_bring_servos_nearer_to_the_plan():
-    figures = {figure.name: figure for figure in following.following(facts(), 3)}
+    figures = {figure.name: figure for figure in twin.following(facts(), 3)}
     for twin_name in ("nominal", "pessimistic"):
         helped, alone, without = (
             figures[f"twin.rmse_{twin_name}{kind}"].value for kind in ("", "_feedforward_only", "_without")
@@ -58,7 +58,7 @@ def test_feed_forward_and_correction_each_bring_servos_nearer_to_the_plan():
 
 def test_without_a_corpus_the_table_is_null_and_says_why(monkeypatch):
     monkeypatch.setenv("KINESIC_CORPUS", "nowhere")
-    figures = following.following(facts())
+    figures = twin.following(facts())
     assert len(figures) == 36
     assert all(figure.value is None and "KINESIC_CORPUS" in figure.why for figure in figures)
 

@@ -4,7 +4,7 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 
-from kinesic.bench.ik.plain import damped_least_squares, jerk
+from kinesic.bench.ik.tracking import damped_least_squares, jerk
 from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
 from kinesic.body.robot import Robot

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from kinesic.bench.passage import passage
+from kinesic.bench.blocks import passage
 from kinesic.bml.parse import parse
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits

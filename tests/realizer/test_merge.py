@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from kinesic.bench.blocks import passage
 from kinesic.bench.bml import merging
-from kinesic.bench.passage import passage
 from kinesic.bml.block import NoticeType
 from kinesic.bml.parse import parse
 from kinesic.motion.limit_check import peaks

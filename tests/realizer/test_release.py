@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from kinesic.bench.passage import passage
+from kinesic.bench.blocks import passage
 from kinesic.bml.parse import parse
 from kinesic.motion.trajectory import STEP, held
 from kinesic.planning.quick_plan import opening

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinesic.bench.passage import passage
+from kinesic.bench.blocks import passage
 from kinesic.bml.parse import parse
 from kinesic.expressivity.style.style import Style
 from kinesic.motion.trajectory import held

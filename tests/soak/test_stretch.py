@@ -2,7 +2,7 @@
 
 import pytest
 
-from kinesic.bench.crowd import crowd
+from kinesic.bench.blocks import crowd
 from kinesic.bench.plan import stretch, unsaid, violations
 from kinesic.controller.perform import facts, plan
 

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinesic.bench.passage import passage
+from kinesic.bench.blocks import passage
 from kinesic.controller.perform import facts, plan
 from kinesic.motion.limit_check import peaks
 from kinesic.motion.stopping import cut, stopped

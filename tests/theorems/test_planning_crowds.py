@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from kinesic.bench.crowd import crowd
+from kinesic.bench.blocks import crowd
 from kinesic.bench.plan import unsaid, violations
 from kinesic.controller.perform import facts, plan
 from kinesic.expressivity.style.style import RANGES, Expressivity, Style

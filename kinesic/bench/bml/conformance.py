@@ -10,9 +10,8 @@ from pathlib import Path
 from xml.etree.ElementTree import Element, tostring
 
 from kinesic.bench.bml.expectations import Scenario, Scenarios, Step
-from kinesic.bench.bml.heard import Feedback, Heard
-from kinesic.bench.bml.realizer import Realizer
 from kinesic.bench.bml.verdict import Verdict
+from kinesic.bench.bml.virtual_realizer import Feedback, Heard, Realizer
 from kinesic.bml.block import BmlError, Gaze, Gesture, HeadDirectionShift, Pointing
 from kinesic.bml.parse import parse
 from kinesic.body.arrays import Floats

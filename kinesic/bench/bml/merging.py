@@ -7,8 +7,8 @@ from time import process_time
 
 import numpy as np
 
+from kinesic.bench.blocks import passage
 from kinesic.bench.figure import Figure
-from kinesic.bench.passage import passage
 from kinesic.bml.parse import parse
 from kinesic.controller.perform import facts
 from kinesic.motion.limit_check import peaks

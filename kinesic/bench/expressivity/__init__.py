@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from kinesic.bench.expressivity import lexicon, sweeps, sweeps_plot
+from kinesic.bench.expressivity import lexicon, sweeps
 from kinesic.bench.figure import Figure
 
 PARTS = (sweeps, lexicon)
@@ -16,6 +16,6 @@ def bench() -> list[Figure]:
 def draw(folder: Path) -> list[Path]:
     """Draws what was measured: each parameter's own measure in all gestures, and what a gesture looks like."""
     return [
-        sweeps_plot.draw(sweeps.swept(), folder / "expressivity-measures.png"),
-        sweeps_plot.draw_paths(sweeps.swept(), folder / "expressivity-paths.png"),
+        sweeps.draw(sweeps.swept(), folder / "expressivity-measures.png"),
+        sweeps.draw_paths(sweeps.swept(), folder / "expressivity-paths.png"),
     ]

@@ -4,19 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from kinesic.bench.figure import Figure
-from kinesic.bench.ik import (
-    ablation,
-    ablation_plot,
-    peers,
-    peers_plot,
-    protocol,
-    protocol_plot,
-    reach,
-    table71,
-    table71_plot,
-    tasks,
-    tracking,
-)
+from kinesic.bench.ik import ablation, peers, protocol, reach, table71, tasks, tracking
 from kinesic.bench.ik.peer_solvers import PEERS
 
 PARTS = (reach, protocol, tracking, tasks, ablation, table71, peers)
@@ -40,11 +28,11 @@ def draw(figures: Sequence[Figure], folder: Path) -> list[Path]:
     values = {figure.name: figure.value for figure in figures if figure.value is not None}
     pictures = []
     if table71.name(table71.REFERENCE, table71.SIZES[0], "ratio") in values:
-        pictures.append(table71_plot.draw(values, folder / "ik-table71.png"))
+        pictures.append(table71.draw(values, folder / "ik-table71.png"))
     if ablation.name("whole", "mm") in values:
-        pictures.append(ablation_plot.draw(values, folder / "ik-solver.png"))
+        pictures.append(ablation.draw(values, folder / "ik-solver.png"))
     if any(f"ik.peer_{peer.name}_us" in values for peer in PEERS):
-        pictures.append(peers_plot.draw(values, folder / "ik-peers.png"))
+        pictures.append(peers.draw(values, folder / "ik-peers.png"))
     if "ik.success_mm" in values:
-        pictures.append(protocol_plot.draw(folder / "ik-protocol.png"))
+        pictures.append(protocol.draw(folder / "ik-protocol.png"))
     return pictures

@@ -2,16 +2,19 @@
 
 A call goes from three numbers to the angles. Each peer meets ours alone, because what a peer leaves in the caches slows
 the next call: a third one would pay for it. Success is counted by the body's own forward kinematics: the hand within a
-millimetre, every hinge within its limits.
+millimetre, every hinge within its limits. Drawn as bars: the time of one reach, and how many targets are reached.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 from importlib.util import find_spec
+from pathlib import Path
 from time import perf_counter
 
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure as Picture
 from numpy.random import default_rng
 
 from kinesic.bench.figure import Figure
@@ -30,6 +33,10 @@ MM = 1e-3  # [m] where the hand counts as there
 SLACK = 1e-6  # [rad] outside a limit that is forgiven to a peer's rounding
 SOLVE, REACH = "kinesic_solve", "kinesic_reach"  # our entries
 GOALS = {("roboticstoolbox", SOLVE): 5.0, ("roboticstoolbox", REACH): 7.0}
+OURS = {"kinesic_reach": "kinesic, Arm.reach", "kinesic_solve": "kinesic, solve"}
+COLOURS = {True: "#2b7a78", False: "#5b6fb5"}
+INK = "#333333"
+SMALL = 8.5  # [pt]
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,3 +158,37 @@ def _measured(name: str, calls: Calls | None, why: str) -> list[Figure]:
         Figure(f"ik.peer_{name}_us", calls.microseconds if calls else None, "us", None, "lower", why),
         Figure(f"ik.peer_{name}_success", float(calls.reached.mean()) if calls else None, "share", None, "higher", why),
     ]
+
+
+def draw(values: Mapping[str, float], path: Path) -> Path:
+    """Draws the libraries that were measured.
+
+    Args:
+        values: figures by name, as `kinesic bench ik --json` lists them; others are ignored.
+        path: of the picture, PNG.
+
+    Returns:
+        The path.
+    """
+    known = (*OURS, *(peer.name for peer in PEERS))
+    names = [name for name in known if f"ik.peer_{name}_us" in values]
+    labels = [OURS.get(name, name) for name in names]
+    colours = [COLOURS[name in OURS] for name in names]
+    figure = Picture(figsize=(11.0, 1.2 + 0.34 * len(names)), layout="constrained")
+    FigureCanvasAgg(figure)
+    time, share = figure.subplots(1, 2, sharey=True)
+    medians = [values[f"ik.peer_{name}_us"] for name in names]
+    shares = [100 * values[f"ik.peer_{name}_success"] for name in names]
+    time.barh(labels, medians, color=colours)
+    time.set_xscale("log")
+    time.set_xlabel("median of one call [µs]", fontsize=SMALL, color=INK)
+    share.barh(labels, shares, color=colours)
+    share.set_xlim(90, 100.5)
+    share.set_xlabel("targets below 1 mm [%]", fontsize=SMALL, color=INK)
+    for row, (median, reached) in enumerate(zip(medians, shares, strict=True)):
+        time.text(median, row, f" {median:.3g}", va="center", fontsize=SMALL, color=INK)
+        share.text(reached, row, f" {reached:.1f}", va="center", fontsize=SMALL, color=INK)
+    time.invert_yaxis()
+    time.margins(x=0.15)
+    figure.savefig(path, dpi=110, metadata={"Software": None})
+    return path

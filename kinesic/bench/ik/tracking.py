@@ -1,4 +1,7 @@
-"""How an arm follows a path: time of a step, error, and whether it comes home after a lap."""
+"""How an arm follows a path: time of a step, error, and whether it comes home after a lap.
+
+The tracker is compared with plain damped least squares.
+"""
 
 from collections.abc import Callable
 from statistics import median
@@ -7,18 +10,58 @@ from time import perf_counter
 import numpy as np
 
 from kinesic.bench.figure import Figure
-from kinesic.bench.ik.plain import damped_least_squares, jerk
 from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
 from kinesic.body.robot import Robot
 from kinesic.ik import KERNEL
+from kinesic.ik.arm.linkage import linkage_of
+from kinesic.ik.arm.polish import columns
 from kinesic.ik.track import Tracker
 
 Path = Callable[[float], Floats]  # turn [rad] -> (3,) [m] in the chain's base
 
+ROUNDS = 50
+DAMPING = 1e-3
+TOLERANCE = 1e-4  # [m]
+
 RATE = 200  # [Hz]
 LAP = 2.5  # [s]
 LAPS = 3
+
+
+def damped_least_squares(chain: Chain, path: Callable[[float], Floats], steps: int, laps: int) -> Floats:
+    """Follows a closed path, each target from the posture before; angles are clipped to the ranges.
+
+    Args:
+        chain: a left arm.
+        path: turn [rad] -> (3,) [m].
+        steps: of one lap.
+        laps: how many.
+
+    Returns:
+        (laps, steps, h) [rad] of the hinges before the hand's own.
+    """
+    linkage = linkage_of(chain)
+    count = linkage.links[-1].first
+    angles, lower, upper = chain.rest[:count], chain.lower[:count], chain.upper[:count]
+    rows = []
+    for step in range(laps * steps):
+        target = path(2 * np.pi * step / steps)
+        for _ in range(ROUNDS):
+            hand, moves = columns(linkage, angles.tolist())
+            error, jacobian = target - np.array(hand), np.array(moves).T
+            if np.linalg.norm(error) < TOLERANCE:
+                break
+            push = np.linalg.solve(jacobian @ jacobian.T + DAMPING * np.eye(3), error)
+            angles = np.clip(angles + jacobian.T @ push, lower, upper)
+        rows.append(angles)
+    return np.array(rows).reshape(laps, steps, count)
+
+
+def jerk(laps: Floats, rate: int) -> float:
+    """Root mean square [rad/s^3] of (laps, steps, h) [rad], once the arm has come to the path."""
+    angles = np.concatenate(laps)[laps.shape[1] // 4 :]
+    return float(np.sqrt((np.diff(angles, 3, axis=0) ** 2).sum(axis=1).mean()) * rate**3)
 
 
 def ellipse(turn: float) -> Floats:

@@ -6,9 +6,8 @@ from time import perf_counter
 
 import numpy as np
 
-from kinesic.bench.crowd import crowd
+from kinesic.bench.blocks import crowd, passage
 from kinesic.bench.figure import Figure
-from kinesic.bench.passage import passage
 from kinesic.bench.plan.optimum import optimum
 from kinesic.bml.block import NoticeType
 from kinesic.body.arrays import Floats

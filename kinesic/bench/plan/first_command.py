@@ -5,8 +5,8 @@ from time import perf_counter
 
 import numpy as np
 
+from kinesic.bench.blocks import passage
 from kinesic.bench.figure import Figure
-from kinesic.bench.passage import passage
 from kinesic.bml.parse import parse
 from kinesic.body.command import RATE
 from kinesic.controller.feedforward import lead

@@ -10,10 +10,9 @@ from msgspec import structs
 from kinesic.bench import bml
 from kinesic.bench.bml.conformance import CHECKS, placed, played
 from kinesic.bench.bml.expectations import Parsing, References, Scenarios, Step, expected
-from kinesic.bench.bml.heard import Feedback, Heard, heard
 from kinesic.bench.bml.parsing import parsed, referred
-from kinesic.bench.bml.realizer import Realizer
 from kinesic.bench.bml.verdict import Verdict, figures
+from kinesic.bench.bml.virtual_realizer import Feedback, Heard, Realizer, heard
 from kinesic.bench.corpus import folder
 from kinesic.controller.perform import facts
 

@@ -6,7 +6,7 @@ from PIL import Image
 
 from kinesic.bench import ik
 from kinesic.bench.figure import Figure
-from kinesic.bench.ik import ablation, ablation_plot
+from kinesic.bench.ik import ablation
 from kinesic.bench.ik.ablation import ENTRIES, ROWS, Arm, guessed, masses, name
 from kinesic.body.robot import Robot
 from kinesic.ik import KERNEL
@@ -74,9 +74,9 @@ def test_a_guess_stays_in_range_and_is_never_better_than_all_branches(arm: Arm) 
 
 
 def test_the_picture_shows_a_target_that_masses_alone_miss(arm: Arm) -> None:
-    held = extract(arm.linkage, masses(arm, ablation_plot.TARGET), arm.rest)
+    held = extract(arm.linkage, masses(arm, ablation.TARGET), arm.rest)
     assert held.miss > 0.01
-    assert distance(arm.linkage.hand(ROWS["circle"](arm, np.array(ablation_plot.TARGET))), ablation_plot.TARGET) < 1e-5
+    assert distance(arm.linkage.hand(ROWS["circle"](arm, np.array(ablation.TARGET))), ablation.TARGET) < 1e-5
 
 
 def test_the_picture_is_drawn_from_the_figures_alone(figures: list[Figure], tmp_path: Path) -> None:

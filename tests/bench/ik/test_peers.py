@@ -6,10 +6,9 @@ import pytest
 from numpy.random import default_rng
 
 from kinesic.bench import ik
-from kinesic.bench.ik import peer_solvers, peers, peers_plot
+from kinesic.bench.ik import peer_solvers, peers
 from kinesic.bench.ik.arms import targets
-from kinesic.bench.ik.peer_model import HAND, carriers, urdf
-from kinesic.bench.ik.peer_solvers import PEERS, Peer
+from kinesic.bench.ik.peer_solvers import HAND, PEERS, Peer, carriers, urdf
 from kinesic.body.robot import Robot
 from kinesic.ik import KERNEL
 
@@ -132,4 +131,4 @@ def test_the_picture_shows_those_that_were_measured(tmp_path):
         for name in ("kinesic_solve", "kinesic_reach", "mink")
         for unit in ("us", "success")
     }
-    assert peers_plot.draw(values, tmp_path / "peers.png").stat().st_size > 5000
+    assert peers.draw(values, tmp_path / "peers.png").stat().st_size > 5000

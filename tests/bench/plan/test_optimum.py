@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import pytest
 
-from kinesic.bench.crowd import crowd
+from kinesic.bench.blocks import crowd
 from kinesic.bench.plan.optimum import TOLERANCE, optimum
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits

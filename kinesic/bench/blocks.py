@@ -1,10 +1,29 @@
-"""Blocks whose gestures are asked for faster than servos can follow, the same for the same seed."""
+"""Blocks that benches perform: a passage of about five seconds, and crowds of gestures that no servo can follow.
+
+The passage moves both hands, head and torso and is perturbed at each repetition; a crowd is the same for the same
+seed.
+"""
 
 import random
 from collections.abc import Sequence
 
+PASSAGE = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="passage">
+  <gesture id="g1" lexeme="offer" mode="BOTH_HANDS" start="{0:.3f}" stroke="{1:.3f}" end="{2:.3f}"/>
+  <gesture id="g2" lexeme="beat" mode="RIGHT_HAND" stroke="{3:.3f}"/>
+  <gesture id="g3" lexeme="large" mode="BOTH_HANDS" stroke="{4:.3f}" end="{5:.3f}"/>
+  <head id="h1" lexeme="NOD" amount="0.6" start="{6:.3f}"/>
+  <head id="h2" lexeme="NOD" amount="0.4" repetition="2" start="{7:.3f}"/>
+  <gaze id="z1" target="left" start="{8:.3f}" end="{9:.3f}"/>
+</bml>
+"""
+TIMES = (0.2, 1.0, 2.2, 2.7, 3.9, 5.0, 0.4, 2.0, 3.4, 4.7)  # [s]
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="crowd">{}</bml>'
 MODES = ("LEFT_HAND", "RIGHT_HAND", "BOTH_HANDS")
+
+
+def passage(repetition: int) -> str:
+    """The block with all times a little later at each repetition, so that nothing can be remembered."""
+    return PASSAGE.format(*(time + 0.003 * (repetition % 17) for time in TIMES))
 
 
 def crowd(seed: int, lexemes: Sequence[str]) -> str:
