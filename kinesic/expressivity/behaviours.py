@@ -19,18 +19,19 @@ from kinesic.bml.block import (
 )
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES, Robot, Side
-from kinesic.expressivity import gaze, torso
+from kinesic.expressivity import gaze
+from kinesic.expressivity import trunk as torso
+from kinesic.expressivity.gather import TOGETHER
 from kinesic.expressivity.hands.poses import REST, Poses, pointing_poses, poses
 from kinesic.expressivity.hands.strokes import Stroke
 from kinesic.expressivity.head import head_form, head_layer
 from kinesic.expressivity.keyframes import Outcome
 from kinesic.expressivity.lexicon.form import GestureForm
 from kinesic.expressivity.lexicon.lexicon import Lexicon, mirrored
-from kinesic.expressivity.moments import TOGETHER
-from kinesic.expressivity.places import find_target, unknown
 from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.style.sources import manner_of
+from kinesic.expressivity.style.resolve import manner_of
 from kinesic.expressivity.style.style import Expressivity, Style
+from kinesic.expressivity.targets import find_target, unknown
 from kinesic.expressivity.turns import UPRIGHT, Layer, exclusive, passed
 
 REALISED = Outcome("realised")
@@ -209,7 +210,7 @@ def _looked(looks: Sequence[Timed], aims: Sequence[gaze.Aim], scene: Scene) -> d
         ]
         for part in gaze.PARTS
     )
-    head, trunk = exclusive(heads), exclusive(trunks)
+    head, lower = exclusive(heads), exclusive(trunks)
     moves: dict[str, Move] = {}
     for k, (timed, aim) in enumerate(zip(looks, aims, strict=True)):
         outcome, warnings = substituted(aim.substitute, aim.clipped, aim.missing)
@@ -217,7 +218,7 @@ def _looked(looks: Sequence[Timed], aims: Sequence[gaze.Aim], scene: Scene) -> d
             text = f"gives way to {looks[k + 1].behaviour.id} at {heads[k + 1].start:.2f} s"
             warnings += (Warned(NoticeType.IMPOSSIBLE_TO_SCHEDULE, text),)
         manner = scene.manner(timed)
-        here, below = passed(head[k], manner), moving(passed(trunk[k], manner))
+        here, below = passed(head[k], manner), moving(passed(lower[k], manner))
         moves[timed.behaviour.id] = Move(outcome, head=(here,), torso=below, warnings=warnings)
     return moves
 

@@ -24,12 +24,12 @@ from kinesic.expressivity.hands.strokes import natural_times
 from kinesic.expressivity.head import head_form, swing_time
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.lexicon.lexicon import Lexicon
-from kinesic.expressivity.places import NO_TARGETS, find_target
 from kinesic.expressivity.posture import pose
 from kinesic.expressivity.style.pace import HASTE, Pace
-from kinesic.expressivity.style.sources import manner_of
+from kinesic.expressivity.style.resolve import manner_of
 from kinesic.expressivity.style.style import Expressivity, Style
-from kinesic.expressivity.torso import lean
+from kinesic.expressivity.targets import NO_TARGETS, find_target
+from kinesic.expressivity.trunk import lean
 
 LEAST_LEAN = 0.3  # [s] at ease
 LOOK = 1.0  # [s] that a gaze or a head direction is held

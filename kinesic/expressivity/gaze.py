@@ -13,8 +13,8 @@ from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.expressivity.head import direction, named, words
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.places import find_target, unknown
 from kinesic.expressivity.style.pace import Pace
+from kinesic.expressivity.targets import find_target, unknown
 from kinesic.expressivity.turns import UPRIGHT, Hold, axes, clipped, excess, held, plus, room, scaled
 
 AUDIENCE = "audience"  # who is looked at when the one that was meant is unknown

@@ -41,17 +41,16 @@ from kinesic.expressivity.behaviours import (
     torso_move,
 )
 from kinesic.expressivity.face.tracks import outcome
-from kinesic.expressivity.gather import GATHER, HANDS, Gathering, Sequences
-from kinesic.expressivity.hands.engaged import Engaged
+from kinesic.expressivity.gather import GATHER, HANDS, Gathering, Sequences, SyncPoint
+from kinesic.expressivity.hands.coarticulation import Engaged
 from kinesic.expressivity.hands.phases import Arranged, arranged
 from kinesic.expressivity.idle import OFF, Idling, filled
 from kinesic.expressivity.keyframes import KeyFrames, Outcome, PartName
 from kinesic.expressivity.lexicon.lexicon import Lexicon
-from kinesic.expressivity.moments import SyncPoint
-from kinesic.expressivity.places import NO_TARGETS
-from kinesic.expressivity.posing import posture_moves
+from kinesic.expressivity.posture import posture_moves
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Style
+from kinesic.expressivity.targets import NO_TARGETS
 from kinesic.expressivity.trunk import taking_part
 
 ALL: Mapping[str, str] = MappingProxyType({})  # nothing is left out

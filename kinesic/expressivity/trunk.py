@@ -1,4 +1,4 @@
-"""How the trunk takes part in a gesture: it opens, and with power it goes along with the hands (thesis 8.7).
+"""Leans and turns of the trunk, and its part in a gesture: it opens, and goes along with the hands (thesis 8.7).
 
 Power turns the trunk at each stroke key by what the hands have moved since the key before (equation 8.7.1, in the
 proportions of Greta's `ExpressiveTorso`): forward where they go down, to the side where they go aside. Openness draws
@@ -6,25 +6,76 @@ it back a little. The gesture's box goes along, so that the arms' postures stay 
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from itertools import pairwise
 from math import radians
 
 import numpy as np
 
+from kinesic.bml.block import Torso
 from kinesic.body.arrays import Floats
 from kinesic.body.reach import Reach
-from kinesic.body.robot import Side
+from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.hands.poses import Poses, resting
 from kinesic.expressivity.hands.strokes import Work
+from kinesic.expressivity.head import named, size, words
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Expressivity
-from kinesic.expressivity.turns import MERGE, UPRIGHT, Layer, TurnKey, plus, scaled
+from kinesic.expressivity.turns import MERGE, UPRIGHT, Hold, Layer, TurnKey, clipped, excess, held, plus, room, scaled
 
+LEAST_HOLD = 0.3  # [s] for the way to a lean
+LEAN = radians(24)  # of amount 1, on each axis that a lexeme names: 12 deg at the default amount of 0.5
 SWAY = 0.3  # [rad] of power 1, for hands that go very far
 RECLINE = radians(5)  # of openness 1
 HASTE = 0.7  # share of the time from key to key that the trunk may need
 STILL = 0.02  # arm lengths: hands that move less hold still, and the trunk with them
+
+
+@dataclass(frozen=True)
+class Lean:
+    """A rotation of the trunk, inside its range."""
+
+    turn: Turn
+    clipped: str = ""  # what the range took away
+
+
+def lean(torso: Torso, robot: Robot, spatial: float) -> Lean | None:
+    """The rotation that the words of a lexeme name: lean, recline, forward, back, left, right, turn, neutral.
+
+    Returns:
+        None when no word means a movement of the trunk.
+    """
+    found = words(torso.lexeme)
+    turn = trunk_direction(found)
+    return None if turn is None else limited(scaled(turn, torso.amount * size(found) * (1 + 0.5 * spatial)), robot)
+
+
+def hold(turn: Turn, times: Mapping[str, float], *, stays: bool, pace: Pace) -> Hold:
+    """When the trunk goes there and, unless it stays, back."""
+    natural = max(LEAST_HOLD, pace.turn_time("torso", turn))
+    return held(turn, times, natural=natural, stays=stays)
+
+
+def trunk_direction(found: tuple[str, ...]) -> Turn | None:
+    """The rotation of amount 1 that words name; None when they name none."""
+    turning = named(found, "turn", "twist", "look", "rotat")
+    tilt = LEAN * (named(found, "forward", "down", "front") - named(found, "recline", "back", "up"))
+    side = LEAN * (named(found, "left") - named(found, "right"))
+    if side or tilt:
+        return Turn(torsion=side if turning else 0.0, tilt=tilt, roll=0.0 if turning else -side)
+    if named(found, "lean", "inclin", "bow", "tilt"):
+        return Turn(tilt=LEAN)
+    if turning:
+        return Turn(torsion=LEAN)
+    return UPRIGHT if named(found, "neutral", "nothing", "upright") else None
+
+
+def limited(turn: Turn, robot: Robot) -> Lean:
+    """A rotation inside the range of the trunk."""
+    within = room(robot, "torso")
+    lost = excess(turn, within)
+    return Lean(clipped(turn, within), f"{lost:.1f} deg beyond the torso's range are left out" if lost > 0.05 else "")
 
 
 def taking_part(work: Work, manner: Expressivity, pace: Pace) -> Layer:

@@ -12,7 +12,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Clearance
 from kinesic.body.utterance import Utterance
 from kinesic.expressivity.durations import spans
-from kinesic.expressivity.hands.engaged import Engaged
+from kinesic.expressivity.hands.coarticulation import Engaged
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.expressivity.realise import keyframes
 from kinesic.motion.condition import Conditioned

@@ -6,7 +6,7 @@ from typing import Protocol
 
 from kinesic.bml.block import Block, Composition, Interrupt, Notice, NoticeType
 from kinesic.body.robot import SIDES
-from kinesic.expressivity.hands.engaged import Engaged
+from kinesic.expressivity.hands.coarticulation import Engaged
 from kinesic.realizer.feedback import Times
 from kinesic.realizer.occupancy import Busy
 from kinesic.realizer.request import LEAD, Asked

@@ -16,7 +16,7 @@ from kinesic.bml.schedule import schedule
 from kinesic.bml.timing.constraints import Point, point_of
 from kinesic.body.utterance import Utterance
 from kinesic.expressivity.durations import spans
-from kinesic.expressivity.hands.engaged import Engaged
+from kinesic.expressivity.hands.coarticulation import Engaged
 from kinesic.planning.setup import Facts
 from kinesic.planning.speech import spoken
 

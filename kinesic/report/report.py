@@ -10,7 +10,7 @@ from kinesic.bml.block import Behaviour, Block
 from kinesic.bml.reading.manner import modality_of
 from kinesic.controller.performance import Performance
 from kinesic.controller.smoothness import dimensionless_jerk, spectral_arc_length
-from kinesic.expressivity.style.sources import told
+from kinesic.expressivity.style.resolve import told
 from kinesic.expressivity.style.style import Style
 from kinesic.ik import KERNEL
 from kinesic.planning.plan import Plan

@@ -4,7 +4,7 @@ import pytest
 
 from kinesic.bml.block import Gesture, Head, Manner, Posture, Torso
 from kinesic.expressivity.behaviours import Scene, head_move, torso_move
-from kinesic.expressivity.posing import posture_moves
+from kinesic.expressivity.posture import posture_moves
 from kinesic.expressivity.style.passage import passage
 from kinesic.expressivity.style.style import Expressivity, Style
 

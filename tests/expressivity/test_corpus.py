@@ -15,10 +15,10 @@ from kinesic.body.arrays import sealed
 from kinesic.body.utterance import Utterance
 from kinesic.expressivity.durations import spans
 from kinesic.expressivity.keyframes import KeyFrames
-from kinesic.expressivity.places import NO_TARGETS
 from kinesic.expressivity.realise import keyframes
-from kinesic.expressivity.style.sources import told
+from kinesic.expressivity.style.resolve import told
 from kinesic.expressivity.style.style import RANGES, Style, preset
+from kinesic.expressivity.targets import NO_TARGETS
 
 CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
 LETTER = 0.06  # [s] that a letter takes to say

@@ -6,11 +6,10 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.reach import Reach
-from kinesic.expressivity.gather import PARTS, PRIORITIES, Sequences, complex_frames, lazy_frames
+from kinesic.expressivity.gather import PARTS, PRIORITIES, Sequences, SyncPoint, complex_frames, lazy_frames
 from kinesic.expressivity.hands.keys import HandKey
 from kinesic.expressivity.hands.poses import REST
 from kinesic.expressivity.keyframes import Hand, Turn
-from kinesic.expressivity.moments import SyncPoint
 from kinesic.expressivity.turns import TurnKey
 from kinesic.motion.passage import Passage
 

@@ -5,7 +5,7 @@ import pytest
 
 from kinesic.bml.block import GAZE_SYNCS, Gaze, HeadDirectionShift, NoticeType
 from kinesic.body.arrays import sealed
-from kinesic.expressivity.places import find_target
+from kinesic.expressivity.targets import find_target
 
 LAMP = sealed([0.5, -1.0, 1.0])
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinesic.expressivity.style.activation import SHARES, activated
+from kinesic.expressivity.style.resolve import SHARES, activated
 from kinesic.expressivity.style.style import RANGES, Expressivity
 
 manners = st.builds(Expressivity, **{name: st.floats(least, most) for name, (least, most) in RANGES.items()})

@@ -11,7 +11,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Robot
-from kinesic.expressivity.hands.engaged import Engaged
+from kinesic.expressivity.hands.coarticulation import Engaged
 from kinesic.expressivity.hands.phases import Arranged, arranged
 from kinesic.expressivity.hands.poses import REST, Poses, distance, resting
 from kinesic.expressivity.hands.strokes import Stroke

@@ -27,10 +27,10 @@ from kinesic.bml.block import (
 )
 from kinesic.body.limits import Limits
 from kinesic.body.robot import SIDES, Robot
+from kinesic.expressivity.gather import TOGETHER
 from kinesic.expressivity.hands.poses import poses, resting
 from kinesic.expressivity.keyframes import Hand, KeyFrames
 from kinesic.expressivity.lexicon.lexicon import Lexicon, in_mode, mirrored
-from kinesic.expressivity.moments import TOGETHER
 from kinesic.expressivity.realise import keyframes
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Expressivity, Style

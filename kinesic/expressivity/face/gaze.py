@@ -10,7 +10,7 @@ from kinesic.body.robot import Robot
 from kinesic.expressivity.behaviours import stays
 from kinesic.expressivity.face.eyes import Look
 from kinesic.expressivity.gaze import STRAIGHT, aim
-from kinesic.expressivity.places import NO_TARGETS
+from kinesic.expressivity.targets import NO_TARGETS
 from kinesic.expressivity.turns import plus
 
 

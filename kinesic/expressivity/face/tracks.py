@@ -19,7 +19,7 @@ from kinesic.expressivity.face.eyes import AHEAD, Habits, Look, blink_times, bli
 from kinesic.expressivity.face.lexemes import Expression, expression
 from kinesic.expressivity.face.visemes import SEAL, visemes
 from kinesic.expressivity.keyframes import Outcome
-from kinesic.expressivity.style.sources import manner_of
+from kinesic.expressivity.style.resolve import manner_of
 from kinesic.expressivity.style.style import Expressivity, Style
 
 LEAST = 1e-3  # intensity below which an action unit is not told

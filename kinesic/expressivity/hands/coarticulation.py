@@ -1,11 +1,13 @@
-"""Co-articulation: which hands do which stroke, and how strokes of one hand that overlap make room for one another."""
+"""Co-articulation: which hands do which stroke, and how strokes of one hand that overlap make room for one another.
+
+Hands that other blocks need are engaged for a block that begins beside those.
+"""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from kinesic.bml.block import GESTURE_SYNCS
 from kinesic.body.robot import SIDES, Side
-from kinesic.expressivity.hands.engaged import Engaged
 from kinesic.expressivity.hands.poses import REST, Poses, distance, resting
 from kinesic.expressivity.hands.strokes import Stroke, Work, least_times, worked
 from kinesic.expressivity.keyframes import Outcome
@@ -17,6 +19,25 @@ Tied = Mapping[str, Collection[str]]  # behaviour id -> sync points that the doc
 _NAMES: Mapping[Side, str] = {"l": "left", "r": "right"}
 _OTHER: Mapping[Side, Side] = {"l": "r", "r": "l"}
 _SAME = 1e-9  # [s]
+
+
+@dataclass(frozen=True)
+class Engaged:
+    """A hand that another block needs for a while."""
+
+    side: Side
+    begin: float  # [s] block time from which the hand must be there
+    end: float  # [s] block time at which it gives way
+    by: str  # the behaviour that needs it, as the sender may know it
+
+    def meets(self, times: Mapping[str, float], way: float) -> bool:
+        """Whether a gesture needs the hand as well, or leaves it no time to come from one to the other.
+
+        Args:
+            times: sync points of the gesture [s], which needs the hand from `ready` to `relax`.
+            way: [s] that the hand is on its way.
+        """
+        return times["ready"] < self.end + way and self.begin < times["relax"] + way
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,8 +7,7 @@ from types import MappingProxyType
 
 from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Side
-from kinesic.expressivity.hands.coarticulation import Tied, allotted
-from kinesic.expressivity.hands.engaged import Engaged
+from kinesic.expressivity.hands.coarticulation import Engaged, Tied, allotted
 from kinesic.expressivity.hands.keys import HandKey
 from kinesic.expressivity.hands.poses import REST, distance, resting
 from kinesic.expressivity.hands.strokes import Stroke, Work, keys_of

@@ -5,7 +5,7 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.reach import Reach
-from kinesic.expressivity.hands.engaged import Engaged
+from kinesic.expressivity.hands.coarticulation import Engaged
 from kinesic.expressivity.hands.keys import hand_at
 from kinesic.expressivity.hands.phases import arranged
 from kinesic.expressivity.hands.poses import REST, Poses, distance, resting
