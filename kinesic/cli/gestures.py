@@ -14,7 +14,7 @@ from kinesic.cli.terminal import console
 from kinesic.controller.perform import facts
 from kinesic.expressivity.lexicon.form import Match
 from kinesic.expressivity.lexicon.lexicon import Lexicon
-from kinesic.hardware.protocol.robots import load_robot
+from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.planning.setup import Facts
 from kinesic.studies.gestures.isolated import Show, played
 from kinesic.studies.gestures.isolated import show as shown

@@ -16,7 +16,7 @@ from kinesic.expressivity.gather import Gathering
 from kinesic.expressivity.idle import OFF, Idling, Liveliness
 from kinesic.expressivity.style.style import RANGES, Style
 from kinesic.expressivity.targets import read_targets
-from kinesic.hardware.protocol.robots import load_robot
+from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.planning.setup import Facts
 from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors
 from kinesic.speech.voice import VoiceName

@@ -9,7 +9,7 @@ from rich.table import Table
 from kinesic.body.config import CONFIGS, ConfigError
 from kinesic.body.robot_text import robot_text
 from kinesic.cli.terminal import console
-from kinesic.hardware.protocol.robots import load_robot
+from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.planning.workspace import workspace
 from kinesic.sim.importer.convert import REVIEW_BELOW, Mapped, mapped
 from kinesic.sim.robot_check import check as check_physics

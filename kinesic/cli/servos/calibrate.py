@@ -18,7 +18,7 @@ from kinesic.cli.servos.ports import all_ports, opened, robot_and_ports
 from kinesic.cli.terminal import console, pressed
 from kinesic.hardware.protocol.device import Change
 from kinesic.hardware.protocol.registers import Register
-from kinesic.hardware.protocol.robots import load_robot
+from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.axes import Axes, Snapshot

@@ -6,7 +6,7 @@ import click
 
 from kinesic.cli.servos.ports import all_ports, robot_and_ports
 from kinesic.hardware.bus.serial_wire import SerialWire
-from kinesic.hardware.protocol.robots import load_robot
+from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.tools.release import release as release_all

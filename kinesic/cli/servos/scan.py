@@ -17,8 +17,7 @@ from kinesic.hardware.bus.scan import Sighting
 from kinesic.hardware.bus.scan import scan as scan_port
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.registers import BAUD_RATES
-from kinesic.hardware.protocol.robots import load_robot
-from kinesic.hardware.protocol.servo_map import MAX_ID, ServoMap
+from kinesic.hardware.protocol.servo_map import MAX_ID, ServoMap, load_robot
 from kinesic.hardware.protocol.wire import BusError
 
 LIKELY = (57_600, 1_000_000)  # factory rate, and what most robots use: they are tried first

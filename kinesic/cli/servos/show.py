@@ -9,7 +9,7 @@ from rich.table import Table
 
 from kinesic.cli.servos.ports import opened, read_ports, robot_and_ports
 from kinesic.cli.terminal import console
-from kinesic.hardware.protocol.robots import load_robot
+from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.tools.survey import Seen, survey
 

@@ -14,7 +14,7 @@ from kinesic.cli.options import read_twins
 from kinesic.controller.virtual_robot import TwinPhysics
 from kinesic.hardware.bus.real_time import granted
 from kinesic.hardware.protocol.registers import BAUD_RATES
-from kinesic.hardware.protocol.robots import load_robot
+from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.hardware.virtual.faults import CALM, KINDS, FaultPlan
 from kinesic.hardware.virtual.pty import PtyPort, serve
 from kinesic.hardware.virtual.wiring import build, cables

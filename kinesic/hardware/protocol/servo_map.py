@@ -152,3 +152,14 @@ def _check_servos(robot: Robot, servos: HingeServos) -> None:
     if ends.min() < 0 or ends.max() >= TICKS_PER_TURN:
         turned = f"{degrees(hinge.lower):.0f}..{degrees(hinge.upper):.0f} deg is {ends.min()}..{ends.max()} ticks"
         raise ConfigError(f"{where}: {turned}, outside 0..{TICKS_PER_TURN - 1}; move zero_ticks")
+
+
+def load_robot(name: str | Path = "upper22") -> Robot:
+    """Reads a robot and checks its buses too.
+
+    Raises:
+        ConfigError: the file is missing or wrong.
+    """
+    robot = Robot.load(name)
+    ServoMap.of(robot)
+    return robot
