@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,7 @@ ROOMS = (
 )
 LINKS = ("controller", "ik", "expressivity", "sim", "hardware", "configs")
 MOST_LINES = 320
+MOST_FILES = 22  # in a folder
 
 
 def sources() -> list[Path]:
@@ -55,6 +57,11 @@ def test_a_folder_says_in_one_sentence_what_it_is_for(init: Path):
     said = ast.get_docstring(ast.parse(init.read_text(encoding="utf-8"))) or ""
     assert re.fullmatch(r"[^\n]+\.", said), said
     assert not re.search(r"\. [A-Z]", said), said
+
+
+def test_no_folder_is_crowded():
+    files = Counter(str(path.parent.relative_to(ROOT)) for path in PACKAGE.rglob("*.py"))
+    assert {folder: count for folder, count in files.items() if count > MOST_FILES} == {}
 
 
 @pytest.mark.parametrize("name", LINKS)
