@@ -14,11 +14,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Generic, TypeVar
 
+from kinesic.child import child_context
+
 Task = TypeVar("Task")
 Result = TypeVar("Result")
 
 FATAL = "Fatal Python error"
-SLOW = ("scipy.interpolate", "scipy.optimize", "scipy.spatial.transform")  # to import, and all that plans needs them
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,7 @@ def crew(
     Yields:
         Tasks with their results, in the order in which they are ready.
     """
-    context = clean(*((preload,) if preload else ()))
+    context = child_context(*((preload,) if preload else ()))
     left = deque(tasks)
     working: dict[Connection, _Worker[Task, Result]] = {}
     with TemporaryDirectory() as folder:
@@ -98,19 +99,6 @@ def crew(
         finally:
             for worker in working.values():
                 worker.dismiss()
-
-
-def clean(*preload: str) -> ForkServerContext | SpawnContext:
-    """Forks of a clean process where the system can, else new processes; never forks of one with threads.
-
-    Args:
-        preload: modules that forks begin with, imported once; those that the first caller names hold for all.
-    """
-    if "forkserver" not in multiprocessing.get_all_start_methods():
-        return multiprocessing.get_context("spawn")
-    context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["__main__", *preload, *SLOW])
-    return context
 
 
 def _hired(

@@ -5,8 +5,8 @@ from collections.abc import Callable
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 
+from kinesic.child import child_context
 from kinesic.planning.setup import Facts
-from kinesic.report.worker_pool import clean
 from kinesic.serve import planner, refiner
 from kinesic.serve.clock import Clock
 from kinesic.serve.loop import Loop
@@ -58,7 +58,7 @@ class Planner:
 
     def start(self) -> None:
         """Begins a process, which tells when it is warm."""
-        context = clean(planner.__name__, self._facts_of.__module__)  # nothing of the server's threads
+        context = child_context(planner.__name__, self._facts_of.__module__)  # nothing of the server's threads
         there, self._wishes = context.Pipe(duplex=False)
         loop_end, planner_end = context.Pipe()
         improver_end, leisure_end = context.Pipe()
