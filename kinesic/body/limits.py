@@ -13,6 +13,7 @@ STALL_SHARE = 0.8  # of the stall torque that accelerating may use
 LEAST_ACCELERATION = 1.0  # [rad/s^2] what a hinge is granted that can hardly hold itself
 RISE = 0.04  # [s] in which the acceleration may go from nothing to its limit
 DUTY = 0.73  # of full PWM that a plan may use; the rest is for other hinges' pull and for servos a quarter weaker
+UNFELT = 1e-6  # share of the duty that a hinge takes at its boxes where no drive is known
 LEAST_DUTY = 0.1  # what is granted to a hinge that can hardly hold itself
 
 
@@ -45,6 +46,33 @@ class Limits:
     def part(self, hinges: NDArray[np.intp]) -> "Limits":
         """Those of some hinges, in their order."""
         return Limits(*(sealed(values[hinges]) for values in vars(self).values()))
+
+    @classmethod
+    def box(cls, *, lower: Floats, upper: Floats, speed: Floats, acceleration: Floats, jerk: Floats) -> "Limits":
+        """Boxes alone, for hinges of which no drive is known: whatever they allow, the duty allows too.
+
+        Args:
+            lower: (n,) [rad].
+            upper: (n,) [rad].
+            speed: (n,) [rad/s].
+            acceleration: (n,) [rad/s^2].
+            jerk: (n,) [rad/s^3].
+
+        Raises:
+            ValueError: the rows have different lengths, a range is empty, or a limit is not positive.
+        """
+        rows = {"lower": lower, "upper": upper, "speed": speed, "acceleration": acceleration, "jerk": jerk}
+        boxes = {name: sealed(np.array(row, dtype=np.float64)) for name, row in rows.items()}
+        shapes = {name: box.shape for name, box in boxes.items()}
+        if len(set(shapes.values())) > 1 or boxes["lower"].ndim != 1:
+            raise ValueError(f"limits have shapes {shapes}; give one number per hinge in each")
+        if not (boxes["lower"] < boxes["upper"]).all():
+            raise ValueError(f"lower {boxes['lower'].tolist()} must be below upper {boxes['upper'].tolist()}")
+        for name in ("speed", "acceleration", "jerk"):
+            if not (np.isfinite(boxes[name]) & (boxes[name] > 0.0)).all():
+                raise ValueError(f"{name} is {boxes[name].tolist()}; every limit must be finite and above 0")
+        inertial, viscous = UNFELT / boxes["acceleration"], UNFELT / boxes["speed"]
+        return cls(**boxes, inertial=sealed(inertial), viscous=sealed(viscous), duty=sealed(np.ones(len(inertial))))
 
     @classmethod
     def of(cls, robot: Robot, load: Load) -> "Limits":

@@ -1,21 +1,24 @@
-"""Finds joint angles for a reach."""
+"""Finds joint angles for a reach: `solve`, `pose`, `two_hands` and `track`."""
 
-from importlib import import_module
-from os import environ
-from typing import Literal
+from kinesic.body.reach import Reach
+from kinesic.ik.kernel_choice import KERNEL, Kernel
+from kinesic.ik.pose import PoseSolution
+from kinesic.ik.pose import solve_pose as pose
+from kinesic.ik.solve import Solution, solve
+from kinesic.ik.track import Tracker, track
+from kinesic.ik.two_hands import Both
+from kinesic.ik.two_hands import reach_both as two_hands
 
-Kernel = Literal["compiled", "numpy"]
-
-
-def _present() -> Kernel:
-    """Compiled, unless set-up found no compiler or KINESIC_KERNEL=numpy asks for the specification."""
-    if environ.get("KINESIC_KERNEL") == "numpy":
-        return "numpy"
-    try:
-        import_module("kinesic.ik._kernel")
-    except ImportError:
-        return "numpy"
-    return "compiled"
-
-
-KERNEL: Kernel = _present()  # which implementation runs
+__all__ = [
+    "KERNEL",
+    "Both",
+    "Kernel",
+    "PoseSolution",
+    "Reach",
+    "Solution",
+    "Tracker",
+    "pose",
+    "solve",
+    "track",
+    "two_hands",
+]

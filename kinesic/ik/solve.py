@@ -13,7 +13,6 @@ from msgspec.structs import replace
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
-from kinesic.ik import KERNEL, Kernel
 from kinesic.ik.angles import arccosine
 from kinesic.ik.arm.compiled import arm_of
 from kinesic.ik.arm.linkage import Linkage, linkage_of
@@ -22,6 +21,7 @@ from kinesic.ik.arm.multistart import STALLED, approach
 from kinesic.ik.arm.nearest import finish
 from kinesic.ik.arm.shoulder_elbow import Bend, Place, bent, place_of, placed
 from kinesic.ik.arm.wrist import Wish, orient
+from kinesic.ik.kernel_choice import KERNEL, Kernel
 from kinesic.ik.scalar3 import Vector, distance, dot, rotated, unit, vector
 
 REACHED = 1e-3  # [m] residual at which the hand is there

@@ -5,19 +5,19 @@ the arm leap. What the hand leaves open is drawn to rest with a time constant, s
 closed path of the arm.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from math import ceil, exp, isfinite
 
 import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
-from kinesic.ik import KERNEL, Kernel
 from kinesic.ik.arm.compiled import arm_of
 from kinesic.ik.arm.linkage import Linkage, linkage_of
 from kinesic.ik.arm.mirror import is_right, mirrored_chain, mirrored_place
 from kinesic.ik.arm.polish import columns, stepped
 from kinesic.ik.arm.shoulder_elbow import STRETCH, helpful
+from kinesic.ik.kernel_choice import KERNEL, Kernel
 from kinesic.ik.scalar3 import Vector, distance, dot, minus, norm, plus, scaled, vector
 
 LONGEST = 0.005  # [s] that one step of the way takes; a longer tick takes several, so that its length does not matter
@@ -86,6 +86,35 @@ class Tracker:
         if self._strength < 1.0:
             self._strength = min(1.0, self._strength + self._growth)
         return self._angles.copy()
+
+
+def track(
+    chain: Chain,
+    targets: Iterable[Floats],
+    *,
+    period: float,
+    start: Floats | None = None,
+    posture_seconds: float = 0.25,
+    kernel: Kernel = KERNEL,
+) -> Iterator[Floats]:
+    """Follows targets that come one after another; each is answered before the next is asked for.
+
+    Args:
+        chain: the arm.
+        targets: (3,) [m] each, of the hand in the frame of the chain's base, one per period.
+        period: [s] between two targets.
+        start: (k,) [rad] clipped to the ranges; the chain's rest by default.
+        posture_seconds: [s] time constant of the pull to rest; infinite for none.
+        kernel: which implementation answers.
+
+    Returns:
+        (k,) [rad] for each target, inside the ranges.
+
+    Raises:
+        ValueError: a time is not positive, the start no posture, or a target not three finite numbers.
+    """
+    tracker = Tracker(chain, period=period, start=start, posture_seconds=posture_seconds, kernel=kernel)
+    return map(tracker.step, targets)
 
 
 class _Specification:

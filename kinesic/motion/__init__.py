@@ -1,1 +1,8 @@
 """Conditions a motion of hinges under limits: key postures in, a certified B-spline out."""
+
+from kinesic.body.limits import Limits
+from kinesic.motion.condition import Conditioned, condition
+from kinesic.motion.keys import KeyPosture
+from kinesic.motion.trajectory import Trajectory
+
+__all__ = ["Conditioned", "KeyPosture", "Limits", "Trajectory", "condition"]

@@ -41,6 +41,11 @@ class KeyPosture:
     passages: tuple[Passage, ...] = ()  # (n,) how each hinge passes, and comes to, this key; all plainly where empty
     firm: bool = True  # passed exactly; else on a path, which the motion only follows as far as it can
 
+    @classmethod
+    def whole(cls, time: float, angles: Sequence[float] | Floats) -> "KeyPosture":
+        """A key of all hinges: (n,) [rad] at a time [s]."""
+        return cls(time, sealed(np.array(angles, dtype=np.float64)), (True,) * len(angles))
+
 
 @dataclass(frozen=True)
 class Bond:

@@ -1,0 +1,46 @@
+"""The four entrances of inverse kinematics, as a user finds them."""
+
+import numpy as np
+import pytest
+
+from kinesic import ik
+from kinesic.body.robot import Robot
+from kinesic.ik.pose import solve_pose
+from kinesic.ik.solve import solve
+from kinesic.ik.two_hands import reach_both
+
+ROBOT = Robot.load()
+ARM = ROBOT.arms["l"]
+PLACE = np.array([0.28, 0.10, -0.05])  # [m] in the frame of the arm's base
+
+
+def test_they_are_functions_also_after_their_modules_were_imported():
+    assert (ik.solve, ik.pose, ik.two_hands) == (solve, solve_pose, reach_both)
+    assert all(callable(getattr(ik, name)) for name in ("solve", "pose", "two_hands", "track"))
+
+
+def test_track_answers_each_target_before_it_asks_for_the_next():
+    asked = []
+
+    def targets():
+        for k in range(20):
+            asked.append(k)
+            yield PLACE + np.array([0.0, 0.002 * k, 0.0])
+
+    following = ik.track(ARM, targets(), period=0.01, start=ik.solve(ARM, ik.Reach(PLACE), start=ARM.rest).angles)
+    next(following)
+    assert asked == [0]
+    *_, last = following
+    assert np.linalg.norm(ARM.hand(last) - PLACE - [0.0, 0.038, 0.0]) < 1e-5
+
+
+def test_track_steps_as_its_tracker_does():
+    tracker = ik.Tracker(ARM, period=0.01)
+    targets = [PLACE + np.array([0.0, 0.0, 0.001 * k]) for k in range(10)]
+    found = np.array(list(ik.track(ARM, targets, period=0.01)))
+    np.testing.assert_array_equal(found, [tracker.step(target) for target in targets])
+
+
+def test_track_refuses_a_wrong_period_before_it_asks_for_a_target():
+    with pytest.raises(ValueError, match="period is 0"):
+        ik.track(ARM, iter(()), period=0.0)

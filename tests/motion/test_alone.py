@@ -1,0 +1,50 @@
+"""Motion without a robot: what `kinesic.motion` hands on suffices."""
+
+import numpy as np
+import pytest
+
+from kinesic import motion
+from kinesic.motion.limit_check import peaks
+
+BOX = {
+    "lower": np.array([-1.5, -0.2]),
+    "upper": np.array([1.5, 2.4]),
+    "speed": np.array([2.0, 3.0]),
+    "acceleration": np.array([8.0, 12.0]),
+    "jerk": np.array([200.0, 300.0]),
+}
+
+
+def test_a_motion_keeps_its_boxes_and_passes_its_keys():
+    limits = motion.Limits.box(**BOX)
+    rows = ((0.0, [0.0, 0.0]), (0.5, [1.2, 2.0]), (2.5, [-0.4, 0.3]), (3.5, [0.0, 0.0]))
+    keys = tuple(motion.KeyPosture.whole(time, angles) for time, angles in rows)
+    found = motion.condition(keys, limits)
+    shares = peaks(found.trajectory, limits).shares
+    assert all(float(peak.ratios.max()) <= 1.0 + 1e-6 for peak in shares.values())
+    assert float(shares["duty"].ratios.max()) < 1e-5  # no drive is known
+    passed = found.trajectory.sample(found.planned + found.trajectory.zero)[0]
+    np.testing.assert_allclose(passed, [angles for _, angles in rows], atol=1e-6)
+    assert found.bottlenecks  # the second key comes too soon after the first
+
+
+def test_a_key_of_all_hinges_keeps_its_own_copy():
+    angles = np.zeros(3)
+    key = motion.KeyPosture.whole(1.0, angles)
+    angles[0] = 1.0
+    assert key.angles.tolist() == [0.0, 0.0, 0.0]
+    assert key.keyed == (True, True, True)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"speed": np.array([2.0])}, "one number per hinge"),
+        ({"lower": np.array([-1.5, 3.0])}, "must be below upper"),
+        ({"jerk": np.array([200.0, 0.0])}, "jerk is .* above 0"),
+        ({"acceleration": np.array([np.inf, 1.0])}, "acceleration is .* finite"),
+    ],
+)
+def test_wrong_boxes_are_refused_in_words(wrong, said):
+    with pytest.raises(ValueError, match=said):
+        motion.Limits.box(**(BOX | wrong))
