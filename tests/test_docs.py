@@ -2,6 +2,7 @@
 
 import re
 import runpy
+import tomllib
 from collections import Counter
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from kinesic.report.checks import checks
 from kinesic.studies.gestures.vocabulary import vocabulary
 
 ROOT = Path(__file__).resolve().parent.parent
+CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 
 
@@ -24,6 +26,24 @@ def test_links_lead_somewhere(page: Path):
     links = re.findall(r"\]\(([^)#]+)[^)]*\)", page.read_text(encoding="utf-8"))
     local = [link for link in links if not link.startswith(("http://", "https://"))]
     assert [link for link in local if not (page.parent / link).exists()] == []
+
+
+def test_every_path_that_contributors_are_shown_exists():
+    """What stands in backticks and has a slash or ends as a file does; NAME stands for any name."""
+    prose = re.sub(r"```.*?```", "", CONTRIBUTING, flags=re.DOTALL)
+    paths = re.findall(r"`([\w.*/-]+/[\w.*/-]*|[\w-]+\.(?:py|md|toml))`", prose)
+    assert len(paths) > 100
+    assert [path for path in paths if not any(ROOT.glob(path.replace("NAME", "*")))] == []
+
+
+def test_contributors_are_shown_the_layers_of_the_contract_and_the_duty_of_each_room():
+    tools = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]
+    contracts = tools["importlinter"]["contracts"]
+    (layers,) = [contract["layers"] for contract in contracts if contract.get("containers") == ["kinesic"]]
+    (picture,) = [text for text in re.findall(r"```\n(.*?)```", CONTRIBUTING, re.DOTALL) if text.startswith("cli\n")]
+    assert picture.splitlines() == layers
+    duties = re.findall(r"^\| `kinesic/(\w+)/` \| [^|]+ \|$", CONTRIBUTING, re.MULTILINE)
+    assert duties == [room for layer in layers for room in layer.split(" | ")]
 
 
 def test_the_example_of_the_gesture_page_is_a_lexicon(tmp_path: Path):
