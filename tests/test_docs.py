@@ -46,6 +46,14 @@ def test_contributors_are_shown_the_layers_of_the_contract_and_the_duty_of_each_
     assert duties == [room for layer in layers for room in layer.split(" | ")]
 
 
+def test_an_entry_of_the_changelog_is_one_line():
+    _, *releases = re.split(r"^## ", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), flags=re.MULTILINE)
+    lines = [line for release in releases for line in release.splitlines()[1:] if line]
+    assert [line for line in lines if not re.match(r"( *- |### )", line)] == []
+    assert [line for line in lines if len(line) >= 140] == []
+    assert releases[0].startswith("[Unreleased]")
+
+
 def test_the_example_of_the_gesture_page_is_a_lexicon(tmp_path: Path):
     page = (ROOT / "docs" / "my-gestures.md").read_text(encoding="utf-8")
     file = tmp_path / "mine.toml"
