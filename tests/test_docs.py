@@ -68,10 +68,10 @@ def test_the_example_of_the_gesture_page_is_a_lexicon(tmp_path: Path):
 
 
 def test_the_page_of_gestures_is_in_step_with_the_lexicon():
-    script = runpy.run_path(str(ROOT / "docs" / "gestures.py"))
+    script = runpy.run_path(str(ROOT / "docs" / "make" / "gestures.py"))
     known = facts()
     written = (ROOT / "docs" / "gestures.md").read_text(encoding="utf-8")
-    assert written == script["page"](vocabulary(known.lexicon, known.pace)), "run docs/gestures.py"
+    assert written == script["page"](vocabulary(known.lexicon, known.pace)), "run docs/make/gestures.py"
     assert (ROOT / "docs" / "gestures.png").stat().st_size < 1.5e6
 
 

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-PAGE = Path(__file__).with_name("servos.md")
+PAGE = Path(__file__).parents[1] / "servos.md"
 COUNTS, BAUDS = (7, 14, 20, 26), {57_600: "57 600", 1_000_000: "1 M", 2_000_000: "2 M", 4_000_000: "4 M"}
 SERVOS, BAUD = 14, 1_000_000  # of the table that sets the drivers side by side
 DRIVERS = ("kinesic", "dynamixel-sdk")

@@ -4,7 +4,7 @@ import json
 import sys
 from pathlib import Path
 
-PAGE = Path(__file__).with_name("expressivity.md")
+PAGE = Path(__file__).parents[1] / "expressivity.md"
 BEGIN, END = "<!-- figures -->", "<!-- end of figures -->"
 MARKS = {True: "met", False: "missed", None: ""}
 

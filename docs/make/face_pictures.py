@@ -43,4 +43,4 @@ def labelled(pixels: Pixels, text: str) -> Pixels:
 effects = [labelled(drawn(preset, SMILE, ASIDE), name) for name, preset in ONE_BY_ONE]
 views = [labelled(drawn(NORMAL, units, Camera(yaw_deg=yaw)), f"normal, {yaw:g} deg") for yaw, units in ROUND]
 sheet = Image.fromarray(np.concatenate([np.concatenate(effects, axis=1), np.concatenate(views, axis=1)]))
-sheet.save(Path(__file__).with_name("face-light.png"), optimize=True)
+sheet.save(Path(__file__).parents[1] / "face-light.png", optimize=True)

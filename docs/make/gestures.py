@@ -9,7 +9,7 @@ from kinesic.studies.gestures.isolated import played, show
 from kinesic.studies.gestures.sheet import MOST, sheet
 from kinesic.studies.gestures.vocabulary import Entry, vocabulary
 
-HERE = Path(__file__).parent
+DOCS = Path(__file__).parents[1]
 KINDS = {
     "adaptor": "What the hands do to the body and to things, beside the talk.",
     "beat": "The rhythm of the talk: no picture, only stress.",
@@ -22,9 +22,9 @@ KINDS = {
 }
 HEAD = """# The gestures
 
-Written by `docs/gestures.py` from `kinesic/configs/gestures/`: {count} gestures, no two alike. Two gestures count as
-two only if their hands, in neutral manner, go ways that differ by 5 cm RMS over both hands, or are turned by 30 deg RMS
-or shaped differently. [my-gestures.md](my-gestures.md) says how to write one.
+Written by `docs/make/gestures.py` from `kinesic/configs/gestures/`: {count} gestures, no two alike. Two gestures count
+as two only if their hands, in neutral manner, go ways that differ by 5 cm RMS over both hands, or are turned by 30 deg
+RMS or shaped differently. [my-gestures.md](my-gestures.md) says how to write one.
 
 Each is drawn at its stroke, from the front, over the shadow of how its arms begin; the line is the palm's way through
 the stroke. The robot has no fingers: they are drawn to show the shape that a hand with fingers would take.
@@ -56,6 +56,6 @@ def _tables(entries: list[Entry]) -> Iterator[str]:
 
 if __name__ == "__main__":
     known = facts()
-    (HERE / "gestures.md").write_text(page(vocabulary(known.lexicon, known.pace)), encoding="utf-8")
+    (DOCS / "gestures.md").write_text(page(vocabulary(known.lexicon, known.pace)), encoding="utf-8")
     shows = [show(form, played(form, known), MOST) for form in known.lexicon.forms]
-    sheet(shows, known.robot, HERE / "gestures.png")
+    sheet(shows, known.robot, DOCS / "gestures.png")

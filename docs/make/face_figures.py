@@ -4,7 +4,7 @@ import json
 import sys
 from pathlib import Path
 
-PAGE = Path(__file__).with_name("face.md")
+PAGE = Path(__file__).parents[1] / "face.md"
 BEGIN, END = "<!-- figures -->", "<!-- end of figures -->"
 MARKS = {True: "met", False: "missed", None: ""}
 ESTIMATORS = {"crytek": "Crytek", "obscurance": "vol. obscurance", "horizon": "horizon", "angular": "angular"}
