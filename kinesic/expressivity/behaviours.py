@@ -19,8 +19,7 @@ from kinesic.bml.block import (
 )
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES, Robot, Side
-from kinesic.expressivity import gaze
-from kinesic.expressivity import trunk as torso
+from kinesic.expressivity import gaze, trunk
 from kinesic.expressivity.gather import TOGETHER
 from kinesic.expressivity.hands.poses import REST, Poses, pointing_poses, poses
 from kinesic.expressivity.hands.strokes import Stroke
@@ -145,12 +144,12 @@ def torso_move(timed: Timed, action: Torso, scene: Scene) -> Move:
     """A lean or a turn of the trunk that returns."""
     if not scene.robot.joints("torso"):
         return _lacking("torso", scene)
-    lean = torso.lean(action, scene.robot, scene.manner(timed).spatial)
+    lean = trunk.lean(action, scene.robot, scene.manner(timed).spatial)
     if lean is None:
         return dropped(f"torso movement {action.lexeme} is unknown; lean, recline, turn, left and right are known")
     if lean.clipped and lean.turn == UPRIGHT:
         return dropped(f"the trunk cannot: {lean.clipped}")
-    (layer,) = exclusive([torso.hold(lean.turn, timed.times, stays=False, pace=scene.pace)])
+    (layer,) = exclusive([trunk.hold(lean.turn, timed.times, stays=False, pace=scene.pace)])
     return Move(torso=(passed(layer, scene.manner(timed)),), warnings=_clipped(lean.clipped))
 
 

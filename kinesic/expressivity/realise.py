@@ -160,7 +160,7 @@ def _move(timed: Timed, scene: Scene) -> Move:
 
 
 def _face_move(action: Face) -> Move:
-    """A face: it moves no hinge, and `face_units` works out what it shows when somebody looks."""
+    """A face: it moves no hinge, and `face.tracks` works out what it shows when somebody looks."""
     found = outcome(action)
     if found.kind == "dropped":
         return dropped(found.why)

@@ -33,7 +33,7 @@ class Postures:
 def postures(keyframes: KeyFrames, robot: Robot, distances: Distances) -> Postures:
     """Solves every key frame for the parts that it gives.
 
-    Hands keep the hover distance of `hover` from the body and from one another; an unreachable target
+    Hands keep the hover distance of `collision` from the body and from one another; an unreachable target
     becomes the best posture, and `misses` says by how much.
     """
     solved: list[KeyPosture] = []

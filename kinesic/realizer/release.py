@@ -49,7 +49,7 @@ def released(
     Args:
         running: the motion, within the limits and clear of the body.
         time: [s] performance time from which it may change, at the next knot.
-        hinges: (n,) that are given free: see `busy.freed`.
+        hinges: (n,) that are given free: see `occupancy.freed`.
         facts: limits, rest pose and distances.
         layer: what the block adds to the running motion; without it the hinges come to the rest pose.
         others: what else the running motion does.

@@ -1,4 +1,4 @@
-// A chain as the solver walks it (kinesic/ik/linkage.py), in arrays of fixed size.
+// A chain as the solver walks it (kinesic/ik/arm/linkage.py), in arrays of fixed size.
 
 #pragma once
 

@@ -1,4 +1,4 @@
-// Masses and springs find where the joints go (kinesic/ik/masses.py; thesis 7.3.1, method 2).
+// Masses and springs find where the joints go (kinesic/ik/arm/masses.py; thesis 7.3.1, method 2).
 
 #pragma once
 

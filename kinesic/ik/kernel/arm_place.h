@@ -1,4 +1,4 @@
-// Where shoulder and elbow go for a target (kinesic/ik/place.py, elbow.py).
+// Where shoulder and elbow go for a target (kinesic/ik/arm/shoulder_elbow.py, swivel.py).
 
 #pragma once
 

@@ -1,4 +1,4 @@
-// Levenberg-Marquardt with an active set (kinesic/ik/polish.py): what a stopped hinge cannot give, the others take over.
+// Levenberg-Marquardt with an active set (kinesic/ik/arm/polish.py): what a stopped hinge cannot give, others take over.
 
 #pragma once
 

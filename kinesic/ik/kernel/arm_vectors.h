@@ -1,4 +1,4 @@
-// Three numbers and nine numbers: the same arithmetic as kinesic/ik/vectors.py, in the same order.
+// Three numbers and nine numbers: the same arithmetic as kinesic/ik/scalar3.py, in the same order.
 
 #pragma once
 

@@ -1,4 +1,4 @@
-// Turns the hand's own hinges so that it points and its palm faces as asked (kinesic/ik/wrist.py).
+// Turns the hand's own hinges so that it points and its palm faces as asked (kinesic/ik/arm/wrist.py).
 
 #pragma once
 
