@@ -4,7 +4,7 @@ from kinesic.body.command import RATE, Command
 from kinesic.body.config import CONFIGS
 from kinesic.controller.feedforward import lead
 from kinesic.controller.perform import facts, plan
-from kinesic.controller.play import commands, play, ticks
+from kinesic.controller.play import command_times, commands, play
 
 
 class Ticker:
@@ -24,7 +24,7 @@ class Ticker:
 
 known = facts()
 planned = plan((CONFIGS / "bml" / "welcome.bml").read_bytes(), known)
-times = ticks(planned.duration)
+times = command_times(planned.duration)
 setpoints = lead(planned.trajectory, times, known.robot, known.dynamics, period=1 / RATE)
 elbow = known.robot.skeleton.joint("r_elbow_flexion")
 play(commands(planned.trajectory, times, setpoints), Ticker(elbow))

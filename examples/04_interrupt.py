@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from kinesic.controller.perform import facts, plan
-from kinesic.motion.stopping import stopped
+from kinesic.motion.stopping import stop
 from kinesic.realizer.merge import replaced
 
 CUT = 2.0  # [s]
@@ -15,7 +15,7 @@ running = plan(Path("kinesic/configs/bml/welcome.bml").read_text(), known)
 nod = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" stroke="0.6"/></bml>'
 other = plan(nod, known)
 
-halted = stopped(running.trajectory, CUT, known.limits)
+halted = stop(running.trajectory, CUT, known.limits)
 print(f"at rest {1000 * (halted.duration - CUT):.0f} ms after the cut")
 
 over = replaced(running.trajectory, CUT, other)

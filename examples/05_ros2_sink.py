@@ -6,7 +6,7 @@ from kinesic.body.command import RATE, Command
 from kinesic.body.config import CONFIGS
 from kinesic.controller.feedforward import lead
 from kinesic.controller.perform import facts, plan
-from kinesic.controller.play import commands, play, ticks
+from kinesic.controller.play import command_times, commands, play
 
 try:
     import rclpy
@@ -35,5 +35,7 @@ if rclpy is None:
     print("skipped: no rclpy here; source ROS 2's setup.bash first")
 else:
     planned = plan((CONFIGS / "bml" / "welcome.bml").read_bytes(), known := facts())
-    setpoints = lead(planned.trajectory, times := ticks(planned.duration), known.robot, known.dynamics, period=1 / RATE)
+    setpoints = lead(
+        planned.trajectory, times := command_times(planned.duration), known.robot, known.dynamics, period=1 / RATE
+    )
     play(commands(planned.trajectory, times, setpoints), Topic(known.robot.skeleton.names))

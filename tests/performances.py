@@ -12,7 +12,7 @@ from kinesic.controller.performance import Performance
 from kinesic.motion.condition import condition
 from kinesic.motion.keys import KeyPosture
 from kinesic.motion.trajectory import Trajectory
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 
 BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="block">{}</bml>'
 HURRIED = BLOCK.format(
@@ -25,19 +25,19 @@ CALM = BLOCK.format('<gesture id="offering" lexeme="offer" mode="RIGHT_HAND" str
 
 
 @pytest.fixture(scope="session")
-def known() -> Facts:
+def known() -> Setup:
     """The default robot and style."""
     return facts()
 
 
 @pytest.fixture(scope="session")
-def hurried(known: Facts) -> Performance:
+def hurried(known: Setup) -> Performance:
     """A stroke that comes too soon, a nod in time, a gesture that nobody knows."""
     return perform(HURRIED, known, source="hurried.bml")
 
 
 @pytest.fixture(scope="session")
-def calm(known: Facts) -> Performance:
+def calm(known: Setup) -> Performance:
     """One gesture with all the time it wants."""
     return perform(CALM, known, source="calm.bml")
 

@@ -18,7 +18,7 @@ import pytest
 import stomp
 
 import kinesic.client
-from kinesic.bench.bml.server import Server, opened
+from kinesic.bench.bml.server import Server, open_server
 from kinesic.client import Client
 
 pytestmark = pytest.mark.realtime
@@ -30,7 +30,7 @@ PATIENCE = 30.0  # [s]
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[Server]:
-    with opened() as found:
+    with open_server() as found:
         yield found
 
 

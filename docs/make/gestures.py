@@ -5,9 +5,9 @@ from itertools import groupby
 from pathlib import Path
 
 from kinesic.controller.perform import facts
-from kinesic.studies.gestures.isolated import played, show
-from kinesic.studies.gestures.sheet import MOST, sheet
-from kinesic.studies.gestures.vocabulary import Entry, vocabulary
+from kinesic.studies.gestures.isolated import key_postures, plan_gesture
+from kinesic.studies.gestures.sheet import MOST, draw_gesture_sheet
+from kinesic.studies.gestures.vocabulary import VocabularyEntry, vocabulary
 
 DOCS = Path(__file__).parents[1]
 KINDS = {
@@ -38,12 +38,12 @@ words that find the gesture too, the times are natural ones in neutral manner. K
 """
 
 
-def page(entries: list[Entry]) -> str:
+def page(entries: list[VocabularyEntry]) -> str:
     """The page, in Markdown."""
     return "\n".join([HEAD.format(count=len(entries)), *_tables(entries)])
 
 
-def _tables(entries: list[Entry]) -> Iterator[str]:
+def _tables(entries: list[VocabularyEntry]) -> Iterator[str]:
     for category, group in groupby(entries, lambda entry: entry.category):
         rows = list(group)
         yield f"## {category} ({len(rows)})\n\n{KINDS[category]}\n"
@@ -57,5 +57,5 @@ def _tables(entries: list[Entry]) -> Iterator[str]:
 if __name__ == "__main__":
     known = facts()
     (DOCS / "gestures.md").write_text(page(vocabulary(known.lexicon, known.pace)), encoding="utf-8")
-    shows = [show(form, played(form, known), MOST) for form in known.lexicon.forms]
-    sheet(shows, known.robot, DOCS / "gestures.png")
+    shows = [key_postures(form, plan_gesture(form, known), MOST) for form in known.lexicon.forms]
+    draw_gesture_sheet(shows, known.robot, DOCS / "gestures.png")

@@ -21,7 +21,7 @@ ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="crowd">{}</bm
 MODES = ("LEFT_HAND", "RIGHT_HAND", "BOTH_HANDS")
 
 
-def passage(repetition: int) -> str:
+def passage_text(repetition: int) -> str:
     """The block with all times a little later at each repetition, so that nothing can be remembered."""
     return PASSAGE.format(*(time + 0.003 * (repetition % 17) for time in TIMES))
 

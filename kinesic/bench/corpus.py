@@ -7,7 +7,7 @@ from pathlib import Path
 from kinesic.bml.block import BmlError
 from kinesic.controller.perform import plan
 from kinesic.planning.plan import Plan
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 from kinesic.report.batch import documents
 from kinesic.report.checks.twin import is_stroke
 
@@ -21,7 +21,7 @@ def folder() -> Path | None:
     return path if path.is_dir() else None
 
 
-def blocks(where: Path, known: Facts, count: int) -> tuple[Plan, ...]:
+def blocks(where: Path, known: Setup, count: int) -> tuple[Plan, ...]:
     """The first so many documents, in a seeded order, that perform a stroke.
 
     Args:

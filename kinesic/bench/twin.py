@@ -11,14 +11,14 @@ from time import process_time
 import numpy as np
 
 from kinesic.bench import corpus
-from kinesic.bench.blocks import passage
+from kinesic.bench.blocks import passage_text
 from kinesic.bench.figure import Figure
 from kinesic.body.arrays import Floats
 from kinesic.controller.feedforward import Terms
 from kinesic.controller.perform import dry_run, dry_runs, facts, plan
 from kinesic.controller.performance import Performance
 from kinesic.planning.plan import Plan
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.report.checks import checks
 from kinesic.report.checks.twin import is_stroke
@@ -76,7 +76,7 @@ class Errors:
         }
 
 
-def following(known: Facts, blocks: int = BLOCKS) -> list[Figure]:
+def tracking_figures(known: Setup, blocks: int = BLOCKS) -> list[Figure]:
     """Each figure of each twin, with feed-forward and correction, with feed-forward only, and with neither.
 
     Only the first has goals; the others stand beside it.
@@ -108,7 +108,7 @@ def _goal(name: str, twin: str, kind: str) -> float | None:
 def bench() -> list[Figure]:
     """The passage in both twins: simulated time over feed-forward, physics and checks; then a set of documents."""
     known = facts()
-    plans = [plan(passage(repetition), known) for repetition in range(REPETITIONS)]
+    plans = [plan(passage_text(repetition), known) for repetition in range(REPETITIONS)]
     everyone = tuple(factors for _, factors in TWINS)
     _timed(plans[0], everyone)
     one = [_timed(planned, everyone[:1]) for planned in plans]
@@ -119,7 +119,7 @@ def bench() -> list[Figure]:
         Figure("twin.real_time", median(speed for speed, _ in one), "x", 100.0, "higher"),
         Figure("twin.real_time_both", median(speed for speed, _ in both), "x", 60.0, "higher"),
         Figure("twin.clearance", 1000 * clearance, "mm", 10.0, "higher"),
-        *following(known, BLOCKS),
+        *tracking_figures(known, BLOCKS),
     ]
 
 

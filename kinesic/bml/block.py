@@ -54,16 +54,16 @@ __all__ = [
     "Mode",
     "Notice",
     "NoticeType",
-    "Order",
     "ParameterChange",
     "Place",
     "Pointing",
     "Posture",
+    "Precedence",
     "Speech",
     "Succession",
     "SyncRef",
     "Synchronize",
-    "Timed",
+    "TimedBehaviour",
     "Timeline",
     "Torso",
     "Wait",
@@ -194,7 +194,7 @@ class Synchronize:
 
 
 @dataclass(frozen=True)
-class Order:
+class Precedence:
     """`earlier` is not after any of `later` (BML's `after`; `before` is turned round into this form)."""
 
     earlier: SyncRef
@@ -209,7 +209,7 @@ class Block:
 
     id: str
     behaviours: tuple[Behaviour, ...]
-    constraints: tuple[Synchronize | Order, ...] = ()
+    constraints: tuple[Synchronize | Precedence, ...] = ()
     composition: Composition = Composition.MERGE
     character: str | None = None
     dialect: Dialect = "bml-1.0"
@@ -229,7 +229,7 @@ class Drop:
 
 
 @dataclass(frozen=True)
-class Timed:
+class TimedBehaviour:
     """A behaviour with all its sync points in seconds of block time, in the order of its type."""
 
     behaviour: Behaviour
@@ -241,7 +241,7 @@ class Timeline:
     """Every behaviour that will be performed, with its times."""
 
     block: Block
-    timed: tuple[Timed, ...]
+    timed: tuple[TimedBehaviour, ...]
     dropped: tuple[Drop, ...] = ()
     notices: tuple[Notice, ...] = ()  # those of the block included
 

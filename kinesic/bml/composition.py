@@ -10,7 +10,7 @@ from typing import Literal
 
 from kinesic.bml.block import Block, Composition, NoticeType, Succession
 from kinesic.bml.reading.namespaces import extension_attributes
-from kinesic.bml.reading.reader import Named, Reading
+from kinesic.bml.reading.reader import BehaviourElement, DocumentReading
 from kinesic.bml.reading.tree import Element
 
 Until = Literal["relax", "end"]  # what must have come of another block
@@ -28,7 +28,7 @@ _WRITTEN = re.compile(r"\s*([\w-]*)\s*(?:\((.*)\))?\s*", re.DOTALL)
 _SEPARATOR = re.compile(r"[\s,]+")
 
 
-class State(Enum):
+class BlockState(Enum):
     """Where a block is in its life."""
 
     IN_PREP = "IN_PREP"  # it is being planned
@@ -44,10 +44,10 @@ class State(Enum):
     @property
     def is_playing(self) -> bool:
         """Whether it has begun and is not over."""
-        return self in (State.IN_EXEC, State.SUBSIDING)
+        return self in (BlockState.IN_EXEC, BlockState.SUBSIDING)
 
 
-def composition_of(about: Named, root: Element, reading: Reading) -> tuple[Composition, Succession]:
+def composition_of(about: BehaviourElement, root: Element, reading: DocumentReading) -> tuple[Composition, Succession]:
     """Reads how a block asks to meet others.
 
     Args:
@@ -76,7 +76,7 @@ def composition_of(about: Named, root: Element, reading: Reading) -> tuple[Compo
     )
 
 
-def awaited(block: Block, present: Mapping[str, State]) -> dict[str, Until]:
+def awaited(block: Block, present: Mapping[str, BlockState]) -> dict[str, Until]:
     """What must come of which other blocks before a block begins.
 
     APPEND without ids waits for all that were sent before, those left aside that nobody has activated.
@@ -87,20 +87,20 @@ def awaited(block: Block, present: Mapping[str, State]) -> dict[str, Until]:
     """
     succession, waits = block.succession, dict[str, Until]()
     if block.composition is Composition.APPEND and not (succession.after or succession.chunk_after):
-        waits |= {id: "end" for id, state in present.items() if state is not State.PENDING}
+        waits |= {id: "end" for id, state in present.items() if state is not BlockState.PENDING}
     waits |= dict.fromkeys(succession.chunk_after, "relax")
     waits |= dict.fromkeys(succession.after, "end")
     return {id: until for id, until in waits.items() if id in present and id != block.id}
 
 
-def held_back(block: Block, present: Mapping[str, State]) -> dict[str, Until]:
+def held_back(block: Block, present: Mapping[str, BlockState]) -> dict[str, Until]:
     """Blocks that have not begun and, by this block's wish, wait for it."""
     succession = block.succession
     waits: dict[str, Until] = {
         **dict.fromkeys(succession.chunk_before, "relax"),
         **dict.fromkeys(succession.before, "end"),
     }
-    waiting = (State.IN_PREP, State.PENDING, State.LURKING)
+    waiting = (BlockState.IN_PREP, BlockState.PENDING, BlockState.LURKING)
     return {id: until for id, until in waits.items() if present.get(id) in waiting and id != block.id}
 
 

@@ -9,11 +9,11 @@ from kinesic.bml.reading.block_commands import command_of, is_command
 from kinesic.bml.reading.descriptions import richest
 from kinesic.bml.reading.document import read_document
 from kinesic.bml.reading.elements import ACTIONS, unknown_attributes
-from kinesic.bml.reading.manner import manner_of, manners_of
+from kinesic.bml.reading.manner import manners_of, read_manner
 from kinesic.bml.reading.namespaces import core_attributes, foreign_attributes, is_core, namespace
-from kinesic.bml.reading.reader import Named, Reading
+from kinesic.bml.reading.reader import BehaviourElement, DocumentReading
 from kinesic.bml.reading.recording import pause_of
-from kinesic.bml.reading.references import SYNC_ATTRIBUTES, Constraint, References, check_references
+from kinesic.bml.reading.references import SYNC_ATTRIBUTES, Constraint, ReferenceReader, check_references
 from kinesic.bml.reading.script import PROSODY
 from kinesic.bml.reading.syncref import Names
 from kinesic.bml.reading.tree import BOUNDS, Bounds, Element
@@ -52,8 +52,8 @@ def parse(
     document = read_document(text, source=source, bounds=bounds)
     bml, home = document.bml, namespace(document.bml)
     found = document.dialect if dialect == "auto" else dialect
-    about = Named(bml.attributes.get("id", "").strip() or unnamed, bml, core_attributes(bml, home=home))
-    reading = Reading(source, about.id, found, home)
+    about = BehaviourElement(bml.attributes.get("id", "").strip() or unnamed, bml, core_attributes(bml, home=home))
+    reading = DocumentReading(source, about.id, found, home)
     needs_id = found == "bml-1.0" or dialect == "draft"  # Greta's blocks have the draft's namespace, but seldom an id
     if needs_id and not bml.attributes.get("id", "").strip():
         reading.note(NoticeType.PARSING_FAILURE, f"<bml> has no id: it is called '{unnamed}'")
@@ -63,7 +63,7 @@ def parse(
         _refuse_unknown(named, reading)
     bare = [_bare(name, required, reading) for name, required in named]
     names = _names(about.id, bare, known_blocks)
-    references = References(reading, names)
+    references = ReferenceReader(reading, names)
     cued = [references.cues(behaviour, name) for behaviour, (name, _) in zip(bare, named, strict=True)]
     behaviours = tuple(behaviour for behaviour, _ in cued)
     manners = manners_of(bml, reading)
@@ -98,7 +98,7 @@ def _elements(bml: Element, home: str | None, *, required: bool = False) -> Iter
             yield from ((part, required) for part in inner)
 
 
-def _named(bml: Element, reading: Reading) -> list[tuple[Named, bool]]:
+def _named(bml: Element, reading: DocumentReading) -> list[tuple[BehaviourElement, bool]]:
     """Gives every behaviour an id of its own."""
     elements = list(_elements(bml, reading.home))
     if len(elements) > MOST_BEHAVIOURS:
@@ -118,7 +118,7 @@ def _named(bml: Element, reading: Reading) -> list[tuple[Named, bool]]:
             reading.note(NoticeType.PARSING_FAILURE, what, behaviour=own)
         seen.add(own)
         taken.add(own)
-        named.append((Named(own, element, core_attributes(element, home=reading.home)), required))
+        named.append((BehaviourElement(own, element, core_attributes(element, home=reading.home)), required))
     return named
 
 
@@ -129,13 +129,13 @@ def _free(stem: str, taken: set[str]) -> str:
     return f"{stem}.{count}"
 
 
-def _bare(named: Named, required: bool, reading: Reading) -> Behaviour:
+def _bare(named: BehaviourElement, required: bool, reading: DocumentReading) -> Behaviour:
     """A behaviour that has not got its times yet."""
     element = named.element
     known = is_core(element, home=reading.home) and element.local in ACTIONS
     command = None if known else command_of(named, reading)
     action: Action = ACTIONS[element.local](named, reading) if known else command or Custom(element.name)
-    manner = manner_of(named, action, reading)
+    manner = read_manner(named, action, reading)
     return Behaviour(named.id, element.written, action, element.place, manner=manner, required=required)
 
 
@@ -149,7 +149,7 @@ def _names(block: str, behaviours: list[Behaviour], known_blocks: Collection[str
     return Names(block, ids, marks, frozenset(known_blocks) - {block})
 
 
-def _constraints(bml: Element, references: References, *, required: bool = False) -> Iterator[Constraint]:
+def _constraints(bml: Element, references: ReferenceReader, *, required: bool = False) -> Iterator[Constraint]:
     for child in bml.children:
         if is_core(child, home=references.reading.home):
             if child.local == "required":
@@ -158,7 +158,7 @@ def _constraints(bml: Element, references: References, *, required: bool = False
                 yield from references.constraints(child, required=required)
 
 
-def _note_foreign(bml: Element, named: list[tuple[Named, bool]], reading: Reading) -> None:
+def _note_foreign(bml: Element, named: list[tuple[BehaviourElement, bool]], reading: DocumentReading) -> None:
     """One notice for each attribute of an unknown extension or name, wherever and however often it stands."""
     found = [(name, bml) for name in foreign_attributes(bml, home=reading.home)]
     for behaviour, _ in named:
@@ -176,7 +176,7 @@ def _note_foreign(bml: Element, named: list[tuple[Named, bool]], reading: Readin
             reading.note(NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED, what)
 
 
-def _refuse_unknown(named: list[tuple[Named, bool]], reading: Reading) -> None:
+def _refuse_unknown(named: list[tuple[BehaviourElement, bool]], reading: DocumentReading) -> None:
     for name, _ in named:
         is_known = is_core(name.element, home=reading.home) and name.element.local in ACTIONS
         if not is_known and not is_command(name.element):

@@ -9,11 +9,11 @@ from kinesic.bml.block import (
     Drop,
     Notice,
     NoticeType,
-    Order,
+    Precedence,
     Speech,
     Synchronize,
     SyncRef,
-    Timed,
+    TimedBehaviour,
     Timeline,
 )
 from kinesic.bml.reading.errors import refusal
@@ -22,10 +22,10 @@ from kinesic.bml.timing.constraints import Tie, own_ties
 from kinesic.bml.timing.negative_cycles import Edge, contradictions
 from kinesic.bml.timing.network import SHORTEST, Elsewhere, Network, Surroundings
 from kinesic.bml.timing.points import natural_spans
-from kinesic.bml.timing.settle import settle
+from kinesic.bml.timing.settle import settle_times
 from kinesic.body.utterance import Utterance
 
-Constraint = Synchronize | Order
+Constraint = Synchronize | Precedence
 
 
 def schedule(
@@ -166,7 +166,7 @@ class _Cast:
 
     def _give_up_constraint(self, loop: list[Edge]) -> None:
         """Passes over the orders between times of the block itself, which alone can contradict without a behaviour."""
-        orders = [constraint for constraint in self.constraints if isinstance(constraint, Order)]
+        orders = [constraint for constraint in self.constraints if isinstance(constraint, Precedence)]
         for order in orders:
             if order.earlier.behaviour == "bml" and any(ref.behaviour == "bml" for ref in order.later):
                 self.give_up(order, NoticeType.IMPOSSIBLE_TO_SCHEDULE, _told(loop, self.block.id))
@@ -198,7 +198,7 @@ def _told(loop: list[Edge], block: str) -> str:
 
 def _timeline(cast: _Cast, network: Network, spans: Mapping[str, Mapping[str, float]]) -> Timeline:
     natural = {name: natural_spans(b.action, spans.get(name, {})) for name, b in cast.behaviours.items()}
-    times = settle(network, natural)
+    times = settle_times(network, natural)
     timed = []
     for chain in network.chains:
         own = {point.sync: times[point] for point in chain.points}
@@ -208,5 +208,5 @@ def _timeline(cast: _Cast, network: Network, spans: Mapping[str, Mapping[str, fl
             raise refusal(
                 cast.block.source, chain.behaviour.place, what, f"a block lasts at most {LONGEST:g} s: split it"
             )
-        timed.append(Timed(chain.behaviour, own))
+        timed.append(TimedBehaviour(chain.behaviour, own))
     return Timeline(cast.block, tuple(timed), tuple(cast.dropped), tuple(cast.notices))

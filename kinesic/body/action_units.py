@@ -84,7 +84,7 @@ def channels(number: int, side: FaceSide = "both") -> tuple[str, ...]:
     return {"left": (f"L{number}",), "right": (f"R{number}",), "both": (f"L{number}", f"R{number}")}[side]
 
 
-def keys_of(unit: str) -> tuple[str, ...]:
+def face_keys(unit: str) -> tuple[str, ...]:
     """Keys of `Command.face` for a unit as people write it: itself with its side, or a number for both sides.
 
     Returns:
@@ -98,7 +98,7 @@ def keys_of(unit: str) -> tuple[str, ...]:
 
 def unknown_unit(unit: str) -> str:
     """That there is no such unit, and which would have worked."""
-    if unit[:1] in ("L", "R") and keys_of(unit[1:]):
+    if unit[:1] in ("L", "R") and face_keys(unit[1:]):
         return f"no action unit {unit}: {UNITS[int(unit[1:])].name} has no sides; write {unit[1:]}"
     sided = ", ".join(str(number) for number, each in UNITS.items() if each.sided)
     whole = ", ".join(str(number) for number, each in UNITS.items() if not each.sided)

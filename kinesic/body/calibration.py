@@ -5,7 +5,7 @@ from pathlib import Path
 
 import msgspec
 
-from kinesic.body.config import CONFIGS, ConfigError, closest, read
+from kinesic.body.config import CONFIGS, ConfigError, read_toml, suggestion
 from kinesic.body.robot_schema import HingeTable
 
 SUFFIX = ".calibration.toml"
@@ -49,7 +49,7 @@ def read_calibration(robot: Path, name: str) -> Calibration:
     path = calibration_path(robot)
     if not path.exists():
         return NONE
-    found = read(path, Calibration)
+    found = read_toml(path, Calibration)
     if found.robot != name:
         raise ConfigError(f"{path}: calibrates {found.robot or 'no robot'}, but stands for {name}; remove or rename it")
     return found
@@ -63,7 +63,7 @@ def narrowed(hinges: list[HingeTable], calibration: Calibration, path: Path) -> 
     """
     where, known = calibration_path(path), [hinge.name for hinge in hinges]
     for name in sorted(calibration.hinges - set(known)):
-        raise ConfigError(f"{where}: no hinge {name}{closest(name, known)}")
+        raise ConfigError(f"{where}: no hinge {name}{suggestion(name, known)}")
     found = []
     for hinge in hinges:
         (lower, upper), (least, most) = calibration.range_deg.get(hinge.name, hinge.range_deg), hinge.range_deg

@@ -20,7 +20,7 @@ class ConfigError(ValueError):
     """A file of facts is missing or wrong: names the file, the place, the value and what would have worked."""
 
 
-def read(path: Path, schema: type[T]) -> T:
+def read_toml(path: Path, schema: type[T]) -> T:
     """Reads a TOML file into a msgspec schema.
 
     Args:
@@ -57,7 +57,7 @@ def locate(kind: str, name: str | Path) -> Path:
         return path
     path = CONFIGS / f"{kind}s" / f"{name}.toml"
     if not path.exists():
-        raise ConfigError(f"no {kind} {name}{closest(str(name), names_of(kind))} (or give a .toml file)")
+        raise ConfigError(f"no {kind} {name}{suggestion(str(name), names_of(kind))} (or give a .toml file)")
     return path
 
 
@@ -66,7 +66,7 @@ def names_of(kind: str) -> tuple[str, ...]:
     return tuple(sorted(file.stem for file in (CONFIGS / f"{kind}s").glob("*.toml")))
 
 
-def closest(word: str, known: Iterator[str] | list[str] | tuple[str, ...]) -> str:
+def suggestion(word: str, known: Iterator[str] | list[str] | tuple[str, ...]) -> str:
     """'; did you mean X?' for the known word nearest to a wrong one, or '; known: ...' when none is near."""
     names = sorted(known)
     near = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
@@ -97,7 +97,7 @@ def _numbers(data: object, place: str) -> Iterator[tuple[str, float]]:
 def _suggestion(message: str, schema: object) -> str:
     """What would have worked, for an unknown field."""
     unknown = re.search(r"unknown field `([^`]+)`", message)
-    return closest(unknown.group(1), list(_fields(schema, set()))) if unknown else ""
+    return suggestion(unknown.group(1), list(_fields(schema, set()))) if unknown else ""
 
 
 def _fields(schema: object, seen: set[object]) -> Iterator[str]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from kinesic.body.arrays import sealed
 from kinesic.body.calibration import NONE, Calibration, narrowed, read_calibration
-from kinesic.body.config import CONFIGS, ConfigError, closest, read
+from kinesic.body.config import CONFIGS, ConfigError, read_toml, suggestion
 from kinesic.body.description import Description, Exclusion, Mount, Site, Supply
 from kinesic.body.robot_schema import (
     BodyTable,
@@ -32,7 +32,7 @@ Value = TypeVar("Value")
 
 def servo_models() -> dict[str, ServoModel]:
     """All servo models of `configs/servos.toml`, by name."""
-    return _models(read(CONFIGS / "servos.toml", dict[str, ServoTable]))
+    return _models(read_toml(CONFIGS / "servos.toml", dict[str, ServoTable]))
 
 
 def _models(tables: Mapping[str, ServoTable]) -> dict[str, ServoModel]:
@@ -49,7 +49,7 @@ def read_description(path: Path, *, calibrated: bool = True) -> Description:
     Raises:
         ConfigError: a file is missing or wrong.
     """
-    file = read(path, RobotFile)
+    file = read_toml(path, RobotFile)
     return described(file, path, read_calibration(path, file.robot.name) if calibrated else NONE)
 
 
@@ -234,4 +234,4 @@ def _unique(path: Path, kind: str, name: str, known: list[str]) -> None:
 
 def _known(path: Path, where: str, name: str, known: list[str]) -> None:
     if name not in known:
-        raise ConfigError(f"{path}: {where}: no {name}{closest(name, known)}")
+        raise ConfigError(f"{path}: {where}: no {name}{suggestion(name, known)}")

@@ -35,9 +35,9 @@ def bench(part: str, matrix: bool, as_json: bool, plots: Path | None) -> int:
     """Measures PART; timings are medians in a warm process."""
     if matrix:
         if as_json:
-            click.echo(json.dumps([fared.record() for fared in faults.compared()], indent=1))
+            click.echo(json.dumps([fared.record() for fared in faults.compare_drivers()], indent=1))
             return 0
-        for fared in faults.compared():
+        for fared in faults.compare_drivers():
             click.echo(fared)
         return 0
     names = list(PARTS) if part == "all" else [part]

@@ -22,10 +22,10 @@ def doctor() -> int:
     table = Table("piece", "state", box=None)
     table.add_row("kinesic", f"{__version__}, Python {platform.python_version()}, {platform.machine()}")
     table.add_row("ik kernel", KERNEL)
-    table.add_row("film (MuJoCo, OpenGL)", gl.fault() or "works")
+    table.add_row("film (MuJoCo, OpenGL)", gl.opengl_fault() or "works")
     table.add_row("face (moderngl, EGL)", display.available() or "works")
-    table.add_row("speech (espeak-ng)", espeak_pool.fault() or "works")
-    table.add_row("loudspeaker (PortAudio)", port_audio.fault() or "works")
+    table.add_row("speech (espeak-ng)", espeak_pool.espeak_fault() or "works")
+    table.add_row("loudspeaker (PortAudio)", port_audio.audio_fault() or "works")
     for name, (module, extra) in EXTRAS.items():
         present = importlib.util.find_spec(module) is not None
         table.add_row(name, "installed" if present else f"not installed: pip install 'kinesic[{extra}]'")

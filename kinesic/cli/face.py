@@ -12,10 +12,10 @@ import numpy as np
 from kinesic.bml.block import Face
 from kinesic.body.command import Command
 from kinesic.body.config import ConfigError
-from kinesic.cli.options import Settings, planning, read_document
+from kinesic.cli.options import PlanningOptions, planning, read_input
 from kinesic.cli.playback import watched
 from kinesic.controller.perform import plan
-from kinesic.controller.play import play, ticks
+from kinesic.controller.play import command_times, play
 from kinesic.controller.soundtrack import sound, write_wav
 from kinesic.expressivity.face.lexemes import entries, expression
 from kinesic.face.assets.action_units import intensities
@@ -27,11 +27,11 @@ from kinesic.face.render.presets import PRESETS
 from kinesic.face.show.controls import HELP as KEYS
 from kinesic.face.show.files import check_ending, check_film, save, save_film
 from kinesic.face.show.preview import Preview
-from kinesic.face.show.process import Look
-from kinesic.face.show.recording import Recording
-from kinesic.face.show.sheet import sheet as contact_sheet
+from kinesic.face.show.process import PreviewSettings
+from kinesic.face.show.recording import FaceRecording
+from kinesic.face.show.sheet import draw_units_sheet as contact_sheet
 from kinesic.face.show.window import has_display
-from kinesic.planning.face_track import faced
+from kinesic.planning.face_track import commands_with_face
 from kinesic.planning.plan import Plan
 
 FILM_RATE = 25.0  # [Hz] of films
@@ -61,10 +61,10 @@ class Sight:
         return Portrait(self.variant, preset=PRESETS[self.preset], size=(side, side))
 
     @property
-    def look(self) -> Look:
+    def look(self) -> PreviewSettings:
         """The same for a window."""
         side = self.side if self.side is not None else SIDE
-        return Look(self.variant, self.preset, side, gain=self.gain, yaw_deg=self.camera.yaw_deg)
+        return PreviewSettings(self.variant, self.preset, side, gain=self.gain, yaw_deg=self.camera.yaw_deg)
 
 
 @click.command()
@@ -83,7 +83,7 @@ class Sight:
 @click.option("--sheet", is_flag=True, help="Every action unit low and high, with and without wrinkles.")
 @planning
 def face(
-    settings: Settings,
+    settings: PlanningOptions,
     units: str,
     emotion: str | None,
     amount: float,
@@ -105,7 +105,7 @@ def face(
         if out is None and (sheet or not has_display()):
             raise DisplayError("no display for a window; --out X.png, X.webp or X.mp4 writes a file")
         if bml is not None:
-            _perform(plan(read_document(bml), settings.facts(), source=bml), sight, out)
+            _perform(plan(read_input(bml), settings.facts(), source=bml), sight, out)
         elif out is None:
             _show(told, sight)
         else:
@@ -182,7 +182,7 @@ def _show(told: Mapping[str, float], sight: Sight) -> None:
 
 def _perform(planned: Plan, sight: Sight, out: Path | None) -> None:
     """The face of a document, in a window or a file."""
-    robot, times = planned.facts.robot, ticks(planned.duration)
+    robot, times = planned.facts.robot, command_times(planned.duration)
     if out is None:
         click.echo(KEYS, err=True)
         watched(planned, Preview(robot, look=sight.look, windowed=True))
@@ -194,7 +194,7 @@ def _perform(planned: Plan, sight: Sight, out: Path | None) -> None:
             write_wav(heard, wav)
         side = sight.side if sight.side is not None else STRIP if out.suffix.lower() == ".png" else SIDE
         rate = FILM_RATE / 2 if out.suffix.lower() == ".png" else FILM_RATE
-        recording = Recording(
+        recording = FaceRecording(
             out,
             robot,
             rate=rate,
@@ -205,4 +205,4 @@ def _perform(planned: Plan, sight: Sight, out: Path | None) -> None:
             gain=sight.gain,
             sound=wav,
         )
-        play(faced(planned, times), recording)
+        play(commands_with_face(planned, times), recording)

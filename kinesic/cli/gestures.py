@@ -9,16 +9,16 @@ import click
 from rich.table import Table
 
 from kinesic.bml.block import BmlError
-from kinesic.body.config import ConfigError, closest
+from kinesic.body.config import ConfigError, suggestion
 from kinesic.cli.terminal import console
 from kinesic.controller.perform import facts
 from kinesic.expressivity.lexicon.form import Match
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.hardware.protocol.servo_map import load_robot
-from kinesic.planning.setup import Facts
-from kinesic.studies.gestures.isolated import Show, played
-from kinesic.studies.gestures.isolated import show as shown
-from kinesic.studies.gestures.sheet import MOST, sheet, strip
+from kinesic.planning.setup import Setup
+from kinesic.studies.gestures.isolated import Show, plan_gesture
+from kinesic.studies.gestures.isolated import key_postures as shown
+from kinesic.studies.gestures.sheet import MOST, draw_gesture_sheet, draw_strip
 from kinesic.studies.gestures.vocabulary import vocabulary
 
 lexicon_option = click.option("--lexicon", type=click.Path(path_type=Path), help="TOML, or Greta's gestuary XML.")
@@ -41,7 +41,7 @@ def list_gestures(lexicon: Path | None, robot: str, category: str | None, as_jso
     entries = vocabulary(known.lexicon, known.pace)
     kinds = sorted({entry.category for entry in entries})
     if category is not None and category not in kinds:
-        raise ConfigError(f"no category {category}{closest(category, kinds)}; there are {', '.join(kinds)}")
+        raise ConfigError(f"no category {category}{suggestion(category, kinds)}; there are {', '.join(kinds)}")
     entries = [entry for entry in entries if category in (None, entry.category)]
     if as_json:
         click.echo(json.dumps([asdict(entry) for entry in entries], indent=1))
@@ -95,21 +95,23 @@ def render(lexeme: str | None, whole: bool, out: Path, lexicon: Path | None, rob
     known = facts(load_robot(robot), lexicon=lexicon)
     try:
         if lexeme is None:
-            sheet(list(_drawable(known)), known.robot, out)
+            draw_gesture_sheet(list(_drawable(known)), known.robot, out)
         else:
             form = _found(lexeme, known.lexicon).form
-            strip(shown(form, played(form, known), MOST), known.robot, out, says=known.lexicon.sense(form).says)
+            draw_strip(
+                shown(form, plan_gesture(form, known), MOST), known.robot, out, says=known.lexicon.sense(form).says
+            )
     except (OSError, ValueError) as error:
         raise ConfigError(f"{out}: {error}") from None
     click.echo(f"picture: {out}")
     return 0
 
 
-def _drawable(known: Facts) -> Iterator[Show]:
+def _drawable(known: Setup) -> Iterator[Show]:
     """All gestures that the robot can play; the others are named."""
     for form in known.lexicon.forms:
         try:
-            yield shown(form, played(form, known), MOST)
+            yield shown(form, plan_gesture(form, known), MOST)
         except BmlError as error:
             click.echo(f"kinesic: {error}", err=True)
 
@@ -117,5 +119,5 @@ def _drawable(known: Facts) -> Iterator[Show]:
 def _found(lexeme: str, lexicon: Lexicon) -> Match:
     match = lexicon.find(lexeme)
     if match is None:
-        raise BmlError(f"no gesture {lexeme}{closest(lexeme, [form.id for form in lexicon.forms])}")
+        raise BmlError(f"no gesture {lexeme}{suggestion(lexeme, [form.id for form in lexicon.forms])}")
     return match

@@ -17,7 +17,7 @@ from kinesic.expressivity.idle import OFF, Idling, Liveliness
 from kinesic.expressivity.style.style import RANGES, Style
 from kinesic.expressivity.targets import read_targets
 from kinesic.hardware.protocol.servo_map import load_robot
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors
 from kinesic.speech.voice import VoiceName
 
@@ -36,7 +36,7 @@ VOICE_HELP = "Who speaks: espeak is heard, durations is silent; auto takes espea
 PAUSE_HELP = "Longest pause before a word for which the body would be late, unless documents say otherwise."
 
 
-def read_document(file: str) -> bytes:
+def read_input(file: str) -> bytes:
     """The bytes of a file, or of standard input for `-`.
 
     Raises:
@@ -73,7 +73,7 @@ def read_twins(name: str) -> tuple[Factors, ...]:
 
 
 @dataclass(frozen=True)
-class Settings:
+class PlanningOptions:
     """What the shared options say; picklable, so that other processes can make the same facts."""
 
     robot: str
@@ -87,7 +87,7 @@ class Settings:
     voice: VoiceName = "auto"
     pause: float = 0.0
 
-    def facts(self) -> Facts:
+    def facts(self) -> Setup:
         """Reads everything that the options name.
 
         Raises:
@@ -126,7 +126,7 @@ def planning(verb: Callable[..., int]) -> Callable[..., int]:
         **own: object,
     ) -> int:
         idling = Idling(idle, seed)
-        settings = Settings(robot, style, changes, lexicon, targets, dialect, gather, idling, voice, pause)
+        settings = PlanningOptions(robot, style, changes, lexicon, targets, dialect, gather, idling, voice, pause)
         return verb(settings=settings, **own)
 
     options = (

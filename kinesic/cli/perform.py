@@ -9,8 +9,8 @@ from typing import get_args
 import click
 from rich.table import Table
 
-from kinesic.cli.options import FAULT, TWIN_HELP, Settings, SinkNames, planning, read_document, read_twins
-from kinesic.cli.playback import following as following_face
+from kinesic.cli.options import FAULT, TWIN_HELP, PlanningOptions, SinkNames, planning, read_input, read_twins
+from kinesic.cli.playback import follow_servos as following_face
 from kinesic.cli.playback import watched, watching
 from kinesic.cli.servo_run import performed_live, write_live
 from kinesic.cli.servos.ports import PORT_HELP, all_ports
@@ -22,10 +22,10 @@ from kinesic.controller.servo_performance import Live
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.planning.bap import SUFFIX, read_bap
 from kinesic.planning.imported_motion import imported
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 from kinesic.report.checks import Check, checks
-from kinesic.report.comparison import following
-from kinesic.report.output import Written, free_folder, write
+from kinesic.report.comparison import measure_tracking
+from kinesic.report.output import Written, free_folder, write_report
 from kinesic.report.page import verdict
 from kinesic.report.report import Json, report
 from kinesic.report.servo_report import live_checks
@@ -53,7 +53,7 @@ COLOURS = {"pass": "green", "warn": "yellow", "fail": "red"}
 @click.option("--json", "as_json", is_flag=True, help="Prints the report as JSON.")
 def perform(
     file: str,
-    settings: Settings,
+    settings: PlanningOptions,
     sinks: frozenset[str],
     ports: tuple[str, ...],
     twin: str,
@@ -74,7 +74,7 @@ def perform(
     paths = all_ports(ports, Manifest.of(known.robot).bauds) if "servos" in sinks else {}
     performance, *beside = _performed(file, known, read_twins(twin), feedforward, correction)
     data = report(performance, source=source, seed=settings.idling.seed, beside=beside)
-    written = write(performance, data, folder, film=film)
+    written = write_report(performance, data, folder, film=film)
     live, log, planned = None, None, performance.plan
     with watching(known.robot, asked="face" in sinks, beside=written.film if "twin" in sinks else None) as preview:
         if paths and data["ok"]:
@@ -103,14 +103,14 @@ def _print_report(performances: tuple[Performance, ...], live: Live | None, data
 
 
 def _performed(
-    file: str, known: Facts, twins: Sequence[Factors], feedforward: Terms, correction: bool
+    file: str, known: Setup, twins: Sequence[Factors], feedforward: Terms, correction: bool
 ) -> tuple[Performance, ...]:
     """A document, or a motion that others made, in all twins."""
     if file.endswith(SUFFIX):
         planned = imported(read_bap(Path(file), known.robot), known, source=file)
         return dry_runs(planned, twins, feedforward=feedforward, correction=correction)
     source = "stdin" if file == "-" else file
-    text = read_document(file)
+    text = read_input(file)
     return performances(text, twins, known, source=source, feedforward=feedforward, correction=correction)
 
 
@@ -125,7 +125,7 @@ def _table(verdicts: tuple[Check, ...]) -> Table:
 def _side_by_side(performances: tuple[Performance, ...]) -> Table:
     """Errors of every twin."""
     table = Table("error", *(each.twin_name for each in performances), box=None, header_style="bold")
-    found = [asdict(following(each)) for each in performances]
+    found = [asdict(measure_tracking(each)) for each in performances]
     for figure in found[0]:
         table.add_row(figure, *("-" if row[figure] is None else f"{row[figure]:.4g}" for row in found))
     return table

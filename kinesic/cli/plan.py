@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from kinesic.cli.options import Settings, planning, read_document
+from kinesic.cli.options import PlanningOptions, planning, read_input
 from kinesic.controller.perform import plan as plan_document
 from kinesic.planning.bap import SUFFIX, read_bap
 from kinesic.planning.imported_motion import imported
@@ -17,7 +17,7 @@ from kinesic.planning.motion_files import write_motion
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="motion.npz, motion.csv or motion.bap.")
 def plan(
     file: str,
-    settings: Settings,
+    settings: PlanningOptions,
     out: Path,
 ) -> int:
     """Plans FILE (BML, a .bap motion, or - for BML from standard input) and writes the motion."""
@@ -25,7 +25,7 @@ def plan(
     if file.endswith(SUFFIX):
         planned = imported(read_bap(Path(file), known.robot), known, source=file)
     else:
-        planned = plan_document(read_document(file), known, source="stdin" if file == "-" else file)
+        planned = plan_document(read_input(file), known, source="stdin" if file == "-" else file)
     write_motion(planned.trajectory, known.robot, out)
     for notice in planned.notices:
         click.echo(f"{notice.type.value} {notice.id}: {notice.text}", err=True)

@@ -10,15 +10,15 @@ import click
 from kinesic.body.command import RATE
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
-from kinesic.controller.play import paced, play, ticks
+from kinesic.controller.play import command_times, paced, play
 from kinesic.controller.soundtrack import sound
 from kinesic.face.display import DisplayError
 from kinesic.face.show.controls import HELP
 from kinesic.face.show.preview import Preview
-from kinesic.face.show.process import Look
+from kinesic.face.show.process import PreviewSettings
 from kinesic.face.show.window import has_display
 from kinesic.hardware.supervisor.channel import Status
-from kinesic.planning.face_track import faced
+from kinesic.planning.face_track import commands_with_face
 from kinesic.planning.plan import Plan
 from kinesic.speech.loudspeaker import SpeakerError
 from kinesic.speech.speaker import Speaker
@@ -59,7 +59,7 @@ def watching(robot: Robot, *, asked: bool, beside: Path | None = None) -> Iterat
         yield None
         return
     try:
-        preview = Preview(robot, look=Look(beside=beside), windowed=True)
+        preview = Preview(robot, look=PreviewSettings(beside=beside), windowed=True)
     except DisplayError as error:
         raise ConfigError(str(error)) from None
     click.echo(HELP, err=True)
@@ -69,7 +69,7 @@ def watching(robot: Robot, *, asked: bool, beside: Path | None = None) -> Iterat
 
 def watched(plan: Plan, preview: Preview) -> None:
     """Shows a whole performance in its own time, and lets it be heard where there is a loudspeaker."""
-    commands, heard = tuple(faced(plan, ticks(plan.duration))), sound(plan)
+    commands, heard = tuple(commands_with_face(plan, command_times(plan.duration))), sound(plan)
     with ExitStack() as opened:
         speaker = None if heard is None else opened.enter_context(loudspeaker())
         if heard is not None and speaker is not None:
@@ -77,11 +77,11 @@ def watched(plan: Plan, preview: Preview) -> None:
         play(paced(commands), preview)
 
 
-def following(plan: Plan, preview: Preview | None) -> Callable[[Status], None]:
+def follow_servos(plan: Plan, preview: Preview | None) -> Callable[[Status], None]:
     """Shows the face at the time to which servos have come, whenever they tell it."""
     if preview is None:
         return lambda told: None
-    commands = tuple(faced(plan, ticks(plan.duration)))
+    commands = tuple(commands_with_face(plan, command_times(plan.duration)))
 
     def follow(told: Status) -> None:
         preview.write(commands[min(max(round(told.time * RATE), 0), len(commands) - 1)])

@@ -11,8 +11,8 @@ from kinesic.body.robot_text import robot_text
 from kinesic.cli.terminal import console
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.planning.workspace import workspace
-from kinesic.sim.importer.convert import REVIEW_BELOW, Mapped, mapped
-from kinesic.sim.robot_check import check as check_physics
+from kinesic.sim.importer.convert import REVIEW_BELOW, Mapped, import_humanoid
+from kinesic.sim.robot_check import check_robot as check_physics
 
 WARN_TORQUE = 0.4  # of stall
 FAIL_TORQUE = 0.8
@@ -80,7 +80,7 @@ def import_robot(file: Path, out: Path | None, force: bool) -> int:
     target = out or Path(f"{file.stem}.toml")
     if target.exists() and not force:
         raise ConfigError(f"{target}: exists already; give another --out, or --force to replace it")
-    found = mapped(file)
+    found = import_humanoid(file)
     text = robot_text(found.file, heading=_heading(found, file.name), remarks=found.remarks)
     try:
         target.write_text(text, encoding="utf-8")

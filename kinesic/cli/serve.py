@@ -10,8 +10,8 @@ from pathlib import Path
 
 import click
 
-from kinesic.body.config import ConfigError, closest
-from kinesic.cli.options import FAULT, Settings, SinkNames, planning
+from kinesic.body.config import ConfigError, suggestion
+from kinesic.cli.options import FAULT, PlanningOptions, SinkNames, planning
 from kinesic.cli.servos.ports import PORT_HELP, all_ports
 from kinesic.client import PORT
 from kinesic.face.show.preview import Preview
@@ -36,7 +36,7 @@ RULE_HELP = f"A limit for clients: {', '.join(f'{each.name}={getattr(USUAL, each
 @click.option("--sound/--no-sound", default=None, help="Speech is heard (default: where that works).")
 @click.option("--rule", "rules", multiple=True, metavar="NAME=VALUE", help=RULE_HELP)
 def serve(
-    settings: Settings,
+    settings: PlanningOptions,
     listen: str,
     token: str | None,
     sinks: frozenset[str],
@@ -49,7 +49,7 @@ def serve(
     Messages come by TCP (each ends with a NUL byte), by WebSocket at the same address (one message is one block), and
     on standard input, unless that is a terminal.
     """
-    why = port_audio.fault() if sound is not False else "not wanted"
+    why = port_audio.audio_fault() if sound is not False else "not wanted"
     if sound and why:
         raise ConfigError(f"--sound: {why}")
     address, limits = read_address(listen, token), read_rules(rules)
@@ -87,7 +87,7 @@ def read_rules(changes: tuple[str, ...]) -> Rules:
     for change in changes:
         name, _, value = change.partition("=")
         if name not in kinds:
-            raise ConfigError(f"--rule {change}: no rule {name}{closest(name, tuple(kinds))}")
+            raise ConfigError(f"--rule {change}: no rule {name}{suggestion(name, tuple(kinds))}")
         try:
             rules = replace(rules, **{name: kinds[name](value)})
         except ValueError as error:
@@ -102,7 +102,7 @@ def _is_here(host: str) -> bool:
         return host == "localhost"
 
 
-def _followers(settings: Settings, sinks: frozenset[str], ports: tuple[str, ...]) -> list[Follower]:
+def _followers(settings: PlanningOptions, sinks: frozenset[str], ports: tuple[str, ...]) -> list[Follower]:
     """Who performs, opened."""
     robot = settings.facts().robot
     followers = [Follower(RealTwin(robot))] if "twin" in sinks else []

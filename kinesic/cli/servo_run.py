@@ -19,7 +19,7 @@ from kinesic.controller.speech_sync import Aloud
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.planning.plan import Plan
-from kinesic.report.output import Written, tell
+from kinesic.report.output import Written, rewrite
 from kinesic.report.report import Json
 from kinesic.report.servo_report import live_log, with_live
 from kinesic.sim.log import write_log
@@ -91,7 +91,7 @@ def _wish(keys: Callable[[], str], interrupted: Callable[[], bool]) -> Callable[
 def write_live(live: Live, data: dict[str, Json], written: Written) -> tuple[dict[str, Json], Path]:
     """Writes the report anew with what the robot did, and its log; the report, and the path of the log."""
     told = with_live(data, live)
-    tell(written, live.performance, told)
+    rewrite(written, live.performance, told)
     log = written.report.with_name("servos.npz")
     write_log(live_log(live), live.performance.plan.facts.robot, log)
     return told, log

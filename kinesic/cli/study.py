@@ -15,11 +15,18 @@ from kinesic.face.display import DisplayError
 from kinesic.face.render.presets import PRESETS
 from kinesic.report.output import emptied, free_folder
 from kinesic.report.report import Json
-from kinesic.studies.perception.analysis import MEASURES, Cell, Choices, Comparison, compared, first_choices
+from kinesic.studies.perception.analysis import (
+    MEASURES,
+    Choices,
+    ComparedMeans,
+    Comparison,
+    compare_sides,
+    first_choices,
+)
 from kinesic.studies.perception.answers import LABELS, read_answers
 from kinesic.studies.perception.design import stimuli
-from kinesic.studies.perception.page import write_page
-from kinesic.studies.perception.stimuli import draw
+from kinesic.studies.perception.page import write_study_page
+from kinesic.studies.perception.stimuli import draw_stimuli
 
 EFFECTS = {
     "intensity": ("strength", ("high", "low")),
@@ -46,11 +53,11 @@ def make(out: Path | None, force: bool, size: int, preset: str, post_to: str) ->
     try:
         with Progress(console=Console(stderr=True), transient=True) as progress:
             task = progress.add_task("faces", total=len(wanted))
-            for _ in draw(wanted, folder / "stimuli", size=size, preset=PRESETS[preset]):
+            for _ in draw_stimuli(wanted, folder / "stimuli", size=size, preset=PRESETS[preset]):
                 progress.advance(task)
     except DisplayError as error:
         raise ConfigError(str(error)) from None
-    write_page(folder / "index.html", post_to=post_to)
+    write_study_page(folder / "index.html", post_to=post_to)
     click.echo(f"page: {folder / 'index.html'}")
     return 0
 
@@ -61,7 +68,7 @@ def make(out: Path | None, force: bool, size: int, preset: str, post_to: str) ->
 def analyse(files: tuple[Path, ...], as_json: bool) -> int:
     """Compares the conditions in FILES, the answers (CSV) of all participants."""
     answers = read_answers(files)
-    effects = {name: compared(answers, *sides) for name, sides in EFFECTS.items()}
+    effects = {name: compare_sides(answers, *sides) for name, sides in EFFECTS.items()}
     choices = first_choices(answers)
     if as_json:
         tables: dict[str, Json] = {name: _rows(effect) for name, effect in effects.items()}
@@ -91,12 +98,12 @@ def _table(name: str, effect: Comparison) -> Table:
     return table
 
 
-def _mean(cell: Cell, side: int) -> str:
+def _mean(cell: ComparedMeans, side: int) -> str:
     text = "-" if isnan(cell.means[side]) else f"{cell.means[side]:.2f}"
     return f"[bold]{text}[/]" if cell.significant else text
 
 
-def _p(cell: Cell) -> str:
+def _p(cell: ComparedMeans) -> str:
     return "-" if isnan(cell.p) else f"{cell.p:.3f}"
 
 

@@ -9,15 +9,15 @@ import click
 from rich.table import Table
 
 from kinesic.body.config import ConfigError
-from kinesic.cli.options import Settings, planning
+from kinesic.cli.options import PlanningOptions, planning
 from kinesic.cli.terminal import console
 from kinesic.expressivity.style.style import RANGES
 from kinesic.report.output import emptied, free_folder
 from kinesic.report.report import Json
 from kinesic.studies.sweep.measures import SHOWN, Measures
-from kinesic.studies.sweep.plots import draw
+from kinesic.studies.sweep.plots import draw_series
 from kinesic.studies.sweep.series import LATE, MEASURE_OF, STROKE, Played, Series, presets
-from kinesic.studies.sweep.series import sweep as play_series
+from kinesic.studies.sweep.series import sweep_parameter as play_series
 
 COLUMNS = ("stroke_error", "peak_speed", "path_length", "swept_volume", "jerk", "overshoot", "torso_travel")
 
@@ -33,7 +33,7 @@ COLUMNS = ("stroke_error", "peak_speed", "path_length", "swept_volume", "jerk", 
 @click.option("--json", "as_json", is_flag=True, help="Prints the measures as JSON.")
 def sweep(
     gesture: str,
-    settings: Settings,
+    settings: PlanningOptions,
     parameter: str | None,
     values: str | None,
     every: bool,
@@ -76,7 +76,7 @@ def _numbers(text: str | None) -> list[float]:
 
 def _written(found: Sequence[Series], folder: Path, data: Json) -> list[Path]:
     (folder / "sweep.json").write_text(json.dumps(data, indent=1), encoding="utf-8")
-    return [draw(series, folder / f"{series.parameter}.png") for series in found]
+    return [draw_series(series, folder / f"{series.parameter}.png") for series in found]
 
 
 def _data(gesture: str, style: str, found: Sequence[Series], styles: Mapping[str, Played]) -> dict[str, Json]:

@@ -13,7 +13,7 @@ from kinesic.body.config import ConfigError
 from kinesic.cli.terminal import console
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.sim.fit import Estimate, Fit
-from kinesic.sim.fit import fit as fit_log
+from kinesic.sim.fit import fit_factors as fit_log
 from kinesic.sim.fit_parameters import DEFAULT, FIGURES, Figure
 from kinesic.sim.log import FORMAT, read_log
 

@@ -11,12 +11,11 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from kinesic.body.config import ConfigError
-from kinesic.cli.options import TWIN_HELP, Settings, planning, read_twins
+from kinesic.cli.options import TWIN_HELP, PlanningOptions, planning, read_twins
 from kinesic.cli.terminal import console
 from kinesic.cli.validate_fingerprint import fingerprint
 from kinesic.cli.validate_table import summarise
-from kinesic.report.batch import JOURNAL, Verdict, documents
-from kinesic.report.batch import validate as validate_documents
+from kinesic.report.batch import JOURNAL, DocumentVerdict, documents, validate_documents
 from kinesic.report.batch_totals import totals
 from kinesic.report.output import emptied
 from kinesic.report.report import Json
@@ -35,7 +34,7 @@ INTERRUPTED = 130
 @click.option("--json", "as_json", is_flag=True, help="Prints verdicts and totals as JSON.")
 def validate(
     paths: tuple[Path, ...],
-    settings: Settings,
+    settings: PlanningOptions,
     twin: str,
     jobs: int | None,
     out: Path | None,
@@ -98,9 +97,9 @@ def _folder(out: Path, *, force: bool) -> Path:
     return out
 
 
-def _gathered(found: Generator[Verdict, None, None], count: int) -> tuple[list[Verdict], bool]:
+def _gathered(found: Generator[DocumentVerdict, None, None], count: int) -> tuple[list[DocumentVerdict], bool]:
     """All verdicts, or those until the run was interrupted, and whether it finished."""
-    verdicts: list[Verdict] = []
+    verdicts: list[DocumentVerdict] = []
     columns = (
         TextColumn("dry-running"),
         BarColumn(),
@@ -120,7 +119,7 @@ def _gathered(found: Generator[Verdict, None, None], count: int) -> tuple[list[V
     return verdicts, True
 
 
-def _entry(verdict: Verdict) -> dict[str, Json]:
+def _entry(verdict: DocumentVerdict) -> dict[str, Json]:
     entry: dict[str, Json] = {
         "file": verdict.file,
         "outcome": verdict.outcome,

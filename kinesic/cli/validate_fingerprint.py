@@ -6,13 +6,13 @@ from pathlib import Path
 
 from kinesic.body.calibration import calibration_path
 from kinesic.body.config import locate
-from kinesic.cli.options import Settings
+from kinesic.cli.options import PlanningOptions
 
 PACKAGE = Path(__file__).resolve().parents[1]
 PARTS = (".py", ".toml", ".so", ".pyd")
 
 
-def fingerprint(settings: Settings, *others: str) -> str:
+def fingerprint(settings: PlanningOptions, *others: str) -> str:
     """A text that changes with anything that could change a verdict.
 
     Args:

@@ -6,13 +6,13 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from kinesic.report.batch import Verdict
+from kinesic.report.batch import DocumentVerdict
 from kinesic.report.batch_totals import OUTCOMES, SHARES, counts, tallies
 
 MOST_ROWS = 16  # of folders; with more, folders are counted together
 
 
-def summarise(verdicts: list[Verdict], screen: Console) -> None:
+def summarise(verdicts: list[DocumentVerdict], screen: Console) -> None:
     """Prints everything that somebody who looks for trouble wants to know."""
     if not verdicts:
         screen.print("no documents")
@@ -22,7 +22,7 @@ def summarise(verdicts: list[Verdict], screen: Console) -> None:
     screen.print(_checks(verdicts))
 
 
-def _print_trouble(verdicts: list[Verdict], screen: Console) -> None:
+def _print_trouble(verdicts: list[DocumentVerdict], screen: Console) -> None:
     """One line for each document that is refused or crashed, and each check that failed."""
     lines = [f"{verdict.outcome:8} {verdict.error}" for verdict in verdicts if verdict.error]
     lines += [
@@ -37,14 +37,14 @@ def _print_trouble(verdicts: list[Verdict], screen: Console) -> None:
         screen.print()
 
 
-def _folders(verdicts: list[Verdict]) -> Table:
+def _folders(verdicts: list[DocumentVerdict]) -> Table:
     """Documents and behaviours by folder."""
     columns = ("documents", *OUTCOMES, "failed", *SHARES)
     shown = [column for column in columns if column != "crashed" or counts(verdicts)[column]]
     table = Table("folder", box=None, header_style="bold")
     for column in shown:
         table.add_column(column, justify="right")
-    groups: dict[str, list[Verdict]] = {}
+    groups: dict[str, list[DocumentVerdict]] = {}
     for verdict, name in zip(verdicts, _groups([Path(verdict.file).parent for verdict in verdicts]), strict=True):
         groups.setdefault(name, []).append(verdict)
     rows = [*groups.items(), ("all", verdicts)] if len(groups) > 1 else [*groups.items()]
@@ -64,7 +64,7 @@ def _groups(folders: list[Path]) -> list[str]:
     return [root.name if cut == Path() else str(cut) for cut in few]
 
 
-def _checks(verdicts: list[Verdict]) -> Table:
+def _checks(verdicts: list[DocumentVerdict]) -> Table:
     """Every check over all documents, with its worst value."""
     table = Table("check", box=None, header_style="bold")
     for column in ("pass", "warn", "fail", "worst", "limit"):

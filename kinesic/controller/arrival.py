@@ -20,7 +20,7 @@ LEAST_CONE = np.radians(0.5)  # [rad] the ball's like for head and torso
 SHARE = 0.05  # of the path
 
 
-def paths(angles: Floats, robot: Robot, hands: Mapping[str, Floats] | None = None) -> Mapping[PartName, Floats]:
+def part_paths(angles: Floats, robot: Robot, hands: Mapping[str, Floats] | None = None) -> Mapping[PartName, Floats]:
     """Where each part is along a motion: hands (m, 3) [m] in the world, head and torso (m, 3) [rad].
 
     Args:

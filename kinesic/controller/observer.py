@@ -206,7 +206,7 @@ class Observer:
         return Belief(self._step(belief.rows, deviation, lessons.rows[tick]))
 
 
-def corrected(
+def correct_goals(
     stream: Sequence[Command], loads: Floats, bodies: Sequence[Body], observer: Observer
 ) -> Iterator[tuple[Command, ...]]:
     """Commands for each body, whose goals are corrected by what it did with those before.

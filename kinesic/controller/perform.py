@@ -13,16 +13,15 @@ from kinesic.body.command import RATE
 from kinesic.body.measurements import Measurements
 from kinesic.body.robot import Robot
 from kinesic.controller.feedforward import Terms, lead
-from kinesic.controller.observer import Observer, corrected
+from kinesic.controller.observer import Observer, correct_goals
 from kinesic.controller.performance import Performance, Reference
-from kinesic.controller.play import commands, play_together, ticks
+from kinesic.controller.play import command_times, commands, play_together
 from kinesic.expressivity.gather import Gathering
 from kinesic.expressivity.idle import OFF, Idling
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
-from kinesic.planning.plan import Plan
-from kinesic.planning.plan import plan as plan_block
-from kinesic.planning.setup import Facts
+from kinesic.planning.plan import Plan, plan_block
+from kinesic.planning.setup import Setup
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.dynamics import MujocoDynamics
 from kinesic.sim.servo_factors import NOMINAL, Factors
@@ -42,7 +41,7 @@ def facts(
     idling: Idling = OFF,
     voice: VoiceName = "durations",
     pause: float = 0.0,
-) -> Facts:
+) -> Setup:
     """What planning needs, with MuJoCo's dynamics.
 
     The voice is the silent one unless another is asked for, so that times are the same on every machine.
@@ -51,7 +50,7 @@ def facts(
         ConfigError: robot, style, lexicon or voice is missing or wrong.
     """
     body = robot if isinstance(robot, Robot) else Robot.load(robot)
-    return Facts(
+    return Setup(
         robot=body,
         style=style if isinstance(style, Style) else Style.load(style),
         lexicon=Lexicon.load(lexicon),
@@ -66,7 +65,7 @@ def facts(
     )
 
 
-def plan(text: str | bytes, known: Facts | None = None, *, source: str = "<text>") -> Plan:
+def plan(text: str | bytes, known: Setup | None = None, *, source: str = "<text>") -> Plan:
     """Plans a BML document; nothing moves.
 
     Raises:
@@ -78,7 +77,7 @@ def plan(text: str | bytes, known: Facts | None = None, *, source: str = "<text>
 
 def perform(
     text: str | bytes,
-    known: Facts | None = None,
+    known: Setup | None = None,
     *,
     source: str = "<text>",
     twin: Factors = NOMINAL,
@@ -96,7 +95,7 @@ def perform(
 def performances(
     text: str | bytes,
     twins: Sequence[Factors],
-    known: Facts | None = None,
+    known: Setup | None = None,
     *,
     source: str = "<text>",
     feedforward: Terms = "full",
@@ -149,7 +148,7 @@ def dry_runs(
     known, trajectory = planned.facts, planned.trajectory
     robot, dynamics, period = known.robot, known.dynamics, 1 / RATE
     began = perf_counter()
-    times = ticks(planned.duration)
+    times = command_times(planned.duration)
     setpoints = lead(trajectory, times, robot, dynamics, period=period, delay=delay, terms=feedforward)
     stream = tuple(commands(trajectory, times, setpoints))
     observer = _observer(known, delay, len(twins)) if correction else None
@@ -158,7 +157,7 @@ def dry_runs(
         start = trajectory.at(0.0).angles
         bodies = [Twin(robot, factors=factors, start=start, touches=touches) for factors in twins]
         if observer:
-            play_together(corrected(stream, setpoints.loads, bodies, observer), bodies)
+            play_together(correct_goals(stream, setpoints.loads, bodies, observer), bodies)
         else:
             play_together(((command,) * len(bodies) for command in stream), bodies)
         return [body.measurements() for body in bodies]
@@ -172,6 +171,6 @@ def dry_runs(
 
 
 @lru_cache(maxsize=8)
-def _observer(known: Facts, delay: float, bodies: int) -> Observer:
+def _observer(known: Setup, delay: float, bodies: int) -> Observer:
     """Its gains depend on the robot alone."""
     return Observer.of(known.robot, known.dynamics, period=1 / RATE, delay=delay, bodies=bodies)

@@ -12,9 +12,9 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.measurements import Measurements
 from kinesic.body.robot import SIDES, Robot
-from kinesic.controller.arrival import Arrival, arrivals, lags, paths
+from kinesic.controller.arrival import Arrival, arrivals, lags, part_paths
 from kinesic.controller.smoothness import dimensionless_jerk
-from kinesic.controller.tracking_delay import lateness
+from kinesic.controller.tracking_delay import tracking_delay
 from kinesic.expressivity.keyframes import PartName
 from kinesic.motion.limit_check import Peaks, peaks
 from kinesic.planning.plan import Plan
@@ -79,7 +79,7 @@ class Reference:
     @cached_property
     def paths(self) -> Mapping[PartName, Floats]:
         """Where hands (m, 3) [m], head and torso (m, 3) [rad] are."""
-        return paths(self.angles, self.plan.facts.robot, self.hands)
+        return part_paths(self.angles, self.plan.facts.robot, self.hands)
 
     @cached_property
     def arrivals(self) -> Mapping[SyncTime, tuple[Arrival, ...]]:
@@ -137,7 +137,7 @@ class Performance:
     @cached_property
     def lags(self) -> dict[SyncTime, float | None]:
         """How much later than planned each sync point was met in the twin [s]; None: never."""
-        performed = paths(self.measured.angles, self.plan.facts.robot, self.measured.hands)
+        performed = part_paths(self.measured.angles, self.plan.facts.robot, self.measured.hands)
         return lags(self.reference.arrivals, self.measured.times, performed)
 
     @cached_property
@@ -149,4 +149,4 @@ class Performance:
     def lateness(self) -> Floats:
         """(n,) [s] by which the twin's hinges follow late, by cross-correlation; NaN for those that do not move."""
         moving: Flags = np.any(self.reference.moving, axis=0)
-        return lateness(self.reference.speeds, self.measured.speeds, moving, period=self.period)
+        return tracking_delay(self.reference.speeds, self.measured.speeds, moving, period=self.period)

@@ -15,10 +15,10 @@ import numpy as np
 
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.command import RATE
-from kinesic.controller.arrival import lags, paths
+from kinesic.controller.arrival import lags, part_paths
 from kinesic.controller.feedforward import lead
 from kinesic.controller.performance import MOVING, Performance
-from kinesic.controller.play import commands, ticks
+from kinesic.controller.play import command_times, commands
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.channel import Note, Status
@@ -124,7 +124,7 @@ class Live:
         wanted = self.performance.reference.arrivals
         if len(self.times) < 2:
             return dict.fromkeys(wanted)
-        return lags(wanted, self.times, paths(self.followed, self.performance.plan.facts.robot))
+        return lags(wanted, self.times, part_paths(self.followed, self.performance.plan.facts.robot))
 
 
 def perform_live(
@@ -143,7 +143,7 @@ def perform_live(
         shown: is told how it goes.
     """
     plan = performance.plan
-    times = ticks(plan.duration)
+    times = command_times(plan.duration)
     setpoints = lead(
         plan.trajectory, times, plan.facts.robot, plan.facts.dynamics, period=1 / RATE, delay=DELAY, terms="full"
     )

@@ -10,7 +10,7 @@ from kinesic.body.arrays import Flags, Floats, sealed
 WINDOW = 0.3  # [s] longest lateness that is looked for
 
 
-def lateness(planned: Floats, performed: Floats, moving: Flags, *, period: float) -> Floats:
+def tracking_delay(planned: Floats, performed: Floats, moving: Flags, *, period: float) -> Floats:
     """The delay at which the performed speed of each hinge is most like the planned one.
 
     Args:

@@ -14,7 +14,7 @@ from kinesic.bml.block import (
     NoticeType,
     Pointing,
     Posture,
-    Timed,
+    TimedBehaviour,
     Torso,
 )
 from kinesic.body.arrays import Floats
@@ -26,18 +26,18 @@ from kinesic.expressivity.hands.strokes import Stroke
 from kinesic.expressivity.head import head_form, head_layer
 from kinesic.expressivity.keyframes import Outcome
 from kinesic.expressivity.lexicon.form import GestureForm
-from kinesic.expressivity.lexicon.lexicon import Lexicon, mirrored
+from kinesic.expressivity.lexicon.lexicon import Lexicon, mirror_form
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.resolve import manner_of
 from kinesic.expressivity.style.style import Expressivity, Style
 from kinesic.expressivity.targets import find_target, unknown
-from kinesic.expressivity.turns import UPRIGHT, Layer, exclusive, passed
+from kinesic.expressivity.turns import UPRIGHT, Layer, exclusive, pass_layer
 
 REALISED = Outcome("realised")
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class BehaviourScene:
     """What behaviours are performed with."""
 
     block: Block
@@ -51,7 +51,7 @@ class Scene:
         """Who performs."""
         return self.pace.robot
 
-    def manner(self, timed: Timed, modality: Modality | None = None) -> Expressivity:
+    def manner(self, timed: TimedBehaviour, modality: Modality | None = None) -> Expressivity:
         """The manner of one behaviour, in its own modality or in another."""
         return manner_of(self.style, self.block, timed.behaviour, modality)
 
@@ -80,7 +80,7 @@ def dropped(why: str, type: NoticeType = NoticeType.CANNOT_CREATE_BEHAVIOR) -> M
     return Move(Outcome("dropped", why), warnings=(Warned(type, f"left out: {why}"),))
 
 
-def gesture_move(timed: Timed, action: Gesture, scene: Scene) -> Move:
+def gesture_move(timed: TimedBehaviour, action: Gesture, scene: BehaviourScene) -> Move:
     """A gesture of the lexicon; a one-handed one whose mode is open may take either hand.
 
     A deictic one with a target points at it.
@@ -97,15 +97,15 @@ def gesture_move(timed: Timed, action: Gesture, scene: Scene) -> Move:
     manner = scene.manner(timed)
     options = [form]
     if action.mode == "unspecified" and len(form.sides) == 1 and not form.rest:
-        options.append(mirrored(form))
-    works = tuple(poses(option, scene.robot, manner) if option.keys else hanging(SIDES) for option in options)
+        options.append(mirror_form(form))
+    works = tuple(poses(option, scene.robot, manner) if option.keys else hanging_arms(SIDES) for option in options)
     outcome, warnings = substituted(match.substitute)
     halves = action.mode == "unspecified"
     stroke = Stroke(timed.behaviour.id, timed.times, works, form.rest, manner, halves=halves)
     return Move(outcome, strokes=(stroke,), warnings=(*warnings, *unmet))
 
 
-def _unmet(action: Gesture, form: GestureForm, scene: Scene) -> tuple[Warned, ...]:
+def _unmet(action: Gesture, form: GestureForm, scene: BehaviourScene) -> tuple[Warned, ...]:
     """Why a gesture does not meet its target; empty when it does, or has none."""
     if action.target is None:
         return ()
@@ -117,7 +117,7 @@ def _unmet(action: Gesture, form: GestureForm, scene: Scene) -> tuple[Warned, ..
     return ()
 
 
-def pointing_move(timed: Timed, action: Pointing, scene: Scene) -> Move:
+def pointing_move(timed: TimedBehaviour, action: Pointing, scene: BehaviourScene) -> Move:
     """Pointing at a place, with the hand on its side unless the mode says which."""
     place = find_target(action.target, scene.targets)
     if place is None:
@@ -131,7 +131,7 @@ def pointing_move(timed: Timed, action: Pointing, scene: Scene) -> Move:
     )
 
 
-def head_move(timed: Timed, action: Head, scene: Scene) -> Move:
+def head_move(timed: TimedBehaviour, action: Head, scene: BehaviourScene) -> Move:
     """A nod, a shake or a direction."""
     if not scene.robot.joints("neck"):
         return _lacking("neck", scene)
@@ -140,20 +140,20 @@ def head_move(timed: Timed, action: Head, scene: Scene) -> Move:
     return Move(outcome, head=(head_layer(form, timed.times, scene.pace, scene.manner(timed)),), warnings=warnings)
 
 
-def torso_move(timed: Timed, action: Torso, scene: Scene) -> Move:
+def torso_move(timed: TimedBehaviour, action: Torso, scene: BehaviourScene) -> Move:
     """A lean or a turn of the trunk that returns."""
     if not scene.robot.joints("torso"):
         return _lacking("torso", scene)
-    lean = trunk.lean(action, scene.robot, scene.manner(timed).spatial)
+    lean = trunk.named_lean(action, scene.robot, scene.manner(timed).spatial)
     if lean is None:
         return dropped(f"torso movement {action.lexeme} is unknown; lean, recline, turn, left and right are known")
     if lean.clipped and lean.turn == UPRIGHT:
         return dropped(f"the trunk cannot: {lean.clipped}")
-    (layer,) = exclusive([trunk.hold(lean.turn, timed.times, stays=False, pace=scene.pace)])
-    return Move(torso=(passed(layer, scene.manner(timed)),), warnings=_clipped(lean.clipped))
+    (layer,) = exclusive([trunk.hold_trunk(lean.turn, timed.times, stays=False, pace=scene.pace)])
+    return Move(torso=(pass_layer(layer, scene.manner(timed)),), warnings=_clipped(lean.clipped))
 
 
-def look_moves(looks: Sequence[Timed], scene: Scene) -> Mapping[str, Move]:
+def look_moves(looks: Sequence[TimedBehaviour], scene: BehaviourScene) -> Mapping[str, Move]:
     """Gazes and head directions, of which the later wins from its start; what stays is where others return to.
 
     Args:
@@ -164,7 +164,7 @@ def look_moves(looks: Sequence[Timed], scene: Scene) -> Mapping[str, Move]:
         return {timed.behaviour.id: _lacking("neck", scene) for timed in looks}
     moves: dict[str, Move] = {}
     aims: list[gaze.Aim] = []
-    performed: list[Timed] = []
+    performed: list[TimedBehaviour] = []
     base = gaze.STRAIGHT
     for timed, other in _in_turn(looks):
         action = timed.behaviour.action
@@ -185,7 +185,7 @@ def look_moves(looks: Sequence[Timed], scene: Scene) -> Mapping[str, Move]:
     return moves | _looked(performed, aims, scene)
 
 
-def _in_turn(looks: Sequence[Timed]) -> Iterator[tuple[Timed, Timed | None]]:
+def _in_turn(looks: Sequence[TimedBehaviour]) -> Iterator[tuple[TimedBehaviour, TimedBehaviour | None]]:
     """Looks in order of their starts, each with another of its kind that takes its place before it has begun."""
     ordered = sorted(looks, key=lambda timed: timed.times["start"])
     for timed, other in zip_longest(ordered, ordered[1:]):
@@ -200,11 +200,11 @@ def stays(action: object) -> bool:
     return isinstance(action, HeadDirectionShift) or (isinstance(action, Gaze | Posture) and action.shift)
 
 
-def _looked(looks: Sequence[Timed], aims: Sequence[gaze.Aim], scene: Scene) -> dict[str, Move]:
+def _looked(looks: Sequence[TimedBehaviour], aims: Sequence[gaze.Aim], scene: BehaviourScene) -> dict[str, Move]:
     """Looks with their layers, in the order of their starts."""
     heads, trunks = (
         [
-            gaze.hold(aim, timed.times, part=part, stays=stays(timed.behaviour.action), pace=scene.pace)
+            gaze.hold_gaze(aim, timed.times, part=part, stays=stays(timed.behaviour.action), pace=scene.pace)
             for aim, timed in zip(aims, looks, strict=True)
         ]
         for part in gaze.PARTS
@@ -217,22 +217,22 @@ def _looked(looks: Sequence[Timed], aims: Sequence[gaze.Aim], scene: Scene) -> d
             text = f"gives way to {looks[k + 1].behaviour.id} at {heads[k + 1].start:.2f} s"
             warnings += (Warned(NoticeType.IMPOSSIBLE_TO_SCHEDULE, text),)
         manner = scene.manner(timed)
-        here, below = passed(head[k], manner), moving(passed(lower[k], manner))
+        here, below = pass_layer(head[k], manner), without_upright(pass_layer(lower[k], manner))
         moves[timed.behaviour.id] = Move(outcome, head=(here,), torso=below, warnings=warnings)
     return moves
 
 
-def hanging(sides: Sequence[Side]) -> Poses:
+def hanging_arms(sides: Sequence[Side]) -> Poses:
     """Arms that hang."""
     return Poses(dict.fromkeys(sides, (REST,)), stroke=0)
 
 
-def moving(layer: Layer) -> tuple[Layer, ...]:
+def without_upright(layer: Layer) -> tuple[Layer, ...]:
     """The layer, unless it is upright all the time."""
     return (layer,) if any(key.turn != UPRIGHT for key in layer) else ()
 
 
-def _lacking(part: str, scene: Scene) -> Move:
+def _lacking(part: str, scene: BehaviourScene) -> Move:
     return dropped(f"robot {scene.robot.name} has no {part}", NoticeType.BEHAVIOR_TYPE_NOT_SUPPORTED)
 
 

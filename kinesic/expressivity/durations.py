@@ -19,7 +19,7 @@ from kinesic.bml.block import (
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Side
 from kinesic.expressivity.gaze import aim, look_time
-from kinesic.expressivity.hands.poses import REST, Poses, distance, pointing_poses, poses, resting
+from kinesic.expressivity.hands.poses import REST, Poses, pointing_poses, pose_distance, poses, resting_hands
 from kinesic.expressivity.hands.strokes import natural_times
 from kinesic.expressivity.head import head_form, swing_time
 from kinesic.expressivity.keyframes import Turn
@@ -29,7 +29,7 @@ from kinesic.expressivity.style.pace import HASTE, Pace
 from kinesic.expressivity.style.resolve import manner_of
 from kinesic.expressivity.style.style import Expressivity, Style
 from kinesic.expressivity.targets import NO_TARGETS, find_target
-from kinesic.expressivity.trunk import lean
+from kinesic.expressivity.trunk import named_lean
 
 LEAST_LEAN = 0.3  # [s] at ease
 LOOK = 1.0  # [s] that a gaze or a head direction is held
@@ -90,8 +90,8 @@ def stroke_spans(work: Poses, pace: Pace, manner: Expressivity, *, held: bool = 
 
 def _way(work: Poses, key: int, pace: Pace, manner: Expressivity) -> float:
     """Between rest and one key, of the hand that goes farther [s]."""
-    rest = resting(pace.robot)
-    farthest = max(distance(REST, row[key], rest[side]) for side, row in work.hands.items())
+    rest = resting_hands(pace.robot)
+    farthest = max(pose_distance(REST, row[key], rest[side]) for side, row in work.hands.items())
     return pace.way_time(farthest, manner)
 
 
@@ -119,7 +119,7 @@ def _spans(
             aimed = aim(look, block=block, robot=robot, targets=places) if robot.joints("neck") else None
             return {} if aimed is None else _look_spans(look, look_time(aimed, pace, manner.temporal))
         case Torso() as torso:
-            leaned = lean(torso, robot, manner.spatial)
+            leaned = named_lean(torso, robot, manner.spatial)
             return _lean_spans(leaned.turn, pace, manner) if leaned else {}
         case Face(shift=shift):
             haste = HASTE**manner.temporal

@@ -15,9 +15,9 @@ import numpy as np
 
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.hands.keys import HandKey, hand_at
-from kinesic.expressivity.hands.poses import resting
+from kinesic.expressivity.hands.poses import resting_hands
 from kinesic.expressivity.keyframes import KeyFrame, PartName, Turn
-from kinesic.expressivity.turns import Layer, TurnKey, clipped, plus, room, scaled, total
+from kinesic.expressivity.turns import Layer, TurnKey, add_turns, clipped, room, scale_turn, total
 from kinesic.motion.passage import Passage
 
 Gathering = Literal["complex", "lazy"]
@@ -54,7 +54,7 @@ class Moment:
         return _nearest(inside, self.time) if inside else None
 
 
-def moments(times: Mapping[PartName, Sequence[float]], syncs: Sequence[SyncPoint]) -> list[Moment]:
+def gather_times(times: Mapping[PartName, Sequence[float]], syncs: Sequence[SyncPoint]) -> list[Moment]:
     """Groups of times: first around the strokes, then what is left, each from its earliest.
 
     Args:
@@ -160,14 +160,14 @@ def _frames(
     """Key frames with the parts filled that are as important as those that have a key."""
     keys = sequences.keys()
     times = {part: [key.time for key in own] for part, own in keys.items()}
-    found = moments(times, syncs)
+    found = gather_times(times, syncs)
     given = [frozenset(part for part in times if moment.among(times[part]) is not None) for moment in found]
     filled = [_filled(parts, priorities) for parts in given]
     looked = {part: _looked(part, found, times.get(part, []), filled) for part in PARTS}
-    trunk, neck, rest = room(robot, "torso"), room(robot, "neck"), resting(robot)
+    trunk, neck, rest = room(robot, "torso"), room(robot, "neck"), resting_hands(robot)
     torso = [clipped(turn, trunk) for turn in _turns(sequences.torso, looked["torso"])]
     above = _turns(sequences.head, looked["head"])
-    head = [plus(t, clipped(plus(h, scaled(t, -1.0)), neck)) for t, h in zip(torso, above, strict=True)]
+    head = [add_turns(t, clipped(add_turns(h, scale_turn(t, -1.0)), neck)) for t, h in zip(torso, above, strict=True)]
     hands = {
         side: [hand_at(sequences.hands.get(side, ()), time, rest[side]) for time in looked[part]]
         for side, part in HANDS.items()

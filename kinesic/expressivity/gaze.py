@@ -11,11 +11,11 @@ from kinesic.bml.block import Block, Gaze, HeadDirectionShift
 from kinesic.body.action_units import ASIDE, DOWNWARD, UPWARD
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
-from kinesic.expressivity.head import direction, named, words
+from kinesic.expressivity.head import direction, names_stem, words
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.targets import find_target, unknown
-from kinesic.expressivity.turns import UPRIGHT, Hold, axes, clipped, excess, held, plus, room, scaled
+from kinesic.expressivity.turns import UPRIGHT, Hold, add_turns, axes, clipped, excess, hold_turn, room, scale_turn
 
 AUDIENCE = "audience"  # who is looked at when the one that was meant is unknown
 EYES = (Turn(-ASIDE, -UPWARD), Turn(ASIDE, DOWNWARD))  # how far they turn in the head
@@ -78,29 +78,29 @@ def aim(
     if isinstance(action, HeadDirectionShift):
         found = words(action.target)
         place = find_target(action.target, targets)
-        if place is None and named(found, "up", "down", "left", "right", "aside", "neutral", "tilt"):
-            return _limited(scaled(direction(found), 0.5), influence=None, robot=robot, base=base)
+        if place is None and names_stem(found, "up", "down", "left", "right", "aside", "neutral", "tilt"):
+            return _limited(scale_turn(direction(found), 0.5), influence=None, robot=robot, base=base)
         return _looking(action.target, place, UPRIGHT, None, robot, targets, base)
     offset = _offset(action, block)
     if action.target is None:
-        return _limited(plus(base.head, offset), influence=action.influence, robot=robot, base=base)
+        return _limited(add_turns(base.head, offset), influence=action.influence, robot=robot, base=base)
     return _looking(action.target, find_target(action.target, targets), offset, action.influence, robot, targets, base)
 
 
-def hold(look: Aim, times: Mapping[str, float], *, part: Part, stays: bool, pace: Pace) -> Hold:
+def hold_gaze(look: Aim, times: Mapping[str, float], *, part: Part, stays: bool, pace: Pace) -> Hold:
     """When a part goes there and, unless it stays, back; the trunk sets out after the head, where it has the time."""
     natural = look_time(look, pace)
     if part == "head":
-        return held(look.head, times, natural=natural, stays=stays)
+        return hold_turn(look.head, times, natural=natural, stays=stays)
     arrive = times.get("ready", times["end"])
     spare = arrive - times["start"] - pace.turn_time("torso", look.torso)
     late = min(max(spare, 0.0), TRUNK_LAG)
-    return held(look.torso, {**times, "start": times["start"] + late}, natural=natural, stays=stays)
+    return hold_turn(look.torso, {**times, "start": times["start"] + late}, natural=natural, stays=stays)
 
 
 def look_time(look: Aim, pace: Pace, temporal: float = 0.0) -> float:
     """Natural time of turning there [s]: that of people, or the servos' ease where it is longer."""
-    neck = plus(look.head, scaled(look.torso, -1.0))
+    neck = add_turns(look.head, scale_turn(look.torso, -1.0))
     head = pace.turn_time("neck", neck, temporal, usual=_usual(neck, _HEAD_SPEED))
     trunk = pace.turn_time("torso", look.torso, temporal, usual=_usual(look.torso, _TRUNK_SPEED))
     return max(_LEAST_LOOK, head, trunk)
@@ -123,10 +123,10 @@ def _looking(
 ) -> Aim | None:
     """Towards a named target, or the audience in its place."""
     if place is not None:
-        return _limited(plus(_towards(place, robot), offset), influence=influence, robot=robot, base=base)
+        return _limited(add_turns(_towards(place, robot), offset), influence=influence, robot=robot, base=base)
     if AUDIENCE not in targets:
         return None
-    turn = plus(_towards(targets[AUDIENCE], robot), offset)
+    turn = add_turns(_towards(targets[AUDIENCE], robot), offset)
     return _limited(turn, influence=influence, robot=robot, base=base, missing=unknown(name, targets))
 
 
@@ -156,16 +156,16 @@ def _offset(gaze: Gaze, block: Block) -> Turn:
 def _limited(turn: Turn, *, influence: str | None, robot: Robot, base: Aim, missing: str = "") -> Aim:
     """The rotation shared between eyes, head and trunk, inside their ranges."""
     parts, seeing = (influence or "").upper(), EYES if "eyes" in robot.sites else (UPRIGHT, UPRIGHT)
-    alone = clipped(plus(turn, scaled(base.head, -1.0)), seeing) if parts == "EYES" else UPRIGHT
-    head = plus(turn, scaled(alone, -1.0))
+    alone = clipped(add_turns(turn, scale_turn(base.head, -1.0)), seeing) if parts == "EYES" else UPRIGHT
+    head = add_turns(turn, scale_turn(alone, -1.0))
     share = max((least for part, least in _TRUNK_SHARES.items() if part in parts), default=0.0)
     torso = base.torso
     if not parts or share:
         trunk = copysign(max(share * abs(head.torsion), abs(head.torsion) - HEAD_ALONE), head.torsion)
         torso = clipped(Turn(torsion=trunk), room(robot, "torso"))
-    neck = plus(head, scaled(torso, -1.0))
-    turned = plus(torso, clipped(neck, room(robot, "neck")))
-    rest = plus(turn, scaled(turned, -1.0))
+    neck = add_turns(head, scale_turn(torso, -1.0))
+    turned = add_turns(torso, clipped(neck, room(robot, "neck")))
+    rest = add_turns(turn, scale_turn(turned, -1.0))
     lost = excess(rest, seeing)
     return Aim(
         head=turned,

@@ -12,7 +12,7 @@ from kinesic.bml.block import Head
 from kinesic.body.robot import Robot
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.style.passage import passage
+from kinesic.expressivity.style.passage import passage_of
 from kinesic.expressivity.style.style import Expressivity
 from kinesic.expressivity.turns import (
     MERGE,
@@ -21,10 +21,10 @@ from kinesic.expressivity.turns import (
     TurnKey,
     arrival,
     clipped,
-    departure,
+    departure_time,
     excess,
     room,
-    scaled,
+    scale_turn,
 )
 
 NOD = radians(20)  # peak of a nod of amount 1
@@ -65,12 +65,12 @@ def words(lexeme: str) -> tuple[str, ...]:
     return tuple(word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])", lexeme))
 
 
-def size(found: tuple[str, ...]) -> float:
+def amplitude_factor(found: tuple[str, ...]) -> float:
     """Factor on amplitude that words such as big and small ask for."""
     return next((_SCALES[word] for word in found if word in _SCALES), 1.0)
 
 
-def named(found: tuple[str, ...], *stems: str) -> bool:
+def names_stem(found: tuple[str, ...], *stems: str) -> bool:
     """Whether a word begins with one of some stems."""
     return any(word.startswith(stems) for word in found)
 
@@ -90,7 +90,7 @@ def head_form(head: Head, robot: Robot, manner: Expressivity) -> HeadForm:
     """
     found = words(head.lexeme)
     kind, peak, substitute = _meaning(head.lexeme, found)
-    peak = scaled(peak, head.amount * size(found) * (1 + 0.5 * manner.spatial))
+    peak = scale_turn(peak, head.amount * amplitude_factor(found) * (1 + 0.5 * manner.spatial))
     within = room(robot, "neck")
     lost = excess(peak, within)
     why = f"{lost:.1f} deg beyond the neck's range are left out" if lost > 0.05 else ""
@@ -105,9 +105,9 @@ def swing_time(form: HeadForm, pace: Pace, manner: Expressivity) -> float:
 
 def direction(found: tuple[str, ...]) -> Turn:
     """The rotation that words such as up, left and aside name, one `DIRECTION` on each axis."""
-    tilt = DIRECTION * (named(found, "down", "forward") - named(found, "up", "back", "toss"))
-    side = DIRECTION * (named(found, "left") - named(found, "right"))
-    if named(found, "aside", "tilt", "lean", "roll", "inclin"):
+    tilt = DIRECTION * (names_stem(found, "down", "forward") - names_stem(found, "up", "back", "toss"))
+    side = DIRECTION * (names_stem(found, "left") - names_stem(found, "right"))
+    if names_stem(found, "aside", "tilt", "lean", "roll", "inclin"):
         return Turn(tilt=tilt, roll=-side if side or tilt else DIRECTION)
     return Turn(torsion=side, tilt=tilt)
 
@@ -133,12 +133,12 @@ def head_layer(form: HeadForm, times: Mapping[str, float], pace: Pace, manner: E
 
 
 def _held(form: HeadForm, times: Mapping[str, float], natural: float, manner: Expressivity) -> Layer:
-    there, hold, back = (passage(manner, phase) for phase in ("stroke", "hold", "retraction"))
-    start = departure(times["start"], times["stroke"], natural)
+    there, hold, back = (passage_of(manner, phase) for phase in ("stroke", "hold", "retraction"))
+    start = departure_time(times["start"], times["stroke"], natural)
     leave = max(times["relax"], times["stroke"])
     keys = [TurnKey(start, UPRIGHT, back)]
     if times["ready"] - start >= MERGE and times["stroke"] - times["ready"] >= MERGE:
-        keys.append(TurnKey(times["ready"], scaled(form.peak, _AHEAD), passage(manner, "preparation")))
+        keys.append(TurnKey(times["ready"], scale_turn(form.peak, _AHEAD), passage_of(manner, "preparation")))
     keys.append(TurnKey(times["stroke"], form.peak, there))
     if leave - times["stroke"] >= MERGE:
         keys.append(TurnKey(leave, form.peak, hold))
@@ -147,13 +147,13 @@ def _held(form: HeadForm, times: Mapping[str, float], natural: float, manner: Ex
 
 
 def _swung(form: HeadForm, times: Mapping[str, float], natural: float, manner: Expressivity) -> Layer:
-    there, hold = passage(manner, "stroke"), passage(manner, "hold")
+    there, hold = passage_of(manner, "stroke"), passage_of(manner, "hold")
     swings = form.swings
     pinned = _pinned(times, len(swings) - 1, natural)
     moments = [float(time) for time in np.interp(range(len(swings)), list(pinned), list(pinned.values()))]
-    start = departure(times["strokeStart"], moments[0], natural)
+    start = departure_time(times["strokeStart"], moments[0], natural)
     early = [TurnKey(times["start"], UPRIGHT, hold)] if start - times["start"] >= MERGE else []
-    peaks = [TurnKey(time, scaled(form.peak, swing), there) for time, swing in zip(moments, swings, strict=True)]
+    peaks = [TurnKey(time, scale_turn(form.peak, swing), there) for time, swing in zip(moments, swings, strict=True)]
     late = [TurnKey(times["end"], UPRIGHT, hold)] if times["end"] - moments[-1] >= MERGE else []
     return (*early, TurnKey(start, UPRIGHT, hold), *peaks, *late)
 
@@ -187,14 +187,14 @@ def _pinned(times: Mapping[str, float], last: int, natural: float) -> dict[int, 
 
 def _meaning(lexeme: str, found: tuple[str, ...]) -> tuple[Literal["nod", "shake", "direction"], Turn, str]:
     """Kind, peak at amount 1, and why it is a substitute."""
-    if named(found, "nod"):
+    if names_stem(found, "nod"):
         return "nod", Turn(tilt=NOD), ""
-    if named(found, "shake"):
+    if names_stem(found, "shake"):
         return "shake", Turn(torsion=SHAKE), ""
-    if named(found, "neutral"):
+    if names_stem(found, "neutral"):
         return "direction", UPRIGHT, ""
-    if named(found, "tilt", "aside", "toss", "roll", *_DIRECTIONS):
+    if names_stem(found, "tilt", "aside", "toss", "roll", *_DIRECTIONS):
         return "direction", direction(found), ""
-    if named(found, *_SHAKES):
+    if names_stem(found, *_SHAKES):
         return "shake", Turn(torsion=SHAKE), f"a shake stands for {lexeme}"
     return "nod", Turn(tilt=NOD), f"a nod stands for {lexeme or 'a head movement without lexeme'}"

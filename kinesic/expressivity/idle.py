@@ -16,7 +16,7 @@ from kinesic.body.robot import Robot
 from kinesic.expressivity.gather import Sequences
 from kinesic.expressivity.hands.poses import REST
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.turns import UPRIGHT, Layer, TurnKey, plus
+from kinesic.expressivity.turns import UPRIGHT, Layer, TurnKey, add_turns
 
 Liveliness = Literal["off", "calm", "lively"]
 Span = tuple[float, float]  # [s] from and to
@@ -144,7 +144,7 @@ def _breathing(times: list[float], habit: _Habit, chance: np.random.Generator) -
             aside, turned = habit.shift * chance.uniform(-1.0, 1.0, 2)
             weight = Turn(torsion=float(turned), roll=float(aside))
         full = k % 2 * float(chance.uniform(0.7, 1.0))
-        yield TurnKey(time, plus(weight, Turn(tilt=-habit.rise * full)))
+        yield TurnKey(time, add_turns(weight, Turn(tilt=-habit.rise * full)))
 
 
 def _wandering(times: list[float], habit: _Habit, chance: np.random.Generator) -> Iterator[TurnKey]:

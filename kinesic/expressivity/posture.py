@@ -6,17 +6,35 @@ In time, trunk, head and arms go into a posture together, and come back unless t
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from kinesic.bml.block import Mode, Posture, Timed
+from kinesic.bml.block import Mode, Posture, TimedBehaviour
 from kinesic.body.robot import Robot, Side
-from kinesic.expressivity.behaviours import Move, Scene, dropped, hanging, moving, stays, substituted
+from kinesic.expressivity.behaviours import (
+    BehaviourScene,
+    Move,
+    dropped,
+    hanging_arms,
+    stays,
+    substituted,
+    without_upright,
+)
 from kinesic.expressivity.hands.poses import poses
 from kinesic.expressivity.hands.strokes import Stroke
-from kinesic.expressivity.head import direction, named, words
+from kinesic.expressivity.head import direction, names_stem, words
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.lexicon.form import GestureForm
 from kinesic.expressivity.lexicon.lexicon import Lexicon
-from kinesic.expressivity.trunk import LEAST_HOLD, Lean, limited, trunk_direction
-from kinesic.expressivity.turns import UPRIGHT, Hold, clipped, exclusive, held, passed, plus, room, scaled
+from kinesic.expressivity.trunk import LEAST_HOLD, Lean, limit_trunk, trunk_direction
+from kinesic.expressivity.turns import (
+    UPRIGHT,
+    Hold,
+    add_turns,
+    clipped,
+    exclusive,
+    hold_turn,
+    pass_layer,
+    room,
+    scale_turn,
+)
 
 BENT = 0.5  # amount of a lean that is part of a posture
 
@@ -79,8 +97,8 @@ def pose(posture: Posture, lexicon: Lexicon, robot: Robot) -> Pose | None:
         return None
     leaned, bowed = UPRIGHT, UPRIGHT
     for part in parts:
-        leaned, bowed = plus(leaned, part.lean), plus(bowed, part.head)
-    return Pose(limited(leaned, robot), arms, clipped(bowed, room(robot, "neck")), "; ".join(left_out))
+        leaned, bowed = add_turns(leaned, part.lean), add_turns(bowed, part.head)
+    return Pose(limit_trunk(leaned, robot), arms, clipped(bowed, room(robot, "neck")), "; ".join(left_out))
 
 
 def _stance(stance: str, lexicon: Lexicon, *, stays: bool) -> _Part | None:
@@ -90,7 +108,7 @@ def _stance(stance: str, lexicon: Lexicon, *, stays: bool) -> _Part | None:
         case "SITTING":
             return _Part(arms=_arms("lap", "both", lexicon))
         case "CROUCHING":
-            return _Part(lean=scaled(trunk_direction(("forward",)) or UPRIGHT, BENT))
+            return _Part(lean=scale_turn(trunk_direction(("forward",)) or UPRIGHT, BENT))
     return None
 
 
@@ -101,20 +119,20 @@ def _part(name: str, lexeme: str, lexicon: Lexicon) -> _Part | None:
         arms = _arms(lexeme, _ARMS[name], lexicon)
         return None if arms is None else _Part(arms=arms)
     if name == "HEAD":
-        turned = named(found, "up", "down", "left", "right", "forward", "back", "aside", "tilt", "neutral")
-        return _Part(head=scaled(direction(found), BENT)) if turned else None
+        turned = names_stem(found, "up", "down", "left", "right", "forward", "back", "aside", "tilt", "neutral")
+        return _Part(head=scale_turn(direction(found), BENT)) if turned else None
     if name == _WHOLE or name in _TRUNK:
         leaned = trunk_direction(found)
         arms = None if name != _WHOLE or leaned not in (None, UPRIGHT) else _arms(lexeme, "both", lexicon)
         if leaned is not None or arms is not None:
-            return _Part(lean=scaled(leaned or UPRIGHT, BENT), arms=arms)
+            return _Part(lean=scale_turn(leaned or UPRIGHT, BENT), arms=arms)
     return None
 
 
 def _arms(lexeme: str, mode: Mode, lexicon: Lexicon) -> Arms | None:
     """The rest form of a pose of the arms, or the arms that hang; None when the lexicon knows none."""
     found = words(lexeme)
-    if named(found, *_EASE):
+    if names_stem(found, *_EASE):
         return mode
     held = next((form for word, form in _HELD.items() if word in found), None)
     if held is not None and (match := lexicon.find(held, mode)) is not None and match.form.keys:
@@ -126,10 +144,10 @@ def _arms(lexeme: str, mode: Mode, lexicon: Lexicon) -> Arms | None:
     return match.form if match is not None and match.form.rest and match.form.keys else None
 
 
-def posture_moves(postures: Sequence[Timed], scene: Scene) -> Mapping[str, Move]:
+def posture_moves(postures: Sequence[TimedBehaviour], scene: BehaviourScene) -> Mapping[str, Move]:
     """Postures, of which the later wins from its start: trunk and head lean, the arms take rest poses."""
     moves: dict[str, Move] = {}
-    found: list[tuple[Timed, Pose]] = []
+    found: list[tuple[TimedBehaviour, Pose]] = []
     for timed in sorted(postures, key=lambda timed: timed.times["start"]):
         action = timed.behaviour.action
         if not isinstance(action, Posture):
@@ -155,28 +173,30 @@ def posture_moves(postures: Sequence[Timed], scene: Scene) -> Mapping[str, Move]
         outcome, warnings = substituted(posed.left_out, posed.lean.clipped)
         moves[timed.behaviour.id] = Move(
             outcome,
-            head=moving(passed(head, scene.manner(timed, "head"))) if scene.robot.joints("neck") else (),
-            torso=moving(passed(trunk, scene.manner(timed, "torso"))),
+            head=without_upright(pass_layer(head, scene.manner(timed, "head"))) if scene.robot.joints("neck") else (),
+            torso=without_upright(pass_layer(trunk, scene.manner(timed, "torso"))),
             strokes=tuple(stroke for arms in posed.arms for stroke in _posed(timed, arms, scene)),
             warnings=warnings,
         )
     return moves
 
 
-def _posture_hold(timed: Timed, turn: Turn, chain: str, scene: Scene) -> Hold:
+def _posture_hold(timed: TimedBehaviour, turn: Turn, chain: str, scene: BehaviourScene) -> Hold:
     """When a part goes into a posture and, unless it stays, back."""
     natural = max(LEAST_HOLD, scene.pace.turn_time(chain, turn))
-    return held(turn, timed.times, natural=natural, stays=stays(timed.behaviour.action))
+    return hold_turn(turn, timed.times, natural=natural, stays=stays(timed.behaviour.action))
 
 
-def _posed(timed: Timed, arms: Arms, scene: Scene) -> tuple[Stroke, ...]:
+def _posed(timed: TimedBehaviour, arms: Arms, scene: BehaviourScene) -> tuple[Stroke, ...]:
     """Work that brings the arms into a rest pose, and back unless the posture stays."""
     times, shift = timed.times, stays(timed.behaviour.action)
-    work = poses(arms, scene.robot, scene.manner(timed)) if isinstance(arms, GestureForm) else hanging(_SIDES[arms])
+    work = (
+        poses(arms, scene.robot, scene.manner(timed)) if isinstance(arms, GestureForm) else hanging_arms(_SIDES[arms])
+    )
     there = times["end"] if shift else times["ready"]
     back = times["end"] if shift else times["relax"]
     taken = Stroke(timed.behaviour.id, _at_once(times["start"], there), (work,), rest=True)
-    left = Stroke(timed.behaviour.id, _at_once(back, times["end"]), (hanging(tuple(work.hands)),), rest=True)
+    left = Stroke(timed.behaviour.id, _at_once(back, times["end"]), (hanging_arms(tuple(work.hands)),), rest=True)
     return (taken,) if shift else (taken, left)
 
 

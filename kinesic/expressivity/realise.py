@@ -22,16 +22,16 @@ from kinesic.bml.block import (
     Pointing,
     Posture,
     Speech,
-    Timed,
+    TimedBehaviour,
     Timeline,
     Torso,
     Wait,
 )
-from kinesic.bml.timing.constraints import placed
+from kinesic.bml.timing.constraints import placed_points
 from kinesic.body.arrays import Floats
 from kinesic.expressivity.behaviours import (
+    BehaviourScene,
     Move,
-    Scene,
     Warned,
     dropped,
     gesture_move,
@@ -85,11 +85,11 @@ def keyframes(
         BmlError: a behaviour inside `required` cannot be performed.
     """
     robot = pace.robot
-    scene = Scene(timeline.block, style, lexicon, pace, {**robot.targets, **targets})
+    scene = BehaviourScene(timeline.block, style, lexicon, pace, {**robot.targets, **targets})
     moves = _moves([timed for timed in timeline.timed if timed.behaviour.id not in without], scene)
     moves |= {id: dropped(why) for id, why in without.items()}
     strokes = [stroke for move in moves.values() for stroke in move.strokes]
-    hands = arranged(strokes, pace, placed(timeline.block), engaged=engaged)
+    hands = arranged(strokes, pace, placed_points(timeline.block), engaged=engaged)
     moves = {id: _with_hands(id, move, hands) for id, move in moves.items()}
     outcomes = {drop.behaviour.id: Outcome("dropped", drop.why) for drop in timeline.dropped}
     outcomes |= {id: move.outcome for id, move in moves.items()}
@@ -124,13 +124,13 @@ def keyframes(
     )
 
 
-def _moved(timed: Timed, times: Mapping[str, Mapping[str, float]]) -> Timed:
+def _moved(timed: TimedBehaviour, times: Mapping[str, Mapping[str, float]]) -> TimedBehaviour:
     """The behaviour with the sync points that neighbours of its hands moved, where the document left them open."""
     moved = times.get(timed.behaviour.id)
     return replace(timed, times={**timed.times, **moved}) if moved else timed
 
 
-def _moves(timed: list[Timed], scene: Scene) -> dict[str, Move]:
+def _moves(timed: list[TimedBehaviour], scene: BehaviourScene) -> dict[str, Move]:
     """What each behaviour makes of itself, by id in the order of the document."""
     looks = [one for one in timed if isinstance(one.behaviour.action, Gaze | HeadDirectionShift)]
     postures = [one for one in timed if isinstance(one.behaviour.action, Posture)]
@@ -138,7 +138,7 @@ def _moves(timed: list[Timed], scene: Scene) -> dict[str, Move]:
     return {one.behaviour.id: together.get(one.behaviour.id) or _move(one, scene) for one in timed}
 
 
-def _move(timed: Timed, scene: Scene) -> Move:
+def _move(timed: TimedBehaviour, scene: BehaviourScene) -> Move:
     """What a behaviour makes of itself that does not depend on others of its kind."""
     match timed.behaviour.action:
         case Gesture() as action:

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.config import closest, read
+from kinesic.body.config import read_toml, suggestion
 
 NO_TARGETS: Mapping[str, Floats] = MappingProxyType({})
 
@@ -20,7 +20,7 @@ def read_targets(path: Path) -> Mapping[str, Floats]:
     Raises:
         ConfigError: the file is missing or wrong.
     """
-    return {name: sealed(point) for name, point in read(path, dict[str, tuple[float, float, float]]).items()}
+    return {name: sealed(point) for name, point in read_toml(path, dict[str, tuple[float, float, float]]).items()}
 
 
 def find_target(text: str, targets: Mapping[str, Floats]) -> Floats | None:
@@ -44,4 +44,4 @@ def find_target(text: str, targets: Mapping[str, Floats]) -> Floats | None:
 
 def unknown(text: str, targets: Mapping[str, Floats]) -> str:
     """What is wrong with a target, and what would have worked."""
-    return f'there is no target {text}{closest(text, list(targets))}, or "x y z" in metres'
+    return f'there is no target {text}{suggestion(text, list(targets))}, or "x y z" in metres'

@@ -16,13 +16,25 @@ from kinesic.bml.block import Torso
 from kinesic.body.arrays import Floats
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot, Side
-from kinesic.expressivity.hands.poses import Poses, resting
-from kinesic.expressivity.hands.strokes import Work
-from kinesic.expressivity.head import named, size, words
+from kinesic.expressivity.hands.poses import Poses, resting_hands
+from kinesic.expressivity.hands.strokes import HandStroke
+from kinesic.expressivity.head import amplitude_factor, names_stem, words
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Expressivity
-from kinesic.expressivity.turns import MERGE, UPRIGHT, Hold, Layer, TurnKey, clipped, excess, held, plus, room, scaled
+from kinesic.expressivity.turns import (
+    MERGE,
+    UPRIGHT,
+    Hold,
+    Layer,
+    TurnKey,
+    add_turns,
+    clipped,
+    excess,
+    hold_turn,
+    room,
+    scale_turn,
+)
 
 LEAST_HOLD = 0.3  # [s] for the way to a lean
 LEAN = radians(24)  # of amount 1, on each axis that a lexeme names: 12 deg at the default amount of 0.5
@@ -40,7 +52,7 @@ class Lean:
     clipped: str = ""  # what the range took away
 
 
-def lean(torso: Torso, robot: Robot, spatial: float) -> Lean | None:
+def named_lean(torso: Torso, robot: Robot, spatial: float) -> Lean | None:
     """The rotation that the words of a lexeme name: lean, recline, forward, back, left, right, turn, neutral.
 
     Returns:
@@ -48,37 +60,41 @@ def lean(torso: Torso, robot: Robot, spatial: float) -> Lean | None:
     """
     found = words(torso.lexeme)
     turn = trunk_direction(found)
-    return None if turn is None else limited(scaled(turn, torso.amount * size(found) * (1 + 0.5 * spatial)), robot)
+    return (
+        None
+        if turn is None
+        else limit_trunk(scale_turn(turn, torso.amount * amplitude_factor(found) * (1 + 0.5 * spatial)), robot)
+    )
 
 
-def hold(turn: Turn, times: Mapping[str, float], *, stays: bool, pace: Pace) -> Hold:
+def hold_trunk(turn: Turn, times: Mapping[str, float], *, stays: bool, pace: Pace) -> Hold:
     """When the trunk goes there and, unless it stays, back."""
     natural = max(LEAST_HOLD, pace.turn_time("torso", turn))
-    return held(turn, times, natural=natural, stays=stays)
+    return hold_turn(turn, times, natural=natural, stays=stays)
 
 
 def trunk_direction(found: tuple[str, ...]) -> Turn | None:
     """The rotation of amount 1 that words name; None when they name none."""
-    turning = named(found, "turn", "twist", "look", "rotat")
-    tilt = LEAN * (named(found, "forward", "down", "front") - named(found, "recline", "back", "up"))
-    side = LEAN * (named(found, "left") - named(found, "right"))
+    turning = names_stem(found, "turn", "twist", "look", "rotat")
+    tilt = LEAN * (names_stem(found, "forward", "down", "front") - names_stem(found, "recline", "back", "up"))
+    side = LEAN * (names_stem(found, "left") - names_stem(found, "right"))
     if side or tilt:
         return Turn(torsion=side if turning else 0.0, tilt=tilt, roll=0.0 if turning else -side)
-    if named(found, "lean", "inclin", "bow", "tilt"):
+    if names_stem(found, "lean", "inclin", "bow", "tilt"):
         return Turn(tilt=LEAN)
     if turning:
         return Turn(torsion=LEAN)
-    return UPRIGHT if named(found, "neutral", "nothing", "upright") else None
+    return UPRIGHT if names_stem(found, "neutral", "nothing", "upright") else None
 
 
-def limited(turn: Turn, robot: Robot) -> Lean:
+def limit_trunk(turn: Turn, robot: Robot) -> Lean:
     """A rotation inside the range of the trunk."""
     within = room(robot, "torso")
     lost = excess(turn, within)
     return Lean(clipped(turn, within), f"{lost:.1f} deg beyond the torso's range are left out" if lost > 0.05 else "")
 
 
-def taking_part(work: Work, manner: Expressivity, pace: Pace) -> Layer:
+def taking_part(work: HandStroke, manner: Expressivity, pace: Pace) -> Layer:
     """The trunk's rotation through one gesture, from upright to upright.
 
     No step asks more of the trunk than it does in the time that the hands have, so that no stroke waits for it.
@@ -95,14 +111,14 @@ def taking_part(work: Work, manner: Expressivity, pace: Pace) -> Layer:
     power, openness = max(0.0, manner.power), manner.openness
     if work.stroke.rest or not pace.robot.joints("torso") or power == openness == 0.0:
         return ()
-    rest, times = resting(pace.robot), work.stroke.times
+    rest, times = resting_hands(pace.robot), work.stroke.times
     keys = [TurnKey(times["start"], UPRIGHT)]
     swayed, recline = UPRIGHT, Turn(tilt=-RECLINE * openness)
     for way, moment in zip(_ways(work.poses, rest, pace.robot.arm_length), work.moments, strict=True):
         if float(np.linalg.norm(way)) > STILL:
             swayed = _swayed(way, power)
         if moment - keys[-1].time >= MERGE:
-            keys.append(TurnKey(moment, _managed(keys[-1], plus(swayed, recline), moment, pace)))
+            keys.append(TurnKey(moment, _managed(keys[-1], add_turns(swayed, recline), moment, pace)))
     return (*keys, *_return(keys[-1], times, pace))
 
 
@@ -124,9 +140,11 @@ def _swayed(way: Floats, power: float) -> Turn:
 
 def _managed(key: TurnKey, wished: Turn, moment: float, pace: Pace) -> Turn:
     """The part of the way to a rotation that the trunk manages by a moment [s]."""
-    change = plus(wished, scaled(key.turn, -1.0))
+    change = add_turns(wished, scale_turn(key.turn, -1.0))
     share = min(1.0, HASTE * (moment - key.time) / max(pace.least_turn_time("torso", change), MERGE))
-    return plus(key.turn, scaled(change, share**3))  # least times shrink no slower than the cube root of the way
+    return add_turns(
+        key.turn, scale_turn(change, share**3)
+    )  # least times shrink no slower than the cube root of the way
 
 
 def _return(key: TurnKey, times: Mapping[str, float], pace: Pace) -> tuple[TurnKey, ...]:

@@ -10,7 +10,7 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.style.passage import Phase, passage
+from kinesic.expressivity.style.passage import Phase, passage_of
 from kinesic.expressivity.style.style import Expressivity
 from kinesic.motion.passage import PLAIN, Passage
 
@@ -42,7 +42,7 @@ class Hold:
     back: float | None = None  # [s]; None: it stays
 
 
-def held(turn: Turn, times: Mapping[str, float], *, natural: float, stays: bool) -> Hold:
+def hold_turn(turn: Turn, times: Mapping[str, float], *, natural: float, stays: bool) -> Hold:
     """A hold from sync points: there at `ready` (or `end`, if there is no other), back from `relax` to `end`.
 
     Args:
@@ -59,12 +59,12 @@ def held(turn: Turn, times: Mapping[str, float], *, natural: float, stays: bool)
     return Hold(start, arrive, turn, leave, arrival(leave, times["end"], natural))
 
 
-def scaled(turn: Turn, factor: float) -> Turn:
+def scale_turn(turn: Turn, factor: float) -> Turn:
     """A share or a multiple of a rotation, axis by axis."""
     return Turn(turn.torsion * factor, turn.tilt * factor, turn.roll * factor)
 
 
-def plus(a: Turn, b: Turn) -> Turn:
+def add_turns(a: Turn, b: Turn) -> Turn:
     """Sum of two rotations, axis by axis."""
     return Turn(a.torsion + b.torsion, a.tilt + b.tilt, a.roll + b.roll)
 
@@ -95,7 +95,7 @@ def excess(turn: Turn, within: tuple[Turn, Turn]) -> float:
     return degrees(max(abs(a - b) for a, b in zip(axes(turn), axes(inside), strict=True)))
 
 
-def at(layer: Layer, time: float) -> Turn:
+def turn_at(layer: Layer, time: float) -> Turn:
     """The rotation of a layer at a time."""
     return Turn(*(float(v) for v in total([layer], np.array([time]))[0]))
 
@@ -113,7 +113,7 @@ def total(layers: Iterable[Layer], times: Floats) -> Floats:
 
 def bump(hold: Hold, base: Turn = UPRIGHT) -> Layer:
     """The layer of one hold, relative to the rotation that it leaves."""
-    change = plus(hold.turn, scaled(base, -1.0))
+    change = add_turns(hold.turn, scale_turn(base, -1.0))
     keys = [TurnKey(hold.start, UPRIGHT), TurnKey(hold.arrive, change)]
     if hold.leave is not None and hold.back is not None:
         if hold.leave > hold.arrive:
@@ -148,19 +148,19 @@ def exclusive(holds: Sequence[Hold]) -> tuple[Layer, ...]:
 def _yielding(layer: Layer, other: Hold) -> Layer:
     """A layer that goes back to zero while another hold goes to its own rotation."""
     before = tuple(key for key in layer if key.time < other.start)
-    return (*before, TurnKey(other.start, at(layer, other.start)), TurnKey(other.arrive, UPRIGHT))
+    return (*before, TurnKey(other.start, turn_at(layer, other.start)), TurnKey(other.arrive, UPRIGHT))
 
 
-def passed(layer: Layer, manner: Expressivity) -> Layer:
+def pass_layer(layer: Layer, manner: Expressivity) -> Layer:
     """A layer whose keys are passed as a manner passes a hold: there, staying, and back upright."""
-    keys = [replace(key, passage=passage(manner, "retraction")) for key in layer[:1]]
+    keys = [replace(key, passage=passage_of(manner, "retraction")) for key in layer[:1]]
     for before, key in pairwise(layer):
         phase: Phase = "hold" if key.turn == before.turn else "retraction" if key.turn == UPRIGHT else "stroke"
-        keys.append(replace(key, passage=passage(manner, phase)))
+        keys.append(replace(key, passage=passage_of(manner, phase)))
     return tuple(keys)
 
 
-def departure(wanted: float, arrival: float, natural: float) -> float:
+def departure_time(wanted: float, arrival: float, natural: float) -> float:
     """When to leave [s]: as wanted, or early enough when no time was given for the way."""
     return wanted if arrival - wanted >= MERGE else arrival - natural
 

@@ -17,7 +17,7 @@ _VERSION = 0x1F02  # of gl.h
 
 
 @dataclass(frozen=True)
-class Driver:
+class GraphicsDriver:
     """What was found on this machine."""
 
     egl: str = ""  # names of shared libraries
@@ -26,13 +26,13 @@ class Driver:
 
 
 @cache
-def driver() -> Driver:
+def driver() -> GraphicsDriver:
     """Looks for OpenGL once; nothing stays open."""
     egl, found = _library(EGL), next((name for name in GL if _library(name)), "")
     if egl is None or not found:
         absent = " and ".join(name for name, there in ((EGL, egl), (GL[0], found)) if not there)
-        return Driver(fault=f"{absent} cannot be loaded")
-    return Driver(EGL, found, _fault(egl, found))
+        return GraphicsDriver(fault=f"{absent} cannot be loaded")
+    return GraphicsDriver(EGL, found, _fault(egl, found))
 
 
 @cache

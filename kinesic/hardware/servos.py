@@ -16,10 +16,10 @@ from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
 from kinesic.hardware.protocol.wire import BusError
-from kinesic.hardware.supervisor.channel import POLICIES, Channel, Note, Status, mapped, memory_file, size
+from kinesic.hardware.supervisor.channel import POLICIES, Channel, Note, Status, map_memory, memory_file, memory_size
 from kinesic.hardware.supervisor.manifest import Manifest
-from kinesic.hardware.supervisor.process import Order
-from kinesic.hardware.supervisor.settings import USUAL, Policy, Settings
+from kinesic.hardware.supervisor.process import SupervisorOrder
+from kinesic.hardware.supervisor.settings import USUAL, Policy, SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 
 START = 30.0  # [s] until the supervisor must have told something
@@ -35,7 +35,7 @@ class Servos:
         robot: Robot,
         ports: Mapping[str, str | Path],
         *,
-        settings: Settings = USUAL,
+        settings: SupervisorSettings = USUAL,
         log: Path | None = None,
     ) -> None:
         """Starts the supervisor, which checks and configures the servos. Nothing is energised before a command.
@@ -53,14 +53,14 @@ class Servos:
         manifest = Manifest.of(robot)
         _check_ports(robot, manifest, ports)
         self._joints = len(manifest.rest)
-        octets = size(self._joints)
+        octets = memory_size(self._joints)
         memory = memory_file(octets)
-        self._channel = Channel(mapped(memory, octets), self._joints)
+        self._channel = Channel(map_memory(memory, octets), self._joints)
         self._lock = Lock()  # somebody may look on while another waits in `close`
         self._waiting: deque[tuple[float, Floats]] = deque()  # commands for which there was no room
         self._notes: list[Note] = []
         self._reasons: list[str] = []  # why servos were refused, or failed
-        order = Order(
+        order = SupervisorOrder(
             robot=str(robot.path.resolve()),
             ports={name: str(path) for name, path in ports.items()},
             memory=memory,

@@ -10,7 +10,7 @@ ROUND = 6755399441055744.0  # 1.5 x 2^52: adding it rounds to an integer
 NARROW = 0.41421356237309504880  # tangent of pi / 8
 
 
-def turn_of(angle: float) -> tuple[float, float]:
+def cosine_sine(angle: float) -> tuple[float, float]:
     """Cosine and sine of an angle of a few turns [rad].
 
     Cody and Waite's reduction to an eighth of a turn, then the minimax polynomials of fdlibm.

@@ -5,7 +5,7 @@ import numpy as np
 from kinesic.body.arrays import Floats
 
 
-def finite(name: str, values: Floats, shape: tuple[int, ...]) -> Floats:
+def as_floats(name: str, values: Floats, shape: tuple[int, ...]) -> Floats:
     """The values as floats.
 
     Raises:

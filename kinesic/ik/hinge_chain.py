@@ -12,7 +12,7 @@ from kinesic.ik.scalar3 import IDENTITY, Vector, after, cross, minus, plus, rota
 
 
 @dataclass(frozen=True)
-class Segment:
+class ChainLink:
     """One part on the way: where it sits on the one before, and what turns it."""
 
     offset: Vector  # [m] of its centre in the part before
@@ -23,7 +23,7 @@ class Segment:
 class Strand:
     """From the root to a segment; its own hinges are left out where they pass its centre and do not move it."""
 
-    segments: tuple[Segment, ...]
+    segments: tuple[ChainLink, ...]
 
     @property
     def joints(self) -> tuple[int, ...]:
@@ -54,7 +54,7 @@ class Strand:
 @lru_cache(maxsize=32)
 def strand_to(skeleton: Skeleton, name: str) -> Strand:
     """The strand that carries a segment's centre."""
-    segments: list[Segment] = []
+    segments: list[ChainLink] = []
     at: str | None = name
     while at is not None:
         part = skeleton.segments[skeleton.segment(at)]
@@ -62,6 +62,6 @@ def strand_to(skeleton: Skeleton, name: str) -> Strand:
         hinges = tuple(
             (joint, vector(skeleton.hinges[joint].axis), vector(skeleton.hinges[joint].at)) for joint in joints
         )
-        segments.append(Segment(vector(part.origin_in_parent), hinges))
+        segments.append(ChainLink(vector(part.origin_in_parent), hinges))
         at = part.parent
     return Strand(tuple(reversed(segments)))

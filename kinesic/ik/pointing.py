@@ -15,7 +15,7 @@ from kinesic.ik.arm.linkage import Link, Linkage, linkage_of
 from kinesic.ik.arm.mirror import is_right, mirrored_chain, mirrored_reach
 from kinesic.ik.arm.shoulder_elbow import place_of
 from kinesic.ik.arm.swivel_search import Cell, cell_at, present_swivel
-from kinesic.ik.arm.wrist import Wish, orient
+from kinesic.ik.arm.wrist import HandDirection, orient
 from kinesic.ik.kernel_choice import KERNEL, Kernel
 from kinesic.ik.scalar3 import Rotation, after, dot, rotated, vector
 from kinesic.ik.solve import Solution, solve, wishes_of
@@ -119,7 +119,7 @@ def _edge(linkage: Linkage, at: Callable[[float], Cell], outside: float, inside:
     return found
 
 
-def _errors(link: Link, frame: Rotation, own: Sequence[float], wishes: Sequence[Wish]) -> dict[str, float]:
+def _errors(link: Link, frame: Rotation, own: Sequence[float], wishes: Sequence[HandDirection]) -> dict[str, float]:
     """What each direction is off [rad], with the hand's own angles."""
     for pivot, angle in zip(link.pivots, own, strict=True):
         frame = after(frame, pivot.axis, angle)

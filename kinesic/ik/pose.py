@@ -18,9 +18,9 @@ from kinesic.ik.arm.linkage import Link, Linkage, linkage_of
 from kinesic.ik.arm.mirror import ACROSS, is_right, mirrored_chain
 from kinesic.ik.arm.subproblems import first_of_two, turn_towards
 from kinesic.ik.arm.swivel_search import Cell, cells
-from kinesic.ik.arm.wrist import Wish, orient
+from kinesic.ik.arm.wrist import HandDirection, orient
 from kinesic.ik.box_lm import Box, Errors, descend
-from kinesic.ik.checks import finite
+from kinesic.ik.checks import as_floats
 from kinesic.ik.scalar3 import (
     IDENTITY,
     Rotation,
@@ -72,11 +72,11 @@ def solve_pose(chain: Chain, position: Floats, rotation: Floats, *, start: Float
     Raises:
         ValueError: a shape is wrong, a number is not finite, or the matrix is no rotation.
     """
-    place, frame = finite("position", position, (3,)), _checked(rotation)
+    place, frame = as_floats("position", position, (3,)), _checked(rotation)
     if is_right(chain):
         chain, place = mirrored_chain(chain), place * ACROSS
         frame = ACROSS[:, None] * frame * ACROSS
-    near = np.clip(finite("start", start, chain.rest.shape), chain.lower, chain.upper)
+    near = np.clip(as_floats("start", start, chain.rest.shape), chain.lower, chain.upper)
     return _solved(linkage_of(chain), vector(place), _rotation(frame), tuple(near.tolist()))
 
 
@@ -149,7 +149,7 @@ def _three_turns(link: Link, wanted: Rotation, now: Sequence[float]) -> list[tup
 def _few_turns(link: Link, frame: Rotation, wanted: Rotation, now: Sequence[float]) -> tuple[float, ...]:
     """A wrist without three hinges comes as near as it can."""
     axes: tuple[Vector, Vector] = ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
-    return orient(link, frame, [Wish("axis", axis, rotated(wanted, axis)) for axis in axes], now)
+    return orient(link, frame, [HandDirection("axis", axis, rotated(wanted, axis)) for axis in axes], now)
 
 
 def _errors(linkage: Linkage, target: Vector, wanted: Rotation) -> Errors:
@@ -213,7 +213,7 @@ def _rotation(matrix: Floats) -> Rotation:
 
 
 def _checked(rotation: Floats) -> Floats:
-    matrix = finite("rotation", rotation, (3, 3))
+    matrix = as_floats("rotation", rotation, (3, 3))
     if np.abs(matrix.T @ matrix - np.eye(3)).max() > ORTHONORMAL or np.linalg.det(matrix) < 0.0:
         raise ValueError(
             f"rotation is {matrix.tolist()}; its columns must be perpendicular unit vectors, right-handed "

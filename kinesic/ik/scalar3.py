@@ -3,7 +3,7 @@
 from math import sqrt
 
 from kinesic.body.arrays import Floats
-from kinesic.ik.angles import turn_of
+from kinesic.ik.angles import cosine_sine
 
 Vector = tuple[float, float, float]
 Rotation = tuple[float, float, float, float, float, float, float, float, float]  # row by row
@@ -65,7 +65,7 @@ def across(a: Vector, axis: Vector) -> Vector:
 
 def turned(a: Vector, axis: Vector, angle: float) -> Vector:
     """A vector turned about a unit axis (Rodrigues' formula), angle in [rad]."""
-    c, s = turn_of(angle)
+    c, s = cosine_sine(angle)
     d = dot(axis, a) * (1.0 - c)
     x, y, z = cross(axis, a)
     return a[0] * c + x * s + axis[0] * d, a[1] * c + y * s + axis[1] * d, a[2] * c + z * s + axis[2] * d
@@ -86,7 +86,7 @@ def within(r: Rotation, a: Vector) -> Vector:
 def after(r: Rotation, axis: Vector, angle: float) -> Rotation:
     """The frame that a hinge with a unit axis in frame R makes of it: R about(axis, angle), angle in [rad]."""
     x, y, z = axis
-    c, s = turn_of(angle)
+    c, s = cosine_sine(angle)
     d = 1.0 - c
     xs, ys, zs = x * s, y * s, z * s
     xy, xz, yz = x * y * d, x * z * d, y * z * d

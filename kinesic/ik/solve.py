@@ -19,8 +19,8 @@ from kinesic.ik.arm.linkage import Linkage, linkage_of
 from kinesic.ik.arm.mirror import is_right, mirrored_chain, mirrored_place, mirrored_reach
 from kinesic.ik.arm.multistart import STALLED, approach
 from kinesic.ik.arm.nearest import finish
-from kinesic.ik.arm.shoulder_elbow import Bend, Place, bent, place_of, placed
-from kinesic.ik.arm.wrist import Wish, orient
+from kinesic.ik.arm.shoulder_elbow import Bend, ShoulderPlace, bent, place_of, place_shoulder
+from kinesic.ik.arm.wrist import HandDirection, orient
 from kinesic.ik.kernel_choice import KERNEL, Kernel
 from kinesic.ik.scalar3 import Vector, distance, dot, rotated, unit, vector
 
@@ -102,7 +102,7 @@ def _solved(chain: Chain, reach: Reach, start: Floats, rest: Floats, mobility: F
     linkage = linkage_of(chain)
     near, home = (tuple(np.clip(angles, chain.lower, chain.upper).tolist()) for angles in (start, rest))
     ease = linkage.mobility if mobility is None else mobility.tolist()
-    place = placed(linkage, vector(reach.position), near=near, rest=home)
+    place = place_shoulder(linkage, vector(reach.position), near=near, rest=home)
     bend = _found(linkage, place, near=near, home=home, ease=ease, swivel=reach.swivel)
     solution = _with_wrist(chain, reach, bend.angles, home, place.iterations + bend.iterations, place.target)
     return replace(solution, pulled_in=float(np.abs(start - np.array(near)).max(initial=0.0)))
@@ -140,7 +140,7 @@ def _finished(chain: Chain, reach: Reach, rest: Floats | None, answer: Solution)
 
 def _found(
     linkage: Linkage,
-    place: Place,
+    place: ShoulderPlace,
     *,
     near: Sequence[float],
     home: Sequence[float],
@@ -160,11 +160,11 @@ def _found(
     return Bend(second.angles if second.exact else best.angles, second.exact, iterations + second.iterations)
 
 
-def wishes_of(chain: Chain, reach: Reach) -> list[Wish]:
+def wishes_of(chain: Chain, reach: Reach) -> list[HandDirection]:
     """What the hand's direction and palm should look at."""
     along = unit(vector(chain.joints[-1].bone))
     pairs = (("pointing", along, reach.pointing), ("palm", unit(vector(chain.palm)), reach.palm))
-    return [Wish(name, own, unit(vector(wanted))) for name, own, wanted in pairs if wanted is not None]
+    return [HandDirection(name, own, unit(vector(wanted))) for name, own, wanted in pairs if wanted is not None]
 
 
 def _checked(reach: Reach) -> Reach:

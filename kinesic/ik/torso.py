@@ -53,7 +53,7 @@ class _Arm:
     gap: Callable[[Vector], float]  # [m] from the shoulder that helps most to a place in the base
 
 
-def lean(
+def lean_torso(
     robot: Robot, hands: Mapping[Side, Floats], *, most: float = MOST, kernel: Kernel = KERNEL
 ) -> tuple[float, float, float]:
     """The smallest turn and lean that bring each shoulder near enough to its hand's target.

@@ -131,7 +131,7 @@ class _Specification:
         if place.shape != (3,) or not all(map(isfinite, place)):
             raise ValueError("the target needs three finite numbers in a float64 array")
         asked = vector(mirrored_place(place) if self._right else place)
-        goal, now = softened(self._linkage, asked, self._rest), angles.tolist()
+        goal, now = soften_target(self._linkage, asked, self._rest), angles.tolist()
         origin, error = self._linkage.hand(now) if parts > 1 else goal, (0.0, 0.0, 0.0)
         for part in range(1, parts + 1):
             between = plus(origin, scaled(minus(goal, origin), part / parts))
@@ -140,7 +140,7 @@ class _Specification:
         return norm(plus(minus(asked, goal), error))
 
 
-def softened(linkage: Linkage, target: Vector, rest: Sequence[float]) -> Vector:
+def soften_target(linkage: Linkage, target: Vector, rest: Sequence[float]) -> Vector:
     """A target drawn softly inside the reach.
 
     Beyond s = (1 - SOFT) D its distance d from the shoulder becomes s + w (1 - exp((s - d) / w)), w = SOFT D: equal

@@ -15,7 +15,7 @@ from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.ik.arm.linkage import linkage_of
 from kinesic.ik.box_lm import Box, Descent, Errors, descend
-from kinesic.ik.checks import finite
+from kinesic.ik.checks import as_floats
 from kinesic.ik.hinge_chain import strand_to
 from kinesic.ik.solve import solve
 
@@ -64,8 +64,8 @@ def reach_both(
         raise ValueError(f"hands are {sorted(hands)}; both are needed: l and r (for one hand: solve)")
     if not 0.0 <= torso_weight <= 1.0:
         raise ValueError(f"torso_weight is {torso_weight}; it must be between 0 (stays) and 1 (like an arm)")
-    targets = {side: finite(f"target of hand {side}", hands[side], (3,)) for side in SIDES}
-    present = robot.skeleton.clamp(finite("start", start, robot.skeleton.rest.shape))
+    targets = {side: as_floats(f"target of hand {side}", hands[side], (3,)) for side in SIDES}
+    present = robot.skeleton.clamp(as_floats("start", start, robot.skeleton.rest.shape))
     box = _box(robot, present, torso_weight)
     attempts: list[Descent] = []
     for torso in _torsos(robot, present, torso_weight):

@@ -18,8 +18,8 @@ from kinesic.motion.bspline import grid
 from kinesic.motion.desired import wish
 from kinesic.motion.key_times import Bottleneck, Search
 from kinesic.motion.keys import Bond, KeyPosture, Keys, Pair, Waypoints
-from kinesic.motion.qp import WITHIN, limited, unlimited
-from kinesic.motion.segments import Segment, pieces, segments
+from kinesic.motion.qp import WITHIN, nearest_within_limits, unlimited
+from kinesic.motion.segments import SplineSegment, pieces, segments
 from kinesic.motion.trajectory import STEP, Trajectory
 
 LEAD_IN = 0.6  # [s] by which the motion may begin before it is asked to
@@ -72,12 +72,12 @@ def condition(
     eased = limits.times(ease)
     search = Search(keys, eased, lead_in)
     found = _nearest(search.times, keys, eased, wishes)
-    while isinstance(found, Segment):
+    while isinstance(found, SplineSegment):
         search.avoid(found)
         found = _nearest(search.times, keys, eased, wishes)
     if ease < 1.0:
         nearer = _nearest(search.times, keys, limits, wishes)
-        found = found if isinstance(nearer, Segment) else nearer
+        found = found if isinstance(nearer, SplineSegment) else nearer
     wished, controls = found
     motion = Trajectory(sealed(controls), -float(search.times[0]))
     away = motion.sample(grid(len(wished) - 1, STEP).knots)[0] - wished
@@ -85,7 +85,7 @@ def condition(
     return Conditioned(motion, keys.asked, sealed(search.times), search.met, lost)
 
 
-def _nearest(times: Floats, keys: Keys, limits: Limits, wishes: Wishes) -> tuple[Floats, Floats] | Segment:
+def _nearest(times: Floats, keys: Keys, limits: Limits, wishes: Wishes) -> tuple[Floats, Floats] | SplineSegment:
     """The wish (k + 1, n) [rad] at the knots, and the control points (k + 3, n) [rad] of the motion nearest to it.
 
     Or else the first segment that has none. The farther a wish is from the limits, the earlier its turn.
@@ -100,7 +100,7 @@ def _nearest(times: Floats, keys: Keys, limits: Limits, wishes: Wishes) -> tuple
         if share > WITHIN:
             beyond.append((share, segment))
     for _, segment in sorted(beyond, key=lambda pair: -pair[0]):
-        found = limited(segment, wished[segment.knots, segment.hinge], limits)
+        found = nearest_within_limits(segment, wished[segment.knots, segment.hinge], limits)
         if found is None:
             return segment
         controls[segment.controls, segment.hinge] = found

@@ -18,7 +18,7 @@ import scipy
 
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.easing import OVERSHOOT, PARTS, Easing, softened
+from kinesic.motion.easing import OVERSHOOT, PARTS, Easing, soften_easing
 from kinesic.motion.keys import EASINGS, HOLD, SMOOTHEST, Waypoints
 from kinesic.motion.passage import EVEN, SOFTEST
 
@@ -143,7 +143,7 @@ def _change(easing: Easing, overshoot: float, steepness: float) -> Floats:
     """(3, p) what an easing adds to minimum jerk, its speed and its acceleration."""
     if steepness <= (EVEN if easing == "linear" else SOFTEST):
         easing, steepness = "minimum_jerk", SOFTEST
-    return sealed((softened(easing, steepness, overshoot) - softened("minimum_jerk", SOFTEST))[:, :-1])
+    return sealed((soften_easing(easing, steepness, overshoot) - soften_easing("minimum_jerk", SOFTEST))[:, :-1])
 
 
 def _allowed(states: Floats, limits: Limits) -> bool:
@@ -159,7 +159,7 @@ def _allowed(states: Floats, limits: Limits) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class Wish:
+class DesiredMotion:
     """Angles over performance time; at rest before its start and after its end."""
 
     # Of hinges with the same keys, over performance time, all from 0 to the same end.
@@ -192,7 +192,7 @@ class Wish:
         return values
 
 
-def wish(times: Floats, keys: Waypoints, *, zero: float = 0.0) -> Wish:
+def wish(times: Floats, keys: Waypoints, *, zero: float = 0.0) -> DesiredMotion:
     """Joins the keys of each hinge by quintics that are smooth up to the acceleration.
 
     Speeds at keys are the tangents of a non-uniform Kochanek-Bartels spline, each key with its own tension, continuity
@@ -214,7 +214,7 @@ def wish(times: Floats, keys: Waypoints, *, zero: float = 0.0) -> Wish:
     for hinges in together.values():
         rows = np.flatnonzero(keys.keyed[:, hinges[0]])
         curves[tuple(hinges)] = _curve(times[rows] - times[0], keys.part(rows, np.array(hinges)))
-    return Wish(curves, zero - float(times[0]))
+    return DesiredMotion(curves, zero - float(times[0]))
 
 
 def _curve(times: Floats, keys: Waypoints) -> "scipy.interpolate.PPoly":

@@ -34,7 +34,7 @@ def least_time(distance: ArrayLike, speed: ArrayLike, acceleration: ArrayLike, j
     return np.asarray(np.where(cruises, cruising, np.where(accelerates, accelerating, jerking)))
 
 
-def least_times(turns: Floats, limits: Limits) -> Floats:
+def least_rest_times(turns: Floats, limits: Limits) -> Floats:
     """Shortest times from rest to rest of hinges within all their limits, that of the duty included.
 
     Each is that of a double S within a speed and an acceleration that keep the duty together; the best of several

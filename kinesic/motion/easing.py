@@ -39,7 +39,7 @@ def eased(easing: Easing, shares: Floats, *, steepness: float = 4.0, overshoot: 
         case "out_power":
             return np.asarray(1.0 - (1.0 - x) ** steepness)
         case "out_back":
-            s = swing(overshoot)
+            s = overshoot_shape(overshoot)
             return np.asarray(1.0 + (x - 1.0) ** 2 * ((s + 1.0) * (x - 1.0) + s))
         case "out_bounce":
             arcs = [7.5625 * (x - middle / 2.75) ** 2 + bottom for _, middle, bottom in _BOUNCES]
@@ -47,14 +47,14 @@ def eased(easing: Easing, shares: Floats, *, steepness: float = 4.0, overshoot: 
 
 
 @lru_cache(maxsize=1024)
-def swing(overshoot: float) -> float:
+def overshoot_shape(overshoot: float) -> float:
     """The s of OutBack that overshoots by a share of the way: 4 s^3 / (27 (s + 1)^2) is the overshoot."""
     cubic = np.roots([4.0, -27.0 * overshoot, -54.0 * overshoot, -27.0 * overshoot])
     return float(cubic[np.abs(cubic.imag) < 1e-9].real.max())
 
 
 @lru_cache(maxsize=1024)
-def softened(easing: Easing, steepness: float, overshoot: float = OVERSHOOT) -> Floats:
+def soften_easing(easing: Easing, steepness: float, overshoot: float = OVERSHOOT) -> Floats:
     """(3, PARTS + 1) an easing, its speed and its acceleration at even shares of the time, from rest to rest.
 
     The easing is played in a shorter time and averaged over a window that makes up for it, with the speeds of minimum

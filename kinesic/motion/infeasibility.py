@@ -15,8 +15,8 @@ import scipy
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
 from kinesic.motion.qp import column, numbers, smoothest
-from kinesic.motion.segments import Segment
-from kinesic.motion.trajectory import weights
+from kinesic.motion.segments import SplineSegment
+from kinesic.motion.trajectory import spline_weights
 
 Quantity = Literal["speed", "acceleration", "jerk", "duty"]
 
@@ -39,14 +39,14 @@ class Shortage:
     binding: tuple[Quantity | None, ...]  # (m + 1,) the limit that binds most in each gap
 
 
-def roughly(segment: Segment, limits: Limits) -> float:
+def roughly(segment: SplineSegment, limits: Limits) -> float:
     """Largest share of any limit on the smoothest way through the keys of a segment: a cheap guess."""
     if segment.still:
         return 0.0
     return segment.grid.largest(smoothest(segment), limits, segment.hinge)
 
 
-def shortage(segment: Segment, limits: Limits) -> Shortage | None:
+def shortage(segment: SplineSegment, limits: Limits) -> Shortage | None:
     """How far a segment is from being passable; None when the program cannot be solved."""
     found = _least(segment, limits)
     if found is None:
@@ -70,7 +70,7 @@ class _Least:
     binding: tuple[Quantity | None, ...]
 
 
-def _least(segment: Segment, limits: Limits) -> _Least | None:
+def _least(segment: SplineSegment, limits: Limits) -> _Least | None:
     grid, (matrix, values) = segment.grid, segment.fixed
     rows, count = grid.rows(limits, segment.hinge), grid.pieces
     lower, upper = segment.corridor(limits)
@@ -132,7 +132,7 @@ def _solved(
     return (np.array(told["x"]).ravel(), np.array(told["lam_a"]).ravel()), bool(solver.stats()["success"])
 
 
-def _slopes(segment: Segment, found: _Least) -> Floats:
+def _slopes(segment: SplineSegment, found: _Least) -> Floats:
     """(m + 2,) [1/s] what moving start, keys and end in time changes, from the multipliers of what is fixed.
 
     A key that comes later asks for an angle less by the speed there; a rest that comes later asks for an acceleration
@@ -140,7 +140,7 @@ def _slopes(segment: Segment, found: _Least) -> Floats:
     """
     step, count, places = segment.grid.step, len(segment.places), segment.places
     controls, pulls = found.controls, found.pulls
-    first, shares = weights(places, segment.grid.pieces, 1)
+    first, shares = spline_weights(places, segment.grid.pieces, 1)
     speeds = np.sum((np.diff(controls) / step)[first[:, None] + np.arange(3)] * shares, axis=1)
     slopes = np.array([0.0, *(pulls[:count] * speeds), 0.0])
     start, end, last = pulls[count : count + 3], pulls[count + 3 :], controls[-4:]
@@ -156,7 +156,7 @@ def _beside(binding: tuple[Quantity | None, ...]) -> list[int]:
     return [k for k, (before, after) in enumerate(pairwise(binding)) if before is not None or after is not None]
 
 
-def _difference(segment: Segment, limits: Limits, key: int, amount: float) -> float:
+def _difference(segment: SplineSegment, limits: Limits, key: int, amount: float) -> float:
     """[1/s] what moving a key by a step changes: where corridors bind, which go with their keys, all else is silent."""
     ends = np.array([0.0, *segment.places, float(segment.grid.pieces)])
     step = 1.0 if ends[key + 2] - ends[key + 1] > 3.0 else -1.0

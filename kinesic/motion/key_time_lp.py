@@ -15,14 +15,14 @@ SAME = 1e-7  # [s]
 
 
 @dataclass(frozen=True, eq=False)
-class Cut:
+class CuttingPlane:
     """Times t with slopes @ t > bound are too short for some hinge."""
 
     slopes: Floats  # (m,) [1/s]
     bound: float
 
 
-def relaxed(keys: Keys, gaps: Mapping[Pair, float], lead_in: float, cuts: Sequence[Cut] = ()) -> Floats:
+def relaxed(keys: Keys, gaps: Mapping[Pair, float], lead_in: float, cuts: Sequence[CuttingPlane] = ()) -> Floats:
     """Key times as near to the asked ones as gaps, cuts and bonds allow.
 
     Variables are t (m,), lateness e+ and earliness e- (m,) with t - asked = e+ - e-, and what each bond lacks.

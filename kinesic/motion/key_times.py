@@ -15,11 +15,11 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
-from kinesic.motion.double_s import least_times
+from kinesic.motion.double_s import least_rest_times
 from kinesic.motion.infeasibility import Quantity, Shortage, roughly, shortage
-from kinesic.motion.key_time_lp import Cut, relaxed, strain
+from kinesic.motion.key_time_lp import CuttingPlane, relaxed, strain
 from kinesic.motion.keys import SAME, Keys, Pair
-from kinesic.motion.segments import Segment, segments
+from kinesic.motion.segments import SplineSegment, segments
 from kinesic.motion.trajectory import STEP
 
 Gaps = Mapping[tuple[int, Pair], float]  # hinge, two of its keys -> [s]
@@ -39,7 +39,7 @@ NEAR = 0.02  # share of the time within which a segment is looked at again
 def rest_to_rest(keys: Keys, limits: Limits) -> Gaps:
     """The time in which each hinge can stop at each of its keys: always enough."""
     ways, turns = _turns(keys)
-    every = RESERVE * least_times(turns, limits) + GRID
+    every = RESERVE * least_rest_times(turns, limits) + GRID
     return {way: float(times[way[0]]) for way, times in zip(ways, every, strict=True)}
 
 
@@ -80,14 +80,14 @@ class Search:
         self._keys, self._limits, self._lead_in = keys, limits, lead_in
         self.met: dict[Pair, Bottleneck] = {}  # what was too fast as asked, between which keys
         self._gaps = dict(keys.gaps)
-        self._cuts: dict[int, list[Cut]] = {}  # of each hinge
+        self._cuts: dict[int, list[CuttingPlane]] = {}  # of each hinge
         self._rests: dict[int, float] = {}  # hinge -> by which its rests are longer
         self._shortages: dict[tuple[object, ...], Shortage | None] = {}  # that were looked at
         self._lengthen_to_full_speed()
         spaced = all(keys.asked[j] - keys.asked[i] >= gap - SAME for (i, j), gap in self._gaps.items())
         self.times = keys.asked if spaced else relaxed(keys, self._gaps, lead_in)
 
-    def avoid(self, lost: Segment) -> None:
+    def avoid(self, lost: SplineSegment) -> None:
         """Moves the times because a segment has no motion in them, until all that is known to lack has one.
 
         Raises:
@@ -105,45 +105,45 @@ class Search:
             self._relax({segment.hinge for segment, _ in lacking})
             lacking = self._lacking([segment for segment in self._segments() if self._near(segment)])
 
-    def _lacking(self, pending: list[Segment]) -> list[tuple[Segment, Shortage | None]]:
+    def _lacking(self, pending: list[SplineSegment]) -> list[tuple[SplineSegment, Shortage | None]]:
         """The segments that lack time, and by how much if that is known."""
         found = [(segment, self._shortage(segment)) for segment in pending]
         return [(segment, lack) for segment, lack in found if lack is None or lack.amount > -MARGIN / 4]
 
-    def _shortage(self, segment: Segment) -> Shortage | None:
+    def _shortage(self, segment: SplineSegment) -> Shortage | None:
         """By its keys and their places, which say all about it: many a segment is as it was when others have moved."""
         known = (segment.hinge, segment.marks, segment.grid.pieces, segment.places.tobytes())
         if known not in self._shortages:
             self._shortages[known] = shortage(segment, self._limits)
         return self._shortages[known]
 
-    def _segments(self) -> Iterator[Segment]:
+    def _segments(self) -> Iterator[SplineSegment]:
         return segments(self.times, self._keys, STEP)
 
-    def _suspect(self, segment: Segment, lost: Segment) -> bool:
+    def _suspect(self, segment: SplineSegment, lost: SplineSegment) -> bool:
         return (segment.hinge, segment.first) != (lost.hinge, lost.first) and roughly(segment, self._limits) > ROUGH
 
-    def _near(self, segment: Segment) -> bool:
+    def _near(self, segment: SplineSegment) -> bool:
         """Whether a plane that a hinge has put up is near."""
         return any(cut.slopes @ self.times > cut.bound - NEAR for cut in self._cuts.get(segment.hinge, ()))
 
-    def _cut_off(self, segment: Segment, found: Shortage) -> None:
+    def _cut_off(self, segment: SplineSegment, found: Shortage) -> None:
         """Puts up a plane before times that are too short for a segment, and notes which limit is met."""
         cuts, amount = self._cuts.setdefault(segment.hinge, []), max(found.amount, 0.0) + MARGIN
         if np.abs(found.slopes).max() > FLAT:
             slopes = self._spread(segment, found.slopes)
-            cuts.append(Cut(slopes, float(slopes @ self.times) - amount))
+            cuts.append(CuttingPlane(slopes, float(slopes @ self.times) - amount))
         else:  # at a kink, where no direction is told: the gaps themselves grow
             for k, quantity in enumerate(found.binding):
                 slopes = self._spread(segment, np.eye(len(segment.marks))[k] - np.eye(len(segment.marks))[k + 1])
                 if quantity is not None:
-                    cuts.append(Cut(slopes, float(slopes @ self.times) * float(np.exp(amount))))
+                    cuts.append(CuttingPlane(slopes, float(slopes @ self.times) * float(np.exp(amount))))
         ratio = float(np.exp(found.amount))
         for pair, quantity in zip(segment.pairs, found.binding, strict=True):
             if quantity is not None and pair[0] != pair[1]:
                 self._meet(pair, Bottleneck(segment.hinge, quantity, ratio))
 
-    def _spread(self, segment: Segment, slopes: Floats) -> Floats:
+    def _spread(self, segment: SplineSegment, slopes: Floats) -> Floats:
         """(m,) over all key times, from (m + 2,) over start, keys and end of a segment."""
         spread = np.zeros(len(self.times))
         for marks, slope in zip(segment.marks, slopes, strict=True):

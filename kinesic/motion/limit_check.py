@@ -8,12 +8,12 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.trajectory import STEP, Trajectory, weights
+from kinesic.motion.trajectory import STEP, Trajectory, spline_weights
 
 RATE = 1000  # [Hz]
 CHUNK = 128  # pieces at once, so that the arrays stay in the cache
 INSTANTS = np.linspace(0.0, 1.0, round(RATE * STEP) + 1)  # of every piece, the same as it is uniform
-SHARES = tuple(weights(INSTANTS, 1, order)[1] for order in range(3))  # (s, 4 - order) of the control points
+SHARES = tuple(spline_weights(INSTANTS, 1, order)[1] for order in range(3))  # (s, 4 - order) of the control points
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,13 +12,13 @@ import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
-from kinesic.motion.segments import Segment
+from kinesic.motion.segments import SplineSegment
 
 ITERATIONS = 40  # feasible programs take half as many
 WITHIN = 1.0 + 1e-9  # share of a limit that counts as kept
 
 
-def nearest(segment: Segment, wish: Floats, limits: Limits) -> Floats | None:
+def nearest_motion(segment: SplineSegment, wish: Floats, limits: Limits) -> Floats | None:
     """Control points (k + 3,) [rad] of a segment nearest to a wish.
 
     Args:
@@ -32,22 +32,22 @@ def nearest(segment: Segment, wish: Floats, limits: Limits) -> Floats | None:
     controls = unlimited(segment, wish)
     if segment.grid.largest(controls, limits, segment.hinge) <= WITHIN:
         return controls
-    return limited(segment, wish, limits)
+    return nearest_within_limits(segment, wish, limits)
 
 
-def unlimited(segment: Segment, wish: Floats) -> Floats:
+def unlimited(segment: SplineSegment, wish: Floats) -> Floats:
     """Control points (k + 3,) [rad] nearest to a wish whatever the limits are."""
     if segment.still:
         return np.full(segment.grid.size, segment.start)
     return _through(segment, segment.grid.factor, segment.grid.at_knots.T @ wish)
 
 
-def smoothest(segment: Segment) -> Floats:
+def smoothest(segment: SplineSegment) -> Floats:
     """Control points (k + 3,) [rad] of the way through the keys with the least acceleration and jerk."""
     return _through(segment, segment.grid.calm, np.zeros(segment.grid.size))
 
 
-def _through(segment: Segment, factor: Floats, pulled: Floats) -> Floats:
+def _through(segment: SplineSegment, factor: Floats, pulled: Floats) -> Floats:
     """The optimum of a quadratic form that passes what is fixed."""
     matrix, values = segment.fixed
     solved = scipy.linalg.cho_solve_banded((factor, False), np.hstack([pulled[:, None], matrix.T]))
@@ -55,8 +55,8 @@ def _through(segment: Segment, factor: Floats, pulled: Floats) -> Floats:
     return np.asarray(free + pull @ np.linalg.lstsq(matrix @ pull, values - matrix @ free)[0])
 
 
-def limited(segment: Segment, wish: Floats, limits: Limits) -> Floats | None:
-    """The same as `nearest` where the optimum without limits is known to exceed them."""
+def nearest_within_limits(segment: SplineSegment, wish: Floats, limits: Limits) -> Floats | None:
+    """The same as `nearest_motion` where the optimum without limits is known to exceed them."""
     grid, hinge, (matrix, values) = segment.grid, segment.hinge, segment.fixed
     rows, (lower, upper) = grid.rows(limits, hinge), segment.corridor(limits, wish)
     form, every = numbers(grid.closeness), numbers(_stacked(scipy.sparse.csr_array(matrix), rows))

@@ -11,7 +11,7 @@ from kinesic.body.arrays import Flags, Floats
 from kinesic.body.limits import Limits
 from kinesic.motion.bspline import Grid, grid
 from kinesic.motion.keys import HOLD, Keys, Pair
-from kinesic.motion.trajectory import weights
+from kinesic.motion.trajectory import spline_weights
 
 SWING = 0.1  # of a way, beyond which a hinge may not swing
 LEAST_SWING = 0.05  # [rad] that it may swing in any case
@@ -22,7 +22,7 @@ SAME = 0.02  # steps: a hinge that comes to rest moves by less than 1e-7 rad in 
 
 
 @dataclass(frozen=True, eq=False)
-class Segment:
+class SplineSegment:
     """A hinge through keys, from rest or from a running motion, to rest."""
 
     hinge: int
@@ -102,7 +102,7 @@ class Segment:
 
         A key in the last piece is the rest itself: the control point before the rest is as the rest is.
         """
-        first, shares = weights(self.places, self.grid.pieces)
+        first, shares = spline_weights(self.places, self.grid.pieces)
         if self.rests_early:
             shares[-1] = [1.0, 0.0, 0.0, 0.0]
         count, last = len(first), self.grid.size - 1
@@ -121,7 +121,7 @@ class Segment:
         return matrix[kept], values[kept]
 
 
-def segments(times: Floats, keys: Keys, step: float) -> Iterator[Segment]:
+def segments(times: Floats, keys: Keys, step: float) -> Iterator[SplineSegment]:
     """The segments of all hinges, in order.
 
     Args:
@@ -137,7 +137,7 @@ def segments(times: Floats, keys: Keys, step: float) -> Iterator[Segment]:
         for (begin, before), (end, after) in pairwise(cuts):
             inner = [k for k in range(before + 1, after + 1) if begin + SAME < at[k] < end - SAME]
             around = [own[max(before, 0)], *(own[k] for k in inner), own[min(after + 1, len(own) - 1)]]
-            yield Segment(
+            yield SplineSegment(
                 hinge,
                 begin,
                 grid(end - begin, step),

@@ -12,8 +12,8 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.bspline import grid
 from kinesic.motion.double_s import least_stop
-from kinesic.motion.qp import nearest
-from kinesic.motion.segments import Segment
+from kinesic.motion.qp import nearest_motion
+from kinesic.motion.segments import SplineSegment
 from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.motion.transition import EARLY, LEAST, roomy
 
@@ -23,7 +23,7 @@ def cut(running: Trajectory, time: float) -> int:
     return int(np.clip(np.ceil(time / STEP - EARLY), 0, len(running.controls) - 3))
 
 
-def stopped(running: Trajectory, time: float, limits: Limits) -> Trajectory:
+def stop(running: Trajectory, time: float, limits: Limits) -> Trajectory:
     """Comes to rest in the least time, each hinge wherever it can.
 
     Args:
@@ -52,8 +52,8 @@ def _halt(hinge: int, own: Floats, least: int, limits: Limits) -> Floats:
 
     def way(more: int) -> Floats | None:
         whole = grid(max(LEAST, least) + more, STEP)
-        halt = Segment(hinge, 0, whole, about, about, none, none, (), entry=entry, halts=True)
-        return nearest(halt, np.full(whole.pieces + 1, about), limits)
+        halt = SplineSegment(hinge, 0, whole, about, about, none, none, (), entry=entry, halts=True)
+        return nearest_motion(halt, np.full(whole.pieces + 1, about), limits)
 
     found = _first(way, len(own) - 3 - max(LEAST, least))
     return own if found is None else found[1]

@@ -54,7 +54,7 @@ class Trajectory:
 
     def _values(self, times: Floats, order: int) -> Floats:
         """(m, n) of one derivative."""
-        piece, shares = weights(times / STEP, len(self.controls) - 3, order)
+        piece, shares = spline_weights(times / STEP, len(self.controls) - 3, order)
         points = self._derivatives[order]
         values: Floats = shares[:, :1] * points[piece]
         for k in range(1, shares.shape[1]):
@@ -62,7 +62,9 @@ class Trajectory:
         return values
 
 
-def weights(places: Floats, pieces: int, order: int = 0) -> tuple[np.ndarray[tuple[int], np.dtype[np.intp]], Floats]:
+def spline_weights(
+    places: Floats, pieces: int, order: int = 0
+) -> tuple[np.ndarray[tuple[int], np.dtype[np.intp]], Floats]:
     """By which control points a spline is at some times, and with which shares.
 
     Args:
@@ -87,6 +89,6 @@ def weights(places: Floats, pieces: int, order: int = 0) -> tuple[np.ndarray[tup
     return piece, np.stack(shares, axis=1)
 
 
-def held(angles: Floats, duration: float = 0.1) -> Trajectory:
+def stay(angles: Floats, duration: float = 0.1) -> Trajectory:
     """Staying in one posture, (n,) [rad]."""
     return Trajectory(sealed(np.repeat(angles[None, :], round(duration / STEP) + 3, axis=0)), 0.0)

@@ -9,9 +9,9 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.bspline import grid
-from kinesic.motion.qp import nearest
-from kinesic.motion.segments import Segment
-from kinesic.motion.trajectory import STEP, weights
+from kinesic.motion.qp import nearest_motion
+from kinesic.motion.segments import SplineSegment
+from kinesic.motion.trajectory import STEP, spline_weights
 
 LEAST = 3  # pieces in which three control points give way to three others
 ROOM = 1.0008  # on limits: where a motion is at one, there may be just one way on, and none is found
@@ -63,7 +63,7 @@ def crossed(
     if pieces < LEAST:
         return None
     whole = grid(pieces, STEP)
-    way = Segment(
+    way = SplineSegment(
         hinge,
         leave,
         whole,
@@ -76,7 +76,7 @@ def crossed(
         exit=tuple(map(float, end)),
     )
     wish = whole.at_knots @ after[leave : land + 3] + _fading(begin - after[leave : leave + 3], pieces)
-    found = nearest(way, wish, limits)
+    found = nearest_motion(way, wish, limits)
     return None if found is None else np.concatenate([own[: leave + 3], found[3:-3], after[land:]])
 
 
@@ -125,7 +125,7 @@ def _beyond(wish: Floats, first: int, last: int, limits: Limits, hinge: int) -> 
 def _between(wish: Floats, first: int, last: int, limits: Limits, hinge: int) -> Floats | None:
     """Control points within the limits that are the same as the wish before a knot and after another."""
     whole, part = grid(last - first, STEP), wish[first : last + LEAST]
-    way = Segment(
+    way = SplineSegment(
         hinge,
         first,
         whole,
@@ -137,7 +137,7 @@ def _between(wish: Floats, first: int, last: int, limits: Limits, hinge: int) ->
         entry=tuple(map(float, part[:LEAST])),
         exit=tuple(map(float, part[-LEAST:])),
     )
-    found = nearest(way, whole.at_knots @ part, limits)
+    found = nearest_motion(way, whole.at_knots @ part, limits)
     return None if found is None else np.concatenate([wish[: first + LEAST], found[LEAST:-LEAST], wish[last:]])
 
 
@@ -148,20 +148,20 @@ def excesses(controls: Floats, limits: Limits) -> Floats:
     return np.array([whole.largest(np.ascontiguousarray(column), limits, hinge) for hinge, column in columns])
 
 
-def placed(controls: Floats, offset: int) -> Floats:
+def delay_controls(controls: Floats, offset: int) -> Floats:
     """Control points (k + 3, n) of a motion that begins so many knots later; earlier, where that is negative."""
     if offset < 0:
         return controls[min(-offset, len(controls) - 3) :]
     return np.vstack([np.repeat(controls[:1], offset, axis=0), controls])
 
 
-def lengthened(controls: Floats, count: int) -> Floats:
+def lengthen(controls: Floats, count: int) -> Floats:
     """Control points (m, n) that stay as they end, at least so many."""
     more = count - len(controls)
     return controls if more <= 0 else np.vstack([controls, np.repeat(controls[-1:], more, axis=0)])
 
 
-def shortened(controls: Floats) -> Floats:
+def shorten(controls: Floats) -> Floats:
     """Control points (m, n) without what only stays as it ends."""
     moving = np.flatnonzero((np.abs(controls - controls[-1]) > SAME).any(axis=1))
     return controls[: max(int(moving[-1]) + 1 if len(moving) else 0, 1) + LEAST]
@@ -169,7 +169,7 @@ def shortened(controls: Floats) -> Floats:
 
 def _angles(column: Floats, places: Floats) -> Floats:
     """(m,) [rad] of a motion (k + 3,) at places in steps."""
-    first, shares = weights(places, len(column) - 3)
+    first, shares = spline_weights(places, len(column) - 3)
     return np.asarray((shares * column[first[:, None] + np.arange(4)]).sum(axis=1))
 
 

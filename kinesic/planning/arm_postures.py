@@ -12,7 +12,7 @@ from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.keyframes import Hand
 from kinesic.ik.arm.refine import finished
-from kinesic.ik.arm.shoulder import carried
+from kinesic.ik.arm.shoulder import carry_shoulder
 from kinesic.ik.arm.swivel import swivel
 from kinesic.ik.pointing import best_swivel
 from kinesic.ik.solve import solve
@@ -52,9 +52,9 @@ def with_arms(
             solved[joints] = robot.skeleton.rest[joints]
             continue
         base, indices = robot.skeleton.segment(chain.base), list(chain.indices)
-        in_base = turned(reach, frames.rotations[base].T, frames.origins[base], np.zeros(3))
+        in_base = turn_reach(reach, frames.rotations[base].T, frames.origins[base], np.zeros(3))
         start = angles[indices]
-        rest = carried(chain, in_base.position, hand.effort)
+        rest = carry_shoulder(chain, in_base.position, hand.effort)
         if hand.passing:
             began = angles.copy()
             began[indices] = start = before.get(side, start)
@@ -71,7 +71,7 @@ def with_arms(
     return solved
 
 
-def turned(reach: Reach, rotation: Floats, pivot: Floats, moved: Floats, scale: float = 1.0) -> Reach:
+def turn_reach(reach: Reach, rotation: Floats, pivot: Floats, moved: Floats, scale: float = 1.0) -> Reach:
     """A reach turned and scaled about a pivot, which itself moves."""
     return Reach(
         sealed(moved + scale * (rotation @ (reach.position - pivot))),

@@ -72,7 +72,7 @@ _AXES: Mapping[str, tuple[float, float, float]] = {
 
 
 @dataclass(frozen=True, eq=False)
-class Frames:
+class BapFrames:
     """A motion as a BAP file has it, for the hinges of one robot."""
 
     times: Floats  # (m,) [s] from the start of the file's clock
@@ -115,7 +115,7 @@ def write_bap(trajectory: Trajectory, robot: Robot, path: Path) -> None:
     path.write_text("\n".join(lines) + "\n", encoding="ascii")
 
 
-def read_bap(path: Path, robot: Robot) -> Frames:
+def read_bap(path: Path, robot: Robot) -> BapFrames:
     """Reads a motion, as far as the robot has the hinges for it.
 
     Angles are those of the file, exactly. A parameter that no frame has set yet is at rest.
@@ -141,7 +141,7 @@ def read_bap(path: Path, robot: Robot) -> Frames:
     if len(rows) < max(1, count):
         raise ConfigError(f"{path}:{len(lines)}: ends after {len(rows)} of {max(1, count)} frames")
     given = tuple(robot.skeleton.names[columns[number].hinge] for number in sorted(seen & columns.keys()))
-    return Frames(sealed(times), sealed(rows), given, tuple(sorted(seen - columns.keys())))
+    return BapFrames(sealed(times), sealed(rows), given, tuple(sorted(seen - columns.keys())))
 
 
 def _name(path: Path) -> str:

@@ -10,7 +10,7 @@ from kinesic.body.arrays import Floats
 from kinesic.motion.condition import LEAD_IN, Conditioned, condition
 from kinesic.motion.keys import Bond, KeyPosture
 from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 
 FULL = 0.995  # of the duty, at the knots: in between it may be a little more
 TIGHTER = 0.93  # on the row of a drive above its full duty, beside what it exceeds
@@ -19,7 +19,7 @@ ATTEMPTS = 6
 
 def certified(
     keys: tuple[KeyPosture, ...],
-    facts: Facts,
+    facts: Setup,
     bonds: tuple[Bond, ...] = (),
     *,
     ease: float = 1.0,
@@ -48,7 +48,7 @@ def certified(
     return motion
 
 
-def duties(trajectory: Trajectory, facts: Facts) -> Floats:
+def duties(trajectory: Trajectory, facts: Setup) -> Floats:
     """(n,) the largest duty of each drive at the knots of a motion."""
     angles, speeds, accelerations = trajectory.sample(np.arange(0.0, trajectory.duration, STEP))
     stall = np.array([drive.stall for drive in facts.robot.drives])

@@ -11,11 +11,11 @@ from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.condition import Conditioned
 from kinesic.motion.key_time_lp import relaxed
 from kinesic.motion.keys import Bond, KeyPosture, Keys
-from kinesic.motion.trajectory import Trajectory, held
+from kinesic.motion.trajectory import Trajectory, stay
 from kinesic.planning.certify import certified
-from kinesic.planning.detour import SCAN_RATE, Course, led_around
+from kinesic.planning.detour import SCAN_RATE, PostureCourse, led_around
 from kinesic.planning.postures import Postures
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import on_keys
 
 
@@ -23,7 +23,7 @@ class Conditioner(Protocol):
     """Makes a motion through keys one that the servos can follow."""
 
     def __call__(
-        self, keys: tuple[KeyPosture, ...], facts: Facts, bonds: tuple[Bond, ...] = ..., /, *, ease: float = ...
+        self, keys: tuple[KeyPosture, ...], facts: Setup, bonds: tuple[Bond, ...] = ..., /, *, ease: float = ...
     ) -> Conditioned:
         """At `ease` below 1 the times are found with less than the limits, so that the path is nearer to the wish."""
 
@@ -35,7 +35,7 @@ REPAIR = 0.002  # [m] over what it then lacks
 
 
 def cleared(
-    solved: Postures, facts: Facts, bonds: tuple[Bond, ...] = (), *, conditioned: Conditioner = certified
+    solved: Postures, facts: Setup, bonds: tuple[Bond, ...] = (), *, conditioned: Conditioner = certified
 ) -> tuple[Postures, Conditioned, Floats, Clearance]:
     """Conditions the postures, and leads the motion around the body where it comes too near.
 
@@ -46,7 +46,7 @@ def cleared(
     least = wanted = facts.robot.least_clearance + LAG_RESERVE
     keys = _led_around(solved.postures, _times(solved.postures, facts), facts, wanted)
     motion = _condition(keys, facts, bonds, conditioned, ease)
-    times, clearance = scan(motion.trajectory, facts.distances)
+    times, clearance = scan_clearance(motion.trajectory, facts.distances)
     for _ in range(REPAIRS):
         lacking = least - float(clearance.distances[clearance.worst])
         if lacking <= 0.0:
@@ -58,24 +58,24 @@ def cleared(
             around = _led_around(keys, motion.planned, facts, wanted)
         keys = around
         motion = _condition(keys, facts, bonds, conditioned, ease)
-        times, clearance = scan(motion.trajectory, facts.distances)
+        times, clearance = scan_clearance(motion.trajectory, facts.distances)
     return Postures(keys, solved.misses), motion, times, clearance
 
 
-def scan(trajectory: Trajectory, distances: Distances) -> tuple[Floats, Clearance]:
+def scan_clearance(trajectory: Trajectory, distances: Distances) -> tuple[Floats, Clearance]:
     """Performance times (m,) and the clearance at them."""
     times = np.append(np.arange(0.0, trajectory.duration, 1.0 / SCAN_RATE), trajectory.duration)
     return times, distances.clearance(trajectory.sample(times)[0])
 
 
-def _led_around(keys: tuple[KeyPosture, ...], planned: Floats, facts: Facts, least: float) -> tuple[KeyPosture, ...]:
+def _led_around(keys: tuple[KeyPosture, ...], planned: Floats, facts: Setup, least: float) -> tuple[KeyPosture, ...]:
     if len(keys) < 2:
         return keys
-    course = Course(keys, planned, facts.robot, facts.limits)
+    course = PostureCourse(keys, planned, facts.robot, facts.limits)
     return led_around(course, facts.distances, least=least).postures
 
 
-def _times(postures: tuple[KeyPosture, ...], facts: Facts) -> Floats:
+def _times(postures: tuple[KeyPosture, ...], facts: Setup) -> Floats:
     """(k,) [s] the times of the keys as asked for, where none is too near to another."""
     if len(postures) < 2:
         return np.zeros(len(postures))
@@ -84,10 +84,10 @@ def _times(postures: tuple[KeyPosture, ...], facts: Facts) -> Floats:
 
 
 def _condition(
-    keys: tuple[KeyPosture, ...], facts: Facts, bonds: tuple[Bond, ...], conditioned: Conditioner, ease: float
+    keys: tuple[KeyPosture, ...], facts: Setup, bonds: tuple[Bond, ...], conditioned: Conditioner, ease: float
 ) -> Conditioned:
     if len(keys) < 2:
-        still = held(facts.robot.skeleton.rest)
+        still = stay(facts.robot.skeleton.rest)
         return Conditioned(still, np.zeros(0), np.zeros(0), {}, np.zeros(len(facts.robot.skeleton.rest)))
     return conditioned(keys, facts, bonds, ease=ease)
 

@@ -27,7 +27,7 @@ NEAR_ENOUGH = 0.12  # [m] a hand that is farther from what it touches stays wher
 OTHER: Mapping[Side, Side] = {"l": "r", "r": "l"}
 
 
-def apart(
+def separate(
     angles: Floats,
     joints: Sequence[int],
     robot: Robot,
@@ -133,9 +133,9 @@ def clear_hands(angles: Floats, hands: Mapping[Side, Hand], robot: Robot, distan
     touching = sorted(pair for pair in asked if pair is not None and gaps[pair] <= NEAR_ENOUGH)
     if gaps.min(initial=HOVER) >= HOVER and not touching:
         return angles
-    found = apart(angles, joints, robot, distances, least=HOVER, touching=touching)
+    found = separate(angles, joints, robot, distances, least=HOVER, touching=touching)
     if found is None and touching:
-        found = apart(angles, joints, robot, distances, least=HOVER)
+        found = separate(angles, joints, robot, distances, least=HOVER)
     return angles if found is None else found
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from kinesic.bml.block import Order, SyncRef, Timeline
+from kinesic.bml.block import Precedence, SyncRef, Timeline
 from kinesic.bml.timing.constraints import point_of, ties
 from kinesic.motion.keys import Bond, Sync
 
@@ -16,7 +16,7 @@ def bonds(timeline: Timeline) -> tuple[Bond, ...]:
     known = {(timed.behaviour.id, sync): time for timed in timeline.timed for sync, time in timed.times.items()}
     found = [bond for tie in ties(block) for bond in _coincide(tie.left, tie.right)]
     for constraint in block.constraints:
-        if isinstance(constraint, Order):
+        if isinstance(constraint, Precedence):
             found += [_after(constraint.earlier, later) for later in constraint.later]
     return tuple(
         bond

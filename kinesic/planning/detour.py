@@ -10,9 +10,9 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.dynamics import Distances
 from kinesic.body.limits import Limits
 from kinesic.body.robot import SIDES, Robot
-from kinesic.motion.desired import Wish, wish
+from kinesic.motion.desired import DesiredMotion, wish
 from kinesic.motion.keys import KeyPosture, Waypoints
-from kinesic.planning.collision import apart
+from kinesic.planning.collision import separate
 
 Arm = tuple[int, ...]  # joints of an arm
 
@@ -27,7 +27,7 @@ GAIN = 0.98  # of what is lacking: a change that leaves more is none
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
+class PostureCourse:
     """Key postures, when they are planned, and the wished motion through them."""
 
     postures: tuple[KeyPosture, ...]  # in the order of their times
@@ -36,7 +36,7 @@ class Course:
     limits: Limits
 
     @cached_property
-    def motion(self) -> Wish:
+    def motion(self) -> DesiredMotion:
         """Through the keys; performance time begins with the first."""
         return wish(self.planned, Waypoints.of(self.postures, self.limits))
 
@@ -51,7 +51,7 @@ class Course:
         nearest = min(keys, key=lambda k: abs(self.planned[k] - time))
         return nearest if abs(self.planned[nearest] - time) < LEAST_STEP else None
 
-    def moved(self, key: int, angles: Floats, arm: Arm) -> "Course":
+    def moved(self, key: int, angles: Floats, arm: Arm) -> "PostureCourse":
         """With another posture of an arm at a key, and wherever else the arm is in the same one: holds stay holds."""
         joints, old = list(arm), self.postures[key].angles[list(arm)]
         there = np.zeros(len(angles), dtype=bool)
@@ -74,7 +74,7 @@ class Course:
             found[keys] = (*found.get(keys, ()), *arm)
         return list(found.values())
 
-    def extended(self, time: float, angles: Floats, arm: Arm) -> "Course":
+    def extended(self, time: float, angles: Floats, arm: Arm) -> "PostureCourse":
         """With one more key at a block time, for the hinges of an arm, or of two that have the same keys."""
         own = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]
         asked = float(np.interp(time, self.planned[own], [self.postures[k].time for k in own]))
@@ -89,7 +89,7 @@ class Course:
         )
 
 
-def led_around(course: Course, distances: Distances, *, least: float) -> Course:
+def led_around(course: PostureCourse, distances: Distances, *, least: float) -> PostureCourse:
     """The course with changes wherever its motion comes too near to the body.
 
     One stretch after the other: of several changes the one is taken that leaves least to be done. An arm that has no
@@ -124,7 +124,7 @@ def led_around(course: Course, distances: Distances, *, least: float) -> Course:
     return course
 
 
-def _lacking(course: Course, distances: Distances, least: float) -> Floats:
+def _lacking(course: PostureCourse, distances: Distances, least: float) -> Floats:
     """(m,) [m] by which a motion comes too near, sample by sample."""
     times = np.arange(0.0, course.motion.duration, 1.0 / SCAN_RATE)
     return np.maximum(least - distances.clearance(course.motion.angles(times)).distances, 0.0)
@@ -136,7 +136,7 @@ def _closest(lacking: Floats) -> Iterator[int]:
     return (int(s[lacking[s].argmax()]) for s in stretches if lacking[s].max(initial=0.0) > 0)
 
 
-def _changes(course: Course, time: float, distances: Distances, least: float) -> Iterator[Course]:
+def _changes(course: PostureCourse, time: float, distances: Distances, least: float) -> Iterator[PostureCourse]:
     """Ways to change the motion at a block time where it comes too near."""
     gaps = distances.gaps(course.at(time)[None])[0]
     close = {segment for k in np.flatnonzero(gaps < least) for segment in course.robot.counted_pairs[k]}
@@ -149,13 +149,15 @@ def _changes(course: Course, time: float, distances: Distances, least: float) ->
         yield from _with_a_key_away(course, key, arms, distances, least)
 
 
-def _with_a_key(course: Course, time: float, arms: list[Arm], distances: Distances, least: float) -> Iterator[Course]:
+def _with_a_key(
+    course: PostureCourse, time: float, arms: list[Arm], distances: Distances, least: float
+) -> Iterator[PostureCourse]:
     """With one more key for some arms: clear, and near to where they are or a part of the way to rest."""
     angles, joints = course.at(time), _joined(arms)
     for share in WITHDRAWALS:
         start = angles.copy()
         start[joints] += share * (course.robot.skeleton.rest[joints] - angles[joints])
-        clear = apart(start, joints, course.robot, distances, least=least, room=least + ROOM)
+        clear = separate(start, joints, course.robot, distances, least=least, room=least + ROOM)
         if clear is not None:
             change = course
             for together in course.keyed_alike(arms):
@@ -163,14 +165,16 @@ def _with_a_key(course: Course, time: float, arms: list[Arm], distances: Distanc
             yield change
 
 
-def _with_a_key_away(course: Course, key: int, arms: list[Arm], distances: Distances, least: float) -> Iterator[Course]:
+def _with_a_key_away(
+    course: PostureCourse, key: int, arms: list[Arm], distances: Distances, least: float
+) -> Iterator[PostureCourse]:
     """With those of some arms farther away that have a key; rest stays rest."""
     posture, angles = course.postures[key], course.at(float(course.planned[key]))
     rest = course.robot.skeleton.rest
     keyed = [arm for arm in arms if posture.keyed[arm[0]] and np.any(posture.angles[list(arm)] != rest[list(arm)])]
     gap = float(distances.gaps(angles[None])[0].min())
     for more in AWAY if keyed else ():
-        clear = apart(angles, _joined(keyed), course.robot, distances, least=max(gap, least) + more)
+        clear = separate(angles, _joined(keyed), course.robot, distances, least=max(gap, least) + more)
         if clear is not None:
             change = course
             for arm in keyed:

@@ -5,19 +5,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from kinesic.bml.block import Face, Gaze, Speech, Timed, Timeline
+from kinesic.bml.block import Face, Gaze, Speech, TimedBehaviour, Timeline
 from kinesic.bml.timing.constraints import point_of, ties
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import Command
 from kinesic.expressivity.face.eyes import Habits
 from kinesic.expressivity.face.gaze import headings, looks
-from kinesic.expressivity.face.tracks import Channels, face, told
+from kinesic.expressivity.face.tracks import Channels, face_at_ticks, face_track
 from kinesic.planning.plan import Plan
 
 Shift = Mapping[tuple[str, str], float]  # behaviour and sync point -> [s] later than asked
 
 
-def faced(plan: Plan, times: Floats) -> Iterator[Command]:
+def commands_with_face(plan: Plan, times: Floats) -> Iterator[Command]:
     """The reference with its face, for sinks that draw: one command at each of (m,) performance times [s]."""
     angles, speeds, accelerations = (sealed(values) for values in plan.trajectory.sample(times))
     for row in zip(times.tolist(), angles, speeds, accelerations, angles, faces(plan, times), strict=True):
@@ -33,7 +33,7 @@ def asks_face(plan: Plan) -> bool:
 
 def faces(plan: Plan, times: Floats) -> tuple[Mapping[str, float], ...]:
     """What `Command.face` holds at each of (m,) performance times [s]."""
-    return tuple(told(shown(plan, times), len(times)))
+    return tuple(face_at_ticks(shown(plan, times), len(times)))
 
 
 def shown(plan: Plan, times: Floats) -> Channels:
@@ -47,7 +47,7 @@ def shown(plan: Plan, times: Floats) -> Channels:
         times: (m,) [s] performance time, increasing.
     """
     facts, timeline = plan.facts, _planned(plan)
-    return face(
+    return face_track(
         timeline,
         plan.utterances,
         times - plan.trajectory.zero,
@@ -81,11 +81,11 @@ def _planned(plan: Plan) -> Timeline:
     return replace(timeline, timed=tuple(_later(timed, own if _is_face(timed) else shifts) for timed in kept))
 
 
-def _is_face(timed: Timed) -> bool:
+def _is_face(timed: TimedBehaviour) -> bool:
     return isinstance(timed.behaviour.action, Face)
 
 
-def _later(timed: Timed, shifts: Shift) -> Timed:
+def _later(timed: TimedBehaviour, shifts: Shift) -> TimedBehaviour:
     """The behaviour with its sync points moved, none of them before an earlier one."""
     moved = [time + shifts.get((timed.behaviour.id, sync), 0.0) for sync, time in timed.times.items()]
     return replace(timed, times=dict(zip(timed.times, np.maximum.accumulate(moved).tolist(), strict=True)))

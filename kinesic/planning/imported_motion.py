@@ -13,13 +13,13 @@ from kinesic.body.config import ConfigError
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.condition import Conditioned
 from kinesic.motion.desired import wish
-from kinesic.motion.double_s import least_times
+from kinesic.motion.double_s import least_rest_times
 from kinesic.motion.keys import KeyPosture, Keys
-from kinesic.planning.bap import Frames
+from kinesic.planning.bap import BapFrames
 from kinesic.planning.clearance import cleared
 from kinesic.planning.plan import Plan
 from kinesic.planning.postures import Postures
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN
 
 EVERY = 0.1  # [s] between keys: a motion that servos can follow is then met within about a degree
@@ -30,7 +30,7 @@ LEAST = 0.3  # [s] of these
 BEYOND = 1e-4  # [rad] outside a range, and it is worth telling
 
 
-def imported(frames: Frames, facts: Facts, *, source: str) -> Plan:
+def imported(frames: BapFrames, facts: Setup, *, source: str) -> Plan:
     """Plans a motion that was read from a file: from rest to its first frame, through it, and back to rest.
 
     Block time is the file's. The motion is passed at keys, every 0.1 s and where a hinge turns back, and smoothly
@@ -68,7 +68,7 @@ def imported(frames: Frames, facts: Facts, *, source: str) -> Plan:
     )
 
 
-def _keys(frames: Frames, facts: Facts) -> tuple[KeyPosture, ...]:
+def _keys(frames: BapFrames, facts: Setup) -> tuple[KeyPosture, ...]:
     """Rest, samples of the motion, and rest again.
 
     Each hinge has keys where it turns back, and evenly elsewhere.
@@ -104,23 +104,23 @@ def _keyed(times: Floats, even: Floats, turns: Floats) -> Flags:
     return keyed
 
 
-def _at(frames: Frames, times: Floats) -> Floats:
+def _at(frames: BapFrames, times: Floats) -> Floats:
     """(m, n) [rad] the motion at (m,) times, straight between its frames."""
     return np.stack([np.interp(times, frames.times, column) for column in frames.angles.T], axis=1)
 
 
-def _way(facts: Facts, start: Floats, end: Floats) -> float:
+def _way(facts: Setup, start: Floats, end: Floats) -> float:
     """[s] from one posture to another, at ease."""
-    return max(LEAST, COMFORT * float(least_times(end - start, facts.limits).max()))
+    return max(LEAST, COMFORT * float(least_rest_times(end - start, facts.limits).max()))
 
 
-def _left_out(frames: Frames) -> Sequence[Notice]:
+def _left_out(frames: BapFrames) -> Sequence[Notice]:
     """A notice where the motion moves more than the robot has."""
     numbers = ", ".join(str(number) for number in frames.strangers)
     return [_notice(f"the robot has no hinge for the parameters {numbers}")] if numbers else []
 
 
-def _clipped(frames: Frames, facts: Facts) -> Sequence[Notice]:
+def _clipped(frames: BapFrames, facts: Setup) -> Sequence[Notice]:
     """A notice for each hinge that the motion wants beyond its range."""
     skeleton = facts.robot.skeleton
     beyond = np.abs(frames.angles - skeleton.clamp(frames.angles)).max(axis=0)

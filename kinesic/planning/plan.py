@@ -16,16 +16,16 @@ from kinesic.expressivity.hands.coarticulation import Engaged
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.expressivity.realise import keyframes
 from kinesic.motion.condition import Conditioned
-from kinesic.motion.desired import Wish, wish
+from kinesic.motion.desired import DesiredMotion, wish
 from kinesic.motion.keys import Keys, Waypoints
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.certify import certified
 from kinesic.planning.clearance import Conditioner, cleared, culprits
 from kinesic.planning.coupling import bonds
 from kinesic.planning.postures import Postures, postures
-from kinesic.planning.setup import Facts
-from kinesic.planning.speech import remarks, spoken
-from kinesic.planning.speech_pauses import Waiting, allowed, lateness, lengthened, wanted
+from kinesic.planning.setup import Setup
+from kinesic.planning.speech import remarks, synthesise_block
+from kinesic.planning.speech_pauses import SpeechPause, allowed, lengthen_pauses, mark_delays, required_pauses
 from kinesic.planning.speech_pauses import notices as pause_notices
 from kinesic.planning.syncs import SyncTime, shifts, smaller, sync_times
 
@@ -38,12 +38,12 @@ ATTEMPTS = 3  # to say it with pauses that are as long as they must be
 class Plan:
     """Everything that is known before anything moves."""
 
-    facts: Facts
+    facts: Setup
     timeline: Timeline
     utterances: Mapping[str, Utterance]
     keyframes: KeyFrames
     postures: Postures
-    wished: Wish
+    wished: DesiredMotion
     motion: Conditioned
     clearance: Clearance  # of the reference, at 100 Hz
     clearance_times: Floats  # (m,) [s] performance time
@@ -62,9 +62,9 @@ class Plan:
         return max(self.trajectory.duration, self.trajectory.zero + self.timeline.end)
 
 
-def plan(
+def plan_block(
     block: Block,
-    facts: Facts,
+    facts: Setup,
     *,
     conditioned: Conditioner = certified,
     utterances: Mapping[str, Utterance] | None = None,
@@ -87,8 +87,8 @@ def plan(
         BmlError: something `required` cannot be performed.
     """
     began = perf_counter()
-    found = _planned(block, facts, utterances or spoken(block, facts), conditioned, engaged)
-    waiting: tuple[Waiting, ...] = ()
+    found = _planned(block, facts, utterances or synthesise_block(block, facts), conditioned, engaged)
+    waiting: tuple[SpeechPause, ...] = ()
     if utterances is None and (most := allowed(block, facts.pause)):
         found, waiting = _unhurried(found, most, conditioned, engaged)
     notices = (*remarks(block, found.utterances), *pause_notices(block, waiting), *found.notices)
@@ -97,15 +97,15 @@ def plan(
 
 def _unhurried(
     found: Plan, most: Mapping[str, float], conditioned: Conditioner, engaged: Sequence[Engaged]
-) -> tuple[Plan, tuple[Waiting, ...]]:
+) -> tuple[Plan, tuple[SpeechPause, ...]]:
     """A plan with pauses before the words that the body would miss, as long as that makes it better."""
     block, facts = found.timeline.block, found.facts
-    waiting: tuple[Waiting, ...] = ()
+    waiting: tuple[SpeechPause, ...] = ()
     for _ in range(ROUNDS):
-        more, said = wanted(found.timeline, found.syncs, most, waiting), found.utterances
+        more, said = required_pauses(found.timeline, found.syncs, most, waiting), found.utterances
         for _ in range(ATTEMPTS):
-            more = lengthened(more, said)
-            said = spoken(block, facts, more)
+            more = lengthen_pauses(more, said)
+            said = synthesise_block(block, facts, more)
         if more == waiting:
             break
         better = _planned(block, facts, said, conditioned, engaged)
@@ -117,12 +117,12 @@ def _unhurried(
 
 def _worst(planned: Plan) -> float:
     """[s] by which the body misses a word at worst."""
-    return max((abs(late) for late, _ in lateness(planned.timeline, planned.syncs).values()), default=0.0)
+    return max((abs(late) for late, _ in mark_delays(planned.timeline, planned.syncs).values()), default=0.0)
 
 
 def _planned(
     block: Block,
-    facts: Facts,
+    facts: Setup,
     utterances: Mapping[str, Utterance],
     conditioned: Conditioner,
     engaged: Sequence[Engaged],
@@ -160,7 +160,7 @@ def _planned(
     )
 
 
-def _frames(timeline: Timeline, facts: Facts, without: Mapping[str, str], engaged: Sequence[Engaged]) -> KeyFrames:
+def _frames(timeline: Timeline, facts: Setup, without: Mapping[str, str], engaged: Sequence[Engaged]) -> KeyFrames:
     return keyframes(
         timeline,
         style=facts.style,
@@ -174,7 +174,7 @@ def _frames(timeline: Timeline, facts: Facts, without: Mapping[str, str], engage
     )
 
 
-def _wished(asked: Postures, facts: Facts) -> Wish:
+def _wished(asked: Postures, facts: Setup) -> DesiredMotion:
     """The motion as asked: without limits and detours."""
     rest = facts.robot.skeleton.rest
     if len(asked.postures) < 2:

@@ -12,12 +12,12 @@ from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.keyframes import Hand, KeyFrame, KeyFrames, PartName
 from kinesic.expressivity.turns import axes
-from kinesic.ik.torso import lean
+from kinesic.ik.torso import lean_torso
 from kinesic.motion.keys import LEAST_GAP, KeyPosture
 from kinesic.motion.passage import PLAIN, Passage
-from kinesic.planning.arm_postures import turned, with_arms
+from kinesic.planning.arm_postures import turn_reach, with_arms
 from kinesic.planning.collision import clear_hands
-from kinesic.planning.torso import set_turn, turn_of, volume
+from kinesic.planning.torso import set_turn, torso_turn, volume
 
 PARTS: Mapping[PartName, str] = {"torso": "torso", "l_hand": "l_arm", "r_hand": "r_arm", "head": "neck"}
 
@@ -98,7 +98,7 @@ def _lean(frame: KeyFrame, robot: Robot) -> Floats:
         for side, hand in frame.hands.items()
         if hand.reach is not None and hand.aim is None and f"{side}_hand" in frame.told
     }
-    return np.array(lean(robot, targets)) if targets else np.zeros(3)
+    return np.array(lean_torso(robot, targets)) if targets else np.zeros(3)
 
 
 def _same_hand(hand: Hand, before: Hand) -> bool:
@@ -152,7 +152,7 @@ def _set_torso(angles: Floats, frame: KeyFrame, lean_angles: Floats, robot: Robo
     """Torso from its key plus the lean; the neck turns back, so that the head stays level (thesis 8.6)."""
     torso = np.array(axes(frame.torso)) + lean_angles
     set_turn(robot, "torso", torso, angles)
-    set_turn(robot, "neck", np.array(axes(frame.head)) - turn_of(robot, "torso", angles), angles)
+    set_turn(robot, "neck", np.array(axes(frame.head)) - torso_turn(robot, "torso", angles), angles)
 
 
 def _in_world(hand: Hand, side: Side, frame: KeyFrame, angles: Floats, robot: Robot) -> Reach | None:
@@ -164,12 +164,12 @@ def _in_world(hand: Hand, side: Side, frame: KeyFrame, angles: Floats, robot: Ro
     if hand.reach is None:
         return None
     if hand.aim is not None:
-        return aimed(hand.reach, hand.aim, side, angles, robot)
+        return aim_from_shoulder(hand.reach, hand.aim, side, angles, robot)
     box = volume(robot, frame.torso)
     return hand.reach if box is None else box.placed(hand.reach)
 
 
-def aimed(reach: Reach, aim: Floats, side: Side, angles: Floats, robot: Robot) -> Reach:
+def aim_from_shoulder(reach: Reach, aim: Floats, side: Side, angles: Floats, robot: Robot) -> Reach:
     """The same reach seen from the shoulder as it is: turned so that what pointed at the aim still does.
 
     Args:
@@ -185,7 +185,7 @@ def aimed(reach: Reach, aim: Floats, side: Side, angles: Floats, robot: Robot) -
     rotation = scipy.spatial.transform.Rotation.align_vectors((aim - centre)[None], (aim - resting)[None])[
         0
     ].as_matrix()
-    return turned(reach, rotation, resting, centre)
+    return turn_reach(reach, rotation, resting, centre)
 
 
 def _note_misses(

@@ -18,11 +18,11 @@ from kinesic.motion.condition import Conditioned
 from kinesic.motion.desired import wish
 from kinesic.motion.key_time_lp import relaxed
 from kinesic.motion.keys import Bond, KeyPosture, Keys, Waypoints
-from kinesic.motion.qp import nearest
+from kinesic.motion.qp import nearest_motion
 from kinesic.motion.segments import pieces, segments
 from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.planning.plan import Plan, plan
-from kinesic.planning.setup import Facts
+from kinesic.planning.plan import Plan, plan_block
+from kinesic.planning.setup import Setup
 
 PEAK_SPEED = 1.875  # of a quintic from rest to rest, in distance / duration
 PEAK_ACCELERATION = 5.7735  # in distance / duration^2
@@ -32,17 +32,17 @@ LEAST_GAP = 0.06  # [s] of a gap in which something moves
 LONGER = 1.1  # on gaps that do not suffice after all
 
 
-def opening(block: Block, facts: Facts, *, engaged: Sequence[Engaged] = ()) -> Plan:
+def opening(block: Block, facts: Setup, *, engaged: Sequence[Engaged] = ()) -> Plan:
     """Plans a block so that it can begin at once; nothing of it is late in block zero.
 
     Raises:
         BmlError: something `required` cannot be performed.
     """
-    return plan(block, facts, conditioned=resting, engaged=engaged)
+    return plan_block(block, facts, conditioned=rest_at_keys, engaged=engaged)
 
 
-def resting(
-    postures: tuple[KeyPosture, ...], facts: Facts, bonds: tuple[Bond, ...] = (), *, ease: float = 1.0
+def rest_at_keys(
+    postures: tuple[KeyPosture, ...], facts: Setup, bonds: tuple[Bond, ...] = (), *, ease: float = 1.0
 ) -> Conditioned:
     """The motion that rests at every key.
 
@@ -90,7 +90,7 @@ def _stepwise(times: Floats, keys: Keys, limits: Limits) -> Trajectory | None:
     wished = wish(times, passed).angles(grid(count, STEP).knots)
     controls = np.empty((count + 3, keys.angles.shape[1]))
     for segment in segments(times, keys, STEP):
-        found = nearest(segment, wished[segment.knots, segment.hinge], limits)
+        found = nearest_motion(segment, wished[segment.knots, segment.hinge], limits)
         if found is None:
             return None
         controls[segment.controls, segment.hinge] = found

@@ -19,7 +19,7 @@ from kinesic.expressivity.style.style import Style
 
 
 @dataclass(frozen=True, eq=False)
-class Facts:
+class Setup:
     """What planning must know beside the text; nothing of it is changed by planning."""
 
     robot: Robot

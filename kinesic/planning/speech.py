@@ -5,14 +5,14 @@ from collections.abc import Mapping
 from kinesic.bml.block import Block, Notice, NoticeType, Speech
 from kinesic.body.utterance import Utterance
 from kinesic.expressivity.style.style import Style
-from kinesic.planning.setup import Facts
-from kinesic.planning.speech_pauses import Waiting, paused
+from kinesic.planning.setup import Setup
+from kinesic.planning.speech_pauses import SpeechPause, paused
 
 FASTER = 1.25  # rate of temporal 1; its inverse at -1
 HIGHER = 1.5  # [semitones] of power 1, and of activation 1
 
 
-def spoken(block: Block, facts: Facts, waiting: tuple[Waiting, ...] = ()) -> dict[str, Utterance]:
+def synthesise_block(block: Block, facts: Setup, waiting: tuple[SpeechPause, ...] = ()) -> dict[str, Utterance]:
     """Each speech of a block by its id, as it will be said.
 
     Args:

@@ -16,7 +16,7 @@ NAMED = 24  # characters of a word in a message
 
 
 @dataclass(frozen=True)
-class Waiting:
+class SpeechPause:
     """A pause before a mark of a speech."""
 
     speech: str
@@ -43,7 +43,7 @@ def allowed(block: Block, usual: float) -> dict[str, float]:
     return {name: most for name, most in found.items() if most > 0.0}
 
 
-def lateness(timeline: Timeline, syncs: tuple[SyncTime, ...]) -> dict[Sync, tuple[float, Sync]]:
+def mark_delays(timeline: Timeline, syncs: tuple[SyncTime, ...]) -> dict[Sync, tuple[float, Sync]]:
     """By how much the body misses each mark that something is tied to [s], and the sync point that misses it most.
 
     Positive when the body is late. Where several are tied to a mark, the latest counts.
@@ -58,9 +58,9 @@ def lateness(timeline: Timeline, syncs: tuple[SyncTime, ...]) -> dict[Sync, tupl
     return found
 
 
-def wanted(
-    timeline: Timeline, syncs: tuple[SyncTime, ...], most: Mapping[str, float], before: tuple[Waiting, ...] = ()
-) -> tuple[Waiting, ...]:
+def required_pauses(
+    timeline: Timeline, syncs: tuple[SyncTime, ...], most: Mapping[str, float], before: tuple[SpeechPause, ...] = ()
+) -> tuple[SpeechPause, ...]:
     """The marks that must come later for the body to be in time, in their order, with those that wait already.
 
     A pause moves all that is said after it; so each mark needs only what it misses more than those before it.
@@ -71,15 +71,15 @@ def wanted(
         most: [s] by which one pause may hold back what follows, of each speech that may wait.
         before: pauses that are made already.
     """
-    missed = lateness(timeline, syncs)
+    missed = mark_delays(timeline, syncs)
     made = {(each.speech, each.mark): each for each in before}
-    found: list[Waiting] = []
+    found: list[SpeechPause] = []
     for timed in timeline.timed:
         name, times = timed.behaviour.id, timed.times
         moved, reached = 0.0, 0.0
         for mark in sorted(times.keys() - {"start", "end"}, key=lambda mark: times[mark]) if name in most else ():
             late, sync = missed.get((name, mark), (reached, ("", "")))
-            waiting = made.get((name, mark), Waiting(name, mark, 0.0, sync))
+            waiting = made.get((name, mark), SpeechPause(name, mark, 0.0, sync))
             more = min(late - reached, most[name] - waiting.held) if late - reached > SHIFT_TO_WARN else 0.0
             moved, reached = moved + more, late
             if more or waiting.duration:
@@ -88,12 +88,12 @@ def wanted(
     return tuple(found)
 
 
-def lengthened(waiting: tuple[Waiting, ...], utterances: Mapping[str, Utterance]) -> tuple[Waiting, ...]:
+def lengthen_pauses(waiting: tuple[SpeechPause, ...], utterances: Mapping[str, Utterance]) -> tuple[SpeechPause, ...]:
     """The same pauses, longer by what their marks still lack when it is said with them.
 
     A voice may make its own pause at a comma shorter where another one is put.
     """
-    found: list[Waiting] = []
+    found: list[SpeechPause] = []
     moved: dict[str, float] = {}
     for each in waiting:
         lacking = each.until - utterances[each.speech].marks[each.mark] - moved.get(each.speech, 0.0)
@@ -103,7 +103,7 @@ def lengthened(waiting: tuple[Waiting, ...], utterances: Mapping[str, Utterance]
     return tuple(found)
 
 
-def paused(script: Script, waiting: tuple[Waiting, ...]) -> Script:
+def paused(script: Script, waiting: tuple[SpeechPause, ...]) -> Script:
     """A script with pauses before its marks, each beside those that it had."""
     pauses = list(script.pauses)
     for each in (each for each in waiting if each.duration):
@@ -114,7 +114,7 @@ def paused(script: Script, waiting: tuple[Waiting, ...]) -> Script:
     return replace(script, pauses=tuple(pauses))
 
 
-def notices(block: Block, waiting: tuple[Waiting, ...]) -> list[Notice]:
+def notices(block: Block, waiting: tuple[SpeechPause, ...]) -> list[Notice]:
     """A warning for each pause."""
     scripts = {b.id: b.action.script for b in block.behaviours if isinstance(b.action, Speech)}
     return [

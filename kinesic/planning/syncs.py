@@ -6,7 +6,7 @@ from math import inf
 
 import numpy as np
 
-from kinesic.bml.block import Block, Notice, NoticeType, Timed
+from kinesic.bml.block import Block, Notice, NoticeType, TimedBehaviour
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.keyframes import KeyFrames, PartName
@@ -110,7 +110,7 @@ def smaller(
     return found
 
 
-def _on_path(postures: Sequence[KeyPosture], timed: Timed, robot: Robot, side: Side) -> list[int]:
+def _on_path(postures: Sequence[KeyPosture], timed: TimedBehaviour, robot: Robot, side: Side) -> list[int]:
     """The keys of a hand on a path in a stroke, with those at its ends; none without a path."""
     start, end = (timed.times.get(sync, inf) for sync in ("strokeStart", "strokeEnd"))
     arm = robot.joints(f"{side}_arm")[0]

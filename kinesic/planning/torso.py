@@ -16,12 +16,12 @@ from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.turns import AXES, UPRIGHT, axes
-from kinesic.planning.arm_postures import turned
+from kinesic.planning.arm_postures import turn_reach
 
 LEAST_ROOM = 1e-9  # [rad]
 
 
-def turn_of(robot: Robot, chain: str, angles: Floats) -> Floats:
+def torso_turn(robot: Robot, chain: str, angles: Floats) -> Floats:
     """(3,) [rad] torsion, tilt and roll of a chain; several hinges of one axis add up.
 
     Args:
@@ -89,7 +89,7 @@ class Volume:
 
     def placed(self, reach: Reach) -> Reach:
         """A reach that was written for the upright torso, in the world."""
-        return turned(reach, self.rotation, self.pivot, self.pivot, self.scale)
+        return turn_reach(reach, self.rotation, self.pivot, self.pivot, self.scale)
 
 
 @lru_cache(maxsize=64)

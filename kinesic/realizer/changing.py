@@ -17,7 +17,7 @@ from kinesic.bml.block import (
     Torso,
 )
 from kinesic.body.config import ConfigError
-from kinesic.expressivity.style.style import Style, preset
+from kinesic.expressivity.style.style import Style, style_preset
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.realizer.feedback import Due, ordered, retimed, times_of
@@ -82,7 +82,7 @@ def changed(
     amount: float | None = None,
     block: str | None = None,
 ) -> tuple[Scene, Told]:
-    """Asks for another manner, of one block or of all that play, wait and come; see `taken` for what is to be planned.
+    """Asks for another manner, of one block or of all; `take_replans` says what is to be planned for it.
 
     Args:
         scene: at some time before.
@@ -106,7 +106,7 @@ def changed(
         if block is None:
             scene = replace(scene, facts=replace(scene.facts, style=loaded))
         else:
-            name = preset(loaded.name).name
+            name = style_preset(loaded.name).name
 
     def change(behaviour: Behaviour) -> Behaviour:
         sized = behaviour if amount is None else _with_amount(behaviour, amount)
@@ -140,7 +140,7 @@ def parameter_changed(
     return _wished(scene, only, now, [target])
 
 
-def taken(scene: Scene) -> tuple[Scene, tuple[Asked, ...]]:
+def take_replans(scene: Scene) -> tuple[Scene, tuple[Asked, ...]]:
     """Blocks that are to be planned anew, each to be handed to `ready` and its plan to `improved`; told once."""
     return replace(scene, wishes=()), scene.wishes
 
@@ -173,7 +173,7 @@ def _change_of(parameter: str, value: str) -> Change:
         ConfigError: there is no style of this name.
     """
     if parameter == "style":
-        name = preset(value).name
+        name = style_preset(value).name
         return lambda behaviour: _with(behaviour, "style", name)
     ranges = {**RANGES, "amount": (0.0, 1.0)}
     if parameter not in ranges:

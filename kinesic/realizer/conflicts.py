@@ -8,17 +8,17 @@ import numpy as np
 
 from kinesic.body.arrays import Flags, Floats
 from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.motion.transition import LEAST, SAME, lengthened
+from kinesic.motion.transition import LEAST, SAME, lengthen
 from kinesic.planning.certify import duties
-from kinesic.planning.clearance import LAG_RESERVE, scan
-from kinesic.planning.setup import Facts
-from kinesic.realizer.occupancy import ARMS, Busy, Failed, Work, arm
+from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
+from kinesic.planning.setup import Setup
+from kinesic.realizer.occupancy import ARMS, Busy, Failed, Overlay, arm_hinges
 from kinesic.realizer.release import tail
 
 FULL = 1.0  # of a drive's duty
 
 
-def hindered(work: Work, found: Floats, facts: Facts) -> Failed | None:
+def hindered(work: Overlay, found: Floats, facts: Setup) -> Failed | None:
     """The behaviour of a block to blame, and why; None when nothing stands against it.
 
     Args:
@@ -26,7 +26,7 @@ def hindered(work: Work, found: Floats, facts: Facts) -> Failed | None:
         found: (k + 3, n) [rad] control points of both together.
         facts: distances and dynamics.
     """
-    apart = [np.abs(found - lengthened(each, len(found))).max(axis=1) > SAME for each in (work.base, work.coming)]
+    apart = [np.abs(found - lengthen(each, len(found))).max(axis=1) > SAME for each in (work.base, work.coming)]
     rows = np.flatnonzero(apart[0] & apart[1])
     if not len(rows) or rows[-1] < work.cut + LEAST:
         return None
@@ -34,8 +34,8 @@ def hindered(work: Work, found: Floats, facts: Facts) -> Failed | None:
     return _too_near(coming, work, facts) or _too_heavy(coming, work, facts)
 
 
-def _too_near(coming: Trajectory, work: Work, facts: Facts) -> Failed | None:
-    times, clearance = scan(coming, facts.distances)
+def _too_near(coming: Trajectory, work: Overlay, facts: Setup) -> Failed | None:
+    times, clearance = scan_clearance(coming, facts.distances)
     worst, robot = clearance.worst, facts.robot
     distance = float(clearance.distances[worst])
     if distance >= robot.least_clearance + LAG_RESERVE:
@@ -44,12 +44,12 @@ def _too_near(coming: Trajectory, work: Work, facts: Facts) -> Failed | None:
     roles = {role for role in ARMS if set(pair) & set(robot.chains.get(f"{role[0]}_arm", ()))}
     hinges = np.zeros(len(robot.skeleton.hinges), dtype=np.bool_)
     for role in roles:
-        hinges[list(arm(role, robot))] = True
+        hinges[list(arm_hinges(role, robot))] = True
     name = _blamed(work, hinges, at)
     return Failed(name, f"brings {pair[0]} within {1000 * distance:.0f} mm of {pair[1]} beside what runs")
 
 
-def _too_heavy(coming: Trajectory, work: Work, facts: Facts) -> Failed | None:
+def _too_heavy(coming: Trajectory, work: Overlay, facts: Setup) -> Failed | None:
     peaks = duties(coming, facts)
     if peaks.max() <= FULL:
         return None
@@ -63,7 +63,7 @@ def _too_heavy(coming: Trajectory, work: Work, facts: Facts) -> Failed | None:
     return Failed(name, f"asks {100 * peaks[worst]:.0f} % of the duty of {joint} beside what runs")
 
 
-def _blamed(work: Work, hinges: Flags, at: float) -> str:
+def _blamed(work: Overlay, hinges: Flags, at: float) -> str:
     """The behaviour of the block that moves some hinges (n,) nearest to a time [s]; none where it performs none."""
 
     def away(each: Busy) -> tuple[bool, float]:

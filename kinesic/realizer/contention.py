@@ -37,7 +37,7 @@ def interrupted_by(action: Interrupt, staged: Staged) -> frozenset[str]:
     return (frozenset(action.include) or frozenset(staged.times)) & staged.times.keys() - frozenset(action.exclude)
 
 
-def cuts(scene: Scene, coming: Coming) -> Cuts:
+def planned_interruptions(scene: Scene, coming: Coming) -> Cuts:
     """What blocks that play, and one that comes, are going to interrupt."""
     found: dict[tuple[str, str], float] = {}
     blocks: tuple[Coming, ...] = (*scene.playing, coming)
@@ -52,9 +52,11 @@ def cuts(scene: Scene, coming: Coming) -> Cuts:
     return found
 
 
-def busy(scene: Scene, coming: Coming) -> tuple[Busy, ...]:
+def occupancy_of_others(scene: Scene, coming: Coming) -> tuple[Busy, ...]:
     """What other blocks need of the body, in performance time, each as long as it will be let."""
-    ends = {f"{block}:{id}": scene.performance(time) for (block, id), time in cuts(scene, coming).items()}
+    ends = {
+        f"{block}:{id}": scene.performance(time) for (block, id), time in planned_interruptions(scene, coming).items()
+    }
     return tuple(_until(each, ends[each.behaviour]) if each.behaviour in ends else each for each in scene.busy)
 
 
@@ -69,7 +71,7 @@ def among(scene: Scene, asked: Asked) -> Asked:
         return asked
     engaged = [
         Engaged(side, each.ready - zero - LEAD, each.relax - zero, each.behaviour)
-        for each in busy(scene, asked)
+        for each in occupancy_of_others(scene, asked)
         if each.relax > zero + asked.timeline.start and each.behaviour.partition(":")[0] not in succession.interrupts
         for side in SIDES
         if f"{side}_hand" in each.roles
@@ -77,9 +79,9 @@ def among(scene: Scene, asked: Asked) -> Asked:
     return replace(asked, engaged=tuple(engaged))
 
 
-def heard(scene: Scene, coming: Staged) -> tuple[Staged, tuple[Notice, ...]]:
+def silence_overlap(scene: Scene, coming: Staged) -> tuple[Staged, tuple[Notice, ...]]:
     """The block without speech that would be said while another one speaks, and what is to be told of it."""
-    ends = cuts(scene, coming)
+    ends = planned_interruptions(scene, coming)
     met: dict[str, Spoken] = {}
     for own in coming.speeches:
         for other in scene.speeches:

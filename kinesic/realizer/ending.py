@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 
 from kinesic.bml.block import Notice, NoticeType
-from kinesic.bml.composition import State
+from kinesic.bml.composition import BlockState
 from kinesic.body.arrays import Flags
 from kinesic.motion.trajectory import Trajectory
 from kinesic.realizer.feedback import Due, Progress, retimed, without
-from kinesic.realizer.occupancy import Busy, freed
+from kinesic.realizer.occupancy import Busy, freed_hinges
 from kinesic.realizer.release import released
 from kinesic.realizer.running_block import Staged
 from kinesic.realizer.scene import Scene
@@ -18,7 +18,7 @@ from kinesic.realizer.scene import Scene
 Told = tuple[Due, ...]
 
 
-def stopped(scene: Scene, staged: Staged, now: float, why: str) -> tuple[Scene, Told]:
+def stop_block(scene: Scene, staged: Staged, now: float, why: str) -> tuple[Scene, Told]:
     """A block ends now: what it does is taken back while all others go on; one that waits is revoked.
 
     Args:
@@ -43,17 +43,17 @@ def ended(scene: Scene, staged: Staged, now: float, why: str) -> tuple[Scene, To
     )
     if not staged.state.is_playing or waits_for_start:
         notice = Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, staged.id, f"revoked before it began: {why}")
-        return replace(scene.gone(staged, State.REVOKED), agenda=agenda), (staged.warning(notice, now),)
-    point = Progress(staged.id, None, "end", now - staged.zero, staged.block.character, State.INTERRUPTED)
+        return replace(scene.gone(staged, BlockState.REVOKED), agenda=agenda), (staged.warning(notice, now),)
+    point = Progress(staged.id, None, "end", now - staged.zero, staged.block.character, BlockState.INTERRUPTED)
     cut = replace(staged, times=_until(staged, now))
-    return replace(scene.gone(cut, State.INTERRUPTED), agenda=agenda), (Due(now, point, staged.sender),)
+    return replace(scene.gone(cut, BlockState.INTERRUPTED), agenda=agenda), (Due(now, point, staged.sender),)
 
 
 def left_out(scene: Scene, staged: Staged, behaviours: frozenset[str], now: float) -> tuple[Scene, Told]:
     """Some behaviours of a block end now; what nobody else moves goes back."""
     left = staged.without(behaviours)
     if not left.times:
-        return stopped(scene, staged, now, "all its behaviours are interrupted")
+        return stop_block(scene, staged, now, "all its behaviours are interrupted")
     after = scene.put(left)
     gone = [each for each in staged.busy if each.behaviour in behaviours]
     motion = _taken_back(scene, staged, gone, scene.hinges(gone) & ~scene.hinges(left.busy), now)
@@ -67,7 +67,7 @@ def _taken_back(scene: Scene, staged: Staged, gone: Sequence[Busy], moved: Flags
         return scene.motion
     at, left = scene.first_change(now), [each for each in staged.busy if each not in gone]
     others = (*scene.busy_but(staged.id), *left)
-    free = freed(gone, moved, at, scene.facts.robot, others=others)
+    free = freed_hinges(gone, moved, at, scene.facts.robot, others=others)
     if not free.any():
         return scene.motion
     return released(scene.motion, at, free, scene.facts, layer=staged.merged.layer, others=others)

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from kinesic.bml.composition import State
+from kinesic.bml.composition import BlockState
 from kinesic.bml.feedback import block_progress, sync_point_progress
 from kinesic.planning.syncs import SyncTime
 
@@ -20,7 +20,7 @@ class Progress:
     point: str
     time: float  # [s] block time
     character: str | None = None
-    state: State | None = None  # of a block that ended before its time
+    state: BlockState | None = None  # of a block that ended before its time
 
     @property
     def key(self) -> tuple[str | None, str]:

@@ -14,12 +14,12 @@ import numpy as np
 from kinesic.bml.block import Notice, NoticeType
 from kinesic.body.arrays import Floats, sealed
 from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.motion.transition import EARLY, LEAST, knot_at, lengthened, placed, roomy, shortened
+from kinesic.motion.transition import EARLY, LEAST, delay_controls, knot_at, lengthen, roomy, shorten
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
 from kinesic.realizer.conflicts import hindered
-from kinesic.realizer.occupancy import Busy, Failed, Work, held
-from kinesic.realizer.occupancy import busy as needs
+from kinesic.realizer.occupancy import Busy, Failed, Overlay, still_occupied
+from kinesic.realizer.occupancy import occupancy_of as needs
 from kinesic.realizer.overlay import laid
 from kinesic.realizer.release import released, tail
 
@@ -91,7 +91,7 @@ def _laid_over(
     """A block over what runs, later where it may wait and then has a place for everything."""
     knot = knot_at(time)
     soonest = max(ceil((begin - coming.trajectory.zero) / STEP - EARLY), knot)
-    own, others = needs(coming), held(busy, knot * STEP)
+    own, others = needs(coming), still_occupied(busy, knot * STEP)
     first = found = _tried(running, coming, knot, soonest, own, others)
     if first.gone and waits:
         tries = (
@@ -136,15 +136,15 @@ def _tried(
     every = [each.later(offset * STEP) for each in own]
     gone = _conflicts(every, others)
     limits = roomy(coming.facts.limits)
-    begun = placed(coming.trajectory.controls, offset)
+    begun = delay_controls(coming.trajectory.controls, offset)
     count = max(len(begun), len(running.controls), knot + LEAST)
-    base, begun = lengthened(running.controls, count), lengthened(begun, count)
+    base, begun = lengthen(running.controls, count), lengthen(begun, count)
     while True:
         performed = [each for each in every if each.behaviour not in gone]
         if not performed or (whole and gone):
             return _Tried(offset, every, base, base, performed, gone)
         dropped = [each for each in every if each.behaviour in gone]
-        work = Work(base, begun, knot, others, performed, dropped)
+        work = Overlay(base, begun, knot, others, performed, dropped)
         found = laid(work, coming.facts, limits)
         failed = found if isinstance(found, Failed) else hindered(work, found, coming.facts)
         if failed is None and not isinstance(found, Failed):
@@ -172,9 +172,9 @@ def _told(running: Trajectory, tried: _Tried, coming: Plan, begin: float) -> Mer
     if zero - begin > SHIFT_TO_WARN:
         late = f"comes {zero - begin:.3f} s later, with the block"
         notices += [(sync.behaviour, f"{sync.sync} {late}") for sync in syncs if sync.sync == "stroke"]
-    layer = tried.controls - lengthened(tried.base, len(tried.controls))
+    layer = tried.controls - lengthen(tried.base, len(tried.controls))
     return Merged(
-        trajectory=Trajectory(sealed(shortened(tried.controls)), running.zero) if np.any(layer) else running,
+        trajectory=Trajectory(sealed(shorten(tried.controls)), running.zero) if np.any(layer) else running,
         zero=zero,
         layer=Trajectory(sealed(layer), running.zero),
         busy=tuple(each.left(layer[-1]) for each in tried.performed),

@@ -55,7 +55,7 @@ class Busy:
         return bool(self.roles & other.roles) and self.ready < other.relax and other.ready < self.relax
 
 
-def busy(plan: Plan) -> tuple[Busy, ...]:
+def occupancy_of(plan: Plan) -> tuple[Busy, ...]:
     """What the moving behaviours of a plan need, in the order of their beginnings.
 
     Args:
@@ -70,7 +70,7 @@ def busy(plan: Plan) -> tuple[Busy, ...]:
     return tuple(sorted(found, key=lambda each: (each.begin, each.behaviour)))
 
 
-def freed(own: Sequence[Busy], moved: Flags, time: float, robot: Robot, *, others: Sequence[Busy] = ()) -> Flags:
+def freed_hinges(own: Sequence[Busy], moved: Flags, time: float, robot: Robot, *, others: Sequence[Busy] = ()) -> Flags:
     """(n,) hinges that a block gives free when it is interrupted.
 
     Args:
@@ -86,7 +86,7 @@ def freed(own: Sequence[Busy], moved: Flags, time: float, robot: Robot, *, other
             found &= ~each.hinges
     for role in ARMS:
         if not any(role in each.roles and each.relax > time for each in own):
-            found[list(arm(role, robot))] = False
+            found[list(arm_hinges(role, robot))] = False
     return found
 
 
@@ -110,7 +110,7 @@ def _one(id: str, action: Action, at: Mapping[str, float], plan: Plan) -> Busy:
     return Busy(id, _roles(action, parts), hinges, begin, ready, relax, end, offset)
 
 
-def held(busy: Iterable[Busy], time: float) -> tuple[Busy, ...]:
+def still_occupied(busy: Iterable[Busy], time: float) -> tuple[Busy, ...]:
     """Of what is busy, what still counts from a performance time on [s].
 
     That is what has not given way, and of what stays the latest of its kind.
@@ -143,7 +143,7 @@ def _roles(action: Action, parts: frozenset[PartName]) -> frozenset[Role]:
     return frozenset(roles)
 
 
-def arm(role: Role, robot: Robot) -> tuple[int, ...]:
+def arm_hinges(role: Role, robot: Robot) -> tuple[int, ...]:
     """Hinges of a hand's arm, in joint order."""
     sides = {f"{side}_hand": robot.joints(f"{side}_arm") for side in SIDES}
     return sides[role]
@@ -158,7 +158,7 @@ class Failed:
 
 
 @dataclass(frozen=True, eq=False)
-class Work:
+class Overlay:
     """What is laid over what: both from the same time on."""
 
     base: Floats  # (k + 3, n) [rad] control points of what runs

@@ -14,10 +14,10 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats
 from kinesic.body.limits import Limits
 from kinesic.motion.trajectory import STEP
-from kinesic.motion.transition import EARLY, LEAST, SAME, crossed, excesses, kept, lengthened
+from kinesic.motion.transition import EARLY, LEAST, SAME, crossed, excesses, kept, lengthen
 from kinesic.planning.quick_plan import duration
-from kinesic.planning.setup import Facts
-from kinesic.realizer.occupancy import ARMS, Busy, Failed, Role, Work, arm
+from kinesic.planning.setup import Setup
+from kinesic.realizer.occupancy import ARMS, Busy, Failed, Overlay, Role, arm_hinges
 
 EASE = 1.5  # times the least time, in which what stays gives way
 AGAIN = 1.5  # times as long, when a way back to rest is too short
@@ -26,7 +26,7 @@ LEAST_BACK = 30  # pieces
 KEPT = 1.0 + 1e-6  # share of a limit
 
 
-def added(work: Work, alone: Flags, limits: Limits, names: Sequence[str]) -> Floats | Failed:
+def added(work: Overlay, alone: Flags, limits: Limits, names: Sequence[str]) -> Floats | Failed:
     """Both motions added, nearest to their sum where that exceeds a limit.
 
     Args:
@@ -40,7 +40,7 @@ def added(work: Work, alone: Flags, limits: Limits, names: Sequence[str]) -> Flo
     """
     turns = [turn for each in work.performed for turn in _turns(each, work, limits)]
     count = max([len(work.base), *(ceil(turn.over / STEP) + 2 * LEAST for turn in turns)])
-    base, coming = lengthened(work.base, count), lengthened(work.coming, count)
+    base, coming = lengthen(work.base, count), lengthen(work.coming, count)
     change = coming - coming[0]
     change[:, alone] = 0.0
     for gone in work.dropped:
@@ -64,7 +64,7 @@ def added(work: Work, alone: Flags, limits: Limits, names: Sequence[str]) -> Flo
     return found
 
 
-def _flatten(change: Floats, gone: Busy, work: Work, limits: Limits) -> None:
+def _flatten(change: Floats, gone: Busy, work: Overlay, limits: Limits) -> None:
     """Takes out of what a block changes (k + 3, n) [rad] what a behaviour did that is left out."""
     begin, end = max(0, floor(gone.begin / STEP)), min(ceil(gone.end / STEP), len(change) - LEAST)
     beside = [each for each in work.performed if each.begin < gone.end and gone.begin < each.end]
@@ -98,7 +98,7 @@ class _Turn:
         return np.asarray(rise(times, self.begin, self.gone) * (1.0 - back))
 
 
-def _turns(each: Busy, work: Work, limits: Limits) -> Iterator[_Turn]:
+def _turns(each: Busy, work: Overlay, limits: Limits) -> Iterator[_Turn]:
     for role in each.roles - set(ARMS):
         left = next((other.offset for other in work.held if role in other.roles and other.end <= each.begin), None)
         if left is not None:
@@ -113,7 +113,7 @@ def rise(times: Floats, begin: float, end: float) -> Floats:
     return np.asarray(u**3 * (10 - 15 * u + 6 * u**2))
 
 
-def handed(work: Work, role: Role, hinge: int, limits: Limits) -> Floats | Failed:
+def handed(work: Overlay, role: Role, hinge: int, limits: Limits) -> Floats | Failed:
     """One hinge of an arm, through all that its hand has to do.
 
     Args:
@@ -144,7 +144,7 @@ def handed(work: Work, role: Role, hinge: int, limits: Limits) -> Floats | Faile
     return _home(column, sources, done, work, role, limits, hinge)
 
 
-def _stops(work: Work, role: Role) -> list[tuple[Busy, Literal["base", "coming"]]]:
+def _stops(work: Overlay, role: Role) -> list[tuple[Busy, Literal["base", "coming"]]]:
     """What a hand has to do, in order; empty where the block asks nothing of it."""
     own: list[tuple[Busy, Literal["base", "coming"]]] = [(b, "coming") for b in work.performed if role in b.roles]
     if not own:
@@ -169,7 +169,7 @@ def _led(own: Floats, after: Floats, left: float, stop: Busy, limits: Limits, hi
 
 
 def _home(
-    column: Floats, sources: dict[str, Floats], done: Busy, work: Work, role: Role, limits: Limits, hinge: int
+    column: Floats, sources: dict[str, Floats], done: Busy, work: Overlay, role: Role, limits: Limits, hinge: int
 ) -> Floats | Failed:
     """After its last work the hand rests as it did before, unless the block ends elsewhere."""
     base, coming = sources["base"], sources["coming"]
@@ -190,7 +190,7 @@ def _home(
     return Failed(done.behaviour, "its hand has no way back to rest within its limits")
 
 
-def laid(work: Work, facts: Facts, limits: Limits) -> Floats | Failed:
+def laid(work: Overlay, facts: Setup, limits: Limits) -> Floats | Failed:
     """Both together, at rest in the end.
 
     Args:
@@ -201,7 +201,7 @@ def laid(work: Work, facts: Facts, limits: Limits) -> Floats | Failed:
     Returns:
         (k + 3, n) [rad] control points, the same as what runs until the cut; or a behaviour that has no way.
     """
-    arms = {hinge: role for role in ARMS for hinge in arm(role, facts.robot)}
+    arms = {hinge: role for role in ARMS for hinge in arm_hinges(role, facts.robot)}
     names = facts.robot.skeleton.names
     found = added(work, np.isin(np.arange(len(names)), list(arms)), limits, names)
     if isinstance(found, Failed):
@@ -214,7 +214,7 @@ def laid(work: Work, facts: Facts, limits: Limits) -> Floats | Failed:
         columns[hinge] = column
     count = max(map(len, columns)) + 1
     whole = np.stack([np.pad(column, (0, count - len(column)), mode="edge") for column in columns], axis=1)
-    changed = np.flatnonzero((np.abs(whole - lengthened(work.base, count)) > SAME).any(axis=0))
+    changed = np.flatnonzero((np.abs(whole - lengthen(work.base, count)) > SAME).any(axis=0))
     over = changed[excesses(whole[work.cut :, changed], limits.part(changed)) > KEPT]
     if len(over):
         return work.blamed(f"{names[over[0]]} cannot do both within its limits")

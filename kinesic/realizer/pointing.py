@@ -14,13 +14,13 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.keyframes import Hand
 from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.motion.transition import LEAST, SAME, kept, knot_at, lengthened, roomy, shortened
+from kinesic.motion.transition import LEAST, SAME, kept, knot_at, lengthen, roomy, shorten
 from kinesic.planning.arm_postures import with_arms
 from kinesic.planning.certify import duties
-from kinesic.planning.clearance import LAG_RESERVE, scan
+from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.plan import Plan
-from kinesic.planning.postures import aimed
-from kinesic.planning.setup import Facts
+from kinesic.planning.postures import aim_from_shoulder
+from kinesic.planning.setup import Setup
 from kinesic.realizer.feedback import Due
 from kinesic.realizer.occupancy import STILL, Busy
 from kinesic.realizer.overlay import rise
@@ -58,7 +58,7 @@ class Pointed:
         """(n,) [rad] the posture with the arm that points, on the trunk as it is."""
         if self.hand.reach is None:
             return angles
-        reach = aimed(self.hand.reach, self.aim, self.side, angles, robot)
+        reach = aim_from_shoulder(self.hand.reach, self.aim, self.side, angles, robot)
         return with_arms(angles, {self.side: self.hand}, {self.side: reach}, robot)
 
 
@@ -74,8 +74,8 @@ def pointed(plan: Plan) -> tuple[Pointed, ...]:
     )
 
 
-def corrected(
-    motion: Trajectory, time: float, one: Pointed, stroke: float, busy: Busy, others: Sequence[Busy], facts: Facts
+def correct_pointing(
+    motion: Trajectory, time: float, one: Pointed, stroke: float, busy: Busy, others: Sequence[Busy], facts: Setup
 ) -> Trajectory | None:
     """The motion with an arm that points again in its stroke, and from there until it relaxes, or as far as it can.
 
@@ -102,26 +102,26 @@ def corrected(
     share = rise(times, begin, stroke - LEAST * STEP) * (1.0 - rise(times, busy.relax, end))
     first, last = knot_at(begin), min(ceil(end / STEP) + LEAST, count - LEAST)
     for part in PARTS if last - first >= LEAST else ():
-        found = np.array(lengthened(motion.controls, count))
+        found = np.array(lengthen(motion.controls, count))
         for hinge in np.flatnonzero(np.abs(change) > SAME).tolist():
             column = kept(found[:, hinge] + part * share * change[hinge], first, last, limits, hinge)
             found[:, hinge] = found[:, hinge] if column is None else column
         if _clear(found, motion, first, last, facts):
-            return Trajectory(sealed(shortened(found)), motion.zero)
+            return Trajectory(sealed(shorten(found)), motion.zero)
     return None
 
 
-def _clear(found: Floats, motion: Trajectory, first: int, last: int, facts: Facts) -> bool:
+def _clear(found: Floats, motion: Trajectory, first: int, last: int, facts: Setup) -> bool:
     """Whether nothing comes too near or is overloaded between two knots."""
     after, before = (
-        tail(Trajectory(lengthened(controls, len(found))[: last + LEAST], 0.0), first * STEP)
+        tail(Trajectory(lengthen(controls, len(found))[: last + LEAST], 0.0), first * STEP)
         for controls in (found, motion.controls)
     )
     peaks = duties(after, facts)
     if (peaks > np.maximum(FULL, duties(before, facts))).any():
         return False
     least = facts.robot.least_clearance + LAG_RESERVE
-    return float(scan(after, facts.distances)[1].distances.min()) >= least
+    return float(scan_clearance(after, facts.distances)[1].distances.min()) >= least
 
 
 def aimed_again(before: Scene, scene: Scene, now: float) -> tuple[Scene, tuple[Due, ...]]:
@@ -155,7 +155,7 @@ def _one(before: Scene, scene: Scene, block: str, one: Pointed, now: float) -> t
     if stroke <= change or _miss(scene.motion, stroke, one, scene) <= usual + ASTRAY:
         return scene, ()
     others = [*scene.busy_but(block), *(each for each in staged.busy if each is not busy)]
-    found = corrected(scene.motion, change, one, stroke, busy, others, scene.facts)
+    found = correct_pointing(scene.motion, change, one, stroke, busy, others, scene.facts)
     if found is not None and _miss(found, stroke, one, scene) < _miss(scene.motion, stroke, one, scene):
         scene = _with(scene, staged, one.behaviour, found)
     left = _miss(scene.motion, stroke, one, scene)
@@ -185,7 +185,7 @@ def _with(scene: Scene, staged: Staged, behaviour: str, motion: Trajectory) -> S
         return replace(scene, motion=motion)
     layer = staged.merged.layer
     count = max(len(motion.controls), len(scene.motion.controls), len(layer.controls))
-    own, was, after = (lengthened(each.controls, count) for each in (layer, scene.motion, motion))
+    own, was, after = (lengthen(each.controls, count) for each in (layer, scene.motion, motion))
     change = after - was
     moved = np.abs(change).max(axis=0) > STILL
     needs = [

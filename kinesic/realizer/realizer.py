@@ -1,40 +1,40 @@
 """Blocks of BML one after the other and at once: what becomes of a scene when something is asked or time passes.
 
 Everything here is a pure function of a scene and a time; no clock, no threads. Whoever performs asks `ready` for the
-plan of a block wherever there is time, hands it to `begun`, and calls `passed` again and again.
+plan of a block wherever there is time, hands it to `begin`, and calls `advance` again and again.
 """
 
 from dataclasses import replace
 from functools import partial
 
 from kinesic.bml.block import Activate, Command, Interrupt, Notice, NoticeType, ParameterChange
-from kinesic.bml.composition import State, awaited, goes_round, held_back
+from kinesic.bml.composition import BlockState, awaited, goes_round, held_back
 from kinesic.bml.reading.manner import modality_of
 from kinesic.planning.certify import certified
-from kinesic.planning.plan import plan
+from kinesic.planning.plan import plan_block
 from kinesic.planning.quick_plan import opening
-from kinesic.planning.setup import Facts
-from kinesic.realizer.changing import changed, improved, parameter_changed, taken
+from kinesic.planning.setup import Setup
+from kinesic.realizer.changing import changed, improved, parameter_changed, take_replans
 from kinesic.realizer.contention import interrupted_by
-from kinesic.realizer.ending import left_out, stopped
+from kinesic.realizer.ending import left_out, stop_block
 from kinesic.realizer.feedback import Due, ordered
 from kinesic.realizer.pointing import aimed_again
 from kinesic.realizer.request import Asked
 from kinesic.realizer.running_block import Ready, Staged
 from kinesic.realizer.scene import Scene, forgotten
-from kinesic.realizer.starting import activated, started
+from kinesic.realizer.starting import activate_block, started
 
 __all__ = [
     "Due",
     "Ready",
     "Scene",
-    "begun",
+    "advance",
+    "begin",
     "changed",
     "improved",
     "interrupted",
-    "passed",
     "ready",
-    "taken",
+    "take_replans",
 ]
 
 MOST_BLOCKS = 256  # in a scene at once
@@ -43,7 +43,7 @@ SMALL = 4  # moving behaviours of a block that is planned well as quickly as not
 BRIEF = 20.0  # [s] such a block may move
 
 
-def ready(asked: Asked, facts: Facts) -> Ready:
+def ready(asked: Asked, facts: Setup) -> Ready:
     """Plans a block so that it can begin at once: a small one well, a large one quickly, to be improved while it plays.
 
     Raises:
@@ -53,13 +53,13 @@ def ready(asked: Asked, facts: Facts) -> Ready:
     times = [time for each in moving for time in each.times.values()]
     block, engaged = asked.block, asked.engaged
     if asked.is_decided:
-        return Ready(asked, plan(block, facts, conditioned=AT_ONCE, utterances=asked.utterances, engaged=engaged))
+        return Ready(asked, plan_block(block, facts, conditioned=AT_ONCE, utterances=asked.utterances, engaged=engaged))
     if len(moving) <= SMALL and max(times, default=0.0) - min(times, default=0.0) <= BRIEF:
-        return Ready(asked, plan(block, facts, conditioned=AT_ONCE, engaged=engaged))
+        return Ready(asked, plan_block(block, facts, conditioned=AT_ONCE, engaged=engaged))
     return Ready(asked, opening(block, facts, engaged=engaged), is_provisional=True)
 
 
-def begun(scene: Scene, ready: Ready, now: float) -> tuple[Scene, tuple[Due, ...]]:
+def begin(scene: Scene, ready: Ready, now: float) -> tuple[Scene, tuple[Due, ...]]:
     """Takes a block into the scene: it begins now, or waits for its turn.
 
     Args:
@@ -70,14 +70,14 @@ def begun(scene: Scene, ready: Ready, now: float) -> tuple[Scene, tuple[Due, ...
     Returns:
         The scene with the block, and what is to be sent now. A block that is refused changes nothing that plays.
     """
-    scene, dues = passed(scene, now)
+    scene, dues = advance(scene, now)
     block, sender = ready.plan.timeline.block, ready.asked.sender
     refusal = _refusal(scene, ready)
     if refusal is not None:
         notice = Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, block.id, refusal)
         return scene, (*dues, scene.warned(notice, now, sender, block.character))
     waits = awaited(block, scene.states)
-    staged = Staged.of(ready, State.PENDING if block.succession.preplanned else State.LURKING, waits)
+    staged = Staged.of(ready, BlockState.PENDING if block.succession.preplanned else BlockState.LURKING, waits)
     staged = replace(staged, zero=max(now + scene.ahead, scene.turn(staged)) + staged.lead)
     scene = _held_back(scene.put(staged), staged)
     if ready.is_provisional:
@@ -91,7 +91,7 @@ def begun(scene: Scene, ready: Ready, now: float) -> tuple[Scene, tuple[Due, ...
     return scene, (*dues, *told, *notices)
 
 
-def passed(scene: Scene, now: float) -> tuple[Scene, tuple[Due, ...]]:
+def advance(scene: Scene, now: float) -> tuple[Scene, tuple[Due, ...]]:
     """Lets time pass: blocks whose turn has come begin, what has become due is handed out, what is over is forgotten.
 
     Args:
@@ -120,11 +120,11 @@ def interrupted(scene: Scene, now: float, block: str | None = None) -> tuple[Sce
         now: [s] global time.
         block: its id; None: all, those that wait too.
     """
-    before, told = passed(scene, now)
+    before, told = advance(scene, now)
     scene = before
     for staged in before.blocks:
         if block in (None, staged.id):
-            scene, dues = stopped(scene, staged, now, "it was interrupted")
+            scene, dues = stop_block(scene, staged, now, "it was interrupted")
             told += dues
     scene, astray = aimed_again(before, scene, now)
     return scene, (*told, *astray)
@@ -138,9 +138,9 @@ def _happened(scene: Scene, due: Due, now: float) -> tuple[Scene, tuple[Due, ...
         return scene, ()
     match point.key:
         case (None, "relax"):
-            return scene.put(replace(staged, state=State.SUBSIDING)), ()
+            return scene.put(replace(staged, state=BlockState.SUBSIDING)), ()
         case (None, "end"):
-            return scene.gone(staged, State.DONE), ()
+            return scene.gone(staged, BlockState.DONE), ()
         case (str(id), "start"):
             action = next(behaviour.action for behaviour in staged.block.behaviours if behaviour.id == id)
             if isinstance(action, Interrupt | Activate | ParameterChange):
@@ -160,12 +160,12 @@ def _commanded(
         )
         return scene, (staged.warning(notice, now),)
     if isinstance(action, Activate):
-        return activated(scene, name, now)
+        return activate_block(scene, name, now)
     if isinstance(action, ParameterChange):
         return parameter_changed(scene, staged, behaviour, action, now)
     chosen = interrupted_by(action, other)
     if chosen == other.times.keys():
-        after, told = stopped(scene, other, now, f"{staged.id} interrupts it")
+        after, told = stop_block(scene, other, now, f"{staged.id} interrupts it")
     else:
         after, told = left_out(scene, other, chosen, now)
     after, astray = aimed_again(scene, after, now)

@@ -17,15 +17,15 @@ from kinesic.motion.transition import (
     excesses,
     kept,
     knot_at,
-    lengthened,
+    lengthen,
     roomy,
-    shortened,
+    shorten,
     together,
 )
-from kinesic.planning.clearance import LAG_RESERVE, scan
+from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.quick_plan import duration
-from kinesic.planning.setup import Facts
-from kinesic.realizer.occupancy import ARMS, Busy, arm
+from kinesic.planning.setup import Setup
+from kinesic.realizer.occupancy import ARMS, Busy, arm_hinges
 
 WAIT = 10  # knots that an interruption waits at least, when the way back is not clear
 MOST_WAITS = 6  # each twice as long as the one before
@@ -39,7 +39,7 @@ def released(
     running: Trajectory,
     time: float,
     hinges: Flags,
-    facts: Facts,
+    facts: Setup,
     *,
     layer: Trajectory | None = None,
     others: Sequence[Busy] = (),
@@ -66,18 +66,18 @@ def released(
 
 
 def _from(
-    running: Trajectory, knot: int, hinges: Flags, facts: Facts, layer: Trajectory | None, others: Sequence[Busy]
+    running: Trajectory, knot: int, hinges: Flags, facts: Setup, layer: Trajectory | None, others: Sequence[Busy]
 ) -> Trajectory | None:
     """The way back from a knot on; None where it is not clear of the body."""
     limits, free = roomy(facts.limits), np.flatnonzero(hinges).tolist()
     if not free:
         return running
-    own = lengthened(running.controls, knot + LEAST)
+    own = lengthen(running.controls, knot + LEAST)
     after = _without(own, layer, facts.robot)
     pieces = max(LEAST, ceil(EASE * _least(own, after, knot, facts.limits)[free].max() / STEP))
     while pieces <= LONGEST:
         count = max(len(after), knot + pieces + LEAST)
-        whole, goal = np.array(lengthened(own, count)), lengthened(after, count)
+        whole, goal = np.array(lengthen(own, count)), lengthen(after, count)
         land = knot + pieces
         found = together(crossed(whole[:, hinge], goal[:, hinge], knot, land, limits, hinge) for hinge in free)
         if found is not None:
@@ -102,14 +102,14 @@ def _without(own: Floats, layer: Trajectory | None, robot: Robot) -> Floats:
     """(k + 3, n) [rad] what goes on when a block is taken back: hands rest, and nothing leaves its range."""
     if layer is None:
         return np.repeat(robot.skeleton.rest[None], len(own), axis=0)
-    found = own - lengthened(layer.controls, len(own))[: len(own)]
+    found = own - lengthen(layer.controls, len(own))[: len(own)]
     found = np.clip(found, np.minimum(own, robot.skeleton.lower), np.maximum(own, robot.skeleton.upper))
     for role in ARMS:
-        found[:, arm(role, robot)] = found[-1, arm(role, robot)]
+        found[:, arm_hinges(role, robot)] = found[-1, arm_hinges(role, robot)]
     return found
 
 
-def _take_up(back: Floats, own: Floats, knot: int, others: Sequence[Busy], facts: Facts) -> None:
+def _take_up(back: Floats, own: Floats, knot: int, others: Sequence[Busy], facts: Setup) -> None:
     """Arms that came to rest take up again what else runs, when that begins; where it is too soon, all goes on."""
     limits = roomy(facts.limits)
     for role in ARMS:
@@ -117,12 +117,12 @@ def _take_up(back: Floats, own: Floats, knot: int, others: Sequence[Busy], facts
         if stop is None:
             continue
         leave, land = max(knot, int(stop.begin / STEP)), int(stop.ready / STEP)
-        hinges = arm(role, facts.robot)
+        hinges = arm_hinges(role, facts.robot)
         ways = together(crossed(back[:, hinge], own[:, hinge], leave, land, limits, hinge) for hinge in hinges)
         back[:, hinges] = own[:, hinges] if ways is None else ways
 
 
-def _checked(found: Floats, zero: float, knot: int, facts: Facts) -> Trajectory | None:
+def _checked(found: Floats, zero: float, knot: int, facts: Setup) -> Trajectory | None:
     """A motion in which what is left keeps the limits and the distances after a knot."""
     limits = roomy(facts.limits)
     for hinge in np.flatnonzero(excesses(found[knot:], limits) > 1.0).tolist():
@@ -130,8 +130,8 @@ def _checked(found: Floats, zero: float, knot: int, facts: Facts) -> Trajectory 
         if column is None:
             return None
         found[:, hinge] = column
-    motion = Trajectory(sealed(shortened(found)), zero)
-    _, clearance = scan(tail(motion, knot * STEP), facts.distances)
+    motion = Trajectory(sealed(shorten(found)), zero)
+    _, clearance = scan_clearance(tail(motion, knot * STEP), facts.distances)
     near = clearance.distances[clearance.worst] < facts.robot.least_clearance + LAG_RESERVE
     return None if near else motion
 

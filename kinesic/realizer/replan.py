@@ -11,11 +11,11 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.keys import Keys
 from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.motion.transition import LEAST, NOWHERE, SAME, crossed, knot_at, lengthened, placed, roomy, shortened
+from kinesic.motion.transition import LEAST, NOWHERE, SAME, crossed, delay_controls, knot_at, lengthen, roomy, shorten
 from kinesic.planning.plan import Plan
 from kinesic.realizer.conflicts import hindered
 from kinesic.realizer.merge import Merged
-from kinesic.realizer.occupancy import ARMS, Busy, Failed, Work, arm, busy, held
+from kinesic.realizer.occupancy import ARMS, Busy, Failed, Overlay, arm_hinges, occupancy_of, still_occupied
 from kinesic.realizer.overlay import laid
 
 AHEAD = 3  # keys of the other plan that a hand may pass before it is on its way
@@ -77,7 +77,7 @@ class _Change:
     @cached_property
     def own(self) -> tuple[Busy, ...]:
         """What the behaviours of the other plan need."""
-        return tuple(each.later(self.offset * STEP) for each in busy(self.better))
+        return tuple(each.later(self.offset * STEP) for each in occupancy_of(self.better))
 
     @property
     def begun(self) -> set[str]:
@@ -98,11 +98,11 @@ class _Change:
         """The block by the other plan, but for behaviours that end as they run."""
         gone, facts, count = {*self.playing.dropped, *ending}, self.better.facts, self._count
         going_on = [each for each in self.playing.busy if each.behaviour in ending and each.relax > self.knot * STEP]
-        work = Work(
+        work = Overlay(
             self._without_it(count),
-            lengthened(placed(self.better.trajectory.controls, self.offset), count),
+            lengthen(delay_controls(self.better.trajectory.controls, self.offset), count),
             self.knot,
-            held((*self.others, *going_on), self.knot * STEP),
+            still_occupied((*self.others, *going_on), self.knot * STEP),
             [each for each in self.own if each.behaviour not in gone],
             [each for each in self.own if each.behaviour in gone],
         )
@@ -110,7 +110,7 @@ class _Change:
         if isinstance(goal, Failed):
             return goal
         count = max(len(goal), self.knot + SOON[-1] + LEAST)
-        found = self._caught_up(lengthened(goal, count))
+        found = self._caught_up(lengthen(goal, count))
         if found is None:
             return Failed("", "a hinge cannot catch up")
         return hindered(work, found, facts) or self._told(found, gone, (*going_on, *work.performed))
@@ -123,18 +123,18 @@ class _Change:
 
     def _without_it(self, count: int) -> Floats:
         """What goes on without the block on the trunk; hands leave and take up what runs in any case."""
-        robot, layer = self.better.facts.robot, lengthened(self.playing.layer.controls, count)
-        found = np.array(lengthened(self.running.controls, count))
+        robot, layer = self.better.facts.robot, lengthen(self.playing.layer.controls, count)
+        found = np.array(lengthen(self.running.controls, count))
         trunk = [hinge for chain in ("torso", "neck") for hinge in robot.joints(chain)]
         found[:, trunk] -= layer[:, trunk]
         return found
 
     def _caught_up(self, goal: Floats) -> Floats | None:
         """Control points (k + 3, n) that leave the running motion and are soon on another."""
-        facts, own = self.better.facts, lengthened(self.running.controls, len(goal))
+        facts, own = self.better.facts, lengthen(self.running.controls, len(goal))
         places = (self.better.motion.planned + self.zero) / STEP
         keys = Keys.of(self.better.postures.postures, facts.limits).own
-        arms = {hinge for role in ARMS for hinge in arm(role, facts.robot)}
+        arms = {hinge for role in ARMS for hinge in arm_hinges(role, facts.robot)}
         found, limits = np.array(goal), roomy(facts.limits)
         for hinge in np.flatnonzero((np.abs(own - goal)[self.knot :] > SAME).any(axis=0)).tolist():
             coming = places[keys[hinge]] if hinge in arms else NOWHERE
@@ -149,14 +149,14 @@ class _Change:
     def _told(self, found: Floats, gone: Collection[str], needs: Sequence[Busy]) -> Merged:
         """The block as it now is."""
         slip, playing, zero = self.zero - self.playing.zero, self.playing, self.running.zero
-        layer = found - lengthened(self.running.controls, len(found)) + lengthened(playing.layer.controls, len(found))
+        layer = found - lengthen(self.running.controls, len(found)) + lengthen(playing.layer.controls, len(found))
         syncs = [sync for sync in playing.syncs if sync.behaviour in gone]
         syncs += [
             replace(sync, planned=sync.planned + slip) for sync in self.better.syncs if sync.behaviour not in gone
         ]
         return replace(
             playing,
-            trajectory=Trajectory(sealed(shortened(found)), zero),
+            trajectory=Trajectory(sealed(shorten(found)), zero),
             layer=Trajectory(sealed(layer), zero),
             busy=tuple(each.left(layer[-1]) for each in needs),
             planned=sealed(self.better.motion.planned + self.zero),

@@ -7,8 +7,8 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from kinesic.bml.block import Behaviour, Block, BmlError, Notice, NoticeType, Order, Synchronize, SyncRef, Timeline
-from kinesic.bml.composition import State, awaited
+from kinesic.bml.block import Behaviour, Block, BmlError, Notice, NoticeType, Precedence, Synchronize, SyncRef, Timeline
+from kinesic.bml.composition import BlockState, awaited
 from kinesic.bml.feedback import prediction, warning
 from kinesic.bml.parse import UNNAMED, parse
 from kinesic.bml.reading.tree import BOUNDS, Bounds
@@ -17,8 +17,8 @@ from kinesic.bml.timing.constraints import Point, point_of
 from kinesic.body.utterance import Utterance
 from kinesic.expressivity.durations import spans
 from kinesic.expressivity.hands.coarticulation import Engaged
-from kinesic.planning.setup import Facts
-from kinesic.planning.speech import spoken
+from kinesic.planning.setup import Setup
+from kinesic.planning.speech import synthesise_block
 
 LEAD = 0.15  # [s] from the asking to the beginning of a block that refers to others: time to plan it
 _ID = re.compile(rb"""<(?:\w+:)?bml\b[^>]*?\sid\s*=\s*["']([^"']+)["']""")
@@ -29,7 +29,7 @@ class Around:
     """Other blocks, in global time [s]."""
 
     now: float = 0.0
-    states: Mapping[str, State] = field(
+    states: Mapping[str, BlockState] = field(
         default_factory=dict
     )  # of blocks that are not over, in the order of their coming
     relaxes: Mapping[str, float] = field(default_factory=dict)  # id -> when it will have subsided
@@ -74,7 +74,7 @@ def anchored(block: Block, around: Around, zero: float) -> Block:
     def behaviour(one: Behaviour) -> Behaviour:
         return replace(one, syncs={sync: own(ref) for sync, ref in one.syncs.items()})
 
-    def constraint(one: Synchronize | Order) -> Synchronize | Order:
+    def constraint(one: Synchronize | Precedence) -> Synchronize | Precedence:
         if isinstance(one, Synchronize):
             return replace(one, refs=tuple(map(own, one.refs)))
         return replace(one, earlier=own(one.earlier), later=tuple(map(own, one.later)))
@@ -137,7 +137,7 @@ class Asked:
         return prediction(self.block.id, start, end, self.times, types=types, zero=self.zero, character=character)
 
 
-def asked(message: Message, facts: Facts, *, around: Around = ALONE, bounds: Bounds = BOUNDS) -> Asked:
+def asked(message: Message, facts: Setup, *, around: Around = ALONE, bounds: Bounds = BOUNDS) -> Asked:
     """Reads, says and times a block.
 
     Args:
@@ -163,25 +163,25 @@ def asked(message: Message, facts: Facts, *, around: Around = ALONE, bounds: Bou
     return found if is_anchored else replace(found, zero=zero - found.timeline.start)
 
 
-def again(earlier: Asked, facts: Facts) -> Asked:
+def again(earlier: Asked, facts: Setup) -> Asked:
     """Says and times a block anew, with other facts or after it was changed.
 
     Raises:
         BmlError: something `required` cannot be timed.
     """
     block = earlier.block
-    utterances = earlier.utterances if earlier.is_decided else spoken(block, facts)
+    utterances = earlier.utterances if earlier.is_decided else synthesise_block(block, facts)
     natural = spans(block, style=facts.style, lexicon=facts.lexicon, pace=facts.pace, targets=facts.targets)
     timeline = schedule(block, utterances, natural)
     return replace(earlier, block=block, utterances=utterances, timeline=timeline)
 
 
-def refused(message: Message, error: BmlError) -> str:
+def refusal_feedback(message: Message, error: BmlError) -> str:
     """The warningFeedback for a document that is refused, by the id of its block where that can be read."""
-    return warning(Notice(NoticeType.PARSING_FAILURE, named(message.text), str(error)))
+    return warning(Notice(NoticeType.PARSING_FAILURE, block_id(message.text), str(error)))
 
 
-def named(text: str | bytes) -> str:
+def block_id(text: str | bytes) -> str:
     """The id of a document's block as its first tag has it; that of a block without one if it has none."""
     found = _ID.search(text.encode() if isinstance(text, str) else text)
     return found[1].decode(errors="replace") if found else UNNAMED

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from kinesic.bml.block import Block, Notice, Speech
-from kinesic.bml.composition import State, Until
+from kinesic.bml.composition import BlockState, Until
 from kinesic.bml.feedback import prediction, warning
 from kinesic.bml.timing.constraints import Point
 from kinesic.body.arrays import Floats, sealed
@@ -62,7 +62,7 @@ class Staged:
     """A block that waits or plays."""
 
     ready: Ready
-    state: State
+    state: BlockState
     zero: float  # [s] global time of its time 0; as expected while it waits
     times: Times  # of its sync points, as performed; of behaviours that are left out none
     waits: dict[str, Until] = field(default_factory=dict)  # other blocks, and what must come of them
@@ -70,7 +70,7 @@ class Staged:
     told: tuple[float, Times] | None = None  # zero and times of its last prediction
 
     @classmethod
-    def of(cls, ready: Ready, state: State, waits: dict[str, Until]) -> "Staged":
+    def of(cls, ready: Ready, state: BlockState, waits: dict[str, Until]) -> "Staged":
         """A block that has not begun."""
         return cls(ready, state, ready.asked.zero, times_of(ready.plan.syncs), waits)
 
@@ -201,7 +201,7 @@ class Past:
     """What is remembered of a block that is over."""
 
     id: str
-    state: State
+    state: BlockState
     points: Mapping[Point, float]  # [s] global
 
 

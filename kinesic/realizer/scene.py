@@ -7,12 +7,12 @@ from functools import cached_property
 import numpy as np
 
 from kinesic.bml.block import Notice
-from kinesic.bml.composition import State
+from kinesic.bml.composition import BlockState
 from kinesic.bml.feedback import warning
 from kinesic.bml.timing.constraints import Point
 from kinesic.body.arrays import Flags
-from kinesic.motion.trajectory import STEP, Trajectory, held
-from kinesic.planning.setup import Facts
+from kinesic.motion.trajectory import STEP, Trajectory, stay
+from kinesic.planning.setup import Setup
 from kinesic.realizer.feedback import Due
 from kinesic.realizer.occupancy import Busy, settled
 from kinesic.realizer.request import Around, Asked
@@ -28,7 +28,7 @@ REMEMBERED = 32  # blocks that are over and can be referred to
 class Scene:
     """All blocks that are not over, the motion that performs them, and what will be told."""
 
-    facts: Facts
+    facts: Setup
     motion: Trajectory
     epoch: float  # [s] global time of the motion's time 0
     blocks: tuple[Staged, ...] = ()  # in the order in which they came
@@ -40,7 +40,7 @@ class Scene:
     left: tuple[Busy, ...] = ()  # what stays of blocks that are over
 
     @classmethod
-    def of(cls, facts: Facts, now: float = 0.0, *, character: str | None = None, ahead: float = 0.0) -> "Scene":
+    def of(cls, facts: Setup, now: float = 0.0, *, character: str | None = None, ahead: float = 0.0) -> "Scene":
         """At rest, with nothing asked.
 
         Args:
@@ -49,7 +49,7 @@ class Scene:
             character: who performs here: blocks for others are refused. None: every block is performed.
             ahead: [s] by which the motion is handed over before it is performed.
         """
-        return cls(facts, held(facts.robot.skeleton.rest), now, character=character, ahead=ahead)
+        return cls(facts, stay(facts.robot.skeleton.rest), now, character=character, ahead=ahead)
 
     @cached_property
     def _by_id(self) -> dict[str, Staged]:
@@ -60,7 +60,7 @@ class Scene:
         return self._by_id.get(id)
 
     @property
-    def states(self) -> dict[str, State]:
+    def states(self) -> dict[str, BlockState]:
         """Of blocks that are not over, in the order in which they came."""
         return {each.id: each.state for each in self.blocks}
 
@@ -115,7 +115,7 @@ class Scene:
 
     def _look(self, staged: Staged) -> float:
         """When to see whether a block that waits has its turn [s] global; never, as long as one it waits for waits."""
-        if staged.state is not State.LURKING:
+        if staged.state is not BlockState.LURKING:
             return np.inf
         for id in reversed(staged.waits):  # the last that came has its turn last
             other = self.find(id)
@@ -147,12 +147,12 @@ class Scene:
             return replace(self, blocks=(*self.blocks, staged))
         return replace(self, blocks=tuple(staged if each.id == staged.id else each for each in self.blocks))
 
-    def gone(self, staged: Staged, state: State) -> "Scene":
+    def gone(self, staged: Staged, state: BlockState) -> "Scene":
         """Without a block that is over."""
         past = Past(staged.id, state, staged.points)
         return replace(
             self,
-            left=settled((*self.left, *staged.busy)) if state is State.DONE else self.left,
+            left=settled((*self.left, *staged.busy)) if state is BlockState.DONE else self.left,
             blocks=tuple(each for each in self.blocks if each.id != staged.id),
             wishes=tuple(wish for wish in self.wishes if wish.block.id != staged.id),
             past=(*(each for each in self.past if each.id != past.id), past)[-REMEMBERED:],

@@ -3,10 +3,10 @@
 from dataclasses import replace
 
 from kinesic.bml.block import Composition, Notice, NoticeType
-from kinesic.bml.composition import State
+from kinesic.bml.composition import BlockState
 from kinesic.planning.syncs import SHIFT_TO_WARN
-from kinesic.realizer.contention import busy, heard
-from kinesic.realizer.ending import Told, ended, stopped
+from kinesic.realizer.contention import occupancy_of_others, silence_overlap
+from kinesic.realizer.ending import Told, ended, stop_block
 from kinesic.realizer.feedback import Due, ordered, times_of, without
 from kinesic.realizer.merge import Merged, merged, replaced
 from kinesic.realizer.pointing import aimed_again
@@ -27,25 +27,25 @@ def started(scene: Scene, staged: Staged, now: float) -> tuple[Scene, Told]:
     before = scene = scene.put(staged)
     for id in staged.block.succession.interrupts:
         if (other := scene.find(id)) is not None and id != staged.id:
-            scene, told = stopped(scene, other, now, f"{staged.id} interrupts it")
+            scene, told = stop_block(scene, other, now, f"{staged.id} interrupts it")
             dues += told
     if staged.block.composition is Composition.REPLACE:
         for other in scene.blocks:
-            if other.id != staged.id and other.state is not State.PENDING:
-                ends = ended if staged.ready.moves else stopped  # where it moves, it moves all that did
+            if other.id != staged.id and other.state is not BlockState.PENDING:
+                ends = ended if staged.ready.moves else stop_block  # where it moves, it moves all that did
                 scene, told = ends(scene, other, now, f"{staged.id} replaces it")
                 dues += told
     if staged.block.composition is Composition.REPLACE and staged.ready.moves:
         scene, staged, notices = _in_place(scene, staged, wished, now)
     else:
         scene, staged, notices = _beside(scene, staged, wished, now)
-    staged, speech_notices = heard(scene, staged)
+    staged, speech_notices = silence_overlap(scene, staged)
     notices = (*notices, *speech_notices, *_late(staged))
     left_out = times_of(staged.ready.plan.syncs).keys() - staged.times.keys()
     missing = [each.id for each in staged.block.behaviours if each.required and each.id in left_out]
     if missing:
         return _failed(before, staged, missing, notices, now)
-    staged = replace(staged, state=State.IN_EXEC)
+    staged = replace(staged, state=BlockState.IN_EXEC)
     if staged.differs(SHIFT_TO_WARN):
         dues.append(staged.prediction(now))
     dues += [staged.warning(notice, now) for notice in notices]
@@ -64,22 +64,24 @@ def _failed(
     text = f"not performed, because it requires {', '.join(missing)}"
     every = (*notices, Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, staged.id, text))
     agenda = tuple(due for due in without(scene.agenda, staged.id) if due.unless_improved != staged.id)
-    return replace(scene.gone(staged, State.FAILED), agenda=agenda), tuple(staged.warning(each, now) for each in every)
+    return replace(scene.gone(staged, BlockState.FAILED), agenda=agenda), tuple(
+        staged.warning(each, now) for each in every
+    )
 
 
-def activated(scene: Scene, id: str, now: float) -> tuple[Scene, Told]:
+def activate_block(scene: Scene, id: str, now: float) -> tuple[Scene, Told]:
     """Begins a block that was sent early, or lets it wait for its turn; others stay as they are."""
     staged = scene.find(id)
-    if staged is None or staged.state is not State.PENDING:
+    if staged is None or staged.state is not BlockState.PENDING:
         return scene, ()
-    waiting = replace(staged, state=State.LURKING)
+    waiting = replace(staged, state=BlockState.LURKING)
     scene = scene.put(waiting)
     return started(scene, waiting, now) if scene.has_turn(waiting, now) else (scene, ())
 
 
 def _activated(scene: Scene, ids: tuple[str, ...], now: float, dues: list[Due]) -> tuple[Scene, Told]:
     for id in ids:
-        scene, told = activated(scene, id, now)
+        scene, told = activate_block(scene, id, now)
         dues += told
     return scene, tuple(dues)
 
@@ -95,7 +97,7 @@ def _beside(scene: Scene, staged: Staged, wished: float, now: float) -> tuple[Sc
     """Laid over what plays; what meets it is left out."""
     if not staged.ready.moves:
         return scene, replace(staged, zero=wished), ()
-    others, begin = busy(scene, replace(staged, zero=wished)), scene.performance(wished)
+    others, begin = occupancy_of_others(scene, replace(staged, zero=wished)), scene.performance(wished)
     laid = merged(scene.motion, scene.first_change(now), staged.ready.plan, begin=begin, busy=others)
     return _with(scene, staged, laid)
 

@@ -16,7 +16,7 @@ import msgspec
 from kinesic.bml.block import BmlError
 from kinesic.controller.perform import performances
 from kinesic.controller.performance import Performance
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 from kinesic.report.checks import Check, checks
 from kinesic.report.report import Json, report
 from kinesic.report.worker_pool import Crash, crew
@@ -29,14 +29,14 @@ SUFFIXES = (".xml", ".bml")
 JOURNAL = "finished.jsonl"
 
 
-class Line(msgspec.Struct, Generic[Entry], frozen=True):
+class BatchLine(msgspec.Struct, Generic[Entry], frozen=True):
     """One finished piece of work."""
 
     key: str  # everything that its result depends on
     entry: Entry
 
 
-class Journal(Generic[Entry]):
+class BatchJournal(Generic[Entry]):
     """A file of finished work. A line counts when it is whole; what a killed process began to write does not."""
 
     def __init__(self, path: Path, kind: type[Entry]) -> None:
@@ -47,7 +47,7 @@ class Journal(Generic[Entry]):
             kind: of the entries, any type that msgspec can read.
         """
         self._path = path
-        self._decoder = msgspec.json.Decoder(Line[kind])  # type: ignore[valid-type]  # a type that is known at run time
+        self._decoder = msgspec.json.Decoder(BatchLine[kind])  # type: ignore[valid-type]  # a type that is known at run time
 
     def read(self) -> dict[str, Entry]:
         """Key -> entry of every whole line."""
@@ -78,11 +78,11 @@ class Journal(Generic[Entry]):
 
 
 def _line(key: str, entry: object) -> bytes:
-    return msgspec.json.encode(Line(key, entry)) + b"\n"
+    return msgspec.json.encode(BatchLine(key, entry)) + b"\n"
 
 
 @dataclass(frozen=True)
-class Verdict:
+class DocumentVerdict:
     """What became of one document."""
 
     file: str
@@ -115,15 +115,15 @@ def documents(paths: tuple[Path, ...]) -> list[Path]:
     return list(dict.fromkeys(found))
 
 
-def validate(
+def validate_documents(
     files: Iterable[Path],
-    make_facts: Callable[[], Facts],
+    make_facts: Callable[[], Setup],
     *,
     jobs: int,
     twins: tuple[Factors, ...] = (NOMINAL,),
     folder: Path | None = None,
     settings: str = "",
-) -> Generator[Verdict, None, None]:
+) -> Generator[DocumentVerdict, None, None]:
     """Dry-runs documents; verdicts come in the order in which they are ready, those of an earlier run first.
 
     With a folder, each report is written there, and each verdict is noted as soon as it is known: a run with the same
@@ -139,7 +139,7 @@ def validate(
         settings: everything beside a document that its verdict depends on; another text makes a fresh start.
     """
     tasks = {file: _key(file, settings) for file in files}
-    journal = Journal(folder / JOURNAL, Verdict) if folder else None
+    journal = BatchJournal(folder / JOURNAL, DocumentVerdict) if folder else None
     known = _resumed(journal, tasks) if journal else {}
     yield from known.values()
     left = [file for file in tasks if file not in known]
@@ -160,7 +160,7 @@ def _key(file: Path, settings: str) -> str:
     return hashlib.sha256(b"\0".join([settings.encode(), str(file).encode(), content])).hexdigest()
 
 
-def _resumed(journal: Journal[Verdict], tasks: dict[Path, str]) -> dict[Path, Verdict]:
+def _resumed(journal: BatchJournal[DocumentVerdict], tasks: dict[Path, str]) -> dict[Path, DocumentVerdict]:
     """Verdicts that still hold; a crash is tried again."""
     noted = journal.read()
     known = {
@@ -176,18 +176,18 @@ def _is_there(path: str | None) -> bool:
     return path is None or Path(path).exists()
 
 
-def _crashed(file: Path, crash: Crash, folder: Path | None, key: str) -> Verdict:
+def _crashed(file: Path, crash: Crash, folder: Path | None, key: str) -> DocumentVerdict:
     if folder:
         (folder / f"{_name(file, key)}.crash.txt").write_text(crash.trace, encoding="utf-8")
-    return Verdict(str(file), "crashed", 1, error=f"{file}: {crash.reason}")
+    return DocumentVerdict(str(file), "crashed", 1, error=f"{file}: {crash.reason}")
 
 
 def _prepare(
-    make_facts: Callable[[], Facts], twins: tuple[Factors, ...], folder: Path | None, tasks: dict[Path, str]
-) -> Callable[[Path], Verdict]:
+    make_facts: Callable[[], Setup], twins: tuple[Factors, ...], folder: Path | None, tasks: dict[Path, str]
+) -> Callable[[Path], DocumentVerdict]:
     known = make_facts()
 
-    def do(file: Path) -> Verdict:
+    def do(file: Path) -> DocumentVerdict:
         verdict, data = judge(file, known, twins=twins)
         if not folder or not data:
             return verdict
@@ -203,7 +203,9 @@ def _name(file: Path, key: str) -> str:
     return f"{file.stem}-{key[:8]}"
 
 
-def judge(file: Path, known: Facts, *, twins: tuple[Factors, ...] = (NOMINAL,)) -> tuple[Verdict, dict[str, Json]]:
+def judge(
+    file: Path, known: Setup, *, twins: tuple[Factors, ...] = (NOMINAL,)
+) -> tuple[DocumentVerdict, dict[str, Json]]:
     """Performs one document in the twin.
 
     Returns:
@@ -212,15 +214,15 @@ def judge(file: Path, known: Facts, *, twins: tuple[Factors, ...] = (NOMINAL,)) 
     try:
         performance, *beside = performances(file.read_bytes(), twins, known, source=str(file))
     except BmlError as error:
-        return Verdict(str(file), "refused", 0, error=str(error)), {}
+        return DocumentVerdict(str(file), "refused", 0, error=str(error)), {}
     except OSError as error:
-        return Verdict(str(file), "refused", 2, error=f"{file}: {error.strerror}"), {}
+        return DocumentVerdict(str(file), "refused", 2, error=f"{file}: {error.strerror}"), {}
     data = report(performance, source=str(file), beside=beside)
     outcomes = performance.plan.keyframes.outcomes
     behaviours = tuple((b.type, outcomes[b.id].kind) for b in performance.plan.timeline.block.behaviours)
     if behaviours and all(outcome == "dropped" for _, outcome in behaviours):
-        return Verdict(str(file), "refused", 0, behaviours, error=_nothing_left(file, performance)), data
-    return Verdict(str(file), "performed", 0 if data["ok"] else 1, behaviours, checks(performance)), data
+        return DocumentVerdict(str(file), "refused", 0, behaviours, error=_nothing_left(file, performance)), data
+    return DocumentVerdict(str(file), "performed", 0 if data["ok"] else 1, behaviours, checks(performance)), data
 
 
 def _nothing_left(file: Path, performance: Performance) -> str:

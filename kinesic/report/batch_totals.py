@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from kinesic.report.batch import Verdict
+from kinesic.report.batch import DocumentVerdict
 from kinesic.report.checks import Check
 from kinesic.report.report import Json
 
@@ -22,7 +22,7 @@ class Tally:
     file: str  # where the worst value is
 
 
-def tallies(verdicts: Iterable[Verdict]) -> list[Tally]:
+def tallies(verdicts: Iterable[DocumentVerdict]) -> list[Tally]:
     """Every check that was made, in the order of the report."""
     found: dict[str, list[tuple[Check, str]]] = {}
     for verdict in verdicts:
@@ -37,7 +37,7 @@ def _tally(name: str, made: list[tuple[Check, str]]) -> Tally:
     return Tally(name, (passed, warned, failed), worst, file)
 
 
-def totals(verdicts: list[Verdict]) -> dict[str, Json]:
+def totals(verdicts: list[DocumentVerdict]) -> dict[str, Json]:
     """Counts over documents and behaviours, in all and per folder and type of behaviour, and over checks."""
     folders: dict[str, Json] = {}
     for folder in sorted({str(Path(verdict.file).parent) for verdict in verdicts}):
@@ -50,7 +50,7 @@ def totals(verdicts: list[Verdict]) -> dict[str, Json]:
     return {**counts(verdicts), "folders": folders, "checks": {tally.name: _json(tally) for tally in tallies(verdicts)}}
 
 
-def counts(verdicts: list[Verdict]) -> dict[str, Json]:
+def counts(verdicts: list[DocumentVerdict]) -> dict[str, Json]:
     """How many documents, what became of them, and of their behaviours; `failed` of those that were performed."""
     return {
         "documents": len(verdicts),

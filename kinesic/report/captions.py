@@ -18,7 +18,7 @@ class Said:
     text: str
 
 
-def spoken(plan: Plan) -> Iterator[Said]:
+def captions(plan: Plan) -> Iterator[Said]:
     """Every text between its marks, each piece when it is said."""
     for timed in plan.timeline.timed:
         name, action = timed.behaviour.id, timed.behaviour.action

@@ -22,7 +22,7 @@ class Following:
     min_distance_m: float
 
 
-def following(performance: Performance) -> Following:
+def measure_tracking(performance: Performance) -> Following:
     """Measures one performance."""
     found, strokes = tracking(performance), stroke_errors(performance)
     errors = [abs(error) for error, _ in strokes if error is not None]

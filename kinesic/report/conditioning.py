@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.controller.arrival import HANDS, paths
+from kinesic.controller.arrival import HANDS, part_paths
 from kinesic.controller.performance import Performance
 from kinesic.expressivity.keyframes import PartName
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime, limit_met
@@ -109,7 +109,7 @@ class _Wish:
 def _wish(performance: Performance) -> _Wish:
     wished = performance.plan.wished
     times = np.arange(int(np.ceil(wished.duration * RATE)) + 1) / RATE
-    return _Wish(times - wished.zero, paths(wished.sample(times)[0], performance.plan.facts.robot))
+    return _Wish(times - wished.zero, part_paths(wished.sample(times)[0], performance.plan.facts.robot))
 
 
 def _moved(sync: SyncTime, performance: Performance) -> Moved:

@@ -8,11 +8,11 @@ from pathlib import Path
 
 from kinesic.body.config import ConfigError
 from kinesic.controller.performance import Performance
-from kinesic.controller.play import play, ticks
+from kinesic.controller.play import command_times, play
 from kinesic.controller.soundtrack import sound, write_wav
 from kinesic.face.display import DisplayError
-from kinesic.face.show.recording import Recording
-from kinesic.planning.face_track import asks_face, faced
+from kinesic.face.show.recording import FaceRecording
+from kinesic.planning.face_track import asks_face, commands_with_face
 from kinesic.planning.plan import Plan
 from kinesic.report.page import write_page
 from kinesic.report.report import Json
@@ -60,7 +60,7 @@ class Written:
     voice: Path | None = None  # what is heard
 
 
-def write(performance: Performance, data: dict[str, Json], folder: Path, *, film: bool = True) -> Written:
+def write_report(performance: Performance, data: dict[str, Json], folder: Path, *, film: bool = True) -> Written:
     """Writes report.json, report.html, measured.npz, speech.wav and, where OpenGL works, films of twin and face."""
     plan = performance.plan
     report = emptied(folder) / "report.json"
@@ -73,11 +73,11 @@ def write(performance: Performance, data: dict[str, Json], folder: Path, *, film
         write_wav(heard, voice)
     page = folder / "report.html"
     written = Written(report, page, measured, picture, why, face, why_not, None if heard is None else voice)
-    tell(written, performance, data)
+    rewrite(written, performance, data)
     return written
 
 
-def tell(written: Written, performance: Performance, data: dict[str, Json]) -> None:
+def rewrite(written: Written, performance: Performance, data: dict[str, Json]) -> None:
     """Writes the report and its page, over older ones."""
     written.report.write_text(json.dumps(data, indent=1), encoding="utf-8")
     write_page(
@@ -96,9 +96,9 @@ def _face(plan: Plan, path: Path) -> tuple[Path | None, str]:
     """The path of the face's film, or why there is none."""
     if not asks_face(plan):
         return None, "nothing is asked of it"
-    times = ticks(plan.duration, rate=FACE_RATE)
+    times = command_times(plan.duration, rate=FACE_RATE)
     try:
-        play(faced(plan, times), Recording(path, plan.facts.robot, rate=FACE_RATE, side=FACE_SIDE))
+        play(commands_with_face(plan, times), FaceRecording(path, plan.facts.robot, rate=FACE_RATE, side=FACE_SIDE))
     except DisplayError as error:
         return None, str(error)
     return path, ""

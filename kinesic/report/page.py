@@ -13,14 +13,14 @@ from kinesic.expressivity.style.style import MODALITIES, RANGES
 from kinesic.report.checks.servos import CONTINUOUS
 from kinesic.report.conditioning import story, strays
 from kinesic.report.plots.hands import hands
-from kinesic.report.plots.joints import joints, still
+from kinesic.report.plots.joints import joints, still_hinges
 from kinesic.report.plots.margins import margins
 from kinesic.report.plots.score import score
 from kinesic.report.plots.svg import spark
-from kinesic.report.replay import replay
+from kinesic.report.replay import replay_data
 from kinesic.report.report import Json
-from kinesic.report.servo_load import draw, loads
-from kinesic.report.tiles import SEVERITY, number, tiles
+from kinesic.report.servo_load import draw_load, loads
+from kinesic.report.tiles import SEVERITY, format_number, tiles
 
 FILM_TYPES = {".webp": "image/webp", ".png": "image/png", ".gif": "image/gif"}
 SOUND_TYPES = {".wav": "audio/wav"}
@@ -64,7 +64,7 @@ def write_page(
         verdict=verdict(data),
         look=Markup((HERE / "page.css").read_text(encoding="utf-8")),
         player=Markup("\n".join((HERE / name).read_text(encoding="utf-8") for name in SCRIPTS)),
-        replay=replay(performance),
+        replay=replay_data(performance),
         tiles=tiles(_rows(data, "checks")),
         checks=sorted(_rows(data, "checks"), key=lambda row: SEVERITY[str(row["status"])]),
         behaviours=sorted(_rows(data, "behaviours"), key=lambda row: OUTCOMES[str(row["outcome"])]),
@@ -75,7 +75,7 @@ def write_page(
         parameters=list(RANGES),
         loads=(strained[:FIRST_LOADS], strained[FIRST_LOADS:]),
         continuous=CONTINUOUS,
-        draw=draw(performance),
+        draw=draw_load(performance),
         film=None if film is None else _embedded(film, FILM_TYPES),
         no_film=no_film,
         face=None if face is None else _embedded(face, {".webp": FILM_TYPES[".webp"]}),
@@ -84,7 +84,7 @@ def write_page(
         zero=performance.plan.trajectory.zero,
         score=score(performance),
         joints=list(joints(performance)),
-        still=still(performance),
+        still=still_hinges(performance),
         hands=hands(performance),
         margins=margins(performance),
     )
@@ -97,8 +97,8 @@ def _template() -> Template:
     environment = Environment(
         loader=FileSystemLoader(HERE), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    environment.filters |= {"number": number, "shift": shift, "spark": spark}
-    environment.filters |= {"breakable": breakable, "departure": departure}
+    environment.filters |= {"number": format_number, "shift": shift, "spark": spark}
+    environment.filters |= {"breakable": breakable, "departure": style_departures}
     return environment.get_template("page.jinja")
 
 
@@ -112,14 +112,16 @@ def verdict(data: Mapping[str, Json]) -> str:
     failed = [row for row in checks if row["status"] == "fail"]
     dropped = [row for row in _rows(data, "behaviours") if row["outcome"] == "dropped"]
     timing = data["timing"]
-    duration = number(timing["duration_s"]) if isinstance(timing, dict) else "?"
+    duration = format_number(timing["duration_s"]) if isinstance(timing, dict) else "?"
     counts = (
         (sum(row["status"] == "warn" for row in checks), "missed goal"),
         (len(dropped), "dropped behaviour"),
         (len(_rows(data, "warnings")), "warning"),
     )
     notes = ", ".join(f"{count} {noun}{'s' if count > 1 else ''}" for count, noun in counts if count)
-    fails = ", ".join(f"{row['name']} {number(row['value'])} (limit {number(row['limit'])})" for row in failed)
+    fails = ", ".join(
+        f"{row['name']} {format_number(row['value'])} (limit {format_number(row['limit'])})" for row in failed
+    )
     what = f"{data['input']} on {data['robot']}, {duration} s"
     return f"{'fail' if failed else 'ok'}: {what}, {fails or 'nothing fails'}{'; ' if notes else ''}{notes}"
 
@@ -129,7 +131,7 @@ def shift(seconds: float) -> str:
     return f"{1000 * seconds:+.0f}\u2009ms".replace("-", "\u2212")
 
 
-def departure(row: Mapping[str, Json], style: Mapping[str, Json]) -> str:
+def style_departures(row: Mapping[str, Json], style: Mapping[str, Json]) -> str:
     """The numbers with which a behaviour departs from its style, by who said them.
 
     Args:
@@ -145,7 +147,7 @@ def departure(row: Mapping[str, Json], style: Mapping[str, Json]) -> str:
     said: dict[str, list[str]] = {}
     for name, value in values.items():
         if value != own[name]:
-            said.setdefault(str(sources[name]), []).append(f"{name} {number(value)}".replace("-", "\u2212"))
+            said.setdefault(str(sources[name]), []).append(f"{name} {format_number(value)}".replace("-", "\u2212"))
     return "; ".join(f"{', '.join(numbers)} ({source})" for source, numbers in said.items())
 
 

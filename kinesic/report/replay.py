@@ -9,7 +9,7 @@ from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Capsule, Hinge
 from kinesic.controller.performance import Performance
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
-from kinesic.report.captions import spoken
+from kinesic.report.captions import captions
 from kinesic.report.plots.svg import is_stroke
 from kinesic.report.report import Json
 from kinesic.sim.scene_style import VIEW_FROM, VIEW_HEIGHT, VIEW_RISE, eyeballs, parts
@@ -21,7 +21,7 @@ DUTY_STEP = 0.01  # of a byte
 DIGITS = 4  # of lengths [m]
 
 
-def replay(performance: Performance) -> dict[str, Json]:
+def replay_data(performance: Performance) -> dict[str, Json]:
     """What the player reads.
 
     Angles are 16-bit integers, duties bytes, both little-endian in base64, one row of hinges for each frame.
@@ -52,7 +52,7 @@ def replay(performance: Performance) -> dict[str, Json]:
         "motions": {name: _packed(angles / step, "<i2") for name, angles in motions.items()},
         "duties": _packed(duties / DUTY_STEP, "u1"),
         "marks": _marks(performance),
-        "words": [[round(said.begin, 3), round(said.end, 3), said.text] for said in spoken(plan)],
+        "words": [[round(said.begin, 3), round(said.end, 3), said.text] for said in captions(plan)],
     }
 
 

@@ -10,14 +10,14 @@ from kinesic.bml.block import Behaviour, Block
 from kinesic.bml.reading.manner import modality_of
 from kinesic.controller.performance import Performance
 from kinesic.controller.smoothness import dimensionless_jerk, spectral_arc_length
-from kinesic.expressivity.style.resolve import told
+from kinesic.expressivity.style.resolve import resolve_numbers
 from kinesic.expressivity.style.style import Style
 from kinesic.ik import KERNEL
 from kinesic.planning.plan import Plan
 from kinesic.report.checks import TOLERANCE, Check, checks
 from kinesic.report.checks.plan import penetrations
 from kinesic.report.checks.twin import tracking
-from kinesic.report.comparison import following
+from kinesic.report.comparison import measure_tracking
 from kinesic.report.conditioning import story
 from kinesic.report.feedback import feedback
 from kinesic.version import __version__
@@ -62,7 +62,7 @@ def report(
         "collision": _collision(performance),
         "smoothness": _smoothness(performance),
         "power": _power(performance),
-        "twins": {each.twin_name: asdict(following(each)) for each in (performance, *beside)},
+        "twins": {each.twin_name: asdict(measure_tracking(each)) for each in (performance, *beside)},
         "warnings": [{"type": n.type.value, "id": n.id, "text": n.text} for n in plan.notices],
         "feedback": list(feedback(plan, performance.lags)),
         "timing": _timing(performance, checking),
@@ -88,7 +88,7 @@ def _manner(behaviour: Behaviour, plan: Plan) -> dict[str, Json] | None:
     modality = modality_of(behaviour.action)
     if modality is None:
         return None
-    found = told(plan.facts.style, modality, plan.timeline.block, behaviour)
+    found = resolve_numbers(plan.facts.style, modality, plan.timeline.block, behaviour)
     carried: dict[str, Json] = {"intensity": behaviour.manner.intensity}  # of Greta's signals
     return {"modality": modality, "values": asdict(found.expressivity), "sources": dict(found.sources), **carried}
 

@@ -12,7 +12,7 @@ FULL = 1.0  # duty, above which the servo gives all it has
 
 
 @dataclass(frozen=True, eq=False)
-class Load:
+class DriveLoad:
     """One hinge's drive over a performance in the twin."""
 
     hinge: str
@@ -32,13 +32,13 @@ class Load:
         return max(self.duty / FULL, self.rms / CONTINUOUS)
 
 
-def loads(performance: Performance) -> tuple[Load, ...]:
+def loads(performance: Performance) -> tuple[DriveLoad, ...]:
     """Every drive, the most strained first."""
     measured, robot = performance.measured, performance.robot
     duties = np.abs(measured.duties)
     shares = np.abs(measured.torques) / np.array([drive.stall for drive in robot.drives])
     found = [
-        Load(
+        DriveLoad(
             hinge=name,
             servo=drive.servo.name if drive.count == 1 else f"{drive.count} x {drive.servo.name}",
             planned=float(np.abs(performance.reference.duties[:, k]).max()),
@@ -68,7 +68,7 @@ class Draw:
     warming: float  # [K] of its winding
 
 
-def draw(performance: Performance) -> Draw:
+def draw_load(performance: Performance) -> Draw:
     """Current, energy and warming over the performance in the twin."""
     measured, supply = performance.measured, performance.plan.facts.robot.supply
     power = measured.power

@@ -80,11 +80,11 @@ def quantity(value: Json, unit: str) -> tuple[str, str]:
         value = scale * value
     if isinstance(value, float) and unit == "ratio":
         return f"{value:.2f}", ""
-    brief = f"{value:.2g}" if isinstance(value, float) and abs(value) < 0.1 else number(value)
+    brief = f"{value:.2g}" if isinstance(value, float) and abs(value) < 0.1 else format_number(value)
     return brief.replace("-", "\u2212"), SYMBOLS.get(unit, unit)
 
 
-def number(value: Json) -> str:
+def format_number(value: Json) -> str:
     """A number with three digits that count; other values as they are, none as a dash."""
     if value is None:
         return "\u2013"

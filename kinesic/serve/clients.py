@@ -11,16 +11,16 @@ from kinesic.serve.protocol import (
     Control,
     Enquiry,
     Hello,
-    Interrupt,
+    InterruptCommand,
     Ping,
     Restyle,
     Resume,
     Stop,
     control,
-    told,
+    json_answer,
 )
-from kinesic.serve.queues import Outbox, Waiting
-from kinesic.serve.quotas import Bucket, Rules, refused
+from kinesic.serve.queues import Outbox, QueuedDocument
+from kinesic.serve.quotas import Bucket, Rules, quota_feedback
 from kinesic.serve.session import Performer
 
 NORMAL, POLICY, TOO_BIG, LATER = 1000, 1008, 1009, 1013  # WebSocket's close codes
@@ -108,27 +108,29 @@ class Desk:
         try:
             wish = control(message)
         except ValueError as error:
-            guest.put(told("refused", why=str(error)))
+            guest.put(json_answer("refused", why=str(error)))
             return
         if not guest.admitted:
             self._admit(guest, wish)
         elif isinstance(wish, Stop):
             self.performer.halt()
-            guest.put(told("stopped"))
+            guest.put(json_answer("stopped"))
         elif not guest.bucket.takes():
-            guest.put(refused("rate", f"at most {self.rules.rate:g} messages a second are taken from each client"))
+            guest.put(
+                quota_feedback("rate", f"at most {self.rules.rate:g} messages a second are taken from each client")
+            )
         elif wish is not None:
             self._obey(guest, wish)
         else:
             guest.count += 1
             source = f"{guest.name}, message {guest.count}"
-            refusal = self.performer.perform(Waiting(message, guest.number, source))
+            refusal = self.performer.perform(QueuedDocument(message, guest.number, source))
             if refusal is not None:
                 guest.put(refusal)
 
     def overlong(self, guest: Guest, error: ValueError) -> None:
         """A message was longer than it may be."""
-        guest.put(refused("message", str(error), type_=NoticeType.PARSING_FAILURE))
+        guest.put(quota_feedback("message", str(error), type_=NoticeType.PARSING_FAILURE))
 
     def tell(self, message: str, sender: int) -> None:
         """Gives a sender a message, if it is still there."""
@@ -144,25 +146,25 @@ class Desk:
     def _admit(self, guest: Guest, wish: Control | None) -> None:
         if isinstance(wish, Hello) and self.is_right(wish.token):
             guest.admitted = True
-            guest.put(told("welcome"))
+            guest.put(json_answer("welcome"))
             return
         why = "the token is wrong" if isinstance(wish, Hello) else NO_TOKEN
-        guest.put(told("refused", why=why))
+        guest.put(json_answer("refused", why=why))
         guest.close(POLICY, why)
 
     def _obey(self, guest: Guest, wish: Control) -> None:
         match wish:
             case Resume():
                 self.performer.resume()
-            case Interrupt(block):
+            case InterruptCommand(block):
                 self.performer.interrupt(block)
             case Restyle(style, changes, amount, block):
                 self.performer.restyle(Restyling(style, changes, amount, block, guest.number))
             case Enquiry():
-                guest.put(told("status", clients=len(self._guests), **self.performer.status()))
+                guest.put(json_answer("status", clients=len(self._guests), **self.performer.status()))
             case Ping(id):
-                guest.put(told("pong", id=id))
+                guest.put(json_answer("pong", id=id))
             case Hello():
-                guest.put(told("welcome"))
+                guest.put(json_answer("welcome"))
             case Stop():
                 self.performer.halt()

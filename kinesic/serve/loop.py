@@ -19,15 +19,15 @@ from kinesic.body.limits import Limits
 from kinesic.controller.play import SETTLE
 from kinesic.face.display import DisplayError
 from kinesic.hardware.protocol.wire import BusError
-from kinesic.motion.stopping import stopped
+from kinesic.motion.stopping import stop
 from kinesic.motion.trajectory import Trajectory
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 from kinesic.realizer.realizer import Due
 from kinesic.realizer.release import tail
 from kinesic.serve.arrival_monitor import Gauge
 from kinesic.serve.clock import Clock
-from kinesic.serve.messages import Beginning, Done, Halted, Motion, Proposal, Tell, Verdict, Warm
-from kinesic.serve.sinks import Follower, Measuring, Playing, Timed, resting, steady
+from kinesic.serve.messages import Beginning, ClockedTrajectory, Done, Halted, Proposal, ProposalVerdict, Tell, Warm
+from kinesic.serve.sinks import Follower, Measuring, Playing, TimedSink, rest_from, steady
 from kinesic.serve.tracks import Effects
 
 PERIOD = 1 / RATE
@@ -41,7 +41,7 @@ class Loop(Thread):
 
     def __init__(
         self,
-        facts: Facts,
+        facts: Setup,
         followers: Sequence[Follower],
         clock: Clock,
         *,
@@ -60,7 +60,7 @@ class Loop(Thread):
             news: is given what the planner says to the server; None when it is gone.
         """
         super().__init__(name="loop")
-        self.playing = resting(facts.robot, clock.now())
+        self.playing = rest_from(facts.robot, clock.now())
         self.agenda: list[Due] = []
         self.stops, self._done = 0, 0  # emergency stops that were asked for, and those that were made
         self.halted = False  # whether the last one still holds
@@ -155,7 +155,7 @@ class Loop(Thread):
 
     def _now(self) -> float:
         """[s] now, by a sink that owns the time, if there is one; never before what is out."""
-        clocks = [follower.sink for follower in self._followers if isinstance(follower.sink, Timed)]
+        clocks = [follower.sink for follower in self._followers if isinstance(follower.sink, TimedSink)]
         if clocks:
             told = clocks[0].time(monotonic())
             self._clock.set(self._out if told is None else max(self._out, told))
@@ -180,7 +180,7 @@ class Loop(Thread):
     def _heard(self, message: Warm | Tell | Done | Proposal, mail: Connection) -> None:
         match message:
             case Proposal():
-                mail.send(Verdict(self._taken(message), self.stops, self._out))
+                mail.send(ProposalVerdict(self._taken(message), self.stops, self._out))
             case Tell():
                 self._tell(message.message, message.sender)
             case _:
@@ -233,14 +233,14 @@ class Loop(Thread):
 def _halt(playing: Playing, time: float, limits: Limits) -> Playing:
     """To rest from a time [s] of the clock, without what is past."""
     at = max(0.0, time - playing.epoch)
-    whole = stopped(playing.trajectory, at, limits)
+    whole = stop(playing.trajectory, at, limits)
     rest = tail(whole, max(0.0, at - GRACE))
     return Playing(rest, playing.epoch + whole.duration - rest.duration)
 
 
-def _motion(playing: Playing) -> Motion:
-    return Motion(playing.trajectory.controls, playing.trajectory.zero, playing.epoch)
+def _motion(playing: Playing) -> ClockedTrajectory:
+    return ClockedTrajectory(playing.trajectory.controls, playing.trajectory.zero, playing.epoch)
 
 
-def _playing(motion: Motion) -> Playing:
+def _playing(motion: ClockedTrajectory) -> Playing:
     return Playing(Trajectory(motion.controls, motion.zero), motion.epoch)

@@ -9,7 +9,7 @@ from kinesic.serve.tracks import Senses, Track
 
 
 @dataclass(frozen=True)
-class Document:
+class DocumentRequest:
     """To the planner: to be performed."""
 
     text: bytes
@@ -43,11 +43,11 @@ class Resumption:
     stops: int
 
 
-Wanted = Document | Interruption | Restyling | Resumption
+Wanted = DocumentRequest | Interruption | Restyling | Resumption
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class ClockedTrajectory:
     """A trajectory on the clock."""
 
     controls: Floats  # (k + 3, n) [rad]
@@ -59,7 +59,7 @@ class Motion:
 class Beginning:
     """Where a planner takes over."""
 
-    motion: Motion
+    motion: ClockedTrajectory
     stops: int  # emergency stops so far
     agenda: tuple[Due, ...]  # what another planner left to be told
     senses: Senses  # what is wanted beside the motion
@@ -71,11 +71,11 @@ class Halted:
 
     stops: int  # so many so far
     time: float  # [s] of the clock
-    motion: Motion
+    motion: ClockedTrajectory
 
 
 @dataclass(frozen=True)
-class Verdict:
+class ProposalVerdict:
     """From the loop to the planner: whether it plays what was proposed."""
 
     taken: bool
@@ -108,7 +108,7 @@ class Proposal:
     stops: int  # that the planner knows of
     now: float  # [s] of the clock: what was due until then is in the agenda for the last time
     cut: float  # [s] of the clock, until which the motion is the one that plays
-    motion: Motion | None  # None: as it is
+    motion: ClockedTrajectory | None  # None: as it is
     agenda: tuple[Due, ...]  # all that is still to be told
     owed: frozenset[int]  # senders whose blocks are not over
     moving: Mapping[tuple[str, str], Flags]  # (block, behaviour) -> (n,) hinges that it moves

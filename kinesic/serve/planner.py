@@ -11,30 +11,31 @@ from kinesic.bml.reading.tree import Bounds
 from kinesic.body.config import ConfigError
 from kinesic.expressivity.style.style import Style
 from kinesic.motion.trajectory import Trajectory
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 from kinesic.realizer.contention import among
-from kinesic.realizer.realizer import Due, Ready, Scene, begun, changed, improved, interrupted, passed, ready
+from kinesic.realizer.realizer import Due, Ready, Scene, advance, changed, improved, interrupted, ready
+from kinesic.realizer.realizer import begin as begun
 from kinesic.realizer.release import released
-from kinesic.realizer.request import Message, asked, refused
+from kinesic.realizer.request import Message, asked, refusal_feedback
 from kinesic.serve.clock import Clock
 from kinesic.serve.messages import (
     Beginning,
-    Document,
+    ClockedTrajectory,
+    DocumentRequest,
     Done,
     Halted,
     Interruption,
-    Motion,
     Proposal,
+    ProposalVerdict,
     Restyling,
     Resumption,
     Tell,
-    Verdict,
     Wanted,
     Warm,
 )
-from kinesic.serve.protocol import told
+from kinesic.serve.protocol import json_answer
 from kinesic.serve.quotas import Rules
-from kinesic.serve.quotas import refused as refused_by
+from kinesic.serve.quotas import quota_feedback as refused_by
 from kinesic.serve.refiner import Better, Leisure, packed, unpacked
 from kinesic.serve.tracks import Track, Version, track, version
 
@@ -51,8 +52,8 @@ WARMING = (
 Change = Callable[[Scene, float], tuple[Scene, tuple[Due, ...]]]
 
 
-def run(
-    facts_of: Callable[[], Facts],
+def run_planner(
+    facts_of: Callable[[], Setup],
     wishes: Connection,
     loop: Connection,
     improver: Connection,
@@ -96,7 +97,7 @@ class Planning:
 
     def __init__(
         self,
-        facts: Facts,
+        facts: Setup,
         loop: Connection,
         improver: Connection,
         clock: Clock,
@@ -112,7 +113,7 @@ class Planning:
         begin, _ = begun(Scene.of(facts), _ready(WARMING.encode(), Scene.of(facts)), 0.0)
         for staged in begin.playing:
             track(staged, beginning.senses)
-        passed(begin, 0.1)
+        advance(begin, 0.1)
         self._scene = replace(_moved(Scene.of(facts), beginning.motion), agenda=beginning.agenda)
 
     @property
@@ -123,14 +124,14 @@ class Planning:
 
     def go_on(self) -> None:
         """Lets time pass: what is over is forgotten, and whose turn it is begins."""
-        self._propose(passed)
+        self._propose(advance)
 
     def fulfil(self, wanted: Wanted) -> None:
         """Does what a client wants, once every emergency stop is known that was before it."""
-        if isinstance(wanted, Document | Resumption):
+        if isinstance(wanted, DocumentRequest | Resumption):
             self._catch_up(wanted.stops)
         match wanted:
-            case Document():
+            case DocumentRequest():
                 self._plan(wanted)
             case Interruption(block):
                 self._propose(lambda scene, now: interrupted(scene, now, block))
@@ -156,7 +157,7 @@ class Planning:
             return
 
         def change(scene: Scene, now: float) -> tuple[Scene, tuple[Due, ...]]:
-            after, dues = passed(scene, now)
+            after, dues = advance(scene, now)
             return improved(after, better.block, found, now) or after, dues
 
         self._propose(change)
@@ -176,7 +177,7 @@ class Planning:
         while self._stops < stops:
             self.heard(self._loop.recv())
 
-    def _plan(self, document: Document) -> None:
+    def _plan(self, document: DocumentRequest) -> None:
         message = Message(document.text, document.sender, document.source)
         try:
             around = self._scene.around(self._clock.now())
@@ -190,7 +191,7 @@ class Planning:
             self._loop.send(Tell(known.prediction, document.sender))
             coming = ready(known, self._scene.facts)
         except BmlError as error:
-            self._loop.send(Tell(refused(message, error), document.sender))
+            self._loop.send(Tell(refusal_feedback(message, error), document.sender))
             return
         if document.stops != self._stops or not self._propose(lambda scene, now: begun(scene, coming, now)):
             text = refused_by("stopped", "an emergency stop came; resume first", name=known.block.id)
@@ -204,7 +205,7 @@ class Planning:
                 style = manner.changed(wanted.changes)
             self._propose(lambda scene, now: changed(scene, now, style=style, amount=wanted.amount, block=wanted.block))
         except (ConfigError, ValueError) as error:
-            self._loop.send(Tell(told("refused", do="style", why=str(error)), wanted.sender))
+            self._loop.send(Tell(json_answer("refused", do="style", why=str(error)), wanted.sender))
 
     def _propose(self, change: Change, *, moves: bool = True) -> bool:
         """Changes the scene as soon as the loop can follow; False when it cannot, or an emergency stop came before.
@@ -220,7 +221,7 @@ class Planning:
             self._took = min(LONGEST, max(self._clock.now() - now, SLOWER * self._took))
             motion = None
             if moves and scene.motion is not self._scene.motion:
-                motion = Motion(scene.motion.controls, scene.motion.zero, scene.epoch)
+                motion = ClockedTrajectory(scene.motion.controls, scene.motion.zero, scene.epoch)
             versions, tracks = self._tracks(scene)
             owed = frozenset(staged.sender for staged in scene.blocks)
             moving = {(staged.id, busy.behaviour): busy.hinges for staged in scene.blocks for busy in staged.busy}
@@ -249,10 +250,10 @@ class Planning:
         fresh = [id for id, own in versions.items() if self._versions.get(id) != own]
         return versions, over | {id: track(playing[id], self._senses) for id in fresh}
 
-    def _answer(self) -> tuple[Halted | None, Verdict]:
+    def _answer(self) -> tuple[Halted | None, ProposalVerdict]:
         """The loop's verdict, and what it had to say before it."""
         halted = None
-        while not isinstance(heard := self._loop.recv(), Verdict):
+        while not isinstance(heard := self._loop.recv(), ProposalVerdict):
             halted = heard
         return halted, heard
 
@@ -261,7 +262,7 @@ def _ready(text: bytes, scene: Scene) -> Ready:
     return ready(asked(Message(text), scene.facts), scene.facts)
 
 
-def _moved(scene: Scene, motion: Motion) -> Scene:
+def _moved(scene: Scene, motion: ClockedTrajectory) -> Scene:
     return replace(scene, motion=Trajectory(motion.controls, motion.zero), epoch=motion.epoch)
 
 

@@ -6,11 +6,11 @@ from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 
 from kinesic.child import child_context
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 from kinesic.serve import planner, refiner
 from kinesic.serve.clock import Clock
 from kinesic.serve.loop import Loop
-from kinesic.serve.messages import Document, Done, Wanted, Warm
+from kinesic.serve.messages import DocumentRequest, Done, Wanted, Warm
 from kinesic.serve.quotas import Rules
 
 
@@ -19,7 +19,7 @@ class Planner:
 
     def __init__(
         self,
-        facts_of: Callable[[], Facts],
+        facts_of: Callable[[], Setup],
         loop: Loop,
         clock: Clock,
         *,
@@ -54,7 +54,7 @@ class Planner:
 
     def serves(self, sender: int) -> bool:
         """Whether it plans a document of this sender."""
-        return isinstance(self._present, Document) and self._present.sender == sender
+        return isinstance(self._present, DocumentRequest) and self._present.sender == sender
 
     def start(self) -> None:
         """Begins a process, which tells when it is warm."""
@@ -66,8 +66,10 @@ class Planner:
         beginning = self._loop.beginning()
         arguments = (self._facts_of, *ends, self._clock, beginning, self._rules)
         self._processes = [
-            context.Process(target=planner.run, args=arguments, name="planner", daemon=True),
-            context.Process(target=refiner.run, args=(self._facts_of, improver_end), name="improver", daemon=True),
+            context.Process(target=planner.run_planner, args=arguments, name="planner", daemon=True),
+            context.Process(
+                target=refiner.run_refiner, args=(self._facts_of, improver_end), name="improver", daemon=True
+            ),
         ]
         for process in self._processes:
             process.start()

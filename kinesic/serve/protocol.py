@@ -14,7 +14,7 @@ MOST_CONTROL = 4096  # [bytes] of a control message
 BLANK = b" \t\r\n\xef\xbb\xbf"  # may stand around a message
 
 
-class Frames:
+class MessageFramer:
     """Cuts a stream into messages, whatever pieces it comes in."""
 
     def __init__(self, most: int) -> None:
@@ -63,7 +63,7 @@ class Resume(Struct, tag="resume", tag_field="do", forbid_unknown_fields=True):
     """Back to rest after a stop; blocks are taken again."""
 
 
-class Interrupt(Struct, tag="interrupt", tag_field="do", forbid_unknown_fields=True):
+class InterruptCommand(Struct, tag="interrupt", tag_field="do", forbid_unknown_fields=True):
     """Ends a block, or all of them, softly."""
 
     block: str | None = None
@@ -88,7 +88,7 @@ class Ping(Struct, tag="ping", tag_field="do", forbid_unknown_fields=True):
     id: str = ""
 
 
-Control = Hello | Stop | Resume | Interrupt | Restyle | Enquiry | Ping
+Control = Hello | Stop | Resume | InterruptCommand | Restyle | Enquiry | Ping
 Verb = Literal["hello", "stop", "resume", "interrupt", "style", "status", "ping"]
 
 
@@ -120,6 +120,6 @@ def control(message: bytes) -> Control | None:
     return found
 
 
-def told(what: str, **values: object) -> str:
+def json_answer(what: str, **values: object) -> str:
     """An answer that is not BML, as JSON."""
     return msgspec.json.encode({"told": what} | values).decode()

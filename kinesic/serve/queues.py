@@ -15,7 +15,7 @@ MINOR = "<syncPointProgress"  # what such a message begins with
 
 
 @dataclass(frozen=True)
-class Waiting:
+class QueuedDocument:
     """A document that waits to be planned."""
 
     text: bytes
@@ -29,7 +29,7 @@ class Turns:
     def __init__(self, most: int) -> None:
         """For so many documents of each sender."""
         self._most = most
-        self._lines: dict[int, deque[Waiting]] = {}  # the sender whose turn it is first
+        self._lines: dict[int, deque[QueuedDocument]] = {}  # the sender whose turn it is first
 
     def __len__(self) -> int:
         return sum(map(len, self._lines.values()))
@@ -37,7 +37,7 @@ class Turns:
     def __contains__(self, sender: int) -> bool:
         return sender in self._lines
 
-    def add(self, waiting: Waiting) -> bool:
+    def add(self, waiting: QueuedDocument) -> bool:
         """Adds a document; False, and nothing happens, when too many of this sender's wait."""
         line = self._lines.setdefault(waiting.sender, deque())
         if len(line) >= self._most:
@@ -45,7 +45,7 @@ class Turns:
         line.append(waiting)
         return True
 
-    def next(self) -> Waiting | None:
+    def next(self) -> QueuedDocument | None:
         """Takes the document whose turn it is."""
         if not self._lines:
             return None
@@ -56,7 +56,7 @@ class Turns:
             self._lines[sender] = line  # behind the others
         return found
 
-    def clear(self) -> tuple[Waiting, ...]:
+    def clear(self) -> tuple[QueuedDocument, ...]:
         """Takes all documents."""
         found = tuple(waiting for line in self._lines.values() for waiting in line)
         self._lines.clear()

@@ -54,7 +54,9 @@ class Bucket:
         return True
 
 
-def refused(rule: str, what: str, *, name: str = NOBODY, type_: NoticeType = NoticeType.IMPOSSIBLE_TO_SCHEDULE) -> str:
+def quota_feedback(
+    rule: str, what: str, *, name: str = NOBODY, type_: NoticeType = NoticeType.IMPOSSIBLE_TO_SCHEDULE
+) -> str:
     """The warningFeedback that tells a sender by which rule a message was not taken.
 
     Args:

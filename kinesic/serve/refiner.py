@@ -11,7 +11,7 @@ from multiprocessing.connection import Connection
 from kinesic.bml.block import BmlError
 from kinesic.expressivity.style.style import Style
 from kinesic.planning.plan import Plan
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 from kinesic.realizer.realizer import ready
 from kinesic.realizer.request import Asked
 
@@ -37,15 +37,15 @@ class Better:
 
 class _Pickler(pickle.Pickler):
     def persistent_id(self, thing: object) -> str | None:
-        return FACTS if isinstance(thing, Facts) else None
+        return FACTS if isinstance(thing, Setup) else None
 
 
 class _Unpickler(pickle.Unpickler):
-    def __init__(self, data: bytes, facts: Facts) -> None:
+    def __init__(self, data: bytes, facts: Setup) -> None:
         super().__init__(io.BytesIO(data))
         self._facts = facts
 
-    def persistent_load(self, name: object) -> Facts:
+    def persistent_load(self, name: object) -> Setup:
         if name != FACTS:
             raise pickle.UnpicklingError(f"{name!r} stands for nothing; {FACTS!r} does")
         return self._facts
@@ -58,7 +58,7 @@ def packed(thing: Leisure | Better) -> bytes:
     return stream.getvalue()
 
 
-def unpacked(data: bytes, facts: Facts) -> Leisure | Better:
+def unpacked(data: bytes, facts: Setup) -> Leisure | Better:
     """From bytes, with the facts of this side."""
     found = _Unpickler(data, facts).load()
     if not isinstance(found, Leisure | Better):
@@ -66,7 +66,7 @@ def unpacked(data: bytes, facts: Facts) -> Leisure | Better:
     return found
 
 
-def run(facts_of: Callable[[], Facts], planner: Connection) -> None:
+def run_refiner(facts_of: Callable[[], Setup], planner: Connection) -> None:
     """Plans whatever the planner sends, one after the other, until it is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
@@ -81,7 +81,7 @@ def run(facts_of: Callable[[], Facts], planner: Connection) -> None:
         return
 
 
-def _better(asked: Asked, facts: Facts) -> Better:
+def _better(asked: Asked, facts: Setup) -> Better:
     try:
         return Better(asked.block.id, ready(asked, facts).plan)
     except BmlError:

@@ -23,13 +23,13 @@ from socket import SO_KEEPALIVE, SO_SNDBUF, SOL_SOCKET
 from typing import Protocol
 
 from kinesic.body.config import ConfigError
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 from kinesic.serve.clients import POLICY, TOO_BIG, Desk, Guest
 from kinesic.serve.protocol import BLANK, END
-from kinesic.serve.quotas import USUAL, Rules, refused
+from kinesic.serve.quotas import USUAL, Rules, quota_feedback
 from kinesic.serve.session import Performer
 from kinesic.serve.sinks import Follower
-from kinesic.serve.transport import Console, HalfError, Line, Stream
+from kinesic.serve.transport import Console, HalfError, Stream, Transport
 from kinesic.serve.websocket import WebSocket
 
 REQUEST = b"GET "  # how a WebSocket begins
@@ -42,7 +42,7 @@ FOLDING = 30.0  # [s] that ending everything and coming to rest may take
 LOOK_AT_LOOP = 0.1  # [s] between two looks at whether the loop still runs
 
 
-class Wire(Protocol):
+class ClientWire(Protocol):
     """A way to a client."""
 
     lingers: bool  # whether a client that says nothing more may still listen
@@ -57,7 +57,7 @@ class Wire(Protocol):
         """Sends it home."""
 
 
-async def listen(desk: Desk, host: str, port: int) -> Listener:
+async def open_listener(desk: Desk, host: str, port: int) -> Listener:
     """Takes an address for TCP and WebSocket; nobody is attended to before it starts serving.
 
     Raises:
@@ -98,7 +98,7 @@ async def _welcome(desk: Desk, reader: StreamReader, writer: StreamWriter) -> No
             if not data:
                 return
             first += data
-    line = Line(reader, writer, desk.rules.patience)
+    line = Transport(reader, writer, desk.rules.patience)
     if first.startswith(REQUEST):
         wire = WebSocket(line, first, desk.rules.message)
         await _attend(desk, wire, desk.joined(name, trusted=await wire.opened(desk.is_right, open_house=desk.is_open)))
@@ -106,7 +106,7 @@ async def _welcome(desk: Desk, reader: StreamReader, writer: StreamWriter) -> No
         await _attend(desk, Stream(line, first, desk.rules.message), desk.joined(name))
 
 
-async def _attend(desk: Desk, wire: Wire, guest: Guest) -> None:
+async def _attend(desk: Desk, wire: ClientWire, guest: Guest) -> None:
     """Hears and answers a client until it goes, or is sent home."""
     hearing, telling = create_task(_hear(desk, wire, guest)), create_task(_tell(wire, guest))
     try:
@@ -125,7 +125,7 @@ async def _attend(desk: Desk, wire: Wire, guest: Guest) -> None:
             task.cancel()
 
 
-async def _hear(desk: Desk, wire: Wire, guest: Guest) -> None:
+async def _hear(desk: Desk, wire: ClientWire, guest: Guest) -> None:
     try:
         messages = wire.messages(lambda: not guest.admitted)
         while guest.open:
@@ -136,11 +136,11 @@ async def _hear(desk: Desk, wire: Wire, guest: Guest) -> None:
         desk.overlong(guest, error)
         guest.close(TOO_BIG, str(error))
     except HalfError as error:
-        guest.put(refused("half", f"{error} before the message did; it is not performed"))
+        guest.put(quota_feedback("half", f"{error} before the message did; it is not performed"))
         guest.close(POLICY, "half a message")
 
 
-async def _tell(wire: Wire, guest: Guest) -> None:
+async def _tell(wire: ClientWire, guest: Guest) -> None:
     while (message := await guest.outbox.take()) is not None:
         await wire.send(message)
 
@@ -166,7 +166,7 @@ class Serving:
 
 @asynccontextmanager
 async def serving(
-    facts_of: Callable[[], Facts],
+    facts_of: Callable[[], Setup],
     followers: Sequence[Follower],
     *,
     address: Address | None,
@@ -193,7 +193,7 @@ async def serving(
     listener = None
     try:
         if address is not None:
-            listener = await listen(desk, address.host, address.port)
+            listener = await open_listener(desk, address.host, address.port)
             address = Address(address.host, listener.sockets[0].getsockname()[1])
         await desk.performer.start()
         if listener is not None:

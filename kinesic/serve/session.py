@@ -4,14 +4,14 @@ from asyncio import AbstractEventLoop, Event, get_running_loop, sleep
 from collections import deque
 from collections.abc import Callable, Sequence
 
-from kinesic.planning.setup import Facts
-from kinesic.realizer.request import named
+from kinesic.planning.setup import Setup
+from kinesic.realizer.request import block_id
 from kinesic.serve.clock import Clock
 from kinesic.serve.loop import Loop
-from kinesic.serve.messages import Document, Done, Interruption, Restyling, Resumption, Wanted, Warm
+from kinesic.serve.messages import DocumentRequest, Done, Interruption, Restyling, Resumption, Wanted, Warm
 from kinesic.serve.planner_process import Planner
-from kinesic.serve.queues import Turns, Waiting
-from kinesic.serve.quotas import Rules, refused
+from kinesic.serve.queues import QueuedDocument, Turns
+from kinesic.serve.quotas import Rules, quota_feedback
 from kinesic.serve.sinks import Follower
 from kinesic.serve.tracks import Effects
 from kinesic.speech.speaker import Speaker
@@ -24,7 +24,7 @@ class Performer:
 
     def __init__(
         self,
-        facts_of: Callable[[], Facts],
+        facts_of: Callable[[], Setup],
         followers: Sequence[Follower],
         rules: Rules,
         tell: Callable[[str, int], None],
@@ -65,13 +65,13 @@ class Performer:
             raise RuntimeError("the planner does not start")
         self.loop.late = 0  # what the start costs does not count
 
-    def perform(self, waiting: Waiting) -> str | None:
+    def perform(self, waiting: QueuedDocument) -> str | None:
         """Takes a document; None, or why not, as BML feedback."""
         if self._halted:
-            return refused("stopped", "an emergency stop holds; resume first", name=named(waiting.text))
+            return quota_feedback("stopped", "an emergency stop holds; resume first", name=block_id(waiting.text))
         if not self._turns.add(waiting):
             what = f"{self._rules.waiting} blocks of yours wait to be planned; send fewer at once"
-            return refused("waiting", what, name=named(waiting.text))
+            return quota_feedback("waiting", what, name=block_id(waiting.text))
         self._feed()
         return None
 
@@ -141,19 +141,19 @@ class Performer:
         if self._first:
             self.planner.send(self._first.popleft())
         elif (waiting := self._turns.next()) is not None:
-            self.planner.send(Document(waiting.text, waiting.sender, waiting.source, self.loop.stops))
+            self.planner.send(DocumentRequest(waiting.text, waiting.sender, waiting.source, self.loop.stops))
 
     def _apologise(self, present: Wanted | None) -> None:
         """The planner has died over something; without any planner it is over."""
         if self.planner.failed:
             self._warm.set()
             self.loop.leave()
-        if isinstance(present, Document):
+        if isinstance(present, DocumentRequest):
             what = f"planning failed, or took longer than {self._rules.planning:g} s; send something simpler"
             self._refuse(present, "planning", what)
 
-    def _refuse(self, document: Waiting | Document, rule: str, what: str) -> None:
-        self._tell(refused(rule, what, name=named(document.text)), document.sender)
+    def _refuse(self, document: QueuedDocument | DocumentRequest, rule: str, what: str) -> None:
+        self._tell(quota_feedback(rule, what, name=block_id(document.text)), document.sender)
 
     def _pass_on(self, message: str, sender: int) -> None:
         self._asyncio.call_soon_threadsafe(self._tell, message, sender)

@@ -16,7 +16,7 @@ from kinesic.controller.play import commands
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.motion.trajectory import Trajectory
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 from kinesic.sim.twin import Twin
 
 SAME = 1e-6  # ticks
@@ -42,7 +42,7 @@ class Playing:
 
 
 @runtime_checkable
-class Timed(Protocol):
+class TimedSink(Protocol):
     """A sink that owns the time."""
 
     def time(self, clock: float, /) -> float | None:
@@ -120,7 +120,7 @@ class Follower:
         self.sink, self.ahead, self.delay = sink, ahead, delay
         self._next = 0  # tick
 
-    def follow(self, playing: Playing, now: float, facts: Facts, face: Face) -> None:
+    def follow(self, playing: Playing, now: float, facts: Setup, face: Face) -> None:
         """Hands on all commands that it wants at a time [s]."""
         last = floor((now + self.ahead) * RATE + SAME)
         if last < self._next:
@@ -149,7 +149,7 @@ def steady(old: Playing, new: Playing, time: float) -> bool:
 STEPS = (1e-6, 1e-4, 1e-1)  # [rad], [rad/s], [rad/s^2] that nobody can see
 
 
-def resting(robot: Robot, now: float) -> Playing:
+def rest_from(robot: Robot, now: float) -> Playing:
     """At rest from a time [s] on."""
     rest = sealed(np.repeat(robot.skeleton.rest[None, :], 13, axis=0))
     return Playing(Trajectory(rest, 0.0), now)

@@ -11,7 +11,7 @@ from collections.abc import AsyncIterator, Callable, Iterable
 from contextlib import suppress
 from threading import Thread
 
-from kinesic.serve.protocol import END, Frames, told
+from kinesic.serve.protocol import END, MessageFramer, json_answer
 from kinesic.serve.quotas import Rules
 
 CHUNK = 65_536  # [bytes] read at once
@@ -22,7 +22,7 @@ class HalfError(EOFError):
     """The connection ended, or came to a halt, within a message."""
 
 
-class Line:
+class Transport:
     """Bytes to and from a client, with patience."""
 
     def __init__(self, reader: StreamReader, writer: StreamWriter, patience: float) -> None:
@@ -89,7 +89,7 @@ class Stream:
 
     lingers = True
 
-    def __init__(self, line: Line, first: bytes, most: int) -> None:
+    def __init__(self, line: Transport, first: bytes, most: int) -> None:
         """Takes over a connection.
 
         Args:
@@ -97,7 +97,7 @@ class Stream:
             first: what has been read already.
             most: how long a message may be [bytes].
         """
-        self._line, self._first, self._frames = line, first, Frames(most)
+        self._line, self._first, self._frames = line, first, MessageFramer(most)
 
     async def messages(self, hurry: Callable[[], bool]) -> AsyncIterator[bytes]:
         """Messages as they come, until the client ends its side.
@@ -128,7 +128,7 @@ class Stream:
     async def close(self, code: int, why: str) -> None:
         """Says why, and ends the connection."""
         if why:
-            await self.send(told("closed", code=code, why=why))
+            await self.send(json_answer("closed", code=code, why=why))
         await self._line.close()
 
 
@@ -139,7 +139,7 @@ class Console:
 
     def __init__(self, rules: Rules) -> None:
         """Begins to read; a thread does, since a file or terminal cannot be waited for."""
-        self._frames, self._reader = Frames(rules.message), StreamReader()
+        self._frames, self._reader = MessageFramer(rules.message), StreamReader()
         self._loop = get_running_loop()
         Thread(target=self._read, name="stdin", daemon=True).start()
 

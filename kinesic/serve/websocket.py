@@ -8,7 +8,7 @@ from websockets.http11 import Request
 from websockets.protocol import State
 from websockets.server import ServerProtocol
 
-from kinesic.serve.transport import HalfError, Line
+from kinesic.serve.transport import HalfError, Transport
 
 HERE = ("localhost", "127.0.0.1", "::1", None)  # whose pages may connect without a token
 DATA = (Opcode.TEXT, Opcode.BINARY, Opcode.CONT)
@@ -19,7 +19,7 @@ class WebSocket:
 
     lingers = False
 
-    def __init__(self, line: Line, first: bytes, most: int) -> None:
+    def __init__(self, line: Transport, first: bytes, most: int) -> None:
         """Takes over a connection whose request is still to be read.
 
         Args:

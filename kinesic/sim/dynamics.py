@@ -8,7 +8,7 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.dynamics import Load
 from kinesic.body.robot import Robot
-from kinesic.sim.model import build, joint_order
+from kinesic.sim.model import build_model, joint_order
 from kinesic.sim.worst_postures import Extremes, extremes
 
 FRICTION_SPEED = 0.05  # [rad/s] within which Coulomb friction fades, so that a plan's torque has no jumps
@@ -24,7 +24,7 @@ class MujocoDynamics:
             robot: whose masses and drives.
         """
         self._robot = robot
-        self._model = build(robot)
+        self._model = build_model(robot)
         # contacts and stops would hold the robot; friction is added smoothly below
         self._model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
         self._data = mujoco.MjData(self._model)

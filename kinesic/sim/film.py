@@ -9,11 +9,11 @@ from PIL import Image
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
-from kinesic.sim.gl import fault
+from kinesic.sim.gl import opengl_fault
 from kinesic.sim.model import joint_order
 from kinesic.sim.scene_style import CAMERA, staged
 
-__all__ = ["FilmError", "fault", "film", "still"]
+__all__ = ["FilmError", "film", "opengl_fault", "write_still"]
 
 Picture = NDArray[np.uint8]
 QUALITY = 80  # of WebP, 0..100
@@ -61,7 +61,7 @@ def film(
     )
 
 
-def still(robot: Robot, angles: Floats, path: Path, *, width: int = 480, height: int = 360) -> None:
+def write_still(robot: Robot, angles: Floats, path: Path, *, width: int = 480, height: int = 360) -> None:
     """Writes one posture (n,) [rad] as a PNG.
 
     Raises:
@@ -72,7 +72,7 @@ def still(robot: Robot, angles: Floats, path: Path, *, width: int = 480, height:
 
 def _pictures(robot: Robot, postures: Floats, width: int, height: int) -> list[Picture]:
     """One picture (height, width, 3) for each posture (m, n) [rad]."""
-    if why := fault():
+    if why := opengl_fault():
         raise FilmError(why)
     model = staged(robot, width=width, height=height)
     data = mujoco.MjData(model)

@@ -18,7 +18,7 @@ from kinesic.body.robot import Robot
 from kinesic.sim.fit_parameters import DEFAULT, Figure, Unknown, bounds, factors_of, unknowns
 from kinesic.sim.identifiability import SHEET, Telling, assumptions, telling
 from kinesic.sim.log import Log
-from kinesic.sim.replay import replay
+from kinesic.sim.replay import replay_log
 from kinesic.sim.servo_factors import Factors
 
 STEP = 0.01  # of finite differences
@@ -47,7 +47,7 @@ class Fit:
     after: float  # [rad] the same with the factors found
 
 
-def fit(log: Log, robot: Robot, *, free: tuple[Figure, ...] = DEFAULT) -> Fit:
+def fit_factors(log: Log, robot: Robot, *, free: tuple[Figure, ...] = DEFAULT) -> Fit:
     """Fits factors to a log.
 
     Args:
@@ -66,7 +66,7 @@ def fit(log: Log, robot: Robot, *, free: tuple[Figure, ...] = DEFAULT) -> Fit:
 
     @lru_cache(maxsize=LATEST)
     def errors_at(*values: float) -> Floats:
-        return sealed(((replay(log, robot, factors_of(asked, np.array(values))) - log.angles) / noise).ravel())
+        return sealed(((replay_log(log, robot, factors_of(asked, np.array(values))) - log.angles) / noise).ravel())
 
     def errors(values: Floats) -> Floats:
         return errors_at(*values.tolist())

@@ -1,6 +1,6 @@
 """Decides how MuJoCo may draw, before MuJoCo is imported: a wrong MUJOCO_GL breaks `import mujoco` itself.
 
-Importing `kinesic.sim` calls `prepare`, which only asks the loader for libraries; `fault` draws once in another
+Importing `kinesic.sim` calls `prepare`, which only asks the loader for libraries; `opengl_fault` draws once in another
 process and is asked only by those who want pictures.
 """
 
@@ -44,7 +44,7 @@ def prepare(environment: MutableMapping[str, str] = os.environ) -> str:
 
 
 @cache
-def fault() -> str | None:
+def opengl_fault() -> str | None:
     """What hinders drawing, with the line that mends it; None when a picture was really drawn.
 
     Draws once in another process, since a missing driver may end the process that tries.

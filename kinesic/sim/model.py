@@ -32,7 +32,7 @@ LEAST_MASS = 1e-4  # [kg] MuJoCo refuses moving bodies without mass
 LEAST_INERTIA = 1e-7  # [kg m^2]
 
 
-def build(robot: Robot, *, servos: Factors = NOMINAL) -> mujoco.MjModel:
+def build_model(robot: Robot, *, servos: Factors = NOMINAL) -> mujoco.MjModel:
     """The compiled model of a robot.
 
     Args:

@@ -18,7 +18,7 @@ Indices = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
-class Effort:
+class DriveEffort:
     """What the servos' law says for each step of the physics, in joint order."""
 
     duties: Floats  # (s, n) demanded, may exceed 1
@@ -26,7 +26,7 @@ class Effort:
     loads: Floats  # (s, n) torque over stall torque, which is motor current over stall current
 
 
-def effort(drives: tuple[Drive, ...], errors: Floats, speeds: Floats) -> Effort:
+def effort(drives: tuple[Drive, ...], errors: Floats, speeds: Floats) -> DriveEffort:
     """The law of the servos.
 
     Args:
@@ -39,11 +39,11 @@ def effort(drives: tuple[Drive, ...], errors: Floats, speeds: Floats) -> Effort:
     no_load = np.array([drive.no_load for drive in drives])
     duties = gain * errors - rate * speeds
     applied = np.clip(duties, -1.0, 1.0)
-    return Effort(duties, applied, applied - speeds / no_load)
+    return DriveEffort(duties, applied, applied - speeds / no_load)
 
 
 def power(
-    names: tuple[str, ...], drives: tuple[Drive, ...], given: Effort, *, spans: Floats, counts: list[int]
+    names: tuple[str, ...], drives: tuple[Drive, ...], given: DriveEffort, *, spans: Floats, counts: list[int]
 ) -> Power:
     """What the servos took from the supply.
 

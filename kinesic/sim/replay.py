@@ -16,7 +16,7 @@ STEP = 0.002  # [s] of the physics, at most: half the twin's, as what its steps 
 SAME = 1e-9  # of a step, below which what is left over is none
 
 
-def replay(log: Log, robot: Robot, factors: Factors) -> Floats:
+def replay_log(log: Log, robot: Robot, factors: Factors) -> Floats:
     """Where a twin is at the times of a log.
 
     Goals that arrive within a step of the physics count by their share of it: a step that is cut in two where they

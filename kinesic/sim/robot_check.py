@@ -36,7 +36,7 @@ class RobotCheck:
     clear_share: float  # of uniformly random postures that keep the robot's least clearance
 
 
-def check(robot: Robot) -> RobotCheck:
+def check_robot(robot: Robot) -> RobotCheck:
     """Weighs a robot and searches its worst postures.
 
     Args:

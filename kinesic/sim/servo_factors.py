@@ -5,7 +5,7 @@ from pathlib import Path
 
 import msgspec
 
-from kinesic.body.config import ConfigError, closest, read
+from kinesic.body.config import ConfigError, read_toml, suggestion
 from kinesic.body.robot import Robot
 from kinesic.body.servo import ServoModel
 
@@ -60,7 +60,7 @@ class Factors(DriveFactors, frozen=True, forbid_unknown_fields=True):
         Raises:
             ConfigError: the file is missing or wrong.
         """
-        return read(path, cls)
+        return read_toml(path, cls)
 
     def applied(self, robot: Robot) -> Robot:
         """The same robot with these factors on its drives and masses.
@@ -73,7 +73,7 @@ class Factors(DriveFactors, frozen=True, forbid_unknown_fields=True):
         models = [drive.servo.name for drive in robot.drives]
         for name in self.servos:
             if name not in models:
-                raise ConfigError(f"factors of servo {name}: {robot.name} has none{closest(name, models)}")
+                raise ConfigError(f"factors of servo {name}: {robot.name} has none{suggestion(name, models)}")
         skeleton = robot.skeleton
         segments = tuple(replace(segment, mass=segment.mass * self.mass) for segment in skeleton.segments)
         mounts = tuple(

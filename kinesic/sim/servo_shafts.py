@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.robot import Robot
-from kinesic.sim.model import actuator_order, build, joint_order
+from kinesic.sim.model import actuator_order, build_model, joint_order
 from kinesic.sim.servo_factors import NOMINAL, Factors
 from kinesic.sim.twin import STEP
 
@@ -30,7 +30,7 @@ class Shafts:
         if len(robot.skeleton.hinges) > GROUPS:
             raise ValueError(f"{robot.name} has {len(robot.skeleton.hinges)} hinges, must be at most {GROUPS}")
         self._drives = factors.applied(robot).drives
-        self._model = build(robot, servos=factors)
+        self._model = build_model(robot, servos=factors)
         self._data = mujoco.MjData(self._model)
         self._joints: NDArray[np.intp] = joint_order(robot, self._model)
         self._actuators: NDArray[np.intp] = actuator_order(robot, self._model)

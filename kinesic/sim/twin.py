@@ -14,7 +14,7 @@ from kinesic.body.measurements import Measurements
 from kinesic.body.robot import SIDES, Robot
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.kinematics import MotionFrames, motion_frames
-from kinesic.sim.model import actuator_order, build, joint_order
+from kinesic.sim.model import actuator_order, build_model, joint_order
 from kinesic.sim.power import effort, power
 from kinesic.sim.servo_factors import NOMINAL, Factors
 from kinesic.sim.step_log import Tape
@@ -61,7 +61,7 @@ class Twin:
         self._robot = factors.applied(robot)
         self._distances = _distances(robot)  # the same for all factors
         self._step, self._latency = step, latency + factors.latency
-        self._model = build(robot, servos=factors)
+        self._model = build_model(robot, servos=factors)
         if not touches:
             self._model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
             self._model.opt.solver = mujoco.mjtSolver.mjSOL_PGS  # what friction leaves to solve, it solves soonest

@@ -16,7 +16,7 @@ import numpy as np
 
 from kinesic.body.utterance import Mark, Pause, Phoneme, Script, Sound, Utterance
 from kinesic.speech.durations import DurationModel
-from kinesic.speech.espeak_pool import Heard, SpeechError, engine, fault, listen
+from kinesic.speech.espeak_pool import EngineReply, SpeechError, engine, espeak_fault, synthesise
 from kinesic.speech.languages import voice_of
 from kinesic.speech.ssml import ssml
 
@@ -56,7 +56,7 @@ class Espeak:
 def _said(script: Script, rate: float, pitch: float) -> Utterance:
     place = engine()
     if place is None:
-        return DurationModel(f"nothing is heard: {fault()}").say(script, rate=rate)
+        return DurationModel(f"nothing is heard: {espeak_fault()}").say(script, rate=rate)
     if len(script.text) > LONGEST:
         why = f"a text of {len(script.text)} characters is too long for one speech, at most {LONGEST} are said"
         return DurationModel(f"nothing is heard: {why}").say(replace(script, text=script.text[:LONGEST]), rate=rate)
@@ -64,14 +64,14 @@ def _said(script: Script, rate: float, pitch: float) -> Utterance:
     words = min(max(round(WORDS_PER_MINUTE * rate), SLOWEST), FASTEST)
     height = min(max(round(MIDDLE * (1 + math.log2(pitch))), 0), HIGHEST)
     try:
-        heard = listen(ssml(script), place, voice=voice, words_per_minute=words, pitch=height)
+        heard = synthesise(ssml(script), place, voice=voice, words_per_minute=words, pitch=height)
     except SpeechError as error:
         return DurationModel(f"nothing is heard: {error}").say(script, rate=rate)
     utterance = _timed(script, heard)
     return replace(utterance, remarks=tuple(filter(None, (remark, *utterance.remarks))))
 
 
-def _timed(script: Script, heard: Heard) -> Utterance:
+def _timed(script: Script, heard: EngineReply) -> Utterance:
     """An answer in seconds, without the silence that the engine puts after the last word."""
     ends = [sample for _, sample in heard.phonemes[1:]]
     sounds = [(symbol, begin, end) for (symbol, begin), end in zip(heard.phonemes, ends, strict=False) if symbol]
@@ -96,7 +96,7 @@ def _timed(script: Script, heard: Heard) -> Utterance:
     )
 
 
-def _places(script: Script, heard: Heard, onsets: Sequence[int], spoken: int) -> tuple[list[int], list[str]]:
+def _places(script: Script, heard: EngineReply, onsets: Sequence[int], spoken: int) -> tuple[list[int], list[str]]:
     """The sample of each stop of a script, never going back, and the marks of which the engine told nothing.
 
     A mark moves on to the onset of the next word, unless a pause or closing punctuation is between them.

@@ -37,7 +37,7 @@ class Engine:
 
 
 @dataclass(frozen=True)
-class Heard:
+class EngineReply:
     """What the engine answers; times in samples."""
 
     rate: int  # [Hz]
@@ -57,19 +57,19 @@ def engine() -> Engine | None:
 
 
 @lru_cache(maxsize=1)
-def fault() -> str:
+def espeak_fault() -> str:
     """Why nothing can be said here, and what mends it; empty when it can."""
     found = engine()
     if found is None:
         return f"espeak-ng is not installed: {INSTALL}"
     try:
-        listen("<speak>a</speak>", found, voice="gmw/en-US", words_per_minute=175, pitch=50)
+        synthesise("<speak>a</speak>", found, voice="gmw/en-US", words_per_minute=175, pitch=50)
     except SpeechError as error:
         return str(error)
     return ""
 
 
-def listen(text: str, place: Engine, *, voice: str, words_per_minute: int, pitch: int) -> Heard:
+def synthesise(text: str, place: Engine, *, voice: str, words_per_minute: int, pitch: int) -> EngineReply:
     """Has one text said.
 
     Args:
@@ -102,7 +102,7 @@ def listen(text: str, place: Engine, *, voice: str, words_per_minute: int, pitch
     header, _, samples = answer.partition(b"\n")
     told = json.loads(header)
     marks, phonemes = (tuple((name, sample) for name, sample in told[key]) for key in ("marks", "phonemes"))
-    return Heard(told["rate"], marks, phonemes, samples)
+    return EngineReply(told["rate"], marks, phonemes, samples)
 
 
 def _started(place: Engine) -> "subprocess.Popen[bytes]":

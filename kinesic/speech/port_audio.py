@@ -38,7 +38,7 @@ class PortAudio:
         Raises:
             SpeakerError: the library or the device is missing.
         """
-        why = fault()
+        why = audio_fault()
         if why:
             raise SpeakerError(why)
         devices = importlib.import_module("sounddevice")
@@ -62,7 +62,7 @@ class PortAudio:
         self._stream.close()
 
 
-def fault() -> str:
+def audio_fault() -> str:
     """Why nothing can be played here, and what mends it; empty when it can."""
     try:
         devices = importlib.import_module("sounddevice")

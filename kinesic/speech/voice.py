@@ -6,7 +6,7 @@ from kinesic.body.config import ConfigError
 from kinesic.body.utterance import Voice
 from kinesic.speech.durations import DurationModel
 from kinesic.speech.espeak import Espeak
-from kinesic.speech.espeak_pool import fault
+from kinesic.speech.espeak_pool import espeak_fault
 from kinesic.speech.recorded import Recorded
 
 VoiceName = Literal["auto", "espeak", "durations"]
@@ -22,7 +22,7 @@ def voice(name: VoiceName = "durations") -> Voice:
     Raises:
         ConfigError: espeak is asked for by its name and does not work.
     """
-    why = "" if name == "durations" else fault()
+    why = "" if name == "durations" else espeak_fault()
     if why and name == "espeak":
         raise ConfigError(f"the voice espeak cannot speak: {why}; --voice durations is silent and needs nothing")
     if why or name == "durations":

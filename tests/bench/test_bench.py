@@ -46,7 +46,7 @@ def test_twin_measures_speed_and_clearance(brief):
 
 @pytest.mark.skipif(corpus.folder() is None, reason="no corpus of BML documents (KINESIC_CORPUS)")
 def test_feed_forward_and_correction_each_bring_servos_nearer_to_the_plan():
-    figures = {figure.name: figure for figure in twin.following(facts(), 3)}
+    figures = {figure.name: figure for figure in twin.tracking_figures(facts(), 3)}
     for twin_name in ("nominal", "pessimistic"):
         helped, alone, without = (
             figures[f"twin.rmse_{twin_name}{kind}"].value for kind in ("", "_feedforward_only", "_without")
@@ -58,7 +58,7 @@ def test_feed_forward_and_correction_each_bring_servos_nearer_to_the_plan():
 
 def test_without_a_corpus_the_table_is_null_and_says_why(monkeypatch):
     monkeypatch.setenv("KINESIC_CORPUS", "nowhere")
-    figures = twin.following(facts())
+    figures = twin.tracking_figures(facts())
     assert len(figures) == 36
     assert all(figure.value is None and "KINESIC_CORPUS" in figure.why for figure in figures)
 

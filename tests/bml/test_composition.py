@@ -14,7 +14,7 @@ from kinesic.bml.block import (
     ParameterChange,
     Succession,
 )
-from kinesic.bml.composition import State, awaited, goes_round, held_back
+from kinesic.bml.composition import BlockState, awaited, goes_round, held_back
 from kinesic.bml.parse import parse
 from kinesic.bml.schedule import schedule
 
@@ -110,7 +110,7 @@ def test_strict_reading_takes_commands() -> None:
     assert parse(text, strict=True).behaviours[0].action == Activate("a")
 
 
-PRESENT = {"a": State.IN_EXEC, "p": State.PENDING, "l": State.LURKING}
+PRESENT = {"a": BlockState.IN_EXEC, "p": BlockState.PENDING, "l": BlockState.LURKING}
 
 
 @pytest.mark.parametrize(
@@ -143,4 +143,4 @@ def test_waiting_in_a_circle() -> None:
 
 
 def test_states_in_which_a_block_plays() -> None:
-    assert {state for state in State if state.is_playing} == {State.IN_EXEC, State.SUBSIDING}
+    assert {state for state in BlockState if state.is_playing} == {BlockState.IN_EXEC, BlockState.SUBSIDING}

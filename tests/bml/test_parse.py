@@ -15,10 +15,10 @@ from kinesic.bml.block import (
     Locomotion,
     Manner,
     NoticeType,
-    Order,
     Place,
     Pointing,
     Posture,
+    Precedence,
     Speech,
     Synchronize,
     SyncRef,
@@ -122,7 +122,7 @@ def test_constraints() -> None:
     assert isinstance(synchronize, Synchronize)
     assert synchronize.refs == (g("stroke"), h("stroke"))
     assert [(o.earlier, o.later) for o in before] == [(h("start"), (g("end"),)), (h("end"), (g("end"),))]
-    assert isinstance(after, Order)
+    assert isinstance(after, Precedence)
     assert (after.earlier.offset, after.later, after.required) == (1.0, (g("start"),), True)
     assert draft.refs == (g("stroke"), SyncRef("b", "bml", "start", offset=10.0))
 

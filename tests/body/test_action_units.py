@@ -1,6 +1,6 @@
 import pytest
 
-from kinesic.body.action_units import CHANNELS, UNITS, channels, keys_of, unknown_unit
+from kinesic.body.action_units import CHANNELS, UNITS, channels, face_keys, unknown_unit
 
 
 def test_units_with_sides_move_on_each_and_the_others_as_a_whole():
@@ -18,13 +18,13 @@ def test_the_units_that_faces_need_are_there():
 
 @pytest.mark.parametrize("unit", ["", "L", "3", "99", "L26", "twelve", "-1", "1.0", "L 12", "²", "9" * 5000])
 def test_what_is_no_unit_has_no_keys(unit: str):
-    assert keys_of(unit) == ()
+    assert face_keys(unit) == ()
 
 
 def test_a_unit_is_written_with_or_without_its_side():
-    assert keys_of("12") == ("L12", "R12")
-    assert keys_of("R12") == ("R12",)
-    assert keys_of("26") == ("26",)
+    assert face_keys("12") == ("L12", "R12")
+    assert face_keys("R12") == ("R12",)
+    assert face_keys("26") == ("26",)
 
 
 def test_an_unknown_unit_is_told_what_would_have_worked():

@@ -3,7 +3,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from kinesic.body.config import ConfigError, closest, read
+from kinesic.body.config import ConfigError, read_toml, suggestion
 
 
 class Wheel(msgspec.Struct, forbid_unknown_fields=True):
@@ -26,35 +26,35 @@ def file(tmp_path: Path):
 
 
 def test_a_good_file_is_read(file):
-    assert read(file('name = "a"\nwheels = [{ radius = 0.5 }]'), Cart) == Cart("a", [Wheel(0.5)])
+    assert read_toml(file('name = "a"\nwheels = [{ radius = 0.5 }]'), Cart) == Cart("a", [Wheel(0.5)])
 
 
 def test_a_missing_file_is_named(tmp_path: Path):
     with pytest.raises(ConfigError, match=r"nowhere\.toml: no such file"):
-        read(tmp_path / "nowhere.toml", Cart)
+        read_toml(tmp_path / "nowhere.toml", Cart)
 
 
 def test_a_folder_is_no_file(tmp_path: Path):
     with pytest.raises(ConfigError, match="directory"):
-        read(tmp_path, Cart)
+        read_toml(tmp_path, Cart)
 
 
 def test_broken_toml_names_the_line(file):
     with pytest.raises(ConfigError, match=r"not TOML.*line 2"):
-        read(file('name = "a"\nwheels = = 3'), Cart)
+        read_toml(file('name = "a"\nwheels = = 3'), Cart)
 
 
 def test_bytes_that_are_no_text_are_refused(tmp_path: Path):
     path = tmp_path / "cart.toml"
     path.write_bytes(b'name = "\xff"')
     with pytest.raises(ConfigError, match="not TOML"):
-        read(path, Cart)
+        read_toml(path, Cart)
 
 
 @pytest.mark.parametrize(("number", "shown"), [("nan", "nan"), ("inf", "inf"), ("-inf", "-inf")])
 def test_a_number_that_is_not_finite_is_refused_with_its_place(file, number: str, shown: str):
     with pytest.raises(ConfigError, match=rf"\$\.wheels\[1\]\.radius is {shown}, must be a finite number"):
-        read(file(f'name = "a"\nwheels = [{{ radius = 1.0 }}, {{ radius = {number} }}]'), Cart)
+        read_toml(file(f'name = "a"\nwheels = [{{ radius = 1.0 }}, {{ radius = {number} }}]'), Cart)
 
 
 @pytest.mark.parametrize(
@@ -69,10 +69,10 @@ def test_a_number_that_is_not_finite_is_refused_with_its_place(file, number: str
 )
 def test_a_file_that_does_not_fit_teaches(file, text: str, message: str):
     with pytest.raises(ConfigError, match=message):
-        read(file(text), Cart)
+        read_toml(file(text), Cart)
 
 
 def test_closest_offers_the_nearest_word_or_all():
-    assert closest("elbwo", ["elbow", "wrist"]) == "; did you mean elbow?"
-    assert closest("knee", ["wrist", "elbow"]) == "; known: elbow, wrist"
-    assert closest("knee", []) == ""
+    assert suggestion("elbwo", ["elbow", "wrist"]) == "; did you mean elbow?"
+    assert suggestion("knee", ["wrist", "elbow"]) == "; known: elbow, wrist"
+    assert suggestion("knee", []) == ""

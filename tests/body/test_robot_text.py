@@ -3,7 +3,7 @@ import tomllib
 import msgspec
 import pytest
 
-from kinesic.body.config import read
+from kinesic.body.config import read_toml
 from kinesic.body.robot import Robot
 from kinesic.body.robot_file import described
 from kinesic.body.robot_schema import RobotFile, ServoTable
@@ -13,7 +13,7 @@ from kinesic.body.robot_text import robot_text
 @pytest.fixture(scope="module")
 def file():
     """The default robot's left and middle, with the right side named anew so that no mirror is needed."""
-    own = read(Robot.load().path, RobotFile)
+    own = read_toml(Robot.load().path, RobotFile)
     servo = ServoTable(0, 48.0, 10.0, 2.0, 30.0, 1.0, 0.0, (0.01, 0.01, 0.01), 800.0, 0.0, 128.0, 0.1, 0.2, 0.3)
     hinges = [msgspec.structs.replace(own.hinge[0], servo="mine", at=(0.01, 0.0, -0.02)), *own.hinge[1:]]
     return msgspec.structs.replace(own, hinge=hinges, servos={"mine": servo}, bus=[])
@@ -22,7 +22,7 @@ def file():
 def test_what_is_written_is_read_back(file, tmp_path):
     path = tmp_path / "robot.toml"
     path.write_text(robot_text(file, heading=["one", ""], remarks={}), encoding="utf-8")
-    again = read(path, RobotFile)
+    again = read_toml(path, RobotFile)
     plain = msgspec.structs.replace(file, robot=msgspec.structs.replace(file.robot, mirror=None), supply=None)
     assert again == plain
 

@@ -1,10 +1,10 @@
 from dataclasses import replace
 
 from kinesic.body.robot import Robot
-from kinesic.cli.options import Settings
+from kinesic.cli.options import PlanningOptions
 from kinesic.cli.validate_fingerprint import fingerprint
 
-SETTINGS = Settings("upper22", "neutral", (), None, None, "auto")
+SETTINGS = PlanningOptions("upper22", "neutral", (), None, None, "auto")
 
 
 def test_the_same_settings_give_the_same_text():

@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-from kinesic.speech.espeak_pool import fault
+from kinesic.speech.espeak_pool import espeak_fault
 
 HURRIED = b"""<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">
   <speech id="s"><text>See <sync id="a"/>this, <sync id="b"/>this.</text></speech>
@@ -21,8 +21,8 @@ def performed(kinesic, folder, *options: str) -> dict:
 
 
 def test_the_command_line_speaks_where_it_can(kinesic, tmp_path):
-    if fault():
-        pytest.skip(fault())
+    if espeak_fault():
+        pytest.skip(espeak_fault())
     assert [said["heard"] for said in performed(kinesic, tmp_path)["speech"]] == [True]
     assert (tmp_path / "out" / "speech.wav").stat().st_size > 10000
 

@@ -4,7 +4,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Load
 from kinesic.body.robot import Robot
 from kinesic.controller.feedforward import lead
-from kinesic.motion.trajectory import held
+from kinesic.motion.trajectory import stay
 
 ROBOT = Robot.load()
 COUNT = len(ROBOT.skeleton.hinges)
@@ -30,13 +30,13 @@ class Loaded(Weightless):
 
 def test_a_weightless_body_at_rest_is_sent_where_it_is():
     posture = ROBOT.skeleton.rest
-    sent = lead(held(posture), np.array([0.0, 0.05]), ROBOT, Weightless(), period=0.01).goals
+    sent = lead(stay(posture), np.array([0.0, 0.05]), ROBOT, Weightless(), period=0.01).goals
     np.testing.assert_allclose(sent, [posture, posture], atol=1e-12)
 
 
 def test_a_load_is_met_by_the_error_that_yields_its_torque():
     posture = ROBOT.skeleton.clamp(np.full(COUNT, 0.1))
-    sent = lead(held(posture), np.array([0.05]), ROBOT, Loaded(), period=0.01).goals
+    sent = lead(stay(posture), np.array([0.05]), ROBOT, Loaded(), period=0.01).goals
     for k, drive in enumerate(ROBOT.drives):
         assert np.isclose((sent[0, k] - posture[k]) * drive.gain * drive.stall, 0.5)
 
@@ -55,23 +55,23 @@ def test_a_moving_hinge_is_led_by_its_lag(through):
 
 def test_goals_stay_in_range():
     posture = ROBOT.skeleton.upper
-    sent = lead(held(posture), np.array([0.0]), ROBOT, Loaded(), period=0.01).goals
+    sent = lead(stay(posture), np.array([0.0]), ROBOT, Loaded(), period=0.01).goals
     assert np.all(sent <= ROBOT.skeleton.upper)
 
 
 def test_loads_are_the_part_of_the_goals_that_carries_torque():
     posture = ROBOT.skeleton.clamp(np.full(COUNT, 0.1))
     times = np.array([0.05])
-    full = lead(held(posture), times, ROBOT, Loaded(), period=0.01)
+    full = lead(stay(posture), times, ROBOT, Loaded(), period=0.01)
     np.testing.assert_allclose(full.goals, posture + full.loads, atol=1e-12)
-    lag = lead(held(posture), times, ROBOT, Loaded(), period=0.01, terms="lag")
+    lag = lead(stay(posture), times, ROBOT, Loaded(), period=0.01, terms="lag")
     np.testing.assert_allclose(lag.goals[0], posture, atol=1e-12)
     assert not lag.loads.any()
 
 
 def test_without_feed_forward_the_reference_itself_is_sent():
     posture = ROBOT.skeleton.clamp(np.full(COUNT, 0.1))
-    none = lead(held(posture), np.array([0.05]), ROBOT, Loaded(), period=0.01, terms="none")
-    np.testing.assert_array_equal(none.goals[0], held(posture).at(0.05).angles)
+    none = lead(stay(posture), np.array([0.05]), ROBOT, Loaded(), period=0.01, terms="none")
+    np.testing.assert_array_equal(none.goals[0], stay(posture).at(0.05).angles)
     assert not none.loads.any()
     assert none.duties.any()

@@ -8,7 +8,7 @@ from scipy.linalg import expm
 from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
 from kinesic.body.robot import SPEED_SHARE, Robot
-from kinesic.controller.observer import LARGEST, Belief, Lessons, Observer, _forecast, corrected
+from kinesic.controller.observer import LARGEST, Belief, Lessons, Observer, _forecast, correct_goals
 from kinesic.controller.observer_step import FADING, RESTORING, SHARES
 from kinesic.sim.dynamics import MujocoDynamics
 
@@ -192,7 +192,7 @@ class Still:
 def test_commands_keep_their_reference_and_the_first_its_goals():
     body = Still(REST + 0.01)
     stream = [structs.replace(command(), time=k * PERIOD) for k in range(5)]
-    for (told,) in corrected(stream, np.zeros((5, COUNT)), [body], OBSERVER):
+    for (told,) in correct_goals(stream, np.zeros((5, COUNT)), [body], OBSERVER):
         body.write(told)
     assert [told.time for told in body.written] == [asked.time for asked in stream]
     np.testing.assert_array_equal(body.written[0].goals, REST)
@@ -203,7 +203,7 @@ def test_commands_keep_their_reference_and_the_first_its_goals():
 
 def test_as_many_loads_as_commands():
     with pytest.raises(ValueError, match="shorter"):
-        list(corrected([command()], np.zeros((2, COUNT)), [Still(REST)], OBSERVER))
+        list(correct_goals([command()], np.zeros((2, COUNT)), [Still(REST)], OBSERVER))
 
 
 def test_a_delay_splits_a_goal_between_two_ticks():

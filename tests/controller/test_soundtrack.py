@@ -7,7 +7,7 @@ import pytest
 from kinesic.body.utterance import Script, Sound, Utterance
 from kinesic.controller.perform import facts, plan
 from kinesic.controller.soundtrack import resampled, sound, write_wav
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 from kinesic.speech.recorded import read_wav
 
 RATE = 16000
@@ -32,16 +32,16 @@ class Beep:
 
 
 @pytest.fixture
-def known() -> Facts:
+def known() -> Setup:
     return facts()
 
 
-def beeping(known: Facts, two: float, loudness: float = 0.25):
+def beeping(known: Setup, two: float, loudness: float = 0.25):
     object.__setattr__(known, "voice", Beep(loudness))
     return plan(BLOCK.format(two=two), known)
 
 
-def test_every_utterance_is_at_its_performance_time(known: Facts):
+def test_every_utterance_is_at_its_performance_time(known: Setup):
     planned = beeping(known, 2.0)
     assert planned.trajectory.zero > 0.0  # the hand begins before the block does
     heard = sound(planned)
@@ -53,7 +53,7 @@ def test_every_utterance_is_at_its_performance_time(known: Facts):
     assert edges == pytest.approx([zero + 0.5, zero + 1.0, zero + 2.0, zero + 2.5], abs=1e-3)
 
 
-def test_utterances_at_once_are_mixed_and_never_too_loud(known: Facts):
+def test_utterances_at_once_are_mixed_and_never_too_loud(known: Setup):
     heard = sound(beeping(known, 0.75, loudness=0.8))
     assert heard is not None
     assert np.abs(heard.samples).max() == pytest.approx(1.0)

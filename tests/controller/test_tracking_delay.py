@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from kinesic.controller.tracking_delay import lateness
+from kinesic.controller.tracking_delay import tracking_delay
 
 TIMES = np.arange(0.0, 4.0, 0.01)
 
@@ -16,13 +16,13 @@ def pulse(times, late):
 def test_a_delay_is_found_between_samples(late):
     planned = np.stack([pulse(TIMES, 0.0), 3.0 * pulse(TIMES, 0.3)], axis=1)
     performed = np.stack([0.8 * pulse(TIMES, late), 3.0 * pulse(TIMES, 0.3)], axis=1)
-    found = lateness(planned, performed, np.array([True, True]), period=0.01)
+    found = tracking_delay(planned, performed, np.array([True, True]), period=0.01)
     assert found == pytest.approx([late, 0.0], abs=2e-4)
 
 
 def test_a_hinge_that_does_not_move_has_none():
     planned = np.stack([pulse(TIMES, 0.0), np.zeros_like(TIMES)], axis=1)
-    found = lateness(planned, planned, np.array([True, False]), period=0.01)
+    found = tracking_delay(planned, planned, np.array([True, False]), period=0.01)
     assert found[0] == pytest.approx(0.0, abs=1e-9)
     assert np.isnan(found[1])
-    assert np.isnan(lateness(planned, planned, np.array([False, False]), period=0.01)).all()
+    assert np.isnan(tracking_delay(planned, planned, np.array([False, False]), period=0.01)).all()

@@ -15,11 +15,11 @@ from kinesic.body.command import RATE
 from kinesic.body.config import CONFIGS
 from kinesic.controller.feedforward import lead
 from kinesic.controller.perform import plan
-from kinesic.controller.play import commands, ticks
+from kinesic.controller.play import command_times, commands
 from kinesic.controller.servo_performance import DELAY, FULL
 from kinesic.hardware.protocol.servo_map import ServoMap
 from kinesic.hardware.servos import Servos
-from kinesic.hardware.supervisor.settings import Settings
+from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.planning.plan import Plan
 
@@ -65,9 +65,9 @@ def followed(planned: Plan, clocks: Floats, times: Floats, angles: Floats) -> No
 
 
 def test_kinesic_moves_the_twin_through_the_port(planned: Plan, port: Path):
-    robot, times = planned.facts.robot, ticks(planned.duration)[:SEEN]
+    robot, times = planned.facts.robot, command_times(planned.duration)[:SEEN]
     setpoints = lead(planned.trajectory, times, robot, planned.facts.dynamics, period=1 / RATE, delay=DELAY)
-    servos = Servos(robot, {"body": port}, settings=Settings(pace=2.0, patience=0.1))
+    servos = Servos(robot, {"body": port}, settings=SupervisorSettings(pace=2.0, patience=0.1))
     for command in commands(planned.trajectory, times, setpoints):
         servos.write(command)
     servos.close()
@@ -79,7 +79,7 @@ def test_kinesic_moves_the_twin_through_the_port(planned: Plan, port: Path):
 
 
 def test_the_sdk_moves_the_twin_through_the_port(planned: Plan, port: Path):
-    robot, times = planned.facts.robot, ticks(planned.duration)[:SEEN]
+    robot, times = planned.facts.robot, command_times(planned.duration)[:SEEN]
     wiring = ServoMap.of(robot)
     setpoints = lead(planned.trajectory, times, robot, planned.facts.dynamics, period=1 / RATE, delay=DELAY)
     hinges = {servo: k for k, servos in enumerate(wiring.servos) for servo in servos.ids}

@@ -8,7 +8,7 @@ from kinesic.hardware.protocol.registers import Mode, Register
 from kinesic.hardware.protocol.servo_map import ServoMap
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.physics import LIMP, Demand
-from kinesic.hardware.virtual.wiring import build, cables
+from kinesic.hardware.virtual.wiring import build_bus, cables
 from kinesic.sim.servo_shafts import Shafts
 
 
@@ -58,11 +58,11 @@ def test_the_servos_of_a_tandem_share_its_torque(robot: Robot):
 )
 def test_other_modes_move_it_too(robot: Robot, mode: Mode, goal: Register, value: int):
     wires = cables(robot)
-    plant, buses = build(wires, TwinPhysics(robot, wires))
+    plant, buses = build_bus(wires, TwinPhysics(robot, wires))
     wire = MemoryWire(buses["body"])
     neck = next(servos.ids[0] for servos in ServoMap.of(robot).servos if servos.hinge == "skullbase_torsion")
     for register, data in ((Register.OPERATING_MODE, mode.value), (Register.TORQUE_ENABLE, 1), (goal, value)):
-        wire.write(packet.write(neck, register.field.address, register.field.pack(data)))
+        wire.write(packet.write_packet(neck, register.field.address, register.field.pack(data)))
         wire.read(wire.now() + 0.01)
     buses["body"].advance(wire.now() + 0.3)
     servo = next(servo for servo in plant.servos if servo.id == neck)

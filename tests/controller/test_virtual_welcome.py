@@ -9,7 +9,7 @@ from kinesic.body.command import RATE
 from kinesic.body.config import CONFIGS
 from kinesic.controller.feedforward import lead
 from kinesic.controller.perform import plan
-from kinesic.controller.play import commands, ticks
+from kinesic.controller.play import command_times, commands
 from kinesic.controller.virtual_robot import TwinPhysics
 from kinesic.hardware.bus.bus import Servo
 from kinesic.hardware.protocol.models import MODELS
@@ -17,7 +17,7 @@ from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.servo_map import ServoMap
 from kinesic.hardware.virtual.drivers import Driver, KinesicDriver, SdkDriver
 from kinesic.hardware.virtual.memory_wire import MemoryWire
-from kinesic.hardware.virtual.wiring import build, cables
+from kinesic.hardware.virtual.wiring import build_bus, cables
 from kinesic.planning.plan import Plan
 
 PERIOD = 1 / RATE
@@ -35,7 +35,7 @@ def test_it_follows_the_plan(planned: Plan, opens: Callable[..., Driver], rmse: 
     wiring = ServoMap.of(robot)
     wires = cables(robot)
     physics = TwinPhysics(robot, wires)
-    plant, buses = build(wires, physics)
+    plant, buses = build_bus(wires, physics)
     wire = MemoryWire(buses["body"])
     servos = [Servo(fitting.servo, MODELS[fitting.model]) for fitting in wires[0].fittings]
     hinges = [next(k for k, s in enumerate(wiring.servos) if servo.id in s.ids) for servo in servos]
@@ -43,7 +43,7 @@ def test_it_follows_the_plan(planned: Plan, opens: Callable[..., Driver], rmse: 
         servo.write(Register.GOAL_POSITION.field.address, fitting.ticks.to_bytes(4, "little"))
         servo.write(Register.TORQUE_ENABLE.field.address, b"\1")
     driver = opens(wire, servos, PERIOD)
-    times = ticks(planned.duration)[:SEEN]
+    times = command_times(planned.duration)[:SEEN]
     setpoints = lead(planned.trajectory, times, robot, planned.facts.dynamics, period=PERIOD, delay=0.002)
     began = wire.now() + 1.0
     errors, moving = [], []

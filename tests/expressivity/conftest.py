@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 import pytest
 
-from kinesic.bml.block import GESTURE_SYNCS, Action, Behaviour, Block, Place, Timed, Timeline
+from kinesic.bml.block import GESTURE_SYNCS, Action, Behaviour, Block, Place, TimedBehaviour, Timeline
 from kinesic.body.dynamics import Load
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
@@ -56,7 +56,7 @@ def timeline() -> Callable[..., Timeline]:
 
     def build(*asked: Asked, required: tuple[str, ...] = (), dialect: str = "bml-1.0") -> Timeline:
         timed = tuple(
-            Timed(Behaviour(id, type(action).__name__, action, Place(1, 1), required=id in required), times)
+            TimedBehaviour(Behaviour(id, type(action).__name__, action, Place(1, 1), required=id in required), times)
             for id, action, times in asked
         )
         return Timeline(Block("bml1", tuple(one.behaviour for one in timed), dialect=dialect), timed)

@@ -3,9 +3,9 @@ from dataclasses import replace
 import pytest
 
 from kinesic.bml.block import Gesture, Head, Manner, Posture, Torso
-from kinesic.expressivity.behaviours import Scene, head_move, torso_move
+from kinesic.expressivity.behaviours import BehaviourScene, head_move, torso_move
 from kinesic.expressivity.posture import posture_moves
-from kinesic.expressivity.style.passage import passage
+from kinesic.expressivity.style.passage import passage_of
 from kinesic.expressivity.style.style import Expressivity, Style
 
 STYLE = Style("mine", Expressivity(power=0.1), Expressivity(power=0.2), Expressivity(power=0.3))
@@ -18,7 +18,7 @@ def scene(timeline, pace, lexicon, robot):
     def of(action, times, manner=None, manners=None):
         built = timeline(("b", action, times))
         timed = replace(built.timed[0], behaviour=replace(built.timed[0].behaviour, manner=manner or Manner()))
-        return Scene(replace(built.block, manners=manners or {}), STYLE, lexicon, pace, robot.targets), timed
+        return BehaviourScene(replace(built.block, manners=manners or {}), STYLE, lexicon, pace, robot.targets), timed
 
     return of
 
@@ -39,10 +39,10 @@ def test_the_document_goes_over_the_style(scene, phases):
 def test_head_torso_and_postures_pass_their_keys_in_their_manner(scene, phases):
     times = phases(0, 1, 1, 2, 2.5, 3, 4)
     here, timed = scene(Head("NOD"), times)
-    assert passage(STYLE.head, "stroke") in {
+    assert passage_of(STYLE.head, "stroke") in {
         key.passage for key in head_move(timed, timed.behaviour.action, here).head[0]
     }
     here, timed = scene(Torso("BodyLean"), times)
-    assert torso_move(timed, timed.behaviour.action, here).torso[0][1].passage == passage(STYLE.torso, "stroke")
+    assert torso_move(timed, timed.behaviour.action, here).torso[0][1].passage == passage_of(STYLE.torso, "stroke")
     here, timed = scene(Posture(poses=(("WHOLEBODY", "LEANING_FORWARD"),)), times)
-    assert posture_moves([timed], here)["b"].torso[0][1].passage == passage(STYLE.torso, "stroke")
+    assert posture_moves([timed], here)["b"].torso[0][1].passage == passage_of(STYLE.torso, "stroke")

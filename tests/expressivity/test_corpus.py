@@ -16,8 +16,8 @@ from kinesic.body.utterance import Utterance
 from kinesic.expressivity.durations import spans
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.expressivity.realise import keyframes
-from kinesic.expressivity.style.resolve import told
-from kinesic.expressivity.style.style import RANGES, Style, preset
+from kinesic.expressivity.style.resolve import resolve_numbers
+from kinesic.expressivity.style.style import RANGES, Style, style_preset
 from kinesic.expressivity.targets import NO_TARGETS
 
 CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
@@ -107,11 +107,11 @@ def test_what_the_documents_carry_of_expressivity_is_what_behaviours_are_moved_w
             modality = modality_of(behaviour.action)
             if modality is None or behaviour.manner == Manner():
                 continue
-            found = told(preset("sad"), modality, block, behaviour)
+            found = resolve_numbers(style_preset("sad"), modality, block, behaviour)
             for name in RANGES:
                 said = getattr(behaviour.manner, name)
                 assert getattr(found.expressivity, name) == (
-                    getattr(preset("sad").of(modality), name) if said is None else said
+                    getattr(style_preset("sad").of(modality), name) if said is None else said
                 )
                 assert found.sources[name] == ("style" if said is None else "behaviour")
                 carried[name] += said not in (None, 0.0)

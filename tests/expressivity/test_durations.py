@@ -17,7 +17,7 @@ from kinesic.bml.block import (
 )
 from kinesic.expressivity.durations import spans
 from kinesic.expressivity.hands.poses import poses
-from kinesic.expressivity.hands.strokes import least_times
+from kinesic.expressivity.hands.strokes import least_stroke_times
 from kinesic.expressivity.head import MORE
 from kinesic.expressivity.style.pace import FLOOR, FORCE
 from kinesic.expressivity.style.style import Expressivity, Style
@@ -76,7 +76,7 @@ def test_power_halves_the_stroke_where_the_servos_allow_and_hurries_the_ways(nat
     for sync in ("ready", "stroke", "end"):
         assert np.all(np.diff([of[sync] for of in found]) < 0)
     neutral = poses(lexicon.find(lexeme).form, pace.robot, Expressivity())
-    least = sum(least_times(neutral, pace)[: neutral.stroke])
+    least = sum(least_stroke_times(neutral, pace)[: neutral.stroke])
     assert found[-1]["stroke"] == pytest.approx(max(found[4]["stroke"] / FORCE, least))
     assert [of["relax"] for of in found] == pytest.approx([found[0]["relax"]] * len(EXTENTS))
 

@@ -7,9 +7,9 @@ from kinesic.bml.block import GAZE_SYNCS, SHIFT_SYNCS, Block, Gaze, Head, HeadDi
 from kinesic.body.action_units import ASIDE
 from kinesic.expressivity.gaze import aim
 from kinesic.expressivity.head import MORE, SWING, head_form, head_layer, swing_time
-from kinesic.expressivity.style.passage import passage
+from kinesic.expressivity.style.passage import passage_of
 from kinesic.expressivity.style.style import Expressivity
-from kinesic.expressivity.turns import UPRIGHT, at, room
+from kinesic.expressivity.turns import UPRIGHT, room, turn_at
 
 
 @pytest.fixture
@@ -37,9 +37,9 @@ def frame_at(frames, time):
 @pytest.mark.parametrize("amount", [0.25, 0.5, 1.0])
 def test_a_nod_peaks_at_the_stroke(robot, pace, nod_times, amount):
     layer = head_layer(head_form(Head("NOD", amount=amount), robot, Expressivity()), nod_times, pace, Expressivity())
-    assert degrees(at(layer, 0.5).tilt) == pytest.approx(20 * amount)
-    assert max(key.turn.tilt for key in layer) == at(layer, 0.5).tilt
-    assert at(layer, 0.2).tilt == at(layer, 0.8).tilt == 0
+    assert degrees(turn_at(layer, 0.5).tilt) == pytest.approx(20 * amount)
+    assert max(key.turn.tilt for key in layer) == turn_at(layer, 0.5).tilt
+    assert turn_at(layer, 0.2).tilt == turn_at(layer, 0.8).tilt == 0
 
 
 def test_a_nod_beyond_the_neck_is_clipped_and_warned(perform, robot, nod_times):
@@ -55,15 +55,15 @@ def test_repeated_nods_peak_at_each_stroke(robot, pace, nod_times):
         head_form(Head("NOD", repetition=3, amount=1.0), robot, Expressivity()), times, pace, Expressivity()
     )
     for time in (0.5, 0.9, 1.5):
-        assert degrees(at(layer, time).tilt) == pytest.approx(20)
-    assert at(layer, 0.7).tilt == at(layer, 2.0).tilt == 0
+        assert degrees(turn_at(layer, time).tilt) == pytest.approx(20)
+    assert turn_at(layer, 0.7).tilt == turn_at(layer, 2.0).tilt == 0
 
 
 def test_a_nod_without_room_after_its_stroke_still_returns(robot, pace, phases):
     layer = head_layer(head_form(Head("NOD"), robot, Expressivity()), phases(1, 1, 1, 1, 1, 1, 1), pace, Expressivity())
     assert layer[0].time < 1 < layer[-1].time
     assert layer[0].turn.tilt == layer[-1].turn.tilt == 0
-    assert at(layer, 1.0).tilt > 0
+    assert turn_at(layer, 1.0).tilt > 0
 
 
 def test_a_shake_goes_to_both_sides(robot, pace, nod_times):
@@ -71,7 +71,7 @@ def test_a_shake_goes_to_both_sides(robot, pace, nod_times):
     turns = [round(degrees(key.turn.torsion), 6) for key in layer]
     assert max(turns) == 10
     assert min(turns) == -10
-    assert degrees(at(layer, 0.5).torsion) == pytest.approx(10)
+    assert degrees(turn_at(layer, 0.5).torsion) == pytest.approx(10)
 
 
 @pytest.mark.parametrize(
@@ -98,9 +98,9 @@ def test_words_of_a_lexeme_name_directions(robot, lexeme, torsion, tilt, roll):
 
 def test_a_direction_is_held_until_relax(robot, pace, nod_times):
     layer = head_layer(head_form(Head("Left"), robot, Expressivity()), nod_times, pace, Expressivity())
-    assert at(layer, 0.5) == at(layer, 0.9) == head_form(Head("Left"), robot, Expressivity()).peak
-    assert 0 < at(layer, 0.1).torsion < at(layer, 0.5).torsion
-    assert at(layer, 1.0).torsion == 0
+    assert turn_at(layer, 0.5) == turn_at(layer, 0.9) == head_form(Head("Left"), robot, Expressivity()).peak
+    assert 0 < turn_at(layer, 0.1).torsion < turn_at(layer, 0.5).torsion
+    assert turn_at(layer, 1.0).torsion == 0
 
 
 @pytest.mark.parametrize(("lexeme", "kind"), [("SPIN", "shake"), ("", "nod"), ("Y", "nod"), ("JOY_SIGNAL", "nod")])
@@ -240,8 +240,8 @@ def test_repetition_nods_more_as_far_as_there_is_time(robot, pace, phases):
 
     def peaks(end):
         layer = head_layer(form, phases(0.0, 0.1, 0.2, 0.5, end, end, end), pace, Expressivity())
-        assert at(layer, 0.5).tilt == pytest.approx(form.peak.tilt)
-        assert at(layer, end).tilt == pytest.approx(0.0)
+        assert turn_at(layer, 0.5).tilt == pytest.approx(form.peak.tilt)
+        assert turn_at(layer, end).tilt == pytest.approx(0.0)
         return sum(key.turn == form.peak for key in layer)
 
     least = pace.least_turn_time("neck", form.peak)
@@ -261,8 +261,8 @@ def test_keys_are_passed_as_the_manner_says(robot, pace, nod_times):
     manner = Expressivity(tension=0.5, power=1.0)
     nod = head_layer(head_form(Head("NOD"), robot, manner), nod_times, pace, manner)
     peak = next(key for key in nod if key.turn.tilt > 0)
-    assert peak.passage == passage(manner, "stroke")
+    assert peak.passage == passage_of(manner, "stroke")
     held = head_layer(head_form(Head("Left"), robot, manner), nod_times, pace, manner)
     assert [key.passage for key in held] == [
-        passage(manner, phase) for phase in ("retraction", "preparation", "stroke", "hold", "retraction")
+        passage_of(manner, phase) for phase in ("retraction", "preparation", "stroke", "hold", "retraction")
     ]

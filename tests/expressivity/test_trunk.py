@@ -6,8 +6,8 @@ import pytest
 
 from kinesic.bml.block import Gesture, Torso
 from kinesic.expressivity.style.style import Expressivity, Style
-from kinesic.expressivity.trunk import HASTE, RECLINE, lean
-from kinesic.expressivity.turns import axes, plus, scaled
+from kinesic.expressivity.trunk import HASTE, RECLINE, named_lean
+from kinesic.expressivity.turns import add_turns, axes, scale_turn
 
 
 @pytest.mark.parametrize(
@@ -23,7 +23,7 @@ from kinesic.expressivity.turns import axes, plus, scaled
     ],
 )
 def test_words_of_a_lexeme_name_leans(robot, lexeme, torsion, tilt, roll):
-    turn = lean(Torso(lexeme), robot, 0.0).turn
+    turn = named_lean(Torso(lexeme), robot, 0.0).turn
     assert [degrees(angle) for angle in (turn.torsion, turn.tilt, turn.roll)] == pytest.approx([torsion, tilt, roll])
 
 
@@ -107,7 +107,7 @@ def test_the_trunk_never_needs_more_time_than_the_hands_have(perform, phases, pa
         frames = perform(("g", Gesture("beat", "left"), times), style=styled(power=1.0, openness=1.0))
         keys = [(frame.time, frame.torso) for frame in frames.frames if "torso" in frame.given]
         for (begin, a), (end, b) in pairwise(keys):
-            least = pace.least_turn_time("torso", plus(b, scaled(a, -1.0)))
+            least = pace.least_turn_time("torso", add_turns(b, scale_turn(a, -1.0)))
             assert least <= HASTE * (end - begin) * (1 + 1e-9) + 1e-9
 
 

@@ -1,9 +1,9 @@
 import pytest
 
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.style.passage import passage
+from kinesic.expressivity.style.passage import passage_of
 from kinesic.expressivity.style.style import Expressivity
-from kinesic.expressivity.turns import UPRIGHT, Hold, exclusive, passed
+from kinesic.expressivity.turns import UPRIGHT, Hold, exclusive, pass_layer
 
 MANNER = Expressivity(power=1.0, tension=0.5)
 LEFT = Turn(torsion=0.5)
@@ -20,10 +20,10 @@ LEFT = Turn(torsion=0.5)
 )
 def test_a_hold_goes_there_as_a_stroke_stays_and_goes_back(holds, phases):
     layer = exclusive(holds)[0]
-    keys = passed(layer, MANNER)
-    assert [key.passage for key in keys] == [passage(MANNER, phase) for phase in phases]
+    keys = pass_layer(layer, MANNER)
+    assert [key.passage for key in keys] == [passage_of(MANNER, phase) for phase in phases]
     assert [(key.time, key.turn) for key in keys] == [(key.time, key.turn) for key in layer]
 
 
 def test_no_layer_has_no_keys():
-    assert passed((), MANNER) == ()
+    assert pass_layer((), MANNER) == ()

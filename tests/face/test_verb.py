@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 from kinesic.cli import main
-from kinesic.face.assets.mesh import load
+from kinesic.face.assets.mesh import load_head
 from kinesic.face.render import portrait
 from kinesic.face.show.window import has_display
 
@@ -110,7 +110,7 @@ def test_bad_input_is_one_line(
 def test_a_missing_head_is_one_line(
     drawable: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):
-    monkeypatch.setattr(load, "__kwdefaults__", {"path": tmp_path / "head.npz"})
+    monkeypatch.setattr(load_head, "__kwdefaults__", {"path": tmp_path / "head.npz"})
     portrait._head.cache_clear()
     assert typed(monkeypatch, "--out", str(tmp_path / "x.png")) == 2
     error = capsys.readouterr().err

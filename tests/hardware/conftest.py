@@ -13,7 +13,7 @@ from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.virtual.faults import CALM, FaultPlan
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.shaft_simulation import Plant
-from kinesic.hardware.virtual.wiring import Cable, Fitting, build
+from kinesic.hardware.virtual.wiring import Cable, Fitting, build_bus
 
 
 @dataclass
@@ -58,7 +58,7 @@ def rig_of(
 ) -> Rig:
     models = ["xc330_t288" if mixed and k % 2 else model for k in range(count)]
     fitted = tuple(Fitting(k + 1, model=name, firmware=firmware) for k, name in enumerate(models))
-    plant, buses = build([Cable("body", fitted, baud=baud, latency=latency, faults=faults)])
+    plant, buses = build_bus([Cable("body", fitted, baud=baud, latency=latency, faults=faults)])
     wire = MemoryWire(buses["body"])
     servos = [Servo(k + 1, MODELS[name]) for k, name in enumerate(models)]
     return Rig(open_bus(wire, servos, period=period), wire, plant)

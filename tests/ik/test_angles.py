@@ -8,18 +8,20 @@ from numpy.random import default_rng
 
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
-from kinesic.ik.angles import arccosine, arctangent, turn_of
+from kinesic.ik.angles import arccosine, arctangent, cosine_sine
 from kinesic.ik.solve import solve
 
 
 def test_sine_and_cosine_are_the_librarys() -> None:
     for angle in default_rng(1).uniform(-20.0, 20.0, 2000).tolist():
-        assert turn_of(angle) == pytest.approx((math.cos(angle), math.sin(angle)), abs=3e-16)
+        assert cosine_sine(angle) == pytest.approx((math.cos(angle), math.sin(angle)), abs=3e-16)
 
 
 def test_quarters_of_a_turn() -> None:
     for k in range(-8, 9):
-        assert turn_of(k * math.pi / 2.0) == pytest.approx((math.cos(k * math.pi / 2.0), math.sin(k * math.pi / 2.0)))
+        assert cosine_sine(k * math.pi / 2.0) == pytest.approx(
+            (math.cos(k * math.pi / 2.0), math.sin(k * math.pi / 2.0))
+        )
 
 
 def test_the_arc_tangent_is_the_librarys() -> None:

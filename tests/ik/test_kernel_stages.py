@@ -11,16 +11,16 @@ from kinesic.body.robot import Robot
 from kinesic.ik.arm.compiled import arm_of
 from kinesic.ik.arm.hinges import extract
 from kinesic.ik.arm.linkage import linkage_of
-from kinesic.ik.arm.masses import settle
+from kinesic.ik.arm.masses import settle_masses
 from kinesic.ik.arm.multistart import RESTARTS
 from kinesic.ik.arm.polish import polish
-from kinesic.ik.arm.seeds import nearest, seeds
-from kinesic.ik.arm.shoulder_elbow import bent, gap, placed
+from kinesic.ik.arm.seeds import nearest_seeds, seeds
+from kinesic.ik.arm.shoulder_elbow import bent, gap, place_shoulder
 from kinesic.ik.arm.subproblems import first_of_two, turn_towards
 from kinesic.ik.arm.swivel import elbow_at, swivel_of
-from kinesic.ik.arm.wrist import Wish, orient
+from kinesic.ik.arm.wrist import HandDirection, orient
 from kinesic.ik.scalar3 import Vector, unit, vector
-from kinesic.ik.track import softened
+from kinesic.ik.track import soften_target
 
 pytestmark = pytest.mark.skipif(find_spec("kinesic.ik._kernel") is None, reason="the kernel was not compiled here")
 
@@ -64,10 +64,10 @@ def test_masses(bones: int) -> None:
     for _ in range(50):
         points = [vector(point) for point in random.normal(size=(bones + 1, 3))]
         lengths, target = random.uniform(0.5, 1.5, bones).tolist(), vector(random.normal(size=3))
-        found = settle(points, lengths, target)
+        found = settle_masses(points, lengths, target)
         _agree((found.points, found.iterations, found.energy), arm.settle(points, lengths, target))
     straight = [(0.0, 0.0, -0.3 * k) for k in range(bones + 1)]
-    found = settle(straight, [0.3] * bones, (0.0, 0.0, -0.2))
+    found = settle_masses(straight, [0.3] * bones, (0.0, 0.0, -0.2))
     _agree((found.points, found.iterations, found.energy), arm.settle(straight, [0.3] * bones, (0.0, 0.0, -0.2)))
 
 
@@ -110,7 +110,7 @@ def test_place_and_bend(size: float) -> None:
     for swivel in (None, 0.4, 2.8, None, -1.0) * 12:
         near, rest, (direction,) = _posture(random), _posture(random), _directions(random, 1)
         target = vector(np.array(LINKAGE.origin) + size * np.array(direction))
-        place = placed(LINKAGE, target, near=near, rest=rest)
+        place = place_shoulder(LINKAGE, target, near=near, rest=rest)
         _agree((place.girdle, place.shoulder, place.target, place.iterations), arm.placed(target, near, rest))
         bend = bent(LINKAGE, place, near=near, swivel=swivel)
         found = arm.bent(place.girdle, place.shoulder, place.target, near, swivel)
@@ -139,7 +139,7 @@ def test_seeds() -> None:
     for _ in range(50):
         target = vector(random.uniform(-0.6, 0.6, 3))
         chosen = [seeds(LINKAGE)[k].angles for k in arm.nearest(target)]
-        assert chosen == [seed.angles for seed in nearest(LINKAGE, target, RESTARTS)]
+        assert chosen == [seed.angles for seed in nearest_seeds(LINKAGE, target, RESTARTS)]
 
 
 @pytest.mark.parametrize("count", [0, 1, 2])
@@ -148,7 +148,7 @@ def test_wrist(count: int) -> None:
     for _ in range(60):
         frame = LINKAGE.walk(_posture(random), 3)[0]
         own, wanted = _directions(random, count), _directions(random, count)
-        wishes = [Wish(str(k), *pair) for k, pair in enumerate(zip(own, wanted, strict=True))]
+        wishes = [HandDirection(str(k), *pair) for k, pair in enumerate(zip(own, wanted, strict=True))]
         rest = _posture(random)[link.first :]
         _agree(orient(link, frame, wishes, rest), tuple(arm.orient(frame, own, wanted, rest)))
 
@@ -157,4 +157,4 @@ def test_soft_end_of_the_reach() -> None:
     random, arm = default_rng(10), arm_of(CHAIN)
     for size in np.linspace(0.3, 1.2, 40):
         target = vector(np.array(LINKAGE.origin) + size * np.array(_directions(random, 1)[0]))
-        _agree(softened(LINKAGE, target, CHAIN.rest.tolist()), tuple(arm.softened(target)))
+        _agree(soften_target(LINKAGE, target, CHAIN.rest.tolist()), tuple(arm.softened(target)))

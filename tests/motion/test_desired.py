@@ -5,7 +5,7 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.desired import Wish, wish
+from kinesic.motion.desired import DesiredMotion, wish
 from kinesic.motion.keys import KeyPosture, Waypoints
 from kinesic.motion.passage import PLAIN, Passage
 
@@ -102,7 +102,7 @@ def test_outside_it_stands_still():
     np.testing.assert_array_equal(speeds, 0.0)
 
 
-def eased(easing: str, steepness: float = 3.0, to: float = 0.9) -> Wish:
+def eased(easing: str, steepness: float = 3.0, to: float = 0.9) -> DesiredMotion:
     """From rest to rest over one second, one hinge."""
     angles, times = np.array([[0.0], [to]]), np.array([0.0, 1.0])
     return joined(Passage(easing=easing, steepness=steepness), ALL[:2, :1], angles=angles, times=times)

@@ -6,7 +6,7 @@ import pytest
 from kinesic.body.dynamics import Load
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
-from kinesic.motion.double_s import SPEEDS, least_time, least_times
+from kinesic.motion.double_s import SPEEDS, least_rest_times, least_time
 
 
 def simulated(distance, speed, acceleration, jerk):
@@ -70,7 +70,7 @@ def limits():
 
 def test_hinges_take_as_long_as_their_limits_and_their_duty_ask(limits):
     turns = np.linspace(-1.0, 1.0, len(limits.speed))
-    found = least_times(turns, limits)
+    found = least_rest_times(turns, limits)
     for k, turn in enumerate(turns):
         bounds = [
             (
@@ -85,6 +85,6 @@ def test_hinges_take_as_long_as_their_limits_and_their_duty_ask(limits):
 
 def test_hinges_take_any_shape_of_turns(limits):
     turns = np.random.default_rng(1).uniform(-1, 1, (4, 3, len(limits.speed)))
-    found = least_times(turns, limits)
+    found = least_rest_times(turns, limits)
     assert found.shape == turns.shape
-    np.testing.assert_allclose(found[2, 1], least_times(turns[2, 1], limits))
+    np.testing.assert_allclose(found[2, 1], least_rest_times(turns[2, 1], limits))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import BPoly
 
-from kinesic.motion.easing import OVERSHOOT, PARTS, Easing, eased, softened, swing
+from kinesic.motion.easing import OVERSHOOT, PARTS, Easing, eased, overshoot_shape, soften_easing
 
 EASINGS = get_args(Easing)
 EVEN = np.linspace(0.0, 1.0, 2001)
@@ -12,7 +12,7 @@ EVEN = np.linspace(0.0, 1.0, 2001)
 
 def played(easing: Easing, steepness: float) -> BPoly:
     """The softened easing at every instant."""
-    return BPoly.from_derivatives(np.linspace(0.0, 1.0, PARTS + 1), softened(easing, steepness).T)
+    return BPoly.from_derivatives(np.linspace(0.0, 1.0, PARTS + 1), soften_easing(easing, steepness).T)
 
 
 @pytest.mark.parametrize("easing", EASINGS)
@@ -33,7 +33,7 @@ def test_the_speeds_at_the_ends_are_those_of_the_formulas(easing, begins, ends):
 def test_out_back_overshoots_by_the_share_that_is_asked():
     for share in (0.02, 0.05, 0.1, 0.2):
         assert eased("out_back", EVEN, overshoot=share).max() == pytest.approx(1 + share, abs=1e-4)
-    assert swing(OVERSHOOT) == pytest.approx(1.70158, abs=1e-4)
+    assert overshoot_shape(OVERSHOOT) == pytest.approx(1.70158, abs=1e-4)
 
 
 def test_out_bounce_comes_back_three_times_and_never_goes_beyond():
@@ -52,7 +52,7 @@ def test_out_power_begins_with_its_steepness(steepness):
 @pytest.mark.parametrize("easing", EASINGS)
 def test_softened_it_goes_from_rest_to_rest(easing):
     for steepness in (1.0, 2.5, 8.0):
-        table = softened(easing, steepness)
+        table = soften_easing(easing, steepness)
         np.testing.assert_allclose(table[:, 0], 0.0)
         np.testing.assert_allclose(table[:, -1], [1.0, 0.0, 0.0])
 
@@ -71,7 +71,9 @@ def test_softened_it_is_the_average_of_the_easing_over_the_window(easing):
 
 @pytest.mark.parametrize("easing", [easing for easing in EASINGS if easing != "minimum_jerk"])
 def test_the_softest_is_minimum_jerk(easing):
-    np.testing.assert_allclose(softened(easing, 1.0)[0], eased("minimum_jerk", np.linspace(0, 1, PARTS + 1)), atol=1e-3)
+    np.testing.assert_allclose(
+        soften_easing(easing, 1.0)[0], eased("minimum_jerk", np.linspace(0, 1, PARTS + 1)), atol=1e-3
+    )
 
 
 def test_steepness_raises_the_peak_speed_and_the_overshoot():

@@ -3,7 +3,7 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.key_time_lp import Cut, relaxed, strain
+from kinesic.motion.key_time_lp import CuttingPlane, relaxed, strain
 from kinesic.motion.keys import KeyPosture, Keys
 
 LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
@@ -28,14 +28,14 @@ def test_the_lead_in_lets_the_start_come_earlier_and_no_more():
 def test_cuts_are_kept_as_gaps_are():
     keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), LIMITS)
     slopes = sealed([0.0, 2.0, -2.0, 0.0])
-    times = relaxed(keys, keys.gaps, 0.6, [Cut(slopes, -1.0)])
+    times = relaxed(keys, keys.gaps, 0.6, [CuttingPlane(slopes, -1.0)])
     assert times == pytest.approx(relaxed(keys, keys.gaps | {(1, 2): 0.5}, 0.6))
 
 
 def test_cuts_that_leave_nothing_are_told():
     keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "stroke")), LIMITS)
     with pytest.raises(ArithmeticError, match="no key times"):
-        relaxed(keys, keys.gaps, 0.6, [Cut(sealed([0.0, 1.0]), 0.5), Cut(sealed([0.0, -1.0]), -0.7)])
+        relaxed(keys, keys.gaps, 0.6, [CuttingPlane(sealed([0.0, 1.0]), 0.5), CuttingPlane(sealed([0.0, -1.0]), -0.7)])
 
 
 def test_the_strain_is_what_is_made_least():

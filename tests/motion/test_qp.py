@@ -4,21 +4,21 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.bspline import grid
-from kinesic.motion.qp import nearest, unlimited
-from kinesic.motion.segments import Segment
+from kinesic.motion.qp import nearest_motion, unlimited
+from kinesic.motion.segments import SplineSegment
 from kinesic.motion.trajectory import STEP
 
 LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 
 
-def segment(pieces: int, start: float, end: float, **keys: float) -> Segment:
+def segment(pieces: int, start: float, end: float, **keys: float) -> SplineSegment:
     """From rest to rest; keys by their place, as p15=0.3."""
     places, angles = np.array([float(name[1:]) for name in keys]), np.array([*keys.values()])
     pairs = tuple((k, k + 1) for k in range(len(keys) + 1))
-    return Segment(0, 0, grid(pieces, STEP), start, end, places, angles, pairs)
+    return SplineSegment(0, 0, grid(pieces, STEP), start, end, places, angles, pairs)
 
 
-def largest(found: Segment, controls) -> float:
+def largest(found: SplineSegment, controls) -> float:
     return max(float(np.abs(share).max()) for share in found.grid.shares(controls, LIMITS, 0))
 
 
@@ -26,7 +26,7 @@ def test_a_gentle_wish_is_followed_as_it_is():
     way = segment(60, 0.0, 0.5)
     s = np.linspace(0, 1, 61)
     wish = 0.5 * (10 * s**3 - 15 * s**4 + 6 * s**5)
-    controls = nearest(way, wish, LIMITS)
+    controls = nearest_motion(way, wish, LIMITS)
     np.testing.assert_array_equal(controls, unlimited(way, wish))
     np.testing.assert_allclose(way.grid.at_knots @ controls, wish, atol=2e-4)
 
@@ -35,7 +35,7 @@ def test_a_sharp_wish_is_followed_as_far_as_the_limits_go():
     way = segment(60, 0.0, 0.5, p30=0.25)
     wish = np.where(np.arange(61) < 30, 0.0, 0.5)
     wish[30] = 0.25
-    controls = nearest(way, wish, LIMITS)
+    controls = nearest_motion(way, wish, LIMITS)
     assert largest(way, unlimited(way, wish)) > 5.0
     assert largest(way, controls) == pytest.approx(1.0, abs=1e-6)
     matrix, values = way.fixed
@@ -45,20 +45,22 @@ def test_a_sharp_wish_is_followed_as_far_as_the_limits_go():
 def test_it_is_the_optimum():
     way = segment(60, 0.0, 0.5)
     wish = np.where(np.arange(61) < 30, 0.0, 0.5)
-    best = nearest(way, wish, LIMITS)
+    best = nearest_motion(way, wish, LIMITS)
     rng = np.random.default_rng(5)
 
     def cost(controls) -> float:
         return float(np.sum((way.grid.at_knots @ controls - wish) ** 2))
 
     for _ in range(200):
-        other = nearest(way, wish + rng.normal(scale=0.02, size=61), LIMITS)
+        other = nearest_motion(way, wish + rng.normal(scale=0.02, size=61), LIMITS)
         assert cost(best) <= cost(other) + 1e-9
 
 
 def test_what_cannot_be_is_none():
-    assert nearest(segment(20, 0.0, 1.5), np.linspace(0, 1.5, 21), LIMITS) is None
+    assert nearest_motion(segment(20, 0.0, 1.5), np.linspace(0, 1.5, 21), LIMITS) is None
 
 
 def test_what_does_not_move_needs_no_program():
-    np.testing.assert_array_equal(nearest(segment(20, 0.3, 0.3, p5=0.3), np.full(21, 0.3), LIMITS), np.full(23, 0.3))
+    np.testing.assert_array_equal(
+        nearest_motion(segment(20, 0.3, 0.3, p5=0.3), np.full(21, 0.3), LIMITS), np.full(23, 0.3)
+    )

@@ -9,8 +9,8 @@ from kinesic.motion.condition import condition
 from kinesic.motion.double_s import least_stop
 from kinesic.motion.keys import KeyPosture
 from kinesic.motion.limit_check import peaks
-from kinesic.motion.stopping import cut, stopped
-from kinesic.motion.trajectory import STEP, held
+from kinesic.motion.stopping import cut, stop
+from kinesic.motion.trajectory import STEP, stay
 
 BOXES = ([-1.5] * 3, [1.5] * 3, [1.0, 4.0, 6.0], [10.0, 59.0, 350.0], [250.0, 1500.0, 8750.0])
 DUTY = ([0.05, 0.01, 0.002], [0.8, 0.18, 0.134], [0.58, 0.65, 0.79])
@@ -36,7 +36,7 @@ def largest(trajectory) -> float:
 def test_stopping_keeps_the_past_and_the_limits(seed):
     motion = moving(seed)
     time = np.random.default_rng(100 + seed).uniform(0, motion.duration)
-    halted = stopped(motion, time, LIMITS)
+    halted = stop(motion, time, LIMITS)
     past = np.linspace(0.0, cut(motion, time) * STEP, 50)
     for before, after in zip(motion.sample(past), halted.sample(past), strict=True):
         np.testing.assert_allclose(after, before, atol=1e-9)
@@ -50,15 +50,15 @@ def test_stopping_takes_the_physical_minimum_but_for_the_grid(seed):
     knot = cut(motion, 0.4 * motion.duration)
     _, speeds, accelerations = motion.sample(np.array([knot * STEP]))
     least = float(least_stop(speeds[0], accelerations[0], LIMITS.acceleration, LIMITS.jerk).max())
-    taken = stopped(motion, knot * STEP, LIMITS).duration - knot * STEP
+    taken = stop(motion, knot * STEP, LIMITS).duration - knot * STEP
     assert least - 1e-9 <= taken <= max(least, 0.0) + 4 * STEP
 
 
 def test_a_motion_is_left_at_the_next_knot():
-    still = held(np.zeros(3), 0.1)
+    still = stay(np.zeros(3), 0.1)
     assert [cut(still, time) for time in (-1.0, 0.0, 0.0101, 0.02, 0.5)] == [0, 0, 2, 2, 10]
 
 
 def test_what_is_at_rest_stays():
-    still = held(np.array([0.1, 0.2, 0.3]), 0.1)
-    np.testing.assert_array_equal(stopped(still, 0.05, LIMITS).controls, still.controls[:8])
+    still = stay(np.array([0.1, 0.2, 0.3]), 0.1)
+    np.testing.assert_array_equal(stop(still, 0.05, LIMITS).controls, still.controls[:8])

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import BSpline
 
-from kinesic.motion.trajectory import STEP, Trajectory, held, weights
+from kinesic.motion.trajectory import STEP, Trajectory, spline_weights, stay
 
 CONTROLS = np.random.default_rng(7).normal(size=(33, 2))
 MOTION = Trajectory(CONTROLS, zero=0.1)
@@ -43,7 +43,7 @@ def test_one_state_is_a_sample():
 
 @pytest.mark.parametrize("order", range(3))
 def test_weights_share_one(order):
-    first, shares = weights(np.array([-1.0, 0.0, 0.4, 5.0, 29.99, 30.0, 31.0]), 30, order)
+    first, shares = spline_weights(np.array([-1.0, 0.0, 0.4, 5.0, 29.99, 30.0, 31.0]), 30, order)
     assert shares.shape == (7, 4 - order)
     np.testing.assert_allclose(shares.sum(axis=1), 1.0)
     assert first.min() == 0
@@ -51,7 +51,7 @@ def test_weights_share_one(order):
 
 
 def test_staying_in_a_posture():
-    still = held(np.array([0.1, 0.2]))
+    still = stay(np.array([0.1, 0.2]))
     angles, speeds, _ = still.sample(np.array([-1.0, 0.0, 0.05, 9.0]))
     np.testing.assert_allclose(angles, np.tile([0.1, 0.2], (4, 1)))
     assert not speeds.any()

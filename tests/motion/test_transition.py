@@ -7,13 +7,13 @@ from kinesic.motion.bspline import grid
 from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.motion.transition import (
     crossed,
+    delay_controls,
     excesses,
     kept,
     knot_at,
-    lengthened,
-    placed,
+    lengthen,
     roomy,
-    shortened,
+    shorten,
 )
 
 BOXES = (-1.5, 1.5, 4.0, 59.0, 1500.0, 0.01, 0.18, 0.65)
@@ -85,17 +85,17 @@ def test_excesses_are_those_of_each_hinge():
 
 def test_motions_are_moved_in_time_by_whole_knots():
     motion = np.arange(12.0).reshape(6, 2)
-    np.testing.assert_array_equal(placed(motion, 2)[:3], motion[[0, 0, 0]])
-    np.testing.assert_array_equal(placed(motion, 2)[2:], motion)
-    np.testing.assert_array_equal(placed(motion, -2), motion[2:])
-    np.testing.assert_array_equal(lengthened(motion, 9)[6:], motion[[-1, -1, -1]])
-    assert lengthened(motion, 4) is motion
+    np.testing.assert_array_equal(delay_controls(motion, 2)[:3], motion[[0, 0, 0]])
+    np.testing.assert_array_equal(delay_controls(motion, 2)[2:], motion)
+    np.testing.assert_array_equal(delay_controls(motion, -2), motion[2:])
+    np.testing.assert_array_equal(lengthen(motion, 9)[6:], motion[[-1, -1, -1]])
+    assert lengthen(motion, 4) is motion
 
 
 def test_rest_at_the_end_is_cut_off():
     motion = np.vstack([np.arange(8.0)[:, None], np.full((50, 1), 9.0)])
-    np.testing.assert_array_equal(shortened(motion), motion[:11])
-    assert len(shortened(np.ones((40, 2)))) == 4
+    np.testing.assert_array_equal(shorten(motion), motion[:11])
+    assert len(shorten(np.ones((40, 2)))) == 4
 
 
 def test_knots_go_on_beyond_the_end():

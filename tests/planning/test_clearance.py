@@ -8,10 +8,10 @@ import pytest
 
 from kinesic.bml.parse import parse
 from kinesic.controller.perform import facts
-from kinesic.expressivity.lexicon.lexicon import mirrored
+from kinesic.expressivity.lexicon.lexicon import mirror_form
 from kinesic.expressivity.style.style import Expressivity, Style
 from kinesic.planning.clearance import LAG_RESERVE
-from kinesic.planning.plan import plan
+from kinesic.planning.plan import plan_block
 
 FACTS = facts()
 ROBOT = FACTS.robot
@@ -31,7 +31,7 @@ TOUCHES = {
 
 
 def planned(body, **changes):
-    return plan(parse(ROOT.format(body)), replace(FACTS, **changes))
+    return plan_block(parse(ROOT.format(body)), replace(FACTS, **changes))
 
 
 def gaps(posture):
@@ -72,7 +72,7 @@ def test_a_touch_is_held(lexeme):
 @pytest.mark.parametrize("lexeme", TOUCHES)
 def test_left_and_right_are_mirror_images(lexeme):
     forms = FACTS.lexicon.forms
-    turned = tuple(mirrored(form) if form.id == lexeme else form for form in forms)
+    turned = tuple(mirror_form(form) if form.id == lexeme else form for form in forms)
     body = f'<gesture id="g" lexeme="{lexeme}" start="0"/>'
     one = at_sync(planned(body), "stroke")
     other = at_sync(planned(body, lexicon=replace(FACTS.lexicon, forms=turned)), "stroke")

@@ -7,7 +7,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
 from kinesic.motion.keys import KeyPosture
-from kinesic.planning.detour import LEAST_STEP, Course, led_around
+from kinesic.planning.detour import LEAST_STEP, PostureCourse, led_around
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.dynamics import MujocoDynamics
 
@@ -31,7 +31,7 @@ def key(time, left=None, right=None):
 
 
 def course(*keys):
-    return Course(keys, sealed([posture.time for posture in keys]), ROBOT, LIMITS)
+    return PostureCourse(keys, sealed([posture.time for posture in keys]), ROBOT, LIMITS)
 
 
 CROSSING = course(

@@ -9,30 +9,30 @@ from kinesic.body.action_units import ASIDE, UPWARD
 from kinesic.body.command import NO_FACE, RATE
 from kinesic.controller.feedforward import lead
 from kinesic.controller.perform import plan
-from kinesic.controller.play import commands, paced, ticks
+from kinesic.controller.play import command_times, commands, paced
 from kinesic.expressivity.idle import Idling
 from kinesic.expressivity.style.style import Style
-from kinesic.planning.face_track import asks_face, faced, faces, heads, shown
+from kinesic.planning.face_track import asks_face, commands_with_face, faces, heads, shown
 from kinesic.planning.plan import Plan
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 
 BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 SMILE = '<faceLexeme id="f" lexeme="smile" amount="1" start="1" attackPeak="1.5" relax="3" end="3.5"/>'
 
 
-def planned(inside: str, known: Facts) -> Plan:
+def planned(inside: str, known: Setup) -> Plan:
     return plan(BLOCK.format(inside), known)
 
 
 @pytest.fixture(scope="module")
-def smiling(known: Facts) -> Plan:
+def smiling(known: Setup) -> Plan:
     return planned(
         '<speech id="s"><text>Papa, mama.</text></speech><head id="h" lexeme="NOD" stroke="2"/>' + SMILE, known
     )
 
 
 def test_faces_follow_block_time_on_the_clock_of_the_performance(smiling: Plan):
-    times = ticks(smiling.duration)
+    times = command_times(smiling.duration)
     rows = faces(smiling, times)
     assert len(rows) == len(times)
     zero = smiling.trajectory.zero
@@ -43,14 +43,14 @@ def test_faces_follow_block_time_on_the_clock_of_the_performance(smiling: Plan):
 
 
 def test_commands_carry_their_face(smiling: Plan):
-    times = ticks(smiling.duration)
+    times = command_times(smiling.duration)
     facts = smiling.facts
     setpoints = lead(smiling.trajectory, times, facts.robot, facts.dynamics, period=1 / RATE, delay=0.0, terms="none")
     rows = faces(smiling, times)
     told = list(commands(smiling.trajectory, times, setpoints, rows))
     assert [command.face for command in told] == list(rows)
     assert all(command.face is NO_FACE for command in commands(smiling.trajectory, times, setpoints))
-    drawn = list(faced(smiling, times))
+    drawn = list(commands_with_face(smiling, times))
     for one, other in zip(told, drawn, strict=True):
         assert one.time == other.time
         assert one.face == other.face
@@ -66,7 +66,7 @@ def test_the_lips_close_on_p_and_m(smiling: Plan):
         assert shown(smiling, np.array([middle - 0.01, middle]))["24"][1] > 0.95
 
 
-def test_the_style_of_the_face_is_used(known: Facts):
+def test_the_style_of_the_face_is_used(known: Setup):
     wide = planned(SMILE, replace(known, style=Style.load("neutral").changed(["face.spatial=-1"])))
     plain = planned(SMILE, known)
     moments = np.array([0.0, 2.0])
@@ -75,7 +75,7 @@ def test_the_style_of_the_face_is_used(known: Facts):
     )
 
 
-def test_an_expression_that_is_tied_to_a_late_point_comes_with_it(known: Facts):
+def test_an_expression_that_is_tied_to_a_late_point_comes_with_it(known: Setup):
     found = planned(
         '<head id="a" lexeme="NOD" amount="1" start="0" stroke="0.1" end="0.2"/>'
         '<faceLexeme id="f" lexeme="smile" amount="1" attackPeak="a:end" relax="a:end+1" end="a:end+2"/>',
@@ -83,15 +83,15 @@ def test_an_expression_that_is_tied_to_a_late_point_comes_with_it(known: Facts):
     )
     (late,) = [sync for sync in found.syncs if (sync.behaviour, sync.sync) == ("a", "end")]
     assert late.planned > late.asked + 0.1
-    times = ticks(found.duration + 3.0)
+    times = command_times(found.duration + 3.0)
     smile = np.asarray(shown(found, times)["L12"])
     peak = times[np.argmax(smile >= smile.max() - 1e-9)]
     assert peak == pytest.approx(found.trajectory.zero + late.planned, abs=0.015)
 
 
-def test_eyes_hold_on_while_the_head_nods(known: Facts):
+def test_eyes_hold_on_while_the_head_nods(known: Setup):
     found = planned('<head id="h" lexeme="NOD" amount="1" stroke="1.5"/>', replace(known, idling=Idling("off", 3)))
-    times = ticks(found.duration)
+    times = command_times(found.duration)
     told, stands = shown(found, times), heads(found, times)
     assert stands[:, 1].min() < -0.2
     up = told["63"] * UPWARD
@@ -100,11 +100,11 @@ def test_eyes_hold_on_while_the_head_nods(known: Facts):
     assert np.abs(aside).max() < 0.12  # what the eyes flit
 
 
-def test_a_robot_without_a_neck_looks_ahead(known: Facts):
+def test_a_robot_without_a_neck_looks_ahead(known: Setup):
     robot = known.robot
     stiff = replace(robot, chains={name: parts for name, parts in robot.chains.items() if name != "neck"})
     found = planned(SMILE, known)
-    np.testing.assert_array_equal(heads(replace(found, facts=replace(known, robot=stiff)), ticks(1.0)), 0.0)
+    np.testing.assert_array_equal(heads(replace(found, facts=replace(known, robot=stiff)), command_times(1.0)), 0.0)
 
 
 @pytest.mark.parametrize(
@@ -116,7 +116,7 @@ def test_a_robot_without_a_neck_looks_ahead(known: Facts):
         ('<faceLexeme id="f" lexeme="Qwrtz" start="0" end="2"/>', False),
     ],
 )
-def test_what_asks_for_a_face(known: Facts, inside: str, asked: bool):
+def test_what_asks_for_a_face(known: Setup, inside: str, asked: bool):
     assert asks_face(planned(inside, known)) == asked
 
 
@@ -127,5 +127,5 @@ def test_paced_commands_come_at_their_times(smiling: Plan):
         now[0] += 0.02  # each look at the clock takes a while, so that commands are late and nothing sleeps
         return now[0]
 
-    stream = list(faced(smiling, np.array([0.0, 0.01, 0.02])))
+    stream = list(commands_with_face(smiling, np.array([0.0, 0.01, 0.02])))
     assert list(paced(stream, clock=clock)) == stream

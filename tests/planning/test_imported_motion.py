@@ -5,7 +5,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.config import ConfigError
 from kinesic.controller.perform import dry_run, plan
 from kinesic.controller.performance import Performance
-from kinesic.planning.bap import Frames, read_bap, write_bap
+from kinesic.planning.bap import BapFrames, read_bap, write_bap
 from kinesic.planning.imported_motion import imported
 from kinesic.report.checks import checks
 
@@ -16,14 +16,14 @@ WAVE = (
 
 
 @pytest.fixture(scope="module")
-def wave(known, tmp_path_factory) -> Frames:
+def wave(known, tmp_path_factory) -> BapFrames:
     """A motion within all limits, as a file has it."""
     path = tmp_path_factory.mktemp("bap") / "wave.bap"
     write_bap(plan(WAVE, known).trajectory, known.robot, path)
     return read_bap(path, known.robot)
 
 
-def at_frames(planned, frames: Frames) -> np.ndarray:
+def at_frames(planned, frames: BapFrames) -> np.ndarray:
     return planned.trajectory.sample(frames.times + planned.trajectory.zero)[0]
 
 
@@ -42,7 +42,7 @@ def test_a_motion_that_servos_can_follow_comes_back_within_two_degrees(known, wa
 
 
 def test_it_begins_and_ends_at_rest(known, wave):
-    late = Frames(wave.times + 5.0, sealed(wave.angles + 0.2), wave.given, ())
+    late = BapFrames(wave.times + 5.0, sealed(wave.angles + 0.2), wave.given, ())
     planned = imported(late, known, source="late.bap")
     motion = planned.trajectory
     np.testing.assert_allclose(motion.at(0.0).angles, known.robot.skeleton.rest, atol=2e-3)
@@ -57,7 +57,7 @@ def test_the_twin_performs_it(known, wave):
 
 
 def test_a_motion_too_fast_is_slowed_and_says_so(known, wave):
-    fast = Frames(sealed(wave.times / 4), wave.angles, wave.given, ())
+    fast = BapFrames(sealed(wave.times / 4), wave.angles, wave.given, ())
     planned = imported(fast, known, source="fast.bap")
     assert any("faster than the servos" in notice.text for notice in planned.notices)
     assert violations(dry_run(planned)) == 0
@@ -67,7 +67,7 @@ def test_angles_beyond_a_range_stop_there_and_are_named(known, wave):
     elbow = known.robot.skeleton.joint("l_elbow_flexion")
     angles = wave.angles.copy()
     angles[:, elbow] = -0.1
-    planned = imported(Frames(wave.times, sealed(angles), wave.given, ()), known, source="bent.bap")
+    planned = imported(BapFrames(wave.times, sealed(angles), wave.given, ()), known, source="bent.bap")
     (notice,) = planned.notices
     assert "l_elbow_flexion is asked for 5.7 deg beyond its range" in notice.text
 
@@ -75,13 +75,13 @@ def test_angles_beyond_a_range_stop_there_and_are_named(known, wave):
 def test_one_frame_is_a_posture(known):
     posture = known.robot.skeleton.rest.copy()
     posture[known.robot.skeleton.joint("skullbase_torsion")] = 0.3
-    planned = imported(Frames(sealed([0.0]), sealed([posture]), ("skullbase_torsion",), ()), known, source="one.bap")
+    planned = imported(BapFrames(sealed([0.0]), sealed([posture]), ("skullbase_torsion",), ()), known, source="one.bap")
     np.testing.assert_allclose(planned.trajectory.at(planned.trajectory.zero).angles, posture, atol=2e-3)
 
 
 def test_what_the_robot_lacks_is_named(known, wave):
-    legs = Frames(wave.times, wave.angles, wave.given, (4, 5))
+    legs = BapFrames(wave.times, wave.angles, wave.given, (4, 5))
     (notice,) = imported(legs, known, source="legs.bap").notices
     assert notice.text == "the robot has no hinge for the parameters 4, 5"
     with pytest.raises(ConfigError, match=r"legs\.bap: sets no parameter that upper22 has a hinge for"):
-        imported(Frames(wave.times, wave.angles, (), (4, 5)), known, source="legs.bap")
+        imported(BapFrames(wave.times, wave.angles, (), (4, 5)), known, source="legs.bap")

@@ -10,8 +10,8 @@ import pytest
 from kinesic.bml.parse import parse
 from kinesic.expressivity.hands.poses import poses
 from kinesic.expressivity.lexicon.lexicon import Lexicon
-from kinesic.planning.plan import Plan, plan
-from kinesic.planning.setup import Facts
+from kinesic.planning.plan import Plan, plan_block
+from kinesic.planning.setup import Setup
 
 HAND = 'palm = "forward", pointing = "forward up"'
 LEXICON = f"""category = "iconic"
@@ -39,14 +39,14 @@ Planner = Callable[..., Plan]
 
 
 @pytest.fixture(scope="module")
-def planned(known: Facts, tmp_path_factory: pytest.TempPathFactory) -> Planner:
+def planned(known: Setup, tmp_path_factory: pytest.TempPathFactory) -> Planner:
     path: Path = tmp_path_factory.mktemp("own") / "own.toml"
     path.write_text(LEXICON)
     facts = replace(known, lexicon=Lexicon.load(path))
 
     def of(inside: str, *settings: str) -> Plan:
         block = parse(f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{inside}</bml>')
-        return plan(block, replace(facts, style=facts.style.changed(settings)))
+        return plan_block(block, replace(facts, style=facts.style.changed(settings)))
 
     return of
 

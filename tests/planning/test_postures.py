@@ -1,7 +1,17 @@
 import numpy as np
 import pytest
 
-from kinesic.bml.block import GESTURE_SYNCS, Behaviour, Block, Gesture, Place, Pointing, Posture, Timed, Timeline
+from kinesic.bml.block import (
+    GESTURE_SYNCS,
+    Behaviour,
+    Block,
+    Gesture,
+    Place,
+    Pointing,
+    Posture,
+    TimedBehaviour,
+    Timeline,
+)
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
 from kinesic.expressivity.lexicon.lexicon import Lexicon
@@ -21,7 +31,9 @@ LEXICON = Lexicon.load()
 
 def solved(*actions, start: float = 1.0):
     times = dict(zip(GESTURE_SYNCS, start + np.array([0.0, 0.7, 0.7, 1.0, 1.2, 1.6, 2.4]), strict=True))
-    timed = tuple(Timed(Behaviour(f"b{k}", "x", action, Place(1, 1)), times) for k, action in enumerate(actions))
+    timed = tuple(
+        TimedBehaviour(Behaviour(f"b{k}", "x", action, Place(1, 1)), times) for k, action in enumerate(actions)
+    )
     timeline = Timeline(Block("b", tuple(one.behaviour for one in timed)), timed)
     return postures(keyframes(timeline, style=Style(), lexicon=LEXICON, pace=PACE), ROBOT, DISTANCES)
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from kinesic.bench.blocks import passage
+from kinesic.bench.blocks import passage_text
 from kinesic.bml.parse import parse
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
@@ -13,7 +13,7 @@ LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0
 
 @pytest.fixture(scope="module")
 def slow(known):
-    return opening(parse(passage(1)), known)
+    return opening(parse(passage_text(1)), known)
 
 
 def largest(trajectory, limits) -> float:

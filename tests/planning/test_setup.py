@@ -1,10 +1,10 @@
 from dataclasses import replace
 
 from kinesic.expressivity.style.style import Style
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 
 
-def test_another_style_moves_the_same_robot(known: Facts):
+def test_another_style_moves_the_same_robot(known: Setup):
     glad, sad = (replace(known, style=Style.load(style)) for style in ("joyful", "sad"))
     assert sad.limits is glad.limits
     assert sad.pace is glad.pace

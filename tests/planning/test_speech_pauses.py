@@ -7,13 +7,12 @@ import pytest
 from kinesic.bml.block import Speech
 from kinesic.body.utterance import Mark, Pause, Script
 from kinesic.controller.perform import facts, plan
-from kinesic.planning.plan import Plan
-from kinesic.planning.plan import plan as plan_block
-from kinesic.planning.setup import Facts
-from kinesic.planning.speech_pauses import Waiting, paused
+from kinesic.planning.plan import Plan, plan_block
+from kinesic.planning.setup import Setup
+from kinesic.planning.speech_pauses import SpeechPause, paused
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.report.feedback import feedback
-from kinesic.speech.espeak_pool import fault
+from kinesic.speech.espeak_pool import espeak_fault
 
 HURRIED = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:kinesic="urn:kinesic" id="b" {block}>
   <speech id="s" {speech}>
@@ -28,7 +27,7 @@ MARKS = {"g1": "a", "g2": "b", "g3": "c"}
 
 
 @cache
-def hurried(known: Facts, *, block: str = "", speech: str = "") -> Plan:
+def hurried(known: Setup, *, block: str = "", speech: str = "") -> Plan:
     return plan(HURRIED.format(block=block, speech=speech), known)
 
 
@@ -46,18 +45,18 @@ def pauses(planned: Plan) -> list[str]:
 
 
 @pytest.fixture(scope="module", params=["durations", "espeak"])
-def known(request: pytest.FixtureRequest) -> Facts:
-    if request.param == "espeak" and fault():
-        pytest.skip(fault())
+def known(request: pytest.FixtureRequest) -> Setup:
+    if request.param == "espeak" and espeak_fault():
+        pytest.skip(espeak_fault())
     return facts(voice=request.param)
 
 
 @pytest.fixture(scope="module")
-def waiting(known: Facts) -> Plan:
+def waiting(known: Setup) -> Plan:
     return hurried(known, speech='kinesic:pause="true"')
 
 
-def test_the_word_waits_for_the_body_where_it_may(known: Facts, waiting: Plan):
+def test_the_word_waits_for_the_body_where_it_may(known: Setup, waiting: Plan):
     assert max(missed(hurried(known))) > 5 * SHIFT_TO_WARN
     assert max(missed(waiting)) <= SHIFT_TO_WARN
     assert pauses(waiting)
@@ -76,13 +75,13 @@ def test_the_prediction_has_the_times_with_the_pauses(waiting: Plan):
     assert f'<sync id="c" time="{round(start + said.marks["c"], 6)!r}"' in prediction
 
 
-def test_nothing_waits_unless_it_may(known: Facts):
+def test_nothing_waits_unless_it_may(known: Setup):
     without = hurried(known)
     assert pauses(without) == []
     assert hurried(known, block='kinesic:pause="0.3"', speech='kinesic:pause="false"').utterances == without.utterances
 
 
-def test_no_pause_is_longer_than_it_may_be(known: Facts):
+def test_no_pause_is_longer_than_it_may_be(known: Setup):
     planned = hurried(known, block='kinesic:pause="0.12"')
     assert pauses(planned)
     assert all(float(text.split()[3]) <= 0.12 for text in pauses(planned))
@@ -98,7 +97,7 @@ def test_the_facts_say_so_for_documents_that_do_not():
     assert pauses(hurried(usual, block='kinesic:pause="false"')) == []
 
 
-def test_a_speech_that_is_in_time_is_said_as_it_is(known: Facts):
+def test_a_speech_that_is_in_time_is_said_as_it_is(known: Setup):
     text = (
         '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b" kinesic:pause="true">'
         '<speech id="s"><text>My two hands can do <sync id="m"/>this</text></speech>'
@@ -109,7 +108,7 @@ def test_a_speech_that_is_in_time_is_said_as_it_is(known: Facts):
     assert planned.utterances["s"].marks == plan(text.replace("true", "false"), known).utterances["s"].marks
 
 
-def test_an_utterance_that_is_decided_stays(known: Facts, waiting: Plan):
+def test_an_utterance_that_is_decided_stays(known: Setup, waiting: Plan):
     again = plan_block(waiting.timeline.block, known, utterances=waiting.utterances)
     assert again.utterances == waiting.utterances
     assert pauses(again) == []
@@ -117,11 +116,13 @@ def test_an_utterance_that_is_decided_stays(known: Facts, waiting: Plan):
 
 def test_a_pause_goes_right_before_its_mark():
     script = Script("one two", (Mark("a", 4), Mark("b", 4)), pauses=(Pause(4, 0.1),))
-    found = paused(script, (Waiting("s", "b", 0.0, ("g", "stroke"), 0.2, 0.2), Waiting("s", "a", 0.0, ("g", "stroke"))))
+    found = paused(
+        script, (SpeechPause("s", "b", 0.0, ("g", "stroke"), 0.2, 0.2), SpeechPause("s", "a", 0.0, ("g", "stroke")))
+    )
     assert found.stops() == (Pause(4, 0.1), Mark("a", 4), Pause(4, 0.2, 1), Mark("b", 4))
 
 
-def test_a_recording_does_not_wait(known: Facts, tmp_path: Path):
+def test_a_recording_does_not_wait(known: Setup, tmp_path: Path):
     text = HURRIED.format(block='kinesic:pause="true"', speech="").replace(
         "</speech>", '<description type="audio/wav" ref="missing.wav"/></speech>'
     )

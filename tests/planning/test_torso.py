@@ -8,7 +8,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
 from kinesic.expressivity.keyframes import Turn
-from kinesic.planning.torso import set_turn, turn_of, volume
+from kinesic.planning.torso import set_turn, torso_turn, volume
 
 UPPER22 = Robot.load()
 NAMES = ("vl5_tilt", "vl5_roll", "vl5_torsion")  # another robot's order, one body
@@ -26,7 +26,7 @@ REORDERED = replace(
 def test_a_turn_is_written_and_read_back():
     angles = np.array(UPPER22.skeleton.rest)
     set_turn(UPPER22, "neck", np.array([0.3, -0.2, 0.1]), angles)
-    assert turn_of(UPPER22, "neck", angles) == pytest.approx([0.3, -0.2, 0.1])
+    assert torso_turn(UPPER22, "neck", angles) == pytest.approx([0.3, -0.2, 0.1])
 
 
 def test_hinges_are_found_by_name_whatever_their_order():
@@ -42,7 +42,7 @@ def test_hinges_of_one_axis_share_it_by_their_room():
     angles = np.array(robot.skeleton.rest)
     set_turn(robot, "torso", np.array([0.5, 0.3, 0.0]), angles)
     assert angles[0] / angles[1] == pytest.approx(0.2 / skeleton.upper[1])
-    assert turn_of(robot, "torso", angles) == pytest.approx([0.0, 0.3, 0.0])
+    assert torso_turn(robot, "torso", angles) == pytest.approx([0.0, 0.3, 0.0])
 
 
 def test_ranges_hold():
@@ -55,7 +55,7 @@ def test_a_chain_that_the_robot_lacks_turns_nothing():
     robot, angles = replace(UPPER22, chains={}), np.array(UPPER22.skeleton.rest)
     set_turn(robot, "torso", np.array([0.3, 0.2, 0.1]), angles)
     assert np.array_equal(angles, UPPER22.skeleton.rest)
-    assert turn_of(robot, "torso", angles).tolist() == [0.0, 0.0, 0.0]
+    assert torso_turn(robot, "torso", angles).tolist() == [0.0, 0.0, 0.0]
 
 
 ROBOT = Robot.load()

@@ -4,7 +4,7 @@ import numpy as np
 
 from kinesic.motion.limit_check import peaks
 from kinesic.motion.transition import knot_at
-from kinesic.planning.clearance import LAG_RESERVE, scan
+from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 
 
 def certified(motion, known, before, time: float) -> None:
@@ -13,4 +13,6 @@ def certified(motion, known, before, time: float) -> None:
     np.testing.assert_allclose(motion.controls[: knot + 3], before.controls[: knot + 3], atol=1e-8)
     for name, peak in peaks(motion, known.limits).shares.items():
         assert peak.ratios.max() <= 1.001, name
-    assert scan(motion, known.distances)[1].distances.min() >= known.robot.least_clearance + LAG_RESERVE - 1e-4
+    assert (
+        scan_clearance(motion, known.distances)[1].distances.min() >= known.robot.least_clearance + LAG_RESERVE - 1e-4
+    )

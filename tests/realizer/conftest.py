@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from kinesic.bml.composition import State
-from kinesic.planning.setup import Facts
+from kinesic.bml.composition import BlockState
+from kinesic.planning.setup import Setup
 from kinesic.realizer.contention import among
-from kinesic.realizer.realizer import Due, Ready, Scene, begun, passed, ready
+from kinesic.realizer.realizer import Due, Ready, Scene, advance, begin, ready
 from kinesic.realizer.request import Message, asked
 
 TICK = 0.01  # [s]
@@ -33,7 +33,7 @@ class Play:
         return ready(among(self.scene, known), self.scene.facts)
 
     def send(self, id: str, inside: str = "", attributes: str = "", sender: int = 0) -> "Play":
-        return self.take(begun(self.scene, self.ready(id, inside, attributes, sender), self.now))
+        return self.take(begin(self.scene, self.ready(id, inside, attributes, sender), self.now))
 
     def renamed(self, made: Ready, id: str) -> Ready:
         """A plan that costs nothing."""
@@ -49,10 +49,10 @@ class Play:
     def until(self, time: float) -> "Play":
         while self.now < time - 1e-9:
             self.now = min(time, self.now + TICK)
-            self.take(passed(self.scene, self.now))
+            self.take(advance(self.scene, self.now))
         return self
 
-    def state(self, id: str) -> State | None:
+    def state(self, id: str) -> BlockState | None:
         return self.scene.states.get(id) or next((past.state for past in self.scene.past if past.id == id), None)
 
     def at(self, id: str) -> float:
@@ -82,11 +82,11 @@ def time(due: Due) -> float:
 
 
 @pytest.fixture
-def play(known: Facts) -> Play:
+def play(known: Setup) -> Play:
     return Play(Scene.of(known))
 
 
 @pytest.fixture
-def played(known: Facts) -> Callable[..., Play]:
+def played(known: Setup) -> Callable[..., Play]:
     """One whose scene has options."""
     return lambda **options: Play(Scene.of(known, **options))

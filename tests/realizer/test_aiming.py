@@ -5,10 +5,10 @@ import pytest
 
 from kinesic.motion.limit_check import peaks
 from kinesic.motion.transition import knot_at
-from kinesic.planning.clearance import LAG_RESERVE, scan
+from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.realizer import pointing
 from kinesic.realizer.pointing import pointed
-from kinesic.realizer.realizer import begun, improved, interrupted, ready, taken
+from kinesic.realizer.realizer import begin, improved, interrupted, ready, take_replans
 
 LEAN = '<torso id="t" lexeme="lean" amount="1" start="0" end="3"/>'
 GAZE = '<gaze id="t" target="left" influence="WAIST" start="0" end="3"/>'
@@ -29,7 +29,7 @@ def check(play) -> None:
     known = play.scene.facts
     for name, peak in peaks(play.scene.motion, known.limits).shares.items():
         assert peak.ratios.max() <= 1.001, name
-    nearest = scan(play.scene.motion, known.distances)[1].distances.min()
+    nearest = scan_clearance(play.scene.motion, known.distances)[1].distances.min()
     assert nearest >= known.robot.least_clearance + LAG_RESERVE - 1e-4
 
 
@@ -85,7 +85,7 @@ def test_other_works_of_the_hand_stay_as_they_are(play):
 
 
 def test_what_servos_cannot_mend_is_told_by_name(play, monkeypatch):
-    monkeypatch.setattr(pointing, "corrected", lambda *_: None)
+    monkeypatch.setattr(pointing, "correct_pointing", lambda *_: None)
     play.send("a", LEAN).until(0.4).send("b", POINT)
     (text,) = play.warnings()
     assert 'id="b:p" type="IMPOSSIBLE_TO_SCHEDULE"' in text
@@ -116,9 +116,9 @@ def test_a_better_plan_points_as_well(play):
     play.send("a", LEAN).until(0.3)
     coming = play.ready("b", POINT.replace("/>", ' stroke="1.3"/>') + nods)
     assert coming.is_provisional
-    play.take(begun(play.scene, coming, play.now))
+    play.take(begin(play.scene, coming, play.now))
     assert missed(play, "b") < SLIGHT
-    play.scene, (wish,) = taken(play.scene)
+    play.scene, (wish,) = take_replans(play.scene)
     after = improved(play.scene, "b", ready(wish, play.scene.facts).plan, play.now)
     assert after is not None
     play.scene = after

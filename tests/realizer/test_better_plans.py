@@ -2,7 +2,7 @@
 
 import pytest
 
-from kinesic.realizer.realizer import begun, improved, ready, taken
+from kinesic.realizer.realizer import begin, improved, ready, take_replans
 
 BEAT = '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND"/>'
 
@@ -13,12 +13,12 @@ HURRIED = "".join(f'<gesture id="g{k}" lexeme="BEAT" mode="RIGHT_HAND" stroke="{
 def test_a_large_block_is_improved_while_it_plays(play):
     play.send("a", HURRIED)
     assert play.warnings() == []
-    play.scene, (wish,) = taken(play.scene)
+    play.scene, (wish,) = take_replans(play.scene)
     better = ready(wish, play.scene.facts).plan
     play.until(0.2)
     after = improved(play.scene, "a", better, play.now)
     assert after is not None
-    assert taken(after)[1] == ()
+    assert take_replans(after)[1] == ()
     play.scene = after
     play.until(8.0)
     strokes = {sync.behaviour: sync.planned for sync in better.syncs if sync.sync == "stroke"}
@@ -32,7 +32,7 @@ def test_a_better_plan_keeps_to_the_hand_that_others_leave_free(play):
     play.send("a", '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND"/>').until(0.3)
     open_ = "".join(f'<gesture id="g{k}" lexeme="BEAT" stroke="{0.8 + 1.2 * k}"/>' for k in range(5))
     play.send("b", open_)
-    play.scene, (wish,) = taken(play.scene)
+    play.scene, (wish,) = take_replans(play.scene)
     better = ready(wish, play.scene.facts).plan
     before = play.scene.find("b").ready.plan
     assert better.keyframes.uses == before.keyframes.uses
@@ -43,13 +43,13 @@ def test_a_better_plan_keeps_to_the_hand_that_others_leave_free(play):
 
 def test_what_no_better_plan_mends_is_warned(play):
     coming = play.ready("a", HURRIED)
-    play.take(begun(play.scene, coming, play.now)).until(8.0)
+    play.take(begin(play.scene, coming, play.now)).until(8.0)
     assert len(play.warnings()) == len(coming.plan.notices) > 0
 
 
 def test_a_block_that_waits_gets_a_better_plan(play):
     play.send("w", '<wait id="w" duration="1"/>').send("a", HURRIED, 'composition="APPEND"')
-    play.scene, (wish,) = taken(play.scene)
+    play.scene, (wish,) = take_replans(play.scene)
     after = improved(play.scene, "a", ready(wish, play.scene.facts).plan, play.now)
     assert after is not None
     play.scene = after

@@ -7,8 +7,9 @@ from kinesic.bml.block import Head
 from kinesic.body.config import ConfigError
 from kinesic.expressivity.style.style import Style
 from kinesic.motion.limit_check import peaks
-from kinesic.planning.setup import Facts
-from kinesic.realizer.realizer import Scene, begun, changed, improved, passed, ready, taken
+from kinesic.planning.setup import Setup
+from kinesic.realizer.realizer import Scene, advance, changed, improved, ready, take_replans
+from kinesic.realizer.realizer import begin as begun
 from kinesic.realizer.request import Asked, Message, asked
 
 BML = (
@@ -26,7 +27,7 @@ def sent(scene: Scene, id: str, inside: str, now: float) -> Scene:
 
 def granted(scene: Scene, now: float) -> tuple[Scene, tuple[Asked, ...]]:
     """The scene with all its wishes planned, as far as that can be."""
-    scene, wishes = taken(scene)
+    scene, wishes = take_replans(scene)
     for wish in wishes:
         scene = improved(scene, wish.block.id, ready(wish, scene.facts).plan, now) or scene
     return scene, wishes
@@ -40,13 +41,13 @@ def swing(scene: Scene, begin: float, end: float) -> float:
 
 
 @pytest.fixture
-def nodding(known: Facts) -> Scene:
+def nodding(known: Setup) -> Scene:
     return sent(Scene.of(known), "a", NODS, 0.0)
 
 
 def test_amount_changes_what_is_still_to_come(nodding: Scene) -> None:
     before = swing(nodding, 1.8, 2.6)
-    scene, dues = changed(passed(nodding, 1.0)[0], 1.0, amount=0.3)
+    scene, dues = changed(advance(nodding, 1.0)[0], 1.0, amount=0.3)
     assert dues == ()
     scene, (wish,) = granted(scene, 1.0)
     action = wish.block.behaviours[0].action
@@ -56,7 +57,7 @@ def test_amount_changes_what_is_still_to_come(nodding: Scene) -> None:
     past = np.arange(0.0, 1.0, 0.01)
     np.testing.assert_allclose(scene.motion.sample(past)[0], nodding.motion.sample(past)[0], atol=1e-12)
     assert max(peak.ratios.max() for peak in peaks(scene.motion, scene.facts.limits).shares.values()) <= 1.001
-    assert taken(scene)[1] == ()
+    assert take_replans(scene)[1] == ()
 
 
 def test_a_style_for_all_is_that_of_what_comes_too(nodding: Scene) -> None:
@@ -83,7 +84,7 @@ def test_changes_add_up(nodding: Scene) -> None:
     assert (behaviour.action.amount, behaviour.manner.style) == (0.4, "neutral")
 
 
-def test_what_is_said_already_stays(known: Facts) -> None:
+def test_what_is_said_already_stays(known: Setup) -> None:
     scene = sent(Scene.of(known), "a", SPEECH + NODS, 0.0)
     before = scene.speeches
     scene, _ = changed(scene, 0.5, style=Style.load("neutral").changed(["temporal=0.9"]))
@@ -110,7 +111,7 @@ CHANGE = (
 )
 def test_a_block_changes_another(nodding: Scene, target: str, parameter: str, value: str) -> None:
     scene = sent(nodding, "b", CHANGE.format(target, parameter, value), 0.2)
-    scene, dues = passed(scene, 0.21)
+    scene, dues = advance(scene, 0.21)
     assert not [due for due in dues if "<warning" in due.xml]
     (wish,) = scene.wishes
     changed_ = wish.block.behaviours[0]
@@ -128,7 +129,7 @@ def test_a_block_changes_another(nodding: Scene, target: str, parameter: str, va
     ],
 )
 def test_what_cannot_be_changed_is_warned(nodding: Scene, parameter: str, value: str, said: str) -> None:
-    scene, dues = passed(sent(nodding, "b", CHANGE.format("a", parameter, value), 0.2), 0.21)
+    scene, dues = advance(sent(nodding, "b", CHANGE.format("a", parameter, value), 0.2), 0.21)
     warnings = [due.xml for due in dues if 'id="b:p"' in due.xml]
     assert len(warnings) == 1
     assert said in warnings[0]

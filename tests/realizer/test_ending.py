@@ -2,7 +2,7 @@
 
 import pytest
 
-from kinesic.bml.composition import State
+from kinesic.bml.composition import BlockState
 from kinesic.motion.limit_check import peaks
 from kinesic.realizer.realizer import interrupted
 
@@ -16,8 +16,8 @@ TICK = 0.01  # [s]
 def test_replace_stops_everything(play):
     play.send("a", BEAT + HELLO, sender=1).send("w", NOD, 'composition="APPEND"', sender=2).until(0.8)
     play.send("b", NOD + HELLO, 'composition="REPLACE"', sender=3)
-    assert play.state("a") is State.INTERRUPTED
-    assert play.state("w") is State.REVOKED
+    assert play.state("a") is BlockState.INTERRUPTED
+    assert play.state("w") is BlockState.REVOKED
     assert len(play.warnings("w")) == 1
     assert [spoken.block for spoken in play.scene.speeches] == ["b"]
     play.until(6.0)
@@ -47,15 +47,15 @@ def test_interrupting_one_block_lets_others_go_on(play):
 def test_interrupting_all(play):
     play.send("a", BEAT).send("b", NOD).send("c", NOD, 'composition="APPEND"').until(0.5)
     play.take(interrupted(play.scene, play.now)).until(3.0)
-    assert [play.state(id) for id in "abc"] == [State.INTERRUPTED, State.INTERRUPTED, State.REVOKED]
+    assert [play.state(id) for id in "abc"] == [BlockState.INTERRUPTED, BlockState.INTERRUPTED, BlockState.REVOKED]
     assert play.scene.agenda == ()
     assert play.scene.motion.controls[-1] == pytest.approx(play.scene.facts.robot.skeleton.rest, abs=1e-6)
 
 
 def test_a_block_interrupts_another_when_it_begins(play):
     play.send("a", BEAT).until(0.5).send("b", NOD, 'bmla:interrupt="a"')
-    assert play.state("a") is State.INTERRUPTED
-    assert play.state("b") is State.IN_EXEC
+    assert play.state("a") is BlockState.INTERRUPTED
+    assert play.state("b") is BlockState.IN_EXEC
 
 
 def test_an_interrupt_behaviour_waits_for_its_time(play):
@@ -83,7 +83,7 @@ def test_an_interrupt_of_one_behaviour(play):
     play.send("b", '<bmla:interrupt id="i" target="a" include="g"/>').until(5.0)
     assert not play.was_told("a:g:stroke")
     assert play.was_told("a:h:end")
-    assert play.state("a") is State.DONE
+    assert play.state("a") is BlockState.DONE
     assert play.at("a:end") == pytest.approx(play.at("a:h:end"), abs=1e-6)
 
 

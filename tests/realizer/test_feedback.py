@@ -2,7 +2,7 @@
 
 import pytest
 
-from kinesic.bml.composition import State
+from kinesic.bml.composition import BlockState
 from kinesic.realizer.feedback import Due, Progress, agenda, ordered, retimed, span, without
 
 TIMES = {"h": {"start": 0.0, "stroke": 1.0, "relax": 1.5, "end": 2.0}, "s": {"start": 0.5, "m": 0.7, "end": 1.7}}
@@ -73,7 +73,7 @@ def test_measured_times_are_told_in_our_namespace() -> None:
     assert 'xmlns:kinesic="urn:kinesic"' in due.xml
     assert 'kinesic:measuredGlobalTime="12.034" kinesic:lag="0.034"' in due.xml
     assert 'characterId="Anna"' in due.xml
-    ended = Due(3.0, Progress("b", None, "end", 2.0, state=State.INTERRUPTED)).seen(3.1)
+    ended = Due(3.0, Progress("b", None, "end", 2.0, state=BlockState.INTERRUPTED)).seen(3.1)
     assert 'kinesic:state="INTERRUPTED" kinesic:measuredGlobalTime="3.1"' in ended.xml
     assert "kinesic" not in Due(3.0, Progress("b", None, "end", 2.0)).xml
 

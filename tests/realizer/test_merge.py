@@ -5,17 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinesic.bench.blocks import passage
+from kinesic.bench.blocks import passage_text
 from kinesic.bench.bml import merging
 from kinesic.bml.block import NoticeType
 from kinesic.bml.parse import parse
 from kinesic.motion.limit_check import peaks
-from kinesic.motion.trajectory import held
-from kinesic.motion.transition import knot_at, lengthened
-from kinesic.planning.clearance import LAG_RESERVE, scan
+from kinesic.motion.trajectory import stay
+from kinesic.motion.transition import knot_at, lengthen
+from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.quick_plan import opening
 from kinesic.realizer.merge import merged, replaced
-from kinesic.realizer.occupancy import arm
+from kinesic.realizer.occupancy import arm_hinges
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 NOD = '<head id="n" lexeme="NOD"/>'
@@ -34,13 +34,13 @@ def planned(known):
 
 @pytest.fixture(scope="module")
 def rest(known):
-    return held(known.robot.skeleton.rest)
+    return stay(known.robot.skeleton.rest)
 
 
 @pytest.fixture(scope="module")
 def running(planned, rest):
     """The passage, from rest, half a second later."""
-    return merged(rest, 0.0, planned(passage(0)), begin=0.5)
+    return merged(rest, 0.0, planned(passage_text(0)), begin=0.5)
 
 
 def gesture(hand: str, stroke: float = 0.9, id: str = "g", lexeme: str = "beat") -> str:
@@ -50,11 +50,13 @@ def gesture(hand: str, stroke: float = 0.9, id: str = "g", lexeme: str = "beat")
 def certified(motion, known, before=None, time: float = 0.0) -> None:
     for name, peak in peaks(motion, known.limits).shares.items():
         assert peak.ratios.max() <= 1.001, name
-    assert scan(motion, known.distances)[1].distances.min() >= known.robot.least_clearance + LAG_RESERVE - 1e-4
+    assert (
+        scan_clearance(motion, known.distances)[1].distances.min() >= known.robot.least_clearance + LAG_RESERVE - 1e-4
+    )
     np.testing.assert_allclose(motion.controls[-3:], motion.controls[[-1] * 3], atol=1e-9)
     if before is not None:
         count = knot_at(time) + 3
-        same = (lengthened(each.controls, count)[:count] for each in (motion, before))
+        same = (lengthen(each.controls, count)[:count] for each in (motion, before))
         np.testing.assert_allclose(*same, atol=1e-8)
 
 
@@ -68,7 +70,7 @@ def strokes(plan, found, hinges) -> None:
 
 
 def test_a_block_on_a_body_at_rest_is_its_own_plan(planned, running):
-    plan = planned(passage(0))
+    plan = planned(passage_text(0))
     times = np.linspace(0.0, plan.trajectory.duration, 200)
     moved = running.trajectory.sample(times + running.zero - plan.trajectory.zero)[0]
     np.testing.assert_allclose(moved, plan.trajectory.sample(times)[0], atol=1e-9)
@@ -81,7 +83,7 @@ def test_a_nod_goes_over_gestures_that_go_on(planned, running, known, time):
     found = merged(running.trajectory, time, planned(NOD), begin=time, busy=running.busy)
     certified(found.trajectory, known, running.trajectory, time)
     assert found.dropped == ()
-    arms = [*arm("l_hand", known.robot), *arm("r_hand", known.robot)]
+    arms = [*arm_hinges("l_hand", known.robot), *arm_hinges("r_hand", known.robot)]
     times = np.linspace(0.0, 7.0, 300)
     before, after = (each.trajectory.sample(times)[0][:, arms] for each in (running, found))
     np.testing.assert_allclose(after, before, atol=1e-12)
@@ -106,7 +108,7 @@ def test_one_hand_goes_while_the_other_does_something_else(planned, rest, known)
     found = merged(left.trajectory, 0.4, plan, begin=0.4, busy=left.busy)
     certified(found.trajectory, known, left.trajectory, 0.4)
     assert found.dropped == ()
-    strokes(plan, found, list(arm("r_hand", known.robot)))
+    strokes(plan, found, list(arm_hinges("r_hand", known.robot)))
 
 
 def test_the_lean_of_one_reach_adds_to_that_of_the_other(planned, rest, known):
@@ -135,7 +137,7 @@ def test_a_hand_that_is_busy_leaves_the_behaviour_out_by_name(planned, rest, kno
     assert "r_hand busy with g for" in notice.text
     assert {sync.behaviour for sync in found.syncs} == {"s", "n"}
     assert {each.behaviour for each in found.busy} == {"n"}
-    hinges = list(arm("r_hand", known.robot))
+    hinges = list(arm_hinges("r_hand", known.robot))
     times = np.linspace(0.0, 4.0, 100)
     before, after = (each.trajectory.sample(times)[0][:, hinges] for each in (first, found))
     np.testing.assert_allclose(after, before, atol=1e-12)
@@ -179,7 +181,7 @@ def test_a_retraction_gives_way_to_the_next_gesture(planned, rest, known):
     found = merged(first.trajectory, time, plan, begin=time, busy=first.busy)
     certified(found.trajectory, known, first.trajectory, time)
     assert found.dropped == ()
-    hinges = list(arm("r_hand", known.robot))
+    hinges = list(arm_hinges("r_hand", known.robot))
     strokes(plan, found, hinges)
     times = np.linspace(time, found.busy[0].ready, 50)
     away = np.abs(found.trajectory.sample(times)[0][:, hinges] - known.robot.skeleton.rest[hinges]).max(axis=1)
@@ -225,14 +227,14 @@ def test_a_block_in_the_place_of_another_comes_at_once(planned, running, known, 
     plan = planned(gesture("RIGHT", 1.0, lexeme="offer"))
     found = replaced(running.trajectory, time, plan)
     certified(found.trajectory, known, running.trajectory, time)
-    strokes(plan, found, list(arm("r_hand", known.robot)))
+    strokes(plan, found, list(arm_hinges("r_hand", known.robot)))
     assert 0.0 <= found.zero - plan.trajectory.zero - time <= 0.01
-    left = list(arm("l_hand", known.robot))
+    left = list(arm_hinges("l_hand", known.robot))
     np.testing.assert_allclose(found.trajectory.controls[-1][left], known.robot.skeleton.rest[left], atol=1e-9)
 
 
 def test_a_sample_of_random_cuts_keeps_every_limit(known):
-    for cut in merging.cuts(known, 10, seed=4):
+    for cut in merging.replace_at_random(known, 10, seed=4):
         assert cut.ratio <= 1.001, cut
         assert cut.step <= 1e-8, cut
         assert cut.clearance >= 0.0, cut

@@ -3,7 +3,7 @@ import pytest
 
 from kinesic.bml.parse import parse
 from kinesic.planning.quick_plan import opening
-from kinesic.realizer.occupancy import Busy, arm, busy, freed, held, settled
+from kinesic.realizer.occupancy import Busy, arm_hinges, freed_hinges, occupancy_of, settled, still_occupied
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 
@@ -20,7 +20,7 @@ def need(*roles, begin=0.0, ready=0.5, relax=1.0, end=1.5, offset=None, hinges=2
 def test_each_behaviour_needs_its_own_part(planned, known):
     found = {
         each.behaviour: each
-        for each in busy(
+        for each in occupancy_of(
             planned("""
         <gesture id="g" lexeme="offer" mode="BOTH_HANDS" stroke="1"/>
         <pointing id="p" target="left" mode="LEFT_HAND" stroke="4"/>
@@ -46,7 +46,7 @@ def test_each_behaviour_needs_its_own_part(planned, known):
 
 def test_times_are_those_of_the_plan(planned):
     plan = planned('<gesture id="g" lexeme="offer" mode="RIGHT_HAND" stroke="1.2"/>')
-    (need,) = busy(plan)
+    (need,) = occupancy_of(plan)
     times = {sync.sync: sync.planned + plan.trajectory.zero for sync in plan.syncs}
     assert (need.begin, need.ready, need.relax, need.end) == pytest.approx(
         tuple(times[sync] for sync in ("start", "ready", "relax", "end"))
@@ -55,11 +55,11 @@ def test_times_are_those_of_the_plan(planned):
 
 def test_what_stays_says_by_how_much(planned, known):
     plan = planned('<gazeShift id="z" target="left" start="0" end="1"/>')
-    (need,) = busy(plan)
+    (need,) = occupancy_of(plan)
     assert need.stays
     assert need.relax == need.end
     np.testing.assert_allclose(need.offset, plan.trajectory.controls[-1] - known.robot.skeleton.rest, atol=1e-9)
-    (passing,) = busy(planned('<gaze id="z" target="left" start="0" end="1"/>'))
+    (passing,) = occupancy_of(planned('<gaze id="z" target="left" start="0" end="1"/>'))
     assert not passing.stays
 
 
@@ -75,9 +75,9 @@ def test_two_meet_only_with_the_same_part_at_the_same_time():
 def test_what_has_given_way_no_longer_counts_but_what_stays_does():
     over, stays = need("r_hand"), need("look", offset=np.full(22, 0.1))
     later = need("look", offset=np.full(22, 0.2)).later(3.0)
-    assert held([over, stays], 0.9) == (over, stays)
-    assert held([over, stays], 2.0) == (stays,)
-    assert held([stays, later], 9.0) == (later,)
+    assert still_occupied([over, stays], 0.9) == (over, stays)
+    assert still_occupied([over, stays], 2.0) == (stays,)
+    assert still_occupied([stays, later], 9.0) == (later,)
 
 
 def test_what_stays_after_all_is_over_takes_no_time():
@@ -92,9 +92,9 @@ def test_what_stays_after_all_is_over_takes_no_time():
 def test_an_interrupted_block_frees_the_arms_that_it_holds(known):
     robot, moved = known.robot, np.ones(22, dtype=bool)
     own = [need("r_hand"), need("l_hand").later(-2.0)]
-    free = freed(own, moved, 0.2, robot)
-    assert free[list(arm("r_hand", robot))].all()
-    assert not free[list(arm("l_hand", robot))].any()
+    free = freed_hinges(own, moved, 0.2, robot)
+    assert free[list(arm_hinges("r_hand", robot))].all()
+    assert not free[list(arm_hinges("l_hand", robot))].any()
     assert free[list(robot.joints("neck"))].all()
 
 
@@ -103,5 +103,5 @@ def test_a_look_that_another_has_taken_over_from_frees_nothing(known):
     neck[list(known.robot.joints("neck"))] = True
     own = need("look", offset=np.where(neck, 0.3, 0.0))
     own = Busy(own.behaviour, own.roles, neck, own.begin, own.ready, own.relax, own.end, own.offset)
-    assert freed([own], neck, 2.0, known.robot).any()
-    assert not freed([own], neck, 2.0, known.robot, others=[need("look", offset=np.ones(22)).later(1.0)]).any()
+    assert freed_hinges([own], neck, 2.0, known.robot).any()
+    assert not freed_hinges([own], neck, 2.0, known.robot, others=[need("look", offset=np.ones(22)).later(1.0)]).any()

@@ -5,10 +5,10 @@ import pytest
 
 from kinesic.bml.parse import parse
 from kinesic.motion.trajectory import Trajectory
-from kinesic.motion.transition import knot_at, lengthened
+from kinesic.motion.transition import knot_at, lengthen
 from kinesic.planning.quick_plan import opening
-from kinesic.realizer.occupancy import busy
-from kinesic.realizer.pointing import corrected, pointed
+from kinesic.realizer.occupancy import occupancy_of
+from kinesic.realizer.pointing import correct_pointing, pointed
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 POINT = '<pointing id="p" target="user" mode="RIGHT_HAND" stroke="1.4"/>'
@@ -59,18 +59,18 @@ def test_a_turned_trunk_makes_it_miss_and_the_arm_mends_it(leaning, alone, strok
 
 
 def test_a_corrected_motion_differs_only_in_the_arm_and_only_while_it_points(leaning, alone, stroke, known):
-    (one,), needs = pointed(alone), {each.behaviour: each for each in busy(alone)}
+    (one,), needs = pointed(alone), {each.behaviour: each for each in occupancy_of(alone)}
     cut = stroke - 0.4
-    found = corrected(leaning, cut, one, stroke, needs["p"], [needs["g"]], known)
+    found = correct_pointing(leaning, cut, one, stroke, needs["p"], [needs["g"]], known)
     assert found is not None
     assert one.miss(posture(found, stroke), known.robot) < np.radians(0.5)
     count = max(len(found.controls), len(leaning.controls))
-    change = np.abs(lengthened(found.controls, count) - lengthened(leaning.controls, count))
+    change = np.abs(lengthen(found.controls, count) - lengthen(leaning.controls, count))
     assert set(np.flatnonzero(change.max(axis=0) > 1e-9)) <= set(known.robot.joints("r_arm"))
     assert change[: knot_at(cut) + 3].max() < 1e-9
     assert change[-3:].max() < 1e-9
 
 
 def test_no_motion_is_corrected_that_may_not_change_in_time(leaning, alone, stroke, known):
-    (one,), needs = pointed(alone), {each.behaviour: each for each in busy(alone)}
-    assert corrected(leaning, needs["p"].end + 1.0, one, stroke, needs["p"], [], known) is None
+    (one,), needs = pointed(alone), {each.behaviour: each for each in occupancy_of(alone)}
+    assert correct_pointing(leaning, needs["p"].end + 1.0, one, stroke, needs["p"], [], known) is None

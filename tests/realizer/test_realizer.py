@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from kinesic.bml.block import BmlError
-from kinesic.bml.composition import State
-from kinesic.planning.setup import Facts
-from kinesic.realizer.realizer import begun, passed, ready
+from kinesic.bml.composition import BlockState
+from kinesic.planning.setup import Setup
+from kinesic.realizer.realizer import advance, begin, ready
 from kinesic.realizer.request import Message, asked
 
 HELLO = '<speech id="s"><text>Hello <sync id="m"/>there</text></speech>'
@@ -20,14 +20,14 @@ def test_an_empty_block_starts_and_ends(play):
     play.send("b").until(0.02)
     assert play.at("b:start") == play.at("b:end") == 0.0
     assert play.warnings() == []
-    assert play.state("b") is State.DONE
+    assert play.state("b") is BlockState.DONE
 
 
-def test_a_block_without_id_gets_one_warning_and_a_free_name(play, known: Facts):
+def test_a_block_without_id_gets_one_warning_and_a_free_name(play, known: Setup):
     text = f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0">{NOD}</bml>'
     for _ in range(2):
         coming = ready(asked(Message(text), known, around=play.scene.around(play.now)), known)
-        play.take(begun(play.scene, coming, play.now))
+        play.take(begin(play.scene, coming, play.now))
     assert list(play.scene.states) == ["block", "block.2"]
     for id in play.scene.states:
         assert len([text for text in play.warnings() if f'id="{id}"' in text]) == 1
@@ -69,7 +69,7 @@ def test_an_id_that_plays_is_refused_and_nothing_changes(play):
     assert play.scene.agenda == before.agenda
     assert "plays already" in play.warnings("a")[-1]
     play.until(5.0).send("a", NOD).until(7.0)
-    assert play.state("a") is State.DONE
+    assert play.state("a") is BlockState.DONE
 
 
 def test_a_block_for_somebody_else_is_refused(played):
@@ -85,7 +85,7 @@ def test_too_many_blocks_are_refused(play):
     waiting = play.ready("w", "", 'composition="APPEND"')
     play.send("a", '<wait id="w" duration="9"/>')
     for number in range(300):
-        play.take(begun(play.scene, play.renamed(waiting, f"w{number}"), play.now))
+        play.take(begin(play.scene, play.renamed(waiting, f"w{number}"), play.now))
     assert len(play.scene.blocks) == 256
     assert len(play.warnings()) == 300 - 255
 
@@ -103,9 +103,9 @@ def test_what_is_over_is_forgotten(play):
     sizes = []
     for number in range(1000):
         made = nod if number % 5 == 0 else said if number % 5 == 2 else empty
-        play.take(begun(play.scene, play.renamed(made, f"n{number}"), play.now))
+        play.take(begin(play.scene, play.renamed(made, f"n{number}"), play.now))
         play.now += 0.5
-        play.take(passed(play.scene, play.now))
+        play.take(advance(play.scene, play.now))
         scene = play.scene
         sizes.append((len(scene.motion.controls), len(scene.blocks), len(scene.agenda), len(scene.past)))
     assert np.max(sizes[500:], axis=0).tolist() == np.max(sizes[100:500], axis=0).tolist()

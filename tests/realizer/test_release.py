@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from kinesic.bench.blocks import passage
+from kinesic.bench.blocks import passage_text
 from kinesic.bml.parse import parse
-from kinesic.motion.trajectory import STEP, held
+from kinesic.motion.trajectory import STEP, stay
 from kinesic.planning.quick_plan import opening
 from kinesic.realizer.merge import merged
-from kinesic.realizer.occupancy import arm, freed
+from kinesic.realizer.occupancy import arm_hinges, freed_hinges
 from kinesic.realizer.release import released, tail
 
 from .certified import certified
@@ -25,12 +25,12 @@ def planned(known):
 
 @pytest.fixture(scope="module")
 def rest(known):
-    return held(known.robot.skeleton.rest)
+    return stay(known.robot.skeleton.rest)
 
 
 @pytest.mark.parametrize("time", [0.4, 0.85, 1.3, 3.5, 4.6])
 def test_all_comes_to_rest_from_any_moment(planned, known, rest, time):
-    running = planned(passage(0)).trajectory
+    running = planned(passage_text(0)).trajectory
     found = released(running, time, np.ones(22, dtype=bool), known)
     certified(found, known, running, time)
     np.testing.assert_allclose(found.controls[-1], rest.controls[-1], atol=1e-9)
@@ -43,7 +43,7 @@ def test_what_rests_already_stays_as_it_is(known, rest):
 
 
 def test_some_hinges_come_to_rest_and_the_others_go_on(planned, known):
-    running, left = planned(passage(0)).trajectory, list(arm("l_hand", known.robot))
+    running, left = planned(passage_text(0)).trajectory, list(arm_hinges("l_hand", known.robot))
     free = np.isin(np.arange(22), left)
     found = released(running, 1.0, free, known)
     certified(found, known, running, 1.0)
@@ -57,7 +57,7 @@ def test_a_block_is_taken_back_from_over_another(planned, known, rest):
     shake = planned('<head id="s" lexeme="SHAKE" repetition="3" start="0"/>')
     both = merged(gaze.trajectory, 1.5, shake, begin=1.5, busy=gaze.busy)
     moved = np.ptp(both.layer.controls, axis=0) > 0.0
-    free = freed(both.busy, moved, 2.2, known.robot, others=gaze.busy)
+    free = freed_hinges(both.busy, moved, 2.2, known.robot, others=gaze.busy)
     found = released(both.trajectory, 2.2, free, known, layer=both.layer, others=gaze.busy)
     certified(found, known, both.trajectory, 2.2)
     times = np.linspace(3.2, 8.0, 100)
@@ -70,10 +70,10 @@ def test_an_arm_goes_to_rest_until_another_block_needs_it(planned, known, rest):
     both = merged(first.trajectory, 0.5, plan, begin=0.5, busy=first.busy)
     assert both.dropped == ()
     moved = np.ptp(first.layer.controls, axis=0) > 0.0
-    free = freed(first.busy, moved, 1.1, known.robot, others=both.busy)
+    free = freed_hinges(first.busy, moved, 1.1, known.robot, others=both.busy)
     found = released(both.trajectory, 1.1, free, known, layer=first.layer, others=both.busy)
     certified(found, known, both.trajectory, 1.1)
-    hinges = list(arm("r_hand", known.robot))
+    hinges = list(arm_hinges("r_hand", known.robot))
     np.testing.assert_allclose(found.at(3.2).angles[hinges], known.robot.skeleton.rest[hinges], atol=1e-6)
     times = np.linspace(both.busy[0].ready + STEP, 9.0, 100)
     np.testing.assert_allclose(
@@ -83,7 +83,7 @@ def test_an_arm_goes_to_rest_until_another_block_needs_it(planned, known, rest):
 
 @pytest.mark.parametrize("time", [-1.0, 0.0, 0.014, 2.0, 99.0])
 def test_what_is_still_to_come_is_exactly_the_same(planned, time):
-    running = planned(passage(0)).trajectory
+    running = planned(passage_text(0)).trajectory
     left = tail(running, time)
     shift = (len(running.controls) - len(left.controls)) * STEP
     assert shift <= max(time, 0.0)

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinesic.bench.blocks import passage
+from kinesic.bench.blocks import passage_text
 from kinesic.bml.parse import parse
 from kinesic.expressivity.style.style import Style
-from kinesic.motion.trajectory import held
-from kinesic.planning.plan import plan
+from kinesic.motion.trajectory import stay
+from kinesic.planning.plan import plan_block
 from kinesic.planning.quick_plan import opening
 from kinesic.realizer.merge import merged
-from kinesic.realizer.occupancy import arm
+from kinesic.realizer.occupancy import arm_hinges
 from kinesic.realizer.release import released
 from kinesic.realizer.replan import restyled
 
@@ -23,18 +23,18 @@ ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="c">{}</bml>'
 
 @pytest.fixture(scope="module")
 def block():
-    return parse(passage(1))
+    return parse(passage_text(1))
 
 
 @pytest.fixture(scope="module")
 def playing(known, block):
-    return merged(held(known.robot.skeleton.rest), 0.0, opening(block, known), begin=0.2)
+    return merged(stay(known.robot.skeleton.rest), 0.0, opening(block, known), begin=0.2)
 
 
 @pytest.fixture(scope="module")
 def others(known, block):
     styles = {name: replace(known, style=Style.load(name)) for name in ("neutral", "joyful", "sad")}
-    return {name: plan(block, facts) for name, facts in styles.items()}
+    return {name: plan_block(block, facts) for name, facts in styles.items()}
 
 
 def reached(motion, zero, plan, sync, hinges) -> float:
@@ -46,7 +46,7 @@ def reached(motion, zero, plan, sync, hinges) -> float:
 def test_a_better_plan_is_gone_on_with_at_once(known, playing, others):
     found = restyled(playing.trajectory, 0.35, playing, others["neutral"])
     certified(found.trajectory, known, playing.trajectory, 0.35)
-    hinges = list(arm("r_hand", known.robot))
+    hinges = list(arm_hinges("r_hand", known.robot))
     for sync in found.syncs:
         if sync.sync == "stroke" and sync.behaviour.startswith("g"):
             assert reached(found.trajectory, found.zero, others["neutral"], sync, hinges) < 1e-6
@@ -84,7 +84,7 @@ def test_what_was_merged_later_goes_on(known, playing, others):
     assert both.dropped == ()
     found = restyled(both.trajectory, 0.4, playing, others["neutral"], others=both.busy)
     certified(found.trajectory, known, both.trajectory, 0.4)
-    hinges = list(arm("r_hand", known.robot))
+    hinges = list(arm_hinges("r_hand", known.robot))
     (stroke,) = (sync for sync in both.syncs if sync.sync == "stroke")
     assert reached(found.trajectory, both.zero, nod, stroke, hinges) < 1e-6
 

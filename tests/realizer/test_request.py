@@ -6,17 +6,17 @@ from dataclasses import replace
 import pytest
 
 from kinesic.bml.block import BmlError, Composition, Succession
-from kinesic.bml.composition import State
+from kinesic.bml.composition import BlockState
 from kinesic.bml.parse import parse
 from kinesic.bml.timing.constraints import Point
-from kinesic.planning.setup import Facts
-from kinesic.realizer.request import LEAD, Around, Message, again, anchored, asked, refers_elsewhere, refused
+from kinesic.planning.setup import Setup
+from kinesic.realizer.request import LEAD, Around, Message, again, anchored, asked, refers_elsewhere, refusal_feedback
 
 BML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b" {}>{}</bml>'
 NOD = '<head id="h" lexeme="NOD" start="{}"/>'
 AROUND = Around(
     now=10.0,
-    states={"a": State.IN_EXEC, "p": State.PENDING},
+    states={"a": BlockState.IN_EXEC, "p": BlockState.PENDING},
     relaxes={"a": 12.0, "p": 20.0},
     ends={"a": 13.0, "p": 21.0},
     times={Point("a", "g", "stroke"): 11.0, Point("a", "bml", "end"): 13.0},
@@ -27,7 +27,7 @@ def message(inside: str = "", attributes: str = "", sender: int = 0) -> Message:
     return Message(BML.format(attributes, inside), sender, "m.xml")
 
 
-def test_a_block_is_timed_and_told_at_once(known: Facts) -> None:
+def test_a_block_is_timed_and_told_at_once(known: Setup) -> None:
     found = asked(message(NOD.format("1"), 'characterId="Anna"', sender=3), known, around=AROUND)
     assert found.sender == 3
     assert found.timeline.timed[0].times["start"] == 1.0
@@ -38,7 +38,7 @@ def test_a_block_is_timed_and_told_at_once(known: Facts) -> None:
     assert found.notices == ()
 
 
-def test_a_block_that_begins_before_its_zero_is_expected_so_much_earlier(known: Facts) -> None:
+def test_a_block_that_begins_before_its_zero_is_expected_so_much_earlier(known: Setup) -> None:
     found = asked(message(NOD.format("-0.5")), known, around=AROUND)
     assert (found.zero, found.timeline.start) == (10.5, -0.5)
     assert 'globalStart="10.0"' in found.prediction
@@ -48,16 +48,16 @@ def test_a_block_that_begins_before_its_zero_is_expected_so_much_earlier(known: 
     ("attributes", "zero"),
     [("", 10.0), ('composition="APPEND"', 13.0), ('bmla:chunkAfter="a"', 12.0), ('composition="REPLACE"', 10.0)],
 )
-def test_when_it_is_expected(known: Facts, attributes: str, zero: float) -> None:
+def test_when_it_is_expected(known: Setup, attributes: str, zero: float) -> None:
     assert asked(message("", attributes), known, around=AROUND).zero == zero
 
 
-def test_what_is_said_takes_its_time(known: Facts) -> None:
+def test_what_is_said_takes_its_time(known: Setup) -> None:
     found = asked(message('<speech id="s"><text>Hello <sync id="m"/>there</text></speech>'), known)
     assert found.timeline.timed[0].times["end"] == found.utterances["s"].duration > 0.0
 
 
-def test_references_to_other_blocks_become_times(known: Facts) -> None:
+def test_references_to_other_blocks_become_times(known: Setup) -> None:
     found = asked(message(NOD.format("a:g:stroke+0.25")), known, around=AROUND)
     assert found.is_anchored
     assert found.zero == 10.0 + LEAD
@@ -77,35 +77,35 @@ def test_references_in_constraints_become_times() -> None:
     assert offsets == pytest.approx([3.0, 1.0])
 
 
-def test_unknown_references_stay_and_are_warned(known: Facts) -> None:
+def test_unknown_references_stay_and_are_warned(known: Setup) -> None:
     found = asked(message(NOD.format("gone:g:stroke") + NOD.replace('"h"', '"i"').format("1")), known, around=AROUND)
     assert [drop.behaviour.id for drop in found.timeline.dropped] == ["h"]
     assert "gone:g:stroke" in found.notices[0].text
 
 
-def test_blocks_without_id_get_free_ones(known: Facts) -> None:
+def test_blocks_without_id_get_free_ones(known: Setup) -> None:
     text = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0"/>'
-    busy = replace(AROUND, states={"block": State.IN_EXEC, "block.2": State.LURKING})
+    busy = replace(AROUND, states={"block": BlockState.IN_EXEC, "block.2": BlockState.LURKING})
     assert asked(Message(text), known).block.id == "block"
     found = asked(Message(text), known, around=busy)
     assert (found.block.id, len(found.notices)) == ("block.3", 1)
 
 
-def test_what_is_decided_is_not_said_again(known: Facts) -> None:
+def test_what_is_decided_is_not_said_again(known: Setup) -> None:
     found = asked(message('<speech id="s"><text>Hello</text></speech>'), known)
     assert again(replace(found, is_decided=True), known).utterances is found.utterances
     assert again(found, known).utterances is not found.utterances
 
 
-def test_a_bad_document_is_refused_by_the_id_of_its_block(known: Facts) -> None:
+def test_a_bad_document_is_refused_by_the_id_of_its_block(known: Setup) -> None:
     bad = message(NOD.format("nobody:end"))
     with pytest.raises(BmlError) as caught:
         asked(bad, known)
-    xml = refused(bad, caught.value)
+    xml = refusal_feedback(bad, caught.value)
     assert re.search(r'id="b" type="PARSING_FAILURE"', xml)
     assert "nobody" in xml
     assert "m.xml:1:" in xml
-    assert 'id="block"' in refused(Message(b"\xff<nothing", 1), BmlError("no XML"))
+    assert 'id="block"' in refusal_feedback(Message(b"\xff<nothing", 1), BmlError("no XML"))
 
 
 def test_expectations_count_only_what_is_known() -> None:

@@ -2,9 +2,9 @@
 
 import pytest
 
-from kinesic.bml.composition import State
+from kinesic.bml.composition import BlockState
 from kinesic.motion.trajectory import STEP
-from kinesic.realizer.realizer import begun
+from kinesic.realizer.realizer import begin
 
 NOD = '<head id="h" lexeme="NOD"/>'
 BEAT = '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND"/>'
@@ -32,7 +32,7 @@ def test_merge_leaves_out_what_meets_a_part_that_plays(play):
 def test_a_block_whose_required_part_is_busy_is_not_performed(play):
     play.send("a", BEAT).until(0.5)
     play.send("b", f"<required>{BEAT}</required>{NOD}").until(5.0)
-    assert play.state("b") is State.FAILED
+    assert play.state("b") is BlockState.FAILED
     assert "requires g" in play.warnings("b")[-1]
     assert not play.was_told("b:start")
     assert not play.was_told("b:h:stroke")
@@ -117,7 +117,12 @@ def test_a_gesture_that_interrupts_another_takes_its_hand(play):
 
 def test_append_begins_when_all_have_ended(play):
     play.send("a", BEAT).send("n", NOD).send("b", NOD, 'composition="APPEND"').send("c", "", 'composition="APPEND"')
-    assert play.scene.states == {"a": State.IN_EXEC, "n": State.IN_EXEC, "b": State.LURKING, "c": State.LURKING}
+    assert play.scene.states == {
+        "a": BlockState.IN_EXEC,
+        "n": BlockState.IN_EXEC,
+        "b": BlockState.LURKING,
+        "c": BlockState.LURKING,
+    }
     play.until(8.0)
     assert play.at("b:start") == pytest.approx(play.at("a:end"), abs=2 * STEP)
     assert play.at("c:start") == pytest.approx(play.at("b:end"), abs=2 * STEP)
@@ -182,16 +187,16 @@ def test_what_refers_to_the_past_is_told_at_once(play):
 
 def test_a_preplanned_block_waits_until_it_is_activated(play):
     play.send("a", NOD, 'bmla:preplan="true"').until(3.0)
-    assert play.state("a") is State.PENDING
+    assert play.state("a") is BlockState.PENDING
     assert not play.was_told("a:start")
     play.send("b", '<bmla:activate id="x" target="a" start="0.5"/>').until(6.0)
     assert play.at("a:start") == pytest.approx(3.5, abs=2 * TICK)
-    assert play.state("a") is State.DONE
+    assert play.state("a") is BlockState.DONE
 
 
 def test_a_block_activates_others_when_it_begins_and_append_does_not_wait_for_those(play):
     play.send("a", NOD, 'bmla:preplan="true"').send("b", LEFT, 'composition="APPEND" bmla:onStart="a"')
-    assert play.scene.states == {"a": State.IN_EXEC, "b": State.IN_EXEC}
+    assert play.scene.states == {"a": BlockState.IN_EXEC, "b": BlockState.IN_EXEC}
 
 
 def test_references_to_other_blocks_are_met(play):
@@ -205,7 +210,7 @@ def test_references_to_other_blocks_are_met(play):
 def test_a_block_that_comes_too_late_for_others_says_so(play):
     play.send("a", BEAT)
     coming = play.ready("b", '<head id="h" lexeme="NOD" start="a:g:end"/>')
-    play.until(1.0).take(begun(play.scene, coming, play.now))
+    play.until(1.0).take(begin(play.scene, coming, play.now))
     assert any("too late" in text for text in play.warnings("b"))
 
 

@@ -1,18 +1,18 @@
 import pytest
 
-from kinesic.report.batch import Journal, Verdict
+from kinesic.report.batch import BatchJournal, DocumentVerdict
 from kinesic.report.checks import Check
 
 CHECK = Check("limits.speed", "pass", 0.5, 1.0, "ratio", "l_elbow_flexion at 1.00 s")
 VERDICTS = {
-    "a": Verdict("a.bml", "performed", 0, (("gesture", "realised"),), (CHECK,), report="out/a.json"),
-    "b": Verdict("b\nline.bml", "refused", 0, error="b.bml:1:1: no \u2028 element"),
+    "a": DocumentVerdict("a.bml", "performed", 0, (("gesture", "realised"),), (CHECK,), report="out/a.json"),
+    "b": DocumentVerdict("b\nline.bml", "refused", 0, error="b.bml:1:1: no \u2028 element"),
 }
 
 
 @pytest.fixture
 def journal(tmp_path):
-    return Journal(tmp_path / "finished.jsonl", Verdict)
+    return BatchJournal(tmp_path / "finished.jsonl", DocumentVerdict)
 
 
 def test_what_is_noted_is_read_again(journal):

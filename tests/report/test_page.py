@@ -11,10 +11,10 @@ import pytest
 
 from kinesic.controller.perform import perform
 from kinesic.controller.performance import Performance
-from kinesic.planning.setup import Facts
-from kinesic.report.page import HERE, SCRIPTS, breakable, departure, shift, verdict, write_page
+from kinesic.planning.setup import Setup
+from kinesic.report.page import HERE, SCRIPTS, breakable, shift, style_departures, verdict, write_page
 from kinesic.report.report import Json, report
-from kinesic.report.tiles import number
+from kinesic.report.tiles import format_number
 
 HOSTILE = '<script>alert("$x_1^$")</script>&--> \u6b22\u8fce'
 FETCHED = re.compile(r'(?:src|href)="(?!data:|#)|url\((?!#)|@import|fetch\(|XMLHttpRequest|import\(')
@@ -63,7 +63,7 @@ def test_page_holds_every_table(text: str, data: dict[str, Json]) -> None:
     words = "".join(Outline(text).words)
     for row in (*data["checks"], *data["behaviours"], *data["warnings"]):
         shown = [value for name, value in row.items() if name != "manner" and not isinstance(value, bool)]
-        assert all(number(value) in words for value in shown)
+        assert all(format_number(value) in words for value in shown)
     for name in data["tracking"]["per_joint"]:
         assert name in words
     assert "No film: not recorded" in words
@@ -160,7 +160,7 @@ def test_the_page_says_who_speaks_and_why_no_face_is_seen(text: str, data: dict[
     assert "No film of the face: not recorded" in words
 
 
-def test_names_from_strangers_stay_text(known: Facts, tmp_path: Path) -> None:
+def test_names_from_strangers_stay_text(known: Setup, tmp_path: Path) -> None:
     gesture = f'<gesture id={quoteattr(HOSTILE)} lexeme="beat" start="0" stroke="0.1"/>'
     performance = perform(BLOCK.format(gesture), known)
     text = page(performance, report(performance, source=HOSTILE), tmp_path)
@@ -177,7 +177,7 @@ def test_colours_are_those_of_the_page(text: str) -> None:
     assert not re.findall(r"(?:fill|stroke): #(?!ffffff|000000)\w{6}", figures)
 
 
-def test_a_block_where_nothing_happens_has_a_page(known: Facts, tmp_path: Path) -> None:
+def test_a_block_where_nothing_happens_has_a_page(known: Setup, tmp_path: Path) -> None:
     performance = perform(BLOCK.format(""), known)
     text = page(performance, report(performance, source="empty.bml"), tmp_path)
     assert "The block is empty." in text
@@ -198,13 +198,13 @@ def test_shift_and_breakable() -> None:
     assert breakable("l_<b>") == "l_<wbr>&lt;b&gt;"
 
 
-def test_a_behaviour_tells_where_it_departs_from_its_style(known: Facts, tmp_path: Path) -> None:
+def test_a_behaviour_tells_where_it_departs_from_its_style(known: Setup, tmp_path: Path) -> None:
     bml = BLOCK.format('<head id="h" lexeme="NOD" start="0" kinesic:power="-0.5" kinesic:spatial="0"/>')
     performance = perform(bml.replace("<bml", '<bml kinesic:temporal="0.25"'), known)
     data = report(performance, source="x.bml")
     (row,) = data["behaviours"]
-    assert departure(row, data["style"]) == "temporal 0.25 (block); power \u22120.5 (behaviour)"
-    assert departure({**row, "manner": None}, data["style"]) == ""
+    assert style_departures(row, data["style"]) == "temporal 0.25 (block); power \u22120.5 (behaviour)"
+    assert style_departures({**row, "manner": None}, data["style"]) == ""
     assert '<th class="wide">manner</th>' in page(performance, data, tmp_path)
 
 

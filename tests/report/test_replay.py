@@ -9,7 +9,7 @@ import pytest
 from kinesic.body.rotation import about
 from kinesic.controller.performance import Performance
 from kinesic.report import replay as module
-from kinesic.report.replay import replay
+from kinesic.report.replay import replay_data
 
 
 def unpacked(text, kind, frames):
@@ -30,7 +30,7 @@ def origins(data, angles):
 
 
 def test_motions_are_those_of_plan_and_twin(hurried: Performance) -> None:
-    data = replay(hurried)
+    data = replay_data(hurried)
     moments = np.linspace(0.0, data["end"], data["frames"])
     assert np.diff(moments).max() <= 1 / module.RATE + 1e-12
     twin, plan, asked = (
@@ -46,7 +46,7 @@ def test_motions_are_those_of_plan_and_twin(hurried: Performance) -> None:
 
 
 def test_shapes_stand_where_the_skeleton_puts_them(hurried: Performance) -> None:
-    data, skeleton = replay(hurried), hurried.plan.facts.robot.skeleton
+    data, skeleton = replay_data(hurried), hurried.plan.facts.robot.skeleton
     angles = hurried.measured.angles[60]
     assert origins(data, angles) == pytest.approx(skeleton.frames(angles).origins, abs=1e-3)
     assert sum(len(segment["capsules"]) for segment in data["segments"]) == sum(
@@ -58,22 +58,22 @@ def test_shapes_stand_where_the_skeleton_puts_them(hurried: Performance) -> None
 
 
 def test_marks_are_the_sync_points(hurried: Performance, calm: Performance) -> None:
-    kinds = {(mark["behaviour"], mark["sync"]): mark["kind"] for mark in replay(hurried)["marks"]}
+    kinds = {(mark["behaviour"], mark["sync"]): mark["kind"] for mark in replay_data(hurried)["marks"]}
     assert kinds["rushed", "start"] == "moved"
     assert kinds["nod", "stroke"] == "stroke"
-    assert not [mark for mark in replay(calm)["marks"] if "moved" in mark["kind"]]
-    assert [text for _, _, text in replay(hurried)["words"] if text] == ["Hello there,", "welcome"]
+    assert not [mark for mark in replay_data(calm)["marks"] if "moved" in mark["kind"]]
+    assert [text for _, _, text in replay_data(hurried)["words"] if text] == ["Hello there,", "welcome"]
 
 
 def test_a_long_motion_has_a_lower_rate(hurried: Performance, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "MOST_FRAMES", 20)
     monkeypatch.setattr(module, "MOST_MARKS", 3)
-    data = replay(hurried)
+    data = replay_data(hurried)
     assert data["frames"] == 20
     assert {mark["sync"] for mark in data["marks"]} == {"stroke"}
 
 
 def test_duties_beyond_a_byte_stay_at_its_end(hurried: Performance) -> None:
     measured = replace(hurried.measured, duties=np.full_like(hurried.measured.duties, 9.0))
-    data = replay(replace(hurried, measured=measured))
+    data = replay_data(replace(hurried, measured=measured))
     assert set(base64.b64decode(data["duties"])) == {255}

@@ -8,7 +8,7 @@ import pytest
 from kinesic.controller.performance import Performance
 from kinesic.report.checks.servos import CONTINUOUS
 from kinesic.report.plots.svg import BINS, spark
-from kinesic.report.servo_load import draw, loads
+from kinesic.report.servo_load import draw_load, loads
 
 
 def test_the_most_strained_comes_first(hurried: Performance) -> None:
@@ -34,7 +34,7 @@ def test_figures_are_those_of_the_samples(hurried: Performance) -> None:
 
 def test_draw_sums_up_the_supply(hurried: Performance) -> None:
     power = hurried.measured.power
-    found = draw(hurried)
+    found = draw_load(hurried)
     assert 0.0 < found.mean < found.peak == power.peak.max()
     assert found.energy == power.energy
 

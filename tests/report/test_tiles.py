@@ -3,7 +3,7 @@
 import pytest
 
 from kinesic.report.report import Json
-from kinesic.report.tiles import number, quantity, tiles
+from kinesic.report.tiles import format_number, quantity, tiles
 
 
 def row(name: str, status: str, value: float, limit: float, unit: str = "ratio") -> dict[str, Json]:
@@ -70,4 +70,4 @@ def test_quantity(value: Json, unit: str, shown: tuple[str, str]) -> None:
     [(None, "\u2013"), (0.012345, "0.0123"), (12345.6, "12346"), (True, "True"), (-0.0, "0"), ("a", "a")],
 )
 def test_number(value: Json, text: str) -> None:
-    assert number(value) == text
+    assert format_number(value) == text

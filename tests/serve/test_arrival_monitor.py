@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinesic.motion.trajectory import Trajectory, held
+from kinesic.motion.trajectory import Trajectory, stay
 from kinesic.serve.arrival_monitor import Gauge
 from kinesic.serve.sinks import Playing
 
@@ -42,7 +42,7 @@ def test_a_body_that_has_not_arrived_yet_is_waited_for():
 def test_nothing_can_be_said_of_hinges_that_rest():
     playing = moving(0.0)
     assert np.isnan(seen(playing, 0.0, 1.0).lateness(0.8, ~HINGES, playing))
-    still = Playing(held(np.zeros(2), 2.0), 0.0)
+    still = Playing(stay(np.zeros(2), 2.0), 0.0)
     assert np.isnan(seen(still, 0.0, 1.0).lateness(0.8, HINGES, still))
 
 

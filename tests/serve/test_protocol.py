@@ -8,15 +8,15 @@ from hypothesis import strategies as st
 from kinesic.serve.protocol import (
     END,
     Enquiry,
-    Frames,
     Hello,
-    Interrupt,
+    InterruptCommand,
+    MessageFramer,
     Ping,
     Restyle,
     Resume,
     Stop,
     control,
-    told,
+    json_answer,
 )
 
 MESSAGES = st.lists(st.binary(min_size=1, max_size=40).map(lambda data: b"<" + data.replace(END, b"x")), max_size=6)
@@ -27,14 +27,14 @@ MESSAGES = st.lists(st.binary(min_size=1, max_size=40).map(lambda data: b"<" + d
 def test_messages_are_the_same_however_the_stream_is_cut(messages, cuts):
     stream = b"".join(message + END for message in messages)
     places = sorted({0, len(stream), *(min(cut, len(stream)) for cut in cuts)})
-    frames = Frames(100)
+    frames = MessageFramer(100)
     found = [each for a, b in pairwise(places) for each in frames.fed(stream[a:b])]
     assert found == messages
     assert not frames.half
 
 
 def test_blanks_between_messages_are_no_messages():
-    frames = Frames(10)
+    frames = MessageFramer(10)
     assert frames.fed(b" \n<a/>\0\n\0 \0<b/>") == [b"<a/>"]
     assert frames.half
     assert frames.fed(b"\0\n") == [b"<b/>"]
@@ -43,7 +43,7 @@ def test_blanks_between_messages_are_no_messages():
 
 @pytest.mark.parametrize("pieces", [[b"12345678901"], [b"12345", b"678901"], [b"12345678901\0"]])
 def test_an_overlong_message_is_told_as_soon_as_it_is(pieces):
-    frames, (*first, last) = Frames(10), pieces
+    frames, (*first, last) = MessageFramer(10), pieces
     assert [frames.fed(piece) for piece in first] == [[]] * len(first)
     with pytest.raises(ValueError, match="11 bytes or more, at most 10"):
         frames.fed(last)
@@ -55,8 +55,8 @@ def test_an_overlong_message_is_told_as_soon_as_it_is(pieces):
         ('{"do": "stop"}', Stop()),
         (' {"do": "resume"}\n', Resume()),
         ('{"do": "hello", "token": "t"}', Hello("t")),
-        ('{"do": "interrupt"}', Interrupt()),
-        ('{"do": "interrupt", "block": "b"}', Interrupt("b")),
+        ('{"do": "interrupt"}', InterruptCommand()),
+        ('{"do": "interrupt", "block": "b"}', InterruptCommand("b")),
         ('{"do": "style", "style": "calm", "set": ["power=1"]}', Restyle("calm", ("power=1",))),
         ('{"do": "status"}', Enquiry()),
         ('{"do": "ping", "id": "7"}', Ping("7")),
@@ -88,4 +88,4 @@ def test_wrong_control_messages_say_what_is_wrong(text, why):
 
 
 def test_answers_are_json():
-    assert json.loads(told("pong", id='"7"')) == {"told": "pong", "id": '"7"'}
+    assert json.loads(json_answer("pong", id='"7"')) == {"told": "pong", "id": '"7"'}

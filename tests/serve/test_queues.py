@@ -3,11 +3,11 @@ import asyncio
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinesic.serve.queues import MINOR, Outbox, Turns, Waiting
+from kinesic.serve.queues import MINOR, Outbox, QueuedDocument, Turns
 
 
 def waiting(sender, text=b""):
-    return Waiting(text, sender, "test")
+    return QueuedDocument(text, sender, "test")
 
 
 def test_clients_take_turns():

@@ -3,7 +3,7 @@ from xml.etree.ElementTree import fromstring
 import pytest
 
 from kinesic.serve import quotas
-from kinesic.serve.quotas import Bucket, Rules, refused
+from kinesic.serve.quotas import Bucket, Rules, quota_feedback
 
 
 @pytest.mark.parametrize("name", ["message", "rate", "burst", "waiting", "clients", "unread", "patience", "planning"])
@@ -24,6 +24,6 @@ def test_a_bucket_lets_a_burst_through_and_then_the_rate(monkeypatch):
 
 
 def test_a_refusal_names_its_rule():
-    told = fromstring(refused("rate", "too many"))
+    told = fromstring(quota_feedback("rate", "too many"))
     assert told.tag.endswith("warningFeedback")
     assert told.text == "rule rate: too many"

@@ -15,7 +15,7 @@ from websockets.sync.client import connect
 
 from kinesic.body.command import RATE
 from kinesic.controller.perform import facts
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 
 pytestmark = pytest.mark.realtime
 
@@ -27,7 +27,7 @@ POINTS = ["start", "h:start", "h:ready", "h:strokeStart", "h:stroke", "h:strokeE
 
 
 @cache
-def known() -> Facts:
+def known() -> Setup:
     """What the server's planner knows, read once."""
     return facts()
 

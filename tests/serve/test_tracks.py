@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from kinesic.body.utterance import Sound
-from kinesic.realizer.realizer import Scene, begun, ready
+from kinesic.realizer.realizer import Scene, ready
+from kinesic.realizer.realizer import begin as begun
 from kinesic.realizer.request import Message, asked
 from kinesic.serve.tracks import Effects, Senses, Track, track, version
 from kinesic.speech.loudspeaker import SpeakerError

@@ -4,7 +4,7 @@ from asyncio import StreamReader, StreamWriter
 
 import pytest
 
-from kinesic.serve.transport import CHUNK, Line
+from kinesic.serve.transport import CHUNK, Transport
 
 pytestmark = pytest.mark.realtime
 
@@ -25,7 +25,7 @@ async def _sent_home(said: bytes, *, patience: float = 10.0) -> bytes:
     gone = asyncio.Event()
 
     async def client(reader: StreamReader, writer: StreamWriter) -> None:
-        line = Line(reader, writer, patience)
+        line = Transport(reader, writer, patience)
         assert 0 < len(await line.read(hurry=True)) <= CHUNK
         await line.write([ANSWER])
         await line.close()

@@ -10,7 +10,7 @@ from kinesic.body.description import Exclusion
 from kinesic.body.robot import Robot
 from kinesic.sim.distances import BLOCK, CapsuleDistances, _reach, segment_distances
 from kinesic.sim.kinematics import motion_frames
-from kinesic.sim.model import build, capsule_name
+from kinesic.sim.model import build_model, capsule_name
 from kinesic.sim.worst_postures import random_postures
 
 ROBOT = Robot.load()
@@ -19,7 +19,7 @@ DISTANCES = CapsuleDistances(ROBOT)
 
 def by_mujoco(postures):
     """Smallest distance [m] and pair over counted pairs, by MuJoCo's own collision code."""
-    model = build(ROBOT)
+    model = build_model(ROBOT)
     data = mujoco.MjData(model)
     capsules = {segment.name: len(segment.capsules) for segment in ROBOT.skeleton.segments}
     pairs = [
@@ -43,7 +43,7 @@ def test_mujoco_measures_the_same():
 
 
 def test_gaps_are_those_of_mujoco_for_every_pair():
-    model = build(ROBOT)
+    model = build_model(ROBOT)
     data = mujoco.MjData(model)
     postures = random_postures(ROBOT.skeleton, 40, seed=7)
     gaps = DISTANCES.gaps(postures)

@@ -5,7 +5,7 @@ import pytest
 from kinesic.body.limits import LEAST_ACCELERATION, LEAST_DUTY, Limits
 from kinesic.body.robot import Robot
 from kinesic.sim.dynamics import FRICTION_SPEED, MujocoDynamics
-from kinesic.sim.model import build, joint_order
+from kinesic.sim.model import build_model, joint_order
 from kinesic.sim.servo_factors import Factors
 from kinesic.sim.worst_postures import random_postures
 
@@ -21,7 +21,7 @@ SHEET_RATIO = [0, 0.215, 0.251, 0.105, 0.220, 0.201, *[0.217, 0.177, 0.177, 0.12
 
 def potential_energy(angles):
     """[J] of all segments and their servos, from the skeleton and the model's centres of mass."""
-    model = build(ROBOT)
+    model = build_model(ROBOT)
     frames = ROBOT.skeleton.frames(angles)
     energy = 0.0
     for k, segment in enumerate(ROBOT.skeleton.segments):
@@ -96,7 +96,7 @@ def test_mujoco_finds_the_same_torques():
     random = np.random.default_rng(5)
     postures = random_postures(ROBOT.skeleton, 40, seed=5)
     speeds, accelerations = random.normal(0.0, 2.0, (2, 40, 22))
-    model = build(ROBOT)
+    model = build_model(ROBOT)
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
     data, order = mujoco.MjData(model), joint_order(ROBOT, model)
     friction = np.array([drive.frictionloss for drive in ROBOT.drives])

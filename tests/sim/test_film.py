@@ -8,7 +8,7 @@ from PIL import Image
 from kinesic.body.robot import Robot
 from kinesic.sim import film as films
 from kinesic.sim import gl
-from kinesic.sim.film import FilmError, film, still
+from kinesic.sim.film import FilmError, film, write_still
 from kinesic.sim.scene_style import COLOURS
 
 ROBOT = Robot.load()
@@ -20,7 +20,7 @@ RAISED[ROBOT.skeleton.joint("r_shoulder_flexion")] = 2.6
 @pytest.fixture(scope="module")
 def drawing():
     """Asked only when a film is wanted: the answer takes a process of its own."""
-    if why := gl.fault():
+    if why := gl.opengl_fault():
         pytest.skip(why)
 
 
@@ -67,7 +67,7 @@ def test_a_still_shows_the_whole_upper_body_and_its_facing(tmp_path):
     heights = {}
     for name, posture in (("rest", REST), ("raised", RAISED)):
         path = tmp_path / f"{name}.png"
-        still(ROBOT, posture, path)
+        write_still(ROBOT, posture, path)
         with Image.open(path) as seen:
             assert (seen.format, seen.size) == ("PNG", (480, 360))
             picture = np.array(seen)
@@ -84,9 +84,9 @@ def test_a_still_shows_the_whole_upper_body_and_its_facing(tmp_path):
 
 
 def test_without_opengl_the_line_that_mends_is_named(tmp_path, monkeypatch):
-    monkeypatch.setattr(films, "fault", lambda: f"OpenGL is missing (libEGL.so.1): {gl.APT_LINE}")
+    monkeypatch.setattr(films, "opengl_fault", lambda: f"OpenGL is missing (libEGL.so.1): {gl.APT_LINE}")
     with pytest.raises(FilmError, match="apt-get install libegl1"):
-        still(ROBOT, REST, tmp_path / "never.png")
+        write_still(ROBOT, REST, tmp_path / "never.png")
     assert not (tmp_path / "never.png").exists()
 
 
@@ -97,10 +97,10 @@ def test_a_mujoco_imported_too_early_is_named(tmp_path):
         "import mujoco\n"
         "from pathlib import Path\n"
         "from kinesic.body.robot import Robot\n"
-        "from kinesic.sim.film import FilmError, still\n"
+        "from kinesic.sim.film import FilmError, write_still\n"
         "robot = Robot.load()\n"
         "try:\n"
-        f"    still(robot, robot.skeleton.rest, Path({str(tmp_path / 'early.png')!r}))\n"
+        f"    write_still(robot, robot.skeleton.rest, Path({str(tmp_path / 'early.png')!r}))\n"
         "    print('drawn')\n"
         "except FilmError as error:\n"
         "    print(error)\n"

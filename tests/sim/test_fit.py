@@ -4,7 +4,7 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
-from kinesic.sim.fit import fit
+from kinesic.sim.fit import fit_factors
 from kinesic.sim.fit_parameters import DEFAULT
 from kinesic.sim.log import Log
 from kinesic.sim.servo_factors import NOMINAL, DriveFactors, Factors
@@ -52,7 +52,7 @@ def true_value(unknown, factors):
 @pytest.fixture(scope="module")
 def worn():
     """A log of worn servos, finer than the twin's own steps, and what was fitted to it."""
-    return fit(recorded(WORN, seconds=1.0, step=0.001), ROBOT, free=MOVING)
+    return fit_factors(recorded(WORN, seconds=1.0, step=0.001), ROBOT, free=MOVING)
 
 
 def test_what_is_told_is_recovered_within_five_percent(worn):
@@ -80,7 +80,7 @@ def test_what_is_not_told_has_a_reason_that_names_another_figure_or_the_log(worn
 
 def test_gain_shows_apart_from_stall_and_no_load_only_where_the_duty_saturates():
     free = ("stall", "no_load", "gain")
-    slow, quick = (fit(recorded(NOMINAL, seconds=0.4, quick=pace), ROBOT, free=free) for pace in (0.3, 3.0))
+    slow, quick = (fit_factors(recorded(NOMINAL, seconds=0.4, quick=pace), ROBOT, free=free) for pace in (0.3, 3.0))
     for found, some in ((slow, False), (quick, True)):
         gains = [estimate for estimate in found.estimates if estimate.unknown.figure == "gain"]
         assert any(not estimate.why for estimate in gains) == some
@@ -89,26 +89,26 @@ def test_gain_shows_apart_from_stall_and_no_load_only_where_the_duty_saturates()
 
 def test_a_log_without_motion_tells_no_inertia_and_no_speed():
     still = Log(sealed([0.0, 0.05, 0.1]), sealed([SKELETON.rest] * 3), sealed([SKELETON.rest] * 3))
-    found = fit(still, ROBOT, free=("no_load", "armature"))
+    found = fit_factors(still, ROBOT, free=("no_load", "armature"))
     assert all(estimate.why == "the log hardly depends on it" for estimate in found.estimates)
     assert found.factors == Factors(servos={name: DriveFactors() for name in WORN.servos})
 
 
 def test_fitting_twice_gives_the_same():
     log = recorded(WORN, seconds=0.3)
-    one, two = (fit(log, ROBOT, free=("stall", "latency")) for _ in range(2))
+    one, two = (fit_factors(log, ROBOT, free=("stall", "latency")) for _ in range(2))
     assert one == two
 
 
 def test_with_the_sheets_own_servos_nothing_changes():
-    found = fit(recorded(NOMINAL, seconds=0.5), ROBOT, free=("stall",))
+    found = fit_factors(recorded(NOMINAL, seconds=0.5), ROBOT, free=("stall",))
     assert found.before < TICKS.max()
     for estimate in found.estimates:
         assert estimate.why or estimate.value == pytest.approx(1.0, abs=0.02)
 
 
 def test_mass_may_be_fitted_when_stall_is_known_and_not_beside_it():
-    found = fit(recorded(Factors(mass=1.15), seconds=0.6), ROBOT, free=("mass",))
+    found = fit_factors(recorded(Factors(mass=1.15), seconds=0.6), ROBOT, free=("mass",))
     assert found.factors.mass == pytest.approx(1.15, rel=0.05)
     with pytest.raises(ValueError, match="stall and mass cannot both be free"):
-        fit(recorded(NOMINAL, seconds=0.1), ROBOT, free=(*DEFAULT, "mass"))
+        fit_factors(recorded(NOMINAL, seconds=0.1), ROBOT, free=(*DEFAULT, "mass"))

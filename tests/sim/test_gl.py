@@ -10,9 +10,9 @@ from kinesic.sim import gl
 @pytest.fixture
 def no_libraries(monkeypatch):
     monkeypatch.setattr(gl, "_loads", lambda library: False)
-    gl.fault.cache_clear()
+    gl.opengl_fault.cache_clear()
     yield
-    gl.fault.cache_clear()
+    gl.opengl_fault.cache_clear()
 
 
 @pytest.fixture
@@ -44,7 +44,7 @@ def test_another_platform_of_pyopengl_rules_out_egl(all_libraries):
 
 
 def test_the_fault_names_the_libraries_and_the_line_that_mends(no_libraries):
-    why = gl.fault()
+    why = gl.opengl_fault()
     assert why is not None
     assert "libEGL.so.1" in why
     assert gl.APT_LINE in why

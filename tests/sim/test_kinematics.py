@@ -6,7 +6,7 @@ import numpy as np
 from kinesic.body.arrays import sealed
 from kinesic.body.robot import Robot
 from kinesic.sim.kinematics import motion_frames
-from kinesic.sim.model import build, joint_order
+from kinesic.sim.model import build_model, joint_order
 from kinesic.sim.worst_postures import random_postures
 
 ROBOT = Robot.load()
@@ -22,7 +22,7 @@ def test_a_motion_is_the_skeletons_kinematics_posture_by_posture():
 
 
 def test_mujoco_has_the_same_skeleton():
-    model = build(ROBOT)
+    model = build_model(ROBOT)
     data = mujoco.MjData(model)
     ids = [model.body(segment.name).id for segment in ROBOT.skeleton.segments]
     for posture in POSTURES:
@@ -49,7 +49,7 @@ def test_hinges_that_miss_their_centre_move_as_in_mujoco():
     robot = Robot.load()
     hinges = tuple(replace(h, at=sealed(random.uniform(-0.02, 0.02, 3))) for h in robot.skeleton.hinges)
     robot = replace(robot, skeleton=replace(robot.skeleton, hinges=hinges))
-    skeleton, model = robot.skeleton, build(robot)
+    skeleton, model = robot.skeleton, build_model(robot)
     data = mujoco.MjData(model)
     angles = random.uniform(skeleton.lower, skeleton.upper, (5, len(hinges)))
     motion = motion_frames(skeleton, angles)

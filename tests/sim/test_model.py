@@ -9,11 +9,11 @@ from kinesic.body.description import Mount
 from kinesic.body.robot import Robot
 from kinesic.body.servo import Drive, ServoModel
 from kinesic.body.skeleton import Capsule, Hinge, Segment, Skeleton
-from kinesic.sim.model import build, joint_order
+from kinesic.sim.model import build_model, joint_order
 from kinesic.sim.servo_factors import PESSIMISTIC
 
 ROBOT = Robot.load()
-MODEL = build(ROBOT)
+MODEL = build_model(ROBOT)
 
 # [deg] the least ranges that the default robot may have
 LEAST_RANGES = {
@@ -59,7 +59,7 @@ def test_total_mass_is_structure_and_servos():
     servos = sum(drive.count * drive.servo.mass for drive in ROBOT.drives)
     assert MODEL.body_mass.sum() == pytest.approx(structure + servos, abs=1e-9)
     assert MODEL.body_mass.sum() == pytest.approx(5.945, abs=1e-9)
-    assert build(ROBOT, servos=PESSIMISTIC).body_mass.sum() == pytest.approx(1.1 * 5.945, abs=1e-9)
+    assert build_model(ROBOT, servos=PESSIMISTIC).body_mass.sum() == pytest.approx(1.1 * 5.945, abs=1e-9)
 
 
 def test_every_segment_outweighs_the_servos_it_carries():
@@ -206,7 +206,7 @@ def test_a_pendulum_swings_as_integrated_by_hand():
     own += caps * (2 / 5 * RADIUS**2 + LENGTH**2 / 4 + 3 / 8 * LENGTH * RADIUS)
     inertia = own + LINK_MASS * 0.2**2 + robot.drives[0].armature
     expected = swung_by_hand(robot.drives[0], inertia, LINK_MASS * 9.81 * 0.2, 1.2, 1.0)
-    model = build(robot)
+    model = build_model(robot)
     model.opt.timestep = 5e-4
     data = mujoco.MjData(model)
     data.ctrl[0] = 1.2
@@ -221,6 +221,6 @@ def test_a_pendulum_swings_as_integrated_by_hand():
 def test_a_ball_and_a_bare_segment_have_their_mass():
     ball = Capsule(sealed([0, 0, -0.2]), sealed([0, 0, -0.2]), RADIUS)
     for capsules in ((ball,), ()):
-        model = build(pendulum(capsules))
+        model = build_model(pendulum(capsules))
         assert model.body("link").mass[0] == pytest.approx(LINK_MASS)
         assert model.body("base").mass[0] == pytest.approx(1.0 + SERVO.mass)

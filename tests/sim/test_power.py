@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.robot import Robot
-from kinesic.sim.power import Effort, effort, power
+from kinesic.sim.power import DriveEffort, effort, power
 
 ROBOT = Robot.load()
 DRIVES = ROBOT.drives
@@ -15,7 +15,7 @@ IDLE = sum(drive.count * drive.servo.idle_a for drive in DRIVES)
 
 def steady(duty, load, *, steps=6):
     """All servos doing the same on each step."""
-    return Effort(*(np.full((steps, COUNT), value) for value in (duty, np.clip(duty, -1, 1), load)))
+    return DriveEffort(*(np.full((steps, COUNT), value) for value in (duty, np.clip(duty, -1, 1), load)))
 
 
 def taken(given, *, counts=(1, 3, 6), drives=DRIVES, span=0.004):

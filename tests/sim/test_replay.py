@@ -5,7 +5,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
 from kinesic.sim.log import Log
-from kinesic.sim.replay import STEP, _sums, replay
+from kinesic.sim.replay import STEP, _sums, replay_log
 from kinesic.sim.servo_factors import NOMINAL, Factors
 from kinesic.sim.twin import Twin
 
@@ -27,19 +27,19 @@ def performed(factors, *, step=0.004):
 
 def test_what_a_twin_did_is_repeated():
     log = performed(NOMINAL, step=STEP)
-    assert replay(log, ROBOT, NOMINAL) == pytest.approx(log.angles, abs=1e-9)
+    assert replay_log(log, ROBOT, NOMINAL) == pytest.approx(log.angles, abs=1e-9)
 
 
 def test_a_latency_is_repeated():
     late = Factors(latency=0.0065)
     log = performed(late, step=0.001)
-    assert np.abs(replay(log, ROBOT, late) - log.angles).max() < np.radians(0.1)
-    assert np.abs(replay(log, ROBOT, NOMINAL) - log.angles).max() > np.radians(0.4)
+    assert np.abs(replay_log(log, ROBOT, late) - log.angles).max() < np.radians(0.1)
+    assert np.abs(replay_log(log, ROBOT, NOMINAL) - log.angles).max() > np.radians(0.4)
 
 
 def test_angles_change_smoothly_with_the_latency():
     log = performed(NOMINAL)
-    path = np.array([replay(log, ROBOT, Factors(latency=1e-4 * k)) for k in range(35, 46)])
+    path = np.array([replay_log(log, ROBOT, Factors(latency=1e-4 * k)) for k in range(35, 46)])
     bends = np.abs(np.diff(path, n=2, axis=0)).max()
     assert bends < 0.2 * np.abs(np.diff(path, axis=0)).max()
 

@@ -2,10 +2,10 @@ import pytest
 
 from kinesic.body.robot import Robot
 from kinesic.sim.dynamics import MujocoDynamics
-from kinesic.sim.robot_check import check
+from kinesic.sim.robot_check import check_robot
 
 ROBOT = Robot.load()
-CHECK = check(ROBOT)
+CHECK = check_robot(ROBOT)
 
 
 def test_the_default_robot_is_worth_what_its_sheet_says():

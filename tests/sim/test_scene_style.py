@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.robot import Robot
-from kinesic.sim.model import build
+from kinesic.sim.model import build_model
 from kinesic.sim.scene_style import CAMERA, eyeballs, parts, staged
 
 ROBOT = Robot.load()
@@ -13,7 +13,7 @@ MODEL = staged(ROBOT, width=320, height=240)
 
 
 def test_scenery_has_no_weight_and_touches_nothing():
-    plain = build(ROBOT)
+    plain = build_model(ROBOT)
     assert MODEL.body_mass.sum() == pytest.approx(plain.body_mass.sum())
     solid = [k for k in range(MODEL.ngeom) if MODEL.geom_contype[k] or MODEL.geom_conaffinity[k]]
     assert len(solid) == sum(len(segment.capsules) for segment in ROBOT.skeleton.segments)

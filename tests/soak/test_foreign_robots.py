@@ -10,7 +10,7 @@ from kinesic.body.robot import Robot
 from kinesic.body.robot_text import robot_text
 from kinesic.controller.perform import facts, perform
 from kinesic.report.checks import checks
-from kinesic.sim.importer.convert import mapped
+from kinesic.sim.importer.convert import import_humanoid
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 GESTURE = '<gesture id="{}" lexeme="{}" mode="{}_HAND" {}/>'
@@ -57,7 +57,7 @@ def test_ten_blocks(wheel, stem, tmp_path):
     except PackageNotFoundError:
         pytest.skip(f"{wheel} is not installed (pip install --no-deps {wheel})")
     path = next(file for file in named if file.suffix in (".xml", ".urdf"))
-    found = mapped(Path(os.fspath(path.locate())))
+    found = import_humanoid(Path(os.fspath(path.locate())))
     assert not found.doubtful
     target = tmp_path / "robot.toml"
     target.write_text(robot_text(found.file, heading=[], remarks=found.remarks), encoding="utf-8")

@@ -5,16 +5,16 @@ import os
 import numpy as np
 import pytest
 
-from kinesic.bench.expressivity.lexicon import every, play
+from kinesic.bench.expressivity.lexicon import every, play_gestures
 from kinesic.body.config import names_of
 from kinesic.controller.perform import facts
-from kinesic.studies.gestures.isolated import played
+from kinesic.studies.gestures.isolated import plan_gesture
 
 pytestmark = pytest.mark.soak
 
 
 def test_all_gestures_in_all_styles_keep_limits_and_distances_and_tell_what_moves():
-    results = list(play(every(names_of("style")), jobs=os.cpu_count() or 1))
+    results = list(play_gestures(every(names_of("style")), jobs=os.cpu_count() or 1))
     assert [result for result in results if result.penetrations or result.violations] == []
     assert [result for result in results if result.dropped or not result.reported] == []
     assert [result for result in results if result.style == "neutral" and not result.on_time] == []
@@ -27,7 +27,7 @@ def test_every_gesture_of_one_hand_mirrors_that_of_the_other():
     signs = np.array([-1.0 if name[:2] not in ("l_", "r_") and not name.endswith("tilt") else 1.0 for name in names])
     for form in known.lexicon.forms:
         if len(form.sides) == 1:
-            left, right = (played(form, known, mode).trajectory for mode in ("left", "right"))
+            left, right = (plan_gesture(form, known, mode).trajectory for mode in ("left", "right"))
             times = np.arange(0.0, left.duration, 0.01)
             mirror = signs * right.sample(times)[0][:, swapped]
             assert left.sample(times)[0] == pytest.approx(mirror, abs=1e-9), form.id

@@ -5,18 +5,18 @@ import random
 import numpy as np
 import pytest
 
-from kinesic.bench.bml.merging import CUTS, cuts
+from kinesic.bench.bml.merging import CUTS, replace_at_random
 from kinesic.bml.parse import parse
 from kinesic.controller.perform import facts
 from kinesic.motion.limit_check import peaks
-from kinesic.motion.trajectory import held as resting
-from kinesic.motion.transition import knot_at, lengthened
+from kinesic.motion.trajectory import stay as resting
+from kinesic.motion.transition import knot_at, lengthen
 from kinesic.planning.certify import duties
-from kinesic.planning.clearance import LAG_RESERVE, scan
-from kinesic.planning.plan import plan
+from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
+from kinesic.planning.plan import plan_block
 from kinesic.planning.quick_plan import opening
 from kinesic.realizer.merge import merged, replaced
-from kinesic.realizer.occupancy import freed, held
+from kinesic.realizer.occupancy import freed_hinges, still_occupied
 from kinesic.realizer.release import released, tail
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
@@ -57,7 +57,7 @@ def random_block(chance: random.Random, lexemes: list[str]) -> str:
 def test_an_endless_stream_of_blocks(seed, known):
     chance = random.Random(seed)
     lexemes = [form.id for form in known.lexicon.forms]
-    planner = opening if seed % 2 else plan
+    planner = opening if seed % 2 else plan_block
     pool = [planner(parse(random_block(chance, lexemes)), known) for _ in range(BLOCKS)]
     motion, now, playing = resting(known.robot.skeleton.rest), 0.0, []
     least = known.robot.least_clearance + LAG_RESERVE
@@ -68,7 +68,7 @@ def test_an_endless_stream_of_blocks(seed, known):
         motion, now = left, now - shift
         playing = [each.earlier(shift) for each in playing]
         playing = [each for each in playing if any(need.end > now or need.stays for need in each.busy)]
-        needs = held((need for each in playing for need in each.busy), now)
+        needs = still_occupied((need for each in playing for need in each.busy), now)
         deed = chance.random()
         if deed < 0.85:
             found = merged(motion, now, chance.choice(pool), begin=now, busy=needs)
@@ -79,23 +79,23 @@ def test_an_endless_stream_of_blocks(seed, known):
         elif playing:
             gone = playing.pop(chance.randrange(len(playing)))
             others = [need for each in playing for need in each.busy]
-            free = freed(gone.busy, np.ptp(gone.layer.controls, axis=0) > 0.0, now, known.robot, others=others)
+            free = freed_hinges(gone.busy, np.ptp(gone.layer.controls, axis=0) > 0.0, now, known.robot, others=others)
             after = released(motion, now, free, known, layer=gone.layer, others=others)
         else:
             continue
         count = knot_at(now) + 3
-        same = [lengthened(each.controls, count)[:count] for each in (motion, after)]
+        same = [lengthen(each.controls, count)[:count] for each in (motion, after)]
         np.testing.assert_allclose(*same, atol=1e-8, err_msg=f"step {step}")
         for name, peak in peaks(after, known.limits).shares.items():
             assert peak.ratios.max() <= 1.001, (step, name)
         assert duties(after, known).max() <= 1.0, step
-        assert scan(after, known.distances)[1].distances.min() >= least - 1e-4, step
+        assert scan_clearance(after, known.distances)[1].distances.min() >= least - 1e-4, step
         assert len(after.controls) < 2500, step
         motion = after
 
 
 def test_every_cut_keeps_every_limit(known):
-    found = cuts(known, CUTS, seed=1)
+    found = replace_at_random(known, CUTS, seed=1)
     worst = max(found, key=lambda cut: cut.ratio)
     assert worst.ratio <= 1.001, worst
     assert max(cut.step for cut in found) <= 1e-8

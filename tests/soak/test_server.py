@@ -24,7 +24,7 @@ pytestmark = pytest.mark.soak
 
 
 def test_ten_blocks_a_second_for_ten_minutes_lose_nothing_and_memory_stays():
-    with live.opened() as server:
+    with live.open_server() as server:
         lasting = live.endurance(server, 60.0 * MINUTES)
     assert lasting.lost == 0, lasting
     assert lasting.growth is None or lasting.growth <= live.FLAT, lasting
@@ -36,7 +36,7 @@ def test_mutated_documents_neither_crash_nor_stall_it():
     chance = random.Random(7)
     texts = [file.read_bytes()[:6000] for file in files]
     patient = ("--rule", "planning=120", "--rule", "rate=1000", "--rule", "burst=1000")
-    with live.opened(*patient) as server, Client(port=server.port) as client:
+    with live.open_server(*patient) as server, Client(port=server.port) as client:
         for seed in range(DOCUMENTS):
             text = mutated(chance.choice(texts), seed).replace(b"\0", b" ")
             if len(text) > USUAL.message:
@@ -60,7 +60,7 @@ def test_servos_on_a_wire_perform_stop_and_fold(tmp_path):
     with subprocess.Popen(simulate, stdout=subprocess.PIPE, text=True) as servos:
         try:
             assert "body" in servos.stdout.readline()
-            with live.opened("--on", "servos", "--port", str(tmp_path / "body"), cwd=tmp_path) as server:
+            with live.open_server("--on", "servos", "--port", str(tmp_path / "body"), cwd=tmp_path) as server:
                 _performed(server.port)
                 server.process.send_signal(signal.SIGINT)
                 assert server.process.wait(60.0) == 0

@@ -3,12 +3,12 @@
 import pytest
 
 from kinesic.speech.espeak import Espeak
-from kinesic.speech.espeak_pool import fault
+from kinesic.speech.espeak_pool import espeak_fault
 
 
 @pytest.fixture(scope="session")
 def espeak() -> Espeak:
     """The engine; tests that need it are skipped where it is missing."""
-    if why := fault():
+    if why := espeak_fault():
         pytest.skip(why)
     return Espeak()

@@ -150,7 +150,7 @@ def test_an_engine_that_fails_leaves_the_times_and_says_so(espeak: Espeak, monke
     def fails(*_: object, **__: object) -> None:
         raise SpeechError("it broke")
 
-    monkeypatch.setattr(module, "listen", fails)
+    monkeypatch.setattr(module, "synthesise", fails)
     said = espeak.say(Script("never said before, in no other test"))
     assert (said.voice, said.sound) == ("durations", None)
     assert said.duration > 1.0

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from kinesic.speech import espeak_pool
-from kinesic.speech.espeak_pool import Engine, SpeechError, listen
+from kinesic.speech.espeak_pool import Engine, SpeechError, synthesise
 
 HELLO = "<speak>Hello, I am <mark name='0'/>here</speak>"
 USUAL = {"voice": "gmw/en-US", "words_per_minute": 175, "pitch": 50}
@@ -19,9 +19,9 @@ def place(espeak: object) -> Engine:
 
 
 def test_the_same_text_sounds_the_same_each_time(place: Engine):
-    first = listen(HELLO, place, **USUAL)
-    listen("<speak>something else</speak>", place, **USUAL)
-    assert listen(HELLO, place, **USUAL) == first
+    first = synthesise(HELLO, place, **USUAL)
+    synthesise("<speak>something else</speak>", place, **USUAL)
+    assert synthesise(HELLO, place, **USUAL) == first
     assert first.samples
 
 
@@ -30,7 +30,7 @@ def test_a_process_of_its_own_says_it(place: Engine):
     maps = Path("/proc/self/maps")
     if not maps.exists():
         pytest.skip("this system does not tell which libraries a process has")
-    listen(HELLO, place, **USUAL)
+    synthesise(HELLO, place, **USUAL)
     assert "espeak" not in maps.read_text()
 
 
@@ -44,15 +44,15 @@ def test_a_process_of_its_own_says_it(place: Engine):
 def test_what_fails_says_why(place: Engine, change: dict[str, object], why: str):
     espeak_pool._dismiss()  # the one that waits knows the right library
     with pytest.raises(SpeechError, match=why):
-        listen(**({"text": HELLO, "place": place} | USUAL | change))
+        synthesise(**({"text": HELLO, "place": place} | USUAL | change))
     espeak_pool._dismiss()
-    assert listen(HELLO, place, **USUAL).samples
+    assert synthesise(HELLO, place, **USUAL).samples
 
 
 def test_an_engine_that_takes_too_long_is_given_up(place: Engine, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(espeak_pool, "PATIENCE", 0.0)
     with pytest.raises(SpeechError, match="longer than 0 s"):
-        listen(HELLO, place, **USUAL)
+        synthesise(HELLO, place, **USUAL)
 
 
 def test_the_program_ends_quietly_when_nobody_asks(place: Engine):
@@ -65,11 +65,11 @@ def test_the_program_ends_quietly_when_nobody_asks(place: Engine):
 
 def test_without_the_package_the_line_that_installs_it_is_told(monkeypatch: pytest.MonkeyPatch):
     espeak_pool.engine.cache_clear()
-    espeak_pool.fault.cache_clear()
+    espeak_pool.espeak_fault.cache_clear()
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     try:
         assert espeak_pool.engine() is None
-        assert "pip install" in espeak_pool.fault()
+        assert "pip install" in espeak_pool.espeak_fault()
     finally:
         espeak_pool.engine.cache_clear()
-        espeak_pool.fault.cache_clear()
+        espeak_pool.espeak_fault.cache_clear()

@@ -115,7 +115,7 @@ def test_before_and_after_it_is_silent(begin: float):
 
 
 def test_a_machine_that_plays_nothing_says_what_mends_it():
-    if not port_audio.fault():
+    if not port_audio.audio_fault():
         pytest.skip("this machine plays sounds")
     with pytest.raises(SpeakerError):
         Speaker()
@@ -127,7 +127,7 @@ def test_what_is_missing_is_named(error: type[Exception], line: str, monkeypatch
         raise error
 
     monkeypatch.setattr(port_audio.importlib, "import_module", missing)
-    assert line in port_audio.fault()
+    assert line in port_audio.audio_fault()
 
 
 def test_port_audio_tells_when_a_sample_is_heard(monkeypatch: pytest.MonkeyPatch):

@@ -6,9 +6,9 @@ from kinesic.bml.parse import parse
 from kinesic.body.config import ConfigError
 from kinesic.controller.perform import facts, plan
 from kinesic.expressivity.style.style import Expressivity, Style
-from kinesic.planning.speech import delivery, spoken
+from kinesic.planning.speech import delivery, synthesise_block
 from kinesic.speech import voice as module
-from kinesic.speech.espeak_pool import fault
+from kinesic.speech.espeak_pool import espeak_fault
 from kinesic.speech.voice import voice
 
 SPEECH = (
@@ -18,8 +18,8 @@ SPEECH = (
 
 
 def test_auto_speaks_where_an_engine_is_installed():
-    if fault():
-        pytest.skip(fault())
+    if espeak_fault():
+        pytest.skip(espeak_fault())
     said = plan(SPEECH, facts(voice="auto")).utterances["s"]
     assert said.voice == "espeak-ng"
     assert said.sound is not None
@@ -27,7 +27,7 @@ def test_auto_speaks_where_an_engine_is_installed():
 
 
 def test_auto_is_silent_elsewhere_and_warns(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(module, "fault", lambda: "espeak-ng is not installed: pip install it")
+    monkeypatch.setattr(module, "espeak_fault", lambda: "espeak-ng is not installed: pip install it")
     planned = plan(SPEECH, facts(voice="auto"))
     assert planned.utterances["s"].voice == "durations"
     (notice,) = planned.notices
@@ -36,7 +36,7 @@ def test_auto_is_silent_elsewhere_and_warns(monkeypatch: pytest.MonkeyPatch):
 
 
 def test_an_engine_asked_for_by_name_must_be_there(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(module, "fault", lambda: "espeak-ng is not installed: pip install it")
+    monkeypatch.setattr(module, "espeak_fault", lambda: "espeak-ng is not installed: pip install it")
     with pytest.raises(ConfigError, match="pip install it"):
         voice("espeak")
 
@@ -52,7 +52,7 @@ def test_a_voice_can_go_to_another_process(name: module.VoiceName):
     block = parse(SPEECH)
     ours, theirs = facts(voice=name), facts()
     object.__setattr__(theirs, "voice", pickle.loads(pickle.dumps(ours.voice)))
-    assert spoken(block, theirs)["s"].marks == spoken(block, ours)["s"].marks
+    assert synthesise_block(block, theirs)["s"].marks == synthesise_block(block, ours)["s"].marks
 
 
 def test_a_neutral_style_speaks_as_the_voice_does():

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinesic.bml.block import Behaviour, Block, Order, Speech, Synchronize, SyncRef, Timeline
+from kinesic.bml.block import Behaviour, Block, Precedence, Speech, Synchronize, SyncRef, Timeline
 from kinesic.bml.parse import parse
 from kinesic.bml.schedule import schedule
 from kinesic.bml.timing.constraints import point_of, ties
@@ -183,7 +183,7 @@ def _changed(block: Block, ref_of: dict[SyncRef, SyncRef]) -> Block:
 def _refs(block: Block) -> list[SyncRef]:
     refs = [ref for b in block.behaviours for ref in b.syncs.values()]
     for c in block.constraints:
-        refs += [c.earlier, *c.later] if isinstance(c, Order) else c.refs
+        refs += [c.earlier, *c.later] if isinstance(c, Precedence) else c.refs
     return refs
 
 

@@ -13,7 +13,7 @@ from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Robot
 from kinesic.expressivity.hands.coarticulation import Engaged
 from kinesic.expressivity.hands.phases import Arranged, arranged
-from kinesic.expressivity.hands.poses import REST, Poses, distance, resting
+from kinesic.expressivity.hands.poses import REST, Poses, pose_distance, resting_hands
 from kinesic.expressivity.hands.strokes import Stroke
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.style.pace import Pace
@@ -25,7 +25,7 @@ OPTIONS = {
     side: Poses({side: tuple(Hand(Reach(sealed([0.25, sign * y, 0.8]))) for y in (0.1, 0.25))}, 1)
     for side, sign in zip(SIDES, (1, -1), strict=True)
 }
-WAY = PACE.least_hand_time(distance(REST, OPTIONS["r"].hands["r"][0], resting(ROBOT)["r"]))  # [s]
+WAY = PACE.least_hand_time(pose_distance(REST, OPTIONS["r"].hands["r"][0], resting_hands(ROBOT)["r"]))  # [s]
 NEVER = 100.0  # [s] later than all gestures
 
 usual = st.sampled_from(SIDES)

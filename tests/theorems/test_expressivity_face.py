@@ -4,11 +4,11 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinesic.bml.block import FACE_SYNCS, Behaviour, Block, Face, Place, Speech, Timed, Timeline
+from kinesic.bml.block import FACE_SYNCS, Behaviour, Block, Face, Place, Speech, TimedBehaviour, Timeline
 from kinesic.body.action_units import CHANNELS
 from kinesic.body.utterance import Phoneme, Script, Utterance
-from kinesic.expressivity.face.eyes import Habits, Look
-from kinesic.expressivity.face.tracks import face
+from kinesic.expressivity.face.eyes import GazeDirection, Habits
+from kinesic.expressivity.face.tracks import face_track
 
 TIMES = np.arange(0.0, 6.0, 0.02)
 LEXEMES = ("joy", "anger", "surprise", "RAISE_LEFT_BROW", "CLOSE_EYES", "REPEATED_BLINK", "Qwrtz")
@@ -28,7 +28,7 @@ numbered = st.builds(
     amount=st.floats(0, 1),
     shift=st.booleans(),
 )
-gazes = st.lists(st.builds(Look, seconds, st.floats(-1, 1), st.floats(-1, 1), seconds), max_size=3)
+gazes = st.lists(st.builds(GazeDirection, seconds, st.floats(-1, 1), st.floats(-1, 1), seconds), max_size=3)
 
 
 @st.composite
@@ -41,9 +41,9 @@ def timelines(draw: st.DrawFn) -> Timeline:
             if action.shift
             else dict(zip(FACE_SYNCS, (start, peak, relax, end), strict=True))
         )
-        timed.append(Timed(Behaviour(f"f{number}", "face", action, Place(1, 1)), times))
+        timed.append(TimedBehaviour(Behaviour(f"f{number}", "face", action, Place(1, 1)), times))
     speech = Behaviour("s", "speech", Speech(Script("x")), Place(1, 1))
-    timed.append(Timed(speech, {"start": draw(seconds), "end": 6.0}))
+    timed.append(TimedBehaviour(speech, {"start": draw(seconds), "end": 6.0}))
     return Timeline(Block("b", tuple(each.behaviour for each in timed)), tuple(timed))
 
 
@@ -59,8 +59,10 @@ def utterances(draw: st.DrawFn) -> Utterance:
 
 @settings(max_examples=80, deadline=None)
 @given(timelines(), utterances(), gazes, st.integers(0, 9))
-def test_intensities_are_shares_of_known_units(timeline: Timeline, said: Utterance, looks: list[Look], seed: int):
-    found = face(timeline, {"s": said}, TIMES, habits=Habits(seed), looks=looks)
+def test_intensities_are_shares_of_known_units(
+    timeline: Timeline, said: Utterance, looks: list[GazeDirection], seed: int
+):
+    found = face_track(timeline, {"s": said}, TIMES, habits=Habits(seed), looks=looks)
     assert found.keys() <= set(CHANNELS)
     for values in found.values():
         assert values.shape == TIMES.shape
@@ -73,12 +75,12 @@ def test_intensities_are_shares_of_known_units(timeline: Timeline, said: Utteran
 @settings(max_examples=40, deadline=None)
 @given(timelines(), utterances(), st.integers(0, 9))
 def test_a_face_is_a_function_of_time(timeline: Timeline, said: Utterance, seed: int):
-    whole = face(timeline, {"s": said}, TIMES, habits=Habits(seed))
-    again = face(timeline, {"s": said}, TIMES, habits=Habits(seed))
+    whole = face_track(timeline, {"s": said}, TIMES, habits=Habits(seed))
+    again = face_track(timeline, {"s": said}, TIMES, habits=Habits(seed))
     assert whole.keys() == again.keys()
     assert all(np.array_equal(whole[channel], again[channel]) for channel in whole)
-    half = face(timeline, {"s": said}, TIMES[::2])
-    every = face(timeline, {"s": said}, TIMES)
+    half = face_track(timeline, {"s": said}, TIMES[::2])
+    every = face_track(timeline, {"s": said}, TIMES)
     for channel, values in half.items():
         np.testing.assert_allclose(values, every[channel][::2], atol=1e-12)
 
@@ -87,7 +89,7 @@ def test_a_face_is_a_function_of_time(timeline: Timeline, said: Utterance, seed:
 @given(timelines(), utterances())
 def test_lips_close_on_p_b_and_m_whatever_is_felt(timeline: Timeline, said: Utterance):
     begin = timeline.timed[-1].times["start"]
-    found = face(timeline, {"s": said}, TIMES)
+    found = face_track(timeline, {"s": said}, TIMES)
     for sound in said.phonemes:
         since = TIMES - begin - sound.start
         during = (since >= 0.0) & (since <= sound.duration)

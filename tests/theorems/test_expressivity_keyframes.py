@@ -20,7 +20,7 @@ from kinesic.bml.block import (
     Place,
     Pointing,
     Posture,
-    Timed,
+    TimedBehaviour,
     Timeline,
     Torso,
     Wait,
@@ -28,9 +28,9 @@ from kinesic.bml.block import (
 from kinesic.body.limits import Limits
 from kinesic.body.robot import SIDES, Robot
 from kinesic.expressivity.gather import TOGETHER
-from kinesic.expressivity.hands.poses import poses, resting
+from kinesic.expressivity.hands.poses import poses, resting_hands
 from kinesic.expressivity.keyframes import Hand, KeyFrames
-from kinesic.expressivity.lexicon.lexicon import Lexicon, in_mode, mirrored
+from kinesic.expressivity.lexicon.lexicon import Lexicon, in_mode, mirror_form
 from kinesic.expressivity.realise import keyframes
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Expressivity, Style
@@ -80,7 +80,7 @@ def timelines(draw) -> Timeline:
         spans = draw(st.lists(st.one_of(st.just(0.0), st.floats(0, 1.5)), min_size=len(syncs), max_size=len(syncs)))
         start = draw(st.floats(-1.0, 5.0))
         times = accumulate([start, *spans[1:]])
-        timed.append(Timed(Behaviour(f"b{k}", "x", action, Place(1, 1)), dict(zip(syncs, times, strict=True))))
+        timed.append(TimedBehaviour(Behaviour(f"b{k}", "x", action, Place(1, 1)), dict(zip(syncs, times, strict=True))))
     return Timeline(Block("bml1", tuple(one.behaviour for one in timed)), tuple(timed))
 
 
@@ -189,7 +189,7 @@ def test_a_gesture_of_the_other_mode_is_the_mirror_image(lexeme, style):
     rows = []
     for mode in ("left", "right"):
         behaviour = Behaviour("g", "gesture", Gesture(lexeme, mode), Place(1, 1))
-        rows.append(performed(Timeline(Block("bml1", (behaviour,)), (Timed(behaviour, times),)), style).frames)
+        rows.append(performed(Timeline(Block("bml1", (behaviour,)), (TimedBehaviour(behaviour, times),)), style).frames)
     if len(LEXICON.find(lexeme).form.sides) == 2:
         return  # the two hands of a form may do different things
     for left, right in zip(*rows, strict=True):
@@ -201,6 +201,6 @@ def test_a_gesture_of_the_other_mode_is_the_mirror_image(lexeme, style):
 
 
 def test_hanging_hands_mirror():
-    rest = resting(ROBOT)
+    rest = resting_hands(ROBOT)
     assert rest["l"].position == pytest.approx(rest["r"].position * [1, -1, 1])
-    assert mirrored(mirrored(LEXICON.forms[0])).sides == LEXICON.forms[0].sides
+    assert mirror_form(mirror_form(LEXICON.forms[0])).sides == LEXICON.forms[0].sides

@@ -5,17 +5,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinesic.body.action_units import CHANNELS
-from kinesic.face.assets.action_units import deformed, intensities, weights
-from kinesic.face.assets.mesh import load
+from kinesic.face.assets.action_units import deformed, intensities, shape_weights
+from kinesic.face.assets.mesh import load_head
 
-MESH = load("female")
+MESH = load_head("female")
 units = st.dictionaries(st.sampled_from(CHANNELS), st.floats(0.0, 1.0), max_size=8)
 
 
 @settings(max_examples=60, deadline=None)
 @given(units)
 def test_weights_are_shares_and_the_face_stays_a_face(told: dict[str, float]):
-    found = weights(MESH, told)
+    found = shape_weights(MESH, told)
     assert found.min() >= 0.0
     assert found.max() <= 1.0
     away = np.linalg.norm(deformed(MESH, told) - MESH.positions, axis=1)

@@ -11,7 +11,7 @@ from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.virtual.faults import WIRE_KINDS, FaultPlan, Mishap
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.shaft_simulation import Plant
-from kinesic.hardware.virtual.wiring import Cable, Fitting, build
+from kinesic.hardware.virtual.wiring import Cable, Fitting, build_bus
 
 MID, CYCLES, PERIOD = 2048, 30, 0.02
 MODEL = MODELS["xm430_w350"]
@@ -31,7 +31,7 @@ BEFALLS = st.lists(
 
 def opened(count: int, faults: FaultPlan) -> tuple[Bus, MemoryWire, Plant]:
     """A bus whose servos show their records, and what is behind it."""
-    plant, buses = build([Cable("body", tuple(Fitting(k + 1) for k in range(count)), faults=faults)])
+    plant, buses = build_bus([Cable("body", tuple(Fitting(k + 1) for k in range(count)), faults=faults)])
     for servo in plant.servos:
         servo.memory.put(MODEL.cells[0].addresses, CELLS)
     wire = MemoryWire(buses["body"])

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from kinesic.hardware.bus.goals import GoalFrame
 from kinesic.hardware.bus.health import BLOCK, SIZE
 from kinesic.hardware.bus.query import FastQuestion, PlainQuestion
-from kinesic.hardware.protocol.crc import advanced, carried, places
+from kinesic.hardware.protocol.crc import advance_crcs, byte_contributions, crc_contributions
 from kinesic.hardware.protocol.packet import (
     BROADCAST,
     HEADER,
@@ -60,12 +60,12 @@ def test_noise_before_a_packet_costs_nothing(noise: bytes, servo: int, body: byt
 
 @given(st.binary(min_size=1, max_size=60), st.integers(0, 0xFFFF))
 def test_tables_give_the_crc_of_the_loop(data: bytes, before: int):
-    table = places(len(data))
+    table = byte_contributions(len(data))
     own = np.bitwise_xor.reduce([table[k, byte] for k, byte in enumerate(data)])
     assert own == crc16(data)
-    chained = int(carried(len(data))[before]) ^ int(own)
+    chained = int(crc_contributions(len(data))[before]) ^ int(own)
     assert chained == crc16(data, crc16(before.to_bytes(2, "little"), before))
-    assert advanced(np.array([before], dtype=np.uint16), data[0])[0] == crc16(data[:1], before)
+    assert advance_crcs(np.array([before], dtype=np.uint16), data[0])[0] == crc16(data[:1], before)
 
 
 RECORDS = st.binary(min_size=SIZE, max_size=SIZE) | st.lists(

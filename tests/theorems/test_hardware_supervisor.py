@@ -6,7 +6,7 @@ from typing import get_args
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinesic.hardware.supervisor.state_machine import MOVING, Event, Facts, Stage, State, step
+from kinesic.hardware.supervisor.state_machine import MOVING, Event, Observation, Stage, SupervisorState, step
 
 EVENTS: tuple[Event, ...] = get_args(Event)
 ENERGISING = {"arm", "adopt"}
@@ -14,17 +14,19 @@ GOING = {"approach", "follow", "fold"}
 
 flags = st.booleans()
 facts = st.builds(
-    Facts,
-    **{field.name: flags for field in fields(Facts) if field.name != "policy"},
+    Observation,
+    **{field.name: flags for field in fields(Observation) if field.name != "policy"},
     policy=st.sampled_from(["hold", "limp"]),
 )
 stories = st.lists(st.tuples(st.sampled_from(EVENTS), facts), max_size=25)
 
 
-def told(story: list[tuple[Event, Facts]]) -> list[tuple[State, Event, Facts, State, tuple[str, ...]]]:
+def told(
+    story: list[tuple[Event, Observation]],
+) -> list[tuple[SupervisorState, Event, Observation, SupervisorState, tuple[str, ...]]]:
     """Every step of a story that begins at the beginning."""
-    state, steps = State(), []
-    for event, known in [("open", Facts()), *story]:
+    state, steps = SupervisorState(), []
+    for event, known in [("open", Observation()), *story]:
         after, actions = step(state, event, known)
         steps.append((state, event, known, after, actions))
         state = after
@@ -33,7 +35,7 @@ def told(story: list[tuple[Event, Facts]]) -> list[tuple[State, Event, Facts, St
 
 @given(stories)
 @settings(max_examples=60)
-def test_nothing_is_energised_before_the_manifest_is_right(story: list[tuple[Event, Facts]]):
+def test_nothing_is_energised_before_the_manifest_is_right(story: list[tuple[Event, Observation]]):
     for before, _, _, after, actions in told(story):
         if ENERGISING & set(actions):
             assert before.checked
@@ -44,7 +46,7 @@ def test_nothing_is_energised_before_the_manifest_is_right(story: list[tuple[Eve
 
 @given(stories)
 @settings(max_examples=60)
-def test_an_emergency_stop_wins(story: list[tuple[Event, Facts]]):
+def test_an_emergency_stop_wins(story: list[tuple[Event, Observation]]):
     for _, event, known, after, actions in told(story):
         if event == "estop":
             assert after.stopped
@@ -56,7 +58,7 @@ def test_an_emergency_stop_wins(story: list[tuple[Event, Facts]]):
 
 @given(stories)
 @settings(max_examples=60)
-def test_nothing_moves_or_is_armed_after_an_emergency_stop(story: list[tuple[Event, Facts]]):
+def test_nothing_moves_or_is_armed_after_an_emergency_stop(story: list[tuple[Event, Observation]]):
     for before, _, _, after, actions in told(story):
         if before.stopped and after.stopped:
             assert not GOING & set(actions)
@@ -66,13 +68,13 @@ def test_nothing_moves_or_is_armed_after_an_emergency_stop(story: list[tuple[Eve
 
 @given(stories)
 @settings(max_examples=60)
-def test_torque_comes_only_in_arm_and_goes_only_in_release(story: list[tuple[Event, Facts]]):
+def test_torque_comes_only_in_arm_and_goes_only_in_release(story: list[tuple[Event, Observation]]):
     for _, _, _, after, actions in told(story):
         assert ("arm" in actions) == (after.stage is Stage.ARM and bool(actions))
         assert ("release" in actions) == (after.stage is Stage.RELEASE and bool(actions))
 
 
-def good_end(state: State, known: Facts) -> tuple[State, int]:
+def good_end(state: SupervisorState, known: Observation) -> tuple[SupervisorState, int]:
     """Lets everything go well from now on, until nothing changes any more; where that is, and after how many steps."""
     for count in range(30):
         event: Event = "tick"
@@ -89,29 +91,29 @@ def good_end(state: State, known: Facts) -> tuple[State, int]:
 
 @given(stories, flags)
 @settings(max_examples=60)
-def test_every_state_leads_to_release_once_the_planner_has_ended(story: list[tuple[Event, Facts]], release: bool):
+def test_every_state_leads_to_release_once_the_planner_has_ended(story: list[tuple[Event, Observation]], release: bool):
     state = told(story)[-1][3]
-    known = Facts(energised=True, reached=True, ended=not release, release=release)
+    known = Observation(energised=True, reached=True, ended=not release, release=release)
     assert good_end(state, known)[0].stage is Stage.CLOSED
 
 
 @given(stories)
 @settings(max_examples=60)
-def test_every_state_leads_to_rest_or_release_when_nobody_wants_anything(story: list[tuple[Event, Facts]]):
+def test_every_state_leads_to_rest_or_release_when_nobody_wants_anything(story: list[tuple[Event, Observation]]):
     state = told(story)[-1][3]
-    end, _ = good_end(state, Facts(energised=True, reached=True, idle=True))
+    end, _ = good_end(state, Observation(energised=True, reached=True, idle=True))
     assert end.stage in (Stage.CLOSED, Stage.LIMP, Stage.STOPPED) or (end.stage is Stage.HOLD and end.folded)
 
 
 @given(stories)
 @settings(max_examples=60)
-def test_a_lost_port_is_no_dead_end(story: list[tuple[Event, Facts]]):
+def test_a_lost_port_is_no_dead_end(story: list[tuple[Event, Observation]]):
     state = told(story)[-1][3]
     if state.stage is Stage.LOST:
-        assert step(state, "tick", Facts(hopeless=True))[0].stage is Stage.CLOSED
+        assert step(state, "tick", Observation(hopeless=True))[0].stage is Stage.CLOSED
 
 
 @given(st.sampled_from(Stage), flags, flags, st.sampled_from(EVENTS), facts)
-def test_the_machine_is_a_function(stage: Stage, stopped: bool, faulty: bool, event: Event, known: Facts):
-    state = replace(State(stage), stopped=stopped, faulty=faulty)
+def test_the_machine_is_a_function(stage: Stage, stopped: bool, faulty: bool, event: Event, known: Observation):
+    state = replace(SupervisorState(stage), stopped=stopped, faulty=faulty)
     assert step(state, event, known) == step(state, event, known)

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinesic.hardware.supervisor.goal_limits import Bounds, Course, guarded
+from kinesic.hardware.supervisor.goal_limits import GoalBounds, GoalCourse, guarded
 
 STEP = 0.01
 wishes = st.lists(st.floats(-1e5, 1e5), min_size=1, max_size=60)
@@ -15,8 +15,8 @@ wishes = st.lists(st.floats(-1e5, 1e5), min_size=1, max_size=60)
 )
 @settings(max_examples=200)
 def test_goals_never_jump(wanted: list[float], start: float, speed: float, lead: float, present: list[float]):
-    bounds = Bounds(np.array([0.0]), np.array([4095.0]), np.array([speed]), np.array([lead]))
-    course = Course.still(np.array([start]))
+    bounds = GoalBounds(np.array([0.0]), np.array([4095.0]), np.array([speed]), np.array([lead]))
+    course = GoalCourse.still(np.array([start]))
     for k, wish in enumerate(wanted):
         here = np.array([present[k % len(present)] if present else np.nan])
         after, _ = guarded(course, np.array([wish]), here, STEP, bounds)

@@ -8,10 +8,10 @@ from kinesic.body.arrays import Floats
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
 from kinesic.ik.arm.linkage import linkage_of
-from kinesic.ik.arm.masses import settle
+from kinesic.ik.arm.masses import settle_masses
 from kinesic.ik.scalar3 import distance
 from kinesic.ik.solve import solve
-from kinesic.ik.torso import MOST, lean
+from kinesic.ik.torso import MOST, lean_torso
 
 ROBOT = Robot.load()
 LEFT, RIGHT = ROBOT.arms["l"], ROBOT.arms["r"]
@@ -68,7 +68,7 @@ def test_masses_keep_both_ends_and_never_take_more_than_their_rounds(start: Floa
     linkage = linkage_of(LEFT)
     points = linkage.walk(_posture(start).tolist(), 3)[1]
     lengths = [link.length for link in linkage.links[:3]]
-    settled = settle(points, lengths, tuple(target.tolist()))
+    settled = settle_masses(points, lengths, tuple(target.tolist()))
     assert settled.points[0] == points[0]
     assert distance(settled.points[0], settled.points[-1]) <= sum(lengths) * (1 + 1e-12)
     assert np.all(np.isfinite(settled.points))
@@ -77,7 +77,7 @@ def test_masses_keep_both_ends_and_never_take_more_than_their_rounds(start: Floa
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(left=positions, right=positions)
 def test_the_torso_never_turns_further_than_allowed(left: Floats, right: Floats) -> None:
-    turn = np.array(lean(ROBOT, {"l": left, "r": right}))
+    turn = np.array(lean_torso(ROBOT, {"l": left, "r": right}))
     joints = list(ROBOT.joints("torso"))
     assert np.all(np.abs(turn) <= MOST)
     assert np.all((ROBOT.skeleton.lower[joints] <= turn) & (turn <= ROBOT.skeleton.upper[joints]))

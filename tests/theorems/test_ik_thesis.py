@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from kinesic.ik.thesis.boxes import EulerBoxes
 from kinesic.ik.thesis.chain import BallChain
-from kinesic.ik.thesis.solve import Method, solve
+from kinesic.ik.thesis.solve import Method, solve_ball_chain
 
 number = st.floats(-1.0, 1.0)
 lengths = st.lists(st.floats(0.05, 1.0), min_size=1, max_size=8)
@@ -22,7 +22,7 @@ MIRROR = np.array([1.0, -1.0, 1.0])
 def test_bones_keep_their_lengths_and_the_residual_is_true(sizes: list[float], share: np.ndarray, method: Method):
     chain = BallChain.curved(sizes)
     target = 1.3 * chain.size * share
-    relaxed = solve(chain, target, method=method)
+    relaxed = solve_ball_chain(chain, target, method=method)
     assert np.linalg.norm(np.diff(relaxed.points, axis=0), axis=1) == pytest.approx(chain.lengths)
     assert relaxed.points[0].tolist() == chain.points[0].tolist()
     assert relaxed.residual == pytest.approx(np.linalg.norm(relaxed.points[-1] - target))
@@ -37,7 +37,7 @@ def test_bones_keep_their_lengths_and_the_residual_is_true(sizes: list[float], s
 def test_limits_hold(sizes: list[float], share: np.ndarray, method: Method, box: np.ndarray):
     limits = EulerBoxes.of(-box, box, joints=len(sizes))
     rest = BallChain.curved(sizes)
-    relaxed = solve(BallChain.of(rest.points, limits=limits), rest.size * share, method=method)
+    relaxed = solve_ball_chain(BallChain.of(rest.points, limits=limits), rest.size * share, method=method)
     assert limits.excess(relaxed.rotations) < 1e-9
 
 
@@ -48,7 +48,7 @@ def test_solving_twice_gives_the_same_and_left_is_the_mirror_of_right(
 ):
     chain = BallChain.curved(sizes)
     target = chain.size * share
-    first, again = (solve(chain, target, method=method) for _ in range(2))
+    first, again = (solve_ball_chain(chain, target, method=method) for _ in range(2))
     assert first.points.tobytes() == again.points.tobytes()
-    mirrored = solve(chain, target * MIRROR, method=method)
+    mirrored = solve_ball_chain(chain, target * MIRROR, method=method)
     assert mirrored.points * MIRROR == pytest.approx(first.points, abs=1e-6 * chain.size)

@@ -6,17 +6,17 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinesic.bench.blocks import passage
+from kinesic.bench.blocks import passage_text
 from kinesic.controller.perform import facts, plan
 from kinesic.motion.limit_check import peaks
-from kinesic.motion.stopping import cut, stopped
+from kinesic.motion.stopping import cut, stop
 from kinesic.motion.trajectory import STEP
 from kinesic.planning.plan import Plan
 
 
 @lru_cache(maxsize=2)
 def planned(repetition: int) -> Plan:
-    return plan(passage(repetition), known())
+    return plan(passage_text(repetition), known())
 
 
 @lru_cache(maxsize=1)
@@ -36,8 +36,8 @@ def check(before, after, knot: int) -> None:
 def test_stops_at_random_and_stops_while_stopping(first, second):
     motion = planned(0).trajectory
     time = first * motion.duration
-    halted = stopped(motion, time, known().limits)
+    halted = stop(motion, time, known().limits)
     check(motion, halted, cut(motion, time))
     begin = cut(motion, time) * STEP
     again = begin + second * (halted.duration - begin)
-    check(halted, stopped(halted, again, known().limits), cut(halted, again))
+    check(halted, stop(halted, again, known().limits), cut(halted, again))

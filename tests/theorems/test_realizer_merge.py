@@ -10,13 +10,13 @@ from kinesic.bml.parse import parse
 from kinesic.controller.perform import facts
 from kinesic.motion.limit_check import peaks
 from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.motion.trajectory import held as resting
-from kinesic.motion.transition import knot_at, lengthened
-from kinesic.planning.clearance import LAG_RESERVE, scan
-from kinesic.planning.plan import Plan, plan
+from kinesic.motion.trajectory import stay as resting
+from kinesic.motion.transition import knot_at, lengthen
+from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
+from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.quick_plan import opening
 from kinesic.realizer.merge import merged, replaced
-from kinesic.realizer.occupancy import freed, held
+from kinesic.realizer.occupancy import freed_hinges, still_occupied
 from kinesic.realizer.release import released, tail
 from kinesic.realizer.replan import restyled
 
@@ -50,17 +50,17 @@ def known():
 @cache
 def planned(index: int, *, quickly: bool) -> Plan:
     block = parse(ROOT.format(BLOCKS[index]))
-    return opening(block, known()) if quickly else plan(block, known())
+    return opening(block, known()) if quickly else plan_block(block, known())
 
 
 def check(before: Trajectory, after: Trajectory, time: float) -> None:
     count = knot_at(time) + 3
-    same = [lengthened(each.controls, count)[:count] for each in (before, after)]
+    same = [lengthen(each.controls, count)[:count] for each in (before, after)]
     np.testing.assert_allclose(*same, atol=1e-8)
     for name, peak in peaks(after, known().limits).shares.items():
         assert peak.ratios.max() <= 1.001, name
     least = known().robot.least_clearance + LAG_RESERVE
-    assert scan(after, known().distances)[1].distances.min() >= least - 1e-4
+    assert scan_clearance(after, known().distances)[1].distances.min() >= least - 1e-4
     np.testing.assert_allclose(after.controls[-3:], after.controls[[-1] * 3], atol=1e-8)
 
 
@@ -78,7 +78,7 @@ def test_whatever_comes_over_whatever(deeds, quickly):
             _, gone = playing.pop(0)
             others = [need for _, each in playing for need in each.busy]
             moved = np.ptp(gone.layer.controls, axis=0) > 0.0
-            free = freed(gone.busy, moved, time, known().robot, others=others)
+            free = freed_hinges(gone.busy, moved, time, known().robot, others=others)
             after = released(motion, time, free, known(), layer=gone.layer, others=others)
         elif what == "otherwise" and playing:
             own, gone = playing.pop()
@@ -87,7 +87,7 @@ def test_whatever_comes_over_whatever(deeds, quickly):
             after = motion if found is gone else found.trajectory
             playing.append((own, found))
         else:
-            found = merged(motion, time, planned(index, quickly=quickly), begin=time, busy=held(needs, time))
+            found = merged(motion, time, planned(index, quickly=quickly), begin=time, busy=still_occupied(needs, time))
             after = found.trajectory
             playing.append((index, found))
         check(motion, after, time)

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from kinesic.bml.block import Composition, Succession
 from kinesic.controller.perform import facts
 from kinesic.motion.limit_check import peaks
-from kinesic.planning.setup import Facts
-from kinesic.realizer.realizer import Due, Ready, Scene, begun, interrupted, passed, ready
+from kinesic.planning.setup import Setup
+from kinesic.realizer.realizer import Due, Ready, Scene, advance, begin, interrupted, ready
 from kinesic.realizer.request import Message, asked
 
 TEXT = (
@@ -40,7 +40,7 @@ ALIKE = (1e-8, 1e-6, 1e-4)  # [rad], [rad/s], [rad/s^2] before and after a chang
 
 
 @lru_cache(maxsize=1)
-def known() -> Facts:
+def known() -> Setup:
     return facts()
 
 
@@ -101,16 +101,16 @@ def test_any_scene(script: list[tuple[float, tuple[str, Composition, Succession]
     for number, (pause, event) in enumerate(script):
         now += pause
         if event is None:
-            watched.take(passed(watched.scene, now), now)
+            watched.take(advance(watched.scene, now), now)
         elif isinstance(event, str):
             watched.take(interrupted(watched.scene, now, event), now)
         else:
-            watched.take(begun(watched.scene, named(f"b{number}", *event), now), now)
+            watched.take(begin(watched.scene, named(f"b{number}", *event), now), now)
     for _ in range(12):
         now += 1.7
-        watched.take(passed(watched.scene, now), now)
+        watched.take(advance(watched.scene, now), now)
     watched.take(interrupted(watched.scene, now), now)  # what nobody activated
-    watched.take(passed(watched.scene, now + 30.0), now + 30.0)
+    watched.take(advance(watched.scene, now + 30.0), now + 30.0)
     check(watched.told)
     assert watched.scene.blocks == watched.scene.agenda == ()
     rest = known().robot.skeleton.rest
@@ -121,10 +121,10 @@ def test_any_scene(script: list[tuple[float, tuple[str, Composition, Succession]
 @given(st.floats(0.0, 2.2), st.floats(0.0, 0.5), st.sampled_from(INSIDES[1:5]), st.sampled_from(INSIDES[1:5]))
 def test_replacing_and_replacing_again_in_the_midst(first: float, second: float, one: str, other: str) -> None:
     watched = Watched(0.0)
-    watched.take(begun(watched.scene, named("b0", WIDE, Composition.MERGE, Succession()), 0.0), 0.0)
+    watched.take(begin(watched.scene, named("b0", WIDE, Composition.MERGE, Succession()), 0.0), 0.0)
     for time, id, inside in ((first, "b1", one), (first + second, "b2", other)):
-        watched.take(begun(watched.scene, named(id, inside, Composition.REPLACE, Succession()), time), time)
-    watched.take(passed(watched.scene, 30.0), 30.0)
+        watched.take(begin(watched.scene, named(id, inside, Composition.REPLACE, Succession()), time), time)
+    watched.take(advance(watched.scene, 30.0), 30.0)
     check(watched.told)
 
 
@@ -160,7 +160,7 @@ def test_the_same_script_gives_the_same_motion() -> None:
     def played() -> np.ndarray:
         scene = Scene.of(known())
         for number, inside in enumerate(INSIDES):
-            scene, _ = begun(scene, named(f"b{number}", inside, Composition.MERGE, Succession()), 0.3 * number)
+            scene, _ = begin(scene, named(f"b{number}", inside, Composition.MERGE, Succession()), 0.3 * number)
         return scene.motion.controls
 
     np.testing.assert_array_equal(played(), played())

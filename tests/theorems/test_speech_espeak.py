@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from kinesic.body.utterance import Emphasis, Mark, Pause, Script
 from kinesic.speech.espeak import Espeak
-from kinesic.speech.espeak_pool import fault
+from kinesic.speech.espeak_pool import espeak_fault
 from kinesic.speech.ssml import ssml
 
 FEW = settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -20,7 +20,7 @@ TEXTS = WORDS | st.text(max_size=60)
 
 @pytest.fixture(scope="module", autouse=True)
 def _engine():
-    if why := fault():
+    if why := espeak_fault():
         pytest.skip(why)
 
 

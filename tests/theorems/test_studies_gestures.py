@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinesic.controller.perform import facts
-from kinesic.studies.gestures.isolated import played
+from kinesic.studies.gestures.isolated import plan_gesture
 
 KNOWN = facts()
 NAMES = list(KNOWN.robot.skeleton.names)
@@ -33,12 +33,12 @@ def motion(planned):
 @settings(max_examples=15, deadline=None)
 @given(st.sampled_from(ONE_HANDED))
 def test_a_gesture_of_the_left_hand_mirrors_that_of_the_right(form):
-    left, right = motion(played(form, KNOWN, "left")), motion(played(form, KNOWN, "right"))
+    left, right = motion(plan_gesture(form, KNOWN, "left")), motion(plan_gesture(form, KNOWN, "right"))
     assert left == pytest.approx(mirrored(right), abs=1e-9)
 
 
 @settings(max_examples=8, deadline=None)
 @given(st.sampled_from(ALIKE))
 def test_a_gesture_of_two_hands_alike_is_its_own_mirror_image(form):
-    both = motion(played(form, KNOWN))
+    both = motion(plan_gesture(form, KNOWN))
     assert both == pytest.approx(mirrored(both), abs=1e-9)

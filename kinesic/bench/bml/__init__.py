@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator
 
-from kinesic.bench.bml.conformance import played
-from kinesic.bench.bml.expectations import Parsing, References, Scenarios, expected
+from kinesic.bench.bml.conformance import play_suite
+from kinesic.bench.bml.expectations import Parsing, ReferenceSuite, Scenarios, expected
 from kinesic.bench.bml.parsing import parsed, referred
-from kinesic.bench.bml.verdict import Verdict, figures
+from kinesic.bench.bml.verdict import ExpectationVerdict, verdict_figures
 from kinesic.bench.figure import Figure
 from kinesic.controller.perform import facts
 
@@ -15,16 +15,16 @@ NO_CORPUS = "no expectations of this suite; KINESIC_CORPUS names the folder that
 
 def bench() -> list[Figure]:
     """Plays and reads every suite that is there."""
-    return [*figures(list(verdicts())), *_missing()]
+    return [*verdict_figures(list(verdicts())), *_missing()]
 
 
-def verdicts() -> Iterator[Verdict]:
+def verdicts() -> Iterator[ExpectationVerdict]:
     """What became of every expectation of all suites."""
     if (scenarios := expected(SCENARIOS, Scenarios)) is not None:
-        yield from played(SCENARIOS, *scenarios, facts())
+        yield from play_suite(SCENARIOS, *scenarios, facts())
     if (documents := expected(DOCUMENTS, Parsing)) is not None:
         yield from parsed(DOCUMENTS, *documents)
-    if (grammar := expected(GRAMMAR, References)) is not None:
+    if (grammar := expected(GRAMMAR, ReferenceSuite)) is not None:
         yield from referred(GRAMMAR, grammar[1])
 
 
@@ -33,7 +33,7 @@ def _missing() -> Iterator[Figure]:
     found = {
         SCENARIOS: expected(SCENARIOS, Scenarios),
         DOCUMENTS: expected(DOCUMENTS, Parsing),
-        GRAMMAR: expected(GRAMMAR, References),
+        GRAMMAR: expected(GRAMMAR, ReferenceSuite),
     }
     for suite, there in found.items():
         if there is None:

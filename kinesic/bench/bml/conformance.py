@@ -10,13 +10,13 @@ from pathlib import Path
 from xml.etree.ElementTree import Element, tostring
 
 from kinesic.bench.bml.expectations import Scenario, Scenarios, Step
-from kinesic.bench.bml.verdict import Verdict
-from kinesic.bench.bml.virtual_realizer import Feedback, Heard, Realizer
+from kinesic.bench.bml.verdict import ExpectationVerdict
+from kinesic.bench.bml.virtual_realizer import Feedback, Realizer, ReceivedMessage
 from kinesic.bml.block import BmlError, Gaze, Gesture, HeadDirectionShift, Pointing
 from kinesic.bml.parse import parse
 from kinesic.body.arrays import Floats
 from kinesic.expressivity.targets import read_targets
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 
 DRAFT = "draft"  # what suites in the draft's dialect begin with
 NEAR = (1.5, 0.4, 1.2)  # [m] where a target is put that is nowhere else
@@ -25,7 +25,7 @@ APART = 0.1  # [m] from one to the next
 Check = Callable[[Step, Feedback], str]
 
 
-def played(suite: str, where: Path, expected: Scenarios, facts: Facts) -> Iterator[Verdict]:
+def play_suite(suite: str, where: Path, expected: Scenarios, facts: Setup) -> Iterator[ExpectationVerdict]:
     """Plays every scenario; its suite's name says which dialect it is in, and the draft's is read strictly.
 
     Args:
@@ -35,14 +35,14 @@ def played(suite: str, where: Path, expected: Scenarios, facts: Facts) -> Iterat
         facts: of the robot that performs.
     """
     texts = [(where / name).read_bytes() for name, users in expected.documents.items() if users]
-    known = replace(facts, targets={**facts.targets, **placed(texts, facts)})
+    known = replace(facts, targets={**facts.targets, **place_targets(texts, facts)})
     for name, scenario in expected.scenarios.items():
         dialect, _, test = name.partition("/")
         reads = replace(known, dialect="draft") if dialect.startswith(DRAFT) else known
-        yield Verdict(suite, f"{dialect}.{test}", _play(scenario, where, expected, reads))
+        yield ExpectationVerdict(suite, f"{dialect}.{test}", _play(scenario, where, expected, reads))
 
 
-def placed(texts: list[bytes], facts: Facts) -> Mapping[str, Floats]:
+def place_targets(texts: list[bytes], facts: Setup) -> Mapping[str, Floats]:
     """(3,) [m] places in the world for targets that documents name and the robot has not, by way of a targets file."""
     names = sorted({name for text in texts for name in _targets(text)} - facts.robot.targets.keys())
     x, y, z = NEAR
@@ -65,7 +65,7 @@ def _targets(text: bytes) -> Iterator[str]:
             yield action.target
 
 
-def _play(scenario: Scenario, where: Path, expected: Scenarios, facts: Facts) -> str:
+def _play(scenario: Scenario, where: Path, expected: Scenarios, facts: Setup) -> str:
     """Why a scenario fails; empty when it passes."""
     realizer = Realizer(facts)
     for step in scenario.steps:
@@ -102,7 +102,7 @@ def _check(step: Step, told: Feedback) -> str:
     return f"'{step.check}' is no check" if check is None else check(step, told)
 
 
-def _failures(told: Feedback) -> list[Heard]:
+def _failures(told: Feedback) -> list[ReceivedMessage]:
     """Messages that something cannot be as asked; drafts call them exceptions, BML 1.0 warnings."""
     return told.of("warningFeedback")
 

@@ -117,7 +117,7 @@ class Parsing(msgspec.Struct, frozen=True):
     inline: tuple[Inline, ...]
 
 
-class Reference(msgspec.Struct, frozen=True):
+class ReferenceExpectation(msgspec.Struct, frozen=True):
     """One sync reference, or two to be compared, with what it is."""
 
     test: str
@@ -134,15 +134,15 @@ class Reference(msgspec.Struct, frozen=True):
     relative_to: str | None = None
 
 
-class References(msgspec.Struct, frozen=True):
+class ReferenceSuite(msgspec.Struct, frozen=True):
     """A suite about the grammar of sync references."""
 
     tolerance: float  # [s]
-    accepted: tuple[Reference, ...]
-    rejected: tuple[Reference, ...]
-    equal: tuple[Reference, ...]
-    not_equal: tuple[Reference, ...]
-    written: tuple[Reference, ...]
+    accepted: tuple[ReferenceExpectation, ...]
+    rejected: tuple[ReferenceExpectation, ...]
+    equal: tuple[ReferenceExpectation, ...]
+    not_equal: tuple[ReferenceExpectation, ...]
+    written: tuple[ReferenceExpectation, ...]
 
 
 def expected(name: str, shape: type[Shape]) -> tuple[Path, Shape] | None:

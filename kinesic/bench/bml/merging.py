@@ -7,17 +7,17 @@ from time import process_time
 
 import numpy as np
 
-from kinesic.bench.blocks import passage
+from kinesic.bench.blocks import passage_text
 from kinesic.bench.figure import Figure
 from kinesic.bml.parse import parse
 from kinesic.controller.perform import facts
 from kinesic.motion.limit_check import peaks
 from kinesic.motion.trajectory import Trajectory
 from kinesic.motion.transition import knot_at
-from kinesic.planning.clearance import LAG_RESERVE, scan
-from kinesic.planning.plan import plan
+from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
+from kinesic.planning.plan import plan_block
 from kinesic.planning.quick_plan import opening
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 from kinesic.realizer.merge import merged, replaced
 
 CUTS = 200
@@ -32,7 +32,7 @@ LARGE = (
 
 
 @dataclass(frozen=True)
-class Cut:
+class MergeCut:
     """One moment at which a block took the place of a motion."""
 
     time: float  # [s] performance time
@@ -46,7 +46,7 @@ class Cut:
 def bench() -> list[Figure]:
     """Times a nod and a beat over the passage, and replaces the passage in the midst of everything."""
     known = facts()
-    found = cuts(known, CUTS)
+    found = replace_at_random(known, CUTS)
     return [
         Figure("bml.live.merged", 1000 * median(_merging(known)), "ms", 15.0, "lower"),
         Figure("bml.live.replaced_ratio", max(cut.ratio for cut in found), "of limit", 1.001, "lower"),
@@ -57,7 +57,7 @@ def bench() -> list[Figure]:
     ]
 
 
-def cuts(known: Facts, count: int, *, seed: int = 0) -> list[Cut]:
+def replace_at_random(known: Setup, count: int, *, seed: int = 0) -> list[MergeCut]:
     """Replaces the passage, planned well, at random moments by blocks of all kinds.
 
     Args:
@@ -65,8 +65,8 @@ def cuts(known: Facts, count: int, *, seed: int = 0) -> list[Cut]:
         count: of the moments.
         seed: of their choice.
     """
-    chance, running = random.Random(seed), plan(parse(passage(0)), known).trajectory
-    coming = [plan(parse(ROOT.format("b", text)), known) for text in LARGE]
+    chance, running = random.Random(seed), plan_block(parse(passage_text(0)), known).trajectory
+    coming = [plan_block(parse(ROOT.format("b", text)), known) for text in LARGE]
     found = []
     for _ in range(count):
         time = chance.uniform(0.0, running.duration)
@@ -76,14 +76,14 @@ def cuts(known: Facts, count: int, *, seed: int = 0) -> list[Cut]:
         largest = max(float(peak.ratios.max()) for peak in peaks(left, known.limits).shares.values())
         step = np.abs(over.trajectory.controls[: knot + 3] - running.controls[: knot + 3]).max()
         least = known.robot.least_clearance + LAG_RESERVE
-        near = float(scan(left, known.distances)[1].distances.min()) - least
-        found.append(Cut(time, largest, float(step), over.zero - time, len(over.dropped), near))
+        near = float(scan_clearance(left, known.distances)[1].distances.min()) - least
+        found.append(MergeCut(time, largest, float(step), over.zero - time, len(over.dropped), near))
     return found
 
 
-def _merging(known: Facts) -> list[float]:
+def _merging(known: Setup) -> list[float]:
     """[s] of one core that a nod or a beat takes to be laid over the last second of the passage."""
-    running = opening(parse(passage(0)), known).trajectory
+    running = opening(parse(passage_text(0)), known).trajectory
     small = [opening(parse(ROOT.format("b", text)), known) for text in SMALL]
     seconds = []
     for k in range(CUTS // 10):

@@ -3,8 +3,17 @@
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from kinesic.bench.bml.expectations import Fact, Inline, Later, Parsing, Reference, References, Stated, Time
-from kinesic.bench.bml.verdict import Verdict
+from kinesic.bench.bml.expectations import (
+    Fact,
+    Inline,
+    Later,
+    Parsing,
+    ReferenceExpectation,
+    ReferenceSuite,
+    Stated,
+    Time,
+)
+from kinesic.bench.bml.verdict import ExpectationVerdict
 from kinesic.bml.block import Block, BmlError, SyncRef
 from kinesic.bml.parse import parse
 from kinesic.bml.reading.syncref import Names, parse_ref, written
@@ -13,7 +22,7 @@ from kinesic.bml.timing.constraints import After, Constraints, Equals, Point, co
 _DIGITS = 6  # of offsets that are compared [s]
 
 
-def parsed(suite: str, where: Path, expected: Parsing) -> Iterator[Verdict]:
+def parsed(suite: str, where: Path, expected: Parsing) -> Iterator[ExpectationVerdict]:
     """Judges documents and small blocks.
 
     Args:
@@ -23,12 +32,12 @@ def parsed(suite: str, where: Path, expected: Parsing) -> Iterator[Verdict]:
     """
     for name, stated in expected.documents.items():
         if stated is not None:
-            yield Verdict(suite, name, _document((where / name).read_bytes(), stated))
+            yield ExpectationVerdict(suite, name, _document((where / name).read_bytes(), stated))
     for inline in expected.inline:
-        yield Verdict(suite, inline.test, _inline(inline))
+        yield ExpectationVerdict(suite, inline.test, _inline(inline))
 
 
-def referred(suite: str, expected: References) -> Iterator[Verdict]:
+def referred(suite: str, expected: ReferenceSuite) -> Iterator[ExpectationVerdict]:
     """Judges sync references by themselves.
 
     Args:
@@ -36,29 +45,33 @@ def referred(suite: str, expected: References) -> Iterator[Verdict]:
         expected: what is stated about them.
     """
     for case in expected.accepted:
-        yield Verdict(suite, case.test, _accepted(case, expected.tolerance))
+        yield ExpectationVerdict(suite, case.test, _accepted(case, expected.tolerance))
     for case in expected.rejected:
         found = _read(case.input, case)
-        yield Verdict(suite, case.test, "" if isinstance(found, BmlError) else f"'{case.input}' is taken as {found}")
+        yield ExpectationVerdict(
+            suite, case.test, "" if isinstance(found, BmlError) else f"'{case.input}' is taken as {found}"
+        )
     for cases, alike in ((expected.equal, True), (expected.not_equal, False)):
         for case in cases:
             same = _read(case.a, case) == _read(case.b, case)
             why = "" if same is alike else f"'{case.a}' and '{case.b}' are {'the same' if same else 'different'}"
-            yield Verdict(suite, case.test, why)
+            yield ExpectationVerdict(suite, case.test, why)
     for case in expected.written:
         found = _read(case.input, case)
         text = str(found) if isinstance(found, BmlError) else written(found, relative_to=case.relative_to)
-        yield Verdict(suite, case.test, "" if text == case.text else f"'{text}' is written, '{case.text}' is expected")
+        yield ExpectationVerdict(
+            suite, case.test, "" if text == case.text else f"'{text}' is written, '{case.text}' is expected"
+        )
 
 
-def _read(text: str, case: Reference) -> SyncRef | BmlError:
+def _read(text: str, case: ReferenceExpectation) -> SyncRef | BmlError:
     try:
         return parse_ref(text, Names(case.default_block))
     except BmlError as error:
         return error
 
 
-def _accepted(case: Reference, tolerance: float) -> str:
+def _accepted(case: ReferenceExpectation, tolerance: float) -> str:
     try:
         ref = parse_ref(case.input, Names(case.default_block))
     except BmlError as error:

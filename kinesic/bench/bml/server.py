@@ -53,7 +53,7 @@ class Server:
 
 
 @dataclass(frozen=True)
-class Latency:
+class FeedbackLatency:
     """[ms] from sending a block."""
 
     feedback: float  # to its first feedback
@@ -72,7 +72,7 @@ class Endurance:
 
 def bench() -> list[Figure]:
     """Latencies at one block a second beside another one that plays, then ten blocks a second."""
-    with opened() as server:
+    with open_server() as server:
         found = latencies(server, BLOCKS)
         lasting = endurance(server, SECONDS)
     return [
@@ -84,7 +84,7 @@ def bench() -> list[Figure]:
 
 
 @contextmanager
-def opened(*options: str, cwd: Path | None = None) -> Iterator[Server]:
+def open_server(*options: str, cwd: Path | None = None) -> Iterator[Server]:
     """A server on a free port, with more options of `kinesic serve`, maybe in another folder; stopped at the end."""
     command = [sys.executable, "-m", "kinesic", "serve", "--listen", "127.0.0.1:0", *options]
     with (
@@ -109,9 +109,9 @@ def _port(process: subprocess.Popen[bytes], said: IO[str]) -> int:
         sleep(LOOK)
 
 
-def latencies(server: Server, blocks: int) -> list[Latency]:
+def latencies(server: Server, blocks: int) -> list[FeedbackLatency]:
     """Sends small blocks, one a second, while another one plays."""
-    found: list[Latency] = []
+    found: list[FeedbackLatency] = []
     with Client(port=server.port) as other, Client(port=server.port) as client:
         for k in range(blocks):
             if k % 5 == 0:
@@ -125,13 +125,13 @@ def latencies(server: Server, blocks: int) -> list[Latency]:
     return found
 
 
-def _latency(client: Client, name: str, behaviours: str) -> Latency:
+def _latency(client: Client, name: str, behaviours: str) -> FeedbackLatency:
     began, first = monotonic(), None
     for message in client.perform(BLOCK.format(name, behaviours)):
         if first is None and f'id="{name}"' in message:
             first = monotonic()
         if f'id="{name}:start"' in message and first is not None:
-            return Latency(1000 * (first - began), 1000 * (monotonic() - began))
+            return FeedbackLatency(1000 * (first - began), 1000 * (monotonic() - began))
     raise RuntimeError(f"{name} never began")
 
 

@@ -20,12 +20,12 @@ from kinesic.body.utterance import Mark, Pause, Script, Sound
 from kinesic.controller.perform import dry_run, facts, plan
 from kinesic.controller.performance import Performance
 from kinesic.controller.soundtrack import sound, write_wav
-from kinesic.controller.tracking_delay import lateness
-from kinesic.planning.setup import Facts
+from kinesic.controller.tracking_delay import tracking_delay
+from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
 from kinesic.sim.servo_factors import PESSIMISTIC
 from kinesic.speech.espeak import Espeak
-from kinesic.speech.espeak_pool import fault
+from kinesic.speech.espeak_pool import espeak_fault
 from kinesic.speech.recorded import read_wav
 
 SEED = 7
@@ -60,9 +60,9 @@ BLOCK = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{id}">
 
 def bench(sentences: int = SENTENCES, blocks: int = BLOCKS) -> list[Figure]:
     """Errors of marks and strokes, and how long saying three words takes."""
-    why = fault()
+    why = espeak_fault()
     marks = [] if why else [1000 * abs(error) for error in mark_errors(sentences)]
-    strokes = [] if why else [1000 * abs(error) for error in stroke_errors(blocks)]
+    strokes = [] if why else [1000 * abs(error) for error in heard_stroke_errors(blocks)]
     return [
         *_figures("mark", marks, why),
         *_figures("stroke", strokes, why),
@@ -101,7 +101,7 @@ def mark_errors(count: int) -> Iterator[float]:
                 yield mark - onset
 
 
-def stroke_errors(count: int) -> Iterator[float]:
+def heard_stroke_errors(count: int) -> Iterator[float]:
     """When the hands of the pessimistic twin make strokes, minus when the word of each is heard [s]."""
     known = facts(voice="espeak")
     choice = random.Random(SEED)
@@ -111,7 +111,7 @@ def stroke_errors(count: int) -> Iterator[float]:
         yield from performed_errors(text, known)
 
 
-def performed_errors(text: str, known: Facts) -> Iterator[float]:
+def performed_errors(text: str, known: Setup) -> Iterator[float]:
     """The same of one block, whose speech has a pause before each mark; strokes that had to move are left out."""
     performance = dry_run(plan(text, known), twin=PESSIMISTIC)
     heard = sound(performance.plan)
@@ -150,7 +150,7 @@ def _stroke(sync: SyncTime, side: str, performance: Performance) -> float:
     asked, made = (
         _speed(hands[side], times)[near, None] for hands in (performance.reference.hands, performance.measured.hands)
     )
-    late = lateness(asked, made, np.array([True]), period=performance.period)
+    late = tracking_delay(asked, made, np.array([True]), period=performance.period)
     return zero + sync.planned + float(late[0])
 
 

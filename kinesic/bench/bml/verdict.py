@@ -9,7 +9,7 @@ GOAL = 0.97  # share of a suite that must pass
 
 
 @dataclass(frozen=True)
-class Verdict:
+class ExpectationVerdict:
     """One expectation."""
 
     suite: str
@@ -22,7 +22,7 @@ class Verdict:
         return not self.why
 
 
-def figures(verdicts: Sequence[Verdict]) -> Iterator[Figure]:
+def verdict_figures(verdicts: Sequence[ExpectationVerdict]) -> Iterator[Figure]:
     """For each suite how many pass and how many fail, and for each that fails why.
 
     Args:

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 
 from kinesic.bml.block import BmlError
 from kinesic.bml.reading.tree import read_tree
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 from kinesic.realizer.contention import among
-from kinesic.realizer.realizer import Due, Scene, begun, passed, ready
-from kinesic.realizer.request import Message, asked, refused
+from kinesic.realizer.realizer import Due, Scene, advance, begin, ready
+from kinesic.realizer.request import Message, asked, refusal_feedback
 
 
 @dataclass(frozen=True)
-class Heard:
+class ReceivedMessage:
     """One message."""
 
     kind: str  # blockProgress, syncPointProgress, warningFeedback or predictionFeedback
@@ -25,7 +25,7 @@ class Heard:
     text: str = ""
 
 
-def heard(xml: str) -> Heard:
+def read_message(xml: str) -> ReceivedMessage:
     """Reads one message.
 
     Raises:
@@ -33,7 +33,7 @@ def heard(xml: str) -> Heard:
     """
     root = read_tree(xml, source="<feedback>")
     told = root.attributes
-    return Heard(
+    return ReceivedMessage(
         root.local,
         told.get("id", ""),
         float(told.get("globalTime", "0")),
@@ -45,10 +45,10 @@ def heard(xml: str) -> Heard:
 class Feedback:
     """All messages so far, in order."""
 
-    def __init__(self, messages: Iterable[Heard] = ()) -> None:
+    def __init__(self, messages: Iterable[ReceivedMessage] = ()) -> None:
         self.messages = list(messages)
 
-    def of(self, kind: str) -> list[Heard]:
+    def of(self, kind: str) -> list[ReceivedMessage]:
         """Messages of a kind."""
         return [message for message in self.messages if message.kind == kind]
 
@@ -80,7 +80,7 @@ class Feedback:
 class Realizer:
     """One performer, from its rest at time 0."""
 
-    def __init__(self, facts: Facts) -> None:
+    def __init__(self, facts: Setup) -> None:
         self.feedback = Feedback()
         self.now = 0.0  # [s]
         self._facts, self._scene = facts, Scene.of(facts)
@@ -92,9 +92,9 @@ class Realizer:
             known = asked(message, self._facts, around=self._scene.around(self.now))
             coming = ready(among(self._scene, known), self._facts)
         except BmlError as error:
-            self.feedback.messages.append(heard(refused(message, error)))
+            self.feedback.messages.append(read_message(refusal_feedback(message, error)))
             return
-        self._scene, due = begun(self._scene, coming, self.now)
+        self._scene, due = begin(self._scene, coming, self.now)
         self._hear(due)
 
     def wait(self, seconds: float) -> None:
@@ -114,8 +114,8 @@ class Realizer:
 
     def _pass(self, time: float) -> None:
         self.now = time
-        self._scene, due = passed(self._scene, time)
+        self._scene, due = advance(self._scene, time)
         self._hear(due)
 
     def _hear(self, due: tuple[Due, ...]) -> None:
-        self.feedback.messages += [heard(each.xml) for each in due]
+        self.feedback.messages += [read_message(each.xml) for each in due]

@@ -23,8 +23,8 @@ from kinesic.hardware.protocol.servo_map import MID_TICKS
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import Wire
 from kinesic.hardware.virtual.memory_wire import MemoryWire
-from kinesic.hardware.virtual.pty import PtyPort, serve
-from kinesic.hardware.virtual.wiring import Cable, Fitting, build
+from kinesic.hardware.virtual.pty import PtyPort, serve_wires
+from kinesic.hardware.virtual.wiring import Cable, Fitting, build_bus
 
 COUNTS = (7, 14, 20, 26)
 BAUDS = (57_600, 1_000_000, 2_000_000, 4_000_000)
@@ -73,7 +73,7 @@ class Recorder:
         self._wire.close()
 
 
-class Recording:
+class RecordingWire:
     """A wire that says what another one said."""
 
     def __init__(self, recorder: Recorder) -> None:
@@ -114,7 +114,7 @@ def bench() -> list[Figure]:
                 hertz = 1 / (wire_s + host_s)
                 figures.append(Figure("bus.rate_full_health", hertz, "Hz", HEALTH_GOAL, "higher"))
     with tempfile.TemporaryDirectory() as folder:
-        figures += load(Path(folder) / "port")
+        figures += cpu_load(Path(folder) / "port")
     return figures
 
 
@@ -128,7 +128,7 @@ def cycle_times(count: int, baud: int) -> tuple[float, float]:
     Returns:
         Wire time with 1 ms USB latency, and CPU time of the driver [s], medians.
     """
-    _, buses = build([_cable(count, baud)])
+    _, buses = build_bus([_cable(count, baud)])
     memory = MemoryWire(buses["bench"])
     servos = open_bus(memory, _servos(count)).servos
     recorder = Recorder(memory)
@@ -136,7 +136,7 @@ def cycle_times(count: int, baud: int) -> tuple[float, float]:
     wire = [driver.cycle(goals).duration for goals in _goals(count)]
     host: list[float] = []
     for _ in range(PASSES):
-        driver = Bus(Recording(recorder), servos, period=FLAT_OUT)
+        driver = Bus(RecordingWire(recorder), servos, period=FLAT_OUT)
         for goals in _goals(count):
             began = time.process_time()
             driver.cycle(goals)
@@ -158,7 +158,7 @@ def _servos(count: int) -> list[Servo]:
     return [Servo(k + 1, MODELS[MODEL]) for k in range(count)]
 
 
-def load(link: Path) -> list[Figure]:
+def cpu_load(link: Path) -> list[Figure]:
     """CPU shares of a loop at 100 Hz and of the whole supervisor, system calls included."""
     names = [f"bus.cpu_{REAL_COUNT}_servos", f"bus.cpu_supervisor_{REAL_COUNT}_servos"]
     shares: list[float | None] = [None, None]
@@ -197,8 +197,8 @@ def _share_of_core(driver: Bus) -> float:
 
 def _serve(link: str, stop: Event) -> None:
     """The other process: virtual servos on a pseudo-terminal, until told to stop."""
-    _, buses = build([_cable(REAL_COUNT, REAL_BAUD)])
-    serve([PtyPort(buses["bench"], Path(link))], lambda: not stop.is_set())
+    _, buses = build_bus([_cable(REAL_COUNT, REAL_BAUD)])
+    serve_wires([PtyPort(buses["bench"], Path(link))], lambda: not stop.is_set())
 
 
 def _appears(link: Path) -> bool:

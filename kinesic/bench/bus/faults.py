@@ -13,7 +13,7 @@ from kinesic.bench.figure import Figure
 from kinesic.hardware.virtual import lerobot
 from kinesic.hardware.virtual.drivers import KinesicDriver, SdkDriver
 from kinesic.hardware.virtual.lerobot import LerobotDriver
-from kinesic.hardware.virtual.matrix import PERIOD, Case, Opens, Result, cases, matrix, trial
+from kinesic.hardware.virtual.matrix import PERIOD, FaultCase, Opens, TrialResult, cases, matrix, trial
 from kinesic.hardware.virtual.matrix_table import record, text
 
 SERVOS, BAUD, SEEDS = 14, 1_000_000, (0, 1, 2)
@@ -37,7 +37,7 @@ def bench() -> list[Figure]:
     return figures
 
 
-def _figures(case: Case, found: Sequence[Result]) -> Iterator[Figure]:
+def _figures(case: FaultCase, found: Sequence[TrialResult]) -> Iterator[Figure]:
     """What a fault must not do; a servo that must be refused has no other figures."""
     name = f"bus.fault.{_word(case.name)}"
     wrong = sum(result.exceptions + result.wrong for result in found)
@@ -67,7 +67,7 @@ class Fared:
 
     driver: str
     why: str  # it was not tried; empty where it was
-    results: Sequence[Result]
+    results: Sequence[TrialResult]
 
     def __str__(self) -> str:
         return f"{self.driver}\n\n{f'null: {self.why}' if self.why else text(self.results)}\n"
@@ -77,7 +77,7 @@ class Fared:
         return {"driver": self.driver, "why": self.why, "trials": [record(result) for result in self.results]}
 
 
-def compared(
+def compare_drivers(
     *, sizes: Sequence[int] = SIZES, bauds: Sequence[int] = BAUDS, seeds: Sequence[int] = SEEDS
 ) -> Iterator[Fared]:
     """The whole matrix for every driver that is installed; it takes many minutes."""

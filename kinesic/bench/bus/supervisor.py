@@ -12,10 +12,10 @@ from kinesic.hardware.bus.bus import Servo
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.models import MODELS
 from kinesic.hardware.protocol.servo_map import MID_TICKS
-from kinesic.hardware.supervisor.channel import Channel, size
-from kinesic.hardware.supervisor.event_log import Journal
+from kinesic.hardware.supervisor.channel import Channel, memory_size
+from kinesic.hardware.supervisor.event_log import EventLog
 from kinesic.hardware.supervisor.manifest import Manifest, Member
-from kinesic.hardware.supervisor.settings import Settings
+from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.supervisor.supervisor import Supervisor
 
@@ -39,7 +39,7 @@ def supervising(link: Path, *, model: str, count: int, baud: int, period: float,
     Returns:
         Of one core, system calls included; None if it did not come to perform.
     """
-    channel, settings = Channel(mmap.mmap(-1, size(count)), count), Settings(period=period)
+    channel, settings = Channel(mmap.mmap(-1, memory_size(count)), count), SupervisorSettings(period=period)
     supervisor = Supervisor(
         manifest(model, count, baud),
         lambda bus: SerialWire(link, baud),
@@ -47,7 +47,7 @@ def supervising(link: Path, *, model: str, count: int, baud: int, period: float,
         settings,
         watchdog=settings.patient_watchdog,
         planner=lambda: True,
-        journal=Journal(None),
+        journal=EventLog(None),
     )
     supervisor.open()
     for k in range(round((SETTLED + seconds + settings.lead) / period)):
@@ -70,7 +70,7 @@ def supervising(link: Path, *, model: str, count: int, baud: int, period: float,
     return share if performs else None
 
 
-def _run(supervisor: Supervisor, settings: Settings, seconds: float) -> None:
+def _run(supervisor: Supervisor, settings: SupervisorSettings, seconds: float) -> None:
     """Cycles in real time."""
     began = supervisor.now()
     for k in range(round(seconds / settings.period)):

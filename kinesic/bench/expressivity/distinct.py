@@ -10,8 +10,8 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Side
 from kinesic.expressivity.durations import stroke_spans
 from kinesic.expressivity.hands.keys import hand_at
-from kinesic.expressivity.hands.poses import poses, resting
-from kinesic.expressivity.hands.strokes import Stroke, keys_of, worked
+from kinesic.expressivity.hands.poses import poses, resting_hands
+from kinesic.expressivity.hands.strokes import Stroke, stroke_keys, worked
 from kinesic.expressivity.lexicon.form import GestureForm
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import NEUTRAL
@@ -23,7 +23,7 @@ _SAMPLES = 50
 
 
 @dataclass(frozen=True, eq=False)
-class Look:
+class StrokeAppearance:
     """What is seen of a stroke, in neutral manner and normalised time; a hand that takes no part hangs."""
 
     ways: Floats  # (2, m, 3) [m] of left and right wrist
@@ -32,7 +32,7 @@ class Look:
     shapes: tuple[tuple[str, ...], ...]  # of left and right hand, one after another
 
 
-def look(form: GestureForm, pace: Pace) -> Look:
+def look(form: GestureForm, pace: Pace) -> StrokeAppearance:
     """What is seen of the stroke of a form.
 
     Args:
@@ -43,38 +43,38 @@ def look(form: GestureForm, pace: Pace) -> Look:
     natural = stroke_spans(work, pace, NEUTRAL)
     whole = natural["stroke"] + natural["strokeEnd"]
     times = {"ready": 0.0, "strokeStart": 0.0, "stroke": natural["stroke"], "strokeEnd": whole}
-    done, rest = worked(Stroke(form.id, times, (work,)), work, pace), resting(pace.robot)
+    done, rest = worked(Stroke(form.id, times, (work,)), work, pace), resting_hands(pace.robot)
     seen = np.empty((3, len(SIDES), _SAMPLES, 3))
     for s, side in enumerate(SIDES):
-        keys = keys_of(done, side, pace) if side in work.hands else []
+        keys = stroke_keys(done, side, pace) if side in work.hands else []
         for k, time in enumerate(np.linspace(0.0, whole, _SAMPLES)):
             reach = hand_at(keys, float(time), rest[side]).reach or rest[side]
             palm = rest[side].palm if reach.palm is None else reach.palm
             pointing = rest[side].pointing if reach.pointing is None else reach.pointing
             seen[:, s, k] = reach.position, palm, pointing
     ways, palms, directions = map(sealed, seen)
-    return Look(ways, palms, directions, tuple(_shapes(form, side) for side in SIDES))
+    return StrokeAppearance(ways, palms, directions, tuple(_shapes(form, side) for side in SIDES))
 
 
-def way_between(a: Look, b: Look) -> float:
+def way_between(a: StrokeAppearance, b: StrokeAppearance) -> float:
     """How far apart the hands of two gestures are [m], RMS over time and both hands."""
     return float(np.sqrt(((a.ways - b.ways) ** 2).sum(axis=-1).mean()))
 
 
-def turn_between(a: Look, b: Look) -> float:
+def turn_between(a: StrokeAppearance, b: StrokeAppearance) -> float:
     """How differently the hands of two gestures are turned [rad]: palms or pointing, RMS over time and both hands."""
     pairs = ((a.palms, b.palms), (a.pointing, b.pointing))
     return max(float(np.sqrt((_angles(one, other) ** 2).mean())) for one, other in pairs)
 
 
-def distinct(a: Look, b: Look) -> bool:
+def distinct(a: StrokeAppearance, b: StrokeAppearance) -> bool:
     """Whether two gestures count as two."""
     return way_between(a, b) >= LEAST_WAY or turn_between(a, b) >= LEAST_TURN or a.shapes != b.shapes
 
 
-def twins(looks: Iterable[tuple[str, Look]]) -> list[tuple[str, str]]:
+def twins(looks: Iterable[tuple[str, StrokeAppearance]]) -> list[tuple[str, str]]:
     """Names of gestures that do not count, because of an earlier one: (it, the earlier one)."""
-    counted: list[tuple[str, Look]] = []
+    counted: list[tuple[str, StrokeAppearance]] = []
     found = []
     for name, seen in looks:
         same = next((earlier for earlier, other in counted if not distinct(seen, other)), None)

@@ -15,11 +15,11 @@ from kinesic.controller.perform import dry_run, facts
 from kinesic.controller.performance import Performance
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.report.checks.plan import penetrations
 from kinesic.report.worker_pool import Crash, crew
-from kinesic.studies.gestures.isolated import played
+from kinesic.studies.gestures.isolated import plan_gesture
 
 LEAST_GESTURES = 150.0
 MOST_MISS = 30.0  # [mm] that a wrist may stay from where the gesture wants it
@@ -30,7 +30,7 @@ Task = tuple[str, str]  # a gesture's id, a style's name
 
 
 @dataclass(frozen=True)
-class Result:
+class GestureResult:
     """What came of one gesture in one style."""
 
     gesture: str
@@ -47,10 +47,10 @@ class Result:
 
 def bench() -> list[Figure]:
     """Counts the lexicon, and plays each gesture once in every style."""
-    return figures(list(play(every(names_of("style")), jobs=os.cpu_count() or 1)))
+    return lexicon_figures(list(play_gestures(every(names_of("style")), jobs=os.cpu_count() or 1)))
 
 
-def figures(results: Sequence[Result]) -> list[Figure]:
+def lexicon_figures(results: Sequence[GestureResult]) -> list[Figure]:
     """What came of performances in several styles: of those in the neutral style, and of all."""
     neutral = [result for result in results if result.style == NEUTRAL]
     return [
@@ -72,7 +72,7 @@ def sample(tasks: Sequence[Task], *, share: float, seed: int) -> list[Task]:
     return [tasks[k] for k in sorted(chosen)]
 
 
-def play(tasks: Sequence[Task], *, jobs: int) -> Iterable[Result]:
+def play_gestures(tasks: Sequence[Task], *, jobs: int) -> Iterable[GestureResult]:
     """Plays gestures in processes of their own; results come as they are ready.
 
     Raises:
@@ -84,15 +84,15 @@ def play(tasks: Sequence[Task], *, jobs: int) -> Iterable[Result]:
         yield result
 
 
-def judged(gesture: str, style: str, known: Facts) -> Result:
+def judged(gesture: str, style: str, known: Setup) -> GestureResult:
     """Plays one gesture in one style, planned and in the nominal twin."""
     styled = replace(known, style=Style.load(style))
     form = next(form for form in styled.lexicon.forms if form.id == gesture)
-    planned = played(form, styled)
+    planned = plan_gesture(form, styled)
     performance = dry_run(planned)
     strokes = [sync for sync in planned.syncs if sync.sync == "stroke"]
     dropped = any(outcome.kind == "dropped" for outcome in planned.keyframes.outcomes.values())
-    return Result(
+    return GestureResult(
         gesture=gesture,
         style=style,
         dropped=dropped,
@@ -116,7 +116,7 @@ def _late(performance: Performance) -> float:
     return float(max(found, default=np.inf))
 
 
-def _prepare(make_facts: Callable[[], Facts]) -> Callable[[Task], Result]:
+def _prepare(make_facts: Callable[[], Setup]) -> Callable[[Task], GestureResult]:
     known = make_facts()
     return lambda task: judged(*task, known)
 
@@ -133,7 +133,7 @@ def _counts(lexicon: Lexicon) -> list[Figure]:
     ]
 
 
-def _figures(part: str, results: Sequence[Result], *, neutral: bool) -> list[Figure]:
+def _figures(part: str, results: Sequence[GestureResult], *, neutral: bool) -> list[Figure]:
     """What came of many; strokes must be where they were asked in the neutral style, in others moves must be told."""
     errors = 1000 * np.array([result.stroke_error for result in results])
     late = [f"{result.gesture} ({result.style})" for result in results if not result.on_time]

@@ -16,7 +16,7 @@ from kinesic.bench.figure import Figure
 from kinesic.controller.arrival import WINDOW
 from kinesic.controller.perform import facts
 from kinesic.studies.sweep.measures import SHOWN
-from kinesic.studies.sweep.series import LATE, MEASURE_OF, Series, sweep
+from kinesic.studies.sweep.series import LATE, MEASURE_OF, Series, sweep_parameter
 
 # Beat, deictic, emblem, iconic, metaphoric and adaptor; of one hand and of two; near, far, low, high, round and waving.
 GESTURES = (
@@ -42,7 +42,7 @@ DPI = 100
 def swept() -> tuple[Series, ...]:
     """Every gesture over every parameter, five values each; measured once in a process."""
     known = facts()
-    return tuple(sweep(gesture, parameter, known) for parameter in MEASURE_OF for gesture in GESTURES)
+    return tuple(sweep_parameter(gesture, parameter, known) for parameter in MEASURE_OF for gesture in GESTURES)
 
 
 def bench() -> list[Figure]:
@@ -50,11 +50,11 @@ def bench() -> list[Figure]:
     return [
         figure
         for parameter in MEASURE_OF
-        for figure in figures(parameter, [each for each in swept() if each.parameter == parameter])
+        for figure in sweep_figures(parameter, [each for each in swept() if each.parameter == parameter])
     ]
 
 
-def figures(parameter: str, series: Sequence[Series]) -> list[Figure]:
+def sweep_figures(parameter: str, series: Sequence[Series]) -> list[Figure]:
     """What a parameter does over some gestures."""
     return [_monotone(parameter, series), _stroke(parameter, series), *strength(parameter, series)]
 

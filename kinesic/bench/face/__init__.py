@@ -33,11 +33,11 @@ def bench() -> list[Figure]:
     values = {} if reason else _measured()
     return [
         Figure(name, values.get(name), unit, goal, better, reason or _beside(name))
-        for name, unit, goal, better in wanted()
+        for name, unit, goal, better in expected_figures()
     ]
 
 
-def wanted() -> Iterator[tuple[str, str, float | None, Better]]:
+def expected_figures() -> Iterator[tuple[str, str, float | None, Better]]:
     """Name, unit, goal and direction of each figure."""
     for preset in PRESETS:
         for width, height in PICTURES:

@@ -25,11 +25,11 @@ def frames(sizes: Sequence[Size]) -> dict[str, float]:
             found[f"face.fps.{name}_{width}x{height}"] = 1.0 / wall
             found[f"face.fps.{name}_{width}x{height}_cpu"] = 1000.0 * cpu
     with Portrait(preset=NORMAL, size=sizes[0]) as portrait:
-        found["face.fps.covered"] = 100.0 * min(_covered(portrait, *frame) for frame in islice(moving(), FRAMES))
+        found["face.fps.covered"] = 100.0 * min(_covered(portrait, *frame) for frame in islice(moving_face(), FRAMES))
     return found
 
 
-def moving() -> Iterator[tuple[dict[str, float], Camera]]:
+def moving_face() -> Iterator[tuple[dict[str, float], Camera]]:
     """A face that talks, smiles, raises its brows, blinks and looks about as the head turns; never the same twice."""
     k = 0
     while True:
@@ -48,7 +48,7 @@ def moving() -> Iterator[tuple[dict[str, float], Camera]]:
 def _timed(portrait: Portrait, count: int) -> tuple[float, float]:
     """Seconds of the clock and of the processors for a frame, at the median."""
     wall, cpu = [], []
-    for units, camera in islice(moving(), WARM + count):
+    for units, camera in islice(moving_face(), WARM + count):
         began, spent = perf_counter(), process_time()
         portrait.draw(units, camera)
         wall.append(perf_counter() - began)

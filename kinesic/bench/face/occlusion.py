@@ -18,7 +18,7 @@ from kinesic.face.render.occlusion import OcclusionPass, samples
 from kinesic.face.render.passes import texture
 from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import NORMAL, Estimator, Occlusion, Pattern
-from kinesic.face.render.seen import Seen, SeenPass
+from kinesic.face.render.seen import PositionBuffer, SeenPass
 
 TABLE_SIZE = (1024, 768)  # pixels; the thesis has 50 000 triangles, the finer head has 41 000
 REPETITIONS = 5
@@ -49,7 +49,9 @@ def occlusion(sizes: Sequence[int]) -> dict[str, float]:
     return found | _on_the_picture()
 
 
-def _compared(context: moderngl.Context, seen: Seen, told: Occlusion, scale: float, head: Flags) -> dict[str, float]:
+def _compared(
+    context: moderngl.Context, seen: PositionBuffer, told: Occlusion, scale: float, head: Flags
+) -> dict[str, float]:
     """One row of the table."""
     passes = {
         "separable": OcclusionPass(context, seen, told),
@@ -89,7 +91,7 @@ def _on_boxes(context: moderngl.Context) -> dict[str, float]:
     position, normal = (texture(context, each, "f4") for each in boxes())
     for each in (position, normal):
         each.filter = (moderngl.NEAREST, moderngl.NEAREST)
-    seen = Seen(position, normal)
+    seen = PositionBuffer(position, normal)
 
     def opened(told: Occlusion) -> Floats:
         return OcclusionPass(context, seen, told).draw(SCALE).read()[..., 0]

@@ -7,7 +7,7 @@ from scipy.ndimage import binary_dilation
 
 from kinesic.body.arrays import Flags, Floats
 from kinesic.face.assets.action_units import intensities
-from kinesic.face.assets.chart import window
+from kinesic.face.assets.chart import chart_window
 from kinesic.face.render.camera import FRONT, Camera
 from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.wrinkles import maps, shares, wrinkles
@@ -50,7 +50,7 @@ class _Head:
         with self._pipeline.geometry.context:
             place = self._pipeline.geometry.draw({}, FRONT).read(1)
         drawn = binary_dilation(np.any(maps()[list(numbers)] != 0.0, axis=0), iterations=MARGIN)
-        scale, offset = np.array(window()).reshape(2, 2)
+        scale, offset = np.array(chart_window()).reshape(2, 2)
         column, row = np.moveaxis(np.clip((place[..., :2] * scale + offset) * len(drawn), 0, len(drawn) - 1), -1, 0)
         return np.asarray(drawn[row.astype(int), column.astype(int)])
 

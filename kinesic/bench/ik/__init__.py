@@ -27,9 +27,9 @@ def draw(figures: Sequence[Figure], folder: Path) -> list[Path]:
     """
     values = {figure.name: figure.value for figure in figures if figure.value is not None}
     pictures = []
-    if table71.name(table71.REFERENCE, table71.SIZES[0], "ratio") in values:
+    if table71.table_name(table71.REFERENCE, table71.SIZES[0], "ratio") in values:
         pictures.append(table71.draw(values, folder / "ik-table71.png"))
-    if ablation.name("whole", "mm") in values:
+    if ablation.ablation_name("whole", "mm") in values:
         pictures.append(ablation.draw(values, folder / "ik-solver.png"))
     if any(f"ik.peer_{peer.name}_us" in values for peer in PEERS):
         pictures.append(peers.draw(values, folder / "ik-peers.png"))

@@ -27,10 +27,10 @@ from kinesic.body.robot import Robot
 from kinesic.ik import KERNEL
 from kinesic.ik.arm.hinges import extract
 from kinesic.ik.arm.linkage import Linkage, linkage_of
-from kinesic.ik.arm.masses import settle
+from kinesic.ik.arm.masses import settle_masses
 from kinesic.ik.arm.multistart import approach, reach, reach_many
 from kinesic.ik.arm.polish import polish
-from kinesic.ik.arm.shoulder_elbow import EXACT, bent, placed
+from kinesic.ik.arm.shoulder_elbow import EXACT, bent, place_shoulder
 from kinesic.ik.arm.swivel import elbow_at
 from kinesic.ik.scalar3 import Vector, minus, vector, within
 from kinesic.ik.solve import solve
@@ -56,11 +56,11 @@ SPRINGS, STOPPED, FOUND, RED, PALE, INK = "#2b7a78", "#d98e2b", "#5b6fb5", "#b32
 SMALL = 8.5  # [pt]
 
 
-Answer = Callable[["Arm", Floats], Sequence[float] | Floats]
+Answer = Callable[["AblationArm", Floats], Sequence[float] | Floats]
 
 
 @dataclass(frozen=True, eq=False)
-class Arm:
+class AblationArm:
     """The arm that is asked, and where it begins each time."""
 
     chain: Chain
@@ -71,17 +71,17 @@ class Arm:
 def bench() -> list[Figure]:
     """Shares, travel and times of every row."""
     chain = Robot.load().arms["l"]
-    arm = Arm(chain, linkage_of(chain), tuple(chain.rest.tolist()))
+    arm = AblationArm(chain, linkage_of(chain), tuple(chain.rest.tolist()))
     asked = targets(default_rng(93), chain, TARGETS[KERNEL])
     return [figure for row, answer in ROWS.items() for figure in _figures(row, answer, arm, asked)]
 
 
-def name(row: Row, quantity: Literal["mm", "tenth_mm", "travel", "us"]) -> str:
+def ablation_name(row: Row, quantity: Literal["mm", "tenth_mm", "travel", "us"]) -> str:
     """The name of a figure."""
     return f"ik.ablation_{row}_{quantity}"
 
 
-def _figures(row: Row, answer: Answer, arm: Arm, asked: Floats) -> list[Figure]:
+def _figures(row: Row, answer: Answer, arm: AblationArm, asked: Floats) -> list[Figure]:
     misses: list[float] = []
     travels: list[float] = []
     seconds: list[float] = []
@@ -93,24 +93,24 @@ def _figures(row: Row, answer: Answer, arm: Arm, asked: Floats) -> list[Figure]:
         misses.append(float(np.linalg.norm(arm.chain.hand(angles) - target)))
         travels.append(float(np.abs(angles - arm.chain.rest).sum()))
     figures = [
-        Figure(name(row, "mm"), float(np.mean(np.array(misses) < MM)), "share", None, "higher"),
-        Figure(name(row, "tenth_mm"), float(np.mean(np.array(misses) < TENTH_MM)), "share", None, "higher"),
-        Figure(name(row, "travel"), median(travels), "rad", None, "lower"),
+        Figure(ablation_name(row, "mm"), float(np.mean(np.array(misses) < MM)), "share", None, "higher"),
+        Figure(ablation_name(row, "tenth_mm"), float(np.mean(np.array(misses) < TENTH_MM)), "share", None, "higher"),
+        Figure(ablation_name(row, "travel"), median(travels), "rad", None, "lower"),
     ]
     if row in ENTRIES and KERNEL == "compiled":
-        figures.append(Figure(name(row, "us"), 1e6 * median(seconds), "us", None, "lower"))
+        figures.append(Figure(ablation_name(row, "us"), 1e6 * median(seconds), "us", None, "lower"))
     return figures
 
 
-def masses(arm: Arm, target: Vector) -> tuple[Vector, ...]:
+def masses(arm: AblationArm, target: Vector) -> tuple[Vector, ...]:
     """Where the masses come to rest [m]: ends of the bones from the base to the hand; no elbow's range is known."""
-    place = placed(arm.linkage, target, near=arm.rest, rest=arm.rest)
+    place = place_shoulder(arm.linkage, target, near=arm.rest, rest=arm.rest)
     elbow = arm.linkage.walk(arm.rest, len(arm.linkage.links) - 2)[1][-1]
     lengths = [link.length for link in arm.linkage.links[-3:-1]]
-    return (*place.girdle, *settle((place.shoulder, elbow, place.target), lengths, place.target).points[1:])
+    return (*place.girdle, *settle_masses((place.shoulder, elbow, place.target), lengths, place.target).points[1:])
 
 
-def guessed(arm: Arm, points: Sequence[Vector]) -> tuple[float, ...]:
+def guessed(arm: AblationArm, points: Sequence[Vector]) -> tuple[float, ...]:
     """Hinges from points, bone by bone: each takes its own best branch and never learns what comes of it [rad]."""
     angles: tuple[float, ...] = ()
     for count, (link, point) in enumerate(zip(arm.linkage.links, points, strict=False)):
@@ -121,48 +121,48 @@ def guessed(arm: Arm, points: Sequence[Vector]) -> tuple[float, ...]:
     return angles
 
 
-def _masses_guess(arm: Arm, target: Floats) -> Sequence[float]:
+def _masses_guess(arm: AblationArm, target: Floats) -> Sequence[float]:
     return guessed(arm, masses(arm, vector(target)))
 
 
-def _masses_branches(arm: Arm, target: Floats) -> Sequence[float]:
+def _masses_branches(arm: AblationArm, target: Floats) -> Sequence[float]:
     return extract(arm.linkage, masses(arm, vector(target)), arm.rest).angles
 
 
-def _circle(arm: Arm, target: Floats) -> Sequence[float]:
-    place = placed(arm.linkage, vector(target), near=arm.rest, rest=arm.rest)
+def _circle(arm: AblationArm, target: Floats) -> Sequence[float]:
+    place = place_shoulder(arm.linkage, vector(target), near=arm.rest, rest=arm.rest)
     return bent(arm.linkage, place, near=arm.rest, swivel=None).angles
 
 
-def _masses_guess_polish(arm: Arm, target: Floats) -> Sequence[float]:
+def _masses_guess_polish(arm: AblationArm, target: Floats) -> Sequence[float]:
     return _polished(arm, target, _masses_guess(arm, target))
 
 
-def _masses_branches_polish(arm: Arm, target: Floats) -> Sequence[float]:
+def _masses_branches_polish(arm: AblationArm, target: Floats) -> Sequence[float]:
     return _polished(arm, target, _masses_branches(arm, target))
 
 
-def _masses_branches_polish_seeds(arm: Arm, target: Floats) -> Sequence[float]:
+def _masses_branches_polish_seeds(arm: AblationArm, target: Floats) -> Sequence[float]:
     begin, mobility = _masses_branches(arm, target), arm.linkage.mobility
     return approach(arm.linkage, vector(target), begin, posture=arm.rest, mobility=mobility).angles
 
 
-def _polish(arm: Arm, target: Floats) -> Floats:
+def _polish(arm: AblationArm, target: Floats) -> Floats:
     rows, _ = reach_many(arm.chain, target[None], arm.chain.rest)
     return rows.ravel()
 
 
-def _polish_seeds(arm: Arm, target: Floats) -> Floats:
+def _polish_seeds(arm: AblationArm, target: Floats) -> Floats:
     angles = arm.chain.rest.copy()
     reach(arm.chain, target, angles)
     return angles
 
 
-def _whole(arm: Arm, target: Floats) -> Floats:
+def _whole(arm: AblationArm, target: Floats) -> Floats:
     return solve(arm.chain, Reach(target), start=arm.chain.rest).angles
 
 
-def _polished(arm: Arm, target: Floats, begin: Sequence[float]) -> Sequence[float]:
+def _polished(arm: AblationArm, target: Floats, begin: Sequence[float]) -> Sequence[float]:
     mobility = arm.linkage.mobility
     return polish(arm.linkage, vector(target), begin, posture=arm.rest, mobility=mobility).angles
 
@@ -207,7 +207,7 @@ def draw(values: Mapping[str, float], path: Path) -> Path:
         KeyError: a figure of the ablation is missing.
     """
     chain = Robot.load().arms["l"]
-    arm = Arm(chain, linkage_of(chain), tuple(chain.rest.tolist()))
+    arm = AblationArm(chain, linkage_of(chain), tuple(chain.rest.tolist()))
     figure = Picture(figsize=(12.5, 4.8), layout="constrained")
     FigureCanvasAgg(figure)
     first, second, third = figure.subplots(1, 3, width_ratios=[1.0, 1.0, 1.1])
@@ -218,7 +218,7 @@ def draw(values: Mapping[str, float], path: Path) -> Path:
     return path
 
 
-def _masses(axes: Axes, arm: Arm) -> None:
+def _masses(axes: Axes, arm: AblationArm) -> None:
     """From rest to the masses, and what the hinges make of those."""
     ends = masses(arm, TARGET)
     held = extract(arm.linkage, ends, arm.rest).angles
@@ -228,9 +228,9 @@ def _masses(axes: Axes, arm: Arm) -> None:
     _dressed(axes, "masses know no ranges")
 
 
-def _draw_circle(axes: Axes, arm: Arm) -> None:
+def _draw_circle(axes: Axes, arm: AblationArm) -> None:
     """The elbow's circle, the part that the ranges allow, and the answer."""
-    place = placed(arm.linkage, TARGET, near=arm.rest, rest=arm.rest)
+    place = place_shoulder(arm.linkage, TARGET, near=arm.rest, rest=arm.rest)
     circle = [
         elbow_at(arm.linkage, place.shoulder, place.target, swivel) for swivel in np.linspace(-np.pi, np.pi, SWIVELS)
     ]
@@ -249,7 +249,7 @@ def _draw_circle(axes: Axes, arm: Arm) -> None:
 def _bars(axes: Axes, values: Mapping[str, float]) -> None:
     """Shares of targets below 1 mm."""
     for row, key in enumerate(ROWS):
-        share = 100.0 * values[name(key, "mm")]
+        share = 100.0 * values[ablation_name(key, "mm")]
         axes.barh(-row, share, height=0.66, color=FOUND if key == "whole" else SPRINGS, zorder=2)
         axes.text(share - 1.0, -row, f"{share:.1f}", ha="right", va="center", fontsize=SMALL, color="white")
     axes.set_yticks([-row for row in range(len(ROWS))], [WORDS[key] for key in ROWS])
@@ -260,7 +260,7 @@ def _bars(axes: Axes, values: Mapping[str, float]) -> None:
         axes.spines[side].set_visible(False)
 
 
-def _posture(arm: Arm, angles: Sequence[float]) -> list[Vector]:
+def _posture(arm: AblationArm, angles: Sequence[float]) -> list[Vector]:
     return arm.linkage.walk(angles, len(arm.linkage.links) - 1)[1]
 
 

@@ -26,7 +26,7 @@ OPTIONS: Mapping[str, bool | int | float | str] = {
 
 
 @dataclass(frozen=True, eq=False)
-class Optimum:
+class BestPosture:
     """The best of all beginnings."""
 
     angles: Floats  # (k,) [rad] inside the ranges
@@ -36,7 +36,7 @@ class Optimum:
     beginnings: int  # that were needed
 
 
-def optimum(chain: Chain, reach: Reach, *, beginnings: int = 20, seed: int = 0) -> Optimum:
+def best_posture(chain: Chain, reach: Reach, *, beginnings: int = 20, seed: int = 0) -> BestPosture:
     """Minimises what is left of a reach over the box of the ranges.
 
     Args:
@@ -59,7 +59,7 @@ def optimum(chain: Chain, reach: Reach, *, beginnings: int = 20, seed: int = 0) 
             best, least = found, cost
     angles = np.clip(best, chain.lower, chain.upper)
     rotations, centres = chain.frames(angles)
-    return Optimum(
+    return BestPosture(
         sealed(angles),
         float(np.linalg.norm(centres[-2] - reach.position)),
         _between(centres[-1] - centres[-2], reach.pointing),

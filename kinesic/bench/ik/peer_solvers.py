@@ -29,21 +29,21 @@ DAMPING = 1e-6  # of their quadratic programs
 
 
 @dataclass(frozen=True, eq=False)
-class Carrier:
+class WristHinge:
     """A hinge that moves the hand's centre, and where it sits."""
 
     hinge: Hinge
     offset: Floats  # (3,) [m] from the hinge before it, in that one's segment
 
 
-def carriers(chain: Chain) -> tuple[Carrier, ...]:
+def carriers(chain: Chain) -> tuple[WristHinge, ...]:
     """The hinges up to the hand's centre.
 
     The last joint sits in this centre and turns around it: peers are spared its hinges.
     """
     offsets = [chain.origin_in_base, *(joint.bone for joint in chain.joints)]
     return tuple(
-        Carrier(hinge, offset if k == 0 else np.zeros(3))
+        WristHinge(hinge, offset if k == 0 else np.zeros(3))
         for joint, offset in zip(chain.joints[:-1], offsets, strict=False)
         for k, hinge in enumerate(joint.hinges)
     )
@@ -76,7 +76,7 @@ def _link(name: str) -> str:
     return f'<link name="{name}"><inertial><mass value="1"/>{inertia}</inertial></link>\n'
 
 
-def _joint(carrier: Carrier, *, parent: str, child: str) -> str:
+def _joint(carrier: WristHinge, *, parent: str, child: str) -> str:
     hinge = carrier.hinge
     limit = f'lower="{hinge.lower!r}" upper="{hinge.upper!r}" velocity="{FAST}" effort="{FAST}"'
     return f"""<joint name="{hinge.name}" type="revolute"><parent link="{parent}"/><child link="{child}"/>
@@ -230,7 +230,7 @@ def _moves(offset: Floats) -> list["rtb.ET"]:
     return [move(float(length)) for move, length in zip(along, offset, strict=True) if length != 0.0]
 
 
-def _turn(carrier: Carrier) -> "rtb.ET":
+def _turn(carrier: WristHinge) -> "rtb.ET":
     """A rotation by the hinge's angle, flipped where its axis is an opposite one.
 
     Raises:
@@ -246,7 +246,7 @@ def _turn(carrier: Carrier) -> "rtb.ET":
     return turn(flip=bool(hinge.axis[main] < 0.0), qlim=np.array(_bounds(carrier)))
 
 
-def _bounds(carrier: Carrier) -> tuple[float, float]:
+def _bounds(carrier: WristHinge) -> tuple[float, float]:
     return carrier.hinge.lower, carrier.hinge.upper
 
 

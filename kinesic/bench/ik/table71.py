@@ -81,7 +81,7 @@ THESIS: dict[tuple[Method, int], Printed] = {
 }
 
 
-def name(method: Method, bones: int, quantity: Quantity) -> str:
+def table_name(method: Method, bones: int, quantity: Quantity) -> str:
     """The name of a figure."""
     return f"ik.table71_{method}_n{bones}_{quantity}"
 
@@ -107,7 +107,7 @@ def _figures(bones: int) -> list[Figure]:
             value, thesis = values.get((method, quantity)), printed(method, bones, quantity)
             why = "the kernel is not compiled" if value is None else "" if thesis is None else f"thesis {thesis:.3g}"
             better: Literal["lower", "higher"] = "higher" if unit == "share" else "lower"
-            figures.append(Figure(name(method, bones, quantity), value, unit, None, better, why))
+            figures.append(Figure(table_name(method, bones, quantity), value, unit, None, better, why))
     return figures
 
 
@@ -185,19 +185,19 @@ def _bars(axes: Axes, values: Mapping[str, float], bones: int, quantity: Quantit
     counted = quantity == "iterations"
     begin = 0.8 if counted else 1.0
     for row, method in enumerate(METHODS):
-        value, thesis = values[name(method, bones, quantity)], printed(method, bones, quantity)
+        value, thesis = values[table_name(method, bones, quantity)], printed(method, bones, quantity)
         axes.barh(-row, value - begin, left=begin, height=0.66, color=_colour(method), zorder=2)
         if thesis is not None:
             axes.plot(thesis, -row, "D", markersize=6, markerfacecolor="white", markeredgecolor=THESIS_COLOUR, zorder=4)
         figure = f"{value:.1f}" if counted else f"{value:.2f}"
         axes.text(1.01, -row, figure, transform=axes.get_yaxis_transform(), va="center", fontsize=SMALL, color=INK)
-        success = values[name(method, bones, "success")]
+        success = values[table_name(method, bones, "success")]
         if counted and success < 1.0:
             axes.text(0.9, -row, f"reaches {100.0 * success:.1f} %", va="center", fontsize=SMALL, color="white")
     axes.set_xscale("log")
     axes.set_xlim((begin, 130.0) if counted else (0.25, 17.0))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
-    unit = f"median time, in those of thesis method 2 ({values[name(REFERENCE, bones, 'us')]:.1f} \u00b5s)"
+    unit = f"median time, in those of thesis method 2 ({values[table_name(REFERENCE, bones, 'us')]:.1f} \u00b5s)"
     axes.set_xlabel("iterations, mean" if counted else unit, fontsize=SMALL)
     axes.set_yticks([-row for row in range(len(METHODS))], [WORDS[method] for method in METHODS])
     axes.tick_params(labelsize=SMALL, length=2)

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.random import default_rng
 
 from kinesic.bench.figure import Figure
-from kinesic.bench.ik.best_posture import optimum
+from kinesic.bench.ik.best_posture import best_posture
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
 from kinesic.ik.pose import solve_pose
@@ -52,7 +52,7 @@ def _beyond(robot: Robot) -> Figure:
     for _ in range(BEYOND):
         away = chance.normal(size=3)
         target = Reach(shoulder + chance.uniform(1.1, 1.8) * robot.arm_length * away / np.linalg.norm(away))
-        best = optimum(chain, target).residual
+        best = best_posture(chain, target).residual
         near += solve(chain, target, start=chain.rest).residual - best <= NEAR_BEST
     return Figure(
         "ik.unreachable", near / BEYOND, "share", 0.95, "higher", f"{BEYOND} targets, within 5 mm of the best"

@@ -69,7 +69,7 @@ def ellipse(turn: float) -> Floats:
     return np.array([0.28, 0.1 + 0.12 * np.cos(turn), -0.05 + 0.18 * np.sin(turn)])
 
 
-def paths(chain: Chain) -> dict[str, Path]:
+def tracking_paths(chain: Chain) -> dict[str, Path]:
     """The ellipse, out and back to 94 % of the reach, a circle about the T-pose, and up and down beside the body."""
     shoulder = chain.frames(chain.rest)[1][-4]
     length = float(chain.lengths[-3:-1].sum())
@@ -107,7 +107,7 @@ def bench() -> list[Figure]:
         laps.append(lap)
     rows = np.array(laps)
     plain = damped_least_squares(chain, ellipse, steps, LAPS)
-    followed = {name: _followed(chain, path) for name, path in paths(chain).items()}
+    followed = {name: _followed(chain, path) for name, path in tracking_paths(chain).items()}
     errors, drifts = ({name: pair[k] for name, pair in followed.items()} for k in range(2))
     return [
         Figure(f"ik.tracking_step_{KERNEL}", 1e6 * median(seconds), "us", 1.2, "lower"),

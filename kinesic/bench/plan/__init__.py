@@ -6,9 +6,9 @@ from time import perf_counter
 
 import numpy as np
 
-from kinesic.bench.blocks import crowd, passage
+from kinesic.bench.blocks import crowd, passage_text
 from kinesic.bench.figure import Figure
-from kinesic.bench.plan.optimum import optimum
+from kinesic.bench.plan.optimum import best_times
 from kinesic.bml.block import NoticeType
 from kinesic.body.arrays import Floats
 from kinesic.controller.perform import facts, plan
@@ -19,7 +19,7 @@ from kinesic.motion.keys import Keys
 from kinesic.motion.limit_check import RATE, peaks
 from kinesic.planning.coupling import bonds
 from kinesic.planning.plan import Plan
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.report.checks import TOLERANCE
 
@@ -32,8 +32,8 @@ def bench() -> list[Figure]:
     """Times the passage and a hurried one, warm, and judges their plans and those of crowded blocks."""
     known = facts()
     lexemes = [form.id for form in known.lexicon.forms]
-    plan(passage(0), known)
-    seconds, plans = _timed(passage, known)
+    plan(passage_text(0), known)
+    seconds, plans = _timed(passage_text, known)
     hurried, moved = _timed(hurry, known)
     crowded = [plan(crowd(seed, lexemes), known) for seed in range(CROWDS)]
     every = [*plans, *moved, *crowded]
@@ -52,14 +52,14 @@ def bench() -> list[Figure]:
 
 def hurry(repetition: int) -> str:
     """The passage with strokes that come sooner after what is before them than servos can follow."""
-    text = passage(repetition)
+    text = passage_text(repetition)
     later = 0.003 * (repetition % 17)
     for stroke, sooner in ((1.0, 0.45), (2.7, 2.3), (3.9, 3.0)):
         text = text.replace(f'stroke="{stroke + later:.3f}"', f'stroke="{sooner + later:.3f}"')
     return text
 
 
-def _timed(text_of: Callable[[int], str], known: Facts) -> tuple[list[float], list[Plan]]:
+def _timed(text_of: Callable[[int], str], known: Setup) -> tuple[list[float], list[Plan]]:
     seconds, plans = [], []
     for repetition in range(1, REPETITIONS + 1):
         text = text_of(repetition)
@@ -116,7 +116,7 @@ def stretch(crowded: Iterable[Plan]) -> list[Figure]:
         motion = condition(planned.postures.postures, known.limits, bonds=ties)
         if (moved := strain(keys, motion.planned)) < STRAINED:
             continue
-        least = optimum(keys, motion, known.limits, LEAD_IN)
+        least = best_times(keys, motion, known.limits, LEAD_IN)
         if least is not None:
             ours.append(moved)
             best.append(least.strain)

@@ -5,17 +5,17 @@ from time import perf_counter
 
 import numpy as np
 
-from kinesic.bench.blocks import passage
+from kinesic.bench.blocks import passage_text
 from kinesic.bench.figure import Figure
 from kinesic.bml.parse import parse
 from kinesic.body.command import RATE
 from kinesic.controller.feedforward import lead
 from kinesic.controller.perform import facts
-from kinesic.controller.play import commands, ticks
-from kinesic.motion.trajectory import held
-from kinesic.planning.plan import plan
+from kinesic.controller.play import command_times, commands
+from kinesic.motion.trajectory import stay
+from kinesic.planning.plan import plan_block
 from kinesic.planning.quick_plan import opening
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 from kinesic.realizer.merge import merged
 from kinesic.realizer.replan import restyled
 
@@ -26,13 +26,13 @@ OVER = 0.2  # [s] of the opening that is played before the better plan takes ove
 def bench() -> list[Figure]:
     """Times the passage from its text to the first command, and the way over into the better plan."""
     known = facts()
-    _first(passage(0), known)
-    seconds = [_first(passage(repetition), known) for repetition in range(1, REPETITIONS + 1)]
+    _first(passage_text(0), known)
+    seconds = [_first(passage_text(repetition), known) for repetition in range(1, REPETITIONS + 1)]
     over = []
     for repetition in range(1, 6):
-        block = parse(passage(repetition))
-        better = plan(block, known)
-        playing = merged(held(known.robot.skeleton.rest), 0.0, opening(block, known), begin=0.0)
+        block = parse(passage_text(repetition))
+        better = plan_block(block, known)
+        playing = merged(stay(known.robot.skeleton.rest), 0.0, opening(block, known), begin=0.0)
         began = perf_counter()
         found = restyled(playing.trajectory, OVER, playing, better)
         over.append(1000 * (perf_counter() - began) if found else np.inf)
@@ -43,11 +43,11 @@ def bench() -> list[Figure]:
     ]
 
 
-def _first(text: str, known: Facts) -> float:
+def _first(text: str, known: Setup) -> float:
     """[s] from a text to its first command."""
     began = perf_counter()
     planned = opening(parse(text), known)
-    times = ticks(planned.duration)
+    times = command_times(planned.duration)
     setpoints = lead(planned.trajectory, times[:1], known.robot, known.dynamics, period=1 / RATE)
     next(iter(commands(planned.trajectory, times[:1], setpoints)))
     return perf_counter() - began

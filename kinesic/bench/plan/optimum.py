@@ -37,7 +37,7 @@ OPTIONS: dict[str, int | float | str] = {
 
 
 @dataclass(frozen=True, eq=False)
-class Optimum:
+class BestTimes:
     """The best times that were found."""
 
     times: Floats  # (m,) [s] block time of the keys
@@ -45,7 +45,7 @@ class Optimum:
     excess: float  # largest share of a limit on a dense grid
 
 
-def optimum(keys: Keys, motion: Conditioned, limits: Limits, lead_in: float) -> Optimum | None:
+def best_times(keys: Keys, motion: Conditioned, limits: Limits, lead_in: float) -> BestTimes | None:
     """The least strain found from a motion, and from the asked times; None when none is found.
 
     Only hinges that bind take part: those that met a limit, and then any that cannot pass the times found without it.
@@ -123,7 +123,7 @@ def _wide(bound: ArrayLike, like: Floats) -> Floats:
 
 def _solved(
     keys: Keys, hinges: Iterable[int], motion: Conditioned, limits: Limits, lead_in: float, begin: Floats
-) -> Optimum | None:
+) -> BestTimes | None:
     """The program with some hinges, from some times."""
     program, moved = _Program(), begin - keys.asked
     times = program.variable(begin, keys.asked[0] - lead_in, np.inf)
@@ -144,7 +144,7 @@ def _solved(
         return None
     found, states = values[0], values[4:]
     excess = max(way.excess(found, states[4 * k : 4 * k + 4]) for k, way in enumerate(ways))
-    return Optimum(sealed(found), strain(keys, found), excess) if excess <= 1.0 + TOLERANCE else None
+    return BestTimes(sealed(found), strain(keys, found), excess) if excess <= 1.0 + TOLERANCE else None
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,14 +8,14 @@ from collections.abc import Callable
 
 from kinesic.bml.block import Action, Activate, Interrupt, ParameterChange
 from kinesic.bml.reading.namespaces import is_composing
-from kinesic.bml.reading.reader import Named, Reading
+from kinesic.bml.reading.reader import BehaviourElement, DocumentReading
 from kinesic.bml.reading.tree import Element
 
 _VALUES = ("targetValue", "finalValue", "value")  # of a change, where it ends
 _SEPARATOR = re.compile(r"[\s,]+")
 
 
-def command_of(named: Named, reading: Reading) -> Action | None:
+def command_of(named: BehaviourElement, reading: DocumentReading) -> Action | None:
     """What an element does to other blocks; None when it is no such element.
 
     Raises:
@@ -35,21 +35,21 @@ def is_command(element: Element) -> bool:
     return element.local.lower() in _COMMANDS and is_composing(element.name, element)
 
 
-def _interrupt(named: Named) -> Action:
+def _interrupt(named: BehaviourElement) -> Action:
     return Interrupt(named.word("target"), _ids(named.word("include")), _ids(named.word("exclude")))
 
 
-def _activate(named: Named) -> Action:
+def _activate(named: BehaviourElement) -> Action:
     return Activate(named.word("target"))
 
 
-def _parameter_change(named: Named) -> Action:
-    inside = [named] + [Named(named.id, child, child.attributes) for child in named.element.children]
+def _parameter_change(named: BehaviourElement) -> Action:
+    inside = [named] + [BehaviourElement(named.id, child, child.attributes) for child in named.element.children]
     value = next((word for part in inside if (word := part.word(*_VALUES))), "")
     return ParameterChange(named.word("target"), named.word("paramId", "parameter", "name"), value)
 
 
-_COMMANDS: dict[str, Callable[[Named], Action]] = {
+_COMMANDS: dict[str, Callable[[BehaviourElement], Action]] = {
     "interrupt": _interrupt,
     "activate": _activate,
     "parametervaluechange": _parameter_change,

@@ -24,7 +24,7 @@ from kinesic.bml.block import (
     Wait,
 )
 from kinesic.bml.reading.manner import lexeme, reference_of
-from kinesic.bml.reading.reader import Named, Reading, number, whole
+from kinesic.bml.reading.reader import BehaviourElement, DocumentReading, read_number, read_whole
 from kinesic.bml.reading.recording import pause_of
 from kinesic.bml.reading.references import SYNC_ATTRIBUTES
 from kinesic.bml.reading.script import script_of
@@ -41,7 +41,7 @@ _ROTATIONS = {"X": "NOD", "Y": "SHAKE", "Z": "TILT"}  # of the draft: about whic
 _SIDES: dict[str, Literal["left", "right", "both"]] = {"left": "left", "right": "right", "both": "both"}
 
 
-def _gesture(named: Named, reading: Reading) -> Action:
+def _gesture(named: BehaviourElement, reading: DocumentReading) -> Action:
     kind = named.word("type")
     if kind.upper() == "POINT" and not named.word("lexeme"):
         return _pointing(named, reading)
@@ -49,34 +49,34 @@ def _gesture(named: Named, reading: Reading) -> Action:
     return Gesture(_lexeme(named, "lexeme", "type"), _mode(named, reading), target)
 
 
-def _pointing(named: Named, reading: Reading) -> Action:
+def _pointing(named: BehaviourElement, reading: DocumentReading) -> Action:
     return Pointing(named.word("target"), _mode(named, reading))
 
 
-def _head(named: Named, reading: Reading) -> Action:
-    strokes = whole(named, "repetition", reading, default=1, largest=MOST_STROKES)
+def _head(named: BehaviourElement, reading: DocumentReading) -> Action:
+    strokes = read_whole(named, "repetition", reading, default=1, largest=MOST_STROKES)
     asked = _lexeme(named, "lexeme", "rotation", "type")
-    return Head(_ROTATIONS.get(asked.upper(), asked), strokes, number(named, "amount", reading, default=0.5))
+    return Head(_ROTATIONS.get(asked.upper(), asked), strokes, read_number(named, "amount", reading, default=0.5))
 
 
-def _head_direction(named: Named, _: Reading) -> Action:
+def _head_direction(named: BehaviourElement, _: DocumentReading) -> Action:
     return HeadDirectionShift(named.word("target") or _lexeme(named, "lexeme"))
 
 
-def _gaze(named: Named, reading: Reading) -> Action:
+def _gaze(named: BehaviourElement, reading: DocumentReading) -> Action:
     return Gaze(
         target=named.word("target") or None,
         influence=_influence(named, reading),
-        offset_angle=number(named, "offsetAngle", reading, default=0.0),
+        offset_angle=read_number(named, "offsetAngle", reading, default=0.0),
         offset_direction=_one_of(DIRECTIONS, named, reading, "offsetDirection"),
         shift=named.element.local == "gazeShift",
     )
 
 
-def _face(named: Named, reading: Reading) -> Action:
+def _face(named: BehaviourElement, reading: DocumentReading) -> Action:
     """A face with lexemes or an action unit, as attributes or as elements inside."""
     inside = [named] + [
-        Named(named.id, child, child.attributes)
+        BehaviourElement(named.id, child, child.attributes)
         for child in named.element.children
         if child.local in ("lexeme", "facs", "faceFacs")
     ]
@@ -90,15 +90,15 @@ def _face(named: Named, reading: Reading) -> Action:
     amount = next((part for part in (named, first, *inside) if part.word("amount")), named)
     return Face(
         lexemes=lexemes or tuple(filter(None, [reference_of(named.element)])),
-        action_unit=whole(first, "au", reading, default=1, largest=LAST_ACTION_UNIT) if units else None,
+        action_unit=read_whole(first, "au", reading, default=1, largest=LAST_ACTION_UNIT) if units else None,
         side=_SIDES.get(first.word("side").lower(), "both"),
-        amount=number(amount, "amount", reading, default=0.5),
+        amount=read_number(amount, "amount", reading, default=0.5),
         shift=named.element.local == "faceShift",
     )
 
 
-def _posture(named: Named, _: Reading) -> Action:
-    inside = [Named(named.id, child, child.attributes) for child in named.element.children]
+def _posture(named: BehaviourElement, _: DocumentReading) -> Action:
+    inside = [BehaviourElement(named.id, child, child.attributes) for child in named.element.children]
     stances = (part.word("type") for part in inside if part.element.local == "stance")
     return Posture(
         stance=named.word("stance") or next(stances, None),
@@ -107,30 +107,30 @@ def _posture(named: Named, _: Reading) -> Action:
     )
 
 
-def _torso(named: Named, reading: Reading) -> Action:
-    return Torso(_lexeme(named, "lexeme"), number(named, "amount", reading, default=0.5))
+def _torso(named: BehaviourElement, reading: DocumentReading) -> Action:
+    return Torso(_lexeme(named, "lexeme"), read_number(named, "amount", reading, default=0.5))
 
 
-def _locomotion(named: Named, _: Reading) -> Action:
+def _locomotion(named: BehaviourElement, _: DocumentReading) -> Action:
     return Locomotion(named.word("target"), named.word("manner", "type", default="WALK"))
 
 
-def _speech(named: Named, reading: Reading) -> Action:
+def _speech(named: BehaviourElement, reading: DocumentReading) -> Action:
     return Speech(script_of(named, reading), pause_of(named.element, reading))
 
 
-def _wait(named: Named, reading: Reading) -> Action:
+def _wait(named: BehaviourElement, reading: DocumentReading) -> Action:
     name = next((name for name in ("duration", "max-wait") if named.word(name)), None)
     if name is None:
         return Wait()
-    duration = number(named, name, reading, default=0.0)
+    duration = read_number(named, name, reading, default=0.0)
     if not 0.0 <= duration <= LONGEST:
         what = f"{name}='{named.word(name)}' is no duration"
         raise reading.refuse(named.element.place, what, f"0 to {LONGEST:g} s is")
     return Wait(duration)
 
 
-ACTIONS: dict[str, Callable[[Named, Reading], Action]] = {
+ACTIONS: dict[str, Callable[[BehaviourElement, DocumentReading], Action]] = {
     "gesture": _gesture,
     "pointing": _pointing,
     "head": _head,
@@ -187,7 +187,7 @@ INSIDE: dict[str, tuple[str, ...]] = {  # attributes that are read of elements i
 _ALWAYS = frozenset({"id", "xmlns", *(name.lower() for name in SYNC_ATTRIBUTES)})
 
 
-def unknown_attributes(named: Named) -> list[str]:
+def unknown_attributes(named: BehaviourElement) -> list[str]:
     """Names of attributes without prefix that a behaviour's element has, and that nobody reads."""
     read = ATTRIBUTES.get(named.element.local)
     if read is None:
@@ -195,17 +195,17 @@ def unknown_attributes(named: Named) -> list[str]:
     return [name for name in named.attributes if name not in read and name.lower() not in _ALWAYS]
 
 
-def _lexeme(named: Named, *names: str) -> str:
+def _lexeme(named: BehaviourElement, *names: str) -> str:
     return reference_of(named.element) or lexeme(named.word(*names))
 
 
-def _influence(named: Named, reading: Reading) -> str | None:
+def _influence(named: BehaviourElement, reading: DocumentReading) -> str | None:
     """The widest part that takes part; AUTO leaves it to the angle, as saying nothing does."""
     found = _one_of(INFLUENCES, named, reading, "influence", "modality")
     return None if found == "AUTO" else found
 
 
-def _one_of(known: tuple[str, ...], named: Named, reading: Reading, *names: str) -> str | None:
+def _one_of(known: tuple[str, ...], named: BehaviourElement, reading: DocumentReading, *names: str) -> str | None:
     """An attribute in capitals; None, with a notice, when it is none of those that are known."""
     written = named.word(*names).upper()
     meant = written.replace("_", "")
@@ -215,7 +215,7 @@ def _one_of(known: tuple[str, ...], named: Named, reading: Reading, *names: str)
     return meant if meant in known else None
 
 
-def _mode(named: Named, reading: Reading) -> Mode:
+def _mode(named: BehaviourElement, reading: DocumentReading) -> Mode:
     written = named.word("mode", "hand", default="unspecified")
     mode = _MODES.get(written.lower().removesuffix("s").removesuffix("_hand"))
     if mode is None:

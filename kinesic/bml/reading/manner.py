@@ -26,10 +26,10 @@ from kinesic.bml.block import (
     Torso,
 )
 from kinesic.bml.reading.namespaces import own_attributes
-from kinesic.bml.reading.reader import Named, Reading, finite
+from kinesic.bml.reading.reader import BehaviourElement, DocumentReading, read_finite
 from kinesic.bml.reading.recording import PAUSE
 from kinesic.bml.reading.tree import Element
-from kinesic.body.config import closest, names_of
+from kinesic.body.config import names_of, suggestion
 
 GRETA_OPENNESS = (-0.7, 1.13)
 
@@ -60,7 +60,7 @@ def modality_of(action: Action) -> Modality | None:
     return None
 
 
-def manner_of(named: Named, action: Action, reading: Reading) -> Manner:
+def read_manner(named: BehaviourElement, action: Action, reading: DocumentReading) -> Manner:
     """Reads the expressivity of a behaviour, ours over Greta's; an empty Manner when its document says nothing.
 
     Raises:
@@ -77,7 +77,7 @@ def manner_of(named: Named, action: Action, reading: Reading) -> Manner:
     return manner
 
 
-def manners_of(bml: Element, reading: Reading) -> dict[Modality, Manner]:
+def manners_of(bml: Element, reading: DocumentReading) -> dict[Modality, Manner]:
     """Reads what the block says of all its behaviours: `power` of all modalities, `head.power` of one, which wins.
 
     Raises:
@@ -88,7 +88,7 @@ def manners_of(bml: Element, reading: Reading) -> dict[Modality, Manner]:
     for name, (part, _, parameter), text, place in sorted(said, key=lambda each: each[1][1]):
         modalities = [each for each in get_args(Modality) if part in ("", each)]
         if not modalities:
-            raise reading.refuse(place, f"{name} names no modality", closest(part, get_args(Modality))[2:])
+            raise reading.refuse(place, f"{name} names no modality", suggestion(part, get_args(Modality))[2:])
         for each in modalities:
             manners[each] = _told(manners.get(each, Manner()), name, parameter, text, place, reading)
     return manners
@@ -113,7 +113,7 @@ def lexeme(written: str) -> str:
     return written.strip().rpartition("=")[2].strip()
 
 
-def _greta(named: Named, reading: Reading) -> Manner:
+def _greta(named: BehaviourElement, reading: DocumentReading) -> Manner:
     """What a description of Greta's says."""
     description = _description(named.element, "gretabml")
     values = {}
@@ -121,7 +121,7 @@ def _greta(named: Named, reading: Reading) -> Manner:
         name = _FIELDS.get(child.local)
         if name is None or not child.text.strip():
             continue
-        value = finite(child.text.strip(), child.local, child.place, reading)
+        value = read_finite(child.text.strip(), child.local, child.place, reading)
         least, most = _GRETA_RANGES[name]
         values[name] = min(max(value, least), most)
         if values[name] != value:
@@ -142,15 +142,15 @@ def _said(element: Element) -> Iterator[tuple[str, str, Place]]:
             yield name, text.strip(), element.place
 
 
-def _told(manner: Manner, name: str, parameter: str, text: str, place: Place, reading: Reading) -> Manner:
+def _told(manner: Manner, name: str, parameter: str, text: str, place: Place, reading: DocumentReading) -> Manner:
     """The manner with one more of its fields, as a name says that stands in the document."""
     if parameter == "style":
         if text not in names_of("style"):
-            raise reading.refuse(place, f"{name}='{text}' is no style", closest(text, names_of("style"))[2:])
+            raise reading.refuse(place, f"{name}='{text}' is no style", suggestion(text, names_of("style"))[2:])
         return replace(manner, style=text)
     if parameter not in RANGES:
-        raise reading.refuse(place, f"{name} is no parameter", closest(parameter, ["style", *RANGES])[2:])
-    value = finite(text, name, place, reading)
+        raise reading.refuse(place, f"{name} is no parameter", suggestion(parameter, ["style", *RANGES])[2:])
+    value = read_finite(text, name, place, reading)
     least, most = RANGES[parameter]
     if not least <= value <= most:
         raise reading.refuse(place, f"{name}='{text}' is out of range", f"{least:g} to {most:g} is allowed")

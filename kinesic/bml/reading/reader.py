@@ -12,7 +12,7 @@ LARGEST = 1e4  # no number of BML but a time, which has its own limit, is larger
 
 
 @dataclass(frozen=True)
-class Reading:
+class DocumentReading:
     """One document while it is read."""
 
     source: str
@@ -31,7 +31,7 @@ class Reading:
 
 
 @dataclass(frozen=True)
-class Named:
+class BehaviourElement:
     """A behaviour's element with its id and its attributes by local name."""
 
     id: str
@@ -44,30 +44,30 @@ class Named:
         return next(written, default)
 
 
-def number(named: Named, name: str, reading: Reading, *, default: float) -> float:
+def read_number(named: BehaviourElement, name: str, reading: DocumentReading, *, default: float) -> float:
     """Reads an attribute as a number.
 
     Raises:
         BmlError: not a number, not finite, or beyond `LARGEST`.
     """
     text = named.word(name)
-    return finite(text, name, named.element.place, reading) if text else default
+    return read_finite(text, name, named.element.place, reading) if text else default
 
 
-def whole(named: Named, name: str, reading: Reading, *, default: int, largest: int) -> int:
+def read_whole(named: BehaviourElement, name: str, reading: DocumentReading, *, default: int, largest: int) -> int:
     """Reads an attribute as a whole number from 1.
 
     Raises:
         BmlError: not whole, or outside 1 to `largest`.
     """
-    value = number(named, name, reading, default=default)
+    value = read_number(named, name, reading, default=default)
     if value != int(value) or not 1 <= value <= largest:
         what = f"{name}='{named.word(name)}' is no whole number from 1 to {largest}"
         raise reading.refuse(named.element.place, what, f"for example {name}='{default}'")
     return int(value)
 
 
-def finite(text: str, name: str, place: Place, reading: Reading) -> float:
+def read_finite(text: str, name: str, place: Place, reading: DocumentReading) -> float:
     """Reads a text as a number.
 
     Raises:

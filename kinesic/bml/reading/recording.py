@@ -4,7 +4,7 @@ from pathlib import Path
 
 from kinesic.bml.block import NoticeType
 from kinesic.bml.reading.namespaces import own_attributes
-from kinesic.bml.reading.reader import Named, Reading, finite
+from kinesic.bml.reading.reader import BehaviourElement, DocumentReading, read_finite
 from kinesic.bml.reading.tree import Element
 from kinesic.body.utterance import Recording
 
@@ -16,7 +16,7 @@ _NAMES = ("ref", "src", "href", "file")
 _TIMED = frozenset({"sync", "tm", "mark"})
 
 
-def recording_of(named: Named, reading: Reading) -> Recording | None:
+def recording_of(named: BehaviourElement, reading: DocumentReading) -> Recording | None:
     """The recording of a <speech>, or None.
 
     It is named by the description's text, by a <reference> in it, or by an attribute `ref`, `src`, `href` or `file`
@@ -33,7 +33,7 @@ def recording_of(named: Named, reading: Reading) -> Recording | None:
     return None
 
 
-def pause_of(element: Element, reading: Reading) -> float | None:
+def pause_of(element: Element, reading: DocumentReading) -> float | None:
     """Longest pause [s] that may be put before a word, so that the body is in time; None where nothing is said.
 
     `kinesic:pause` is a number of seconds, `true` (as long as is needed, at most `LONGEST_PAUSE`) or `false`.
@@ -46,14 +46,14 @@ def pause_of(element: Element, reading: Reading) -> float | None:
             word = value.strip().lower()
             if word in ("true", "false"):
                 return LONGEST_PAUSE if word == "true" else 0.0
-            seconds = finite(word, name, element.place, reading)
+            seconds = read_finite(word, name, element.place, reading)
             if seconds < 0.0:
                 raise reading.refuse(element.place, f"{name}='{value}' is negative", "write true, false or seconds")
             return seconds
     return None
 
 
-def _recording(description: Element, named: Named, reading: Reading) -> Recording | None:
+def _recording(description: Element, named: BehaviourElement, reading: DocumentReading) -> Recording | None:
     name = _file(description)
     if not name:
         what = f"the description in line {description.place.line} names no file: it is passed over"
@@ -64,7 +64,7 @@ def _recording(description: Element, named: Named, reading: Reading) -> Recordin
         reading.note(NoticeType.CANNOT_CREATE_BEHAVIOR, what, behaviour=named.id)
         return None
     marks = tuple(
-        (mark, finite(child.attributes["time"].strip(), "time", child.place, reading))
+        (mark, read_finite(child.attributes["time"].strip(), "time", child.place, reading))
         for child in description.children
         if child.local in _TIMED and "time" in child.attributes
         if (mark := (child.attributes.get("id") or child.attributes.get("name") or "").strip())

@@ -3,13 +3,13 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from kinesic.bml.block import Behaviour, BmlError, NoticeType, Order, Place, Synchronize, SyncRef
-from kinesic.bml.reading.reader import Named, Reading
+from kinesic.bml.block import Behaviour, BmlError, NoticeType, Place, Precedence, Synchronize, SyncRef
+from kinesic.bml.reading.reader import BehaviourElement, DocumentReading
 from kinesic.bml.reading.syncref import Names, parse_ref, relation
 from kinesic.bml.reading.tree import Element
 from kinesic.bml.timing.points import sync_points
 
-Constraint = Synchronize | Order
+Constraint = Synchronize | Precedence
 
 SYNC_ATTRIBUTES = (
     "start",
@@ -26,20 +26,20 @@ _BY_LOWER_CASE = {name.lower(): name for name in SYNC_ATTRIBUTES}  # dialects mi
 
 
 @dataclass(frozen=True)
-class References:
+class ReferenceReader:
     """Reads references and says where they stand when they are wrong."""
 
-    reading: Reading
+    reading: DocumentReading
     names: Names
 
-    def cues(self, behaviour: Behaviour, named: Named) -> tuple[Behaviour, list[Order]]:
+    def cues(self, behaviour: Behaviour, named: BehaviourElement) -> tuple[Behaviour, list[Precedence]]:
         """Adds the sync attributes of its element to a behaviour; `after(...)` and `before(...)` become orders.
 
         Raises:
             BmlError: an attribute is no reference.
         """
         syncs: dict[str, SyncRef] = {}
-        orders: list[Order] = []
+        orders: list[Precedence] = []
         points = sync_points(behaviour.action, self.reading.dialect)
         for name, text in named.attributes.items():
             sync = _BY_LOWER_CASE.get(name.lower())
@@ -58,7 +58,7 @@ class References:
                 syncs[sync] = ref
             else:
                 earlier, later = (ref, own) if how == "after" else (own, ref)
-                orders.append(Order(earlier, (later,), behaviour.place, behaviour.required))
+                orders.append(Precedence(earlier, (later,), behaviour.place, behaviour.required))
         return replace(behaviour, syncs=syncs), orders
 
     def constraints(self, constraint: Element, *, required: bool) -> Iterator[Constraint]:
@@ -74,10 +74,10 @@ class References:
                     refs = ([self._of(element)] if "ref" in element.attributes else []) + inner
                     yield Synchronize(tuple(refs), element.place, required)
                 case "after" if inner:
-                    yield Order(self._of(element), tuple(inner), element.place, required)
+                    yield Precedence(self._of(element), tuple(inner), element.place, required)
                 case "before":
                     ref = self._of(element)
-                    yield from (Order(earlier, (ref,), element.place, required) for earlier in inner)
+                    yield from (Precedence(earlier, (ref,), element.place, required) for earlier in inner)
 
     def _of(self, element: Element) -> SyncRef:
         return self._ref(element.attributes.get("ref", ""), "ref", element.place)
@@ -90,7 +90,9 @@ class References:
             raise self.reading.refuse(place, f"{attribute}: {what}", remedy) from None
 
 
-def check_references(behaviours: tuple[Behaviour, ...], constraints: tuple[Constraint, ...], reading: Reading) -> None:
+def check_references(
+    behaviours: tuple[Behaviour, ...], constraints: tuple[Constraint, ...], reading: DocumentReading
+) -> None:
     """Refuses references to behaviours that this block does not have; other blocks are not looked into.
 
     Raises:

@@ -8,7 +8,7 @@ import re
 from dataclasses import dataclass, field
 
 from kinesic.bml.block import NoticeType
-from kinesic.bml.reading.reader import Named, Reading
+from kinesic.bml.reading.reader import BehaviourElement, DocumentReading
 from kinesic.bml.reading.recording import recording_of
 from kinesic.bml.reading.tree import Element
 from kinesic.body.utterance import Emphasis, Mark, Pause, Script, Stress
@@ -47,7 +47,7 @@ _LANGUAGES = {
 }
 
 
-def script_of(named: Named, reading: Reading) -> Script:
+def script_of(named: BehaviourElement, reading: DocumentReading) -> Script:
     """Reads what a <speech> says.
 
     A description in SSML goes before the text when its priority is not negative, and one that names a recording is
@@ -84,8 +84,8 @@ def _body(speech: Element) -> Element:
 class _Written:
     """A text while it is read."""
 
-    named: Named
-    reading: Reading
+    named: BehaviourElement
+    reading: DocumentReading
     text: str = ""
     marks: dict[str, int] = field(default_factory=dict)
     unusable: list[str] = field(default_factory=list)
@@ -158,6 +158,6 @@ def _duration(element: Element) -> float | None:
     return seconds if seconds <= LONGEST_BREAK else None
 
 
-def _language(named: Named) -> str:
+def _language(named: BehaviourElement) -> str:
     written = (named.attributes.get("language") or named.element.attributes.get("xml:lang") or "en").strip().lower()
     return _LANGUAGES.get(written, written)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from kinesic.bml.block import Behaviour, Block, Order, Place, Synchronize, SyncRef
+from kinesic.bml.block import Behaviour, Block, Place, Precedence, Synchronize, SyncRef
 from kinesic.bml.timing.disjoint_sets import Potentials
 
 
@@ -73,11 +73,11 @@ def synchronized(constraint: Synchronize) -> Iterator[Tie]:
             yield Tie(first, ref, None, constraint.place, constraint.required)
 
 
-def placed(block: Block) -> Mapping[str, frozenset[str]]:
+def placed_points(block: Block) -> Mapping[str, frozenset[str]]:
     """The sync points of each behaviour that the document places, or places others by; the rest is natural."""
     refs = [ref for tie in ties(block) for ref in (tie.left, tie.right)]
     for order in block.constraints:
-        if isinstance(order, Order):
+        if isinstance(order, Precedence):
             refs += [order.earlier, *order.later]
     found: dict[str, set[str]] = {behaviour.id: set() for behaviour in block.behaviours}
     for point in map(point_of, refs):
@@ -197,7 +197,7 @@ def _back(behaviour: str, before: Mapping[str, str | None]) -> list[str]:
 def constraints_of(block: Block) -> Constraints:
     """Collects what a block asks for. Equalities that contradict earlier ones are left to the schedule."""
     every = list(ties(block))
-    orders = [constraint for constraint in block.constraints if isinstance(constraint, Order)]
+    orders = [constraint for constraint in block.constraints if isinstance(constraint, Precedence)]
     return Constraints(
         block=block.id,
         classes=_classes(block.id, every),
@@ -227,7 +227,7 @@ def _classes(block: str, every: list[Tie]) -> tuple[Equals, ...]:
     return tuple(classes)
 
 
-def _afters(orders: list[Order]) -> tuple[After, ...]:
+def _afters(orders: list[Precedence]) -> tuple[After, ...]:
     targets: dict[Point, list[tuple[Point, float]]] = {}
     for order in orders:
         later = targets.setdefault(point_of(order.earlier), [])

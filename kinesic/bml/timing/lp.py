@@ -15,7 +15,7 @@ import scipy
 from kinesic.bml.timing.constraints import Point
 from kinesic.bml.timing.disjoint_sets import Potentials
 from kinesic.bml.timing.negative_cycles import Edge
-from kinesic.bml.timing.network import SHORTEST, Chain
+from kinesic.bml.timing.network import SHORTEST, SyncChain
 from kinesic.bml.timing.points import HOLDS, is_repeated
 
 _LONGER = {"relax": 1.0, "strokeStart": 1.5, "end": 4.0, "ready": 5.0}
@@ -86,7 +86,7 @@ class Program:
         minus = [(unknown, -factor) for unknown, factor in head_terms]
         self._rows.at_most(head_gap - tail_gap - gap, [*tail_terms, *minus, *more])
 
-    def _add(self, chain: Chain, spans: Mapping[str, float], all_shrink: int, early: float) -> None:
+    def _add(self, chain: SyncChain, spans: Mapping[str, float], all_shrink: int, early: float) -> None:
         action = chain.behaviour.action
         moving = sum(span for name, span in spans.items() if name not in HOLDS and not is_repeated(action, name))
         shrink = self._rows.unknown(_SHRINK * moving, 0.0)
@@ -120,7 +120,7 @@ class Program:
             self._rows.at_most(gap, [(terms[0][0], -1.0), (before, -1.0)])
 
     def times(
-        self, chains: Sequence[Chain], spans: Mapping[str, Mapping[str, float]], orders: Sequence[Edge]
+        self, chains: Sequence[SyncChain], spans: Mapping[str, Mapping[str, float]], orders: Sequence[Edge]
     ) -> dict[Point, float]:
         """Solves for the time of every class that is not known.
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
-from kinesic.bml.block import Behaviour, Block, NoticeType, Order, Speech, Synchronize, SyncRef
+from kinesic.bml.block import Behaviour, Block, NoticeType, Precedence, Speech, Synchronize, SyncRef
 from kinesic.bml.timing.constraints import Point, Tie, point_of, synchronized
 from kinesic.bml.timing.disjoint_sets import Potentials
 from kinesic.bml.timing.negative_cycles import EQUAL, Edge
@@ -28,7 +28,7 @@ class Distance:
 
 
 @dataclass(frozen=True)
-class Chain:
+class SyncChain:
     """A behaviour's sync points in order."""
 
     behaviour: Behaviour
@@ -45,7 +45,7 @@ class Network:
     """Chains, equalities and orders; `start` is the block's own, time 0."""
 
     start: Point
-    chains: tuple[Chain, ...]
+    chains: tuple[SyncChain, ...]
     distances: tuple[Distance, ...]
     orders: tuple[Edge, ...]
 
@@ -93,7 +93,7 @@ class Network:
 class Unresolved:
     """A reference that leads nowhere."""
 
-    culprit: str | Synchronize | Order  # the behaviour's id, or the constraint
+    culprit: str | Synchronize | Precedence  # the behaviour's id, or the constraint
     kind: NoticeType
     why: str
 
@@ -114,15 +114,15 @@ class Surroundings:
         self.chains = {behaviour.id: self._chain(behaviour) for behaviour in behaviours.values()}
         self.unresolved: list[Unresolved] = []
 
-    def _chain(self, behaviour: Behaviour) -> Chain:
+    def _chain(self, behaviour: Behaviour) -> SyncChain:
         names = sync_points(behaviour.action, self._block.dialect, self._spans.get(behaviour.id, ()))
         if isinstance(behaviour.action, Speech):
             marks = self._utterances[behaviour.id].marks
             spoken = sorted((name for name in names[1:-1] if name in marks), key=lambda name: marks[name])
             names = ("start", *spoken, "end")
-        return Chain(behaviour, tuple(Point(self._block.id, behaviour.id, name) for name in names))
+        return SyncChain(behaviour, tuple(Point(self._block.id, behaviour.id, name) for name in names))
 
-    def network(self, ties: list[Tie], constraints: list[Synchronize | Order]) -> Network:
+    def network(self, ties: list[Tie], constraints: list[Synchronize | Precedence]) -> Network:
         """Builds the network; what cannot be resolved is left out, and listed in `unresolved`.
 
         Args:
@@ -146,7 +146,7 @@ class Surroundings:
             orders += [Edge(chain.points[-1], end, 0.0) for chain in self.chains.values()]
         return Network(self._start, tuple(self.chains.values()), tuple(distances), tuple(orders))
 
-    def _speech(self, chain: Chain) -> Iterator[Distance]:
+    def _speech(self, chain: SyncChain) -> Iterator[Distance]:
         if chain.is_rigid:
             owner, first = chain.behaviour.id, chain.points[0]
             utterance = self._utterances[owner]
@@ -159,14 +159,14 @@ class Surroundings:
         if left is not None and right is not None:
             yield Distance(left[0], right[0], right[1] - left[1], tie.owner)
 
-    def _orders(self, order: Order) -> Iterator[Edge]:
+    def _orders(self, order: Precedence) -> Iterator[Edge]:
         earlier = self._point(order.earlier, order)
         for ref in order.later:
             later = self._point(ref, order)
             if earlier is not None and later is not None:
                 yield Edge(earlier[0], later[0], earlier[1] - later[1])
 
-    def _point(self, ref: SyncRef, culprit: str | Synchronize | Order) -> tuple[Point, float] | None:
+    def _point(self, ref: SyncRef, culprit: str | Synchronize | Precedence) -> tuple[Point, float] | None:
         """Point of a reference and the offset to it; None and an entry in `unresolved` when there is none."""
         point = point_of(ref)
         if point.block != self._block.id:

@@ -15,7 +15,7 @@ from kinesic.bml.timing.constraints import Point
 from kinesic.bml.timing.disjoint_sets import Potentials
 from kinesic.bml.timing.lp import Program
 from kinesic.bml.timing.negative_cycles import Edge
-from kinesic.bml.timing.network import Chain, Network
+from kinesic.bml.timing.network import Network, SyncChain
 from kinesic.bml.timing.points import HOLDS, is_repeated
 
 Spans = Mapping[str, Mapping[str, float]]
@@ -23,7 +23,7 @@ Spans = Mapping[str, Mapping[str, float]]
 _GIVING = ("relax", "strokeStart", "end", "ready")  # phases that are lengthened, by the point that ends them
 
 
-def fit(
+def fit_behaviour(
     names: Sequence[str], spans: Mapping[str, float], given: Mapping[str, float], repeated: Collection[str] = ()
 ) -> list[float]:
     """Finds the times of all sync points of a behaviour.
@@ -73,11 +73,11 @@ def _lengths(names: Sequence[str], natural: Sequence[float], total: float, repea
 class _Group:
     """Behaviours that hang together over points that are not known yet."""
 
-    chains: tuple[Chain, ...]
+    chains: tuple[SyncChain, ...]
     orders: tuple[Edge, ...]
 
 
-def settle(network: Network, spans: Spans) -> dict[Point, float]:
+def settle_times(network: Network, spans: Spans) -> dict[Point, float]:
     """Finds the time of every sync point [s].
 
     Args:
@@ -110,7 +110,7 @@ class _Settling:
         self._potentials, self._spans = potentials, spans
 
     def settled(
-        self, chains: Sequence[Chain], orders: Sequence[Edge], known: Mapping[Point, float]
+        self, chains: Sequence[SyncChain], orders: Sequence[Edge], known: Mapping[Point, float]
     ) -> dict[Point, float]:
         """Finds the times of all roots."""
         times = dict(known)
@@ -133,7 +133,7 @@ class _Settling:
         return self._potentials.find(point)[0]
 
     def _groups(
-        self, chains: Sequence[Chain], orders: Sequence[Edge], known: Mapping[Point, float]
+        self, chains: Sequence[SyncChain], orders: Sequence[Edge], known: Mapping[Point, float]
     ) -> Iterator[_Group]:
         """Splits into groups; what has nothing left to find is left out."""
         together: Potentials[Point] = Potentials()
@@ -146,7 +146,7 @@ class _Settling:
 
         free_of_chains = [(chain, first_free(chain.points)) for chain in chains]
         free_of_orders = [(order, first_free((order.tail, order.head))) for order in orders]
-        members: dict[Point, tuple[list[Chain], list[Edge]]] = {}
+        members: dict[Point, tuple[list[SyncChain], list[Edge]]] = {}
         for chain, free in free_of_chains:
             if free is not None:
                 members.setdefault(together.find(free)[0], ([], []))[0].append(chain)
@@ -164,7 +164,7 @@ class _Settling:
         free = [root for point in chain.points if (root := self._root(point)) not in known]
         return chain.is_rigid or len(set(free)) == len(free)
 
-    def _alone(self, chain: Chain, known: Mapping[Point, float]) -> dict[Point, float]:
+    def _alone(self, chain: SyncChain, known: Mapping[Point, float]) -> dict[Point, float]:
         if chain.is_rigid:
             root, gap = self._potentials.find(chain.points[0])
             return {root: -gap}
@@ -173,7 +173,7 @@ class _Settling:
             point.sync: _time(point, self._potentials, known) for point in chain.points if self._root(point) in known
         }
         repeated = {name for name in names if is_repeated(chain.behaviour.action, name)}
-        times = fit(names, self._spans[chain.behaviour.id], given, repeated)
+        times = fit_behaviour(names, self._spans[chain.behaviour.id], given, repeated)
         found = {}
         for point, time in zip(chain.points, times, strict=True):
             root, gap = self._potentials.find(point)
@@ -200,13 +200,13 @@ def _points(group: _Group) -> Iterator[Point]:
         yield from (order.tail, order.head)
 
 
-def _asks_for_less(chain: Chain, network: Network, times: Mapping[Point, float]) -> bool:
+def _asks_for_less(chain: SyncChain, network: Network, times: Mapping[Point, float]) -> bool:
     """Whether a time before 0 is given to a behaviour."""
     root = network.potentials.find(network.start)[0]
     return any(times[point] < 0.0 and network.potentials.find(point)[0] == root for point in chain.points)
 
 
-def _shorten_preparation(chain: Chain, times: dict[Point, float], spans: Mapping[str, float]) -> None:
+def _shorten_preparation(chain: SyncChain, times: dict[Point, float], spans: Mapping[str, float]) -> None:
     """Starts a behaviour nearer to 0 where it would start before: down to half its preparation."""
     start, after = chain.points[:2]
     if times[start] < 0.0 and not chain.is_rigid:

@@ -14,7 +14,7 @@ from kinesic.body.calibration import Calibration, calibration_path, read_calibra
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.body.servo import TICKS_PER_TURN
-from kinesic.cli.servos.ports import all_ports, opened, robot_and_ports
+from kinesic.cli.servos.ports import all_ports, open_ports, robot_and_ports
 from kinesic.cli.terminal import console, pressed
 from kinesic.hardware.protocol.device import Change
 from kinesic.hardware.protocol.registers import Register
@@ -24,7 +24,7 @@ from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.axes import Axes, Snapshot
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.preflight import prepared
-from kinesic.hardware.tools.calibration import Mark, Travel, calibration, calibration_text, marks
+from kinesic.hardware.tools.calibration import HingeCalibration, Travel, calibration, calibration_text, marks
 from kinesic.hardware.tools.directions import positive_way
 
 LOOK = 0.05  # [s] between two looks
@@ -50,12 +50,12 @@ def calibrate(robot: str, ports: tuple[str, ...], yes: bool, seconds: float | No
     if asks and not sys.stdin.isatty():
         raise ConfigError("standard input is no terminal; give --yes and --seconds N")
     before = read_calibration(raw.path, raw.name)
-    with opened(manifest, paths) as wires:
+    with open_ports(manifest, paths) as wires:
         axes = prepared(manifest, wires, period=LOOK)
         limp(axes)
-        for change in freed(axes):
+        for change in free_servos(axes):
             click.echo(f"servo {change.servo}: {change.register.name} {change.before} -> {change.after}")
-        travel = begun(axes, ask=not yes)
+        travel = read_zero_posture(axes, ask=not yes)
         with pressed() as keys:
             travel = followed(axes, raw, travel, seconds=inf if seconds is None else seconds, keys=keys)
         found = calibration(travel, manifest, raw, before)
@@ -91,7 +91,7 @@ def limp(axes: Axes) -> Snapshot:
     raise BusError("not all servos answer at once; `kinesic servos doctor` tells which and why")
 
 
-def freed(axes: Axes) -> list[Change]:
+def free_servos(axes: Axes) -> list[Change]:
     """Lets servos count their ticks as they will when they are driven, and through a whole turn.
 
     Position limits were counted from the zeros before; the next start sets them anew.
@@ -103,7 +103,7 @@ def freed(axes: Axes) -> list[Change]:
     ]
 
 
-def begun(axes: Axes, *, ask: bool) -> Travel:
+def read_zero_posture(axes: Axes, *, ask: bool) -> Travel:
     """Where the servos stand in the zero posture.
 
     Raises:
@@ -112,7 +112,7 @@ def begun(axes: Axes, *, ask: bool) -> Travel:
     if ask:
         click.echo(ZERO)
         click.prompt("Then press Enter", default="", show_default=False, prompt_suffix="")
-    return Travel.begin(ticks(limp(axes)))
+    return Travel.begin(counted_ticks(limp(axes)))
 
 
 def followed(axes: Axes, robot: Robot, travel: Travel, *, seconds: float, keys: Callable[[], str]) -> Travel:
@@ -121,7 +121,7 @@ def followed(axes: Axes, robot: Robot, travel: Travel, *, seconds: float, keys: 
     click.echo(f"{TURN} Enter ends.")
     with Live(console=console(), refresh_per_second=8) as live:
         for snapshot in _looks(axes, seconds):
-            travel = travel.seen(ticks(snapshot), manifest)
+            travel = travel.seen(counted_ticks(snapshot), manifest)
             found = marks(travel, manifest, robot)
             live.update(_table(found, robot))
             if ENTER & set(keys()) or all(mark.whole for mark in found):
@@ -131,7 +131,7 @@ def followed(axes: Axes, robot: Robot, travel: Travel, *, seconds: float, keys: 
     return travel
 
 
-def ticks(snapshot: Snapshot) -> Ticks:
+def counted_ticks(snapshot: Snapshot) -> Ticks:
     """(m,) where the servos are, the turns counted; of one that was not heard, where it was."""
     return snapshot.records["position"].astype(np.int64)
 
@@ -145,7 +145,7 @@ def _looks(axes: Axes, seconds: float) -> Iterator[Snapshot]:
         axes.sleep(snapshot.time + LOOK)
 
 
-def _table(found: tuple[Mark, ...], robot: Robot) -> Table:
+def _table(found: tuple[HingeCalibration, ...], robot: Robot) -> Table:
     names = ("hinge", "id", "zero", "deg", "first turn it so that", "way", "moved deg", "range deg", "")
     table = Table(*names, box=None, header_style="bold")
     ways = {1: "as its servo", -1: "inverted", 0: "?"}
@@ -164,7 +164,7 @@ def _table(found: tuple[Mark, ...], robot: Robot) -> Table:
     return table
 
 
-def _tell(found: Calibration, seen: tuple[Mark, ...]) -> None:
+def _tell(found: Calibration, seen: tuple[HingeCalibration, ...]) -> None:
     """What the file says that one may not expect."""
     still = [mark.hinge for mark in seen if mark.way == 0]
     if still:

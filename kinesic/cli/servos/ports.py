@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from kinesic.body.config import ConfigError, closest
+from kinesic.body.config import ConfigError, suggestion
 from kinesic.hardware.bus.ports import ports as ports_here
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.wire import Wire
@@ -38,7 +38,7 @@ def read_ports(given: Iterable[str], buses: Iterable[str]) -> dict[str, Path]:
         if not sign and len(known) == 1:
             name, path = known[0], text
         if name not in known:
-            raise ConfigError(f"--port {text}: no bus {name}{closest(name, known)}; give NAME=PATH")
+            raise ConfigError(f"--port {text}: no bus {name}{suggestion(name, known)}; give NAME=PATH")
         if name in found or not path:
             raise ConfigError(f"--port {text}: give one path for bus {name}")
         found[name] = Path(path)
@@ -64,7 +64,7 @@ def all_ports(given: Iterable[str], buses: Iterable[str]) -> dict[str, Path]:
 
 
 @contextmanager
-def opened(manifest: Manifest, ports: Mapping[str, Path]) -> Iterator[dict[str, Wire]]:
+def open_ports(manifest: Manifest, ports: Mapping[str, Path]) -> Iterator[dict[str, Wire]]:
     """Open wires, at the baud rates of the robot's buses; closed at the end.
 
     Raises:

@@ -9,7 +9,7 @@ from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.supervisor.manifest import Manifest
-from kinesic.hardware.tools.release import release as release_all
+from kinesic.hardware.tools.release import release_servos as release_all
 
 FAULT = 3
 

@@ -14,7 +14,7 @@ from kinesic.body.config import ConfigError
 from kinesic.cli.terminal import console
 from kinesic.hardware.bus.ports import ports as ports_here
 from kinesic.hardware.bus.scan import Sighting
-from kinesic.hardware.bus.scan import scan as scan_port
+from kinesic.hardware.bus.scan import scan_bus as scan_port
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.registers import BAUD_RATES
 from kinesic.hardware.protocol.servo_map import MAX_ID, ServoMap, load_robot

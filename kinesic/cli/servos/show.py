@@ -7,11 +7,11 @@ from math import isnan
 import click
 from rich.table import Table
 
-from kinesic.cli.servos.ports import opened, read_ports, robot_and_ports
+from kinesic.cli.servos.ports import open_ports, read_ports, robot_and_ports
 from kinesic.cli.terminal import console
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.hardware.supervisor.manifest import Manifest
-from kinesic.hardware.tools.survey import Seen, survey
+from kinesic.hardware.tools.survey import SurveyedServo, survey
 
 FAULT = 3
 
@@ -22,7 +22,7 @@ FAULT = 3
 def show(robot: str, ports: tuple[str, ...], as_json: bool) -> int:
     """Shows every servo, and what in it differs from what the robot's file wants; nothing is changed."""
     manifest = Manifest.of(load_robot(robot))
-    with opened(manifest, read_ports(ports, manifest.bauds)) as wires:
+    with open_ports(manifest, read_ports(ports, manifest.bauds)) as wires:
         found = survey(manifest, wires)
     if as_json:
         click.echo(json.dumps([_plain(seen) for seen in found], indent=1))
@@ -31,7 +31,7 @@ def show(robot: str, ports: tuple[str, ...], as_json: bool) -> int:
     return FAULT if any(seen.errors or not seen.right for seen in found) else 0
 
 
-def _table(found: tuple[Seen, ...]) -> Table:
+def _table(found: tuple[SurveyedServo, ...]) -> Table:
     names = ("hinge", "id", "model", "firmware", "deg", "C", "V", "torque", "errors", "differs from the robot's file")
     table = Table(*names, box=None, header_style="bold")
     for seen in found:
@@ -47,11 +47,11 @@ def _table(found: tuple[Seen, ...]) -> Table:
     return table
 
 
-def _differences(seen: Seen) -> str:
+def _differences(seen: SurveyedServo) -> str:
     return ", ".join(f"{change.register.name} {change.before} (-> {change.after})" for change in seen.differs)
 
 
-def _plain(seen: Seen) -> dict[str, object]:
+def _plain(seen: SurveyedServo) -> dict[str, object]:
     return {
         "bus": seen.member.bus,
         "id": seen.member.id,

@@ -16,8 +16,8 @@ from kinesic.hardware.bus.real_time import granted
 from kinesic.hardware.protocol.registers import BAUD_RATES
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.hardware.virtual.faults import CALM, KINDS, FaultPlan
-from kinesic.hardware.virtual.pty import PtyPort, serve
-from kinesic.hardware.virtual.wiring import build, cables
+from kinesic.hardware.virtual.pty import PtyPort, serve_wires
+from kinesic.hardware.virtual.wiring import build_bus, cables
 
 PHYSICS = ("servo", "twin")
 PRIORITY = 30  # above a supervisor on the same machine: servos are never late
@@ -50,7 +50,9 @@ def simulate(robot: str, physics: str, twin: str, faults: Path | None, baud: int
     if not wires:
         raise ConfigError(f"{body.path}: no [[bus]], so there are no servos to simulate")
     try:
-        _, buses = build(wires, TwinPhysics(body, wires, factors=read_twins(twin)[0]) if physics == "twin" else None)
+        _, buses = build_bus(
+            wires, TwinPhysics(body, wires, factors=read_twins(twin)[0]) if physics == "twin" else None
+        )
     except ValueError as error:
         raise ConfigError(f"--physics twin: {error}") from None
     granted(PRIORITY)
@@ -63,7 +65,7 @@ def simulate(robot: str, physics: str, twin: str, faults: Path | None, baud: int
             port.exchange(0.0)
             click.echo(f"{wire.name}: {port.link} at {wire.baud} baud, {len(wire.fittings)} servos")
         click.echo("Ctrl-C stops.", err=True)
-        serve(ports, lambda: not stopped.is_set())
+        serve_wires(ports, lambda: not stopped.is_set())
     return 0
 
 

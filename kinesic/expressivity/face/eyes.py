@@ -24,7 +24,7 @@ LEAST_REST, MEAN_REST = 0.5, 1.6  # [s] that eyes rest between them
 
 
 @dataclass(frozen=True)
-class Look:
+class GazeDirection:
     """A direction that the gaze takes for a while, or for good."""
 
     start: float  # [s]
@@ -38,7 +38,7 @@ class Look:
         return float(np.hypot(self.left, self.up))
 
 
-AHEAD = Look(-np.inf, 0.0, 0.0)  # where eyes are, whatever the head does, when nothing else is looked at
+AHEAD = GazeDirection(-np.inf, 0.0, 0.0)  # where eyes are, whatever the head does, when nothing else is looked at
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Habits:
 
 
 def blink_times(
-    span: tuple[float, float], looks: Sequence[Look], seed: int, *, also: Sequence[float] = ()
+    span: tuple[float, float], looks: Sequence[GazeDirection], seed: int, *, also: Sequence[float] = ()
 ) -> tuple[float, ...]:
     """When blinks begin [s], in order, at least `LEAST_GAP` apart; those with wide turns of the gaze first.
 
@@ -107,7 +107,7 @@ def flitting(span: tuple[float, float], times: Floats, seed: int) -> Floats:
     return found
 
 
-def looking(looks: Sequence[Look], times: Floats, head: Floats) -> Floats:
+def looking(looks: Sequence[GazeDirection], times: Floats, head: Floats) -> Floats:
     """(m, 2) [rad] left and up in the head: where eyes turn to look, ahead of the head, and then held on it.
 
     Args:

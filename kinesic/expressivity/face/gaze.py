@@ -8,13 +8,13 @@ from kinesic.bml.block import Gaze, HeadDirectionShift, Timeline
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.expressivity.behaviours import stays
-from kinesic.expressivity.face.eyes import Look
+from kinesic.expressivity.face.eyes import GazeDirection
 from kinesic.expressivity.gaze import STRAIGHT, aim
 from kinesic.expressivity.targets import NO_TARGETS
-from kinesic.expressivity.turns import plus
+from kinesic.expressivity.turns import add_turns
 
 
-def looks(timeline: Timeline, robot: Robot, targets: Mapping[str, Floats] = NO_TARGETS) -> tuple[Look, ...]:
+def looks(timeline: Timeline, robot: Robot, targets: Mapping[str, Floats] = NO_TARGETS) -> tuple[GazeDirection, ...]:
     """The gazes of a block, in order; a direction that stays lasts until the next look.
 
     Args:
@@ -25,7 +25,7 @@ def looks(timeline: Timeline, robot: Robot, targets: Mapping[str, Floats] = NO_T
     if not robot.joints("neck"):
         return ()
     places = {**robot.targets, **targets}
-    found: list[Look] = []
+    found: list[GazeDirection] = []
     base = STRAIGHT
     for timed in sorted(timeline.timed, key=lambda each: each.times["start"]):
         action = timed.behaviour.action
@@ -35,8 +35,8 @@ def looks(timeline: Timeline, robot: Robot, targets: Mapping[str, Floats] = NO_T
         if aimed is not None:
             base = aimed if stays(action) else base
             end = np.inf if stays(action) else timed.times["relax"]
-            there = plus(aimed.head, aimed.eyes)
-            found.append(Look(timed.times["start"], there.torsion, -there.tilt, end))
+            there = add_turns(aimed.head, aimed.eyes)
+            found.append(GazeDirection(timed.times["start"], there.torsion, -there.tilt, end))
     return tuple(found)
 
 

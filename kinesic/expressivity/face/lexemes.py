@@ -8,17 +8,17 @@ from pathlib import Path
 import msgspec
 
 from kinesic.bml.block import Face
-from kinesic.body.action_units import UNITS, FaceSide, channels, keys_of, unknown_unit
-from kinesic.body.config import CONFIGS, ConfigError, read
-from kinesic.expressivity.head import size
-from kinesic.expressivity.lexicon.synonyms import Sense, nearest, read_lexeme
+from kinesic.body.action_units import UNITS, FaceSide, channels, face_keys, unknown_unit
+from kinesic.body.config import CONFIGS, ConfigError, read_toml
+from kinesic.expressivity.head import amplitude_factor
+from kinesic.expressivity.lexicon.synonyms import Sense, nearest_sense, read_lexeme
 
 EXPRESSIONS = CONFIGS / "faces" / "expressions.toml"
 
 _SIDES: Mapping[str, FaceSide] = {"left": "left", "right": "right"}
 
 
-class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class ExpressionEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """One expression of the file."""
 
     words: list[str]
@@ -28,7 +28,7 @@ class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class _File(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    expression: list[Entry]
+    expression: list[ExpressionEntry]
 
 
 @dataclass(frozen=True)
@@ -73,16 +73,16 @@ def expression(face: Face, *, path: Path = EXPRESSIONS) -> Expression:
 
 
 @cache
-def entries(path: Path = EXPRESSIONS) -> tuple[Entry, ...]:
+def entries(path: Path = EXPRESSIONS) -> tuple[ExpressionEntry, ...]:
     """All expressions of a file.
 
     Raises:
         ConfigError: the file is missing or wrong, or an action unit in it is unknown.
     """
-    found = read(path, _File).expression
+    found = read_toml(path, _File).expression
     for number, entry in enumerate(found):
         for unit, full in entry.units.items():
-            if not keys_of(unit):
+            if not face_keys(unit):
                 raise ConfigError(f"{path}: $.expression[{number}].units: {unknown_unit(unit)}")
             if full < 0.0:
                 raise ConfigError(f"{path}: $.expression[{number}].units.{unit} is {full}, must be at least 0")
@@ -90,16 +90,18 @@ def entries(path: Path = EXPRESSIONS) -> tuple[Entry, ...]:
 
 
 @cache
-def _entry(lexeme: str, path: Path) -> tuple[Entry, float, FaceSide] | None:
+def _entry(lexeme: str, path: Path) -> tuple[ExpressionEntry, float, FaceSide] | None:
     """The expression that a lexeme means, a factor on its intensity, and the side it names."""
     known, reading = entries(path), read_lexeme(lexeme)
-    found = nearest(reading.words, [Sense(tuple(entry.words), "face", entry.says) for entry in known])
-    return None if found is None else (known[found[0]], size(reading.words), _SIDES.get(reading.mode, "both"))
+    found = nearest_sense(reading.words, [Sense(tuple(entry.words), "face", entry.says) for entry in known])
+    return (
+        None if found is None else (known[found[0]], amplitude_factor(reading.words), _SIDES.get(reading.mode, "both"))
+    )
 
 
 def _sided(unit: str, side: FaceSide) -> tuple[str, ...]:
     """Keys of Command.face for a unit of the file, on one side when the lexeme names it."""
-    return keys_of(unit) if side == "both" else channels(int(unit.lstrip("LR")), side)
+    return face_keys(unit) if side == "both" else channels(int(unit.lstrip("LR")), side)
 
 
 def _inside(value: float) -> float:

@@ -9,13 +9,22 @@ from itertools import pairwise
 
 import numpy as np
 
-from kinesic.bml.block import Face, Speech, Timed, Timeline
+from kinesic.bml.block import Face, Speech, TimedBehaviour, Timeline
 from kinesic.body.action_units import unknown_unit
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import NO_FACE
 from kinesic.body.utterance import Utterance
 from kinesic.expressivity.face.envelope import BRIDGED, Envelope
-from kinesic.expressivity.face.eyes import AHEAD, Habits, Look, blink_times, blinking, flitting, gaze_units, looking
+from kinesic.expressivity.face.eyes import (
+    AHEAD,
+    GazeDirection,
+    Habits,
+    blink_times,
+    blinking,
+    flitting,
+    gaze_units,
+    looking,
+)
 from kinesic.expressivity.face.lexemes import Expression, expression
 from kinesic.expressivity.face.visemes import SEAL, visemes
 from kinesic.expressivity.keyframes import Outcome
@@ -32,14 +41,14 @@ PLAIN = Style()
 Channels = Mapping[str, Floats]  # key of Command.face -> (m,) 0..1
 
 
-def face(
+def face_track(
     timeline: Timeline,
     utterances: Mapping[str, Utterance],
     times: Floats,
     *,
     style: Style = PLAIN,
     habits: Habits | None = None,
-    looks: Sequence[Look] = (),
+    looks: Sequence[GazeDirection] = (),
     head: Floats | None = None,
 ) -> Channels:
     """What the face shows during a block.
@@ -78,11 +87,11 @@ def strongest(parts: Iterable[Channels]) -> Channels:
     return found
 
 
-def told(shown: Channels, ticks: int) -> Iterator[Mapping[str, float]]:
+def face_at_ticks(shown: Channels, ticks: int) -> Iterator[Mapping[str, float]]:
     """For each of some ticks what `Command.face` holds: the action units shown there.
 
     Args:
-        shown: of `face`, at as many times.
+        shown: of `face_track`, at as many times.
         ticks: their number.
     """
     rows = {channel: values.tolist() for channel, values in shown.items()}
@@ -173,12 +182,12 @@ def _onsets(timeline: Timeline, utterances: Mapping[str, Utterance]) -> list[flo
     return [timed.times["start"] - BEFORE for timed in timeline.timed if _said(timed, utterances)]
 
 
-def _said(timed: Timed, utterances: Mapping[str, Utterance]) -> Utterance | None:
+def _said(timed: TimedBehaviour, utterances: Mapping[str, Utterance]) -> Utterance | None:
     return utterances.get(timed.behaviour.id) if isinstance(timed.behaviour.action, Speech) else None
 
 
 def _eyes(
-    times: Floats, habits: Habits | None, looks: Sequence[Look], head: Floats, onsets: Sequence[float]
+    times: Floats, habits: Habits | None, looks: Sequence[GazeDirection], head: Floats, onsets: Sequence[float]
 ) -> Iterator[Channels]:
     """Where the eyes look, and their blinks."""
     ordered = [AHEAD, *sorted(looks, key=lambda look: look.start)]

@@ -13,9 +13,9 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
-from kinesic.body.action_units import keys_of, unknown_unit
+from kinesic.body.action_units import face_keys, unknown_unit
 from kinesic.body.arrays import Floats
-from kinesic.body.config import CONFIGS, ConfigError, read
+from kinesic.body.config import CONFIGS, ConfigError, read_toml
 from kinesic.body.utterance import Phoneme
 from kinesic.expressivity.face.envelope import Envelope
 
@@ -60,14 +60,14 @@ def shapes(path: Path = VISEMES) -> Mapping[str, Mapping[str, float]]:
         ConfigError: the file is missing or wrong, or an action unit in it is unknown.
     """
     found: dict[str, Mapping[str, float]] = {}
-    for number, entry in enumerate(read(path, _File).viseme):
+    for number, entry in enumerate(read_toml(path, _File).viseme):
         place = f"{path}: $.viseme[{number}].units"
         for unit, value in entry.units.items():
-            if not keys_of(unit):
+            if not face_keys(unit):
                 raise ConfigError(f"{place}: {unknown_unit(unit)}")
             if not 0.0 <= value <= 1.0:
                 raise ConfigError(f"{place}.{unit} is {value}, must be from 0 to 1")
-        shape = {channel: value for unit, value in entry.units.items() for channel in keys_of(unit)}
+        shape = {channel: value for unit, value in entry.units.items() for channel in face_keys(unit)}
         found |= dict.fromkeys(entry.sounds, shape)
     return found
 

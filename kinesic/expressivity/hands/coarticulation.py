@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 
 from kinesic.bml.block import GESTURE_SYNCS
 from kinesic.body.robot import SIDES, Side
-from kinesic.expressivity.hands.poses import REST, Poses, distance, resting
-from kinesic.expressivity.hands.strokes import Stroke, Work, least_times, worked
+from kinesic.expressivity.hands.poses import REST, Poses, pose_distance, resting_hands
+from kinesic.expressivity.hands.strokes import HandStroke, Stroke, least_stroke_times, worked
 from kinesic.expressivity.keyframes import Outcome
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.turns import MERGE
@@ -44,7 +44,7 @@ class Engaged:
 class Allotted:
     """The work of each hand, in time order, and what had to give."""
 
-    works: Mapping[Side, Sequence[Work]]
+    works: Mapping[Side, Sequence[HandStroke]]
     outcomes: Mapping[str, Outcome]  # of behaviours that are not performed as asked
     remarks: Mapping[str, tuple[str, ...]]  # of behaviours that are, as far as time allows
     times: Mapping[str, Mapping[str, float]]  # behaviour id -> sync points that moved [s]
@@ -83,7 +83,7 @@ class _Hands:
     pace: Pace
     tied: Tied
     engaged: Sequence[Engaged]
-    works: dict[Side, list[Work]] = field(default_factory=lambda: {side: [] for side in SIDES})
+    works: dict[Side, list[HandStroke]] = field(default_factory=lambda: {side: [] for side in SIDES})
     outcomes: dict[str, Outcome] = field(default_factory=dict)
     times: dict[str, dict[str, float]] = field(default_factory=dict)
 
@@ -119,7 +119,7 @@ class _Hands:
         for side in option.hands:
             self.works[side].append(work)
 
-    def _clashes(self, stroke: Stroke, option: Poses) -> dict[Side, list[Work]]:
+    def _clashes(self, stroke: Stroke, option: Poses) -> dict[Side, list[HandStroke]]:
         """Works whose strokes are not over when the hands are needed."""
         found = {side: [work for work in self.works[side] if _overlap(work, stroke)] for side in sorted(option.hands)}
         return {side: works for side, works in found.items() if works}
@@ -135,7 +135,9 @@ class _Hands:
 
     def _way(self, option: Poses, side: Side) -> float:
         """The shortest time in which a hand comes to a stroke from rest: from elsewhere it takes about as long [s]."""
-        return self.pace.least_hand_time(distance(REST, option.hands[side][0], resting(self.pace.robot)[side]))
+        return self.pace.least_hand_time(
+            pose_distance(REST, option.hands[side][0], resting_hands(self.pace.robot)[side])
+        )
 
     def _finds_free(self, stroke: Stroke, options: Sequence[Poses]) -> bool:
         """Whether one of some options finds its hands free."""
@@ -158,7 +160,7 @@ class _Hands:
     def _makes_room(self, stroke: Stroke, options: Sequence[Poses]) -> bool:
         """Whether strokes that overlap can be moved apart for one of some options."""
         for option in options:
-            later, earlier = stroke, dict[int, tuple[Work, Work]]()
+            later, earlier = stroke, dict[int, tuple[HandStroke, HandStroke]]()
             for side, works in self._clashes(stroke, option).items():
                 for work in works:
                     shorter = earlier.get(id(work), (work, work))[1]
@@ -174,11 +176,11 @@ class _Hands:
                 return True
         return False
 
-    def _apart(self, work: Work, stroke: Stroke, option: Poses, side: Side) -> tuple[Stroke, Work]:
+    def _apart(self, work: HandStroke, stroke: Stroke, option: Poses, side: Side) -> tuple[Stroke, HandStroke]:
         """A stroke that begins later, after a work that ends sooner, each by its part of what the way lacks."""
         ends, begins = work.at("strokeEnd"), stroke.times["strokeStart"]
         soonest, latest = self._soonest_end(work), self._latest_start(stroke, option)
-        way = distance(work.poses.hands[side][-1], option.hands[side][0], resting(self.pace.robot)[side])
+        way = pose_distance(work.poses.hands[side][-1], option.hands[side][0], resting_hands(self.pace.robot)[side])
         missing = ends + self.pace.way_time(way, stroke.manner) - begins
         if missing <= 0.0:
             return stroke, work
@@ -188,7 +190,7 @@ class _Hands:
         later = dict(stroke.times) | {"strokeStart": begins + part * (latest - begins)}
         return replace(stroke, times=later), worked(sooner, work.poses, self.pace)
 
-    def _gone_on(self, work: Work, stroke: Stroke) -> Work:
+    def _gone_on(self, work: HandStroke, stroke: Stroke) -> HandStroke:
         """A work whose hold and retraction become the preparation of the next stroke, where the document allows."""
         times = work.stroke.times
         limits = {"relax": max(stroke.times["start"], times["strokeEnd"]), "end": stroke.times["strokeStart"]}
@@ -199,7 +201,7 @@ class _Hands:
         }
         return replace(work, stroke=replace(work.stroke, times={**times, **given})) if given else work
 
-    def _soonest_end(self, work: Work) -> float:
+    def _soonest_end(self, work: HandStroke) -> float:
         """When the stroke of a work can be over: once, or as often as the document says [s]."""
         tied, times = self._tied(work.id), work.stroke.times
         if "strokeEnd" in tied:
@@ -207,7 +209,7 @@ class _Hands:
         poses = work.poses
         while poses.times > 1:
             poses = poses.fewer()
-        least = times["stroke"] + sum(least_times(poses, self.pace)[poses.stroke :])
+        least = times["stroke"] + sum(least_stroke_times(poses, self.pace)[poses.stroke :])
         numbered = [time for sync, time in times.items() if sync in tied and sync.startswith("stroke:")]
         return min(max([least, *numbered]), times["strokeEnd"])
 
@@ -215,7 +217,7 @@ class _Hands:
         """When a stroke must begin at the latest [s]."""
         if "strokeStart" in self._tied(stroke.id):
             return stroke.times["strokeStart"]
-        latest = stroke.times["stroke"] - sum(least_times(option, self.pace)[: option.stroke])
+        latest = stroke.times["stroke"] - sum(least_stroke_times(option, self.pace)[: option.stroke])
         return max(latest, stroke.times["strokeStart"])
 
     def _shares(self, stroke: Stroke) -> bool:
@@ -240,11 +242,11 @@ class _Hands:
                 return True
         return False
 
-    def _leaves(self, work: Work) -> bool:
+    def _leaves(self, work: HandStroke) -> bool:
         """Whether a work can be done by one hand as well."""
         return len(work.poses.hands) == 2 and work.id not in self.outcomes
 
-    def _replace(self, old: Work, new: Work) -> None:
+    def _replace(self, old: HandStroke, new: HandStroke) -> None:
         for side in SIDES:
             self.works[side] = [new if work is old else work for work in self.works[side]]
         self._note(old.stroke, new.stroke)
@@ -271,7 +273,7 @@ class _Hands:
         return f"its stroke begins at {stroke.times['strokeStart']:.2f} s, the {_NAMES[side]} hand is busy with {busy}"
 
 
-def _overlap(work: Work, stroke: Stroke) -> bool:
+def _overlap(work: HandStroke, stroke: Stroke) -> bool:
     """Whether a work is still in its stroke when the hand is needed for another."""
     ends = work.at("strokeEnd")
     return not work.stroke.rest and (

@@ -36,7 +36,7 @@ def hand_at(keys: Sequence[HandKey], time: float, rest: Reach) -> Hand:
     return between(a.hand, b.hand, (time - a.time) / (b.time - a.time), rest)
 
 
-def faced(hand: Hand, keys: Sequence[HandKey], k: int, time: float) -> Hand:
+def face_between(hand: Hand, keys: Sequence[HandKey], k: int, time: float) -> Hand:
     """A hand between the keys k - 1 and k, turned at a time [s] as a spline through them and their neighbours turns it.
 
     So its turning speed does not jump at the keys, which matters where what lies between them becomes keys, too. As it

@@ -7,7 +7,7 @@ import numpy as np
 from msgspec import structs
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.expressivity.hands.keys import HandKey, faced
+from kinesic.expressivity.hands.keys import HandKey, face_between
 from kinesic.expressivity.hands.poses import between
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.paths import HandPath
@@ -40,7 +40,7 @@ def along(keys: Sequence[HandKey], k: int, path: HandPath | None, *, unit: float
     found: list[HandKey] = []
     for share, time, position in zip(shares, map(float, times), positions, strict=True):
         if min(time - (found[-1].time if found else a.time), b.time - time) >= MERGE:
-            hand = faced(between(a.hand, b.hand, float(share), start), keys, k, time)
+            hand = face_between(between(a.hand, b.hand, float(share), start), keys, k, time)
             found.append(HandKey(time, _moved(hand, position)))
     return found
 

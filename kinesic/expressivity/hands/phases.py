@@ -9,13 +9,13 @@ from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Side
 from kinesic.expressivity.hands.coarticulation import Engaged, Tied, allotted
 from kinesic.expressivity.hands.keys import HandKey
-from kinesic.expressivity.hands.poses import REST, distance, resting
-from kinesic.expressivity.hands.strokes import Stroke, Work, keys_of
+from kinesic.expressivity.hands.poses import REST, pose_distance, resting_hands
+from kinesic.expressivity.hands.strokes import HandStroke, Stroke, stroke_keys
 from kinesic.expressivity.keyframes import Hand, Outcome
 from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.style.passage import passage
+from kinesic.expressivity.style.passage import passage_of
 from kinesic.expressivity.style.style import Expressivity
-from kinesic.expressivity.turns import MERGE, arrival, departure
+from kinesic.expressivity.turns import MERGE, arrival, departure_time
 from kinesic.motion.passage import PLAIN
 
 NEIGHBOUR = 0.5  # [s] gestures nearer than this do not pass through rest
@@ -31,7 +31,7 @@ class Arranged:
     sides: Mapping[str, frozenset[Side]] = field(default_factory=dict)  # behaviour id -> hands that it moves
     remarks: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # what time did not allow
     times: Mapping[str, Mapping[str, float]] = field(default_factory=dict)  # behaviour id -> points that moved [s]
-    works: tuple[Work, ...] = ()  # what both hands do, in time order
+    works: tuple[HandStroke, ...] = ()  # what both hands do, in time order
 
 
 def arranged(
@@ -45,7 +45,7 @@ def arranged(
         tied: sync points that the document places; all of behaviours that are missing.
         engaged: hands that other blocks need.
     """
-    rest = resting(pace.robot)
+    rest = resting_hands(pace.robot)
     given = allotted(strokes, pace, tied, engaged)
     sides: dict[str, frozenset[Side]] = {}
     for side in SIDES:
@@ -57,17 +57,17 @@ def arranged(
     return Arranged(hands, given.outcomes, sides, given.remarks, given.times, in_order)
 
 
-def _joined(row: Sequence[Work], side: Side, rest: Reach, pace: Pace) -> tuple[HandKey, ...]:
+def _joined(row: Sequence[HandStroke], side: Side, rest: Reach, pace: Pace) -> tuple[HandKey, ...]:
     """Keys of one hand: each gesture goes back to the rest pose, unless a neighbour follows."""
     keys: list[HandKey] = []
     pose = REST  # what the hand rests in
-    held: Work | None = None  # the gesture that has not gone back yet
+    held: HandStroke | None = None  # the gesture that has not gone back yet
     for k, work in enumerate(row):
         hands = work.poses.hands[side]
         if work.stroke.rest and _crowded(work, keys, row[k + 1 :]):
             pose = hands[-1]
             continue
-        own = keys_of(work, side, pace)
+        own = stroke_keys(work, side, pace)
         if held and work.at("start") >= held.at("end") + NEIGHBOUR:
             back = _released(keys, held, pose, rest, work.at("start"), pace)
             if back[-1].time + MERGE <= own[0].time:  # else there is no time to pass through rest
@@ -78,14 +78,14 @@ def _joined(row: Sequence[Work], side: Side, rest: Reach, pace: Pace) -> tuple[H
     return tuple(_released(keys, held, pose, rest, inf, pace) if held else keys)
 
 
-def _crowded(work: Work, keys: Sequence[HandKey], following: Sequence[Work]) -> bool:
+def _crowded(work: HandStroke, keys: Sequence[HandKey], following: Sequence[HandStroke]) -> bool:
     """Whether the hand has no time to take a rest pose: it does so when it goes back from its gesture."""
     late = bool(keys) and work.at("stroke") < keys[-1].time + MERGE
     return late or any(other.at("strokeStart") < work.at("strokeEnd") + MERGE for other in following[:1])
 
 
 def _approached(
-    keys: list[HandKey], held: Work | None, work: Work, own: Sequence[HandKey], rest: Reach, pace: Pace
+    keys: list[HandKey], held: HandStroke | None, work: HandStroke, own: Sequence[HandKey], rest: Reach, pace: Pace
 ) -> list[HandKey]:
     """The keys so far, the departure towards a gesture, and the gesture's own keys.
 
@@ -99,23 +99,25 @@ def _approached(
     if held:
         leave = min(max(held.at("relax"), work.at("start")), own[0].time - way)
     else:
-        leave = departure(work.at("start"), own[0].time, way)
+        leave = departure_time(work.at("start"), own[0].time, way)
     leave = max(leave, free)
-    holding = passage(held.stroke.manner, "hold") if held else PLAIN
+    holding = passage_of(held.stroke.manner, "hold") if held else PLAIN
     hold = [HandKey(leave, hand, holding)] if leave - free >= MERGE else []
     return [*keys, *hold, *(key for key in own if key.time >= leave + MERGE)]
 
 
-def _released(keys: list[HandKey], held: Work, pose: Hand, rest: Reach, latest: float, pace: Pace) -> list[HandKey]:
+def _released(
+    keys: list[HandKey], held: HandStroke, pose: Hand, rest: Reach, latest: float, pace: Pace
+) -> list[HandKey]:
     """The keys so far and the way back to the rest pose, which ends before the latest time [s]."""
     last = keys[-1]
     leave = max(held.at("relax"), last.time)
     manner = held.stroke.manner
-    hold = [HandKey(leave, last.hand, passage(manner, "hold"))] if leave - last.time >= MERGE else []
+    hold = [HandKey(leave, last.hand, passage_of(manner, "hold"))] if leave - last.time >= MERGE else []
     back = arrival(leave, held.at("end"), _way(last.hand, pose, rest, pace, manner))
-    return [*keys, *hold, HandKey(min(back, latest), pose, passage(manner, "retraction"))]
+    return [*keys, *hold, HandKey(min(back, latest), pose, passage_of(manner, "retraction"))]
 
 
 def _way(a: Hand, b: Hand, rest: Reach, pace: Pace, manner: Expressivity) -> float:
     """Natural time from one hand to another [s]."""
-    return pace.way_time(distance(a, b, rest), manner)
+    return pace.way_time(pose_distance(a, b, rest), manner)

@@ -62,7 +62,7 @@ class Poses:
         return Poses(hands, self.stroke, {side: row[:count] for side, row in self.paths.items()}, self.again[:-1])
 
 
-def resting(robot: Robot) -> Mapping[Side, Reach]:
+def resting_hands(robot: Robot) -> Mapping[Side, Reach]:
     """Where the hands hang, in the world."""
     frames = robot.skeleton.resting
     reaches: dict[Side, Reach] = {}
@@ -140,12 +140,12 @@ def withdrawn(hand: Hand, robot: Robot, side: Side) -> Hand:
     """The same hand a little nearer to its rest, where it touches nothing."""
     if hand.reach is None:
         return hand
-    rest = resting(robot)[side].position
+    rest = resting_hands(robot)[side].position
     position = hand.reach.position + _WITHDRAWN * (rest - hand.reach.position)
     return replace(hand, reach=structs.replace(hand.reach, position=sealed(position)), touch=None)
 
 
-def distance(a: Hand, b: Hand, rest: Reach) -> float:
+def pose_distance(a: Hand, b: Hand, rest: Reach) -> float:
     """Way of a hand from one pose to another [m]: that of its wrist, or what its turn is worth where that is more.
 
     Args:

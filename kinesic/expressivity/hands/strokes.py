@@ -10,11 +10,11 @@ from kinesic.body.reach import Reach
 from kinesic.body.robot import Side
 from kinesic.expressivity.hands.keys import HandKey
 from kinesic.expressivity.hands.path_keys import along
-from kinesic.expressivity.hands.poses import Poses, distance, resting
+from kinesic.expressivity.hands.poses import Poses, pose_distance, resting_hands
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.paths import HandPath, Kind
 from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.style.passage import passage
+from kinesic.expressivity.style.passage import passage_of
 from kinesic.expressivity.style.style import NEUTRAL, Expressivity
 from kinesic.expressivity.turns import MERGE
 
@@ -50,7 +50,7 @@ class Stroke:
 
 
 @dataclass(frozen=True, eq=False)
-class Work:
+class HandStroke:
     """A stroke, the poses that were chosen for it, and when they fall."""
 
     stroke: Stroke
@@ -68,16 +68,16 @@ class Work:
         return self.stroke.times[sync]
 
 
-def worked(stroke: Stroke, option: Poses, pace: Pace) -> Work:
+def worked(stroke: Stroke, option: Poses, pace: Pace) -> HandStroke:
     """A stroke done with one of its options, as often and with as many turns as there is time for."""
     chosen = _fitting(option, stroke.times, pace)
     remarks = []
     if chosen.times < option.times:
         room = stroke.times["strokeEnd"] - stroke.times["stroke"]
         remarks.append(f"its stroke is done {_count(chosen.times)}, not {option.times}: {room:.2f} s follow the first")
-    moments_ = moments(chosen, stroke.times, pace)
+    moments_ = stroke_key_times(chosen, stroke.times, pace)
     slowed, slower = _slowed(chosen, moments_, pace)
-    return Work(stroke, slowed, moments_, (*remarks, *slower))
+    return HandStroke(stroke, slowed, moments_, (*remarks, *slower))
 
 
 def natural_times(poses: Poses, pace: Pace, manner: Expressivity = NEUTRAL) -> tuple[float, ...]:
@@ -96,7 +96,7 @@ def natural_times(poses: Poses, pace: Pace, manner: Expressivity = NEUTRAL) -> t
     )
 
 
-def moments(poses: Poses, times: Mapping[str, float], pace: Pace) -> tuple[float, ...]:
+def stroke_key_times(poses: Poses, times: Mapping[str, float], pace: Pace) -> tuple[float, ...]:
     """Times of stroke keys [s]: those of strokes at their sync points, the others spread by their natural times.
 
     Args:
@@ -119,14 +119,14 @@ def moments(poses: Poses, times: Mapping[str, float], pace: Pace) -> tuple[float
     return tuple(found)
 
 
-def keys_of(work: Work, side: Side, pace: Pace) -> list[HandKey]:
+def stroke_keys(work: HandStroke, side: Side, pace: Pace) -> list[HandKey]:
     """Ready, the stroke keys with what lies on their paths, and the end of the stroke, of one hand.
 
     Of two keys that are too near the later stays, but always the stroke.
     """
     hands, moments = work.poses.hands[side], work.moments
     manner = work.stroke.manner
-    arriving, stroking = passage(manner, "preparation"), passage(manner, "stroke")
+    arriving, stroking = passage_of(manner, "preparation"), passage_of(manner, "stroke")
     kept = _kept(moments, max(k for k, time in enumerate(moments) if time == work.at("stroke")))
     poses = [HandKey(moments[k], hands[k], stroking if k else arriving) for k in kept]
     keys = poses[:1]
@@ -137,13 +137,13 @@ def keys_of(work: Work, side: Side, pace: Pace) -> list[HandKey]:
     if keys[0].time - work.at("ready") >= MERGE:
         keys.insert(0, HandKey(work.at("ready"), hands[0], arriving))
     if work.at("strokeEnd") - keys[-1].time >= MERGE:
-        keys.append(HandKey(work.at("strokeEnd"), hands[-1], passage(manner, "hold")))
+        keys.append(HandKey(work.at("strokeEnd"), hands[-1], passage_of(manner, "hold")))
     return keys
 
 
 def _ways(poses: Poses, pace: Pace) -> tuple[tuple[_Way, ...], ...]:
     """What each way between neighbouring keys is for each hand."""
-    rest = resting(pace.robot)
+    rest = resting_hands(pace.robot)
     return tuple(
         tuple(_way(row[k], row[k + 1], poses.path(side, k + 1), rest[side]) for side, row in poses.hands.items())
         for k in range(poses.count - 1)
@@ -153,13 +153,13 @@ def _ways(poses: Poses, pace: Pace) -> tuple[tuple[_Way, ...], ...]:
 def _way(a: Hand, b: Hand, path: HandPath | None, rest: Reach) -> _Way:
     """What one way is."""
     if path is None:
-        return _Way(1, distance(a, b, rest), 1.0)
+        return _Way(1, pose_distance(a, b, rest), 1.0)
     start, end = (a.reach or rest).position, (b.reach or rest).position
     swings = path.swings(start, end)
     return _Way(swings, BENT * path.length(start, end) / swings, SPARE)
 
 
-def least_times(poses: Poses, pace: Pace) -> tuple[float, ...]:
+def least_stroke_times(poses: Poses, pace: Pace) -> tuple[float, ...]:
     """The shortest time of each way between neighbouring keys that servos need [s]."""
     return tuple(max(way.swings * way.least(pace) for way in ways) for ways in _ways(poses, pace))
 
@@ -167,7 +167,7 @@ def least_times(poses: Poses, pace: Pace) -> tuple[float, ...]:
 def _fitting(poses: Poses, times: Mapping[str, float], pace: Pace) -> Poses:
     """Without the repetitions for which there is no time between `stroke` and `strokeEnd`."""
     room = times["strokeEnd"] - times["stroke"]
-    while poses.again and sum(least_times(poses, pace)[poses.stroke :]) > room + 1e-9:
+    while poses.again and sum(least_stroke_times(poses, pace)[poses.stroke :]) > room + 1e-9:
         poses = poses.fewer()
     return poses
 
@@ -181,7 +181,7 @@ def _slowed(poses: Poses, moments: Sequence[float], pace: Pace) -> tuple[Poses, 
             if path is None or path.turns <= 1.0 or moments[k] <= moments[k - 1]:
                 continue
             before, after = poses.hands[side][k - 1], poses.hands[side][k]
-            least = _way(before, after, path, resting(pace.robot)[side]).least(pace)
+            least = _way(before, after, path, resting_hands(pace.robot)[side]).least(pace)
             whole = moments[k] - moments[k - 1]
             turns = max(_LEAST_TURNS.get(path.kind, 1.0), np.floor(whole / least + 1e-9) / 2)
             if turns < path.turns:

@@ -12,7 +12,7 @@ from kinesic.bml.block import BmlError
 from kinesic.bml.reading.manner import openness_of
 from kinesic.bml.reading.tree import Bounds, Element, read_tree
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.config import ConfigError, closest
+from kinesic.body.config import ConfigError, suggestion
 from kinesic.body.robot import Side
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
 from kinesic.expressivity.lexicon.paths import HandPath, Kind, Three, Variation, shaped
@@ -57,7 +57,7 @@ class _Reader:
 
     def attribute(self, element: Element, name: str) -> str:
         if name not in element.attributes:
-            self.fail(element, f"has no {name}{closest(name, list(element.attributes))}")
+            self.fail(element, f"has no {name}{suggestion(name, list(element.attributes))}")
         return element.attributes[name]
 
     def number(self, element: Element, name: str, default: str | None = None) -> float:
@@ -79,7 +79,7 @@ class _Reader:
     def listed(self, element: Element, name: str, values: Mapping[str, Listed], default: str) -> Listed:
         text = element.attributes.get(name, default)
         if text.lower() not in values:
-            self.fail(element, f"{name} is {text!r}{closest(text.lower(), list(values))}")
+            self.fail(element, f"{name} is {text!r}{suggestion(text.lower(), list(values))}")
         return values[text.lower()]
 
     def truth(self, element: Element, name: str) -> bool:
@@ -235,7 +235,7 @@ def _touch(reader: _Reader, touch: Element, side: Side) -> Floats:
     text = reader.attribute(touch, "value")
     name, _, letter = text.lower().partition("_")
     if name not in _TOUCHES or letter not in ("", "l", "r"):
-        reader.fail(touch, f"value is {text!r}, no touch point{closest(name, list(_TOUCHES))}")
+        reader.fail(touch, f"value is {text!r}, no touch point{suggestion(name, list(_TOUCHES))}")
     x, y, z = _TOUCHES[name]
     return position(x if letter in ("", side) else -x, y, z)
 

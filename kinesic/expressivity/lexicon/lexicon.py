@@ -9,8 +9,8 @@ from kinesic.body.config import CONFIGS
 from kinesic.body.robot import Side
 from kinesic.expressivity.lexicon.form import GestureForm, Match, StrokeKey
 from kinesic.expressivity.lexicon.gestuary import enabled, read_gestuary
-from kinesic.expressivity.lexicon.space import apart
-from kinesic.expressivity.lexicon.synonyms import Sense, nearest, read_lexeme
+from kinesic.expressivity.lexicon.space import spread_hands
+from kinesic.expressivity.lexicon.synonyms import Sense, nearest_sense, read_lexeme
 from kinesic.expressivity.lexicon.toml_file import read_gestures
 
 _NAMELESS = "beat"  # what a gesture without a lexeme most likely is
@@ -72,10 +72,10 @@ class Lexicon:
     def _substitute(self, lexeme: str, mode: Mode, category: str | None) -> Match | None:
         """The gesture that the words of a lexeme speak of, else those of its category."""
         reading, kind = read_lexeme(lexeme), read_lexeme(category or "").words
-        found = nearest(reading.words, self.senses) or nearest(kind, self.senses)
+        found = nearest_sense(reading.words, self.senses) or nearest_sense(kind, self.senses)
         why = f'"{" ".join(found[1])}"' if found is not None else "no lexeme"
         if found is None and not lexeme.strip():
-            found = nearest((_NAMELESS,), self.senses)
+            found = nearest_sense((_NAMELESS,), self.senses)
         if found is None:
             return None
         form = self.forms[found[0]]
@@ -94,12 +94,12 @@ def in_mode(form: GestureForm, mode: Mode) -> GestureForm:
     if mode == "both":
         return replace(form, keys=tuple(_doubled(key) for key in form.keys))
     side: Side = "l" if mode == "left" else "r"
-    source = form if side in form.sides else mirrored(form)
+    source = form if side in form.sides else mirror_form(form)
     keys = tuple(StrokeKey({side: key.hands[side]}) for key in source.keys if side in key.hands)
     return replace(form, keys=keys)
 
 
-def mirrored(form: GestureForm) -> GestureForm:
+def mirror_form(form: GestureForm) -> GestureForm:
     """The mirror image: each hand does what the other did."""
     keys = tuple(StrokeKey({_OTHER[side]: pose for side, pose in key.hands.items()}) for key in form.keys)
     return replace(form, keys=keys)
@@ -108,7 +108,7 @@ def mirrored(form: GestureForm) -> GestureForm:
 def _doubled(key: StrokeKey) -> StrokeKey:
     """A one-handed key and its mirror image."""
     pose = next(iter(key.hands.values()))
-    return apart(StrokeKey({"l": pose, "r": pose}))
+    return spread_hands(StrokeKey({"l": pose, "r": pose}))
 
 
 @cache

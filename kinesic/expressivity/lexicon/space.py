@@ -112,7 +112,7 @@ def widened(key: StrokeKey, spatial: float, robot: Robot) -> StrokeKey:
         for side, pose in key.hands.items()
     }
     wide = StrokeKey(hands)
-    return wide if all(pose.fixed[1] for pose in hands.values()) else apart(wide)
+    return wide if all(pose.fixed[1] for pose in hands.values()) else spread_hands(wide)
 
 
 def _shoulder(robot: Robot) -> Floats:
@@ -139,7 +139,7 @@ def _reached(position: Floats, wide: Floats, shoulder: Floats) -> Floats:
     return sealed(position + (sqrt(max(0.0, b * b - a * c)) - b) / a * way)
 
 
-def apart(key: StrokeKey) -> StrokeKey:
+def spread_hands(key: StrokeKey) -> StrokeKey:
     """The key with both hands moved outward by equal parts, as far as wrists and fingertips need to pass clear."""
     if len(key.hands) < 2:
         return key

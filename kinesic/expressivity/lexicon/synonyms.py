@@ -19,7 +19,7 @@ _EXACT, _NEAR, _CATEGORY = 1.0, 0.75, 0.25
 
 
 @dataclass(frozen=True)
-class Reading:
+class LexemeReading:
     """A lexeme taken apart."""
 
     words: tuple[str, ...]  # that may carry its meaning, lower-case, in order
@@ -35,7 +35,7 @@ class Sense:
     says: str = ""  # what is done and what it means, in one line
 
 
-def read_lexeme(lexeme: str) -> Reading:
+def read_lexeme(lexeme: str) -> LexemeReading:
     """Takes a lexeme apart at underscores, capitals and digits: `Rise_Arm_R2` is ("rise", "arm") on the right.
 
     Articles, digits and words such as `Ges` say nothing about the meaning. A single letter L, R or B names the
@@ -47,10 +47,10 @@ def read_lexeme(lexeme: str) -> Reading:
     meant = [word for word in words if word not in _SIDE_WORDS]
     if meant:
         sides += [_SIDE_WORDS[word] for word in words if word in _SIDE_WORDS]
-    return Reading(tuple(meant or words), sides[-1] if sides else "unspecified")
+    return LexemeReading(tuple(meant or words), sides[-1] if sides else "unspecified")
 
 
-def nearest(words: Sequence[str], senses: Sequence[Sense]) -> tuple[int, tuple[str, ...]] | None:
+def nearest_sense(words: Sequence[str], senses: Sequence[Sense]) -> tuple[int, tuple[str, ...]] | None:
     """The sense that most of some words speak of.
 
     Among equals the one wins that the earliest word speaks of, then the one it is most characteristic of, then

@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.config import ConfigError, closest, read
+from kinesic.body.config import ConfigError, read_toml, suggestion
 from kinesic.body.robot import Side
 from kinesic.expressivity.keyframes import Touch
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
@@ -102,7 +102,7 @@ def read_gestures(path: Path) -> list[tuple[GestureForm, Sense]]:
 
 def _entries(path: Path) -> list[tuple[GestureForm, Sense]]:
     """The gestures of one file."""
-    file = read(path, GestureFile)
+    file = read_toml(path, GestureFile)
     entries = []
     for table in file.gesture:
         try:
@@ -184,7 +184,7 @@ def _direction(words: str | None) -> Floats | None:
     total = np.zeros(3)
     for word in words.split():
         if word not in _DIRECTIONS:
-            raise ValueError(f"{word} is no direction{closest(word, list(_DIRECTIONS))}")
+            raise ValueError(f"{word} is no direction{suggestion(word, list(_DIRECTIONS))}")
         total += _DIRECTIONS[word]
     length = float(np.linalg.norm(total))
     if length == 0:

@@ -11,7 +11,7 @@ from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.style.style import NEUTRAL, Expressivity
 from kinesic.expressivity.turns import AXES, axes
-from kinesic.motion.double_s import least_times
+from kinesic.motion.double_s import least_rest_times
 
 COMFORT = 1.3  # natural time over the shortest that the servos can do
 HASTE = 1.5  # factor on speed of a temporal extent of 1
@@ -109,7 +109,7 @@ class Pace:
             joints = [k for k in self.robot.joints(chain) if skeleton.names[k].endswith(name)]
             room = skeleton.upper[joints] - skeleton.lower[joints]
             turned[joints] = angle * room / max(float(room.sum()), _PROBE)
-        return float(least_times(turned, self.limits).max(initial=0.0))
+        return float(least_rest_times(turned, self.limits).max(initial=0.0))
 
     @cached_property
     def _least_hand_times(self) -> Floats:
@@ -125,7 +125,7 @@ class Pace:
         within = slopes * ease @ slopes.transpose(0, 2, 1) + _DAMPING * np.eye(3)
         # (c, 3, k) [rad/m], the more of a hinge the better it speeds up
         turns = np.linalg.inv(within) @ (slopes * ease)
-        times = least_times(self.robot.arm_length * _WAYS[:, None, None, None] * turns, limits).max(axis=-1)
+        times = least_rest_times(self.robot.arm_length * _WAYS[:, None, None, None] * turns, limits).max(axis=-1)
         return np.asarray(np.quantile(times.min(axis=-1), _SKILLED, axis=1))
 
     def _slopes(self, side: Side) -> Floats:

@@ -13,7 +13,7 @@ BIG = 0.5  # power and tension from which on a hand bounces
 BIAS = 0.25  # of a power of 1: the hand goes on a little the way it came
 
 
-def passage(manner: Expressivity, phase: Phase) -> Passage:
+def passage_of(manner: Expressivity, phase: Phase) -> Passage:
     """How a manner passes the keys of a phase.
 
     Tension is the spline's tension, fluidity f its continuity c = (f - 1) / 2. On the way to a stroke and in it power

@@ -9,7 +9,7 @@ from typing import Literal
 
 from kinesic.bml.block import Behaviour, Block, Manner, Modality
 from kinesic.bml.reading.manner import modality_of
-from kinesic.expressivity.style.style import RANGES, Expressivity, Style, preset
+from kinesic.expressivity.style.style import RANGES, Expressivity, Style, style_preset
 
 # How far full activation goes from a parameter's value to the end of its range. An animated speaker moves wider,
 # faster, with more force and away from the body; how a movement flows and how often it is repeated stay his own.
@@ -17,7 +17,7 @@ SHARES: Mapping[str, float] = {"spatial": 0.7, "temporal": 0.9, "power": 0.9, "o
 Source = Literal["style", "block", "behaviour", "setting"]  # a later one wins, number by number
 
 
-def activated(manner: Expressivity) -> Expressivity:
+def fold_activation(manner: Expressivity) -> Expressivity:
     """Folds activation into the parameters that it raises or lowers, and leaves it 0.
 
     Each goes its share of the way to its upper end for an activation of 1, to its lower end for -1, in proportion
@@ -44,7 +44,7 @@ class Told:
     sources: Mapping[str, Source]  # parameter -> who said it
 
 
-def told(style: Style, modality: Modality, block: Block, behaviour: Behaviour) -> Told:
+def resolve_numbers(style: Style, modality: Modality, block: Block, behaviour: Behaviour) -> Told:
     """The numbers of a behaviour, each from the last source that says it.
 
     A preset that a document names is complete: it takes the place of everything before it.
@@ -65,7 +65,7 @@ def told(style: Style, modality: Modality, block: Block, behaviour: Behaviour) -
         ("behaviour", behaviour.manner),
     )
     for source, manner in layers:
-        said = {} if manner.style is None else asdict(preset(manner.style).of(modality))
+        said = {} if manner.style is None else asdict(style_preset(manner.style).of(modality))
         said |= {name: value for name in RANGES if (value := getattr(manner, name)) is not None}
         numbers |= said
         sources |= dict.fromkeys(said, source)
@@ -85,4 +85,6 @@ def manner_of(style: Style, block: Block, behaviour: Behaviour, modality: Modali
         behaviour: that is moved.
         modality: that moves; None is that of the behaviour.
     """
-    return activated(told(style, modality or modality_of(behaviour.action) or "gesture", block, behaviour).expressivity)
+    return fold_activation(
+        resolve_numbers(style, modality or modality_of(behaviour.action) or "gesture", block, behaviour).expressivity
+    )

@@ -9,9 +9,9 @@ from typing import get_args
 import msgspec
 
 from kinesic.bml.block import RANGES, Modality
-from kinesic.body.config import ConfigError, closest, locate, read
+from kinesic.body.config import ConfigError, locate, read_toml, suggestion
 
-__all__ = ["MODALITIES", "NEUTRAL", "RANGES", "Expressivity", "Modality", "Setting", "Style", "preset"]
+__all__ = ["MODALITIES", "NEUTRAL", "RANGES", "Expressivity", "Modality", "Setting", "Style", "style_preset"]
 
 MODALITIES: tuple[Modality, ...] = get_args(Modality)
 
@@ -115,7 +115,7 @@ class Style:
             ConfigError: there is no such style, or its file is wrong.
         """
         path = locate("style", name)
-        table = read(path, StyleTable)
+        table = read_toml(path, StyleTable)
         found: dict[Modality, Expressivity] = {}
         for modality in MODALITIES:
             try:
@@ -153,7 +153,7 @@ class Style:
 
 
 @cache
-def preset(name: str) -> Style:
+def style_preset(name: str) -> Style:
     """A style of `configs/styles/`, read once.
 
     Raises:
@@ -170,9 +170,9 @@ def _setting(text: str) -> Setting:
     part, point, name = place.rpartition(".")
     modality = next((known for known in MODALITIES if known == part), None)
     if point and modality is None:
-        raise ConfigError(f"a style has no modality {part!r}{closest(part, MODALITIES)}")
+        raise ConfigError(f"a style has no modality {part!r}{suggestion(part, MODALITIES)}")
     if name not in RANGES:
-        raise ConfigError(f"a style has no {name}{closest(name, list(RANGES))}")
+        raise ConfigError(f"a style has no {name}{suggestion(name, list(RANGES))}")
     try:
         value = float(written)
     except ValueError:

@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from kinesic.body.action_units import ASIDE, CHANNELS, DOWNWARD, UPWARD, keys_of, unknown_unit
+from kinesic.body.action_units import ASIDE, CHANNELS, DOWNWARD, UPWARD, face_keys, unknown_unit
 from kinesic.body.arrays import Floats
 from kinesic.face.assets.mesh import Mesh
 from kinesic.face.assets.shapes import SIDES, mixing
@@ -44,7 +44,7 @@ def intensities(units: Mapping[str, float]) -> Floats:
     for name, value in units.items():
         if not (math.isfinite(value) and 0.0 <= value <= 1.0):
             raise DisplayError(f"action unit {name} is {value:g}; intensities go from 0 to 1")
-        keys = keys_of(name)
+        keys = face_keys(name)
         if not keys:
             raise DisplayError(unknown_unit(name))
         for channel in keys:
@@ -52,7 +52,7 @@ def intensities(units: Mapping[str, float]) -> Floats:
     return found
 
 
-def weights(mesh: Mesh, units: Mapping[str, float]) -> Floats:
+def shape_weights(mesh: Mesh, units: Mapping[str, float]) -> Floats:
     """(s,) weights 0..1 of the mesh's shapes.
 
     Weights of one shape add up to at most 1. A closing lid undoes what else moves it, as does a closed mouth with

@@ -64,7 +64,7 @@ class Source:
     groups: dict[str, Whole]  # name -> (f, 4) corners of its faces
 
 
-def main(wheel: Path, out: Path = HEAD) -> None:
+def bake_head(wheel: Path, out: Path = HEAD) -> None:
     """Writes the head of one wheel."""
     with ZipFile(wheel) as archive:
         source = _source(archive)
@@ -181,4 +181,4 @@ def _target(archive: ZipFile, path: str) -> tuple[Whole, Floats]:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    bake_head(Path(sys.argv[1]))

@@ -38,14 +38,14 @@ BEFORE = 0.1  # how far the face is in front of it
 CROWN = -1.15  # how far forward the middle is that the hairline goes round
 
 
-def window() -> tuple[float, float, float, float]:
+def chart_window() -> tuple[float, float, float, float]:
     """Scale and offset from the chart to texture coordinates 0..1: (a scale, y scale, a offset, y offset)."""
     (left, right), (low, high) = LEFT_RIGHT, LOW_HIGH
     return 1 / (right - left), 1 / (high - low), -left / (right - left), -low / (high - low)
 
 
 @lru_cache(maxsize=4)
-def places(mesh: Mesh) -> Floats:
+def vertex_chart(mesh: Mesh) -> Floats:
     """(v, 4) of each vertex: a, y, front mask less three times how far inside the mouth, height over the hairline.
 
     For the eyes: direction at rest from the centre of the eyeball as left, up, forward; then 0. For teeth and tongue
@@ -69,7 +69,7 @@ def unrolled(place: Floats, triangles: Indices) -> tuple[NDArray[np.intp], Float
     """Cuts a mesh open behind the head, where the chart's right end meets its left one.
 
     Args:
-        place: (v, 4) of `places`.
+        place: (v, 4) of `vertex_chart`.
         triangles: (t, 3) corners.
 
     Returns:

@@ -15,7 +15,7 @@ import scipy
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.config import CONFIGS, closest
+from kinesic.body.config import CONFIGS, suggestion
 from kinesic.face.assets.subdivision import refined
 from kinesic.face.display import DisplayError
 
@@ -97,7 +97,7 @@ class Mesh:
         return scipy.sparse.csr_array((np.ones(len(corners)), (corners, number)), shape=shape)
 
 
-def load(variant: Variant = "female", *, path: Path = HEAD) -> Mesh:
+def load_head(variant: Variant = "female", *, path: Path = HEAD) -> Mesh:
     """Reads a head.
 
     Args:
@@ -108,7 +108,7 @@ def load(variant: Variant = "female", *, path: Path = HEAD) -> Mesh:
         DisplayError: there is no such variant, or the file is missing or no head.
     """
     if variant not in VARIANTS:
-        raise DisplayError(f"no face {variant}{closest(variant, VARIANTS)}")
+        raise DisplayError(f"no face {variant}{suggestion(variant, VARIANTS)}")
     try:
         with path.open("rb") as packed, np.load(packed) as file:
             data = {name: file[name] for name in file.files}

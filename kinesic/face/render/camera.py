@@ -35,7 +35,7 @@ class Camera:
         yaw = math.radians(self.yaw_deg)
         towards = np.array([math.cos(yaw), math.sin(yaw), 0.0])
         up = np.array([0.0, 0.0, 1.0])
-        rotation = np.array([np.cross(up, towards), up, towards]) @ turned(*self.turn)
+        rotation = np.array([np.cross(up, towards), up, towards]) @ head_rotation(*self.turn)
         found = np.eye(4)
         found[:3, :3] = rotation
         found[:3, 3] = rotation @ -np.array(PIVOT) - np.array([0.0, 0.0, self.distance])
@@ -57,7 +57,7 @@ class Camera:
         return found
 
 
-def turned(left: float, up: float, over: float) -> Floats:
+def head_rotation(left: float, up: float, over: float) -> Floats:
     """(3, 3) how a head stands that turned to its left, then up, then over to its right [rad]."""
     x, y, z = np.eye(3)
     return np.asarray(about(z, left) @ about(y, -up) @ about(x, over))

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats
 from kinesic.face.assets.action_units import deformed
-from kinesic.face.assets.chart import places, unrolled
+from kinesic.face.assets.chart import unrolled, vertex_chart
 from kinesic.face.assets.eyeshade import eyeshade
 from kinesic.face.assets.mesh import PARTS, Mesh
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.head_pose import steadied
-from kinesic.face.render.passes import Rectangle, Size, Target, program, tell
+from kinesic.face.render.passes import Rectangle, Size, Target, program, set_uniforms
 
 Layer = Literal["skin", "organs", "lashes", "film"]
 
@@ -56,7 +56,7 @@ class Geometry:
         form, _ = self.target.textures
         self._emptied = context.framebuffer([form], self.depth)  # what is not on the head is read nowhere else
         self._iris = iris
-        self.drawn_on, self.place = drawn_on, places(drawn_on)
+        self.drawn_on, self.place = drawn_on, vertex_chart(drawn_on)
         skin = mesh.parts == PARTS.index("skin")
         self._hair = VOLUME * np.clip(self.place[:, 3] / 0.35, 0.0, 1.0) * skin
         self._sources, on_chart, triangles = unrolled(self.place, mesh.triangles)
@@ -96,7 +96,7 @@ class Geometry:
         self.on_screen = self._pixels(vertices[:, :3], projection @ view)
         self.covered = self.rectangle(self.on_screen) if "film" not in self._layers else (0, 0, *self.size)
         for shader in self._shaders:
-            tell(shader, {"view": view.T, "projection": projection.T})
+            set_uniforms(shader, {"view": view.T, "projection": projection.T})
         self._iris.use(0)
         self._shaders[1]["iris"] = 0
         self._emptied.clear()

@@ -6,7 +6,7 @@ import scipy
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.body.rotation import about
-from kinesic.face.render.camera import PIVOT, turned
+from kinesic.face.render.camera import PIVOT, head_rotation
 
 NECK = "neck"
 HEAD_ENDS, SHOULDERS_BEGIN = -0.09, -0.19  # [m] up from the eyes: the neck lies between
@@ -41,7 +41,9 @@ def steadied(rest: Floats, positions: Floats, turn: tuple[float, float, float]) 
         positions: (v, 3) [m] in the frame of the head, which a camera turns as a whole.
         turn: of the head, as `Camera.turn` has it.
     """
-    angle = float(np.linalg.norm(spun := scipy.spatial.transform.Rotation.from_matrix(turned(*turn)).as_rotvec()))
+    angle = float(
+        np.linalg.norm(spun := scipy.spatial.transform.Rotation.from_matrix(head_rotation(*turn)).as_rotvec())
+    )
     if angle < STILL:
         return positions
     share = np.clip((HEAD_ENDS - rest[:, 2]) / (HEAD_ENDS - SHOULDERS_BEGIN), 0.0, 1.0)

@@ -13,7 +13,7 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.face.render.passes import ScreenPass, Target, Value, texture
 from kinesic.face.render.presets import Estimator, Occlusion, Pattern
-from kinesic.face.render.seen import Seen
+from kinesic.face.render.seen import PositionBuffer
 
 SIDE = 4  # pixels of the pattern along an axis
 SEED = 3
@@ -23,7 +23,7 @@ OPEN = (1.0, 0.0, 0.0, 0.0)  # the backdrop
 class OcclusionPass:
     """Finds how open each pixel of the head is."""
 
-    def __init__(self, context: moderngl.Context, seen: Seen, occlusion: Occlusion) -> None:
+    def __init__(self, context: moderngl.Context, seen: PositionBuffer, occlusion: Occlusion) -> None:
         self.occlusion, self._seen = occlusion, seen
         estimator = get_args(Estimator).index(occlusion.estimator)
 

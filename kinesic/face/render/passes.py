@@ -44,7 +44,7 @@ def program(
     )
 
 
-def tell(shader: moderngl.Program, values: Values) -> None:
+def set_uniforms(shader: moderngl.Program, values: Values) -> None:
     """Sets uniforms of a program, matrices and arrays of vectors row by row."""
     for name, value in values.items():
         member = shader[name]
@@ -170,7 +170,7 @@ class ScreenPass:
             if name not in self._places:
                 self._places[name] = self.shader[name] = len(self._places)
             found.use(self._places[name])
-        tell(self.shader, values)
+        set_uniforms(self.shader, values)
         if within is not None:
             self.target.frame.scissor = within
         self.target.frame.use()

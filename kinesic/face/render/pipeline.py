@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesic.face.assets.action_units import intensities
-from kinesic.face.assets.chart import window
+from kinesic.face.assets.chart import chart_window
 from kinesic.face.assets.mesh import Mesh
 from kinesic.face.assets.paint import Complexion, iris, skin
 from kinesic.face.render.camera import Camera
@@ -78,7 +78,7 @@ class Pipeline:
         if self.occlusion or self.shadow:
             self.seen.draw()
         values: dict[str, Value] = {
-            "chart": window(),
+            "chart": chart_window(),
             "hair": self._complexion.hair,
             "level": self._level(scale),
             "towards": self._lights.directions(),
@@ -110,7 +110,7 @@ class Pipeline:
 
     def _level(self, scale: float) -> float:
         """How often the painting must be halved until its pixels are about as large as those of the screen."""
-        ours = self._skin.height * window()[1]
+        ours = self._skin.height * chart_window()[1]
         return float(max(round(math.log2(ours / (scale * self._unit))), 0))
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from kinesic.face.assets.mesh import Mesh, Variant, load
+from kinesic.face.assets.mesh import Mesh, Variant, load_head
 from kinesic.face.assets.paint import COMPLEXIONS
 from kinesic.face.display import DisplayError, offscreen
 from kinesic.face.render.camera import FRONT, Camera
@@ -105,5 +105,5 @@ class Portrait:
 
 @lru_cache(maxsize=4)
 def _head(variant: Variant, subdivided: bool) -> Mesh:
-    mesh = load(variant)
+    mesh = load_head(variant)
     return mesh.subdivided() if subdivided else mesh

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal
 
-from kinesic.body.config import closest
+from kinesic.body.config import suggestion
 from kinesic.face.display import DisplayError
 
 Estimator = Literal["angular", "crytek", "obscurance", "horizon"]
@@ -91,12 +91,12 @@ PRESETS: Mapping[str, Preset] = MappingProxyType(
 DRAFT, NORMAL, FULL = PRESETS.values()
 
 
-def preset(name: str) -> Preset:
+def quality_preset(name: str) -> Preset:
     """The preset of a name.
 
     Raises:
         DisplayError: there is none.
     """
     if name not in PRESETS:
-        raise DisplayError(f"no preset {name}{closest(name, list(PRESETS))}; there are {', '.join(PRESETS)}")
+        raise DisplayError(f"no preset {name}{suggestion(name, list(PRESETS))}; there are {', '.join(PRESETS)}")
     return PRESETS[name]

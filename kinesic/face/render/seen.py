@@ -9,7 +9,7 @@ from kinesic.face.render.passes import Marks, Where
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class PositionBuffer:
     """Textures as large as each other."""
 
     position: moderngl.Texture  # [m] in the camera's frame; part + 1, 0 on the background
@@ -34,11 +34,11 @@ class SeenPass:
         self._marks = Marks(context, ("form", "unpack"), (width, height), ("4f4", "4f4"))
         self.target = self._marks.target
         position, normal = self.target.textures
-        self.seen = Seen(position, normal, self._marks.depth, "marked")
+        self.seen = PositionBuffer(position, normal, self._marks.depth, "marked")
         sides = zip(geometry.size, (width, height), strict=True)
         self._offset = [(pixels // 2 + 0.5) / whole - 0.5 / own for whole, own in sides]
 
-    def draw(self) -> Seen:
+    def draw(self) -> PositionBuffer:
         """What was drawn last."""
         form, _ = self._geometry.target.textures
         self._marks.draw({"form": form}, {"offset": self._offset, "lens": self._geometry.lens})

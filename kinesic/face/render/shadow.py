@@ -12,9 +12,9 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.geometry import Geometry
-from kinesic.face.render.passes import ScreenPass, Target, Value, program, tell
+from kinesic.face.render.passes import ScreenPass, Target, Value, program, set_uniforms
 from kinesic.face.render.presets import Shadow
-from kinesic.face.render.seen import Seen
+from kinesic.face.render.seen import PositionBuffer
 
 SIDE = 512  # pixels of the map
 REACH = 0.22  # [m] that it covers round the middle of the head, across
@@ -25,7 +25,7 @@ SHARPEST = 0.004  # [m] across what is compared at least: the map has pixels
 class ShadowPass:
     """Finds how much of the key's light reaches each pixel of the head."""
 
-    def __init__(self, context: moderngl.Context, geometry: Geometry, seen: Seen, shadow: Shadow) -> None:
+    def __init__(self, context: moderngl.Context, geometry: Geometry, seen: PositionBuffer, shadow: Shadow) -> None:
         self.shadow, self._seen = shadow, seen
         reached = Target(context, seen.position.size, ("4f1",), seen.depth)
         reached.textures[0].filter = (moderngl.LINEAR, moderngl.LINEAR)
@@ -84,7 +84,7 @@ class _Map:
 
     def draw(self, view: Floats, lamp: Floats) -> moderngl.Texture:
         """Depths 0..1."""
-        tell(self._shader, {"view": view.T, "projection": lamp.T})
+        set_uniforms(self._shader, {"view": view.T, "projection": lamp.T})
         self._frame.use()
         self._frame.clear()
         self._context.enable_only(moderngl.DEPTH_TEST | self._culling)

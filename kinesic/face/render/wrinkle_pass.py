@@ -6,7 +6,7 @@ import moderngl
 import numpy as np
 
 from kinesic.body.arrays import Flags, Floats
-from kinesic.face.assets.chart import ROUND, places, window
+from kinesic.face.assets.chart import ROUND, chart_window, vertex_chart
 from kinesic.face.assets.mesh import PARTS, Mesh
 from kinesic.face.render.geometry import Geometry
 from kinesic.face.render.passes import ScreenPass, Stored, Target, Value, stored, texture
@@ -57,7 +57,7 @@ class ReliefPass:
             left, right = shown[:, first : first + GROUP]
             here = np.flatnonzero((left + right) > 0.0)
             if len(here):
-                values: dict[str, Value] = {"left": left, "right": right, "chart": window()}
+                values: dict[str, Value] = {"left": left, "right": right, "chart": chart_window()}
                 within = self._geometry.rectangle(corners[:, here + first].reshape(2, -1))
                 inputs = {"form": form, "place": place, "maps": drawn}
                 self._relief.draw(inputs, values, within=within, added=True)
@@ -84,7 +84,7 @@ def _packed() -> tuple[Stored, ...]:
 @lru_cache(maxsize=4)
 def _wrinkled(mesh: Mesh, drawn_on: Mesh) -> Flags:
     """(12, v) which vertices belong to a triangle that has something of each wrinkle map."""
-    corners = places(drawn_on)[mesh.triangles, :2]
+    corners = vertex_chart(drawn_on)[mesh.triangles, :2]
     low, high = corners.min(axis=1), corners.max(axis=1)
     whole = (high - low)[:, 0] < ROUND / 2  # not cut by the chart's seam
     found = np.zeros((MAPS, len(mesh.positions)), dtype=bool)

@@ -56,14 +56,14 @@ def save_film(
     check_film(path)
     match path.suffix.lower():
         case ".png":
-            save(strip(frames), path)
+            save(film_strip(frames), path)
         case ".mp4":
             _encode(frames, path, rate, sound)
         case _:
             _animate(frames, path, rate, once=once)
 
 
-def strip(frames: Sequence[Pixels]) -> Pixels:
+def film_strip(frames: Sequence[Pixels]) -> Pixels:
     """Frames in rows, the first on the left of the uppermost."""
     height, width, depth = frames[0].shape
     across = max(1, min(len(frames), STRIP_WIDTH // width))

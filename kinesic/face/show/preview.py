@@ -10,14 +10,14 @@ from kinesic.body.command import Command
 from kinesic.body.robot import Robot
 from kinesic.face.display import DisplayError
 from kinesic.face.render.head_pose import turns
-from kinesic.face.show.process import Look, show
-from kinesic.face.show.shared_command import Board, Shown
+from kinesic.face.show.process import PreviewSettings, show_face
+from kinesic.face.show.shared_command import Board, ShownFace
 from kinesic.face.show.window import has_display
 
 OPENING = 60.0  # [s] that the process has to draw its first picture
 PACE = 0.01  # [s] between two commands that are put up; faster ones are passed over
 CLOSING = 10.0  # [s] that it has for the last one
-PLAIN = Look()
+PLAIN = PreviewSettings()
 UPRIGHT = (0.0, 0.0, 0.0)
 
 
@@ -31,7 +31,7 @@ class Preview:
         self,
         robot: Robot | None = None,
         *,
-        look: Look = PLAIN,
+        look: PreviewSettings = PLAIN,
         windowed: bool | None = None,
     ) -> None:
         """Opens the window, and waits until the first picture is drawn.
@@ -49,7 +49,7 @@ class Preview:
         self._robot, self._board = robot, Board(context)
         self._number, self._last, self._waiting = 0, -PACE, False
         here, there = context.Pipe(duplex=False)
-        self._process = context.Process(target=show, args=(self._board, there, look), daemon=True)
+        self._process = context.Process(target=show_face, args=(self._board, there, look), daemon=True)
         self._process.start()
         there.close()
         with here:
@@ -96,7 +96,7 @@ class Preview:
         if self._robot is not None:
             left, up, over = turns(self._robot, command.angles).tolist()
             turn = (left, up, over)
-        return self._board.write(Shown(self._number, command.time, turn, command.face), wait=wait)
+        return self._board.write(ShownFace(self._number, command.time, turn, command.face), wait=wait)
 
     def __enter__(self) -> "Preview":
         return self

@@ -17,9 +17,9 @@ from kinesic.face.render.camera import CLOSE
 from kinesic.face.render.portrait import Pixels, Portrait
 from kinesic.face.render.presets import PRESETS
 from kinesic.face.show.controls import Controls
-from kinesic.face.show.shared_command import Board, Shown
+from kinesic.face.show.shared_command import Board, ShownFace
 from kinesic.face.show.side_film import Beside
-from kinesic.face.show.window import window
+from kinesic.face.show.window import open_window
 
 if TYPE_CHECKING:
     import moderngl
@@ -56,7 +56,7 @@ class Nowhere:
 
 
 @dataclass(frozen=True)
-class Look:
+class PreviewSettings:
     """How a preview begins."""
 
     variant: Variant = "female"
@@ -68,14 +68,14 @@ class Look:
     beside: Path | None = None  # a film of the body on the clock of the performance
 
 
-class Answer(Protocol):
+class ChildAnswer(Protocol):
     """The way back to the process that plays: ready, or a reason why not."""
 
     def send(self, word: str, /) -> None:
         """Sends a word."""
 
 
-def show(board: Board, answer: Answer, look: Look) -> None:
+def show_face(board: Board, answer: ChildAnswer, look: PreviewSettings) -> None:
     """Opens a window or none, and draws until the board is over or the window is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process that plays tells when it is over
     try:
@@ -86,7 +86,7 @@ def show(board: Board, answer: Answer, look: Look) -> None:
             begun = Controls(look.preset, look.variant, gain=look.gain, yaw_deg=look.yaw_deg)
             screen: Screen = Nowhere()
             if look.windowed:
-                screen = framed = opened.enter_context(window((wide, look.side), begun.title))
+                screen = framed = opened.enter_context(open_window((wide, look.side), begun.title))
                 context = framed.context
             else:
                 context = opened.enter_context(offscreen())
@@ -100,11 +100,11 @@ def show(board: Board, answer: Answer, look: Look) -> None:
 
 def painter(
     context: "moderngl.Context", size: tuple[int, int], body: Beside | None = None
-) -> Callable[[Shown, Controls], Pixels]:
+) -> Callable[[ShownFace, Controls], Pixels]:
     """A function that draws; it keeps a portrait for each preset and variant that was asked for."""
     portraits: dict[tuple[str, Variant], Portrait] = {}
 
-    def draw(shown: Shown, told: Controls) -> Pixels:
+    def draw(shown: ShownFace, told: Controls) -> Pixels:
         kind = (told.preset, told.variant)
         if kind not in portraits:
             portraits[kind] = Portrait(told.variant, preset=PRESETS[told.preset], size=size, context=context)
@@ -115,7 +115,7 @@ def painter(
     return draw
 
 
-def follow(board: Board, screen: Screen, draw: Callable[[Shown, Controls], Pixels], told: Controls) -> int:
+def follow(board: Board, screen: Screen, draw: Callable[[ShownFace, Controls], Pixels], told: Controls) -> int:
     """Draws the newest command whenever it or a key changed something; frames are dropped, not commands.
 
     Returns:

@@ -21,7 +21,7 @@ MOST_PICTURES = 1200  # they are held in memory until the file is written
 HALF = 1e-6  # [s] that a command may be early
 
 
-class Recording:
+class FaceRecording:
     """Pictures of a performance at a steady rate; nothing is drawn before it is closed, so that it holds up nobody."""
 
     def __init__(
@@ -83,7 +83,7 @@ class Recording:
             for (_, units, _), (left, up, over) in zip(rows, stands.tolist(), strict=True):
                 yield portrait.draw(units, replace(self._camera, turn=(left, up, over)), gain=self._gain)
 
-    def __enter__(self) -> "Recording":
+    def __enter__(self) -> "FaceRecording":
         return self
 
     def __exit__(

@@ -14,7 +14,7 @@ LATEST = 5.0  # [s] that the last command waits for a reader
 
 
 @dataclass(frozen=True)
-class Shown:
+class ShownFace:
     """What is to be drawn."""
 
     number: int  # of the command, from 1; 0: none yet
@@ -31,7 +31,7 @@ class Board:
         self._held = context.Lock()
         self._over = context.Event()
 
-    def write(self, shown: Shown, *, wait: bool = False) -> bool:
+    def write(self, shown: ShownFace, *, wait: bool = False) -> bool:
         """Puts the newest command up; False when the reader holds the board, and this one is passed over.
 
         Args:
@@ -50,12 +50,12 @@ class Board:
             self._held.release()
         return True
 
-    def read(self) -> Shown:
+    def read(self) -> ShownFace:
         """What is up."""
         with self._held:
             number, time, left, up, over, *units = self._row[:]
         shown = {channel: value for channel, value in zip(CHANNELS, units, strict=True) if value > 0.0}
-        return Shown(int(number), time, (left, up, over), shown)
+        return ShownFace(int(number), time, (left, up, over), shown)
 
     def end(self) -> None:
         """Nothing more comes."""

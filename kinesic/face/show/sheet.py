@@ -18,7 +18,7 @@ PAPER, INK = (250, 250, 250), (40, 40, 40)
 HEADINGS = f"of each: {LOW:g} plain, {LOW:g} with wrinkles, {HIGH:g} plain, {HIGH:g} with wrinkles"
 
 
-def sheet(portrait: Portrait, camera: Camera = CLOSE, *, units: Sequence[int] = tuple(UNITS)) -> Pixels:
+def draw_units_sheet(portrait: Portrait, camera: Camera = CLOSE, *, units: Sequence[int] = tuple(UNITS)) -> Pixels:
     """One picture of many: four of each action unit under its number and name.
 
     Args:

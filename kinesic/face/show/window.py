@@ -39,10 +39,10 @@ def has_display() -> bool:
 
 
 class Window:
-    """An open window; made by `window`."""
+    """An open window; made by `open_window`."""
 
     def __init__(self, handle: "glfw._GLFWwindowPointerT", context: "moderngl.Context") -> None:
-        import glfw  # noqa: PLC0415 - optional; `window` has imported it
+        import glfw  # noqa: PLC0415 - optional; `open_window` has imported it
 
         self._glfw, self._handle, self.context = glfw, handle, context
         self._heard: list[str] = []
@@ -93,7 +93,7 @@ class _Current:
     """The context of a window, however the window system made it, as moderngl wants it."""
 
     def __init__(self, handle: "glfw._GLFWwindowPointerT") -> None:
-        import glfw  # noqa: PLC0415 - optional; `window` has imported it
+        import glfw  # noqa: PLC0415 - optional; `open_window` has imported it
 
         self._glfw, self._handle = glfw, handle
 
@@ -113,7 +113,7 @@ class _Current:
 
 
 @contextmanager
-def window(size: tuple[int, int], title: str) -> Iterator[Window]:
+def open_window(size: tuple[int, int], title: str) -> Iterator[Window]:
     """Opens a window, and closes it at the end; of the main thread of a process.
 
     Args:

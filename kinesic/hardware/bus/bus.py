@@ -217,11 +217,11 @@ class Bus:
         """Sets the cells of a servo that has rebooted, once it is sure that it has."""
         servo, exchange = self.servos[place], self._listener.exchange
         cells = servo.model.cells[0].addresses
-        shown = exchange(packet.read(servo.id, cells, len(CELLS)), servo.id, len(CELLS))
+        shown = exchange(packet.read_packet(servo.id, cells, len(CELLS)), servo.id, len(CELLS))
         if shown is None:
             return
         if shown != CELLS:
-            if exchange(packet.write(servo.id, cells, CELLS), servo.id, 0) is None:
+            if exchange(packet.write_packet(servo.id, cells, CELLS), servo.id, 0) is None:
                 return
             self._gate.forget(place)
             self._tell(servo.id, "rebooted", "its RAM is as at power-on: torque off, no profile, no watchdog")

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from kinesic.body.servo import TICKS_PER_TURN
-from kinesic.hardware.protocol.crc import Crcs, places
+from kinesic.hardware.protocol.crc import Crcs, byte_contributions
 from kinesic.hardware.protocol.packet import sync_write
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.ticks import Ticks
@@ -44,7 +44,7 @@ class GoalFrame:
 
 def _contributions(count: int, covered: int) -> Crcs:
     """(count, 4096) what each goal contributes to the CRC over `covered` bytes."""
-    table, goals = places(covered), np.arange(TICKS_PER_TURN)
+    table, goals = byte_contributions(covered), np.arange(TICKS_PER_TURN)
     low = _FIRST + 1 + _ROW * np.arange(count)[:, None]
     contributions: Crcs = table[low, goals & 0xFF] ^ table[low + 1, goals >> 8]
     return contributions

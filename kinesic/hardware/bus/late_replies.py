@@ -11,7 +11,7 @@ import numpy as np
 
 from kinesic.hardware.bus.listener import Listener
 from kinesic.hardware.bus.plausibility import Gate, Place
-from kinesic.hardware.bus.query import Answer, Question
+from kinesic.hardware.bus.query import Question, ServoReplies
 from kinesic.hardware.bus.timeout import MOST
 
 LAG = 0.004  # [s] beyond its own time by which an answer is clearly older than the question
@@ -40,7 +40,7 @@ class Overdue:
         """What was asked last has not been answered in full."""
         self._until = self._listener.asked + self._listener.spoken(question.length) + OWED
 
-    def is_of_earlier(self, question: Question, places: Place, answer: Answer) -> bool:
+    def is_of_earlier(self, question: Question, places: Place, answer: ServoReplies) -> bool:
         """Whether a whole answer is one to an earlier question; then what is news of it is believed."""
         listener, gate, asked = self._listener, self._gate, self._listener.asked
         if not answer.whole or asked > self._until:
@@ -54,7 +54,7 @@ class Overdue:
         gate.admit_late(places, answer, asked)
         return True
 
-    def without_earlier(self, question: Question, places: Place, answer: Answer) -> Answer:
+    def without_earlier(self, question: Question, places: Place, answer: ServoReplies) -> ServoReplies:
         """An answer less what of a broken one belongs to an earlier question."""
         listener = self._listener
         if answer.whole or listener.asked > self._until:

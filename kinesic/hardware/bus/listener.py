@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from math import inf, isfinite
 
-from kinesic.hardware.bus.query import Answer, Question
+from kinesic.hardware.bus.query import Question, ServoReplies
 from kinesic.hardware.bus.timeout import LEAST, Slack
 from kinesic.hardware.protocol.packet import STATUS_OVERHEAD, Instruction, Reader
 from kinesic.hardware.protocol.wire import BITS_PER_BYTE, Wire
@@ -54,7 +54,7 @@ class Listener:
 
     def hear(
         self, question: Question, *, end: float, strict: bool = False, patient: bool = False, again: bool = False
-    ) -> Answer | None:
+    ) -> ServoReplies | None:
         """Waits for the answer to what was said last.
 
         Args:
@@ -137,7 +137,7 @@ class Listener:
         wire.sleep(wait.ideal)
         return begun + wire.read(wait.ideal), wait.last
 
-    def _understood(self, raw: bytes, answer: Answer, length: int, ideal: float, began: float) -> None:
+    def _understood(self, raw: bytes, answer: ServoReplies, length: int, ideal: float, began: float) -> None:
         """Learns from a whole answer of a length [bytes], which began at a time, and was not due before another [s]."""
         now = self.wire.now()
         self.slack.took(now - ideal)

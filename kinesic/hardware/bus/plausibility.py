@@ -13,7 +13,7 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats
 from kinesic.body.servo import TICKS_PER_TURN
 from kinesic.hardware.bus.health import BLOCK, Records, signature
-from kinesic.hardware.bus.query import Answer
+from kinesic.hardware.bus.query import ServoReplies
 from kinesic.hardware.protocol.models import Model
 from kinesic.hardware.protocol.packet import ALERT
 from kinesic.hardware.protocol.registers import CLOCK_WRAP, SPEED, TICK, Register
@@ -60,7 +60,7 @@ class Gate:
         """A new cycle: nothing in it is fresh yet."""
         self.fresh = self.late = self._none
 
-    def admit(self, places: Place, answer: Answer, time: float) -> None:
+    def admit(self, places: Place, answer: ServoReplies, time: float) -> None:
         """Believes what is plausible.
 
         Args:
@@ -85,7 +85,7 @@ class Gate:
                 self._unset.discard(index)
         self.blocks, self.times, self.fresh, self.signature = blocks, times, fresh, signature(blocks)
 
-    def admit_late(self, places: Place, answer: Answer, now: float, *, asked: float | None = None) -> None:
+    def admit_late(self, places: Place, answer: ServoReplies, now: float, *, asked: float | None = None) -> None:
         """Believes answers to an earlier question, if they are news; when they were given, the servo's clock tells.
 
         Args:
@@ -104,7 +104,7 @@ class Gate:
                 blocks[index], times[index], late[index] = block, min(now, given), True
         self.blocks, self.times, self.late, self.signature = blocks, times, late, signature(blocks)
 
-    def _heard(self, places: Place, answer: Answer) -> list[tuple[int, np.void]]:
+    def _heard(self, places: Place, answer: ServoReplies) -> list[tuple[int, np.void]]:
         """Places and blocks of those who answered."""
         indices = np.arange(len(self.blocks))[places][answer.found].tolist()
         return list(zip(indices, answer.blocks[answer.found], strict=True))
@@ -127,7 +127,7 @@ class Gate:
             return False
         return bool(elapsed < LATEST / 1000 and self._since(place, block) / 1000 < elapsed - leeway)
 
-    def without_late(self, places: Place, answer: Answer, time: float, *, leeway: float) -> Answer:
+    def without_late(self, places: Place, answer: ServoReplies, time: float, *, leeway: float) -> ServoReplies:
         """What of a broken answer was given after a time [s]; the rest answers an earlier question, and is news of it.
 
         Args:

@@ -25,7 +25,7 @@ def ports(*, names: Path = BY_ID) -> tuple[Path, ...]:
 
 
 @dataclass(frozen=True)
-class Latency:
+class AdapterLatency:
     """How long an adapter may keep bytes back before it hands them to the host."""
 
     port: Path
@@ -49,10 +49,10 @@ class Latency:
         )
 
 
-def latency(path: Path, *, system: Path = SYSTEM) -> Latency | None:
+def latency(path: Path, *, system: Path = SYSTEM) -> AdapterLatency | None:
     """The latency timer of a port's adapter; None where there is none (a pseudo-terminal, an adapter without timer)."""
     setting = system / "bus/usb-serial/devices" / path.resolve().name / "latency_timer"
     try:
-        return Latency(path, int(setting.read_text()), setting)
+        return AdapterLatency(path, int(setting.read_text()), setting)
     except (OSError, ValueError):
         return None

@@ -15,7 +15,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from kinesic.body.arrays import Flags
 from kinesic.hardware.bus.health import BLOCK, SIZE, Records
-from kinesic.hardware.protocol.crc import Bytes, Crcs, carried, places
+from kinesic.hardware.protocol.crc import Bytes, Crcs, byte_contributions, crc_contributions
 from kinesic.hardware.protocol.packet import (
     BROADCAST,
     HEADER,
@@ -24,7 +24,7 @@ from kinesic.hardware.protocol.packet import (
     Reader,
     bulk_read,
     crc16,
-    read,
+    read_packet,
     sync_read,
 )
 
@@ -33,7 +33,7 @@ CHECKED = BLOCK.itemsize - 2  # [bytes] of a block before its CRC
 REACH = 3  # blocks after a damaged one within which the answer must go on
 
 
-class Answer(NamedTuple):
+class ServoReplies(NamedTuple):
     """What came of each servo, in the order asked."""
 
     blocks: Records  # (m,) of dtype BLOCK; only those found mean something
@@ -61,7 +61,7 @@ class Question(Protocol):
     def chained(self) -> bool:
         """Whether a servo that keeps silent ends the answer."""
 
-    def answer(self, raw: bytes) -> Answer:
+    def answer(self, raw: bytes) -> ServoReplies:
         """Reads what has come: all bytes so far, noise and older answers included."""
 
     def complete(self, raw: bytes) -> bool:
@@ -117,13 +117,13 @@ class FastQuestion:
         every.setflags(write=False)
         return every
 
-    def answer(self, raw: bytes) -> Answer:
+    def answer(self, raw: bytes) -> ServoReplies:
         """See `Question`."""
         first = start = raw.find(self._head)
         while 0 <= start <= len(raw) - self.length:
             blocks = self._sound(raw, start)
             if blocks is not None:
-                return Answer(blocks, self._all, True, start + self.length)
+                return ServoReplies(blocks, self._all, True, start + self.length)
             start = raw.find(self._head, start + 1)  # behind an answer to other servos, this one may stand
         return self._salvaged(raw, first)
 
@@ -150,7 +150,7 @@ class FastQuestion:
         crc = crc16(last[:CHECKED], crc16(before, int.from_bytes(before, "little")))
         return crc == int.from_bytes(last[CHECKED:], "little")
 
-    def _salvaged(self, raw: bytes, start: int) -> Answer:
+    def _salvaged(self, raw: bytes, start: int) -> ServoReplies:
         """Every sound block that can be found, although bytes were changed, lost or added.
 
         Block after block is looked for where it should stand; where one is damaged, the next sound one within reach
@@ -159,7 +159,7 @@ class FastQuestion:
         blocks: Records = np.zeros(len(self.servos), dtype=BLOCK)
         found: Flags = np.zeros(len(self.servos), dtype=np.bool_)
         if len(raw) < BLOCK.itemsize:
-            return Answer(blocks, found, False, self.length)
+            return ServoReplies(blocks, found, False, self.length)
         windows = _Windows.of(raw)
         at, before = (start + HEAD if start >= 0 else HEAD), self._first
         place = 0
@@ -172,7 +172,7 @@ class FastQuestion:
             found[place] = True
             before = int(_CARRIED[windows.crcs[at]])
             place, at = place + 1, at + BLOCK.itemsize
-        return Answer(blocks, found, bool(found.all()), at + BLOCK.itemsize * (len(self.servos) - place))
+        return ServoReplies(blocks, found, bool(found.all()), at + BLOCK.itemsize * (len(self.servos) - place))
 
     def _next_sound(self, place: int, at: int, before: int, windows: "_Windows") -> tuple[int, int] | None:
         """Place and offset of the next sound block, from where the block of `place` should stand."""
@@ -215,7 +215,7 @@ class PlainQuestion:
     def data(self) -> bytes:
         """The packet that asks."""
         if len(self.servos) == 1:
-            return read(self.servos[0], self.addresses[0], SIZE)
+            return read_packet(self.servos[0], self.addresses[0], SIZE)
         if len(set(self.addresses)) == 1:
             return sync_read(self.servos, self.addresses[0], SIZE, fast=False)
         return bulk_read(_spans(self.servos, self.addresses), fast=False)
@@ -230,7 +230,7 @@ class PlainQuestion:
         """See `Question`."""
         return False
 
-    def answer(self, raw: bytes) -> Answer:
+    def answer(self, raw: bytes) -> ServoReplies:
         """See `Question`."""
         blocks: Records = np.zeros(len(self.servos), dtype=BLOCK)
         found: Flags = np.zeros(len(self.servos), dtype=np.bool_)
@@ -242,7 +242,7 @@ class PlainQuestion:
             blocks[place] = np.frombuffer(whole, BLOCK, 1)[0]
             found[place] = True
         lacking = (STATUS_OVERHEAD + SIZE) * int((~found).sum())
-        return Answer(blocks, found, bool(found.all()), len(raw) + lacking)
+        return ServoReplies(blocks, found, bool(found.all()), len(raw) + lacking)
 
     def complete(self, raw: bytes) -> bool:
         """See `Question`: stuffing may make each status longer, so only time tells."""
@@ -261,9 +261,9 @@ def question_to(servos: tuple[int, ...], addresses: tuple[int, ...], *, fast: bo
     return FastQuestion(servos, addresses) if fast and len(servos) > 1 else PlainQuestion(servos, addresses)
 
 
-_PLACES = places(CHECKED).ravel()
+_PLACES = byte_contributions(CHECKED).ravel()
 _ROWS = np.arange(CHECKED) * 256
-_CARRIED = carried(CHECKED)
+_CARRIED = crc_contributions(CHECKED)
 
 
 def _own(octets: Bytes) -> Crcs:

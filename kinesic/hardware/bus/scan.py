@@ -20,7 +20,7 @@ class Sighting:
     shared: bool  # several servos seem to have this id
 
 
-def scan(
+def scan_bus(
     opened: Callable[[int], Wire],
     *,
     bauds: Iterable[int] = BAUD_RATES,

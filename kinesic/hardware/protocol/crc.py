@@ -17,30 +17,30 @@ Bytes = NDArray[np.uint8]
 _TABLE: Crcs = np.array(CRC_TABLE, dtype=np.uint16)
 
 
-def advanced(crcs: Crcs, data: Bytes | int = 0) -> Crcs:
+def advance_crcs(crcs: Crcs, data: Bytes | int = 0) -> Crcs:
     """CRCs after one more byte each."""
     after: Crcs = (crcs << 8) ^ _TABLE[(crcs >> 8) ^ data]
     return after
 
 
 @cache
-def places(length: int) -> Crcs:
+def byte_contributions(length: int) -> Crcs:
     """(length, 256) what each byte contributes to the CRC of a message of `length` bytes, by its place."""
     table = np.empty((length, 256), dtype=np.uint16)
     row = _TABLE
     for place in reversed(range(length)):
         table[place] = row
-        row = advanced(row)
+        row = advance_crcs(row)
     table.setflags(write=False)
     return table
 
 
 @cache
-def carried(length: int) -> Crcs:
+def crc_contributions(length: int) -> Crcs:
     """(65536,) what a CRC, followed by its own two bytes, contributes `length` bytes later."""
     crcs = np.arange(1 << 16, dtype=np.uint16)
-    after = advanced(advanced(crcs, (crcs & 0xFF).astype(np.uint8)), (crcs >> 8).astype(np.uint8))
+    after = advance_crcs(advance_crcs(crcs, (crcs & 0xFF).astype(np.uint8)), (crcs >> 8).astype(np.uint8))
     for _ in range(length):
-        after = advanced(after)
+        after = advance_crcs(after)
     after.setflags(write=False)
     return after

@@ -130,12 +130,12 @@ def ping(servo: int) -> bytes:
     return packet(servo, Instruction.PING)
 
 
-def read(servo: int, address: int, size: int) -> bytes:
+def read_packet(servo: int, address: int, size: int) -> bytes:
     """Asks for `size` bytes from `address` on."""
     return packet(servo, Instruction.READ, _span(address, size))
 
 
-def write(servo: int, address: int, data: bytes) -> bytes:
+def write_packet(servo: int, address: int, data: bytes) -> bytes:
     """Writes data from `address` on."""
     return packet(servo, Instruction.WRITE, address.to_bytes(2, "little") + data)
 

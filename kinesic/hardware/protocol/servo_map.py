@@ -10,7 +10,7 @@ import msgspec
 import numpy as np
 
 from kinesic.body.arrays import sealed
-from kinesic.body.config import ConfigError, closest, read
+from kinesic.body.config import ConfigError, read_toml, suggestion
 from kinesic.body.robot import Robot
 from kinesic.body.servo import TICKS_PER_TURN
 from kinesic.hardware.protocol.registers import BAUD_RATES
@@ -37,7 +37,7 @@ class WiringFile(msgspec.Struct):
 
 
 @dataclass(frozen=True)
-class Bus:
+class BusWiring:
     """One wire."""
 
     name: str
@@ -60,7 +60,7 @@ class HingeServos:
 class ServoMap:
     """All servos of a robot."""
 
-    buses: tuple[Bus, ...]
+    buses: tuple[BusWiring, ...]
     servos: tuple[HingeServos, ...]  # one per hinge, in joint order
 
     @classmethod
@@ -71,7 +71,7 @@ class ServoMap:
             ConfigError: a hinge is unknown or has no servo, an id is out of range or used twice on a bus, a tandem
                 has the wrong number of servos, or a hinge's range leaves the servo's turn.
         """
-        tables = read(robot.path, WiringFile).bus
+        tables = read_toml(robot.path, WiringFile).bus
         if not tables:
             return cls((), ())
         _check_buses(robot.path, tables)
@@ -86,7 +86,7 @@ class ServoMap:
         if missing:
             raise ConfigError(f"{robot.path}: no servo id for {', '.join(missing)}; add them to [bus.ids]")
         return cls(
-            buses=tuple(Bus(table.name, table.baud) for table in tables),
+            buses=tuple(BusWiring(table.name, table.baud) for table in tables),
             servos=tuple(found[name] for name in robot.skeleton.names),
         )
 
@@ -108,7 +108,7 @@ def _servos(robot: Robot, tables: list[BusTable]) -> Iterator[HingeServos]:
             known = list(reductions) if part == "ids" else list(table.ids)
             for hinge in hinges:
                 if hinge not in known:
-                    raise ConfigError(f"{robot.path}: {part} of bus {table.name}: no {hinge}{closest(hinge, known)}")
+                    raise ConfigError(f"{robot.path}: {part} of bus {table.name}: no {hinge}{suggestion(hinge, known)}")
         for hinge, ids in table.ids.items():
             yield HingeServos(
                 hinge=hinge,

@@ -209,7 +209,7 @@ _EVENT = np.dtype(
 )
 
 
-def size(joints: int, capacity: int = CAPACITY) -> int:
+def memory_size(joints: int, capacity: int = CAPACITY) -> int:
     """[bytes] of the memory for so many joints."""
     rows = HISTORY * _status(joints).itemsize + EVENTS * _EVENT.itemsize + capacity * _command(joints).itemsize
     return 8 * len(_WORDS) + rows
@@ -226,7 +226,7 @@ def memory_file(octets: int) -> int:
     return descriptor
 
 
-def mapped(descriptor: int, octets: int) -> mmap.mmap:
+def map_memory(descriptor: int, octets: int) -> mmap.mmap:
     """The memory behind a descriptor."""
     return mmap.mmap(descriptor, octets)
 

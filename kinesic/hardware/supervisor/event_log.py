@@ -8,7 +8,7 @@ from time import time as wall_time
 from kinesic.hardware.supervisor.channel import Note
 
 
-class Journal:
+class EventLog:
     """A file of events; none if there is no path."""
 
     def __init__(self, path: Path | None) -> None:

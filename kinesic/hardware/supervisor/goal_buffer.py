@@ -84,6 +84,6 @@ class Score:
         return slope
 
 
-def whole(goals: Floats) -> bool:
+def are_numbers(goals: Floats) -> bool:
     """Whether goals are numbers."""
     return bool(np.isfinite(goals).all())

@@ -13,7 +13,7 @@ SLACK = 1e-6  # of the limits, against rounding
 
 
 @dataclass(frozen=True, eq=False)
-class Bounds:
+class GoalBounds:
     """What goals of members may do."""
 
     lower: Floats  # (m,) [ticks]
@@ -28,19 +28,21 @@ class Bounds:
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
+class GoalCourse:
     """Goals and how fast they move."""
 
     goals: Floats  # (m,) [ticks], fractions kept
     speeds: Floats  # (m,) [ticks/s]
 
     @classmethod
-    def still(cls, goals: Floats) -> "Course":
+    def still(cls, goals: Floats) -> "GoalCourse":
         """Goals that stand."""
         return cls(sealed(goals), sealed(np.zeros(len(goals))))
 
 
-def guarded(course: Course, wanted: Floats, present: Floats, seconds: float, bounds: Bounds) -> tuple[Course, Flags]:
+def guarded(
+    course: GoalCourse, wanted: Floats, present: Floats, seconds: float, bounds: GoalBounds
+) -> tuple[GoalCourse, Flags]:
     """The next goals: those that are wanted where they keep the limits, else the nearest that do.
 
     Args:
@@ -67,10 +69,10 @@ def guarded(course: Course, wanted: Floats, present: Floats, seconds: float, bou
         speeds = np.where(steady, speeds, caught)
     goals = course.goals + speeds * seconds
     refused = ~steady if target is wanted else ~steady | (np.abs(target - wanted) > 0.5)
-    return Course(_locked(goals), _locked(speeds)), refused
+    return GoalCourse(_locked(goals), _locked(speeds)), refused
 
 
-def _granted(course: Course, wanted: Floats, present: Floats, bounds: Bounds) -> Floats:
+def _granted(course: GoalCourse, wanted: Floats, present: Floats, bounds: GoalBounds) -> Floats:
     """(m,) [ticks] what is wanted, but inside the range and not too far ahead of the servo."""
     known = np.where(np.isfinite(present), present, course.goals)
     low = np.maximum(bounds.lower, np.minimum(known - bounds.lead, course.goals))
@@ -85,7 +87,7 @@ def _locked(values: Floats) -> Floats:
     return values
 
 
-def _catching(course: Course, target: Floats, seconds: float, bounds: Bounds) -> Floats:
+def _catching(course: GoalCourse, target: Floats, seconds: float, bounds: GoalBounds) -> Floats:
     """(m,) [ticks/s] that bring a goal to its target within the limits, braking in time."""
     away = target - course.goals
     reach = bounds.acceleration * seconds

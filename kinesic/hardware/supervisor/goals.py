@@ -7,22 +7,22 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.supervisor.axes import folded
-from kinesic.hardware.supervisor.goal_limits import LEAD, Bounds, Course, guarded
+from kinesic.hardware.supervisor.goal_limits import LEAD, GoalBounds, GoalCourse, guarded
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.player import Player
-from kinesic.hardware.supervisor.settings import Settings
+from kinesic.hardware.supervisor.settings import SupervisorSettings
 
 
 class Steering:
     """The goals of all members, and where they are to go."""
 
-    def __init__(self, manifest: Manifest, settings: Settings) -> None:
+    def __init__(self, manifest: Manifest, settings: SupervisorSettings) -> None:
         """Goals are not known yet."""
         self.player = Player(settings)
         self._manifest = manifest
-        self._bounds = Bounds(*manifest.spans, manifest.speeds, LEAD * manifest.full)
+        self._bounds = GoalBounds(*manifest.spans, manifest.speeds, LEAD * manifest.full)
         self._lag = settings.period / (2 * manifest.speeds)  # (m,) [s^2/tick] see `ticks`
-        self._course: Course | None = None
+        self._course: GoalCourse | None = None
         self._wish: Floats = np.zeros(len(manifest.members))  # (m,) [ticks]
         self._given_up: Flags = np.zeros(len(manifest.members), dtype=np.bool_)  # (m,) who move no more
 
@@ -100,10 +100,10 @@ class Steering:
     def put(self, places: Flags | Sequence[int], goals: Floats) -> None:
         """Sets the goals of some members, who do not move by them: they are limp, or just being taken over."""
         if self._course is None:
-            self._course = Course.still(self._wish)
+            self._course = GoalCourse.still(self._wish)
         now, speeds, wish = self._course.goals.copy(), self._course.speeds.copy(), self._wish.copy()
         now[places], speeds[places], wish[places] = goals, 0.0, goals
-        self._course, self._wish = Course(now, speeds), wish
+        self._course, self._wish = GoalCourse(now, speeds), wish
 
     def ticks(self) -> Ticks | None:
         """(m,) what goes out: the goals, ahead by what the servos' own profiles cost.

@@ -3,10 +3,10 @@
 from typing import Literal
 
 from kinesic.body.arrays import Floats
-from kinesic.hardware.supervisor.goal_buffer import Score, whole
+from kinesic.hardware.supervisor.goal_buffer import Score, are_numbers
 from kinesic.hardware.supervisor.move import Way
-from kinesic.hardware.supervisor.settings import Settings
-from kinesic.hardware.supervisor.time_scaling import Tempo, advanced
+from kinesic.hardware.supervisor.settings import SupervisorSettings
+from kinesic.hardware.supervisor.time_scaling import Tempo, advance_time
 
 GAP = 0.5  # [s] between commands beyond which the later ones are a performance of their own
 DONE = 1e-6  # [s] before the end that is the end
@@ -17,7 +17,7 @@ Source = Literal["score", "way"]
 class Player:
     """Goals as a function of performance time, which it owns."""
 
-    def __init__(self, settings: Settings) -> None:
+    def __init__(self, settings: SupervisorSettings) -> None:
         """Nothing to play yet."""
         self._settings = settings
         self._score = Score()
@@ -53,7 +53,7 @@ class Player:
             time: [s] of the performance.
             goals: (n,) [rad].
         """
-        if not whole(goals):
+        if not are_numbers(goals):
             return False
         over = self.left <= DONE
         if not self.begun or (over and (time > self._score.end + GAP or time <= self.tempo.time)):
@@ -99,10 +99,10 @@ class Player:
             (n,) [rad] to go to now; None: where it is.
         """
         if self._source == "way" and self._way is not None:
-            self._walk = advanced(self._walk, seconds, wanted=wanted, end=self._way.duration, slow=slow)
+            self._walk = advance_time(self._walk, seconds, wanted=wanted, end=self._way.duration, slow=slow)
             return self._way.at(self._walk.time)
         if self._source == "score":
-            self.tempo = advanced(self.tempo, seconds, wanted=wanted, end=self._score.end, slow=slow)
+            self.tempo = advance_time(self.tempo, seconds, wanted=wanted, end=self._score.end, slow=slow)
             self._score.forget(self.tempo.time)
             return self._score.at(self.tempo.time)
         return None

@@ -40,7 +40,7 @@ class Table:
         return register.field.unpack(self.data[register.field.address : register.field.end])
 
 
-def taken(manifest: Manifest, opens: Callable[[str], Wire], *, period: float) -> tuple[Axes, tuple[Table, ...]]:
+def take_over(manifest: Manifest, opens: Callable[[str], Wire], *, period: float) -> tuple[Axes, tuple[Table, ...]]:
     """Opens the ports, and makes sure that everything is as it must be.
 
     Args:
@@ -51,11 +51,11 @@ def taken(manifest: Manifest, opens: Callable[[str], Wire], *, period: float) ->
     Raises:
         BusError: a port or a servo is missing or wrong; one line each, and no port stays open.
     """
-    wires = opened(manifest, opens)
+    wires = open_wires(manifest, opens)
     try:
         axes = prepared(manifest, wires, period=period)
-        found = tables(axes)
-        check(axes, found)
+        found = control_tables(axes)
+        check_servos(axes, found)
     except BusError:
         for wire in wires.values():
             wire.close()
@@ -63,7 +63,7 @@ def taken(manifest: Manifest, opens: Callable[[str], Wire], *, period: float) ->
     return axes, found
 
 
-def opened(manifest: Manifest, opens: Callable[[str], Wire]) -> dict[str, Wire]:
+def open_wires(manifest: Manifest, opens: Callable[[str], Wire]) -> dict[str, Wire]:
     """The open wires of all buses.
 
     Raises:
@@ -98,7 +98,7 @@ def prepared(manifest: Manifest, wires: Mapping[str, Wire], *, period: float) ->
     lines: list[str] = []
     for name, wire in wires.items():
         members = [member for member in manifest.members if member.bus == name]
-        wire.write(packet.write(BROADCAST, Register.STATUS_RETURN_LEVEL.field.address, bytes((ANSWERS_ALL,))))
+        wire.write(packet.write_packet(BROADCAST, Register.STATUS_RETURN_LEVEL.field.address, bytes((ANSWERS_ALL,))))
         try:
             buses[name] = open_bus(wire, [member.servo for member in members], period=period)
         except BusError as error:
@@ -108,7 +108,7 @@ def prepared(manifest: Manifest, wires: Mapping[str, Wire], *, period: float) ->
     return Axes(manifest, buses)
 
 
-def tables(axes: Axes) -> tuple[Table, ...]:
+def control_tables(axes: Axes) -> tuple[Table, ...]:
     """The registers of all servos.
 
     Raises:
@@ -117,7 +117,7 @@ def tables(axes: Axes) -> tuple[Table, ...]:
     return tuple(Table.read(axes.cold(member.bus), member) for member in axes.manifest.members)
 
 
-def check(axes: Axes, found: tuple[Table, ...]) -> None:
+def check_servos(axes: Axes, found: tuple[Table, ...]) -> None:
     """Makes sure that the servos, which are the right ones, may be driven.
 
     Raises:
@@ -187,12 +187,12 @@ def configure(axes: Axes, found: tuple[Table, ...]) -> tuple[Change, ...]:
     changes: list[Change] = []
     for table in found:
         if not table[Register.TORQUE_ENABLE]:
-            different = {r: value for r, value in wanted(table).items() if table[r] != value}
+            different = {r: value for r, value in required_registers(table).items() if table[r] != value}
             changes += axes.cold(table.member.bus).configure(table.member.id, different)
     return tuple(changes)
 
 
-def wanted(table: Table) -> dict[Register, int]:
+def required_registers(table: Table) -> dict[Register, int]:
     """What the EEPROM of a servo must hold."""
     member, startup = table.member, Register.STARTUP_CONFIGURATION
     lower, upper = member.span

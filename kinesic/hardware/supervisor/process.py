@@ -20,27 +20,27 @@ from kinesic.body.robot import Robot
 from kinesic.hardware.bus.real_time import granted
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.wire import Wire
-from kinesic.hardware.supervisor.channel import Channel, mapped, size
-from kinesic.hardware.supervisor.event_log import Journal
+from kinesic.hardware.supervisor.channel import Channel, map_memory, memory_size
+from kinesic.hardware.supervisor.event_log import EventLog
 from kinesic.hardware.supervisor.manifest import Manifest
-from kinesic.hardware.supervisor.settings import Settings
+from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.supervisor import Supervisor
 
 PRIORITY = 20  # of SCHED_FIFO, where the host grants it
 EXIT_GOOD, EXIT_REFUSED = 0, 2
 
 
-class Order(msgspec.Struct, forbid_unknown_fields=True):
+class SupervisorOrder(msgspec.Struct, forbid_unknown_fields=True):
     """What a supervisor is started for."""
 
     robot: str  # path of its file
     ports: dict[str, str]  # bus -> path of the device
     memory: int  # descriptor of the channel's memory
-    settings: Settings
+    settings: SupervisorSettings
     log: str | None = None  # path of the journal
 
 
-def run(order: Order, planner: Callable[[], bool], asked: Callable[[], bool]) -> int:
+def supervise(order: SupervisorOrder, planner: Callable[[], bool], asked: Callable[[], bool]) -> int:
     """Supervises until all is over; the exit code.
 
     Args:
@@ -50,8 +50,8 @@ def run(order: Order, planner: Callable[[], bool], asked: Callable[[], bool]) ->
     """
     manifest = Manifest.of(Robot.load(Path(order.robot)))
     joints = len(manifest.rest)
-    channel = Channel(mapped(order.memory, size(joints)), joints)
-    settings, journal = order.settings, Journal(Path(order.log) if order.log else None)
+    channel = Channel(map_memory(order.memory, memory_size(joints)), joints)
+    settings, journal = order.settings, EventLog(Path(order.log) if order.log else None)
     watchdog = settings.watchdog if granted(PRIORITY) else settings.patient_watchdog
 
     def opens(bus: str) -> Wire:
@@ -88,8 +88,8 @@ def main() -> int:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     line = _line(sys.stdin.fileno())
     try:
-        order = msgspec.json.decode(line, type=Order)
-        return run(order, Pipe(sys.stdin.fileno()), lambda: bool(terminated))
+        order = msgspec.json.decode(line, type=SupervisorOrder)
+        return supervise(order, Pipe(sys.stdin.fileno()), lambda: bool(terminated))
     except (msgspec.DecodeError, ConfigError) as error:
         print(f"kinesic.hardware.supervisor: {error}", file=sys.stderr)  # noqa: T201  # nobody else can tell
         return EXIT_REFUSED

@@ -9,7 +9,7 @@ Policy = Literal["hold", "limp"]
 
 
 @dataclass(frozen=True)
-class Settings:
+class SupervisorSettings:
     """Times in seconds, except where a unit is named."""
 
     period: float = 0.01  # of cycles
@@ -33,4 +33,4 @@ class Settings:
                 raise ValueError(f"{name} is {getattr(self, name)} s, must be {bounds} at a period of {self.period} s")
 
 
-USUAL = Settings()
+USUAL = SupervisorSettings()

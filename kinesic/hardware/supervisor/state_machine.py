@@ -47,7 +47,7 @@ Action = Literal["check", "configure", "arm", "adopt", "hold", "approach", "foll
 
 
 @dataclass(frozen=True)
-class State:
+class SupervisorState:
     """Where the supervisor is, and what it must not forget."""
 
     stage: Stage = Stage.CLOSED
@@ -60,7 +60,7 @@ class State:
 
 
 @dataclass(frozen=True)
-class Facts:
+class Observation:
     """What is known from outside at this instant."""
 
     energised: bool = False  # some servo has torque
@@ -83,7 +83,7 @@ class Facts:
         return self.ended or self.release
 
 
-Step = tuple[State, tuple[Action, ...]]
+Step = tuple[SupervisorState, tuple[Action, ...]]
 
 POWERED = frozenset(
     {
@@ -103,7 +103,7 @@ POWERED = frozenset(
 MOVING = frozenset({Stage.APPROACH, Stage.ACTIVE, Stage.FOLD})
 
 
-def step(state: State, event: Event, facts: Facts) -> Step:
+def step(state: SupervisorState, event: Event, facts: Observation) -> Step:
     """The next state, and what is to be begun on the way there.
 
     Args:
@@ -122,11 +122,11 @@ def step(state: State, event: Event, facts: Facts) -> Step:
     return _RULES[state.stage](state, event, facts)
 
 
-def _to(state: State, stage: Stage, *actions: Action) -> Step:
+def _to(state: SupervisorState, stage: Stage, *actions: Action) -> Step:
     return replace(state, stage=stage), actions
 
 
-def _stop(state: State, facts: Facts) -> Step:
+def _stop(state: SupervisorState, facts: Observation) -> Step:
     """An emergency stop: what has torque holds or goes limp, what has none gets none."""
     state = replace(state, stopped=True)
     if state.stage in (Stage.CLOSED, Stage.RELEASE):
@@ -140,13 +140,13 @@ def _stop(state: State, facts: Facts) -> Step:
     return _to(state, Stage.CLOSED, "close")
 
 
-def _closed(state: State, event: Event, facts: Facts) -> Step:
+def _closed(state: SupervisorState, event: Event, facts: Observation) -> Step:
     if event == "open":
-        return State(Stage.PROBE), ("check",)
+        return SupervisorState(Stage.PROBE), ("check",)
     return state, ()
 
 
-def _probe(state: State, event: Event, facts: Facts) -> Step:
+def _probe(state: SupervisorState, event: Event, facts: Observation) -> Step:
     if event == "refused":
         return _to(state, Stage.CLOSED, "close")
     if event != "done":
@@ -154,7 +154,7 @@ def _probe(state: State, event: Event, facts: Facts) -> Step:
     return _to(replace(state, checked=True), Stage.CONFIGURE, "configure")
 
 
-def _configure(state: State, event: Event, facts: Facts) -> Step:
+def _configure(state: SupervisorState, event: Event, facts: Observation) -> Step:
     if event == "refused":
         return _to(state, Stage.CLOSED, "close")
     if event != "done":
@@ -164,7 +164,7 @@ def _configure(state: State, event: Event, facts: Facts) -> Step:
     return _to(state, Stage.LIMP)
 
 
-def _limp(state: State, event: Event, facts: Facts) -> Step:
+def _limp(state: SupervisorState, event: Event, facts: Observation) -> Step:
     if facts.over or state.faulty:
         return _to(state, Stage.CLOSED, "close")
     if facts.begun and facts.answering:
@@ -172,7 +172,7 @@ def _limp(state: State, event: Event, facts: Facts) -> Step:
     return state, ()
 
 
-def _arm(state: State, event: Event, facts: Facts) -> Step:
+def _arm(state: SupervisorState, event: Event, facts: Observation) -> Step:
     if event == "done":
         return _to(state, Stage.HOLD, "hold")
     if event == "refused":
@@ -180,7 +180,7 @@ def _arm(state: State, event: Event, facts: Facts) -> Step:
     return state, ()
 
 
-def _hold(state: State, event: Event, facts: Facts) -> Step:
+def _hold(state: SupervisorState, event: Event, facts: Observation) -> Step:
     if not facts.energised and (state.faulty or not facts.limp):
         return _to(state, Stage.RELEASE, "release")
     if facts.over or state.faulty:
@@ -194,19 +194,19 @@ def _hold(state: State, event: Event, facts: Facts) -> Step:
     return state, ()
 
 
-def _approach(state: State, event: Event, facts: Facts) -> Step:
+def _approach(state: SupervisorState, event: Event, facts: Observation) -> Step:
     if facts.over or state.faulty or not (facts.well and facts.due):
         return _to(replace(state, slowed=Stage.APPROACH), Stage.DEGRADED, "slow")
     return _to(state, Stage.ACTIVE, "follow") if facts.reached else (state, ())
 
 
-def _active(state: State, event: Event, facts: Facts) -> Step:
+def _active(state: SupervisorState, event: Event, facts: Observation) -> Step:
     if facts.over or state.faulty or not (facts.well and facts.due):
         return _to(replace(state, slowed=Stage.ACTIVE), Stage.DEGRADED, "slow")
     return state, ()
 
 
-def _degraded(state: State, event: Event, facts: Facts) -> Step:
+def _degraded(state: SupervisorState, event: Event, facts: Observation) -> Step:
     if facts.still:
         return _to(state, Stage.HOLD, "hold")
     if facts.well and facts.due and not (facts.over or state.faulty):
@@ -214,13 +214,13 @@ def _degraded(state: State, event: Event, facts: Facts) -> Step:
     return state, ()
 
 
-def _fold(state: State, event: Event, facts: Facts) -> Step:
+def _fold(state: SupervisorState, event: Event, facts: Observation) -> Step:
     if event == "failed":  # its chain holds from now on
         return _to(state, Stage.FOLD, "fold")
     return _to(replace(state, folded=True), Stage.HOLD, "hold") if facts.reached else (state, ())
 
 
-def _release(state: State, event: Event, facts: Facts) -> Step:
+def _release(state: SupervisorState, event: Event, facts: Observation) -> Step:
     if event == "refused":  # some are not sure to be limp, after all that could be done
         return _to(state, Stage.CLOSED, "close")
     if event != "done":
@@ -228,17 +228,17 @@ def _release(state: State, event: Event, facts: Facts) -> Step:
     return _to(replace(state, powered=False), Stage.CLOSED, "close")
 
 
-def _stopped(state: State, event: Event, facts: Facts) -> Step:
+def _stopped(state: SupervisorState, event: Event, facts: Observation) -> Step:
     return _to(state, Stage.RELEASE, "release") if facts.over else (state, ())
 
 
-def _lost(state: State, event: Event, facts: Facts) -> Step:
+def _lost(state: SupervisorState, event: Event, facts: Observation) -> Step:
     if event == "back":
         return _to(state, Stage.ADOPT, "adopt")
     return _to(state, Stage.CLOSED, "close") if facts.hopeless else (state, ())
 
 
-def _adopt(state: State, event: Event, facts: Facts) -> Step:
+def _adopt(state: SupervisorState, event: Event, facts: Observation) -> Step:
     if event not in ("done", "refused"):
         return state, ()
     faulty = state.faulty or event == "refused"
@@ -246,7 +246,7 @@ def _adopt(state: State, event: Event, facts: Facts) -> Step:
     return _to(state, Stage.STOPPED if state.stopped else Stage.HOLD, "hold")
 
 
-_RULES: Mapping[Stage, Callable[[State, Event, Facts], Step]] = {
+_RULES: Mapping[Stage, Callable[[SupervisorState, Event, Observation], Step]] = {
     Stage.CLOSED: _closed,
     Stage.PROBE: _probe,
     Stage.CONFIGURE: _configure,

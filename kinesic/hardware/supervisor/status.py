@@ -6,11 +6,11 @@ import numpy as np
 
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.supervisor.channel import Channel, Note, Status
-from kinesic.hardware.supervisor.event_log import Journal
+from kinesic.hardware.supervisor.event_log import EventLog
 from kinesic.hardware.supervisor.goals import Steering
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.monitor import Watch
-from kinesic.hardware.supervisor.state_machine import State
+from kinesic.hardware.supervisor.state_machine import SupervisorState
 
 SLOWLY = 0.1  # [s] between two looks at temperatures and voltages
 VOLT = Register.PRESENT_INPUT_VOLTAGE.field.scale
@@ -19,7 +19,7 @@ VOLT = Register.PRESENT_INPUT_VOLTAGE.field.scale
 class Teller:
     """The way to the planner, and to the file."""
 
-    def __init__(self, manifest: Manifest, channel: Channel, journal: Journal) -> None:
+    def __init__(self, manifest: Manifest, channel: Channel, journal: EventLog) -> None:
         """Of a supervisor of this manifest."""
         self._manifest, self._channel, self._journal = manifest, channel, journal
         self._measured, self._hottest, self._volts = -inf, nan, nan  # [s] when the other two were looked at
@@ -30,7 +30,7 @@ class Teller:
         self._channel.note(note)
         self._journal.write(note)
 
-    def tell(self, clock: float, state: State, watch: Watch, steering: Steering, late: int) -> None:
+    def tell(self, clock: float, state: SupervisorState, watch: Watch, steering: Steering, late: int) -> None:
         """Tells how it was in the cycle that began at a time [s]; `late` cycles so far began too late."""
         player = steering.player
         if abs(clock - self._measured) >= SLOWLY and watch.records is not None:

@@ -10,16 +10,16 @@ from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.supervisor.axes import Axes, Snapshot
 from kinesic.hardware.supervisor.channel import POLICIES, Channel
-from kinesic.hardware.supervisor.event_log import Journal
+from kinesic.hardware.supervisor.event_log import EventLog
 from kinesic.hardware.supervisor.goals import Steering
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.monitor import Watch
 from kinesic.hardware.supervisor.player import DONE
-from kinesic.hardware.supervisor.preflight import Table, configure, taken
-from kinesic.hardware.supervisor.settings import Settings
-from kinesic.hardware.supervisor.state_machine import MOVING, Action, Event, Facts, Stage, State, step
+from kinesic.hardware.supervisor.preflight import Table, configure, take_over
+from kinesic.hardware.supervisor.settings import SupervisorSettings
+from kinesic.hardware.supervisor.state_machine import MOVING, Action, Event, Observation, Stage, SupervisorState, step
 from kinesic.hardware.supervisor.status import Teller
-from kinesic.hardware.supervisor.torque import RAMP, Procedure, adopt, arm, release, watchdog_counts
+from kinesic.hardware.supervisor.torque import RAMP, Procedure, adopt, energise, release_torque, watchdog_counts
 
 TAKEN = 32  # commands in one cycle at most: it must not take long
 AHEAD = 2.0  # [s] of the performance that are taken from the channel
@@ -36,11 +36,11 @@ class Supervisor:
         manifest: Manifest,
         opens: Callable[[str], Wire],
         channel: Channel,
-        settings: Settings,
+        settings: SupervisorSettings,
         *,
         watchdog: float,
         planner: Callable[[], bool],
-        journal: Journal,
+        journal: EventLog,
     ) -> None:
         """Nothing is opened yet.
 
@@ -53,7 +53,7 @@ class Supervisor:
             planner: whether it lives.
             journal: of events.
         """
-        self.manifest, self.state = manifest, State()
+        self.manifest, self.state = manifest, SupervisorState()
         self.late = 0  # cycles that began more than a period late, as the loop counts them
         self._opens, self._channel, self._settings = opens, channel, settings
         self._watchdog, self._planner = watchdog_counts(watchdog), planner
@@ -144,7 +144,7 @@ class Supervisor:
         """Whether the planner has left without a word."""
         return self._alone and not self._ended
 
-    def _facts(self) -> Facts:
+    def _facts(self) -> Observation:
         player, watch, stage = self._steering.player, self._watch, self.state.stage
         lasted, estop = self._clock - self._since, self._channel.word("estop")
         gone, ended = self._gone, self._ended
@@ -152,7 +152,7 @@ class Supervisor:
         alone = self.state.stopped and self._alone  # nobody can release it any more
         vain = alone or resting or (not watch.answering and lasted > self._settings.patience)
         enough = DONE if stage in MOVING or ended else self._settings.lead - DONE
-        return Facts(
+        return Observation(
             energised=watch.any_energised,
             answering=watch.answering,
             well=watch.well and self._procedure is None,
@@ -236,7 +236,7 @@ class Supervisor:
             self._advance("done")
 
     def _check(self) -> None:
-        axes, self._tables = taken(self.manifest, self._opens, period=WIRE_SHARE * self._settings.period)
+        axes, self._tables = take_over(self.manifest, self._opens, period=WIRE_SHARE * self._settings.period)
         self._axes, self._watch = axes, Watch(self.manifest, self._tables)
         for _ in range(LOOKS):
             self._look(axes, None, self._settings.period)
@@ -262,14 +262,14 @@ class Supervisor:
         if action == "arm":
             self._concerns = np.flatnonzero(self._watch.limp).tolist()
             steps = round(RAMP / self._settings.period)
-            self._procedure = arm(axes, self._concerns, last, power, watchdog=self._watchdog, steps=steps)
+            self._procedure = energise(axes, self._concerns, last, power, watchdog=self._watchdog, steps=steps)
         elif action == "adopt":
             held = self._steering.goals
             if held is None:
                 held = np.array([table[Register.GOAL_POSITION] for table in self._tables], dtype=np.float64)
             self._procedure = adopt(axes, last, held, power, watchdog=self._watchdog)
         else:
-            self._procedure = release(axes, tries=round(self._settings.hopeless / self._settings.period))
+            self._procedure = release_torque(axes, tries=round(self._settings.hopeless / self._settings.period))
         self._proceed(first=True)
 
     def _proceed(self, *, first: bool = False) -> None:

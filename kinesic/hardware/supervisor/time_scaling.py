@@ -17,7 +17,7 @@ class Tempo:
         return self.scale <= 0.0
 
 
-def advanced(tempo: Tempo, seconds: float, *, wanted: float, end: float, slow: float) -> Tempo:
+def advance_time(tempo: Tempo, seconds: float, *, wanted: float, end: float, slow: float) -> Tempo:
     """Time a moment later: its scale changes evenly, and it comes to a stop at the end of what is known.
 
     Args:

@@ -30,7 +30,9 @@ def watchdog_counts(seconds: float) -> int:
     return ceil(seconds / WATCHDOG - 1e-9)
 
 
-def arm(axes: Axes, places: Sequence[int], first: Snapshot, power: Ticks, *, watchdog: int, steps: int) -> Procedure:
+def energise(
+    axes: Axes, places: Sequence[int], first: Snapshot, power: Ticks, *, watchdog: int, steps: int
+) -> Procedure:
     """Gives torque to limp servos where they are: goal = present, read back, low power first.
 
     Args:
@@ -115,7 +117,7 @@ def adopt(axes: Axes, first: Snapshot, held: Floats, power: Ticks, *, watchdog: 
     raise BusError(f"{axes.where(late[0])}: its bus watchdog does not come on")
 
 
-def release(axes: Axes, *, tries: int) -> Procedure:
+def release_torque(axes: Axes, *, tries: int) -> Procedure:
     """Takes the torque of every servo, and looks that it is gone; nobody is forgotten because of another.
 
     Args:

@@ -56,7 +56,7 @@ class Travel:
 
 
 @dataclass(frozen=True)
-class Mark:
+class HingeCalibration:
     """What is known of one hinge, in degrees of the hinge."""
 
     hinge: str
@@ -91,12 +91,12 @@ def reductions(manifest: Manifest) -> Floats:
     return sealed([abs(member.turns) for member in manifest.members])
 
 
-def marks(travel: Travel, manifest: Manifest, robot: Robot) -> tuple[Mark, ...]:
+def marks(travel: Travel, manifest: Manifest, robot: Robot) -> tuple[HingeCalibration, ...]:
     """What is known of each hinge, in joint order; a tandem is told by its first servo."""
     return tuple(_mark(joint, travel, manifest, robot) for joint in range(len(robot.skeleton.hinges)))
 
 
-def _mark(joint: int, travel: Travel, manifest: Manifest, robot: Robot) -> Mark:
+def _mark(joint: int, travel: Travel, manifest: Manifest, robot: Robot) -> HingeCalibration:
     places = [k for k, member in enumerate(manifest.members) if member.joint == joint]
     first, hinge = places[0], robot.skeleton.hinges[joint]
     member = manifest.members[first]
@@ -104,7 +104,7 @@ def _mark(joint: int, travel: Travel, manifest: Manifest, robot: Robot) -> Mark:
     sign = way or (1 if member.turns > 0 else -1)
     scale = float(np.degrees(1.0 / (sign * abs(member.turns) * TICKS_PER_RADIAN)))
     ends = sorted((float(travel.least[first]) * scale, float(travel.most[first]) * scale))
-    return Mark(
+    return HingeCalibration(
         hinge=hinge.name,
         ids=tuple(manifest.members[k].id for k in places),
         zero_ticks=int(travel.zeros[first]) % TICKS_PER_TURN,
@@ -145,7 +145,7 @@ def calibration(travel: Travel, manifest: Manifest, robot: Robot, before: Calibr
     )
 
 
-def _fault(mark: Mark, inverted: bool, travel: Travel, manifest: Manifest, robot: Robot) -> str:
+def _fault(mark: HingeCalibration, inverted: bool, travel: Travel, manifest: Manifest, robot: Robot) -> str:
     """Why a hinge cannot be calibrated; empty if it can."""
     where = f"{mark.hinge} (servo {', '.join(str(servo) for servo in mark.ids)})"
     lower, upper = mark.range or (mark.lower, mark.upper)

@@ -10,10 +10,10 @@ from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.tools.survey import talkative
 
 TIMES = 2  # that all are told, before each is asked
-OFF = packet.write(BROADCAST, Register.TORQUE_ENABLE.field.address, b"\0")
+OFF = packet.write_packet(BROADCAST, Register.TORQUE_ENABLE.field.address, b"\0")
 
 
-def release(wires: Mapping[str, Wire], servos: Mapping[str, Sequence[int]]) -> tuple[str, ...]:
+def release_servos(wires: Mapping[str, Wire], servos: Mapping[str, Sequence[int]]) -> tuple[str, ...]:
     """Lets go of all servos.
 
     Args:

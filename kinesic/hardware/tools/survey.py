@@ -13,11 +13,11 @@ from kinesic.hardware.protocol.registers import HardwareError, Register
 from kinesic.hardware.protocol.ticks import Scale
 from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.supervisor.manifest import Manifest, Member
-from kinesic.hardware.supervisor.preflight import ANSWERS_ALL, Table, wanted
+from kinesic.hardware.supervisor.preflight import ANSWERS_ALL, Table, required_registers
 
 
 @dataclass(frozen=True)
-class Seen:
+class SurveyedServo:
     """One servo of a robot, as it was found."""
 
     member: Member
@@ -36,7 +36,7 @@ class Seen:
         return self.found == self.member.model.name
 
 
-def survey(manifest: Manifest, wires: Mapping[str, Wire]) -> tuple[Seen, ...]:
+def survey(manifest: Manifest, wires: Mapping[str, Wire]) -> tuple[SurveyedServo, ...]:
     """Looks at every servo, and changes nothing.
 
     Args:
@@ -56,22 +56,22 @@ def talkative(wire: Wire) -> Cold:
     Raises:
         BusError: the port is gone.
     """
-    wire.write(packet.write(BROADCAST, Register.STATUS_RETURN_LEVEL.field.address, bytes((ANSWERS_ALL,))))
+    wire.write(packet.write_packet(BROADCAST, Register.STATUS_RETURN_LEVEL.field.address, bytes((ANSWERS_ALL,))))
     return Cold(wire)
 
 
-def _seen(cold: Cold, member: Member) -> Seen:
+def _seen(cold: Cold, member: Member) -> SurveyedServo:
     try:
         found = cold.ping(member.id)
         if found is None:
-            return Seen(member)
+            return SurveyedServo(member)
         if found.number != member.model.number:
-            return Seen(member, found.name, found.firmware)
+            return SurveyedServo(member, found.name, found.firmware)
         table = Table.read(cold, member)
     except BusError:  # it fell silent meanwhile; the others are looked at all the same
-        return Seen(member)
-    wishes = {register: value for register, value in wanted(table).items() if table[register] != value}
-    return Seen(
+        return SurveyedServo(member)
+    wishes = {register: value for register, value in required_registers(table).items() if table[register] != value}
+    return SurveyedServo(
         member=member,
         found=found.name,
         firmware=found.firmware,

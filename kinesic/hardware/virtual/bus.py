@@ -17,7 +17,7 @@ from kinesic.hardware.virtual.faults import CALM, FaultPlan
 from kinesic.hardware.virtual.protocol import answers
 from kinesic.hardware.virtual.servo import VirtualServo
 from kinesic.hardware.virtual.shaft_simulation import Plant
-from kinesic.hardware.virtual.wire_faults import Heard, Weather
+from kinesic.hardware.virtual.wire_faults import Transmission, Weather
 
 PIECE = 62  # [bytes] of one USB packet of a common adapter
 LATENCY = 0.001  # [s] of its timer, set low as it should be
@@ -122,7 +122,7 @@ class VirtualBus:
         heard = self._weather.replies(answers(packet, hearing), clock)
         return self._deliver(heard, clock, byte)
 
-    def _deliver(self, heard: list[Heard], clock: float, byte: float) -> float:
+    def _deliver(self, heard: list[Transmission], clock: float, byte: float) -> float:
         """Cuts what comes along the wire into the adapter's pieces."""
         piece, late = bytearray(), 0.0
         full = min(PIECE, max(1, int(self._latency / byte))) if self._latency else PIECE

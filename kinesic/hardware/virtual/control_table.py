@@ -24,7 +24,7 @@ class RefusalError(Exception):
 
 
 @dataclass(frozen=True)
-class Layout:
+class TableLayout:
     """Where everything of a model stands, for one firmware."""
 
     starts: Mapping[int, Register]
@@ -35,7 +35,7 @@ class Layout:
 
 
 @lru_cache
-def layout(number: int, firmware: int) -> Layout:
+def table_layout(number: int, firmware: int) -> TableLayout:
     """The layout of a model by its number; what its firmware does not know yet is not there."""
     model = BY_NUMBER[number]
     known = [r for r in model.registers if model.family == "330" or r.field.firmware <= firmware]
@@ -43,7 +43,7 @@ def layout(number: int, firmware: int) -> Layout:
     pointers = frozenset(shown.values())
     owned = {a for r in known for a in range(r.field.address, r.field.end)}
     owned |= set(shown) | {a + k for a in pointers for k in range(CELL)}
-    return Layout(
+    return TableLayout(
         starts={register.field.address: register for register in known},
         owned=frozenset(owned),
         shown=shown,
@@ -53,7 +53,7 @@ def layout(number: int, firmware: int) -> Layout:
 
 
 @dataclass(frozen=True)
-class Entry:
+class RegisterWrite:
     """One thing that a write would change."""
 
     address: int
@@ -66,7 +66,7 @@ class Memory:
 
     def __init__(self, model: Model, firmware: int) -> None:
         self.model, self.firmware = model, firmware
-        self._layout = layout(model.number, firmware)
+        self._layout = table_layout(model.number, firmware)
         self._bytes = bytearray(self._layout.extent)
         self._values: dict[Register, int] = {}  # of those that are not sensors, once asked
         self._views: dict[tuple[int, int], tuple[int, ...]] = {}  # spans with cells -> where their bytes come from
@@ -135,7 +135,7 @@ class Memory:
         pointer = self._layout.shown.get(address)
         return address if pointer is None else int.from_bytes(self._bytes[pointer : pointer + CELL], "little")
 
-    def entries(self, address: int, data: bytes) -> list[Entry]:
+    def entries(self, address: int, data: bytes) -> list[RegisterWrite]:
         """What a write would change, in order.
 
         Raises:
@@ -151,7 +151,7 @@ class Memory:
             k += len(entry.data)
         return found
 
-    def _entry(self, places: list[int], data: bytes, k: int) -> Entry:
+    def _entry(self, places: list[int], data: bytes, k: int) -> RegisterWrite:
         place, register = places[k], self._layout.starts.get(places[k])
         if register is not None:
             size = register.field.size
@@ -163,15 +163,15 @@ class Memory:
             raise RefusalError(Fault.ACCESS)
         if places[k : k + size] != list(range(place, place + size)):
             raise RefusalError(Fault.LENGTH)
-        return Entry(place, data[k : k + size], register)
+        return RegisterWrite(place, data[k : k + size], register)
 
-    def points_well(self, entry: Entry) -> bool:
+    def points_well(self, entry: RegisterWrite) -> bool:
         """Whether an entry that sets an indirect address names RAM; any other entry does."""
         if entry.address not in self._layout.pointers:
             return True
         return RAM_START <= int.from_bytes(entry.data, "little") < self._layout.extent
 
-    def store(self, entry: Entry) -> None:
+    def store(self, entry: RegisterWrite) -> None:
         """Puts what was checked."""
         self.put(entry.address, entry.data)
         if entry.register is not None:

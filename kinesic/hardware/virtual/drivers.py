@@ -22,7 +22,7 @@ NEVER = -inf  # [s] the time of a servo that has not been heard
 
 
 @dataclass(frozen=True, eq=False)
-class Reading:
+class DriverReading:
     """What a driver believes at the end of a cycle."""
 
     positions: Ticks  # (n,)
@@ -35,7 +35,7 @@ class Reading:
 class Driver(Protocol):
     """Goals out, positions back, once a period."""
 
-    def cycle(self, goals: Ticks) -> Reading:
+    def cycle(self, goals: Ticks) -> DriverReading:
         """One cycle; goals are (n,) ticks."""
 
 
@@ -52,11 +52,11 @@ class KinesicDriver:
         """
         self._bus = open_bus(wire, servos, period=period)
 
-    def cycle(self, goals: Ticks) -> Reading:
+    def cycle(self, goals: Ticks) -> DriverReading:
         """See `Driver`."""
         cycle = self._bus.cycle(goals)
         alerts = cycle.each("hardware_error") != 0
-        return Reading(cycle.positions, cycle.times, cycle.fresh, cycle.late, alerts)
+        return DriverReading(cycle.positions, cycle.times, cycle.fresh, cycle.late, alerts)
 
 
 class PlainPort(WirePort):
@@ -85,7 +85,7 @@ class SdkDriver:
         self._positions: Ticks = np.zeros(len(servos), dtype=np.int64)
         self._times: Floats = np.full(len(servos), NEVER)
 
-    def cycle(self, goals: Ticks) -> Reading:
+    def cycle(self, goals: Ticks) -> DriverReading:
         """See `Driver`."""
         self._goals.clearParam()
         for servo, goal in zip(self._ids, goals.tolist(), strict=True):
@@ -99,4 +99,4 @@ class SdkDriver:
             self._positions = np.array(raw, dtype=np.uint32).astype(np.int32).astype(np.int64)
             self._times = np.full(len(self._ids), self._wire.now())
         none: Flags = np.zeros(len(self._ids), dtype=np.bool_)
-        return Reading(self._positions, self._times, fresh, none, none)
+        return DriverReading(self._positions, self._times, fresh, none, none)

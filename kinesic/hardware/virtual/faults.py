@@ -8,7 +8,7 @@ from typing import Literal, get_args
 
 import msgspec
 
-from kinesic.body.config import ConfigError, read
+from kinesic.body.config import ConfigError, read_toml
 from kinesic.hardware.protocol.registers import HardwareError
 
 OfWire = Literal["corrupt", "drop", "truncate", "duplicate", "noise", "lost", "late"]
@@ -92,7 +92,7 @@ class FaultPlan:
         Raises:
             ConfigError: the file is missing or wrong.
         """
-        found = read(path, FaultFile)
+        found = read_toml(path, FaultFile)
         try:
             mishaps = tuple(table.mishap() for table in found.fault)
         except ValueError as error:

@@ -17,7 +17,7 @@ from kinesic.hardware.protocol.registers import (
     Register,
 )
 from kinesic.hardware.virtual.control_table import Memory
-from kinesic.hardware.virtual.motion import Motion
+from kinesic.hardware.virtual.motion import SetPoint
 from kinesic.hardware.virtual.physics import LIMP, Demand, Shaft
 
 BOOT = 0.13  # [s] from a reboot until it hears again
@@ -35,7 +35,7 @@ class Electronics:
     def __init__(self, memory: Memory) -> None:
         """Not powered yet: `place` does that."""
         self.memory = memory
-        self.motion = Motion(memory, Shaft(0.0))
+        self.motion = SetPoint(memory, Shaft(0.0))
         small = memory[Register.MAX_VOLTAGE_LIMIT] < NOMINAL_VOLTS * 10
         self.volts = SMALL_VOLTS if small else NOMINAL_VOLTS
         self.celsius, self.heating = ROOM, 0.0  # [C], [K/s]
@@ -134,7 +134,7 @@ class Electronics:
         memory.restore_ram()
         self._started = self._heard = self._wakes = time
         self.latched, self._stalled_since = False, inf
-        self.motion = Motion(memory, self.shaft)
+        self.motion = SetPoint(memory, self.shaft)
         self.motion.fold(self.shaft)
         self.motion.rest(self.shaft, time)
         startup = memory[Register.STARTUP_CONFIGURATION]

@@ -12,7 +12,7 @@ from kinesic.body.arrays import Flags, Floats
 from kinesic.hardware.bus.bus import Servo
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError, Wire
-from kinesic.hardware.virtual.drivers import NEVER, PlainPort, Reading
+from kinesic.hardware.virtual.drivers import NEVER, DriverReading, PlainPort
 
 MODULE = "lerobot.motors.dynamixel"
 MOTORS = "lerobot.motors"
@@ -82,7 +82,7 @@ class LerobotDriver:
         except (RuntimeError, ConnectionError) as error:
             raise BusError(" ".join(str(error).partition("\nFull expected")[0].split())) from None
 
-    def cycle(self, goals: Ticks) -> Reading:
+    def cycle(self, goals: Ticks) -> DriverReading:
         """See `Driver`."""
         told = dict(zip(self._names, goals.tolist(), strict=True))
         self._motors.sync_write("Goal_Position", told, normalize=False, num_retry=self._retries)
@@ -90,7 +90,7 @@ class LerobotDriver:
         self._positions = np.array([found[name] for name in self._names], dtype=np.int64)
         self._times = np.full(len(self._names), self._wire.now())
         every: Flags = np.ones(len(self._names), dtype=np.bool_)
-        return Reading(self._positions, self._times, every, ~every, ~every)
+        return DriverReading(self._positions, self._times, every, ~every, ~every)
 
 
 def _motors(wire: Wire, servos: Mapping[str, Servo]) -> _Motors:

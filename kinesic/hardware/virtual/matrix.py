@@ -16,11 +16,11 @@ from kinesic.hardware.protocol.registers import HardwareError, Register
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.virtual.bus import VirtualBus
-from kinesic.hardware.virtual.drivers import Driver, Reading
+from kinesic.hardware.virtual.drivers import Driver, DriverReading
 from kinesic.hardware.virtual.faults import BUILD_KINDS, CALM, FaultPlan, Kind, Mishap
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.shaft_simulation import Plant
-from kinesic.hardware.virtual.wiring import Cable, Fitting, build
+from kinesic.hardware.virtual.wiring import Cable, Fitting, build_bus
 
 MODEL = "xm430_w350"
 PERIOD = 0.01  # [s]
@@ -36,7 +36,7 @@ Opens = Callable[[Wire, Sequence[Servo], float], Driver]
 
 
 @dataclass(frozen=True)
-class Case:
+class FaultCase:
     """What goes wrong."""
 
     name: str
@@ -45,7 +45,7 @@ class Case:
 
 
 @dataclass(frozen=True, eq=False)
-class Result:
+class TrialResult:
     """How a driver fared."""
 
     case: str
@@ -67,35 +67,37 @@ class Result:
         return float(np.percentile(self.durations, percent))
 
 
-def cases() -> tuple[Case, ...]:
+def cases() -> tuple[FaultCase, ...]:
     """The faults of the matrix that a bus alone can meet."""
-    rates = [Case(f"{kind} {rate:.0%}", (Mishap(kind, rate=rate),)) for rate in RATES for kind in MIXED]
+    rates = [FaultCase(f"{kind} {rate:.0%}", (Mishap(kind, rate=rate),)) for rate in RATES for kind in MIXED]
     # the first late answer of a wire is taken for a lost one: what matters is how many follow
-    late = [Case(f"late {rate:.0%}", (Mishap("late", rate=rate),), cycles=1500) for rate in RATES]
+    late = [FaultCase(f"late {rate:.0%}", (Mishap("late", rate=rate),), cycles=1500) for rate in RATES]
     alerts = [
-        Case(f"alert {error.name.lower()}", (Mishap("alert", (2,), start=STRIKE, value=error.value),))
+        FaultCase(f"alert {error.name.lower()}", (Mishap("alert", (2,), start=STRIKE, value=error.value),))
         for error in HardwareError
     ]
     return (
-        Case("calm"),
+        FaultCase("calm"),
         *rates,
         *late,
-        Case("mixed 6 x 2%", tuple(Mishap(kind, rate=0.02) for kind in MIXED)),
-        Case("requests lost 1%", (Mishap("lost", rate=0.01, way="request"),)),
-        Case("silent", (Mishap("silent", (2,), start=STRIKE),)),
-        Case("reboot", (Mishap("reboot", (2,), start=STRIKE),)),
+        FaultCase("mixed 6 x 2%", tuple(Mishap(kind, rate=0.02) for kind in MIXED)),
+        FaultCase("requests lost 1%", (Mishap("lost", rate=0.01, way="request"),)),
+        FaultCase("silent", (Mishap("silent", (2,), start=STRIKE),)),
+        FaultCase("reboot", (Mishap("reboot", (2,), start=STRIKE),)),
         *alerts,
-        Case("overheat", (Mishap("overheat", (2,), start=0.1, value=60.0),)),
-        Case("undervoltage", (Mishap("undervoltage", start=STRIKE, seconds=0.5, value=8.0),)),
-        Case("watchdog", (Mishap("watchdog", (2,), start=STRIKE),)),
-        Case("unplug", tuple(Mishap("unplug", start=STRIKE + k, seconds=0.2) for k in range(2))),
-        Case("duplicate id", (Mishap("duplicate_id", (2,)),)),
-        Case("wrong model", (Mishap("wrong_model", (2,)),)),
-        Case("old firmware", (Mishap("old_firmware"),)),
+        FaultCase("overheat", (Mishap("overheat", (2,), start=0.1, value=60.0),)),
+        FaultCase("undervoltage", (Mishap("undervoltage", start=STRIKE, seconds=0.5, value=8.0),)),
+        FaultCase("watchdog", (Mishap("watchdog", (2,), start=STRIKE),)),
+        FaultCase("unplug", tuple(Mishap("unplug", start=STRIKE + k, seconds=0.2) for k in range(2))),
+        FaultCase("duplicate id", (Mishap("duplicate_id", (2,)),)),
+        FaultCase("wrong model", (Mishap("wrong_model", (2,)),)),
+        FaultCase("old firmware", (Mishap("old_firmware"),)),
     )
 
 
-def trial(case: Case, opens: Opens, *, servos: int, baud: int, seed: int, cycles: int | None = None) -> Result:
+def trial(
+    case: FaultCase, opens: Opens, *, servos: int, baud: int, seed: int, cycles: int | None = None
+) -> TrialResult:
     """Drives virtual servos through a fault.
 
     Args:
@@ -109,14 +111,14 @@ def trial(case: Case, opens: Opens, *, servos: int, baud: int, seed: int, cycles
     plan = FaultPlan(case.mishaps, seed)
     fittings = tuple(Fitting(servo, model=MODEL) for servo in range(1, servos + 1))
     built = FaultPlan(plan.of(BUILD_KINDS), seed)
-    plant, buses = build([Cable("trial", fittings, baud=baud, faults=built)])
+    plant, buses = build_bus([Cable("trial", fittings, baud=baud, faults=built)])
     bus = buses["trial"]
     wire = MemoryWire(bus)
     period = max(PERIOD, ROOM * _ideal(servos, baud, fast=not plan.of(frozenset({"old_firmware"}))))
     try:
         driver = opens(wire, [Servo(fitting.servo, MODELS[MODEL]) for fitting in fittings], period)
     except BusError as error:
-        return Result(case.name, servos, baud, seed, period, refused=str(error).splitlines()[0])
+        return TrialResult(case.name, servos, baud, seed, period, refused=str(error).splitlines()[0])
     bus.advance(wire.now())
     for servo in plant.servos:
         servo.write(Register.TORQUE_ENABLE.field.address, b"\1")
@@ -133,12 +135,12 @@ def _ideal(servos: int, baud: int, *, fast: bool) -> float:
 class _Watch:
     """Looks over a driver's shoulder: it knows where the servos really are."""
 
-    def __init__(self, case: Case, plant: Plant, bus: VirtualBus, wire: MemoryWire, period: float) -> None:
+    def __init__(self, case: FaultCase, plant: Plant, bus: VirtualBus, wire: MemoryWire, period: float) -> None:
         self._case, self._plant, self._bus, self._wire, self._period = case, plant, bus, wire, period
         self._truth: deque[tuple[float, Ticks]] = deque()
         self._began = wire.now()
 
-    def driven(self, driver: Driver, cycles: int, baud: int, seed: int) -> Result:
+    def driven(self, driver: Driver, cycles: int, baud: int, seed: int) -> TrialResult:
         """A motion of so many cycles."""
         wire, starts = self._wire, self._places()
         exceptions = wrong = prompt = later = able = 0
@@ -172,7 +174,7 @@ class _Watch:
             oldest = max([oldest, *(ended - reading.times[heard]).tolist()])
             if told is None and reading.alerts.any():
                 told = ended - (begun if failed is None else failed)
-        return Result(
+        return TrialResult(
             case=self._case.name,
             servos=len(starts),
             baud=baud,
@@ -214,7 +216,7 @@ class _Watch:
         while self._truth[0][0] < time - 20 * self._period - 2 * MEMORY:
             self._truth.popleft()
 
-    def _lies(self, reading: Reading) -> int:
+    def _lies(self, reading: DriverReading) -> int:
         """Positions that were not true around the time that is given for them; very old ones are not judged."""
         first = self._truth[0][0]
         lies = 0
@@ -226,7 +228,7 @@ class _Watch:
         return lies
 
 
-def matrix(opens: Opens, *, sizes: Sequence[int], bauds: Sequence[int], seeds: Sequence[int]) -> Iterator[Result]:
+def matrix(opens: Opens, *, sizes: Sequence[int], bauds: Sequence[int], seeds: Sequence[int]) -> Iterator[TrialResult]:
     """All cases, sizes, rates and seeds for one driver."""
     for case in cases():
         for servos in sizes:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from kinesic.hardware.virtual.matrix import Result
+from kinesic.hardware.virtual.matrix import TrialResult
 
 REASON = 12  # [characters] longer than any figure: why a driver would not drive
 COLUMNS = (
@@ -22,15 +22,15 @@ COLUMNS = (
 )
 
 
-def rows(results: Sequence[Result]) -> list[tuple[str, ...]]:
+def rows(results: Sequence[TrialResult]) -> list[tuple[str, ...]]:
     """The table of the matrix, one row for each fault, size and rate, the seeds together."""
-    groups: dict[tuple[str, int, int], list[Result]] = {}
+    groups: dict[tuple[str, int, int], list[TrialResult]] = {}
     for result in results:
         groups.setdefault((result.case, result.servos, result.baud), []).append(result)
     return [_row(name, servos, baud, group) for (name, servos, baud), group in groups.items()]
 
 
-def _row(name: str, servos: int, baud: int, group: Sequence[Result]) -> tuple[str, ...]:
+def _row(name: str, servos: int, baud: int, group: Sequence[TrialResult]) -> tuple[str, ...]:
     refused = next((result.refused for result in group if result.refused), "")
     if refused:
         return name, str(servos), str(baud), refused, *[""] * (len(COLUMNS) - 4)
@@ -50,7 +50,7 @@ def _row(name: str, servos: int, baud: int, group: Sequence[Result]) -> tuple[st
     )
 
 
-def record(result: Result) -> dict[str, str | float | None]:
+def record(result: TrialResult) -> dict[str, str | float | None]:
     """One trial for a machine to read: shares from 0 to 1, times in seconds."""
     return {
         "case": result.case,
@@ -69,7 +69,7 @@ def record(result: Result) -> dict[str, str | float | None]:
     }
 
 
-def text(results: Sequence[Result]) -> str:
+def text(results: Sequence[TrialResult]) -> str:
     """The table as lines of text."""
     lines = [COLUMNS, *rows(results)]
     widths = [max(len(line[k]) for line in lines if len(line[3]) < REASON or k < 3) for k in range(len(COLUMNS))]

@@ -8,7 +8,7 @@ from kinesic.body.servo import TICKS_PER_TURN
 from kinesic.hardware.protocol.registers import PROFILE_ACCELERATION, SPEED, TICK, Mode, Register
 from kinesic.hardware.virtual.control_table import Memory
 from kinesic.hardware.virtual.physics import LIMP, Demand, Shaft
-from kinesic.hardware.virtual.profile import by_speed, by_time, resting
+from kinesic.hardware.virtual.profile import by_speed, by_time, still_profile
 from kinesic.hardware.virtual.value_rules import BY_TIME, REVERSE
 
 WIDEST_OFFSET = 1024  # [ticks] of homing that position mode heeds
@@ -22,14 +22,14 @@ _PRESENT = struct.Struct("<BBhhiiii")  # MOVING .. POSITION_TRAJECTORY stand sid
 _PRESENT_AT = Register.MOVING.field.address
 
 
-class Motion:
+class SetPoint:
     """The set point of one servo, between its registers and its shaft."""
 
     def __init__(self, memory: Memory, shaft: Shaft) -> None:
         """Stands still where the shaft is, which is within the first turn."""
         self._memory = memory
         self._turns = 0  # whole turns that the register leaves out
-        self._profile, self._since = resting(shaft.angle), 0.0  # [rad] of the shaft, [s]
+        self._profile, self._since = still_profile(shaft.angle), 0.0  # [rad] of the shaft, [s]
         self._ramp = 0.0  # [rad/s] where the speed of velocity mode stood at `_since`
         self.stopped = False  # by the bus watchdog, until a goal comes
 
@@ -47,7 +47,7 @@ class Motion:
 
     def rest(self, shaft: Shaft, time: float) -> None:
         """The set point is where the shaft is."""
-        self._profile, self._since, self._ramp = resting(shaft.angle), time, 0.0
+        self._profile, self._since, self._ramp = still_profile(shaft.angle), time, 0.0
 
     def stop(self, shaft: Shaft, time: float) -> None:
         """Stops here, whatever the goals say."""

@@ -42,7 +42,7 @@ class Profile:
         return place + (before + speed) / 2 * time, speed
 
 
-def resting(place: float) -> Profile:
+def still_profile(place: float) -> Profile:
     """No motion at all."""
     return Profile(place, place, 0.0, 0.0, (0.0, 0.0, 0.0), "step")
 

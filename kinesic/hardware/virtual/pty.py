@@ -92,7 +92,7 @@ class PtyPort:
         self.link.symlink_to(os.ttyname(hosts))
 
 
-def serve(ports: Sequence[PtyPort], running: Callable[[], bool], *, start: float = 0.0) -> None:
+def serve_wires(ports: Sequence[PtyPort], running: Callable[[], bool], *, start: float = 0.0) -> None:
     """Plays virtual wires in real time until told to stop.
 
     Args:

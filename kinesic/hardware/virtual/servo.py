@@ -7,9 +7,9 @@ torque is refused as an access error.
 from kinesic.hardware.protocol.models import Model
 from kinesic.hardware.protocol.packet import Fault, Instruction
 from kinesic.hardware.protocol.registers import BAUD_RATES, Register
-from kinesic.hardware.virtual.control_table import Entry, Memory, RefusalError
+from kinesic.hardware.virtual.control_table import Memory, RefusalError, RegisterWrite
 from kinesic.hardware.virtual.firmware import BOOT, Electronics
-from kinesic.hardware.virtual.value_rules import BY_GOAL, GOALS, refusal
+from kinesic.hardware.virtual.value_rules import BY_GOAL, GOALS, value_fault
 
 NEWEST = 52  # firmware unless said otherwise
 CLEAR_FIRMWARE = 42
@@ -118,7 +118,7 @@ class VirtualServo:
                 self._react(entry.register)
         self.electronics.changed()
 
-    def _checked(self, address: int, data: bytes) -> list[Entry]:
+    def _checked(self, address: int, data: bytes) -> list[RegisterWrite]:
         memory, latched = self.memory, self.electronics.latched
         entries = memory.entries(address, data)
         for entry in entries:
@@ -126,7 +126,7 @@ class VirtualServo:
                 fault = Fault.NONE if memory.points_well(entry) else Fault.RANGE
             else:
                 value = int.from_bytes(entry.data, "little", signed=entry.register.field.signed)
-                fault = refusal(memory, entry.register, value, latched=latched)
+                fault = value_fault(memory, entry.register, value, latched=latched)
             if fault:
                 raise RefusalError(fault)
         return entries

@@ -17,7 +17,7 @@ _LIMITED = {
 }
 
 
-def refusal(memory: Memory, register: Register, value: int, *, latched: bool) -> Fault:
+def value_fault(memory: Memory, register: Register, value: int, *, latched: bool) -> Fault:
     """Why a value is not taken; NONE if it is.
 
     Args:

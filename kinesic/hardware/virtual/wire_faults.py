@@ -9,7 +9,7 @@ from kinesic.hardware.virtual.protocol import Sent
 
 
 @dataclass(frozen=True)
-class Heard:
+class Transmission:
     """What arrives of one transmission."""
 
     data: bytes
@@ -40,12 +40,12 @@ class Weather:
                 data = self._struck(mishap, data)
         return data
 
-    def replies(self, sent: Sequence[Sent], time: float) -> list[Heard]:
+    def replies(self, sent: Sequence[Sent], time: float) -> list[Transmission]:
         """What the host hears of the answer to one instruction, be it one status or several, or a joint reply.
 
         A fault strikes one place of it. Who waits in vain for the bytes before his own keeps silent.
         """
-        heard = [Heard(answer.data, answer.delay) for answer in sent]
+        heard = [Transmission(answer.data, answer.delay) for answer in sent]
         end = len(sent)
         for mishap in self._on_replies:
             struck = [k for k, answer in enumerate(sent) if mishap.strikes(answer.servo, time - self._since)]

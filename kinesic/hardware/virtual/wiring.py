@@ -70,7 +70,7 @@ def _fitting(servo: int, model: ServoModel, ticks: int) -> Fitting:
     return Fitting(servo, model=model.name, ticks=ticks, motor=Motor.of(model))
 
 
-def build(wires: Sequence[Cable], physics: Physics | None = None) -> tuple[Plant, Mapping[str, VirtualBus]]:
+def build_bus(wires: Sequence[Cable], physics: Physics | None = None) -> tuple[Plant, Mapping[str, VirtualBus]]:
     """Virtual servos on virtual wires.
 
     Args:

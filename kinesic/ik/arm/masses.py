@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from math import pi, sqrt
 
-from kinesic.ik.angles import turn_of
+from kinesic.ik.angles import cosine_sine
 from kinesic.ik.scalar3 import Vector, across, cross, distance, minus, norm, plus, scaled, unit
 
 TOLERANCE = 1e-6  # total spring force at rest, in units of stiffness x chain length
@@ -41,7 +41,7 @@ def clamp(target: Vector, base: Vector, reach: float) -> Vector:
     return target if d <= reach else plus(base, scaled(minus(target, base), reach / d))
 
 
-def settle(points: Sequence[Vector], lengths: Sequence[float], target: Vector) -> Settled:
+def settle_masses(points: Sequence[Vector], lengths: Sequence[float], target: Vector) -> Settled:
     """Lets a chain of unit masses swing to rest between its base and the target (Stoermer-Verlet, eq. 7.3.6).
 
     Stiffness and damping are those of heavy-ball theory for the springs' Laplacian; they depend on the number of
@@ -75,7 +75,7 @@ def settle(points: Sequence[Vector], lengths: Sequence[float], target: Vector) -
 
 def _tuned(bones: int) -> tuple[float, float]:
     """Stiffness x dt^2, and the share of its speed that a mass keeps per step (heavy-ball optimum)."""
-    slow, fast = (sqrt(2.0 - 2.0 * turn_of(pi * bends / bones)[0]) for bends in (1, bones - 1))
+    slow, fast = (sqrt(2.0 - 2.0 * cosine_sine(pi * bends / bones)[0]) for bends in (1, bones - 1))
     share = (fast - slow) / (fast + slow)
     return 4.0 / ((fast + slow) * (fast + slow)), 1.0 - DAMPING_SHARE * (1.0 - share * share)
 

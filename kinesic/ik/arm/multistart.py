@@ -13,7 +13,7 @@ from kinesic.ik.arm.compiled import arm_of
 from kinesic.ik.arm.linkage import Linkage, linkage_of
 from kinesic.ik.arm.mirror import is_right, mirrored_chain, mirrored_place
 from kinesic.ik.arm.polish import ROUNDS, Polished, polish
-from kinesic.ik.arm.seeds import nearest
+from kinesic.ik.arm.seeds import nearest_seeds
 from kinesic.ik.kernel_choice import KERNEL, Kernel
 from kinesic.ik.scalar3 import Vector, vector
 
@@ -45,7 +45,7 @@ def approach(
     if best.miss < STALLED:
         return best
     rounds = best.rounds
-    for seed in nearest(linkage, target, RESTARTS):
+    for seed in nearest_seeds(linkage, target, RESTARTS):
         tried = polish(linkage, target, seed.angles, posture=posture, mobility=mobility)
         rounds += tried.rounds
         if tried.miss < best.miss:

@@ -29,7 +29,7 @@ def seeds(linkage: Linkage) -> tuple[Seed, ...]:
     return tuple(Seed(posture, linkage.hand(posture)) for posture in postures)
 
 
-def nearest(linkage: Linkage, target: Vector, count: int) -> list[Seed]:
+def nearest_seeds(linkage: Linkage, target: Vector, count: int) -> list[Seed]:
     """The seeds whose hands are nearest to a target [m], best first."""
     return sorted(seeds(linkage), key=lambda seed: distance(seed.hand, target))[:count]
 

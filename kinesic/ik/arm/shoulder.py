@@ -15,7 +15,7 @@ from kinesic.ik.arm.mirror import ACROSS, is_right, mirrored_chain
 from kinesic.ik.scalar3 import Vector, distance, minus, plus, scaled, unit, vector
 
 
-def carried(chain: Chain, target: Floats, effort: float) -> Floats:
+def carry_shoulder(chain: Chain, target: Floats, effort: float) -> Floats:
     """The posture that the collar bone rests in while its hand is at a target.
 
     Args:
@@ -34,7 +34,7 @@ def carried(chain: Chain, target: Floats, effort: float) -> Floats:
 
 
 def _carried(chain: Chain, target: Vector, effort: float) -> Floats:
-    """`carried` for an arm on the left or in the middle."""
+    """`carry_shoulder` for an arm on the left or in the middle."""
     linkage, rest = linkage_of(chain), chain.rest.tolist()
     ends = [linkage.origin]
     line = unit(minus(target, linkage.origin))

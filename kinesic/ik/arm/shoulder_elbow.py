@@ -6,7 +6,7 @@ from math import pi, remainder, tau
 
 from kinesic.ik.arm.hinges import Extraction, extract
 from kinesic.ik.arm.linkage import Linkage
-from kinesic.ik.arm.masses import clamp, settle
+from kinesic.ik.arm.masses import clamp, settle_masses
 from kinesic.ik.arm.swivel import elbow_at, swivel_of
 from kinesic.ik.scalar3 import Vector, distance, minus, plus, scaled, unit
 
@@ -20,7 +20,7 @@ BISECTIONS = 6
 
 
 @dataclass(frozen=True)
-class Place:
+class ShoulderPlace:
     """A shoulder that can serve a target, and the target within its reach."""
 
     girdle: tuple[Vector, ...]  # [m] ends of the bones up to the shoulder's centre; empty without collar bone
@@ -29,7 +29,7 @@ class Place:
     iterations: int  # of the masses
 
 
-def placed(linkage: Linkage, target: Vector, *, near: Sequence[float], rest: Sequence[float]) -> Place:
+def place_shoulder(linkage: Linkage, target: Vector, *, near: Sequence[float], rest: Sequence[float]) -> ShoulderPlace:
     """Leaves the shoulder at rest for a target in easy reach; beyond, the taut arm pulls it along (thesis 8.6).
 
     Args:
@@ -51,12 +51,12 @@ def placed(linkage: Linkage, target: Vector, *, near: Sequence[float], rest: Seq
     upper, fore = TAUT * linkage.links[-3].length, TAUT * linkage.links[-2].length
     elbow = plus(resting[-1], scaled(unit(minus(target, resting[-1])), upper))
     lengths = (*(link.length for link in linkage.girdle), upper, fore)
-    settled = settle((*resting, elbow, target), lengths, target)
+    settled = settle_masses((*resting, elbow, target), lengths, target)
     pulled = _girdle(linkage, settled.points[1:-2], near)
     return _place(pulled, target, settled.iterations)
 
 
-def place_of(linkage: Linkage, angles: Sequence[float], target: Vector) -> Place:
+def place_of(linkage: Linkage, angles: Sequence[float], target: Vector) -> ShoulderPlace:
     """The place that a posture [rad] gives its shoulder."""
     return _place(linkage.walk(angles, len(linkage.girdle))[1], target, 0)
 
@@ -75,8 +75,8 @@ def helpful(linkage: Linkage, target: Vector, near: Sequence[float]) -> list[Vec
     return _girdle(linkage, ends[1:], near)
 
 
-def _place(points: Sequence[Vector], target: Vector, iterations: int) -> Place:
-    return Place(tuple(points[1:]), points[-1], target, iterations)
+def _place(points: Sequence[Vector], target: Vector, iterations: int) -> ShoulderPlace:
+    return ShoulderPlace(tuple(points[1:]), points[-1], target, iterations)
 
 
 def _girdle(linkage: Linkage, ends: Sequence[Vector], near: Sequence[float]) -> list[Vector]:
@@ -93,7 +93,7 @@ class Bend:
     iterations: int  # of the masses
 
 
-def bent(linkage: Linkage, place: Place, *, near: Sequence[float], swivel: float | None) -> Bend:
+def bent(linkage: Linkage, place: ShoulderPlace, *, near: Sequence[float], swivel: float | None) -> Bend:
     """Chooses the elbow's place on its circle: as near to the wished swivel as the ranges allow.
 
     Args:
@@ -107,7 +107,7 @@ def bent(linkage: Linkage, place: Place, *, near: Sequence[float], swivel: float
     """
     elbow = linkage.walk(near, len(linkage.links) - 2)[1][-1]
     lengths = (linkage.links[-3].length, linkage.links[-2].length)
-    settled = settle((place.shoulder, elbow, place.target), lengths, place.target)
+    settled = settle_masses((place.shoulder, elbow, place.target), lengths, place.target)
     present = swivel_of(linkage, settled.points)
     if present is None:
         present = NATURAL_SWIVEL

@@ -11,14 +11,14 @@ from math import sqrt
 
 from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
-from kinesic.ik.angles import arctangent, turn_of
+from kinesic.ik.angles import arctangent, cosine_sine
 from kinesic.ik.arm.linkage import Linkage, linkage_of
 from kinesic.ik.scalar3 import Vector, across, cross, dot, minus, norm, plus, scaled, unit, vector
 
 BACKWARD = -1.0 + 1e-9  # cosine to the forward axis at which the hanging direction is undefined
 
 
-def hanging(line: Vector) -> Vector:
+def hanging_direction(line: Vector) -> Vector:
     """The direction of a hanging elbow, off the line from shoulder to hand.
 
     Args:
@@ -41,7 +41,7 @@ def swivel_of(linkage: Linkage, points: Sequence[Vector]) -> float | None:
     off = across(minus(elbow, shoulder), line)
     if norm(off) < 1e-6 * linkage.farthest or line == (0.0, 0.0, 0.0):
         return None
-    zero = hanging(line)
+    zero = hanging_direction(line)
     return linkage.side * arctangent(dot(off, cross(line, zero)), dot(off, zero))
 
 
@@ -56,8 +56,8 @@ def elbow_at(linkage: Linkage, shoulder: Vector, hand: Vector, swivel: float) ->
     line = unit(between) if norm(between) > 0.0 else (1.0, 0.0, 0.0)
     along = (upper * upper - fore * fore + span * span) / (2.0 * span)
     along = max(-upper, min(upper, along))
-    zero = hanging(line)
-    cosine, sine = turn_of(swivel)
+    zero = hanging_direction(line)
+    cosine, sine = cosine_sine(swivel)
     off = plus(scaled(zero, cosine), scaled(cross(line, zero), linkage.side * sine))
     return plus(shoulder, plus(scaled(line, along), scaled(off, sqrt(upper * upper - along * along))))
 

@@ -10,7 +10,7 @@ from math import dist, pi
 
 from kinesic.ik.arm.hinges import extract
 from kinesic.ik.arm.linkage import Linkage, Pivot
-from kinesic.ik.arm.shoulder_elbow import NATURAL_SWIVEL, Place, place_of
+from kinesic.ik.arm.shoulder_elbow import NATURAL_SWIVEL, ShoulderPlace, place_of
 from kinesic.ik.arm.swivel import elbow_at, swivel_of
 from kinesic.ik.scalar3 import Rotation, Vector, distance
 
@@ -53,7 +53,7 @@ def cells(
             yield cell_at(linkage, place, begin + offset, hand, near=angles)
 
 
-def cell_at(linkage: Linkage, place: Place, swivel: float, hand: Hand, *, near: Sequence[float]) -> Cell:
+def cell_at(linkage: Linkage, place: ShoulderPlace, swivel: float, hand: Hand, *, near: Sequence[float]) -> Cell:
     """The posture of one swivel [rad]."""
     elbow = elbow_at(linkage, place.shoulder, place.target, swivel)
     found = extract(linkage, (*place.girdle, elbow, place.target), near)

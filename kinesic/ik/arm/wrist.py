@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
-from kinesic.ik.angles import arctangent, turn_of
+from kinesic.ik.angles import arctangent, cosine_sine
 from kinesic.ik.arm.linkage import Link, Pivot
 from kinesic.ik.scalar3 import Rotation, Vector, cross, dot, turned, within
 
@@ -20,7 +20,7 @@ POSTURE = 2e-4  # pull to the rest angles, beside 1 for each direction: decides 
 
 
 @dataclass(frozen=True)
-class Wish:
+class HandDirection:
     """A direction of the hand and where it should look."""
 
     name: str
@@ -28,7 +28,7 @@ class Wish:
     wanted: Vector  # unit, in the base
 
 
-def orient(link: Link, frame: Rotation, wishes: Sequence[Wish], rest: Sequence[float]) -> tuple[float, ...]:
+def orient(link: Link, frame: Rotation, wishes: Sequence[HandDirection], rest: Sequence[float]) -> tuple[float, ...]:
     """The angles of the hand's own hinges.
 
     Args:
@@ -53,7 +53,7 @@ def orient(link: Link, frame: Rotation, wishes: Sequence[Wish], rest: Sequence[f
 
 
 def _climbed(
-    link: Link, frame: Rotation, wishes: Sequence[Wish], rest: Sequence[float], start: Sequence[float]
+    link: Link, frame: Rotation, wishes: Sequence[HandDirection], rest: Sequence[float], start: Sequence[float]
 ) -> tuple[tuple[float, ...], float]:
     """Hinge after hinge to its best angle until none moves; the angles and how well they agree."""
     angles, height = list(start), 0.0
@@ -88,7 +88,7 @@ def _outward(link: Link, angles: Sequence[float], k: int, own: Vector) -> Vector
 
 def _best(pivot: Pivot, pairs: Sequence[tuple[Vector, Vector]], rest: float) -> tuple[float, float]:
     """The best angle inside the range, and the agreement there."""
-    a, b = (POSTURE * part for part in turn_of(rest))
+    a, b = (POSTURE * part for part in cosine_sine(rest))
     level = 0.0
     for look, own in pairs:
         along = dot(pivot.axis, look) * dot(pivot.axis, own)
@@ -97,7 +97,7 @@ def _best(pivot: Pivot, pairs: Sequence[tuple[Vector, Vector]], rest: float) -> 
         b += dot(look, cross(pivot.axis, own))
 
     def height(angle: float) -> float:
-        cosine, sine = turn_of(angle)
+        cosine, sine = cosine_sine(angle)
         return a * cosine + b * sine
 
     peak = arctangent(b, a)

@@ -7,7 +7,7 @@ import numpy as np
 
 from kinesic.ik.thesis.springs import Springs
 from kinesic.ik.thesis.task import Rest, Task
-from kinesic.ik.thesis.verlet import swing
+from kinesic.ik.thesis.verlet import swing_to_rest
 
 
 def drawn(task: Task) -> Rest:
@@ -24,7 +24,7 @@ def drawn(task: Task) -> Rest:
         masses=np.append(task.masses, 1.0),
         pinned={0, bones + 1},
     )
-    rest = swing(
+    rest = swing_to_rest(
         springs,
         np.vstack([task.points, task.target]),
         damping=task.damping,

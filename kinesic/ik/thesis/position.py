@@ -4,7 +4,7 @@ import numpy as np
 
 from kinesic.ik.thesis.springs import Springs
 from kinesic.ik.thesis.task import Rest, Task
-from kinesic.ik.thesis.verlet import swing
+from kinesic.ik.thesis.verlet import swing_to_rest
 
 
 def pinned(task: Task) -> Rest:
@@ -18,4 +18,4 @@ def pinned(task: Task) -> Rest:
         pinned={0, bones},
     )
     start = np.vstack([task.points[:-1], task.target])
-    return swing(springs, start, damping=task.damping, effort=task.effort, arrived=task.arrived)
+    return swing_to_rest(springs, start, damping=task.damping, effort=task.effort, arrived=task.arrived)

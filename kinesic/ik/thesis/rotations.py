@@ -74,7 +74,7 @@ def stance_of(chain: BallChain, rotations: Floats, carrier: Carrier) -> Stance:
     return Stance(sealed(rotations), sealed(frames), sealed(points), Carrier(sealed(points[-1]), sealed(turn)))
 
 
-def aimed(chain: BallChain, before: Floats, points: Floats, carrier: Carrier) -> Stance:
+def aim_bones(chain: BallChain, before: Floats, points: Floats, carrier: Carrier) -> Stance:
     """Turns each joint, from the base outward, by the smallest turn that aims its bone along a pair of points.
 
     Args:

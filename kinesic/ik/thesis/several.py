@@ -21,7 +21,7 @@ from kinesic.ik.thesis.shared import Wishes, postured, standing
 from kinesic.ik.thesis.solve import Method, three, unbent
 from kinesic.ik.thesis.springs import Springs
 from kinesic.ik.thesis.task import Effort, Rest
-from kinesic.ik.thesis.verlet import swing
+from kinesic.ik.thesis.verlet import swing_to_rest
 
 YIELD = 0.1  # what is left per round of the pull of a limb whose better has not arrived
 FAINT = 1e-3  # the least pull that is left: weaker springs would hardly settle
@@ -115,7 +115,7 @@ def _swung(
         lengths = np.linalg.norm(springs.incidence @ now, axis=1)
         return bool(np.abs(lengths - springs.rests).sum() <= effort.tolerance)
 
-    return swing(springs, points, damping=limbs.members[0].chain.damping, effort=effort, arrived=arrived)
+    return swing_to_rest(springs, points, damping=limbs.members[0].chain.damping, effort=effort, arrived=arrived)
 
 
 def _checked(

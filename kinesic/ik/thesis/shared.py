@@ -10,8 +10,8 @@ from kinesic.body.arrays import Floats
 from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.limbs import Limb, Limbs
 from kinesic.ik.thesis.limits import within_limits
-from kinesic.ik.thesis.rotations import Carrier, Stance, aimed, stance_of
-from kinesic.ik.thesis.solve import Method, solve
+from kinesic.ik.thesis.rotations import Carrier, Stance, aim_bones, stance_of
+from kinesic.ik.thesis.solve import Method, solve_ball_chain
 from kinesic.ik.thesis.task import Effort
 
 
@@ -52,7 +52,7 @@ def postured(
         chain, begun, points = limb.chain, before[limb.name].rotations, wishes.points[limb.name]
         if limb.on is None:
             ground = Carrier.at_rest(chain)
-            stance = within_limits(chain, aimed(chain, begun, points, ground), points[-1], ground)
+            stance = within_limits(chain, aim_bones(chain, begun, points, ground), points[-1], ground)
         else:
             rest, carrier = chain.frames[0], stances[limb.on].end
             turned = Carrier(carrier.point, carrier.rotation @ turns[limb.on])
@@ -87,10 +87,12 @@ def _outer(
     """(n, 3, 3) rotations of what a limb has beyond its shared bone; none for a limb of one bone."""
     if not len(begun):
         return begun
-    stance = within_limits(chain, aimed(chain, begun, points, footing), points[-1], footing)
+    stance = within_limits(chain, aim_bones(chain, begun, points, footing), points[-1], footing)
     if target is None:
         return stance.rotations
-    return solve(chain, target, method=method, start=stance.rotations, carrier=footing, effort=effort).rotations
+    return solve_ball_chain(
+        chain, target, method=method, start=stance.rotations, carrier=footing, effort=effort
+    ).rotations
 
 
 def _agreed(siblings: Sequence[Limb], before: Mapping[str, Stance], carrier: Carrier, wishes: Wishes) -> Floats:
@@ -98,7 +100,7 @@ def _agreed(siblings: Sequence[Limb], before: Mapping[str, Stance], carrier: Car
     turns: dict[str, Floats] = {}
     for limb in siblings:
         rest = limb.chain.frames[0]
-        wished = aimed(limb.chain, before[limb.name].rotations, wishes.points[limb.name], carrier)
+        wished = aim_bones(limb.chain, before[limb.name].rotations, wishes.points[limb.name], carrier)
         turns[limb.name] = rest @ wished.rotations[0] @ rest.T
     for name in wishes.priority:
         if name in turns:

@@ -18,7 +18,7 @@ from kinesic.ik.thesis.direct import balanced
 from kinesic.ik.thesis.force import drawn
 from kinesic.ik.thesis.limits import within_limits
 from kinesic.ik.thesis.position import pinned
-from kinesic.ik.thesis.rotations import Carrier, Stance, aimed, stance_of, swivelled
+from kinesic.ik.thesis.rotations import Carrier, Stance, aim_bones, stance_of, swivelled
 from kinesic.ik.thesis.task import Effort, Relaxation, Rest, Task
 
 Method = Literal["force", "position", "direct"]
@@ -41,7 +41,7 @@ class Relaxed:
     energy: float  # what is left in the springs: sum of the forces per stiffness and length of the chain
 
 
-def solve(
+def solve_ball_chain(
     chain: BallChain,
     target: Floats,
     *,
@@ -81,7 +81,7 @@ def solve(
     while done == 0 or (chain.limits is not None and done < effort.rounds and _miss(best, near) > enough):
         rest = _relaxed(chain, stance, near, method=method, effort=effort)
         points = rest.points if wish is None else swivelled(rest.points, wish)
-        stance = within_limits(chain, aimed(chain, stance.rotations, points, ground), near, ground)
+        stance = within_limits(chain, aim_bones(chain, stance.rotations, points, ground), near, ground)
         iterations, done = iterations + rest.iterations, done + 1
         if done == 1 or _miss(stance, near) < _miss(best, near):
             best, energy = stance, rest.energy

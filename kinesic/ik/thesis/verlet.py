@@ -11,7 +11,7 @@ from kinesic.ik.thesis.task import Effort, Rest
 EXPLODED = 1e6  # in chain lengths: the step lies beyond the stability bound
 
 
-def swing(
+def swing_to_rest(
     springs: Springs, points: Floats, *, damping: float | None, effort: Effort, arrived: Callable[[Floats], bool]
 ) -> Rest:
     """Integrates x' = x + (1 - c) (x - x_before) + dt^2 f / m until the forces are gone.

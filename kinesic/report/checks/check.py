@@ -19,7 +19,7 @@ class Check:
     at_least: bool = False  # whether a value below the limit is the bad one
 
 
-def at(time: float) -> str:
+def format_time(time: float) -> str:
     """How a place names its time [s]."""
     return f"at {round(time, 2) + 0.0:.2f} s"
 

@@ -5,7 +5,7 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Clearance
 from kinesic.controller.performance import Performance
-from kinesic.report.checks.check import Check, at, bound, goal, least
+from kinesic.report.checks.check import Check, bound, format_time, goal, least
 
 TOLERANCE = 1.001  # on ratios to limits
 DUTY = 1.0  # of full PWM
@@ -19,7 +19,7 @@ def limit_checks(performance: Performance) -> list[Check]:
     slack = TOLERANCE - 1.0
     found = [_margin(performance)]
     for quantity, peak in performance.reference.peaks.shares.items():
-        where = f"{names[peak.hinge]} {at(peak.time)}"
+        where = f"{names[peak.hinge]} {format_time(peak.time)}"
         name = "limits.reserve" if quantity == "duty" else f"limits.{quantity}"
         found.append(bound(name, float(peak.ratios[peak.hinge]), 1.0, "ratio", where, slack=slack))
     found.append(_duty(performance))
@@ -41,7 +41,7 @@ def _margin(performance: Performance) -> Check:
 def _duty(performance: Performance) -> Check:
     duty = np.abs(performance.reference.duties)
     row, hinge = np.unravel_index(int(duty.argmax()), duty.shape)
-    where = f"{performance.plan.facts.robot.skeleton.names[hinge]} {at(performance.measured.times[row])}"
+    where = f"{performance.plan.facts.robot.skeleton.names[hinge]} {format_time(performance.measured.times[row])}"
     return bound("limits.duty", float(duty[row, hinge]), DUTY, "ratio", where, slack=TOLERANCE - 1.0)
 
 
@@ -49,7 +49,7 @@ def _holding(performance: Performance) -> Check:
     times, shares = performance.reference.holding
     row, hinge = np.unravel_index(int(shares.argmax()), shares.shape)
     value = float(shares[row, hinge])
-    where = f"{performance.plan.facts.robot.skeleton.names[hinge]} {at(times[row])}"
+    where = f"{performance.plan.facts.robot.skeleton.names[hinge]} {format_time(times[row])}"
     judge, limit = (bound, HOLDING_LIMIT) if value > HOLDING_LIMIT else (goal, HOLDING_GOAL)
     return judge("limits.holding", value, limit, "of stall", where)
 
@@ -63,7 +63,7 @@ def distance_checks(performance: Performance) -> list[Check]:
         ("plan", plan.clearance, plan.clearance_times),
         ("twin", measured.clearance, measured.times),
     ):
-        distance, where = closest(clearance, times)
+        distance, where = smallest_distance(clearance, times)
         found.append(least(f"collision.{name}", distance, required, "m", where))
     overlaps = penetrations(performance)
     deepest = min(found, key=lambda check: check.value)
@@ -72,11 +72,11 @@ def distance_checks(performance: Performance) -> list[Check]:
     return found
 
 
-def closest(clearance: Clearance, times: Floats) -> tuple[float, str]:
+def smallest_distance(clearance: Clearance, times: Floats) -> tuple[float, str]:
     """Smallest distance [m] and where it occurs."""
     worst = clearance.worst
     a, b = clearance.pairs[worst]
-    return float(clearance.distances[worst]), f"{a} and {b} {at(times[worst])}"
+    return float(clearance.distances[worst]), f"{a} and {b} {format_time(times[worst])}"
 
 
 def penetrations(performance: Performance) -> int:

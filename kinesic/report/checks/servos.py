@@ -6,7 +6,7 @@ Supply and windings are checked where the robot's file tells enough of them.
 import numpy as np
 
 from kinesic.controller.performance import Performance
-from kinesic.report.checks.check import Check, at, goal
+from kinesic.report.checks.check import Check, format_time, goal
 
 SATURATION = 0.0  # [s]
 CONTINUOUS = 0.3  # share of the stall torque that a servo gives for long
@@ -36,12 +36,12 @@ def power_checks(performance: Performance) -> list[Check]:
     power, found = measured.power, []
     if supply is not None:
         highest = int(power.peak.argmax())
-        where = at(measured.times[highest])
+        where = format_time(measured.times[highest])
         found.append(goal("power.peak", float(power.peak[highest]), supply.amps, "A", where))
         found.append(goal("power.mean", float(power.mean.mean()), supply.amps, "A", f"{power.energy:.0f} J in all"))
     if power.warming:
         hottest = max(power.warming, key=lambda name: float(power.warming[name].max()))
         rise = power.warming[hottest]
-        where = f"{hottest} {at(measured.times[rise.argmax()])}"
+        where = f"{hottest} {format_time(measured.times[rise.argmax()])}"
         found.append(goal("power.warming", float(rise.max()), WARMING, "K", where))
     return found

@@ -7,7 +7,7 @@ import numpy as np
 from kinesic.controller.performance import Performance
 from kinesic.controller.smoothness import dimensionless_jerk
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
-from kinesic.report.checks.check import Check, at, goal
+from kinesic.report.checks.check import Check, format_time, goal
 from kinesic.sim.servo_factors import NOMINAL
 
 STROKE_MEDIAN = 0.015  # [s]
@@ -53,7 +53,7 @@ def _arrival(performance: Performance) -> list[Check]:
     if not late:
         return []
     worst = max(late, key=lambda sync: late[sync])
-    return [goal("timing.twin", late[worst], ARRIVAL, "s", f"{_name(worst)} {at(worst.planned)}")]
+    return [goal("timing.twin", late[worst], ARRIVAL, "s", f"{_name(worst)} {format_time(worst.planned)}")]
 
 
 def _strokes(performance: Performance) -> list[Check]:
@@ -107,7 +107,7 @@ def tracking_checks(performance: Performance) -> list[Check]:
     return [
         goal("tracking.rmse", found.rmse, RMSE[performance.twin == NOMINAL], "deg", f"most {names[squares.argmax()]}"),
         goal("tracking.p95", found.p95, P95, "deg", f"of {moving} moving hinge{'s' if moving > 1 else ''}"),
-        goal("tracking.max", found.max, MAX, "deg", f"{names[hinge]} {at(performance.measured.times[row])}"),
+        goal("tracking.max", found.max, MAX, "deg", f"{names[hinge]} {format_time(performance.measured.times[row])}"),
         goal("tracking.lateness", float(late[last]), LATENESS, "s", names[last]),
     ]
 

@@ -8,10 +8,22 @@ from markupsafe import Markup
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES, Robot, Side
-from kinesic.controller.arrival import paths
+from kinesic.controller.arrival import part_paths
 from kinesic.controller.performance import Performance
 from kinesic.expressivity.keyframes import PartName
-from kinesic.report.plots.svg import ASKED, FAINT, GRID, INK, PERFORMED, PLANNED, WIDTH, figure, plain, svg, write
+from kinesic.report.plots.svg import (
+    ASKED,
+    FAINT,
+    GRID,
+    INK,
+    PERFORMED,
+    PLANNED,
+    WIDTH,
+    empty_figure,
+    plain,
+    svg,
+    write_text,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -43,7 +55,7 @@ VIEWS = (
 def hands(performance: Performance) -> Markup:
     """Planned and performed paths of both hands, keys as dots, over the robot at rest."""
     robot = performance.plan.facts.robot
-    planned = paths(performance.reference.angles, robot)
+    planned = part_paths(performance.reference.angles, robot)
     reference = {side: planned[HANDS[side]] for side in SIDES}
     keys = {side: _keys(performance, side) for side in SIDES}
     bones = _bones(robot)
@@ -53,7 +65,7 @@ def hands(performance: Performance) -> Markup:
     scale = min((WIDTH - GAP * len(VIEWS)) / sum(spans), TALLEST / float((high - low)[2]))  # [in/m]
     tall = scale * float((high - low)[2])
     height = tall + TOP + BOTTOM
-    drawn = figure(height)
+    drawn = empty_figure(height)
     left = (WIDTH - scale * sum(spans) - GAP * (len(VIEWS) - 1)) / 2 + GAP / 4
     for view, span in zip(VIEWS, spans, strict=True):
         axes = drawn.add_axes((left / WIDTH, BOTTOM / height, scale * span / WIDTH, tall / height))
@@ -71,8 +83,8 @@ def _frame(axes: "Axes", view: View, low: Floats, high: Floats) -> None:
     span = (low[view.across], high[view.across])
     axes.set_xlim(*(span[::-1] if view.mirrored else span))
     axes.set_ylim(low[2], high[2])
-    write(axes, 0.0, 1.02, view.title, colour=INK)
-    write(axes, 1.0, 1.02, f"{'xyz'[view.across]}, z [m]", colour=FAINT, align="right")
+    write_text(axes, 0.0, 1.02, view.title, colour=INK)
+    write_text(axes, 1.0, 1.02, f"{'xyz'[view.across]}, z [m]", colour=FAINT, align="right")
 
 
 def _path(axes: "Axes", view: View, planned: Floats, performed: Floats, keys: Floats) -> None:
@@ -89,7 +101,7 @@ def _keys(performance: Performance, side: Side) -> Floats:
     keyed = [posture.angles for posture in plan.postures.postures if any(posture.keyed[joint] for joint in arm)]
     if not keyed:
         return np.zeros((0, 3))
-    return paths(np.stack(keyed), plan.facts.robot)[HANDS[side]]
+    return part_paths(np.stack(keyed), plan.facts.robot)[HANDS[side]]
 
 
 def _bones(robot: Robot) -> list[Floats]:

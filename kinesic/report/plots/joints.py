@@ -20,14 +20,14 @@ from kinesic.report.plots.svg import (
     PERFORMED,
     PLANNED,
     WIDTH,
-    apart,
-    figure,
+    empty_figure,
+    fit_text,
     is_stroke,
-    shortened,
+    spaced_indices,
     svg,
     thinned,
     timed,
-    write,
+    write_text,
 )
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ def joints(performance: Performance) -> Iterator[Markup]:
             yield _figure(performance, (left, right), shown, curves)
 
 
-def still(performance: Performance) -> list[str]:
+def still_hinges(performance: Performance) -> list[str]:
     """Names of the hinges that are not drawn."""
     moving = _moving(_curves(performance))
     return [name for name, moves in zip(performance.plan.facts.robot.skeleton.names, moving, strict=True) if not moves]
@@ -86,7 +86,7 @@ def _figure(
     curves: tuple[Floats, Floats, Floats],
 ) -> Markup:
     height = TOP + PANEL * len(rows) + BOTTOM
-    drawn = figure(height)
+    drawn = empty_figure(height)
     width = (WIDTH - LEFT - RIGHT - GAP) / 2
     left, moving = LEFT / WIDTH, _moving(curves)
     for column, name in enumerate(names):
@@ -123,9 +123,9 @@ def _panel(
     axes.set_ylim(low - room, high + room)
     _shade(axes, robot, joint)
     hinge = robot.skeleton.hinges[joint]
-    write(axes, 0.0, 1.06, hinge.name)
+    write_text(axes, 0.0, 1.06, hinge.name)
     span = f"range {np.degrees(hinge.lower):.0f}\u2026{np.degrees(hinge.upper):.0f}\u00b0"
-    write(axes, 1.0, 1.06, span, colour=FAINT, align="right")
+    write_text(axes, 1.0, 1.06, span, colour=FAINT, align="right")
 
 
 def _shade(axes: "Axes", robot: Robot, joint: int) -> None:
@@ -160,6 +160,6 @@ def _label(axes: "Axes", performance: Performance, syncs: list[SyncTime], width:
     zero = performance.plan.trajectory.zero
     strokes = [sync for sync in syncs if is_stroke(sync)]
     per_second = width / float(performance.measured.times[-1])
-    for k in apart([sync.planned for sync in strokes], LABEL / per_second):
-        label = shortened(strokes[k].behaviour, LABEL)
-        write(axes, zero + strokes[k].planned, 1.3, label, colour=FAINT, place="time", align="center")
+    for k in spaced_indices([sync.planned for sync in strokes], LABEL / per_second):
+        label = fit_text(strokes[k].behaviour, LABEL)
+        write_text(axes, zero + strokes[k].planned, 1.3, label, colour=FAINT, place="time", align="center")

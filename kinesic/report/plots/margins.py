@@ -17,11 +17,11 @@ from kinesic.report.plots.svg import (
     PLANNED,
     SPEECH,
     WIDTH,
-    figure,
+    empty_figure,
     svg,
     thinned,
     timed,
-    write,
+    write_text,
 )
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def margins(performance: Performance) -> Markup:
     """Clearance, shares of limits and tracking error over performance time."""
     panels = (_clearance, _shares, _tracking)
     height = TOP + PANEL * len(panels) + BOTTOM
-    drawn = figure(height)
+    drawn = empty_figure(height)
     for row, panel in enumerate(panels):
         bottom = (BOTTOM + PANEL * (len(panels) - 1 - row)) / height
         axes = drawn.add_axes((LEFT / WIDTH, bottom, 1 - (LEFT + RIGHT) / WIDTH, (PANEL - 0.25) / height))
@@ -83,7 +83,7 @@ def _shares(axes: "Axes", performance: Performance) -> None:
     axes.axhspan(1.0, top, color=OUTSIDE, linewidth=0)
     _title(axes, "share of limit, worst hinge", "")
     for k, (name, share, colour) in enumerate(shares):
-        write(axes, 1.0 - 0.21 * (3 - k), 1.05, _peak(name, share, performance), colour=colour, align="right")
+        write_text(axes, 1.0 - 0.21 * (3 - k), 1.05, _peak(name, share, performance), colour=colour, align="right")
 
 
 def _tracking(axes: "Axes", performance: Performance) -> None:
@@ -103,5 +103,5 @@ def _peak(name: str, values: Floats, performance: Performance) -> str:
 
 
 def _title(axes: "Axes", what: str, note: str) -> None:
-    write(axes, 0.0, 1.05, what, colour=INK)
-    write(axes, 1.0, 1.05, note, colour=FAINT, align="right")
+    write_text(axes, 0.0, 1.05, what, colour=INK)
+    write_text(axes, 1.0, 1.05, note, colour=FAINT, align="right")

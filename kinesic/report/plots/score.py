@@ -7,7 +7,7 @@ from markupsafe import Markup
 
 from kinesic.bml.block import Speech
 from kinesic.controller.performance import Performance
-from kinesic.report.captions import Said, spoken
+from kinesic.report.captions import Said, captions
 from kinesic.report.plots.svg import (
     ASKED,
     FAINT,
@@ -15,12 +15,12 @@ from kinesic.report.plots.svg import (
     PLANNED,
     SPEECH,
     WIDTH,
-    figure,
+    empty_figure,
+    fit_text,
     is_stroke,
-    shortened,
     svg,
     timed,
-    write,
+    write_text,
 )
 
 if TYPE_CHECKING:
@@ -42,22 +42,22 @@ def score(performance: Performance) -> Markup | None:
         return None
     rows = behaviours[:ROWS]
     height = TOP + ROW * (len(rows) + (len(behaviours) > ROWS)) + BOTTOM
-    drawn = figure(height)
+    drawn = empty_figure(height)
     width = WIDTH - LEFT - RIGHT
     axes = drawn.add_axes((LEFT / WIDTH, BOTTOM / height, width / WIDTH, 1 - (TOP + BOTTOM) / height))
     end = float(performance.measured.times[-1])
     timed(axes, end=end)
     axes.set_ylim((height - TOP - BOTTOM) / ROW, 0)
     axes.set_yticks([])
-    pieces = tuple(spoken(performance.plan))
+    pieces = tuple(captions(performance.plan))
     for row, behaviour in enumerate(rows):
-        write(axes, -0.008 * end, row + 0.7, shortened(behaviour.id, LEFT), place="data", align="right")
+        write_text(axes, -0.008 * end, row + 0.7, fit_text(behaviour.id, LEFT), place="data", align="right")
         if isinstance(behaviour.action, Speech):
             _words(axes, row, (said for said in pieces if said.behaviour == behaviour.id), width / end)
         else:
             _phases(axes, row, behaviour.id, performance)
     if len(behaviours) > ROWS:
-        write(axes, 0.0, ROWS + 0.7, f"and {len(behaviours) - ROWS} more behaviours", colour=FAINT, place="data")
+        write_text(axes, 0.0, ROWS + 0.7, f"and {len(behaviours) - ROWS} more behaviours", colour=FAINT, place="data")
     return svg(drawn)
 
 
@@ -88,5 +88,5 @@ def _words(axes: "Axes", row: int, pieces: Iterable[Said], per_second: float) ->
             [(said.begin, said.end - said.begin)], (row + 0.1, 0.8), facecolor=SPEECH, alpha=0.25, linewidth=0
         )
         axes.vlines(said.begin, row + 0.1, row + 0.9, colors=SPEECH, linewidth=1.0)
-        words = shortened(said.text, (said.end - said.begin) * per_second - 0.06)
-        write(axes, said.begin + 0.03 / per_second, row + 0.7, words, place="data")
+        words = fit_text(said.text, (said.end - said.begin) * per_second - 0.06)
+        write_text(axes, said.begin + 0.03 / per_second, row + 0.7, words, place="data")

@@ -11,7 +11,7 @@ from markupsafe import Markup
 
 from kinesic.body.arrays import Floats
 from kinesic.planning.syncs import SyncTime
-from kinesic.report.servo_load import FULL, Load
+from kinesic.report.servo_load import FULL, DriveLoad
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -47,7 +47,7 @@ TALLEST = 1.25  # duty at the top
 HEIGHT = 24
 
 
-def figure(height: float) -> "Figure":
+def empty_figure(height: float) -> "Figure":
     """An empty figure, `height` [in] high."""
     from matplotlib.figure import Figure  # noqa: PLC0415 - slow to import, and few performances are drawn
 
@@ -95,7 +95,7 @@ def plain(axes: "Axes", *, ticks: int = 3) -> None:
         spine.set(color=GRID, linewidth=0.5)
 
 
-def write(
+def write_text(
     axes: "Axes", x: float, y: float, words: str, *, colour: str = INK, place: str = "axes", align: str = "left"
 ) -> None:
     """Writes a text as it stands, without mathematics.
@@ -114,7 +114,7 @@ def write(
     axes.text(x, y, printable, fontsize=SMALL, color=colour, ha=align, transform=transform, parse_math=False)
 
 
-def shortened(words: str, width: float) -> str:
+def fit_text(words: str, width: float) -> str:
     """What of a text fits into a width [in]."""
     letters = int(width / _LETTER)
     return words if len(words) <= letters else words[: letters - 1] + "\u2026" if letters > 1 else ""
@@ -125,7 +125,7 @@ def is_stroke(sync: SyncTime) -> bool:
     return sync.sync == "stroke" or sync.sync.startswith("stroke:")
 
 
-def apart(times: Iterable[float], least: float) -> list[int]:
+def spaced_indices(times: Iterable[float], least: float) -> list[int]:
     """Indices of times, in increasing order, that leave at least `least` [s] between them."""
     kept: list[int] = []
     last = -np.inf
@@ -150,7 +150,7 @@ def thinned(times: Floats, values: Floats) -> tuple[Floats, Floats]:
     return times[kept], values[kept]
 
 
-def spark(load: Load) -> Markup:
+def spark(load: DriveLoad) -> Markup:
     """The largest duty of each piece of time as an area, and a line at full duty."""
     edges = np.linspace(0, len(load.duties), min(BINS, len(load.duties)) + 1).astype(int)[:-1]
     tops = HEIGHT * (1 - np.minimum(np.maximum.reduceat(load.duties, edges), TALLEST) / TALLEST)

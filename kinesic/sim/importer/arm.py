@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.sim.importer.hinge_row import Limb, common_point, distances, foot, nearest_to_line, unit
+from kinesic.sim.importer.hinge_row import HingeRow, common_point, distances, foot, nearest_to_line, unit_vector
 
 MOST_GIRDLE = 3  # hinges before the shoulder
 SHOULDERS = (2, 3, 4)  # hinges of a shoulder
@@ -46,12 +46,12 @@ class Centres:
     @property
     def upper(self) -> Floats:
         """(3,) unit, along the upper arm."""
-        return unit(self.elbow - self.shoulder)
+        return unit_vector(self.elbow - self.shoulder)
 
     @property
     def fore(self) -> Floats:
         """(3,) unit, along the forearm."""
-        return unit(self.wrist - self.elbow)
+        return unit_vector(self.wrist - self.elbow)
 
     @property
     def miss(self) -> float:
@@ -74,7 +74,7 @@ def splits(count: int) -> list[Split]:
     ]
 
 
-def centres(limb: Limb, split: Split) -> Centres:
+def centres(limb: HingeRow, split: Split) -> Centres:
     """Where shoulder, elbow and wrist are in the limb's pose."""
     e = split.elbow
     arm, behind = slice(split.girdle, e), slice(e + 1, split.hinges)
@@ -85,20 +85,20 @@ def centres(limb: Limb, split: Split) -> Centres:
     else:
         elbow = nearest_to_line(limb.anchors[e], limb.axes[e], limb.anchors[twist], limb.axes[twist])
     tip = limb.centre + (limb.centre - elbow) if not split.wrist else limb.anchors[split.hinges - 1]
-    if split.wrist == 1 and abs(unit(limb.centre - elbow) @ limb.axes[e + 1]) > LENGTHWISE:
+    if split.wrist == 1 and abs(unit_vector(limb.centre - elbow) @ limb.axes[e + 1]) > LENGTHWISE:
         tip = limb.centre + (limb.centre - elbow)
     wrist = common_point(limb.anchors[behind], limb.axes[behind], tip) if split.wrist else tip
     return Centres(shoulder, elbow, wrist, limb.anchors[arm], limb.axes[arm])
 
 
-def _twist(limb: Limb, split: Split, shoulder: Floats) -> int | None:
+def _twist(limb: HingeRow, split: Split, shoulder: Floats) -> int | None:
     """The last shoulder hinge along the upper arm (a T-pose has two candidates)."""
-    along = unit(limb.anchors[split.elbow] - shoulder)
+    along = unit_vector(limb.anchors[split.elbow] - shoulder)
     rows = [k for k in range(split.girdle, split.elbow) if abs(limb.axes[k] @ along) > LENGTHWISE]
     return rows[-1] if rows else None
 
 
-def likeness(limb: Limb, split: Split) -> float:
+def likeness(limb: HingeRow, split: Split) -> float:
     """How much a split looks like a human arm: about 3 for a good one, below 2 doubtful."""
     at = centres(limb, split)
     upper, fore = at.lengths

@@ -11,13 +11,13 @@ from kinesic.body.robot_schema import ImportTable, RobotFile, ServoTable
 from kinesic.sim.dynamics import MujocoDynamics
 from kinesic.sim.importer.draft import robot_of
 from kinesic.sim.importer.exclusions import with_exclusions
-from kinesic.sim.importer.hinges import Named, named_hinges, spelled
-from kinesic.sim.importer.load import load
-from kinesic.sim.importer.rest_pose import nearest_to_zero, resting
-from kinesic.sim.importer.segments import layout
+from kinesic.sim.importer.hinges import MappedHinge, named_hinges, spelled
+from kinesic.sim.importer.load import load_model
+from kinesic.sim.importer.rest_pose import nearest_to_zero, rest_pose
+from kinesic.sim.importer.segments import lay_out_segments
 from kinesic.sim.importer.servos import servo
-from kinesic.sim.importer.tables import servo_of, tables
-from kinesic.sim.importer.zero_pose import Figure, figure
+from kinesic.sim.importer.tables import robot_tables, servo_of
+from kinesic.sim.importer.zero_pose import HumanoidGeometry, geometry_of
 
 REVIEW_BELOW = 0.6  # confidence
 PLAIN, SURE = 1.0, 3.0  # likeness of a split at which confidence is 0, and 1
@@ -32,8 +32,8 @@ class Mapped:
     """A foreign robot as kinesic's, to be written and reviewed."""
 
     file: RobotFile
-    figure: Figure
-    hinges: tuple[Named, ...]
+    figure: HumanoidGeometry
+    hinges: tuple[MappedHinge, ...]
     remarks: Mapping[str, str]  # hinge, or name of its servo -> where its figures come from
     confidence: float  # 0..1
 
@@ -43,20 +43,20 @@ class Mapped:
         return self.confidence < REVIEW_BELOW
 
 
-def mapped(path: Path) -> Mapped:
+def import_humanoid(path: Path) -> Mapped:
     """Maps an MJCF or URDF humanoid.
 
     Raises:
         ConfigError: the file cannot be read, or has no two arms.
     """
-    found = figure(load(path))
+    found = geometry_of(load_model(path))
     hinges = named_hinges(found)
-    where = layout(found, hinges)
+    where = lay_out_segments(found, hinges)
     alike = {servo_of(hinge): UNIT for hinge in hinges}
-    draft = tables(found, where, hinges, alike, nearest_to_zero(hinges))
+    draft = robot_tables(found, where, hinges, alike, nearest_to_zero(hinges))
     servos, sources = _servos(found, hinges, draft, path)
     file = msgspec.structs.replace(draft, servos=servos)
-    file = with_exclusions(msgspec.structs.replace(file, rest=resting(found, hinges, file, path)), path)
+    file = with_exclusions(msgspec.structs.replace(file, rest=rest_pose(found, hinges, file, path)), path)
     confidence = _confidence(found)
     file.robot.imported = ImportTable(path.name, round(confidence, 2), _review(found, hinges))
     joints = found.tree.joints
@@ -65,7 +65,7 @@ def mapped(path: Path) -> Mapped:
 
 
 def _servos(
-    figure: Figure, hinges: tuple[Named, ...], draft: RobotFile, path: Path
+    figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...], draft: RobotFile, path: Path
 ) -> tuple[dict[str, ServoTable], dict[str, str]]:
     """A servo model for each pair of hinges, strong enough for the worse side, and where its figures come from."""
     robot = robot_of(draft, path)
@@ -79,7 +79,7 @@ def _servos(
     return {name: table for name, (table, _) in found.items()}, {name: why for name, (_, why) in found.items()}
 
 
-def _confidence(figure: Figure) -> float:
+def _confidence(figure: HumanoidGeometry) -> float:
     """How far geometry speaks for the mapping, 0 to 1."""
     split = min(max((figure.likeness - PLAIN) / (SURE - PLAIN), 0.0), 1.0)
     leaning = max(arm.off for arm in figure.arms.values())
@@ -87,7 +87,7 @@ def _confidence(figure: Figure) -> float:
     return split * sides * exp(-leaning / LEANING) * exp(-figure.asymmetry / UNEVEN)
 
 
-def _review(figure: Figure, hinges: tuple[Named, ...]) -> list[str]:
+def _review(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...]) -> list[str]:
     """What a person should look at."""
     assumed = [hinge.name for hinge in hinges if hinge.assumed]
     leaning = degrees(max(arm.off for arm in figure.arms.values()))

@@ -7,7 +7,7 @@ from scipy.optimize import least_squares
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.sim.importer.arm import Split, centres
-from kinesic.sim.importer.hinge_row import Limb, unit
+from kinesic.sim.importer.hinge_row import HingeRow, unit_vector
 
 STARTS = 10
 ROUNDS = 60
@@ -23,7 +23,7 @@ TURN = 2 * np.pi
 
 
 @dataclass(frozen=True, eq=False)
-class Wish:
+class HangingPose:
     """How an arm should be."""
 
     upper: Floats  # (3,) unit, along the upper arm
@@ -48,7 +48,7 @@ class Posed:
     off: float  # [rad] of the worse of both bones from its wish
 
 
-def elbow_sense(limb: Limb, split: Split, lower: float, upper: float) -> float:
+def elbow_sense(limb: HingeRow, split: Split, lower: float, upper: float) -> float:
     """+1 when positive angles bend the elbow, -1 when negative ones do, 0 when its range says neither.
 
     Args:
@@ -69,7 +69,7 @@ def elbow_sense(limb: Limb, split: Split, lower: float, upper: float) -> float:
     return float(np.sign(middle)) if abs(middle) > CENTRED * (high - low) else 0.0
 
 
-def posed(limb: Limb, split: Split, wish: Wish, ranges: Ranges, first: list[Floats]) -> Posed:
+def posed(limb: HingeRow, split: Split, wish: HangingPose, ranges: Ranges, first: list[Floats]) -> Posed:
     """The angles that bring an arm nearest to a wish, close to the pose of its file where that leaves a choice.
 
     Args:
@@ -110,7 +110,7 @@ def _unwound(angles: Floats, ranges: Ranges) -> Floats:
 class _Arm:
     """What is wanted of an arm as residuals."""
 
-    def __init__(self, limb: Limb, split: Split, wish: Wish, ranges: Ranges) -> None:
+    def __init__(self, limb: HingeRow, split: Split, wish: HangingPose, ranges: Ranges) -> None:
         self._limb, self._split, self._wish, self._ranges = limb, split, wish, ranges
         e = split.elbow
         self._sense = elbow_sense(limb, split, ranges.lower[e], ranges.upper[e]) or _forward(limb, split)
@@ -132,7 +132,7 @@ class _Arm:
             OUTSIDE_WEIGHT * outside,
         ]
         if split.wrist:
-            rows.append(HAND_WEIGHT * (unit(pose.centre - at.wrist) - wish.fore))
+            rows.append(HAND_WEIGHT * (unit_vector(pose.centre - at.wrist) - wish.fore))
         return np.concatenate(rows)
 
     def off(self, angles: Floats) -> float:
@@ -142,7 +142,7 @@ class _Arm:
         return float(np.arccos(np.clip(min(cosines), -1.0, 1.0)))
 
 
-def _forward(limb: Limb, split: Split) -> float:
+def _forward(limb: HingeRow, split: Split) -> float:
     """The sense in which the elbow bends forward in the pose of the file."""
     at, axis = centres(limb, split), limb.axes[split.elbow]
     return 1.0 if np.cross(axis, at.fore)[0] >= 0 else -1.0

@@ -14,7 +14,7 @@ NOWHERE = np.zeros(3)
 
 
 @dataclass(frozen=True, eq=False)
-class Limb:
+class HingeRow:
     """Hinges from the base outward, in one pose."""
 
     anchors: Floats  # (k, 3) [m]
@@ -22,7 +22,7 @@ class Limb:
     centre: Floats  # (3,) [m] of mass of what the last hinge moves, fingers included
 
     @classmethod
-    def of(cls, tree: Tree, joints: Sequence[int]) -> "Limb":
+    def of(cls, tree: Tree, joints: Sequence[int]) -> "HingeRow":
         """The limb in the pose of the file."""
         return cls(
             sealed([tree.joints[k].anchor for k in joints]),
@@ -30,12 +30,12 @@ class Limb:
             tree.lump(tree.below(joints[-1])).centre,
         )
 
-    def turned(self, angles: Floats) -> "Limb":
+    def turned(self, angles: Floats) -> "HingeRow":
         """The same limb with each hinge turned by (k,) [rad]."""
         motion = self.motion(angles)
         rotations = np.array([UNTURNED, *(rotation for rotation, _ in motion[:-1])])
         shifts = np.array([NOWHERE, *(shift for _, shift in motion[:-1])])
-        return Limb(
+        return HingeRow(
             sealed(_each(rotations, self.anchors) + shifts),
             sealed(_each(rotations, self.axes)),
             sealed(motion[-1][0] @ self.centre + motion[-1][1]),
@@ -82,7 +82,7 @@ def nearest_to_line(anchor: Floats, axis: Floats, other: Floats, direction: Floa
     return sealed(anchor + along * axis)
 
 
-def unit(vector: Floats) -> Floats:
+def unit_vector(vector: Floats) -> Floats:
     """The vector in length 1; zero stays zero."""
     length = sqrt(vector @ vector)
     return vector / length if length > 0 else vector

@@ -10,7 +10,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Side
 from kinesic.sim.importer.arm import LENGTHWISE
 from kinesic.sim.importer.hanging_pose import elbow_sense
-from kinesic.sim.importer.zero_pose import ACROSS, Figure
+from kinesic.sim.importer.zero_pose import ACROSS, HumanoidGeometry
 
 KINDS = ("roll", "tilt", "torsion")  # of trunk and head, by the axis x, y, z that is nearest
 VERTEBRAE = {"vl5": ("vl5", "vt10", "vt6", "vt1"), "skullbase": ("skullbase", "vc4", "vc7", "vc2")}
@@ -38,7 +38,7 @@ _ASIDE = (1, -1, 1)  # of the others
 
 
 @dataclass(frozen=True, eq=False)
-class Named:
+class MappedHinge:
     """A hinge of the foreign robot as kinesic's."""
 
     name: str
@@ -53,7 +53,7 @@ class Named:
     assumed: bool  # the range is not the file's
 
 
-def named_hinges(figure: Figure) -> tuple[Named, ...]:
+def named_hinges(figure: HumanoidGeometry) -> tuple[MappedHinge, ...]:
     """All hinges that kinesic moves, trunk and neck first."""
     found = [*_spine(figure, "vl5", figure.trunk), *_spine(figure, "skullbase", figure.neck)]
     for side in SIDES:
@@ -61,7 +61,7 @@ def named_hinges(figure: Figure) -> tuple[Named, ...]:
     return tuple(found)
 
 
-def _spine(figure: Figure, segment: str, joints: Sequence[int]) -> Iterator[Named]:
+def _spine(figure: HumanoidGeometry, segment: str, joints: Sequence[int]) -> Iterator[MappedHinge]:
     used: set[str] = set()
     for k in joints:
         axis = figure.tree.joints[k].axis
@@ -72,7 +72,7 @@ def _spine(figure: Figure, segment: str, joints: Sequence[int]) -> Iterator[Name
         yield _named(figure, k, name, segment, float(np.sign(axis[lateral])))
 
 
-def _arm(figure: Figure, side: Side) -> Iterator[Named]:
+def _arm(figure: HumanoidGeometry, side: Side) -> Iterator[MappedHinge]:
     arm, split = figure.arms[side], figure.split
     axes = dict(zip(arm.joints, arm.limb.axes, strict=True))
     rows = {
@@ -117,7 +117,7 @@ def _distinct(names: list[str]) -> list[str]:
     return [name if name not in names[:k] else f"{name}{names[:k].count(name) + 1}" for k, name in enumerate(names)]
 
 
-def _sense(figure: Figure, side: Side, joint: int) -> float:
+def _sense(figure: HumanoidGeometry, side: Side, joint: int) -> float:
     """The sign in which an elbow bends, by its range."""
     arm, told = figure.arms[side], figure.tree.joints
     lower = sealed([-np.inf if (a := told[k].lower) is None else a - told[k].zero for k in arm.joints])
@@ -137,7 +137,7 @@ def _sign(name: str, axis: Floats, side: Side) -> float:
     return float(np.sign(axis[lateral] * wanted[lateral]))
 
 
-def _named(figure: Figure, joint: int, name: str, segment: str, sign: float) -> Named:
+def _named(figure: HumanoidGeometry, joint: int, name: str, segment: str, sign: float) -> MappedHinge:
     told = figure.tree.joints[joint]
     lower, upper, assumed, zero = *_default(name), True, told.zero
     if told.lower is not None and told.upper is not None and told.upper - told.lower < WHOLE:
@@ -145,7 +145,7 @@ def _named(figure: Figure, joint: int, name: str, segment: str, sign: float) -> 
         zero += 2 * pi * turns
         ends = sorted((sign * (told.lower - zero), sign * (told.upper - zero)))
         lower, upper, assumed = max(ends[0], -pi), min(ends[1], pi), False
-    return Named(name, segment, joint, sign, zero, told.anchor, sealed(sign * told.axis), lower, upper, assumed)
+    return MappedHinge(name, segment, joint, sign, zero, told.anchor, sealed(sign * told.axis), lower, upper, assumed)
 
 
 def _default(name: str) -> tuple[float, float]:
@@ -154,6 +154,6 @@ def _default(name: str) -> tuple[float, float]:
     return radians(low), radians(high)
 
 
-def spelled(hinge: Named, joint: str) -> str:
+def spelled(hinge: MappedHinge, joint: str) -> str:
     """How the foreign robot's angle follows from kinesic's."""
     return f"{joint} = {'' if hinge.sign > 0 else '-'}angle {degrees(hinge.zero):+.4f} deg"

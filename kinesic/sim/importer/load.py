@@ -21,7 +21,7 @@ GHOST_INERTIA = 1e-6  # [kg m^2]
 LEAST_SHAPE = 0.005  # [m] radius of a shape that counts
 
 
-def load(path: Path) -> Tree:
+def load_model(path: Path) -> Tree:
     """Reads a robot.
 
     Args:

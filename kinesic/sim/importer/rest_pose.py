@@ -11,9 +11,9 @@ from kinesic.body.robot import SIDES, Robot
 from kinesic.body.robot_schema import RobotFile
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.importer.draft import robot_of
-from kinesic.sim.importer.hanging_pose import Wish
-from kinesic.sim.importer.hinges import Named
-from kinesic.sim.importer.zero_pose import Figure, hung, mirrored
+from kinesic.sim.importer.hanging_pose import HangingPose
+from kinesic.sim.importer.hinges import MappedHinge
+from kinesic.sim.importer.zero_pose import HumanoidGeometry, hung, mirror_angles
 
 TILTS = (10.0, 15.0, 20.0, 27.0, 35.0)  # [deg] away from the body, tried in turn
 BENT = 25.0  # [deg] of the elbow
@@ -21,12 +21,14 @@ AHEAD = 5.0  # [deg] of the upper arm, forward
 AIR = 0.025  # [m] between forearms or hands and everything else
 
 
-def nearest_to_zero(hinges: tuple[Named, ...]) -> dict[str, float]:
+def nearest_to_zero(hinges: tuple[MappedHinge, ...]) -> dict[str, float]:
     """Hinge -> [deg], where its range does not hold zero."""
     return {h.name: _inside(h, 0.0) for h in hinges if not h.lower <= 0.0 <= h.upper}
 
 
-def resting(figure: Figure, hinges: tuple[Named, ...], file: RobotFile, path: Path) -> dict[str, float]:
+def rest_pose(
+    figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...], file: RobotFile, path: Path
+) -> dict[str, float]:
     """Arms hanging, a little ahead, elbows a little bent, as near to the body as their shapes allow."""
     rest: dict[str, float] = {}
     for tilt in TILTS:
@@ -37,12 +39,14 @@ def resting(figure: Figure, hinges: tuple[Named, ...], file: RobotFile, path: Pa
     return {name: angle for name, angle in rest.items() if angle}
 
 
-def _resting_arms(figure: Figure, hinges: tuple[Named, ...], tilt: float) -> dict[str, float]:
+def _resting_arms(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...], tilt: float) -> dict[str, float]:
     turns: dict[int, float] = {}
     left = figure.arms["l"].joints
     for side in SIDES:
         row = figure.arms[side].joints
-        first = mirrored(figure.tree, left, row, np.array([turns[k] for k in left])) if turns else np.zeros(len(row))
+        first = (
+            mirror_angles(figure.tree, left, row, np.array([turns[k] for k in left])) if turns else np.zeros(len(row))
+        )
         wish = _wish(tilt if side == "l" else -tilt)
         angles = hung(figure.tree, row, figure.split, wish, strict=True, first=first).angles
         turns |= dict(zip(row, angles.tolist(), strict=True))
@@ -55,14 +59,14 @@ def _resting_arms(figure: Figure, hinges: tuple[Named, ...], tilt: float) -> dic
     return found
 
 
-def _wish(tilt: float) -> Wish:
+def _wish(tilt: float) -> HangingPose:
     def down(ahead: float) -> Floats:
         line = np.array([np.sin(ahead), np.sin(tilt) * np.cos(ahead), -np.cos(ahead) * np.cos(tilt)])
         return sealed(line / np.linalg.norm(line))
 
     upper, fore = down(np.radians(AHEAD)), down(np.radians(AHEAD + BENT))
     bend = np.cross(upper, fore)
-    return Wish(upper, fore, sealed(bend / np.linalg.norm(bend)))
+    return HangingPose(upper, fore, sealed(bend / np.linalg.norm(bend)))
 
 
 def _arm_air(robot: Robot) -> float:
@@ -72,7 +76,7 @@ def _arm_air(robot: Robot) -> float:
     return min(float(gap) for gap, pair in zip(gaps, robot.counted_pairs, strict=True) if ends & set(pair))
 
 
-def _inside(hinge: Named, angle: float) -> float:
+def _inside(hinge: MappedHinge, angle: float) -> float:
     """[deg] of an angle [rad] as a file holds it, inside the range as that file holds it."""
     low, high = round(degrees(hinge.lower), 3), round(degrees(hinge.upper), 3)
     return min(max(round(degrees(angle), 2), low), high)

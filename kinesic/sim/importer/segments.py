@@ -10,9 +10,9 @@ from kinesic.body.robot import SIDES, Side
 from kinesic.body.robot_schema import BodyTable, CapsuleTable
 from kinesic.sim.importer import shapes
 from kinesic.sim.importer.hinge_row import common_point
-from kinesic.sim.importer.hinges import Named
+from kinesic.sim.importer.hinges import MappedHinge
 from kinesic.sim.importer.model_tree import BASE, Part
-from kinesic.sim.importer.zero_pose import Figure
+from kinesic.sim.importer.zero_pose import HumanoidGeometry
 
 ROOT, TRUNK, HEAD = "humanoid_root", "vl5", "skullbase"
 FIXED_HEAD = (0.15, 0.45, 0.14)  # arm lengths above the shoulders from and to, and radius, of a head without neck
@@ -21,7 +21,7 @@ DIGITS = 6
 
 
 @dataclass(frozen=True, eq=False)
-class Layout:
+class SegmentLayout:
     """Segments and where they begin when the arms hang."""
 
     parents: Mapping[str, str]  # segment -> parent, parents first
@@ -37,7 +37,7 @@ class Layout:
         return sealed(point - self.origins[segment])
 
 
-def layout(figure: Figure, hinges: tuple[Named, ...]) -> Layout:
+def lay_out_segments(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...]) -> SegmentLayout:
     """Names the segments and places their origins at the centres of their hinges."""
     left = figure.arms["l"].centres.shoulder
     shoulders = np.array([left[0], 0.0, left[2]])
@@ -60,20 +60,20 @@ def layout(figure: Figure, hinges: tuple[Named, ...]) -> Layout:
         centres = {"shoulder": at.shoulder, "elbow": at.elbow, "wrist": at.wrist}
         for part, before in zip(centres, (girdle, f"{side}_shoulder", f"{side}_elbow"), strict=True):
             parents[f"{side}_{part}"], origins[f"{side}_{part}"] = before, centres[part]
-    return Layout(parents, origins)
+    return SegmentLayout(parents, origins)
 
 
-def housing(figure: Figure, side: Side) -> str:
+def housing(figure: HumanoidGeometry, side: Side) -> str:
     """What carries the shoulder: a collar bone that moves, or the motors' housing that does not."""
     return f"{side}_sternoclavicular" if figure.split.girdle else f"{side}_acromioclavicular"
 
 
-def _centre(rows: list[Named], near: Floats) -> Floats:
+def _centre(rows: list[MappedHinge], near: Floats) -> Floats:
     anchors, axes = (np.array([getattr(hinge, name) for hinge in rows]) for name in ("anchor", "axis"))
     return sealed(common_point(anchors, axes, near))
 
 
-def bodies(figure: Figure, where: Layout, hinges: tuple[Named, ...]) -> list[BodyTable]:
+def bodies(figure: HumanoidGeometry, where: SegmentLayout, hinges: tuple[MappedHinge, ...]) -> list[BodyTable]:
     """The [[body]] tables."""
     carried = _carried(figure, where, hinges)
     tables = []
@@ -93,7 +93,7 @@ def bodies(figure: Figure, where: Layout, hinges: tuple[Named, ...]) -> list[Bod
     return tables
 
 
-def _carried(figure: Figure, where: Layout, hinges: tuple[Named, ...]) -> dict[str, list[int]]:
+def _carried(figure: HumanoidGeometry, where: SegmentLayout, hinges: tuple[MappedHinge, ...]) -> dict[str, list[int]]:
     """Segment -> the parts of the tree that it is made of. Legs are left out.
 
     What a shoulder hinge moves before the last one sits at the shoulder: it counts as the shoulder's housing.
@@ -112,7 +112,7 @@ def _carried(figure: Figure, where: Layout, hinges: tuple[Named, ...]) -> dict[s
     return found
 
 
-def _made(figure: Figure, where: Layout, name: str, part: Part) -> list[CapsuleTable]:
+def _made(figure: HumanoidGeometry, where: SegmentLayout, name: str, part: Part) -> list[CapsuleTable]:
     """Capsules by proportion."""
     arm = figure.arms["l"].centres
     upper, fore = arm.lengths
@@ -124,7 +124,9 @@ def _made(figure: Figure, where: Layout, name: str, part: Part) -> list[CapsuleT
     if kind == "elbow":
         return [shapes.bone(zero, where.origins[f"{side}_wrist"] - where.origins[name], shapes.FORE * fore)]
     if kind == "wrist":
-        return [shapes.bone(zero, hand(figure, where, "l" if side == "l" else "r"), shapes.HAND * fore, spared=0.3)]
+        return [
+            shapes.bone(zero, hand_vector(figure, where, "l" if side == "l" else "r"), shapes.HAND * fore, spared=0.3)
+        ]
     if kind in ("acromioclavicular", "sternoclavicular"):
         return [shapes.bone(zero, where.origins[f"{side}_shoulder"] - where.origins[name], shapes.UPPER * upper)]
     if name == HEAD:
@@ -137,7 +139,7 @@ def _made(figure: Figure, where: Layout, name: str, part: Part) -> list[CapsuleT
     return _trunk(figure, where, name)
 
 
-def _trunk(figure: Figure, where: Layout, name: str) -> list[CapsuleTable]:
+def _trunk(figure: HumanoidGeometry, where: SegmentLayout, name: str) -> list[CapsuleTable]:
     arm = figure.arms["l"].centres
     shoulders = where.inside(name, np.array([arm.shoulder[0], 0.0, arm.shoulder[2]]))
     made = shapes.trunk(np.zeros(3), shoulders, float(arm.shoulder[1]), shapes.UPPER * arm.lengths[0])
@@ -148,7 +150,7 @@ def _trunk(figure: Figure, where: Layout, name: str) -> list[CapsuleTable]:
     return made
 
 
-def hand(figure: Figure, where: Layout, side: Side) -> Floats:
+def hand_vector(figure: HumanoidGeometry, where: SegmentLayout, side: Side) -> Floats:
     """(3,) [m] from the wrist along the hand, in the last segment."""
     at = figure.arms[side].centres
     return sealed(at.fore * shapes.HAND_LENGTH * at.lengths[1])

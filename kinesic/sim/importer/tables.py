@@ -19,9 +19,9 @@ from kinesic.body.robot_schema import (
 )
 from kinesic.sim.importer import shapes
 from kinesic.sim.importer.hinge_row import foot
-from kinesic.sim.importer.hinges import Named
-from kinesic.sim.importer.segments import HEAD, TRUNK, Layout, bodies, hand
-from kinesic.sim.importer.zero_pose import Figure
+from kinesic.sim.importer.hinges import MappedHinge
+from kinesic.sim.importer.segments import HEAD, TRUNK, SegmentLayout, bodies, hand_vector
+from kinesic.sim.importer.zero_pose import HumanoidGeometry
 
 CLEARANCE = 0.010  # [m]
 PALM = 0.5  # of the hand's length
@@ -35,10 +35,10 @@ TARGETS: Mapping[str, Triple] = {
 }
 
 
-def tables(
-    figure: Figure,
-    where: Layout,
-    hinges: tuple[Named, ...],
+def robot_tables(
+    figure: HumanoidGeometry,
+    where: SegmentLayout,
+    hinges: tuple[MappedHinge, ...],
     servos: Mapping[str, ServoTable],
     rest: Mapping[str, float],
 ) -> RobotFile:
@@ -66,12 +66,12 @@ def tables(
     )
 
 
-def servo_of(hinge: Named) -> str:
+def servo_of(hinge: MappedHinge) -> str:
     """The name of a hinge's servo model; mirror images share it."""
     return hinge.name.removeprefix("l_").removeprefix("r_")
 
 
-def _hinge(where: Layout, hinge: Named) -> HingeTable:
+def _hinge(where: SegmentLayout, hinge: MappedHinge) -> HingeTable:
     origin = where.origins[hinge.segment]
     at = _triple(foot(origin, hinge.anchor, hinge.axis) - origin, 6)
     x, y, z = (round(float(value), 9) + 0.0 for value in hinge.axis)
@@ -86,7 +86,7 @@ def _hinge(where: Layout, hinge: Named) -> HingeTable:
     )
 
 
-def _chains(figure: Figure, where: Layout) -> dict[str, list[str]]:
+def _chains(figure: HumanoidGeometry, where: SegmentLayout) -> dict[str, list[str]]:
     chains = {"torso": [TRUNK]} if figure.trunk else {}
     if figure.neck:
         chains["neck"] = [HEAD]
@@ -96,16 +96,16 @@ def _chains(figure: Figure, where: Layout) -> dict[str, list[str]]:
     return chains
 
 
-def _palm(figure: Figure, where: Layout, side: Side) -> SiteTable:
+def _palm(figure: HumanoidGeometry, where: SegmentLayout, side: Side) -> SiteTable:
     """The palm half-way along the hand, facing the thigh."""
-    along = hand(figure, where, side)
+    along = hand_vector(figure, where, side)
     inward = np.array([0.0, -1.0 if side == "l" else 1.0, 0.0])
     direction = along / np.linalg.norm(along)
     facing = inward - direction * (direction @ inward)
     return SiteTable(f"{side}_wrist", _triple(PALM * along, 6), _triple(facing / np.linalg.norm(facing), 6))
 
 
-def _eyes(figure: Figure, where: Layout) -> SiteTable:
+def _eyes(figure: HumanoidGeometry, where: SegmentLayout) -> SiteTable:
     size = figure.arm_length
     if figure.neck:
         centre = figure.tree.lump(figure.tree.below(figure.neck[0])).centre - where.origins[HEAD]

@@ -8,28 +8,28 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import Side
 from kinesic.sim.importer.arm import Centres, Split, centres, likeness, splits
 from kinesic.sim.importer.branches import Branches, branches
-from kinesic.sim.importer.hanging_pose import Posed, Ranges, Wish, posed
-from kinesic.sim.importer.hinge_row import Limb
+from kinesic.sim.importer.hanging_pose import HangingPose, Posed, Ranges, posed
+from kinesic.sim.importer.hinge_row import HingeRow
 from kinesic.sim.importer.mirror import Sides, sides
 from kinesic.sim.importer.model_tree import Tree
 
 ACROSS = sealed([1.0, -1.0, 1.0])
-HANGING = Wish(upper=sealed([0, 0, -1]), fore=sealed([0, 0, -1]), hinge=sealed([0, -1, 0]))
+HANGING = HangingPose(upper=sealed([0, 0, -1]), fore=sealed([0, 0, -1]), hinge=sealed([0, -1, 0]))
 RIVAL = 0.8  # likeness behind the best at which a split is still hung up and looked at again
 
 
 @dataclass(frozen=True, eq=False)
-class Arm:
+class HangingArm:
     """One arm, hanging."""
 
     joints: tuple[int, ...]  # of the tree, fingers left out
-    limb: Limb
+    limb: HingeRow
     centres: Centres
     off: float  # [rad] of its worse bone from the vertical
 
 
 @dataclass(frozen=True, eq=False)
-class Figure:
+class HumanoidGeometry:
     """Everything that geometry tells, in x forward, y left, z up, the midline at y = 0, arms hanging."""
 
     tree: Tree
@@ -38,7 +38,7 @@ class Figure:
     neck: tuple[int, ...]
     split: Split
     likeness: float  # of the split
-    arms: dict[Side, Arm]
+    arms: dict[Side, HangingArm]
 
     @property
     def arm_length(self) -> float:
@@ -52,7 +52,7 @@ class Figure:
         return float(np.linalg.norm(left - right * ACROSS, axis=1).max()) / self.arm_length
 
 
-def figure(tree: Tree) -> Figure:
+def geometry_of(tree: Tree) -> HumanoidGeometry:
     """Maps a robot.
 
     Raises:
@@ -63,24 +63,24 @@ def figure(tree: Tree) -> Figure:
     rows = branches(upright, found)
     split, left = _best(upright, rows)
     row, image = rows.left[: split.hinges], rows.right[: split.hinges]
-    right = hung(upright, image, split, HANGING, strict=False, first=mirrored(upright, row, image, left.angles))
+    right = hung(upright, image, split, HANGING, strict=False, first=mirror_angles(upright, row, image, left.angles))
     turns = dict(zip((*row, *image), (*left.angles, *right.angles), strict=True))
     hanging = upright.turned(turns)
-    limbs = {"l": Limb.of(hanging, row), "r": Limb.of(hanging, image)}
+    limbs = {"l": HingeRow.of(hanging, row), "r": HingeRow.of(hanging, image)}
     middle = np.mean([centres(limb, split).shoulder[1] for limb in limbs.values()])
     standing = hanging.moved(np.eye(3), np.array([0.0, -float(middle), 0.0]))
-    arms: dict[Side, Arm] = {"l": _arm(standing, row, split, left), "r": _arm(standing, image, split, right)}
-    return Figure(standing, found, rows.trunk, rows.neck, split, likeness(arms["l"].limb, split), arms)
+    arms: dict[Side, HangingArm] = {"l": _arm(standing, row, split, left), "r": _arm(standing, image, split, right)}
+    return HumanoidGeometry(standing, found, rows.trunk, rows.neck, split, likeness(arms["l"].limb, split), arms)
 
 
 def hung(
-    tree: Tree, row: tuple[int, ...], split: Split, wish: Wish, *, strict: bool, first: Floats | None = None
+    tree: Tree, row: tuple[int, ...], split: Split, wish: HangingPose, *, strict: bool, first: Floats | None = None
 ) -> Posed:
     """The angles that bring an arm of a tree nearest to a wish."""
-    return posed(Limb.of(tree, row), split, wish, _ranges(tree, row, strict), [] if first is None else [first])
+    return posed(HingeRow.of(tree, row), split, wish, _ranges(tree, row, strict), [] if first is None else [first])
 
 
-def mirrored(tree: Tree, row: tuple[int, ...], image: tuple[int, ...], angles: Floats) -> Floats:
+def mirror_angles(tree: Tree, row: tuple[int, ...], image: tuple[int, ...], angles: Floats) -> Floats:
     """(k,) [rad] of the other arm that mirror an arm's, if the tree's pose is symmetric."""
     signs = [
         np.sign(tree.joints[a].axis * -ACROSS @ tree.joints[b].axis) or 1.0 for a, b in zip(row, image, strict=True)
@@ -90,20 +90,20 @@ def mirrored(tree: Tree, row: tuple[int, ...], image: tuple[int, ...], angles: F
 
 def _best(tree: Tree, rows: Branches) -> tuple[Split, Posed]:
     """The split that looks most like an arm when it hangs; those that look best in the file's pose are tried."""
-    limb = Limb.of(tree, rows.left)
+    limb = HingeRow.of(tree, rows.left)
     ranked = {split: likeness(limb, split) for split in splits(len(rows.left))}
     tried = []
     for split in (split for split, like in ranked.items() if like >= max(ranked.values()) - RIVAL):
         row = rows.left[: split.hinges]
         pose = hung(tree, row, split, HANGING, strict=False)
-        tried.append((likeness(Limb.of(tree, row).turned(pose.angles), split), split, pose))
+        tried.append((likeness(HingeRow.of(tree, row).turned(pose.angles), split), split, pose))
     _, split, pose = max(tried, key=lambda one: one[0])
     return split, pose
 
 
-def _arm(tree: Tree, row: tuple[int, ...], split: Split, pose: Posed) -> Arm:
-    limb = Limb.of(tree, row)
-    return Arm(row, limb, centres(limb, split), pose.off)
+def _arm(tree: Tree, row: tuple[int, ...], split: Split, pose: Posed) -> HangingArm:
+    limb = HingeRow.of(tree, row)
+    return HangingArm(row, limb, centres(limb, split), pose.off)
 
 
 def _ranges(tree: Tree, row: tuple[int, ...], strict: bool) -> Ranges:

@@ -11,7 +11,7 @@ from kinesic.body.robot import SIDES, Side
 from kinesic.controller.perform import plan
 from kinesic.expressivity.lexicon.form import GestureForm
 from kinesic.planning.plan import Plan
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 
 STROKE = 2.0  # [s] time enough for every preparation
 BEHAVIOUR = "gesture"
@@ -38,7 +38,7 @@ def document(lexeme: str, mode: Mode = "unspecified", *, stroke: float = STROKE)
     return f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="alone">{gesture}</bml>'
 
 
-def played(form: GestureForm, known: Facts, mode: Mode = "unspecified", *, stroke: float = STROKE) -> Plan:
+def plan_gesture(form: GestureForm, known: Setup, mode: Mode = "unspecified", *, stroke: float = STROKE) -> Plan:
     """The plan of one gesture from rest to rest."""
     return plan(document(f"{form.category}={form.id}", mode, stroke=stroke), known)
 
@@ -49,12 +49,12 @@ def stroke_error(planned: Plan) -> float:
     return max(strokes, key=abs, default=float("nan"))
 
 
-def show(form: GestureForm, planned: Plan, most: int) -> Show:
+def key_postures(form: GestureForm, planned: Plan, most: int) -> Show:
     """Key postures of a gesture that is played alone, at most so many, and its palms' ways.
 
     Args:
         form: of the gesture.
-        planned: as `played` gives it.
+        planned: as `plan_gesture` gives it.
         most: at least 2; stroke and, if there is room, first and last are among them.
 
     Raises:

@@ -17,7 +17,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.lexicon.form import GestureForm
 from kinesic.studies.gestures.isolated import Show
-from kinesic.studies.gestures.silhouette import COLOURS, Line, edged, figure, pale, seen
+from kinesic.studies.gestures.silhouette import COLOURS, PenStroke, edged, pale, seen, silhouette
 
 MOST = 6  # key postures in a strip
 
@@ -32,7 +32,7 @@ _POINTS = 72  # to an inch
 _TONES = 96
 
 
-def strip(show: Show, robot: Robot, path: Path, *, says: str = "", scale: float = 3.0, dots: int = 110) -> Path:
+def draw_strip(show: Show, robot: Robot, path: Path, *, says: str = "", scale: float = 3.0, dots: int = 110) -> Path:
     """Draws the key postures of one gesture side by side, the ways of its palms in each.
 
     Args:
@@ -49,7 +49,7 @@ def strip(show: Show, robot: Robot, path: Path, *, says: str = "", scale: float 
     count = len(show.postures)
     paper, axes = _paper(count * _WIDE, _TALL + 2 * _LABEL, scale)
     for k, angles in enumerate(show.postures):
-        body = figure(robot, angles, _shapes(show.form, k, count))
+        body = silhouette(robot, angles, _shapes(show.form, k, count))
         lines = [*edged(body), *_ways(show)]
         _draw(axes, lines, np.array([k * _WIDE - _LEFT, 2 * _LABEL - _LOW]), scale)
         name = "stroke" if k == show.stroke else f"{k + 1}"
@@ -60,7 +60,7 @@ def strip(show: Show, robot: Robot, path: Path, *, says: str = "", scale: float 
     return _saved(paper, path, dots)
 
 
-def sheet(shows: Sequence[Show], robot: Robot, path: Path, *, scale: float = 1.4, dots: int = 120) -> Path:
+def draw_gesture_sheet(shows: Sequence[Show], robot: Robot, path: Path, *, scale: float = 1.4, dots: int = 120) -> Path:
     """Draws each gesture once, at its stroke, over the shadow of how its arms begin; grouped by category.
 
     Args:
@@ -92,8 +92,8 @@ def sheet(shows: Sequence[Show], robot: Robot, path: Path, *, scale: float = 1.4
 def _cell(axes: Axes, show: Show, robot: Robot, corner: Floats, scale: float) -> None:
     """One gesture of the sheet, its lower left corner given [m on paper]."""
     count = len(show.postures)
-    begins = pale([line for line in figure(robot, show.postures[0], {}) if line.owner != "trunk"])
-    body = figure(robot, show.postures[show.stroke], _shapes(show.form, show.stroke, count))
+    begins = pale([line for line in silhouette(robot, show.postures[0], {}) if line.owner != "trunk"])
+    body = silhouette(robot, show.postures[show.stroke], _shapes(show.form, show.stroke, count))
     at = corner + np.array([-_LEFT, _LABEL - _LOW])
     _draw(axes, [*begins, *edged(body), *_ways(show)], at, scale)
     middle = corner[0] + _WIDE / 2
@@ -119,19 +119,19 @@ def _shapes(form: GestureForm, k: int, count: int) -> dict[Side, str | None]:
     return shapes
 
 
-def _ways(show: Show) -> list[Line]:
+def _ways(show: Show) -> list[PenStroke]:
     """The ways of the palms, with arrows where they end."""
-    lines: list[Line] = []
+    lines: list[PenStroke] = []
     for side, path in show.paths.items():
         points = seen(path)
         red, green, blue = (_DARKER * part for part in COLOURS[side])
-        lines.append(Line(points, _WAY_WIDTH, (red, green, blue)))
+        lines.append(PenStroke(points, _WAY_WIDTH, (red, green, blue)))
         before = points[np.linalg.norm(points - points[-1], axis=1) > _ARROW]
         if len(before):
             along = _ARROW * (points[-1] - before[-1]) / np.linalg.norm(points[-1] - before[-1])
             across = 0.5 * np.array([-along[1], along[0]])
             head = np.stack([points[-1] - along + across, points[-1], points[-1] - along - across])
-            lines.append(Line(head, _WAY_WIDTH, (red, green, blue)))
+            lines.append(PenStroke(head, _WAY_WIDTH, (red, green, blue)))
     return lines
 
 
@@ -146,7 +146,7 @@ def _paper(wide: float, tall: float, scale: float) -> tuple[Figure, Axes]:
     return paper, axes
 
 
-def _draw(axes: Axes, lines: Sequence[Line], at: Floats, scale: float) -> None:
+def _draw(axes: Axes, lines: Sequence[PenStroke], at: Floats, scale: float) -> None:
     """Lines in their order, moved to a place on paper (2,) [m]."""
     axes.add_collection(
         LineCollection(

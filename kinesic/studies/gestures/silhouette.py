@@ -34,7 +34,7 @@ _FAN = radians(24)  # to either side, of the outer fingers when they are far apa
 
 
 @dataclass(frozen=True, eq=False)
-class Line:
+class PenStroke:
     """One stroke of the pen."""
 
     points: Floats  # (m, 2) [m] right and up, as seen
@@ -54,7 +54,7 @@ def depth(points: Floats) -> Floats:
     return np.asarray(points[..., 0] * cos(_DOWN) + points[..., 2] * sin(_DOWN))
 
 
-def figure(robot: Robot, angles: Floats, shapes: Mapping[Side, str | None]) -> list[Line]:
+def silhouette(robot: Robot, angles: Floats, shapes: Mapping[Side, str | None]) -> list[PenStroke]:
     """A posture, what is farther first.
 
     Args:
@@ -64,7 +64,7 @@ def figure(robot: Robot, angles: Floats, shapes: Mapping[Side, str | None]) -> l
     """
     frames = robot.skeleton.frames(angles)
     hands = {robot.chains[f"{side}_arm"][-1] for side in SIDES}
-    lines: list[Line] = []
+    lines: list[PenStroke] = []
     for k, segment in enumerate(robot.skeleton.segments):
         if segment.name in hands or segment.parent is None:
             continue
@@ -75,12 +75,12 @@ def figure(robot: Robot, angles: Floats, shapes: Mapping[Side, str | None]) -> l
         k = robot.skeleton.segment(robot.chains[f"{side}_arm"][-1])
         lines += [
             _line(frames.origins[k] + points @ frames.rotations[k].T, width, side)
-            for points, width in hand(robot, side, SHAPES.get(shapes.get(side) or "", SHAPES["relaxed"]))
+            for points, width in hand_outline(robot, side, SHAPES.get(shapes.get(side) or "", SHAPES["relaxed"]))
         ]
     return sorted(lines, key=lambda line: line.depth) + _eyes(robot, frames)
 
 
-def _eyes(robot: Robot, frames: Frames) -> list[Line]:
+def _eyes(robot: Robot, frames: Frames) -> list[PenStroke]:
     """Two dots that show where the face looks; none on a robot without a neck."""
     name = robot.chains.get("neck", ("",))[-1]
     k = robot.skeleton.segment(name) if name else 0
@@ -90,10 +90,10 @@ def _eyes(robot: Robot, frames: Frames) -> list[Line]:
     head = capsules[0]
     places = (head.start + head.end) / 2 + head.radius * np.array([[0.9, side, 0.35] for side in (-0.4, 0.4)])
     world = frames.origins[k] + places @ frames.rotations[k].T
-    return [Line(sealed(seen(np.stack([eye, eye + _DOT]))), _EYE, _EYES) for eye in world]
+    return [PenStroke(sealed(seen(np.stack([eye, eye + _DOT]))), _EYE, _EYES) for eye in world]
 
 
-def hand(robot: Robot, side: Side, shape: Shape) -> list[tuple[Floats, float]]:
+def hand_outline(robot: Robot, side: Side, shape: Shape) -> list[tuple[Floats, float]]:
     """Palm and fingers as (m, 3) points [m] in the hand's segment, and widths [m]."""
     site = robot.sites[f"{side}_palm"]
     along = site.position / np.linalg.norm(site.position)
@@ -121,12 +121,12 @@ def _finger(root: Floats, along: Floats, facing: Floats, length: float, straight
     return np.stack([root, knuckle, knuckle + 0.5 * length * second])
 
 
-def pale(lines: list[Line]) -> list[Line]:
+def pale(lines: list[PenStroke]) -> list[PenStroke]:
     """The same lines as a shadow."""
     return [replace(line, colour=PALE) for line in lines]
 
 
-def edged(lines: list[Line]) -> list[Line]:
+def edged(lines: list[PenStroke]) -> list[PenStroke]:
     """Each line over a wider white one."""
     return [
         part
@@ -135,11 +135,11 @@ def edged(lines: list[Line]) -> list[Line]:
     ]
 
 
-def _line(points: Floats, width: float, owner: str) -> Line:
+def _line(points: Floats, width: float, owner: str) -> PenStroke:
     nearest = float(depth(points).mean())
     white = _PALEST * float(np.clip((_NEAR - nearest) / (_NEAR - _FAR), 0.0, 1.0))
     red, green, blue = (white + (1.0 - white) * part for part in COLOURS[owner])
-    return Line(sealed(seen(points)), width, (red, green, blue), nearest, owner)
+    return PenStroke(sealed(seen(points)), width, (red, green, blue), nearest, owner)
 
 
 def _owner(robot: Robot, segment: str) -> str:

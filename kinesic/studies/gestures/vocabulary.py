@@ -16,7 +16,7 @@ _NAMES: Mapping[Side, str] = {"l": "left", "r": "right"}
 
 
 @dataclass(frozen=True)
-class Entry:
+class VocabularyEntry:
     """One gesture in words. Fields may be added, never renamed."""
 
     id: str  # what BML's `lexeme` says
@@ -29,7 +29,7 @@ class Entry:
     whole_s: float  # [s] from rest to rest
 
 
-def vocabulary(lexicon: Lexicon, pace: Pace) -> list[Entry]:
+def vocabulary(lexicon: Lexicon, pace: Pace) -> list[VocabularyEntry]:
     """Every gesture in words, by category and name.
 
     Args:
@@ -40,10 +40,10 @@ def vocabulary(lexicon: Lexicon, pace: Pace) -> list[Entry]:
     return sorted(found, key=lambda entry: (entry.category, entry.id))
 
 
-def _entry(form: GestureForm, sense: Sense, pace: Pace) -> Entry:
+def _entry(form: GestureForm, sense: Sense, pace: Pace) -> VocabularyEntry:
     natural = stroke_spans(poses(form, pace.robot, NEUTRAL), pace, NEUTRAL, held=not form.rest)
     shapes = [pose.shape for key in form.keys for pose in key.hands.values() if pose.shape]
-    return Entry(
+    return VocabularyEntry(
         id=form.id,
         category=form.category,
         says=sense.says,

@@ -7,10 +7,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean
 
-from kinesic.studies.perception.answers import LABELS, Answer
+from kinesic.studies.perception.answers import LABELS, Rating
 
 SIGNIFICANT = 0.05
-MEASURES: Mapping[str, Callable[[Answer], int]] = {
+MEASURES: Mapping[str, Callable[[Rating], int]] = {
     "EXP": lambda answer: answer.labels[answer.action],  # the expression was seen
     "NAT": lambda answer: answer.opinions["naturalness"],
     "RE": lambda answer: answer.opinions["realism"],
@@ -18,7 +18,7 @@ MEASURES: Mapping[str, Callable[[Answer], int]] = {
 
 
 @dataclass(frozen=True)
-class Cell:
+class ComparedMeans:
     """One measure of one action under two conditions."""
 
     means: tuple[float, float]  # 1..5; NaN without answers
@@ -37,7 +37,7 @@ class Comparison:
 
     condition: str
     sides: tuple[str, str]
-    cells: Mapping[tuple[str, str], Cell]  # (action, measure)
+    cells: Mapping[tuple[str, str], ComparedMeans]  # (action, measure)
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Choices:
     counts: Mapping[tuple[str, str], int]
 
 
-def compared(answers: Sequence[Answer], condition: str, sides: tuple[str, str]) -> Comparison:
+def compare_sides(answers: Sequence[Rating], condition: str, sides: tuple[str, str]) -> Comparison:
     """Compares two sides of a condition, for each action and measure.
 
     Args:
@@ -66,7 +66,7 @@ def compared(answers: Sequence[Answer], condition: str, sides: tuple[str, str]) 
     return Comparison(condition, sides, cells)
 
 
-def first_choices(answers: Sequence[Answer]) -> Choices:
+def first_choices(answers: Sequence[Rating]) -> Choices:
     """Shares of answers in which the true label got more than every other one, with and without wrinkles."""
     groups = {
         (action, side): [a.first_choice for a in answers if a.action == action and a.conditions["wrinkles"] == side]
@@ -79,9 +79,9 @@ def first_choices(answers: Sequence[Answer]) -> Choices:
     )
 
 
-def _cell(one: Sequence[int], other: Sequence[int]) -> Cell:
+def _cell(one: Sequence[int], other: Sequence[int]) -> ComparedMeans:
     from scipy.stats import mannwhitneyu  # noqa: PLC0415 - slow to import, and only answers need it
 
     means = (fmean(one) if one else float("nan"), fmean(other) if other else float("nan"))
     p = float(mannwhitneyu(one, other, alternative="two-sided").pvalue) if one and other else float("nan")
-    return Cell(means, (len(one), len(other)), p)
+    return ComparedMeans(means, (len(one), len(other)), p)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, get_args
 
-from kinesic.body.config import ConfigError, closest
+from kinesic.body.config import ConfigError, suggestion
 from kinesic.studies.perception.design import ACTIONS, POINTS, Presentation, Strength
 
 Wrinkles = Literal["with", "without"]
@@ -28,7 +28,7 @@ NEEDED = ("action", *CONDITIONS, *LABELS, *OPINIONS)
 
 
 @dataclass(frozen=True)
-class Answer:
+class Rating:
     """What one participant said of one face."""
 
     action: str
@@ -43,13 +43,13 @@ class Answer:
         return self.labels[self.action] > max(others, default=0)
 
 
-def read_answers(paths: Sequence[Path]) -> tuple[Answer, ...]:
+def read_answers(paths: Sequence[Path]) -> tuple[Rating, ...]:
     """Reads the answers of all participants; of faces that only confuse none.
 
     Raises:
         ConfigError: a file or a column is missing, or a value is out of its range.
     """
-    found: list[Answer] = []
+    found: list[Rating] = []
     for path in paths:
         try:
             with path.open(newline="", encoding="utf-8") as lines:
@@ -63,17 +63,17 @@ def read_answers(paths: Sequence[Path]) -> tuple[Answer, ...]:
     return tuple(found)
 
 
-def _read(path: Path, rows: "csv.DictReader[str]") -> Iterable[Answer]:
+def _read(path: Path, rows: "csv.DictReader[str]") -> Iterable[Rating]:
     missing = [name for name in NEEDED if name not in (rows.fieldnames or ())]
     if missing:
         have = list(rows.fieldnames or ())
-        raise ConfigError(f"{path}: no column {missing[0]}{closest(missing[0], have)}; it has {', '.join(have)}")
+        raise ConfigError(f"{path}: no column {missing[0]}{suggestion(missing[0], have)}; it has {', '.join(have)}")
     for row in rows:
         if row["action"] in LABELS:
             yield _answer(f"{path}:{rows.line_num}", row)
 
 
-def _answer(where: str, row: Mapping[str, str]) -> Answer:
+def _answer(where: str, row: Mapping[str, str]) -> Rating:
     conditions = {name: row[name] for name in CONDITIONS}
     for name, value in conditions.items():
         if value not in CONDITIONS[name]:
@@ -81,7 +81,7 @@ def _answer(where: str, row: Mapping[str, str]) -> Answer:
     labels = {name: _points(where, name, row[name]) for name in LABELS if row[name]}
     if row["action"] not in labels:
         raise ConfigError(f"{where}: no answer in column {row['action']}, which is what was shown")
-    return Answer(row["action"], conditions, labels, {name: _points(where, name, row[name]) for name in OPINIONS})
+    return Rating(row["action"], conditions, labels, {name: _points(where, name, row[name]) for name in OPINIONS})
 
 
 def _points(where: str, name: str, text: str) -> int:

@@ -15,7 +15,7 @@ SCALE = ("totally disagree", "disagree", "neither", "agree", "totally agree")
 OPINIONS = {"naturalness": "This face looks natural", "realism": "This face looks realistic"}
 
 
-def write_page(path: Path, *, folder: str = "stimuli", post_to: str = "") -> None:
+def write_study_page(path: Path, *, folder: str = "stimuli", post_to: str = "") -> None:
     """Writes the page.
 
     Args:

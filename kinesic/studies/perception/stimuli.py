@@ -23,7 +23,9 @@ def file_of(stimulus: Stimulus) -> str:
     return f"{stimulus.id}{'.webp' if stimulus.presentation == 'animation' else '.png'}"
 
 
-def draw(wanted: Sequence[Stimulus], folder: Path, *, size: int = 384, preset: Preset = NORMAL) -> Iterator[Path]:
+def draw_stimuli(
+    wanted: Sequence[Stimulus], folder: Path, *, size: int = 384, preset: Preset = NORMAL
+) -> Iterator[Path]:
     """Draws stimuli into a folder, which is made; yields each file when it is there.
 
     Args:

@@ -9,7 +9,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Dynamics
 from kinesic.body.robot import SIDES, Side
 from kinesic.controller.performance import Performance
-from kinesic.motion.double_s import least_times
+from kinesic.motion.double_s import least_rest_times
 from kinesic.planning.syncs import SyncTime
 from kinesic.sim.kinematics import motion_frames
 from kinesic.studies.sweep.geometry import hull_volume, length, mean_curvature, peak_speed, rms_jerk, visits
@@ -62,7 +62,7 @@ class Measures:
 
 
 @dataclass(frozen=True)
-class Shown:
+class MeasureFormat:
     """How a measure is written."""
 
     words: str
@@ -70,22 +70,22 @@ class Shown:
     scale: float  # from SI to the unit
 
 
-SHOWN: Mapping[str, Shown] = {
-    "peak_speed": Shown("peak hand speed", "m/s", 1.0),
-    "stroke_speed": Shown("peak hand speed of the stroke", "m/s", 1.0),
-    "allowed_speed": Shown("speed that limits leave to the stroke", "m/s", 1.0),
-    "path_length": Shown("path of the hands", "m", 1.0),
-    "swept_volume": Shown("swept volume", "l", 1e3),
-    "curvature": Shown("mean curvature of the path", "1/m", 1.0),
-    "torso_travel": Shown("torso travel", "deg", float(np.degrees(1.0))),
-    "shoulder_travel": Shown("shoulder travel", "deg", float(np.degrees(1.0))),
-    "jerk": Shown("RMS jerk of the hand", "m/s\u00b3", 1.0),
-    "overshoot": Shown("overshoot beyond keys", "deg", float(np.degrees(1.0))),
-    "stroke_error": Shown("stroke error", "ms", 1e3),
-    "preparation": Shown("preparation", "s", 1.0),
-    "elbow_offset": Shown("elbow offset", "arm lengths", 1.0),
-    "strokes": Shown("strokes", "", 1.0),
-    "energy": Shown("mean kinetic energy", "J", 1.0),
+SHOWN: Mapping[str, MeasureFormat] = {
+    "peak_speed": MeasureFormat("peak hand speed", "m/s", 1.0),
+    "stroke_speed": MeasureFormat("peak hand speed of the stroke", "m/s", 1.0),
+    "allowed_speed": MeasureFormat("speed that limits leave to the stroke", "m/s", 1.0),
+    "path_length": MeasureFormat("path of the hands", "m", 1.0),
+    "swept_volume": MeasureFormat("swept volume", "l", 1e3),
+    "curvature": MeasureFormat("mean curvature of the path", "1/m", 1.0),
+    "torso_travel": MeasureFormat("torso travel", "deg", float(np.degrees(1.0))),
+    "shoulder_travel": MeasureFormat("shoulder travel", "deg", float(np.degrees(1.0))),
+    "jerk": MeasureFormat("RMS jerk of the hand", "m/s\u00b3", 1.0),
+    "overshoot": MeasureFormat("overshoot beyond keys", "deg", float(np.degrees(1.0))),
+    "stroke_error": MeasureFormat("stroke error", "ms", 1e3),
+    "preparation": MeasureFormat("preparation", "s", 1.0),
+    "elbow_offset": MeasureFormat("elbow offset", "arm lengths", 1.0),
+    "strokes": MeasureFormat("strokes", "", 1.0),
+    "energy": MeasureFormat("mean kinetic energy", "J", 1.0),
 }
 
 
@@ -173,7 +173,7 @@ def _allowed(window: _Window, side: Side) -> float:
     arm = list(known.robot.joints(f"{side}_arm"))
     turns = np.zeros(len(known.robot.skeleton.hinges))
     turns[arm] = np.abs(np.diff(np.stack(keys), axis=0)).sum(axis=0)[arm]
-    seconds = float(least_times(turns, known.limits).max())
+    seconds = float(least_rest_times(turns, known.limits).max())
     wrist = known.robot.skeleton.segment(known.robot.chains[f"{side}_arm"][-1])
     return (
         2.0 * length(motion_frames(known.robot.skeleton, np.stack(keys)).origins[wrist].T) / seconds if seconds else 0.0

@@ -21,7 +21,7 @@ OTHERS = ("peak_speed", "path_length", "jerk", "overshoot", "torso_travel", "sho
 DPI = 100
 
 
-def draw(series: Series, path: Path) -> Path:
+def draw_series(series: Series, path: Path) -> Path:
     """Draws one series as a PNG; returns its path."""
     figure = Figure(figsize=(11.0, 6.2), layout="constrained")
     FigureCanvasAgg(figure)

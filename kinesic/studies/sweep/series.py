@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.body.config import CONFIGS, ConfigError, closest
+from kinesic.body.config import CONFIGS, ConfigError, suggestion
 from kinesic.controller.perform import perform
 from kinesic.expressivity.style.style import RANGES, Style
-from kinesic.planning.setup import Facts
+from kinesic.planning.setup import Setup
 from kinesic.studies.sweep.measures import Measures, measures
 
 STROKE = 3.0  # [s] block time at which the stroke is asked for: time for the slowest preparation
@@ -98,7 +98,7 @@ class Series:
         return all(one.in_time for one in self.played)
 
 
-def sweep(gesture: str, parameter: str, known: Facts, *, values: Sequence[float] = ()) -> Series:
+def sweep_parameter(gesture: str, parameter: str, known: Setup, *, values: Sequence[float] = ()) -> Series:
     """Plays a gesture at several values of a parameter, all else as in the style, and measures each in the twin.
 
     Args:
@@ -111,7 +111,7 @@ def sweep(gesture: str, parameter: str, known: Facts, *, values: Sequence[float]
         ConfigError: no such gesture or parameter, or a value out of range.
     """
     if parameter not in RANGES:
-        raise ConfigError(f"a style has no {parameter}{closest(parameter, list(RANGES))}")
+        raise ConfigError(f"a style has no {parameter}{suggestion(parameter, list(RANGES))}")
     _check(gesture, known)
     chosen = sorted(set(values)) or np.linspace(*RANGES[parameter], COUNT).tolist()
     styles = [known.style.changed([f"{parameter}={value!r}"]) for value in chosen]
@@ -122,7 +122,7 @@ def sweep(gesture: str, parameter: str, known: Facts, *, values: Sequence[float]
     return Series(gesture, parameter, tuple(rows))
 
 
-def presets(gesture: str, known: Facts) -> Mapping[str, Played]:
+def presets(gesture: str, known: Setup) -> Mapping[str, Played]:
     """Plays a gesture in every preset of `configs/styles/`, by name; the value of each is 0.
 
     Raises:
@@ -133,14 +133,14 @@ def presets(gesture: str, known: Facts) -> Mapping[str, Played]:
     return {name: _played(gesture, replace(known, style=Style.load(name)), name, 0.0) for name in names}
 
 
-def _check(gesture: str, known: Facts) -> None:
+def _check(gesture: str, known: Setup) -> None:
     """Refuses what is no gesture of the lexicon."""
     match = known.lexicon.find(gesture)
     if match is None or match.substitute or not match.form.keys:
-        raise ConfigError(f"no gesture {gesture}{closest(gesture, [form.id for form in known.lexicon.forms])}")
+        raise ConfigError(f"no gesture {gesture}{suggestion(gesture, [form.id for form in known.lexicon.forms])}")
 
 
-def _played(gesture: str, known: Facts, where: str, value: float) -> Played:
+def _played(gesture: str, known: Setup, where: str, value: float) -> Played:
     """Performs a gesture in the twin and measures it; `where` is for the message when it cannot be performed."""
     performance = perform(BLOCK.format(id=ID, lexeme=gesture, stroke=STROKE), known, source=gesture)
     outcome = performance.plan.keyframes.outcomes[ID]

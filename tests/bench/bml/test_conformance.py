@@ -8,11 +8,11 @@ import pytest
 from msgspec import structs
 
 from kinesic.bench import bml
-from kinesic.bench.bml.conformance import CHECKS, placed, played
-from kinesic.bench.bml.expectations import Parsing, References, Scenarios, Step, expected
+from kinesic.bench.bml.conformance import CHECKS, place_targets, play_suite
+from kinesic.bench.bml.expectations import Parsing, ReferenceSuite, Scenarios, Step, expected
 from kinesic.bench.bml.parsing import parsed, referred
-from kinesic.bench.bml.verdict import Verdict, figures
-from kinesic.bench.bml.virtual_realizer import Feedback, Heard, Realizer, heard
+from kinesic.bench.bml.verdict import ExpectationVerdict, verdict_figures
+from kinesic.bench.bml.virtual_realizer import Feedback, Realizer, ReceivedMessage, read_message
 from kinesic.bench.corpus import folder
 from kinesic.controller.perform import facts
 
@@ -87,7 +87,7 @@ END = step(do="wait_block_end", block="b1")
 )
 def test_a_scenario_passes_or_says_why(corpus: Path, steps: list[dict[str, object]], why: str) -> None:
     scenarios = suite(corpus, "one/test", *steps)
-    (verdict,) = played("suite", corpus / "suite", scenarios, facts())
+    (verdict,) = play_suite("suite", corpus / "suite", scenarios, facts())
     assert (verdict.suite, verdict.name) == ("suite", "one.test")
     assert why in verdict.why
     assert verdict.passed is (why == "")
@@ -95,21 +95,21 @@ def test_a_scenario_passes_or_says_why(corpus: Path, steps: list[dict[str, objec
 
 def test_a_draft_is_read_strictly(corpus: Path) -> None:
     steps = [step(do="send", inline_block={}), step(do="sleep", seconds=1), step(check="exceptions", count=1)]
-    (verdict,) = played("suite", corpus / "suite", suite(corpus, "draft1/test", *steps), facts())
+    (verdict,) = play_suite("suite", corpus / "suite", suite(corpus, "draft1/test", *steps), facts())
     assert verdict.passed
-    (verdict,) = played("suite", corpus / "suite", suite(corpus, "bml-1/test", *steps), facts())
+    (verdict,) = play_suite("suite", corpus / "suite", suite(corpus, "bml-1/test", *steps), facts())
     assert verdict.why.startswith("0 exceptions")
 
 
 def test_unknown_targets_get_a_place() -> None:
     known = facts()
-    places = placed([LOOK.encode(), b"no bml", b'<bml><gaze target="user"/></bml>'], known)
+    places = place_targets([LOOK.encode(), b"no bml", b'<bml><gaze target="user"/></bml>'], known)
     assert set(places) == {"lamp"}
     assert places["lamp"][0] > 1.0
 
 
 def told(*ids: str, kind: str = "syncPointProgress") -> Feedback:
-    return Feedback(Heard(kind, id, global_time=float(k), time=float(k)) for k, id in enumerate(ids))
+    return Feedback(ReceivedMessage(kind, id, global_time=float(k), time=float(k)) for k, id in enumerate(ids))
 
 
 @pytest.mark.parametrize(
@@ -124,7 +124,11 @@ def told(*ids: str, kind: str = "syncPointProgress") -> Feedback:
         (Step(check="syncs_coincide", a="b:h:start", b="b:g:end"), told(), "b:h:start was not reported"),
         (Step(check="blocks", started=("b",)), told("c:start", kind="blockProgress"), "start of blocks ['c']"),
         (Step(check="block_duration_positive", block="b"), told("b:start", kind="blockProgress"), "0.0 to None"),
-        (Step(check="sync_times_not_negative"), Feedback([Heard("syncPointProgress", "b:h:x", time=-1.0)]), "b:h:x"),
+        (
+            Step(check="sync_times_not_negative"),
+            Feedback([ReceivedMessage("syncPointProgress", "b:h:x", time=-1.0)]),
+            "b:h:x",
+        ),
         (Step(check="one_behaviour_named", among=("b:g",)), told("b:h", kind="warningFeedback"), "['b:h'] named"),
     ],
 )
@@ -136,7 +140,7 @@ def test_checks_of_feedback(check: Step, feedback: Feedback, why: str) -> None:
 
 def test_a_message_is_heard() -> None:
     xml = '<syncPointProgress id="b:h:start" time="1.5" globalTime="2.5"/>'
-    assert heard(xml) == Heard("syncPointProgress", "b:h:start", 2.5, 1.5)
+    assert read_message(xml) == ReceivedMessage("syncPointProgress", "b:h:start", 2.5, 1.5)
 
 
 def test_a_refused_document_is_warned_of() -> None:
@@ -148,7 +152,11 @@ def test_a_refused_document_is_warned_of() -> None:
 
 
 def test_figures_count_and_explain() -> None:
-    found = list(figures([Verdict("s", "a"), Verdict("s", "b", "too late"), Verdict("t", "c")]))
+    found = list(
+        verdict_figures(
+            [ExpectationVerdict("s", "a"), ExpectationVerdict("s", "b", "too late"), ExpectationVerdict("t", "c")]
+        )
+    )
     assert [(figure.name, figure.value, figure.ok) for figure in found] == [
         ("bml.s.passed", 1, False),
         ("bml.s.failed", 1, False),
@@ -175,14 +183,14 @@ def test_every_shown_expectation_passes() -> None:
 
 
 def test_a_wrong_expectation_is_found_out() -> None:
-    documents, grammar = expected(bml.DOCUMENTS, Parsing), expected(bml.GRAMMAR, References)
+    documents, grammar = expected(bml.DOCUMENTS, Parsing), expected(bml.GRAMMAR, ReferenceSuite)
     if documents is None or grammar is None:
         pytest.skip("no corpus; KINESIC_CORPUS names its folder")
     where, stated = documents
     flipped = {"ok": "error", "error": "ok"}
     wrong = replace_all(stated, flipped)
     assert not any(verdict.passed for verdict in parsed("d", where, wrong))
-    swapped = References(
+    swapped = ReferenceSuite(
         grammar[1].tolerance, (), grammar[1].accepted, grammar[1].not_equal, grammar[1].equal, grammar[1].written
     )
     assert sum(verdict.passed for verdict in referred("g", swapped)) == len(swapped.written)

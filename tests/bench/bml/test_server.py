@@ -11,7 +11,7 @@ SECONDS = 10.0
 
 @pytest.fixture(scope="module")
 def server():
-    with live.opened("--voice", "durations") as found:
+    with live.open_server("--voice", "durations") as found:
         yield found
 
 
@@ -29,7 +29,10 @@ def test_ten_blocks_a_second_lose_nothing_and_memory_stays(server):
 
 
 def test_a_server_that_does_not_open_says_why():
-    with pytest.raises(RuntimeError, match="did not open: kinesic: --rule rate=x"), live.opened("--rule", "rate=x"):
+    with (
+        pytest.raises(RuntimeError, match="did not open: kinesic: --rule rate=x"),
+        live.open_server("--rule", "rate=x"),
+    ):
         pass
 
 

@@ -4,13 +4,13 @@ import pytest
 from kinesic.bench.bml import speech
 from kinesic.body.utterance import Sound
 from kinesic.controller.perform import facts, plan
-from kinesic.speech.espeak_pool import fault
+from kinesic.speech.espeak_pool import espeak_fault
 
 
 @pytest.fixture(scope="module", autouse=True)
 def _engine() -> None:
-    if fault():
-        pytest.skip(fault())
+    if espeak_fault():
+        pytest.skip(espeak_fault())
 
 
 def test_silence_ends_where_sound_begins():
@@ -20,7 +20,7 @@ def test_silence_ends_where_sound_begins():
 
 
 def test_strokes_meet_the_words_that_are_heard_on_the_pessimistic_twin():
-    errors = list(speech.stroke_errors(3))
+    errors = list(speech.heard_stroke_errors(3))
     assert len(errors) >= 4
     assert max(map(abs, errors)) <= 0.030
 
@@ -47,7 +47,7 @@ def test_a_voice_that_is_late_is_found_out(monkeypatch: pytest.MonkeyPatch):
         return Sound.of(heard.rate, np.concatenate([np.zeros(heard.rate // 10), heard.samples]))
 
     monkeypatch.setattr(speech, "sound", later)
-    errors = list(speech.stroke_errors(1))
+    errors = list(speech.heard_stroke_errors(1))
     assert errors == pytest.approx([-0.1] * len(errors), abs=0.03)
 
 

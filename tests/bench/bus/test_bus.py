@@ -17,7 +17,7 @@ def test_the_driver_leaves_the_wire_little_rest(count: int, baud: int):
 
 def test_the_load_is_measured_in_real_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(bus, "REAL_SECONDS", 0.3)
-    figures = bus.load(tmp_path / "port")
+    figures = bus.cpu_load(tmp_path / "port")
     assert [figure.name for figure in figures] == ["bus.cpu_14_servos", "bus.cpu_supervisor_14_servos"]
     for figure in figures:
         assert (figure.unit, figure.goal, figure.better) == ("% of a core", 10.0, "lower")
@@ -27,7 +27,7 @@ def test_the_load_is_measured_in_real_time(tmp_path: Path, monkeypatch: pytest.M
 
 def test_figures_are_named_by_what_they_measure(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(bus, "cycle_times", lambda count, baud: (0.009, 0.001))
-    monkeypatch.setattr(bus, "load", lambda link: [bus.Figure("bus.cpu_14_servos", 1.0, "%", 10.0, "lower")])
+    monkeypatch.setattr(bus, "cpu_load", lambda link: [bus.Figure("bus.cpu_14_servos", 1.0, "%", 10.0, "lower")])
     figures = {figure.name: figure for figure in bus.bench()}
     assert len(figures) == 4 * 4 + 2
     assert figures["bus.rate_26_servos_4000000_baud"].value == pytest.approx(90.0)

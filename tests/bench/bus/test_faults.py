@@ -7,7 +7,7 @@ from click.testing import CliRunner
 
 from kinesic.bench.bus import faults
 from kinesic.cli.bench import bench
-from kinesic.hardware.virtual.matrix import Case
+from kinesic.hardware.virtual.matrix import FaultCase
 
 
 def test_every_driver_has_a_table_and_who_is_not_installed_a_reason(monkeypatch: pytest.MonkeyPatch):
@@ -19,15 +19,15 @@ def test_every_driver_has_a_table_and_who_is_not_installed_a_reason(monkeypatch:
 
     monkeypatch.setattr(faults, "matrix", one)
     monkeypatch.setattr(faults, "MISSING", {"lerobot": lambda: "not here", "lerobot, 3 retries": lambda: ""})
-    found = [str(fared) for fared in faults.compared(sizes=(7,), bauds=(1_000_000,), seeds=(0,))]
+    found = [str(fared) for fared in faults.compare_drivers(sizes=(7,), bauds=(1_000_000,), seeds=(0,))]
     assert [table.splitlines()[0] for table in found] == ["kinesic", "dynamixel-sdk", "lerobot", "lerobot, 3 retries"]
     assert found[2] == "lerobot\n\nnull: not here\n"
     assert len(asked) == 3
 
 
 def test_machines_read_every_trial(monkeypatch: pytest.MonkeyPatch):
-    def one(opens: faults.Opens, **named: object) -> list[faults.Result]:
-        return [faults.trial(Case("calm"), opens, servos=2, baud=57_600, seed=3, cycles=4)]
+    def one(opens: faults.Opens, **named: object) -> list[faults.TrialResult]:
+        return [faults.trial(FaultCase("calm"), opens, servos=2, baud=57_600, seed=3, cycles=4)]
 
     monkeypatch.setattr(faults, "matrix", one)
     monkeypatch.setattr(faults, "DRIVERS", {"kinesic": faults.DRIVERS["kinesic"], "lerobot": one})

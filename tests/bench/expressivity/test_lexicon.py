@@ -2,7 +2,15 @@
 
 import pytest
 
-from kinesic.bench.expressivity.lexicon import NEUTRAL, Result, every, figures, judged, play, sample
+from kinesic.bench.expressivity.lexicon import (
+    NEUTRAL,
+    GestureResult,
+    every,
+    judged,
+    lexicon_figures,
+    play_gestures,
+    sample,
+)
 from kinesic.body.config import names_of
 
 SHARE = 0.01
@@ -40,9 +48,9 @@ def test_in_the_neutral_style_strokes_are_on_time_and_hands_where_they_belong(kn
 
 
 def test_figures_tell_what_is_wrong():
-    good = Result("beat", NEUTRAL, False, 0.014, 0, 0, 0.001, True, True, 0.002)
-    bad = Result("offer", "angry", True, -0.001, 3, 2, 0.4, False, False, 0.2)
-    found = {figure.name: figure for figure in figures([good, bad])}
+    good = GestureResult("beat", NEUTRAL, False, 0.014, 0, 0, 0.001, True, True, 0.002)
+    bad = GestureResult("offer", "angry", True, -0.001, 3, 2, 0.4, False, False, 0.2)
+    found = {figure.name: figure for figure in lexicon_figures([good, bad])}
     assert all(figure.ok is not False for name, figure in found.items() if name.startswith("expressivity.lexicon."))
     wrong = {"dropped": 1, "penetrations": 3, "clearance": -1, "violations": 2, "unreported": 1}
     assert {name: found[f"expressivity.styles.{name}"].value for name in wrong} == pytest.approx(wrong)
@@ -51,6 +59,6 @@ def test_figures_tell_what_is_wrong():
 
 
 def test_a_crew_plays_them_too():
-    results = list(play([("beat", NEUTRAL), ("offer", "calm")], jobs=2))
+    results = list(play_gestures([("beat", NEUTRAL), ("offer", "calm")], jobs=2))
     assert {(result.gesture, result.style) for result in results} == {("beat", NEUTRAL), ("offer", "calm")}
     assert all(result.reported for result in results)

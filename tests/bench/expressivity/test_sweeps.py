@@ -48,7 +48,7 @@ def test_doubling_counts_where_limits_allow_it(brief):
 
 def test_a_stroke_that_never_comes_is_far_off(brief):
     power = next(each for each in sweeps.swept() if each.parameter == "power")
-    figures = {f.name: f for f in sweeps.figures("power", [_with(power, stroke_error=None)])}
+    figures = {f.name: f for f in sweeps.sweep_figures("power", [_with(power, stroke_error=None)])}
     assert figures["expressivity.power_stroke"].value == pytest.approx(300.0)
     assert figures["expressivity.power_stroke"].ok is False
     assert figures["expressivity.power_stroke"].why == "flat_surface"

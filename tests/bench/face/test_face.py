@@ -29,7 +29,7 @@ def test_the_laws_of_wrinkles_hold():
     from kinesic.bench.face.wrinkles import laws  # noqa: PLC0415 - needs the optional library
 
     found = laws()
-    wanted = {name: goal for name, _, goal, _ in face.wanted() if name.startswith("face.wrinkle.")}
+    wanted = {name: goal for name, _, goal, _ in face.expected_figures() if name.startswith("face.wrinkle.")}
     assert found.keys() == wanted.keys()
     for name, goal in wanted.items():
         assert goal is not None
@@ -55,7 +55,7 @@ def test_occlusion_has_a_row_for_each_estimator_and_is_near_to_exact(monkeypatch
     monkeypatch.setattr(occlusion, "REPETITIONS", 1)
     monkeypatch.setattr(occlusion, "TABLE_SIZE", (128, 96))
     found = occlusion.occlusion(face.SIZES)
-    assert found.keys() == {name for name, *_ in face.wanted() if name.startswith("face.occlusion.")}
+    assert found.keys() == {name for name, *_ in face.expected_figures() if name.startswith("face.occlusion.")}
     assert found["face.occlusion.boxes_rmse"] < 0.04
     assert found["face.occlusion.boxes_correlation"] > 0.97
     assert found["face.occlusion.samples_21_exact"] > 4 * found["face.occlusion.samples_21_separable"]

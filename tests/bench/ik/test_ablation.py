@@ -7,7 +7,7 @@ from PIL import Image
 from kinesic.bench import ik
 from kinesic.bench.figure import Figure
 from kinesic.bench.ik import ablation
-from kinesic.bench.ik.ablation import ENTRIES, ROWS, Arm, guessed, masses, name
+from kinesic.bench.ik.ablation import ENTRIES, ROWS, AblationArm, ablation_name, guessed, masses
 from kinesic.body.robot import Robot
 from kinesic.ik import KERNEL
 from kinesic.ik.arm.hinges import extract
@@ -16,9 +16,9 @@ from kinesic.ik.scalar3 import distance
 
 
 @pytest.fixture(scope="module")
-def arm() -> Arm:
+def arm() -> AblationArm:
     chain = Robot.load().arms["l"]
-    return Arm(chain, linkage_of(chain), tuple(chain.rest.tolist()))
+    return AblationArm(chain, linkage_of(chain), tuple(chain.rest.tolist()))
 
 
 @pytest.fixture(scope="module")
@@ -30,9 +30,9 @@ def figures() -> list[Figure]:
 
 def test_every_row_has_its_figures_and_no_goal(figures: list[Figure]) -> None:
     names = {figure.name for figure in figures}
-    assert {name(row, quantity) for row in ROWS for quantity in ("mm", "tenth_mm", "travel")} <= names
+    assert {ablation_name(row, quantity) for row in ROWS for quantity in ("mm", "tenth_mm", "travel")} <= names
     assert {figure.name for figure in figures if figure.unit == "us"} == (
-        {name(row, "us") for row in ENTRIES} if KERNEL == "compiled" else set()
+        {ablation_name(row, "us") for row in ENTRIES} if KERNEL == "compiled" else set()
     )
     assert {figure.goal for figure in figures} == {None}
     assert len(names) == len(figures)
@@ -40,10 +40,13 @@ def test_every_row_has_its_figures_and_no_goal(figures: list[Figure]) -> None:
 
 def test_shares_are_ordered_as_the_stages_are(figures: list[Figure]) -> None:
     share = {figure.name: figure.value for figure in figures}
-    assert share[name("whole", "tenth_mm")] == share[name("polish_seeds", "tenth_mm")] == 1.0
-    assert share[name("masses_branches_polish_seeds", "mm")] >= share[name("masses_branches_polish", "mm")]
-    assert share[name("masses_branches_polish", "mm")] >= share[name("masses_branches", "mm")]
-    assert all(share[name(row, "mm")] >= share[name(row, "tenth_mm")] for row in ROWS)
+    assert share[ablation_name("whole", "tenth_mm")] == share[ablation_name("polish_seeds", "tenth_mm")] == 1.0
+    assert (
+        share[ablation_name("masses_branches_polish_seeds", "mm")]
+        >= share[ablation_name("masses_branches_polish", "mm")]
+    )
+    assert share[ablation_name("masses_branches_polish", "mm")] >= share[ablation_name("masses_branches", "mm")]
+    assert all(share[ablation_name(row, "mm")] >= share[ablation_name(row, "tenth_mm")] for row in ROWS)
 
 
 def test_the_same_targets_give_the_same_figures(figures: list[Figure], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -52,7 +55,7 @@ def test_the_same_targets_give_the_same_figures(figures: list[Figure], monkeypat
     assert again == {figure.name: figure.value for figure in figures if figure.unit != "us"}
 
 
-def test_masses_keep_the_bones_and_end_on_the_target(arm: Arm) -> None:
+def test_masses_keep_the_bones_and_end_on_the_target(arm: AblationArm) -> None:
     target = (0.2, 0.15, 0.05)
     ends = masses(arm, target)
     assert distance(ends[-1], target) < 1e-12
@@ -60,7 +63,7 @@ def test_masses_keep_the_bones_and_end_on_the_target(arm: Arm) -> None:
     assert distance(ends[-2], ends[-3]) == pytest.approx(arm.linkage.links[-3].length, abs=1e-5)
 
 
-def test_a_guess_stays_in_range_and_is_never_better_than_all_branches(arm: Arm) -> None:
+def test_a_guess_stays_in_range_and_is_never_better_than_all_branches(arm: AblationArm) -> None:
     chance, chain = np.random.default_rng(2), arm.chain
     wrong = 0
     for _ in range(60):
@@ -73,7 +76,7 @@ def test_a_guess_stays_in_range_and_is_never_better_than_all_branches(arm: Arm) 
     assert wrong > 0
 
 
-def test_the_picture_shows_a_target_that_masses_alone_miss(arm: Arm) -> None:
+def test_the_picture_shows_a_target_that_masses_alone_miss(arm: AblationArm) -> None:
     held = extract(arm.linkage, masses(arm, ablation.TARGET), arm.rest)
     assert held.miss > 0.01
     assert distance(arm.linkage.hand(ROWS["circle"](arm, np.array(ablation.TARGET))), ablation.TARGET) < 1e-5

@@ -5,7 +5,7 @@ from PIL import Image
 from kinesic.bench import ik
 from kinesic.bench.ik import table71
 from kinesic.bench.ik.baselines import METHODS
-from kinesic.bench.ik.table71 import SIZES, UNITS, name, printed
+from kinesic.bench.ik.table71 import SIZES, UNITS, printed, table_name
 from kinesic.ik import KERNEL
 
 
@@ -45,4 +45,4 @@ def test_ratios_of_the_thesis_are_to_its_method_2() -> None:
     assert printed("pinv_svd", 6, "ratio") == pytest.approx(1.095 / 0.132)
     assert printed("fabrik", 6, "ratio") is None
     assert printed("ccd", 6, "us") is None
-    assert name("ccd", 6, "us") == "ik.table71_ccd_n6_us"
+    assert table_name("ccd", 6, "us") == "ik.table71_ccd_n6_us"

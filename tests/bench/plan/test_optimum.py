@@ -3,7 +3,7 @@ from dataclasses import replace
 import pytest
 
 from kinesic.bench.blocks import crowd
-from kinesic.bench.plan.optimum import TOLERANCE, optimum
+from kinesic.bench.plan.optimum import TOLERANCE, best_times
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.controller.perform import facts, plan
@@ -22,7 +22,7 @@ def keys_of(*rows: tuple[float, float, str]) -> tuple[KeyPosture, ...]:
 def test_from_rest_to_rest_it_is_the_double_s():
     ends = keys_of((0, 0, "start"), (0.1, 1.0, "stroke"))
     keys, motion = Keys.of(ends, LIMITS), condition(ends, LIMITS, lead_in=0.0)
-    best = optimum(keys, motion, LIMITS, 0.0)
+    best = best_times(keys, motion, LIMITS, 0.0)
     rise = 0.04
     double_s = 1 / 4 + 4 / 40 + rise
     assert best.times[1] == pytest.approx(double_s, rel=0.02)
@@ -34,7 +34,7 @@ def test_from_rest_to_rest_it_is_the_double_s():
 def test_the_cheapest_key_gives():
     ends = keys_of((0, 0, "start"), (1.0, 1.0, "ready"), (1.1, 0.0, "stroke"), (2, 0, "end"))
     keys, motion = Keys.of(ends, LIMITS), condition(ends, LIMITS)
-    best = optimum(keys, motion, LIMITS, LEAD_IN)
+    best = best_times(keys, motion, LIMITS, LEAD_IN)
     assert best.times[2] == pytest.approx(1.1, abs=1e-5)
     assert best.times[1] < 0.9
     assert best.strain <= strain(keys, motion.planned) + 1e-4
@@ -43,7 +43,7 @@ def test_the_cheapest_key_gives():
 def test_tighter_limits_strain_more():
     ends = keys_of((0, 0, "start"), (0.3, 1.0, "ready"), (0.5, 0.0, "stroke"), (2, 0, "end"))
     slow = replace(LIMITS, acceleration=sealed([20.0]))
-    found = [optimum(Keys.of(ends, limits), condition(ends, limits), limits, LEAD_IN) for limits in (LIMITS, slow)]
+    found = [best_times(Keys.of(ends, limits), condition(ends, limits), limits, LEAD_IN) for limits in (LIMITS, slow)]
     assert found[1].strain > 1.1 * found[0].strain
 
 
@@ -54,5 +54,5 @@ def test_a_crowded_block_is_strained_hardly_more_than_it_must():
     asked, ties = planned.postures.postures, bonds(planned.timeline)
     keys = Keys.of(asked, known.limits, ties)
     motion = condition(asked, known.limits, bonds=ties)
-    found = optimum(keys, motion, known.limits, LEAD_IN)
+    found = best_times(keys, motion, known.limits, LEAD_IN)
     assert strain(keys, motion.planned) <= 1.25 * found.strain

@@ -15,9 +15,9 @@ from kinesic.bml.block import (
     Gesture,
     Head,
     NoticeType,
-    Order,
     Place,
     Posture,
+    Precedence,
     Speech,
     Synchronize,
     SyncRef,
@@ -93,7 +93,7 @@ def test_json_and_xml_make_the_same_block() -> None:
     assert (speech.script.text, speech.script.marks) == ("now here", (Mark("m1", 4),))
 
 
-def _constraint(constraint: Synchronize | Order) -> tuple[object, ...]:
+def _constraint(constraint: Synchronize | Precedence) -> tuple[object, ...]:
     if isinstance(constraint, Synchronize):
         return constraint.refs, constraint.required
     return constraint.earlier, constraint.later, constraint.required

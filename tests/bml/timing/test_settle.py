@@ -3,13 +3,13 @@
 import pytest
 
 from kinesic.bml.block import GAZE_SYNCS, GESTURE_SYNCS
-from kinesic.bml.timing.settle import fit
+from kinesic.bml.timing.settle import fit_behaviour
 
 SPANS = {"ready": 0.6, "strokeStart": 0.0, "stroke": 0.2, "strokeEnd": 0.2, "relax": 0.3, "end": 0.7}
 
 
 def times(**given: float) -> dict[str, float]:
-    return dict(zip(GESTURE_SYNCS, fit(GESTURE_SYNCS, SPANS, given), strict=True))
+    return dict(zip(GESTURE_SYNCS, fit_behaviour(GESTURE_SYNCS, SPANS, given), strict=True))
 
 
 def test_nothing_given_starts_at_zero_with_natural_phases() -> None:
@@ -46,7 +46,7 @@ def test_a_hold_before_the_stroke_and_a_preparation_give_where_nothing_else_can(
 
 def test_no_time_at_all() -> None:
     assert set(times(start=1.0, end=1.0).values()) == {1.0}
-    assert fit(GAZE_SYNCS, {}, {"start": 0.0, "end": 2.0}) == [0.0, 0.0, 2.0, 2.0]
+    assert fit_behaviour(GAZE_SYNCS, {}, {"start": 0.0, "end": 2.0}) == [0.0, 0.0, 2.0, 2.0]
 
 
 def test_strokes_that_are_done_once_more_give_way_before_the_first() -> None:
@@ -55,7 +55,7 @@ def test_strokes_that_are_done_once_more_give_way_before_the_first() -> None:
 
     def found(end: float) -> dict[str, float]:
         given = {"start": 0.0, "end": end}
-        return dict(zip(names, fit(names, spans, given, {"stroke:2", "stroke:3"}), strict=True))
+        return dict(zip(names, fit_behaviour(names, spans, given, {"stroke:2", "stroke:3"}), strict=True))
 
     assert found(2.0) == pytest.approx(dict(zip(names, (0, 0.4, 0.9, 1.4, 1.6, 1.6, 2.0), strict=True)))
     assert found(1.5) == pytest.approx(dict(zip(names, (0, 0.4, 0.65, 0.9, 1.1, 1.1, 1.5), strict=True)))

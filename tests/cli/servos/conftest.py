@@ -17,8 +17,8 @@ from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.virtual.faults import CALM, FaultPlan
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.physics import FirstOrder
-from kinesic.hardware.virtual.pty import PtyPort, serve
-from kinesic.hardware.virtual.wiring import build, cables
+from kinesic.hardware.virtual.pty import PtyPort, serve_wires
+from kinesic.hardware.virtual.wiring import build_bus, cables
 
 STAY = 0.2  # [s] that hands stay in each posture: some looks
 VERBS = ("ports", "scan", "release", "doctor")  # modules that open ports
@@ -36,7 +36,7 @@ class Table:
         self.cable = replace(cable, faults=faults)
         places = [fitting.ticks * Register.PRESENT_POSITION.field.scale for fitting in self.cable.fittings]
         self.physics = FirstOrder([fitting.motor for fitting in self.cable.fittings], places)
-        self.plant, buses = build([self.cable], self.physics)
+        self.plant, buses = build_bus([self.cable], self.physics)
         self.bus, self.port = buses["body"], Path("table")
         self._zeros = places
         self._moves: list[Posture] = []
@@ -100,7 +100,7 @@ def serving(found: Table, port: Path) -> Iterator[Table]:
     found.port = port
     terminal = PtyPort(found.bus, found.port)
     terminal.exchange(0.0)
-    thread = Thread(target=serve, args=([terminal], lambda: not stop.is_set()))
+    thread = Thread(target=serve_wires, args=([terminal], lambda: not stop.is_set()))
     thread.start()
     try:
         yield found

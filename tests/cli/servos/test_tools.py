@@ -85,7 +85,7 @@ def test_doctor_says_what_to_mend(kinesic, table):
 
 
 def test_calibrate_writes_what_hands_have_shown(kinesic, table, mine, monkeypatch):
-    begun = calibrate.begun
+    begun = calibrate.read_zero_posture
 
     def beginning(*given, **named):
         travel = begun(*given, **named)
@@ -96,7 +96,7 @@ def test_calibrate_writes_what_hands_have_shown(kinesic, table, mine, monkeypatc
         )
         return travel
 
-    monkeypatch.setattr(calibrate, "begun", beginning)
+    monkeypatch.setattr(calibrate, "read_zero_posture", beginning)
     table.set(15, Register.MIN_POSITION_LIMIT, 1000)
     table.set(15, Register.HOMING_OFFSET, 100)
     options = ("--robot", mine, "--port", table.port, "--yes", "--seconds", "2")

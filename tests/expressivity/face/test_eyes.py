@@ -8,7 +8,7 @@ from kinesic.expressivity.face.eyes import (
     LEAST_GAP,
     OPENING,
     SHUT,
-    Look,
+    GazeDirection,
     blink_times,
     blinking,
     flitting,
@@ -35,7 +35,7 @@ def test_a_longer_performance_has_the_same_blinks_and_more():
 
 
 def test_wide_turns_of_the_gaze_bring_a_blink_small_ones_do_not():
-    wide, narrow = Look(3.0, 0.6, 0.0, 6.0), Look(3.0, 0.1, 0.0, 6.0)
+    wide, narrow = GazeDirection(3.0, 0.6, 0.0, 6.0), GazeDirection(3.0, 0.1, 0.0, 6.0)
     assert {3.0, 6.0} <= set(blink_times((0.0, 10.0), [wide], 1))
     assert not {3.0, 6.0} & set(blink_times((0.0, 10.0), [narrow], 1))
 
@@ -56,7 +56,7 @@ def test_a_blink_closes_both_eyes_fully_and_is_soon_over():
 
 
 def test_eyes_look_before_the_head_and_stay_on_it_while_the_head_follows():
-    look = Look(2.0, 0.5, 0.1, 6.0)
+    look = GazeDirection(2.0, 0.5, 0.1, 6.0)
     head = np.stack([np.interp(TIMES, [2.1, 2.8, 6.0, 6.7], [0.0, 0.5, 0.5, 0.0]), 0.0 * TIMES], axis=1)
     eyes = looking([look], TIMES, head)
     gaze = eyes + head
@@ -67,7 +67,7 @@ def test_eyes_look_before_the_head_and_stay_on_it_while_the_head_follows():
 
 
 def test_a_later_look_takes_over_and_what_stays_is_returned_to():
-    eyes = looking([Look(1.0, 0.2, 0.0), Look(3.0, -0.3, 0.0, 5.0)], TIMES, AHEAD)
+    eyes = looking([GazeDirection(1.0, 0.2, 0.0), GazeDirection(3.0, -0.3, 0.0, 5.0)], TIMES, AHEAD)
     for time, left in ((2.0, 0.2), (4.0, -0.3), (8.0, 0.2)):
         assert eyes[np.searchsorted(TIMES, time), 0] == pytest.approx(left)
 

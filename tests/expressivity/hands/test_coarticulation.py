@@ -8,8 +8,8 @@ from kinesic.body.reach import Reach
 from kinesic.expressivity.hands.coarticulation import Engaged
 from kinesic.expressivity.hands.keys import hand_at
 from kinesic.expressivity.hands.phases import arranged
-from kinesic.expressivity.hands.poses import REST, Poses, distance, resting
-from kinesic.expressivity.hands.strokes import Stroke, least_times
+from kinesic.expressivity.hands.poses import REST, Poses, pose_distance, resting_hands
+from kinesic.expressivity.hands.strokes import Stroke, least_stroke_times
 from kinesic.expressivity.keyframes import Hand
 
 FREE = {"g1": frozenset({"stroke"}), "g2": frozenset({"stroke"})}
@@ -56,8 +56,8 @@ def test_strokes_that_overlap_make_room_when_the_document_lets_them(pace, overla
 
 def test_what_makes_room_keeps_what_servos_need(pace, overlapping):
     moved = arranged(overlapping, pace, FREE).times
-    after = least_times(right(A, B, C), pace)[1]
-    before = least_times(right(C, A), pace)[0]
+    after = least_stroke_times(right(A, B, C), pace)[1]
+    before = least_stroke_times(right(C, A), pace)[0]
     assert moved["g1"]["strokeEnd"] - 1.0 >= after - 1e-9
     assert 2.6 - moved["g2"]["strokeStart"] >= before - 1e-9
 
@@ -134,7 +134,7 @@ def test_a_gesture_leaves_a_hand_to_another_block_and_says_so(pace, either):
 
 @pytest.mark.parametrize("sooner", [0.0, 0.01])
 def test_a_hand_is_free_as_soon_as_it_has_the_time_to_come(pace, either, sooner):
-    way = pace.least_hand_time(distance(REST, A, resting(pace.robot)["r"]))
+    way = pace.least_hand_time(pose_distance(REST, A, resting_hands(pace.robot)["r"]))
     before, after = Engaged("r", -5.0, 0.6 - way + sooner, "a:g"), Engaged("r", 1.5 + way - sooner, 9.0, "a:g")
     for other in (before, after):
         found = arranged([either], pace, engaged=[other])
@@ -227,7 +227,7 @@ def test_no_time_to_wait_means_going_straight_to_the_stroke(pace, phases):
 
 def test_hands_never_jump_and_every_stroke_is_met(pace, phases):
     """However gestures fall, a hand has one place at a time and is at each stroke that is not dropped."""
-    rng, rest = np.random.default_rng(7), resting(pace.robot)
+    rng, rest = np.random.default_rng(7), resting_hands(pace.robot)
     for _ in range(40):
         strokes = []
         for k in range(5):

@@ -8,8 +8,8 @@ from kinesic.body.arrays import sealed
 from kinesic.body.reach import Reach
 from kinesic.expressivity.hands.keys import HandKey, hand_at
 from kinesic.expressivity.hands.phases import arranged
-from kinesic.expressivity.hands.poses import REST, Poses, pointing_poses, poses, resting, shoulder
-from kinesic.expressivity.hands.strokes import Stroke, moments
+from kinesic.expressivity.hands.poses import REST, Poses, pointing_poses, poses, resting_hands, shoulder
+from kinesic.expressivity.hands.strokes import Stroke, stroke_key_times
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.form import StrokeKey
 from kinesic.expressivity.style.style import Expressivity
@@ -42,14 +42,14 @@ def test_one_key_is_exactly_at_the_stroke(robot, pace, lexicon, phases):
     for form in lexicon.forms:
         if form.keys:
             keys = poses(form, robot, Expressivity())
-            found = moments(keys, phases(0, 0.5, 0.6, 1.0, 1.7, 1.8, 2.5), pace)
+            found = stroke_key_times(keys, phases(0, 0.5, 0.6, 1.0, 1.7, 1.8, 2.5), pace)
             assert found[keys.stroke] == 1.0
             assert found[0] == 0.6 or keys.stroke == 0
             assert all(a < b for a, b in pairwise(found))
 
 
 def test_without_room_after_the_stroke_its_last_key_is_the_stroke(pace, phases):
-    found = moments(work(A, B, C, A), phases(0, 0.5, 0.6, 1.0, 1.0, 1.8, 2.5), pace)
+    found = stroke_key_times(work(A, B, C, A), phases(0, 0.5, 0.6, 1.0, 1.0, 1.8, 2.5), pace)
     assert found[-1] == 1.0
 
 
@@ -61,7 +61,7 @@ def test_strokes_without_any_room_keep_the_stroke_key(pace, phases):
 
 
 def test_a_form_of_one_key_strokes_into_it(robot, lexicon):
-    rest = resting(robot)["r"].position
+    rest = resting_hands(robot)["r"].position
     form = lexicon.find("arms_crossed", "right").form
     near, there = (hand.reach.position for hand in poses(form, robot, Expressivity()).hands["r"])
     np.testing.assert_allclose(near - there, 0.15 * (rest - there), atol=1e-12)
@@ -163,7 +163,7 @@ def test_repetition_repeats_the_stroke(robot, lexicon):
 
 
 def test_between_two_keys_directions_turn_and_stay_unit(robot):
-    rest = resting(robot)["r"]
+    rest = resting_hands(robot)["r"]
     a = Hand(Reach(sealed([0, 0, 0]), pointing=sealed([1, 0, 0]), palm=sealed([0, 0, 1])))
     b = Hand(Reach(sealed([1, 0, 0]), pointing=sealed([0, 1, 0])), openness=0.6, effort=0.2)
     way = hand_at((HandKey(0.0, a), HandKey(1.0, b)), 0.5, rest)
@@ -176,7 +176,7 @@ def test_between_two_keys_directions_turn_and_stay_unit(robot):
 
 
 def test_a_hand_on_its_way_from_rest_starts_where_it_hangs(robot):
-    rest = resting(robot)["r"]
+    rest = resting_hands(robot)["r"]
     keys = (HandKey(0.0, REST), HandKey(1.0, A))
     assert hand_at(keys, 0.0, rest) is REST
     np.testing.assert_allclose(hand_at(keys, 0.01, rest).reach.position, rest.position, atol=0.01)
@@ -184,6 +184,6 @@ def test_a_hand_on_its_way_from_rest_starts_where_it_hangs(robot):
 
 
 def test_hands_are_as_they_hang(robot):
-    rest = resting(robot)
+    rest = resting_hands(robot)
     assert rest["l"].position == pytest.approx(rest["r"].position * [1, -1, 1])
     assert np.linalg.norm(rest["l"].palm) == pytest.approx(1.0)

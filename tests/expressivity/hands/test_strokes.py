@@ -6,9 +6,9 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.expressivity.hands.phases import arranged
 from kinesic.expressivity.hands.poses import poses
-from kinesic.expressivity.hands.strokes import Stroke, keys_of, moments, natural_times, worked
+from kinesic.expressivity.hands.strokes import Stroke, natural_times, stroke_key_times, stroke_keys, worked
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
-from kinesic.expressivity.lexicon.lexicon import mirrored
+from kinesic.expressivity.lexicon.lexicon import mirror_form
 from kinesic.expressivity.lexicon.paths import shaped
 from kinesic.expressivity.style.style import Expressivity
 
@@ -39,7 +39,7 @@ def done(robot, pace, phases):
         work = worked(
             Stroke("g", asked, (poses(form, robot, manner),), manner=manner), poses(form, robot, manner), pace
         )
-        return work, keys_of(work, "r", pace)
+        return work, stroke_keys(work, "r", pace)
 
     return run
 
@@ -107,8 +107,8 @@ def test_left_and_right_paths_mirror_each_other(robot, pace, done):
     for path in kinds:
         one = form(HERE, THERE, path=path)
         work, keys = done(one, 1.0, 3.0, 3.0)
-        other = worked(work.stroke, poses(mirrored(one), robot, NEUTRAL), pace)
-        for a, b in zip(keys, keys_of(other, "l", pace), strict=True):
+        other = worked(work.stroke, poses(mirror_form(one), robot, NEUTRAL), pace)
+        for a, b in zip(keys, stroke_keys(other, "l", pace), strict=True):
             assert a.time == pytest.approx(b.time, abs=1e-12)
             np.testing.assert_allclose(a.hand.reach.position * [1, -1, 1], b.hand.reach.position, atol=1e-12)
 
@@ -154,7 +154,7 @@ def test_repetition_keeps_the_time_of_the_first_stroke(robot, pace, phases):
     times = phases(0, 0.6, 0.6, 1.0, 1.0, 1.0, 1.5) | {"strokeEnd": 1.0 + sum(natural[1:]), "relax": 9.0, "end": 10.0}
     numbered = times | {"stroke:2": 1.0 + sum(natural[1:3]), "stroke:3": 1.0 + sum(natural[1:5])}
     for asked in (times, numbered):
-        found = moments(thrice, asked, pace)
+        found = stroke_key_times(thrice, asked, pace)
         assert found[1] == 1.0
         assert found[3] == pytest.approx(numbered["stroke:2"])
         assert found[5] == pytest.approx(numbered["stroke:3"])
@@ -163,7 +163,7 @@ def test_repetition_keeps_the_time_of_the_first_stroke(robot, pace, phases):
 def test_numbered_strokes_fall_on_their_sync_points(robot, pace, phases):
     thrice = poses(TWO, robot, Expressivity(repetition=1.0))
     times = phases(0, 0.6, 0.6, 1.0, 4.0, 4.0, 5.0) | {"stroke:2": 2.5, "stroke:3": 3.9}
-    found = moments(thrice, times, pace)
+    found = stroke_key_times(thrice, times, pace)
     assert (found[1], found[3], found[5]) == (1.0, 2.5, 3.9)
 
 

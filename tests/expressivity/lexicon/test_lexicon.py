@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import SIDES, Robot
-from kinesic.expressivity.lexicon.lexicon import Lexicon, in_mode, mirrored
+from kinesic.expressivity.lexicon.lexicon import Lexicon, in_mode, mirror_form
 from kinesic.expressivity.lexicon.space import to_world
-from kinesic.expressivity.lexicon.synonyms import Reading, Sense, nearest, read_lexeme
+from kinesic.expressivity.lexicon.synonyms import LexemeReading, Sense, nearest_sense, read_lexeme
 
 ROBOT = Robot.load()
 LEXICON = Lexicon.load()
@@ -95,12 +95,12 @@ def test_directions_are_units_and_not_parallel(forms):
 @FORMS
 def test_the_mirror_image_is_exact_and_its_own_inverse(forms):
     for form in forms:
-        image = mirrored(form)
+        image = mirror_form(form)
         for key, other in zip(form.keys, image.keys, strict=True):
             for side, pose in key.hands.items():
                 opposite = "r" if side == "l" else "l"
                 assert np.array_equal(world(side, pose) * [1, -1, 1], world(opposite, other.hands[opposite])), form.id
-        assert [key.hands for key in mirrored(image).keys] == [key.hands for key in form.keys], form.id
+        assert [key.hands for key in mirror_form(image).keys] == [key.hands for key in form.keys], form.id
 
 
 @FORMS
@@ -203,13 +203,13 @@ def test_any_text_is_either_understood_or_not(lexeme, mode):
 @pytest.mark.parametrize(
     ("lexeme", "reading"),
     [
-        ("past_Ges_L", Reading(("past",), "left")),
-        ("HandsTogetherR_Pos_B", Reading(("hands", "together"), "both")),
-        ("INFORM_GES_B_UP", Reading(("inform", "up"), "both")),
-        ("wave_right", Reading(("wave",), "right")),
-        ("right", Reading(("right",), "unspecified")),
-        ("beat4", Reading(("beat",), "unspecified")),
-        ("", Reading((), "unspecified")),
+        ("past_Ges_L", LexemeReading(("past",), "left")),
+        ("HandsTogetherR_Pos_B", LexemeReading(("hands", "together"), "both")),
+        ("INFORM_GES_B_UP", LexemeReading(("inform", "up"), "both")),
+        ("wave_right", LexemeReading(("wave",), "right")),
+        ("right", LexemeReading(("right",), "unspecified")),
+        ("beat4", LexemeReading(("beat",), "unspecified")),
+        ("", LexemeReading((), "unspecified")),
     ],
 )
 def test_a_lexeme_is_taken_apart(lexeme, reading):
@@ -218,11 +218,11 @@ def test_a_lexeme_is_taken_apart(lexeme, reading):
 
 def test_exact_words_outweigh_inflected_and_abbreviated_ones():
     senses = [Sense(("manipulate", "larger"), "iconic"), Sense(("other", "large"), "beat"), Sense(("x",), "iconic")]
-    assert nearest(["large"], senses) == (1, ("large",))
-    assert nearest(["manip"], senses) == (0, ("manip",))
-    assert nearest(["iconic"], senses) == (0, ("iconic",))
-    assert nearest(["zzz"], senses) is None
-    assert nearest([], senses) is None
+    assert nearest_sense(["large"], senses) == (1, ("large",))
+    assert nearest_sense(["manip"], senses) == (0, ("manip",))
+    assert nearest_sense(["iconic"], senses) == (0, ("iconic",))
+    assert nearest_sense(["zzz"], senses) is None
+    assert nearest_sense([], senses) is None
 
 
 GESTURE = """

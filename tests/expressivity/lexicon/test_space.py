@@ -8,7 +8,16 @@ from hypothesis import strategies as st
 from kinesic.body.arrays import sealed
 from kinesic.body.robot import Robot
 from kinesic.expressivity.lexicon.form import HandPose, StrokeKey
-from kinesic.expressivity.lexicon.space import EASE, HAND_GAP, SECTORS, apart, extended, position, to_world, widened
+from kinesic.expressivity.lexicon.space import (
+    EASE,
+    HAND_GAP,
+    SECTORS,
+    extended,
+    position,
+    spread_hands,
+    to_world,
+    widened,
+)
 
 ROBOT = Robot.load()
 coordinates = st.floats(-1.0, 1.5)
@@ -74,12 +83,14 @@ def test_two_hands_keep_their_gap_at_any_extent(left, right, spatial):
 def test_hands_that_point_at_each_other_are_parted_further():
     near = HandPose(position(0.2, 0.2, 0.5))
     inward = HandPose(position(0.2, 0.2, 0.5), pointing=sealed([0, -1, 0]))
-    assert _wrists(apart(StrokeKey({"l": inward, "r": inward}))) > _wrists(apart(StrokeKey({"l": near, "r": near})))
+    assert _wrists(spread_hands(StrokeKey({"l": inward, "r": inward}))) > _wrists(
+        spread_hands(StrokeKey({"l": near, "r": near}))
+    )
 
 
 def test_hands_that_are_clear_stay_where_they_are():
     key = StrokeKey({"l": HandPose(position(0.5, 0.2, 0.5)), "r": HandPose(position(0.5, 0.2, 0.5))})
-    assert apart(key) is key
+    assert spread_hands(key) is key
 
 
 def test_a_crossing_whose_outward_is_fixed_stays_crossed():

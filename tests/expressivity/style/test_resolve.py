@@ -4,26 +4,26 @@ import pytest
 
 from kinesic.bml.block import Behaviour, Block, Gesture, Head, Manner, Place, Torso
 from kinesic.body.config import ConfigError
-from kinesic.expressivity.style.resolve import SHARES, activated, manner_of, told
-from kinesic.expressivity.style.style import RANGES, Expressivity, Style, preset
+from kinesic.expressivity.style.resolve import SHARES, fold_activation, manner_of, resolve_numbers
+from kinesic.expressivity.style.style import RANGES, Expressivity, Style, style_preset
 
 
 def test_full_activation_of_a_neutral_manner():
-    found = activated(Expressivity(activation=1.0))
+    found = fold_activation(Expressivity(activation=1.0))
     assert {name: getattr(found, name) for name in SHARES} == pytest.approx(dict(SHARES))
     assert all(getattr(found, name) == 0.0 for name in RANGES if name not in SHARES)
 
 
 def test_full_passivity_stops_at_the_lower_ends():
-    found = activated(Expressivity(spatial=-0.5, openness=0.5, activation=-1.0))
+    found = fold_activation(Expressivity(spatial=-0.5, openness=0.5, activation=-1.0))
     assert found.spatial == pytest.approx(-0.5 - 0.5 * SHARES["spatial"])
     assert found.openness == pytest.approx(0.5 * (1 - SHARES["openness"]))
 
 
 def test_it_is_folded_in_once():
-    once = activated(Expressivity(power=0.3, activation=0.7))
+    once = fold_activation(Expressivity(power=0.3, activation=0.7))
     assert once.activation == 0.0
-    assert activated(once) == once
+    assert fold_activation(once) == once
 
 
 def behaviour(action=None, manner=None):
@@ -31,40 +31,42 @@ def behaviour(action=None, manner=None):
 
 
 def test_a_document_that_says_nothing_leaves_the_style():
-    found = told(preset("sad"), "head", Block("b", ()), behaviour())
-    assert found.expressivity == preset("sad").head
+    found = resolve_numbers(style_preset("sad"), "head", Block("b", ()), behaviour())
+    assert found.expressivity == style_preset("sad").head
     assert found.sources == dict.fromkeys(RANGES, "style")
 
 
 def test_later_sources_win_number_by_number():
-    style = preset("sad").changed(["head.power=0.9", "gesture.spatial=0.7"])
+    style = style_preset("sad").changed(["head.power=0.9", "gesture.spatial=0.7"])
     block = Block("b", (), manners={"gesture": Manner(spatial=0.1, temporal=0.2, power=0.3)})
-    found = told(style, "gesture", block, behaviour(manner=Manner(power=-0.4, intensity=0.3)))
+    found = resolve_numbers(style, "gesture", block, behaviour(manner=Manner(power=-0.4, intensity=0.3)))
     expected = {"spatial": 0.7, "temporal": 0.2, "power": -0.4}
-    assert found.expressivity == replace(preset("sad").gesture, **expected)
+    assert found.expressivity == replace(style_preset("sad").gesture, **expected)
     spoken = {"spatial": "setting", "temporal": "block", "power": "behaviour"}
     assert found.sources == {**dict.fromkeys(RANGES, "style"), **spoken}
 
 
 def test_a_block_speaks_for_the_modalities_that_it_names():
     block = Block("b", (), manners={"head": Manner(power=0.3)})
-    assert told(Style(), "head", block, behaviour()).expressivity.power == 0.3
-    assert told(Style(), "gesture", block, behaviour()).expressivity.power == 0.0
+    assert resolve_numbers(Style(), "head", block, behaviour()).expressivity.power == 0.3
+    assert resolve_numbers(Style(), "gesture", block, behaviour()).expressivity.power == 0.0
 
 
 def test_a_preset_of_the_document_is_complete():
     block = Block("b", (), manners={"head": Manner(power=0.3, style="sad")})
-    found = told(preset("joyful"), "head", block, behaviour())
-    assert found.expressivity == replace(preset("sad").head, power=0.3)
+    found = resolve_numbers(style_preset("joyful"), "head", block, behaviour())
+    assert found.expressivity == replace(style_preset("sad").head, power=0.3)
     assert set(found.sources.values()) == {"block"}
-    over = told(preset("joyful").changed(["power=0"]), "head", block, behaviour(manner=Manner(style="calm")))
-    assert over.expressivity == replace(preset("calm").head, power=0.0)
+    over = resolve_numbers(
+        style_preset("joyful").changed(["power=0"]), "head", block, behaviour(manner=Manner(style="calm"))
+    )
+    assert over.expressivity == replace(style_preset("calm").head, power=0.0)
     assert over.sources == {**dict.fromkeys(RANGES, "behaviour"), "power": "setting"}
 
 
 def test_a_preset_that_does_not_exist_is_an_error():
     with pytest.raises(ConfigError, match=r"no style joyfull; did you mean joyful\?"):
-        told(Style(), "head", Block("b", ()), behaviour(manner=Manner(style="joyfull")))
+        resolve_numbers(Style(), "head", Block("b", ()), behaviour(manner=Manner(style="joyfull")))
 
 
 @pytest.mark.parametrize(("action", "power"), [(Gesture("beat"), 0.1), (Head("NOD"), 0.2), (Torso("BodyLean"), 0.3)])
@@ -77,4 +79,4 @@ def test_a_behaviour_is_moved_in_the_manner_of_its_modality(action, power):
 
 def test_activation_is_folded_in():
     found = manner_of(Style(), Block("b", ()), behaviour(manner=Manner(activation=0.5)))
-    assert found == activated(Expressivity(activation=0.5))
+    assert found == fold_activation(Expressivity(activation=0.5))

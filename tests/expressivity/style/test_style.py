@@ -4,7 +4,7 @@ from dataclasses import asdict, fields
 import pytest
 
 from kinesic.body.config import CONFIGS, ConfigError
-from kinesic.expressivity.style.style import MODALITIES, RANGES, Expressivity, Setting, Style, preset
+from kinesic.expressivity.style.style import MODALITIES, RANGES, Expressivity, Setting, Style, style_preset
 
 PRESETS = sorted(file.stem for file in (CONFIGS / "styles").glob("*.toml"))
 
@@ -15,18 +15,18 @@ def test_the_presets():
 
 @pytest.mark.parametrize("name", PRESETS)
 def test_a_preset_loads_under_its_name_and_says_all_eight_numbers(name):
-    assert Style.load(name).name == preset(name).name == name
+    assert Style.load(name).name == style_preset(name).name == name
     text = (CONFIGS / "styles" / f"{name}.toml").read_text().partition("[")[0]
     assert [line.split()[0] for line in text.splitlines() if "=" in line] == list(RANGES)
 
 
 def test_presets_differ_and_neutral_is_the_default():
     assert Style.load() == Style()
-    assert len({tuple(asdict(preset(name).gesture).values()) for name in PRESETS}) == len(PRESETS)
+    assert len({tuple(asdict(style_preset(name).gesture).values()) for name in PRESETS}) == len(PRESETS)
 
 
 def test_presets_say_what_their_names_say():
-    styles = {name: preset(name) for name in PRESETS}
+    styles = {name: style_preset(name) for name in PRESETS}
     assert styles["angry"].gesture.power == max(style.gesture.power for style in styles.values())
     assert styles["shy"].gesture.spatial == min(style.gesture.spatial for style in styles.values())
     assert styles["calm"].gesture.fluidity == max(style.gesture.fluidity for style in styles.values())
@@ -61,7 +61,7 @@ def test_an_unknown_style_suggests_the_nearest():
 def test_a_style_of_the_user(tmp_path):
     text = (CONFIGS / "styles" / "calm.toml").read_text()
     (tmp_path / "mine.toml").write_text(text)
-    assert Style.load(tmp_path / "mine.toml").numbers() == preset("calm").numbers()
+    assert Style.load(tmp_path / "mine.toml").numbers() == style_preset("calm").numbers()
     (tmp_path / "wrong.toml").write_text(text.replace("power", "powr"))
     with pytest.raises(ConfigError, match=r"powr.*did you mean power\?"):
         Style.load(tmp_path / "wrong.toml")
@@ -87,10 +87,10 @@ def test_a_table_changes_single_numbers_of_its_modality(tmp_path):
 
 
 def test_a_setting_changes_one_number_of_all_modalities_or_of_one():
-    style = preset("sad").changed(["power=0.8", " head.openness = 1 "])
+    style = style_preset("sad").changed(["power=0.8", " head.openness = 1 "])
     assert [style.of(modality).power for modality in MODALITIES] == [0.8] * 4
     assert [style.of(modality).openness for modality in MODALITIES] == [0.0, 1.0, 0.0, 0.0]
-    assert style.gesture.spatial == preset("sad").gesture.spatial
+    assert style.gesture.spatial == style_preset("sad").gesture.spatial
     assert style.settings == (Setting("power", 0.8), Setting("openness", 1.0, "head"))
 
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from kinesic.body.action_units import ASIDE, CHANNELS, DOWNWARD, UNITS, UPWARD
-from kinesic.face.assets.action_units import deformed, intensities, weights
-from kinesic.face.assets.mesh import PARTS, VARIANTS, Mesh, load
+from kinesic.face.assets.action_units import deformed, intensities, shape_weights
+from kinesic.face.assets.mesh import PARTS, VARIANTS, Mesh, load_head
 from kinesic.face.display import DisplayError
 
 MOUTH = (-0.03, 0.03, -0.115, -0.045)  # [m] right, left, low, high
@@ -14,7 +14,7 @@ EYES = (-0.05, 0.05, -0.012, 0.012)
 
 @pytest.fixture(scope="module", params=VARIANTS)
 def mesh(request: pytest.FixtureRequest) -> Mesh:
-    return load(request.param)
+    return load_head(request.param)
 
 
 def seen(mesh: Mesh, positions: np.ndarray, window: tuple[float, float, float, float], steps: int = 36) -> set[str]:
@@ -139,7 +139,7 @@ def test_eyeballs_turn_about_their_centres(mesh: Mesh, units: dict[str, float], 
 
 
 def test_the_finer_head_does_the_same():
-    mesh = load("female")
+    mesh = load_head("female")
     fine = mesh.subdivided()
     units = {"12": 0.8, "26": 0.5, "61": 0.7, "L43": 0.4}
     coarse, smooth = deformed(mesh, units) - mesh.positions, deformed(fine, units) - fine.positions
@@ -156,8 +156,8 @@ def test_a_number_means_both_sides_and_the_stronger_counts():
 
 
 def test_weights_stay_inside_0_and_1():
-    mesh = load()
-    found = weights(mesh, dict.fromkeys(CHANNELS, 1.0))
+    mesh = load_head()
+    found = shape_weights(mesh, dict.fromkeys(CHANNELS, 1.0))
     assert found.min() >= 0.0
     assert found.max() <= 1.0
 
@@ -165,10 +165,10 @@ def test_weights_stay_inside_0_and_1():
 @pytest.mark.parametrize("name", ["3", "AU12", "L26", "", "jaw", "121"])
 def test_an_unknown_unit_is_refused(name: str):
     with pytest.raises(DisplayError, match=f"no action unit {name}(; known: 1, 2|: jaw drop has no sides; write 26)"):
-        deformed(load(), {name: 0.5})
+        deformed(load_head(), {name: 0.5})
 
 
 @pytest.mark.parametrize("value", [1.5, -0.1, math.nan, math.inf])
 def test_an_intensity_outside_0_and_1_is_refused(value: float):
     with pytest.raises(DisplayError, match=r"action unit 12 is .*; intensities go from 0 to 1"):
-        deformed(load(), {"12": value})
+        deformed(load_head(), {"12": value})

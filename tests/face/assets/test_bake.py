@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kinesic.face.assets import bake
-from kinesic.face.assets.mesh import VARIANTS, load
+from kinesic.face.assets.mesh import VARIANTS, load_head
 
 SQUARE = ((-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1))  # [dm] across and up
 TONGUE = np.array(bake.SHIFTS["helper-tongue"]) * 0.1
@@ -52,9 +52,9 @@ def wheel(tmp_path: Path) -> Path:
 
 def test_what_is_baked_is_what_is_loaded(wheel: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     out = tmp_path / "head.npz"
-    bake.main(wheel, out)
+    bake.bake_head(wheel, out)
     assert "3 shapes" in capsys.readouterr().out
-    woman, man = (load(variant, path=out) for variant in VARIANTS)
+    woman, man = (load_head(variant, path=out) for variant in VARIANTS)
     assert len(woman.faces) == len(bake.GROUPS) + 1  # no foot, no cubes round the eyes
     np.testing.assert_allclose(woman.eyes, [[0.0, 0.03, 0.0], [0.0, -0.03, 0.0]], atol=1e-12)
     np.testing.assert_allclose(woman.positions[0], [0.0, -0.01, -0.11], atol=1e-5)

@@ -1,14 +1,14 @@
 import numpy as np
 import pytest
 
-from kinesic.face.assets.chart import LEFT_RIGHT, LOW_HIGH, ROUND, hair, mouth, places, unrolled, window
-from kinesic.face.assets.mesh import VARIANTS, Variant, load
+from kinesic.face.assets.chart import LEFT_RIGHT, LOW_HIGH, ROUND, chart_window, hair, mouth, unrolled, vertex_chart
+from kinesic.face.assets.mesh import VARIANTS, Variant, load_head
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_the_mask_is_nothing_at_every_vertex_behind(variant: Variant):
-    mesh = load(variant)
-    place, skin = places(mesh), mesh.vertices("skin")
+    mesh = load_head(variant)
+    place, skin = vertex_chart(mesh), mesh.vertices("skin")
     forward = mesh.positions[skin, 0] / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
     assert np.all(place[skin, 2][forward < -0.6] <= 0.0)
     outside = mouth(mesh)[skin] == 0.0
@@ -18,8 +18,8 @@ def test_the_mask_is_nothing_at_every_vertex_behind(variant: Variant):
 
 def test_the_seam_is_cut_open():
     """Painting and hair must not be squeezed into the triangles where the chart's ends meet."""
-    mesh = load()
-    place = places(mesh)
+    mesh = load_head()
+    place = vertex_chart(mesh)
     skin = mesh.parts[mesh.triangles[:, 0]] == 0
     assert (np.ptp(place[mesh.triangles[skin], 0], axis=1) > ROUND / 2).sum() > 20
     sources, cut, triangles = unrolled(place, mesh.triangles)
@@ -34,21 +34,21 @@ def test_the_seam_is_cut_open():
 
 
 def test_no_face_that_the_mask_lets_through_crosses_the_seam():
-    mesh = load()
-    place = places(mesh)
+    mesh = load_head()
+    place = vertex_chart(mesh)
     corners = place[mesh.faces]
     shown = (corners[..., 2].max(axis=1) > 0.0) & (mesh.parts[mesh.faces[:, 0]] == 0)
     assert np.ptp(corners[shown, :, 0], axis=1).max() < 1.0
 
 
 def test_eyes_are_told_by_direction():
-    mesh = load()
-    eyes = places(mesh)[mesh.vertices("eyes")]
+    mesh = load_head()
+    eyes = vertex_chart(mesh)[mesh.vertices("eyes")]
     np.testing.assert_allclose(np.linalg.norm(eyes[:, :3], axis=1), 1.0)
 
 
 def test_the_window_is_the_unit_square():
-    scale_a, scale_y, offset_a, offset_y = window()
+    scale_a, scale_y, offset_a, offset_y = chart_window()
     np.testing.assert_allclose(np.array(LEFT_RIGHT) * scale_a + offset_a, (0, 1), atol=1e-12)
     np.testing.assert_allclose(np.array(LOW_HIGH) * scale_y + offset_y, (0, 1), atol=1e-12)
 
@@ -59,7 +59,7 @@ def test_hair_grows_on_top_and_behind_but_not_on_the_face():
 
 
 def test_the_mouth_is_inside_the_face():
-    mesh = load()
+    mesh = load_head()
     inside = mouth(mesh)
     forward, left, up = (mesh.positions / (mesh.eyes[0, 1] - mesh.eyes[1, 1])).T
     assert (inside > 0.5).sum() > 30

@@ -2,12 +2,12 @@ import numpy as np
 import pytest
 
 from kinesic.face.assets.eyeshade import eyeshade
-from kinesic.face.assets.mesh import VARIANTS, Variant, load
+from kinesic.face.assets.mesh import VARIANTS, Variant, load_head
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_a_brim_stands_off_the_forehead_and_is_symmetric(variant: Variant):
-    mesh = load(variant)
+    mesh = load_head(variant)
     brim = eyeshade(mesh)
     assert brim.triangles.max() == len(brim.positions) - 1
     np.testing.assert_allclose(np.linalg.norm(brim.normals, axis=1), 1.0)

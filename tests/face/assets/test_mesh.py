@@ -3,13 +3,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kinesic.face.assets.mesh import HEAD, PARTS, VARIANTS, Mesh, load
+from kinesic.face.assets.mesh import HEAD, PARTS, VARIANTS, Mesh, load_head
 from kinesic.face.display import DisplayError
 
 
 @pytest.fixture(scope="module", params=VARIANTS)
 def mesh(request: pytest.FixtureRequest) -> Mesh:
-    return load(request.param)
+    return load_head(request.param)
 
 
 def test_the_file_is_small_and_says_where_it_is_from():
@@ -107,18 +107,18 @@ def test_eyeballs_stay_as_round_as_they_were(mesh: Mesh):
 
 def test_a_missing_or_broken_file_and_an_unknown_variant_are_one_error(tmp_path: Path):
     with pytest.raises(DisplayError, match=r"none\.npz: no such file"):
-        load(path=tmp_path / "none.npz")
+        load_head(path=tmp_path / "none.npz")
     broken = tmp_path / "broken.npz"
     for content in (b"", b"PK\x03\x04 no", HEAD.read_bytes()[:5000]):
         broken.write_bytes(content)
         with pytest.raises(DisplayError, match="not a head"):
-            load(path=broken)
+            load_head(path=broken)
     with broken.open("wb") as file:
         np.save(file, np.zeros(3))
     with pytest.raises(DisplayError, match="not a head"):
-        load(path=broken)
+        load_head(path=broken)
     np.savez(broken, positions=np.zeros(3))
     with pytest.raises(DisplayError, match="not a head"):
-        load(path=broken)
+        load_head(path=broken)
     with pytest.raises(DisplayError, match="no face femal; did you mean female"):
-        load("femal")  # type: ignore[arg-type] # what a command line may pass on
+        load_head("femal")  # type: ignore[arg-type] # what a command line may pass on

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from kinesic.body.robot import Robot
-from kinesic.face.assets.mesh import load
-from kinesic.face.render.camera import PIVOT, Camera, turned
+from kinesic.face.assets.mesh import load_head
+from kinesic.face.render.camera import PIVOT, Camera, head_rotation
 from kinesic.face.render.head_pose import HEAD_ENDS, SHOULDERS_BEGIN, steadied, turns
 
 
@@ -19,7 +19,7 @@ def test_a_head_stands_as_the_skeleton_has_it(robot: Robot):
     head = skeleton.segment(robot.chains["neck"][-1])
     wanted = skeleton.frames(angles).rotations[:, head]
     for turn, stands in zip(turns(robot, angles).tolist(), wanted, strict=True):
-        np.testing.assert_allclose(turned(*turn), stands, atol=1e-9)
+        np.testing.assert_allclose(head_rotation(*turn), stands, atol=1e-9)
 
 
 def test_at_rest_it_is_upright(robot: Robot):
@@ -40,14 +40,14 @@ def test_a_head_that_is_raised_shows_its_chin():
 
 
 def test_shoulders_stay_while_the_head_turns_and_the_neck_is_bent_between():
-    mesh = load()
+    mesh = load_head()
     rest, turn = mesh.positions, (0.5, -0.3, 0.1)
     seen = steadied(rest, rest, turn)
     head, shoulders = rest[:, 2] > HEAD_ENDS, rest[:, 2] < SHOULDERS_BEGIN
     np.testing.assert_array_equal(seen[head], rest[head])
-    stands = (seen - PIVOT) @ turned(*turn).T + PIVOT
+    stands = (seen - PIVOT) @ head_rotation(*turn).T + PIVOT
     np.testing.assert_allclose(stands[shoulders], rest[shoulders], atol=1e-12)
-    whole = (rest - PIVOT) @ turned(*turn).T + PIVOT
+    whole = (rest - PIVOT) @ head_rotation(*turn).T + PIVOT
     neck = ~(head | shoulders)
     reach = np.linalg.norm(whole - rest, axis=1)[neck]
     assert np.all(np.linalg.norm(stands - rest, axis=1)[neck] <= reach + 1e-9)

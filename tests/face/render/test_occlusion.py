@@ -14,7 +14,7 @@ from kinesic.face.render.occlusion import SIDE, OcclusionPass, directions, radic
 from kinesic.face.render.passes import texture
 from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import Estimator, Occlusion, Pattern
-from kinesic.face.render.seen import Seen, SeenPass
+from kinesic.face.render.seen import PositionBuffer, SeenPass
 
 SIZE = 128
 SCALE = 2000.0  # [pixels/m] of the scenes
@@ -26,7 +26,7 @@ def opened(context: moderngl.Context, scene: tuple[Floats, Floats], occlusion: O
     position, normal = (texture(context, each, "f4") for each in scene)
     for each in (position, normal):
         each.filter = (moderngl.NEAREST, moderngl.NEAREST)
-    return OcclusionPass(context, Seen(position, normal), occlusion).draw(SCALE).read()[::-1, :, 0]
+    return OcclusionPass(context, PositionBuffer(position, normal), occlusion).draw(SCALE).read()[::-1, :, 0]
 
 
 def plane() -> tuple[Floats, Floats]:

@@ -7,7 +7,7 @@ from scipy.ndimage import binary_erosion
 from kinesic.face.display import DisplayError, offscreen
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.portrait import Pixels, Portrait
-from kinesic.face.render.presets import DRAFT, FULL, NORMAL, PRESETS, Preset, Shadow, preset
+from kinesic.face.render.presets import DRAFT, FULL, NORMAL, PRESETS, Preset, Shadow, quality_preset
 
 from ..conftest import Gallery
 
@@ -150,9 +150,9 @@ def test_nothing_of_the_face_is_painted_where_the_chart_has_its_seam(gallery: Ga
 
 def test_presets_are_known_by_name():
     assert list(PRESETS) == ["draft", "normal", "full"]
-    assert preset("normal") is NORMAL
+    assert quality_preset("normal") is NORMAL
     with pytest.raises(DisplayError, match="no preset ful; did you mean full"):
-        preset("ful")
+        quality_preset("ful")
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from scipy.ndimage import binary_dilation
 
 from kinesic.body.arrays import Floats
 from kinesic.face.assets.action_units import intensities
-from kinesic.face.assets.chart import window
+from kinesic.face.assets.chart import chart_window
 from kinesic.face.render.camera import FRONT, Camera
 from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.wrinkles import MAPS, maps, shares, smooth_line, wrinkles
@@ -124,7 +124,7 @@ def test_a_unit_bends_only_the_skin_that_its_maps_cover(bent: Bent, unit: int):
     shown, none = bent.normals({str(unit): 1.0}), bent.normals({})
     deviation = tangent(shown, none)
     place, part = bent.places()
-    scale_a, scale_y, offset_a, offset_y = window()
+    scale_a, scale_y, offset_a, offset_y = chart_window()
     size = maps().shape[1]
     column = np.clip((place[..., 0] * scale_a + offset_a) * size, 0, size - 1).astype(int)
     row = np.clip((place[..., 1] * scale_y + offset_y) * size, 0, size - 1).astype(int)

@@ -11,8 +11,8 @@ from kinesic.face.display import DisplayError
 from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import DRAFT
 from kinesic.face.show import files
-from kinesic.face.show.files import encoder, save, save_film, strip
-from kinesic.face.show.sheet import ACROSS, GAP, KINDS, LABEL, sheet
+from kinesic.face.show.files import encoder, film_strip, save, save_film
+from kinesic.face.show.sheet import ACROSS, GAP, KINDS, LABEL, draw_units_sheet
 
 PIXELS = np.zeros((8, 8, 3), dtype=np.uint8)
 
@@ -57,7 +57,7 @@ def test_pictures_of_a_film_keep_the_clock(tmp_path: Path):
 
 def test_a_strip_has_its_pictures_in_rows():
     frames = [np.full((700, 700, 3), 10 * k, dtype=np.uint8) for k in range(3)]
-    pixels = strip(frames)
+    pixels = film_strip(frames)
     assert pixels.shape == (1400, 1400, 3)
     assert [pixels[100, 100, 0], pixels[100, 800, 0], pixels[800, 100, 0], pixels[800, 800, 0]] == [0, 10, 20, 0]
 
@@ -88,6 +88,6 @@ def test_without_an_encoder_the_packages_are_named(tmp_path: Path, monkeypatch: 
 
 def test_a_sheet_has_four_pictures_of_each_unit(drawable: None):
     with Portrait(size=(40, 40), preset=DRAFT) as portrait:
-        pixels = sheet(portrait, units=[1, 4, 12, 26])
+        pixels = draw_units_sheet(portrait, units=[1, 4, 12, 26])
     assert pixels.shape == (2 * (40 + LABEL) + LABEL, ACROSS * (len(KINDS) * 40 + GAP) - GAP, 3)
     assert len(UNITS) <= 12 * ACROSS

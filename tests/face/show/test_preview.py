@@ -20,14 +20,14 @@ from kinesic.face.render.portrait import Portrait
 from kinesic.face.show.controls import Controls
 from kinesic.face.show.files import save_film
 from kinesic.face.show.preview import Preview
-from kinesic.face.show.process import Look, follow, painter
-from kinesic.face.show.shared_command import Board, Shown
+from kinesic.face.show.process import PreviewSettings, follow, painter
+from kinesic.face.show.shared_command import Board, ShownFace
 from kinesic.face.show.side_film import Beside
 from kinesic.face.show.window import has_display
 
 pytestmark = pytest.mark.realtime
 
-SMALL = Look(preset="draft", side=32)
+SMALL = PreviewSettings(preset="draft", side=32)
 NONE = np.zeros(0)
 
 
@@ -60,17 +60,17 @@ class Screen:
 
 def test_a_board_holds_the_newest():
     here = board()
-    assert here.read() == Shown(0, 0.0, (0.0, 0.0, 0.0), {})
+    assert here.read() == ShownFace(0, 0.0, (0.0, 0.0, 0.0), {})
     for number in (1, 2):
-        assert here.write(Shown(number, 0.5, (0.1, 0.2, 0.3), {"12": 0.4, "26": 0.5}))
-    assert here.read() == Shown(2, 0.5, (0.1, 0.2, 0.3), {"L12": 0.4, "R12": 0.4, "26": 0.5})
+        assert here.write(ShownFace(number, 0.5, (0.1, 0.2, 0.3), {"12": 0.4, "26": 0.5}))
+    assert here.read() == ShownFace(2, 0.5, (0.1, 0.2, 0.3), {"L12": 0.4, "R12": 0.4, "26": 0.5})
 
 
 def test_whoever_writes_does_not_wait_for_whoever_reads():
     here = board()
     with here._held:
-        assert not here.write(Shown(1, 0.0, (0.0, 0.0, 0.0), {}))
-    assert here.write(Shown(2, 0.0, (0.0, 0.0, 0.0), {}))
+        assert not here.write(ShownFace(1, 0.0, (0.0, 0.0, 0.0), {}))
+    assert here.write(ShownFace(2, 0.0, (0.0, 0.0, 0.0), {}))
 
 
 @pytest.mark.parametrize(
@@ -79,13 +79,13 @@ def test_whoever_writes_does_not_wait_for_whoever_reads():
 )
 def test_a_face_that_cannot_be_is_one_line(units: Mapping[str, float], says: str):
     with pytest.raises(DisplayError, match=says) as caught:
-        board().write(Shown(1, 0.0, (0.0, 0.0, 0.0), units))
+        board().write(ShownFace(1, 0.0, (0.0, 0.0, 0.0), units))
     assert "\n" not in str(caught.value)
 
 
 def test_what_does_not_change_is_drawn_once_and_the_last_command_always():
     here, screen, drawn = board(), Screen(), []
-    here.write(Shown(7, 0.0, (0.0, 0.0, 0.0), {"12": 0.4}))
+    here.write(ShownFace(7, 0.0, (0.0, 0.0, 0.0), {"12": 0.4}))
     here.end()
     assert follow(here, screen, lambda shown, told: drawn.append(shown), Controls()) == 1
     assert [shown.number for shown in drawn] == [7]
@@ -145,7 +145,7 @@ def test_the_body_is_shown_beside_in_step(drawable: None, tmp_path: Path):
         assert body.at(time_s).mean() == pytest.approx(shade, abs=4)
     with offscreen() as context:
         draw = painter(context, (60, 60), Beside(path, 60))
-        pixels = draw(Shown(1, 0.55, (0.0, 0.0, 0.0), {}), Controls(preset="draft"))
+        pixels = draw(ShownFace(1, 0.55, (0.0, 0.0, 0.0), {}), Controls(preset="draft"))
     assert pixels.shape == (60, 140, 3)
     assert pixels[:, 60:].mean() == pytest.approx(125, abs=4)
 

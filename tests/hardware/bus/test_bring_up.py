@@ -8,13 +8,13 @@ from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.virtual.faults import CALM, FaultPlan, Mishap
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.shaft_simulation import Plant
-from kinesic.hardware.virtual.wiring import Cable, Fitting, build
+from kinesic.hardware.virtual.wiring import Cable, Fitting, build_bus
 
 MODEL = MODELS["xm430_w350"]
 
 
 def wire_of(faults: FaultPlan = CALM, baud: int = 1_000_000, count: int = 3) -> tuple[MemoryWire, Plant]:
-    plant, buses = build([Cable("body", tuple(Fitting(k + 1) for k in range(count)), baud=baud, faults=faults)])
+    plant, buses = build_bus([Cable("body", tuple(Fitting(k + 1) for k in range(count)), baud=baud, faults=faults)])
     return MemoryWire(buses["body"], name="/dev/ttyUSB0"), plant
 
 

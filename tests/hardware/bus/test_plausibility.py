@@ -5,7 +5,7 @@ import pytest
 
 from kinesic.hardware.bus.health import BLOCK, Records
 from kinesic.hardware.bus.plausibility import LEAP, LEEWAY, Gate
-from kinesic.hardware.bus.query import Answer
+from kinesic.hardware.bus.query import ServoReplies
 from kinesic.hardware.protocol.models import MODELS
 
 ALL = slice(None)
@@ -21,8 +21,8 @@ def blocks(tick: int, place: int = 2048, **changes: int) -> Records:
     return made
 
 
-def answer(made: Records) -> Answer:
-    return Answer(made, np.ones(len(made), dtype=np.bool_), True, 0)
+def answer(made: Records) -> ServoReplies:
+    return ServoReplies(made, np.ones(len(made), dtype=np.bool_), True, 0)
 
 
 @pytest.fixture
@@ -144,7 +144,7 @@ def test_a_clock_that_is_not_trusted_proves_nothing_until_the_next_record(gate: 
 
 def test_who_did_not_answer_keeps_the_record(gate: Gate):
     gate.begin()
-    gate.admit(ALL, Answer(blocks(1010, 2060), np.array([True, False]), False, 0), 1.01)
+    gate.admit(ALL, ServoReplies(blocks(1010, 2060), np.array([True, False]), False, 0), 1.01)
     assert gate.blocks["position"].tolist() == [2060, 2048]
     assert gate.times.tolist() == [1.01, 1.0]
     assert gate.fresh.tolist() == [True, False]

@@ -1,6 +1,6 @@
 from pathlib import Path
 
-from kinesic.hardware.bus.ports import Latency, latency, ports, stable_name
+from kinesic.hardware.bus.ports import AdapterLatency, latency, ports, stable_name
 
 
 def links(folder: Path) -> tuple[Path, Path]:
@@ -42,7 +42,7 @@ def test_the_latency_timer_is_read_through_the_lasting_name(tmp_path: Path):
     setting = timer(tmp_path, "16\n")
     name = names / "usb-FTDI_U2D2_FT1-if00-port0"
     found = latency(name, system=tmp_path)
-    assert found == Latency(name, 16, setting)
+    assert found == AdapterLatency(name, 16, setting)
     assert not found.good
     assert f"{name}: USB latency timer is 16 ms, which limits every bus to about 62 Hz" in found.remedy
     assert f"echo 1 | sudo tee {setting}" in found.remedy

@@ -16,9 +16,9 @@ from kinesic.hardware.protocol.models import MODELS
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.virtual.faults import FaultPlan, Mishap
-from kinesic.hardware.virtual.pty import PtyPort, serve
+from kinesic.hardware.virtual.pty import PtyPort, serve_wires
 from kinesic.hardware.virtual.shaft_simulation import Plant
-from kinesic.hardware.virtual.wiring import Cable, Fitting, build
+from kinesic.hardware.virtual.wiring import Cable, Fitting, build_bus
 
 pytestmark = pytest.mark.realtime
 
@@ -36,10 +36,10 @@ def ends(tmp_path: Path) -> Iterator[tuple[int, Path]]:
 
 
 def serving(folder: Path, faults: FaultPlan) -> Iterator[tuple[Path, Plant]]:
-    plant, buses = build([Cable("body", tuple(Fitting(servo.id) for servo in SERVOS), faults=faults)])
+    plant, buses = build_bus([Cable("body", tuple(Fitting(servo.id) for servo in SERVOS), faults=faults)])
     link, running = folder / "port", threading.Event()
     running.set()
-    thread = threading.Thread(target=serve, args=([PtyPort(buses["body"], link)], running.is_set))
+    thread = threading.Thread(target=serve_wires, args=([PtyPort(buses["body"], link)], running.is_set))
     thread.start()
     while not link.exists():
         time.sleep(0.001)

@@ -9,10 +9,10 @@ MANUAL = {  # examples of the public manual (Protocol 2.0)
     "ping to all": (packet.ping(254), "ff ff fd 00 fe 03 00 01 31 42"),
     "status of a ping": (packet.status(1, 0, bytes((6, 4, 0x26))), "ff ff fd 00 01 07 00 55 00 06 04 26 65 5d"),
     "status of the second": (packet.status(2, 0, bytes((6, 4, 0x26))), "ff ff fd 00 02 07 00 55 00 06 04 26 6f 6d"),
-    "read": (packet.read(1, 132, 4), "ff ff fd 00 01 07 00 02 84 00 04 00 1d 15"),
+    "read": (packet.read_packet(1, 132, 4), "ff ff fd 00 01 07 00 02 84 00 04 00 1d 15"),
     "status of a read": (packet.status(1, 0, bytes((0xA6, 0, 0, 0))), "ff ff fd 00 01 08 00 55 00 a6 00 00 00 8c c0"),
     "write": (
-        packet.write(1, 116, (512).to_bytes(4, "little")),
+        packet.write_packet(1, 116, (512).to_bytes(4, "little")),
         "ff ff fd 00 01 09 00 03 74 00 00 02 00 00 ca 89",
     ),
     "status of a write": (packet.status(1, 0), "ff ff fd 00 01 04 00 55 00 a1 0c"),
@@ -72,7 +72,7 @@ def test_stuffing_is_undone():
 
 def test_a_goal_current_of_minus_one_before_a_velocity_of_minus_three_arrives():
     data = (-1).to_bytes(2, "little", signed=True) + (-3).to_bytes(4, "little", signed=True)
-    (read,) = Reader().feed(packet.write(1, 102, data))
+    (read,) = Reader().feed(packet.write_packet(1, 102, data))
     assert read.parameters == bytes((102, 0)) + data
 
 
@@ -104,7 +104,7 @@ def test_an_id_that_no_servo_has_is_refused(servo: int):
 
 def test_what_servos_do_not_read_is_refused():
     with pytest.raises(ValueError, match="longer than"):
-        packet.write(1, 0, bytes(2000))
+        packet.write_packet(1, 0, bytes(2000))
     with pytest.raises(ValueError, match="must be 4"):
         packet.sync_write(116, 4, {1: b"\0"})
 
@@ -135,10 +135,10 @@ class _Sent:
 def test_the_sdk_sends_the_same_where_nothing_is_stuffed():
     port, sdk = _Sent(), Protocol2PacketHandler()
     sdk.writeTxOnly(port, 5, 116, 4, [1, 2, 3, 4])
-    assert port.data == packet.write(5, 116, bytes((1, 2, 3, 4)))
+    assert port.data == packet.write_packet(5, 116, bytes((1, 2, 3, 4)))
     port.is_using = False
     sdk.readTx(port, 5, 132, 4)
-    assert port.data == packet.read(5, 132, 4)
+    assert port.data == packet.read_packet(5, 132, 4)
     for fast in (False, True):
         port.is_using = False
         sdk.syncReadTx(port, 224, 18, [1, 2, 3], 3, fast)

@@ -15,18 +15,18 @@ from kinesic.hardware.bus.bus import Servo
 from kinesic.hardware.protocol.models import MODELS
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.ticks import Ticks
-from kinesic.hardware.supervisor.channel import Channel, Note, Status, size
-from kinesic.hardware.supervisor.event_log import Journal
+from kinesic.hardware.supervisor.channel import Channel, Note, Status, memory_size
+from kinesic.hardware.supervisor.event_log import EventLog
 from kinesic.hardware.supervisor.manifest import Manifest, Member
-from kinesic.hardware.supervisor.settings import Settings
+from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.supervisor.supervisor import Supervisor
 from kinesic.hardware.virtual.faults import CALM, FaultPlan, Mishap
 from kinesic.hardware.virtual.memory_wire import MemoryWire
-from kinesic.hardware.virtual.wiring import Cable, Fitting, build, cables
+from kinesic.hardware.virtual.wiring import Cable, Fitting, build_bus, cables
 
 PERIOD = 0.01
-BRISK = Settings(pace=3.0)
+BRISK = SupervisorSettings(pace=3.0)
 MODEL = "xm430_w350"
 
 
@@ -39,19 +39,21 @@ def robot() -> Robot:
 class Desk:
     """The supervisor, the servos behind it, and what a planner would see."""
 
-    def __init__(self, manifest: Manifest, wires: Sequence[Cable], log: Path, *, settings: Settings = BRISK) -> None:
+    def __init__(
+        self, manifest: Manifest, wires: Sequence[Cable], log: Path, *, settings: SupervisorSettings = BRISK
+    ) -> None:
         self.manifest, self.settings, self.log, self.alive = manifest, settings, log, True
-        self.plant, self.buses = build(wires)
+        self.plant, self.buses = build_bus(wires)
         self.jumps: list[float] = []
-        self.journal_file: Journal | None = None
+        self.journal_file: EventLog | None = None
         self.start()
 
     def start(self) -> None:
         """A new supervisor on the same servos."""
         joints = len(self.manifest.rest)
         self.end()
-        self.journal_file = Journal(self.log)
-        self.channel = Channel(mmap.mmap(-1, size(joints)), joints)
+        self.journal_file = EventLog(self.log)
+        self.channel = Channel(mmap.mmap(-1, memory_size(joints)), joints)
         self.wires = {name: MemoryWire(bus, name=name, time=self.plant.time) for name, bus in self.buses.items()}
         self.supervisor = Supervisor(
             self.manifest,
@@ -157,7 +159,7 @@ def desk(robot: Robot, tmp_path: Path) -> Iterator[Callable[..., Desk]]:
     """Makes a desk for the little robot, whose supervisor has not begun."""
     desks: list[Desk] = []
 
-    def made(faults: FaultPlan = CALM, settings: Settings = BRISK) -> Desk:
+    def made(faults: FaultPlan = CALM, settings: SupervisorSettings = BRISK) -> Desk:
         first, second = cables(robot)
         wires = (replace(first, faults=faults), second)
         desks.append(Desk(Manifest.of(robot), wires, tmp_path / "events.jsonl", settings=settings))
@@ -173,7 +175,9 @@ def crowd(tmp_path: Path) -> Iterator[Callable[..., Desk]]:
     """Makes a desk for so many servos on one wire, a hinge each."""
     desks: list[Desk] = []
 
-    def made(count: int, *, baud: int = 1_000_000, faults: FaultPlan = CALM, settings: Settings = BRISK) -> Desk:
+    def made(
+        count: int, *, baud: int = 1_000_000, faults: FaultPlan = CALM, settings: SupervisorSettings = BRISK
+    ) -> Desk:
         fittings = tuple(Fitting(k + 1, model=MODEL) for k in range(count))
         wires = (Cable("body", fittings, baud=baud, faults=faults),)
         desks.append(Desk(manifest_of(count, baud), wires, tmp_path / "events.jsonl", settings=settings))

@@ -4,7 +4,16 @@ import os
 import numpy as np
 import pytest
 
-from kinesic.hardware.supervisor.channel import EVENTS, HISTORY, Channel, Note, Status, mapped, memory_file, size
+from kinesic.hardware.supervisor.channel import (
+    EVENTS,
+    HISTORY,
+    Channel,
+    Note,
+    Status,
+    map_memory,
+    memory_file,
+    memory_size,
+)
 from kinesic.hardware.supervisor.state_machine import Stage
 
 JOINTS, CAPACITY = 3, 8
@@ -13,7 +22,7 @@ JOINTS, CAPACITY = 3, 8
 @pytest.fixture
 def ends() -> tuple[Channel, Channel]:
     """Planner and supervisor."""
-    memory = mmap.mmap(-1, size(JOINTS, CAPACITY))
+    memory = mmap.mmap(-1, memory_size(JOINTS, CAPACITY))
     return Channel(memory, JOINTS, CAPACITY), Channel(memory, JOINTS, CAPACITY)
 
 
@@ -97,9 +106,9 @@ def test_wishes_are_seen_by_the_other_side(ends):
 
 
 def test_memory_is_shared_through_its_descriptor_and_has_no_name():
-    octets = size(JOINTS, CAPACITY)
+    octets = memory_size(JOINTS, CAPACITY)
     descriptor = memory_file(octets)
-    one, other = (Channel(mapped(descriptor, octets), JOINTS, CAPACITY) for _ in range(2))
+    one, other = (Channel(map_memory(descriptor, octets), JOINTS, CAPACITY) for _ in range(2))
     os.close(descriptor)
     one.write(1.0, np.zeros(JOINTS))
     assert len(other.commands(9)) == 1

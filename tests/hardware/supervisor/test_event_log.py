@@ -2,12 +2,12 @@ import json
 from pathlib import Path
 
 from kinesic.hardware.supervisor.channel import Note
-from kinesic.hardware.supervisor.event_log import Journal
+from kinesic.hardware.supervisor.event_log import EventLog
 
 
 def test_every_event_is_a_line(tmp_path: Path):
     path = tmp_path / "events.jsonl"
-    journal = Journal(path)
+    journal = EventLog(path)
     journal.write(Note(1.5, 3, "error", "hardware error"))
     journal.write(Note(2.5, -1, "stage", "hold -> fold (tick)"))
     lines = [json.loads(line) for line in path.read_text().splitlines()]
@@ -22,7 +22,7 @@ def test_every_event_is_a_line(tmp_path: Path):
 def test_a_file_goes_on(tmp_path: Path):
     path = tmp_path / "events.jsonl"
     for _ in range(2):
-        journal = Journal(path)
+        journal = EventLog(path)
         journal.write(Note(1.0, -1, "stage", "x"))
         journal.close()
     assert len(path.read_text().splitlines()) == 2
@@ -30,7 +30,7 @@ def test_a_file_goes_on(tmp_path: Path):
 
 def test_without_a_file_and_on_a_full_disk_nothing_happens():
     for path in (None, Path("/dev/full")):
-        journal = Journal(path)
+        journal = EventLog(path)
         journal.write(Note(1.0, -1, "stage", "x"))
         journal.write(Note(1.0, -1, "stage", "x"))
         journal.close()

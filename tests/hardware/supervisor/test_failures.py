@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kinesic.hardware.protocol.registers import HardwareError, Register
-from kinesic.hardware.supervisor.settings import Settings
+from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.virtual.faults import Mishap
 
@@ -30,7 +30,7 @@ def test_a_planner_that_dies_is_held_within_100_ms_then_folded_and_released(desk
 
 
 def test_release_forgets_nobody_because_of_a_servo_that_is_silent(desk: Make):
-    made = desk(settings=Settings(hopeless=1.0, pace=3.0)).active()
+    made = desk(settings=SupervisorSettings(hopeless=1.0, pace=3.0)).active()
     made.plant.servos[2].mute = True
     made.channel.set("estop", 2)
     made.run(0.2)
@@ -137,7 +137,7 @@ def test_servos_whose_port_is_lost_stop_by_themselves(desk: Make):
 
 
 def test_a_port_that_stays_away_is_given_up(desk: Make):
-    made = desk(settings=Settings(hopeless=1.0)).active(4.0)
+    made = desk(settings=SupervisorSettings(hopeless=1.0)).active(4.0)
     made.expose(Mishap("unplug", seconds=100.0))
     made.until(Stage.CLOSED, within=5.0)
     assert made.true(TORQUE)[:4].all()
@@ -187,7 +187,7 @@ def test_servos_of_which_some_have_torque_are_adopted_and_the_others_armed(desk:
 
 
 def test_an_end_while_a_servo_is_silent_folds_and_lets_go(desk: Make):
-    made = desk(settings=Settings(patience=1.0, hopeless=2.0, pace=3.0)).active(20.0)
+    made = desk(settings=SupervisorSettings(patience=1.0, hopeless=2.0, pace=3.0)).active(20.0)
     made.plant.servos[2].mute = True
     made.channel.set("ended", 1)
     made.until(Stage.CLOSED, within=15.0)

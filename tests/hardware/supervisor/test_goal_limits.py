@@ -1,16 +1,16 @@
 import numpy as np
 import pytest
 
-from kinesic.hardware.supervisor.goal_limits import Bounds, Course, guarded
+from kinesic.hardware.supervisor.goal_limits import GoalBounds, GoalCourse, guarded
 
 STEP = 0.01
 LIMITS = (np.array([100.0]), np.array([4000.0]), np.array([2000.0]), np.array([300.0]))
-BOUNDS = Bounds(*LIMITS)
+BOUNDS = GoalBounds(*LIMITS)
 UNKNOWN = np.array([np.nan])
 
 
 def follow(start: float, wanted: list[float]) -> tuple[list[float], list[bool]]:
-    course, goals, refusals = Course.still(np.array([start])), [start], []
+    course, goals, refusals = GoalCourse.still(np.array([start])), [start], []
     for goal in wanted:
         course, refused = guarded(course, np.array([goal]), UNKNOWN, STEP, BOUNDS)
         goals.append(float(course.goals[0]))
@@ -42,28 +42,28 @@ def test_goals_stay_in_their_range():
 
 
 def test_a_goal_does_not_run_away_from_a_servo_that_stands():
-    course = Course.still(np.array([2000.0]))
+    course = GoalCourse.still(np.array([2000.0]))
     for k in range(200):
         course, _ = guarded(course, np.array([2000.0 + 10 * k]), np.array([2000.0]), STEP, BOUNDS)
     assert course.goals[0] <= 2300.0
 
 
 def test_a_servo_that_was_pushed_away_is_not_followed_by_a_jump():
-    course, _ = guarded(Course.still(np.array([2000.0])), np.array([2000.0]), np.array([1000.0]), STEP, BOUNDS)
+    course, _ = guarded(GoalCourse.still(np.array([2000.0])), np.array([2000.0]), np.array([1000.0]), STEP, BOUNDS)
     assert course.goals[0] == 2000.0
 
 
 def test_what_others_do_changes_nothing_for_a_servo():
     """A servo that nobody has heard makes the others be looked at more closely: with the same result."""
-    rng, two = np.random.default_rng(1), Bounds(*(np.repeat(each, 2) for each in LIMITS))
+    rng, two = np.random.default_rng(1), GoalBounds(*(np.repeat(each, 2) for each in LIMITS))
     for _ in range(300):
         goal, speed = rng.uniform(100, 4000), rng.uniform(-2000, 2000)
         wanted, present = goal + rng.normal(0, 60), goal + rng.normal(0, 200)
         alone, refused = guarded(
-            Course(np.array([goal]), np.array([speed])), np.array([wanted]), np.array([present]), STEP, BOUNDS
+            GoalCourse(np.array([goal]), np.array([speed])), np.array([wanted]), np.array([present]), STEP, BOUNDS
         )
         both, refusals = guarded(
-            Course(np.array([goal, 2000.0]), np.array([speed, 0.0])),
+            GoalCourse(np.array([goal, 2000.0]), np.array([speed, 0.0])),
             np.array([wanted, 2000.0]),
             np.array([present, np.nan]),
             STEP,

@@ -5,21 +5,21 @@ from collections.abc import Callable
 import pytest
 
 from kinesic.hardware.protocol.registers import Register
-from kinesic.hardware.supervisor.settings import Settings
+from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.virtual.faults import BUILD_KINDS, FaultPlan, Mishap
-from kinesic.hardware.virtual.matrix import STRIKE, Case, cases
+from kinesic.hardware.virtual.matrix import STRIKE, FaultCase, cases
 
 Make = Callable  # of a desk, see conftest
 REFUSED = {"duplicate id", "wrong model"}
 SIZES, BAUDS, SEEDS = (7, 14, 26), (57_600, 1_000_000, 4_000_000), (1, 2, 3)
 
 
-def settings(count: int, baud: int) -> Settings:
+def settings(count: int, baud: int) -> SupervisorSettings:
     """A period that the wire allows, and a watchdog of ten of them at least."""
     period = max(0.01, 1.6 * ((36 + 28 * count) * 10 / baud + 0.001))
     watchdog = max(0.1, 10 * period)
-    return Settings(
+    return SupervisorSettings(
         period=period,
         watchdog=watchdog,
         patient_watchdog=watchdog,
@@ -30,7 +30,7 @@ def settings(count: int, baud: int) -> Settings:
     )
 
 
-def struck(make: Make, case: Case, count: int, baud: int, seed: int) -> None:
+def struck(make: Make, case: FaultCase, count: int, baud: int, seed: int) -> None:
     """A performance under a fault, to its end."""
     built = FaultPlan(tuple(m for m in case.mishaps if m.kind in BUILD_KINDS), seed)
     later = tuple(m for m in case.mishaps if m.kind not in BUILD_KINDS)
@@ -53,7 +53,7 @@ def struck(make: Make, case: Case, count: int, baud: int, seed: int) -> None:
 
 
 @pytest.mark.parametrize("case", [case for case in cases() if "1%" not in case.name], ids=lambda case: case.name)
-def test_a_performance_survives_every_fault(crowd: Make, case: Case):
+def test_a_performance_survives_every_fault(crowd: Make, case: FaultCase):
     struck(crowd, case, 7, 1_000_000, 1)
 
 
@@ -63,7 +63,7 @@ COMBINATIONS = [(count, baud, seed) for count in SIZES for baud in BAUDS for see
 @pytest.mark.soak
 @pytest.mark.parametrize(("count", "baud", "seed"), COMBINATIONS)
 @pytest.mark.parametrize("case", cases(), ids=lambda case: case.name)
-def test_every_size_and_rate_survives_every_fault(crowd: Make, case: Case, count: int, baud: int, seed: int):
+def test_every_size_and_rate_survives_every_fault(crowd: Make, case: FaultCase, count: int, baud: int, seed: int):
     struck(crowd, case, count, baud, seed)
 
 

@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 
 from kinesic.hardware.supervisor.player import Player
-from kinesic.hardware.supervisor.settings import Settings
+from kinesic.hardware.supervisor.settings import SupervisorSettings
 
 STEP = 0.01
 
 
 def player_with(times) -> Player:
-    player = Player(Settings())
+    player = Player(SupervisorSettings())
     for time in times:
         assert player.take(float(time), np.array([np.sin(time)]))
     return player

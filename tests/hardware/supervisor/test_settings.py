@@ -1,13 +1,13 @@
 import pytest
 
-from kinesic.hardware.supervisor.settings import Settings
+from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.torque import watchdog_counts
 
 
 @pytest.mark.parametrize("changes", [{"period": 0.0}, {"watchdog": 0.01}, {"watchdog": 3.0}, {"pace": -1.0}])
 def test_figures_that_make_no_sense_are_refused(changes: dict[str, float]):
     with pytest.raises(ValueError, match="must be"):
-        Settings(**changes)
+        SupervisorSettings(**changes)
 
 
 def test_a_watchdog_is_never_shorter_than_asked():

@@ -2,24 +2,24 @@ from dataclasses import replace
 
 import pytest
 
-from kinesic.hardware.supervisor.state_machine import Facts, Stage, State, step
+from kinesic.hardware.supervisor.state_machine import Observation, Stage, SupervisorState, step
 
-CALM = Facts(energised=True)
+CALM = Observation(energised=True)
 
 
-def at(stage: Stage, **changes: bool) -> State:
-    return replace(State(stage, checked=True, powered=True), **changes)
+def at(stage: Stage, **changes: bool) -> SupervisorState:
+    return replace(SupervisorState(stage, checked=True, powered=True), **changes)
 
 
 def test_the_way_from_closed_to_a_performance_and_back():
-    state, actions = step(State(), "open", Facts())
+    state, actions = step(SupervisorState(), "open", Observation())
     assert (state.stage, actions) == (Stage.PROBE, ("check",))
-    state, actions = step(state, "done", Facts())
+    state, actions = step(state, "done", Observation())
     assert (state.stage, actions) == (Stage.CONFIGURE, ("configure",))
-    state, actions = step(state, "done", Facts())
+    state, actions = step(state, "done", Observation())
     assert (state.stage, actions) == (Stage.LIMP, ())
-    assert step(state, "tick", Facts())[0] == state
-    state, actions = step(state, "tick", Facts(begun=True))
+    assert step(state, "tick", Observation())[0] == state
+    state, actions = step(state, "tick", Observation(begun=True))
     assert (state.stage, actions) == (Stage.ARM, ("arm",))
     state, actions = step(state, "done", CALM)
     assert state.stage is Stage.HOLD
@@ -37,18 +37,18 @@ def test_the_way_from_closed_to_a_performance_and_back():
     assert (state.stage, state.folded) == (Stage.HOLD, True)
     state, actions = step(state, "tick", replace(CALM, ended=True))
     assert (state.stage, actions) == (Stage.RELEASE, ("release",))
-    state, actions = step(state, "done", Facts())
+    state, actions = step(state, "done", Observation())
     assert (state.stage, actions, state.powered) == (Stage.CLOSED, ("close",), False)
 
 
 @pytest.mark.parametrize("stage", [Stage.PROBE, Stage.CONFIGURE])
 def test_wrong_servos_are_closed_at_once(stage: Stage):
-    state, actions = step(State(stage), "refused", Facts())
+    state, actions = step(SupervisorState(stage), "refused", Observation())
     assert (state.stage, actions) == (Stage.CLOSED, ("close",))
 
 
 def test_servos_that_have_torque_are_adopted_and_not_armed():
-    state, actions = step(State(Stage.CONFIGURE, checked=True), "done", CALM)
+    state, actions = step(SupervisorState(Stage.CONFIGURE, checked=True), "done", CALM)
     assert (state.stage, actions) == (Stage.ADOPT, ("adopt",))
     assert step(state, "done", CALM)[0].stage is Stage.HOLD
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kinesic.hardware.protocol.registers import Register
-from kinesic.hardware.supervisor.settings import Settings
+from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 
 Make = Callable  # of a desk, see conftest
@@ -151,7 +151,7 @@ def test_goals_never_leave_ranges_nor_jump(desk: Make):
 
 
 def test_an_empty_ring_is_held_then_folded_and_wakes_again(desk: Make):
-    made = desk(settings=Settings(patience=1.0))
+    made = desk(settings=SupervisorSettings(patience=1.0))
     made.open()
     for k in range(120):
         made.channel.write(k * PERIOD, made.goals(k * PERIOD, 3.0))

@@ -2,7 +2,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinesic.hardware.supervisor.time_scaling import Tempo, advanced
+from kinesic.hardware.supervisor.time_scaling import Tempo, advance_time
 
 STEP = 0.01
 
@@ -10,7 +10,7 @@ STEP = 0.01
 def run(tempo: Tempo, steps: int, *, wanted: float = 1.0, end: float = 100.0, slow: float = 0.4) -> list[Tempo]:
     told = [tempo]
     for _ in range(steps):
-        told.append(advanced(told[-1], STEP, wanted=wanted, end=end, slow=slow))
+        told.append(advance_time(told[-1], STEP, wanted=wanted, end=end, slow=slow))
     return told
 
 
@@ -42,7 +42,7 @@ def test_time_never_goes_back_nor_beyond_the_end(scale: float, slow: float, stor
     tempo, end = Tempo(0.0, scale), 0.0
     for wanted, more in story:
         end = max(end, tempo.time + more)
-        after = advanced(tempo, STEP, wanted=wanted, end=end, slow=slow)
+        after = advance_time(tempo, STEP, wanted=wanted, end=end, slow=slow)
         assert tempo.time <= after.time <= max(end, tempo.time)
         assert after.time - tempo.time <= STEP + 1e-12
         assert 0.0 <= after.scale <= 1.0

@@ -9,7 +9,7 @@ from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.virtual.faults import CALM, FaultPlan
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.servo import VirtualServo
-from kinesic.hardware.virtual.wiring import build, cables
+from kinesic.hardware.virtual.wiring import build_bus, cables
 
 
 @dataclass
@@ -32,7 +32,7 @@ class Bench:
 def bench_of(faults: FaultPlan = CALM) -> Bench:
     robot = Robot.load()
     (cable,) = cables(robot)
-    plant, buses = build([cable])
+    plant, buses = build_bus([cable])
     buses[cable.name].expose(faults)
     wire = MemoryWire(buses[cable.name])
     return Bench(Manifest.of(robot), wire, {servo.id: servo for servo in plant.servos})

@@ -1,7 +1,7 @@
 import pytest
 
 from kinesic.hardware.protocol.registers import HardwareError, Register
-from kinesic.hardware.tools.release import release
+from kinesic.hardware.tools.release import release_servos
 from kinesic.hardware.virtual.faults import FaultPlan, Kind, Mishap
 
 
@@ -11,7 +11,7 @@ def energise(table) -> None:
 
 
 def released(table) -> tuple[str, ...]:
-    return release({"body": table.wire}, {"body": list(table.servos)})
+    return release_servos({"body": table.wire}, {"body": list(table.servos)})
 
 
 def test_nobody_is_left_energised(bench):
@@ -59,7 +59,7 @@ def test_a_silent_servo_is_told_and_doubted(bench):
 def test_a_stranger_is_released_too(bench):
     table = bench()
     energise(table)
-    assert release({"body": table.wire}, {"body": [1, 2]}) == ()
+    assert release_servos({"body": table.wire}, {"body": [1, 2]}) == ()
     assert table.energised == []
 
 

@@ -7,7 +7,7 @@ from kinesic.hardware.protocol.packet import Packet, Reader
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.servo import VirtualServo
-from kinesic.hardware.virtual.wiring import Cable, Fitting, build
+from kinesic.hardware.virtual.wiring import Cable, Fitting, build_bus
 
 WAIT = 0.004
 
@@ -16,7 +16,7 @@ class Line:
     """A wire in memory with servos on it, and what one says to them."""
 
     def __init__(self, cable: Cable) -> None:
-        self.plant, buses = build([cable])
+        self.plant, buses = build_bus([cable])
         self.bus = buses[cable.name]
         self.wire = MemoryWire(self.bus)
 
@@ -42,11 +42,11 @@ class Line:
 
     def set(self, register: Register, value: int, servo: int = 1) -> int:
         """Writes a register; the error byte."""
-        return self.error(packet.write(servo, register.field.address, register.field.pack(value)))
+        return self.error(packet.write_packet(servo, register.field.address, register.field.pack(value)))
 
     def get(self, register: Register, servo: int = 1) -> int:
         """Reads a register."""
-        (status,) = self.ask(packet.read(servo, register.field.address, register.field.size))
+        (status,) = self.ask(packet.read_packet(servo, register.field.address, register.field.size))
         return register.field.unpack(status.data)
 
     def pass_time(self, seconds: float) -> None:

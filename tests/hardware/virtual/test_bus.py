@@ -75,9 +75,9 @@ def test_a_fast_read_is_one_reply_with_growing_crcs_and_no_stuffing(line: Lines)
 def test_payloads_that_look_like_headers_are_stuffed_but_not_in_fast_replies(line: Lines):
     one = line()
     one.set(Register.GOAL_CURRENT, -1)
-    one.bytes(packet.write(1, 168, b"".join(a.to_bytes(2, "little") for a in (102, 103, 112, 113))))
+    one.bytes(packet.write_packet(1, 168, b"".join(a.to_bytes(2, "little") for a in (102, 103, 112, 113))))
     one.set(Register.PROFILE_VELOCITY, 0xFD)
-    plain = one.bytes(packet.read(1, 224, 4))
+    plain = one.bytes(packet.read_packet(1, 224, 4))
     assert plain[9:14] == b"\xff\xff\xfd\xfd\x00"
     fast = one.bytes(packet.sync_read([1], 224, 4, fast=True))
     assert blocks(fast, 4) == [(0, 1, b"\xff\xff\xfd\x00")]
@@ -100,7 +100,7 @@ def test_a_silent_servo_ends_a_joint_reply_and_leaves_a_gap_in_a_plain_one():
     line.pass_time(0.01)
     assert len(line.bytes(packet.sync_read([1, 2, 3], 132, 4, fast=True))) == 8 + 8
     assert [status.id for status in line.ask(packet.sync_read([1, 2, 3], 132, 4, fast=False))] == [1, 3]
-    line.bytes(packet.write(2, 65, b"\1"))
+    line.bytes(packet.write_packet(2, 65, b"\1"))
     assert line.plant.servos[1].memory[Register.LED] == 1, "it hears all the same"
 
 
@@ -114,8 +114,8 @@ def test_old_firmware_does_not_know_fast_reads():
 def test_two_servos_with_one_id_spoil_their_answers():
     twins, strangers = (troubled(Mishap("duplicate_id", servos=(2,), value=value)) for value in (None, 1060))
     assert len(twins.ask(packet.ping(2))) == 1, "what two say alike is one answer"
-    assert twins.ask(packet.read(2, 132, 4)) == []
-    assert len(twins.bytes(packet.read(2, 132, 4))) == 15
+    assert twins.ask(packet.read_packet(2, 132, 4)) == []
+    assert len(twins.bytes(packet.read_packet(2, 132, 4))) == 15
     assert strangers.ask(packet.ping(2)) == []
     assert len(strangers.ask(packet.ping(1))) == 1
 
@@ -185,5 +185,5 @@ def test_a_packet_in_pieces_is_one_packet(line: Lines):
 def test_goals_reach_the_servos_before_the_question_does(line: Lines):
     one = line()
     one.set(Register.TORQUE_ENABLE, 1)
-    both = packet.sync_write(116, 4, {1: (2200).to_bytes(4, "little")}) + packet.read(1, 116, 4)
+    both = packet.sync_write(116, 4, {1: (2200).to_bytes(4, "little")}) + packet.read_packet(1, 116, 4)
     assert one.ask(both)[0].data == (2200).to_bytes(4, "little")

@@ -17,13 +17,13 @@ def test_a_reboot_forgets_ram_and_takes_its_time(line: Lines):
     one.set(Register.RETURN_DELAY_TIME, 5)
     one.set(Register.PROFILE_VELOCITY, 5)
     one.set(Register.TORQUE_ENABLE, 1)
-    one.bytes(packet.write(1, 168, (146).to_bytes(2, "little")))
+    one.bytes(packet.write_packet(1, 168, (146).to_bytes(2, "little")))
     assert len(one.bytes(packet.packet(1, Instruction.REBOOT))) == packet.STATUS_OVERHEAD
     assert one.bytes(packet.ping(1), wait=BOOT / 2) == b""
     one.pass_time(BOOT)
     assert one.get(Register.RETURN_DELAY_TIME) == 5
     assert (one.get(Register.PROFILE_VELOCITY), one.get(Register.TORQUE_ENABLE)) == (0, 0)
-    assert one.ask(packet.read(1, 224, 1))[0].data == b"\0", "the cells show themselves again"
+    assert one.ask(packet.read_packet(1, 224, 1))[0].data == b"\0", "the cells show themselves again"
     assert one.get(Register.REALTIME_TICK) < 1000 * BOOT
 
 
@@ -61,7 +61,7 @@ def test_an_error_in_the_mask_takes_torque_away_until_a_reboot(line: Lines):
     one = line()
     one.set(Register.TORQUE_ENABLE, 1)
     one.servo.electronics.fail(HardwareError.OVERLOAD.value)
-    (status,) = one.ask(packet.read(1, Register.TORQUE_ENABLE.field.address, 1))
+    (status,) = one.ask(packet.read_packet(1, Register.TORQUE_ENABLE.field.address, 1))
     assert (status.error, status.data) == (ALERT, b"\0"), "the alert is data beside the answer"
     assert one.set(Register.TORQUE_ENABLE, 1) == ALERT | Fault.ACCESS
     one.bytes(packet.packet(1, Instruction.REBOOT))

@@ -10,7 +10,7 @@ from dynamixel_sdk import COMM_SUCCESS, GroupSyncRead, GroupSyncWrite, PacketHan
 
 from kinesic.hardware.virtual import lerobot
 from kinesic.hardware.virtual.lerobot import LerobotDriver
-from kinesic.hardware.virtual.matrix import Result, cases, trial
+from kinesic.hardware.virtual.matrix import TrialResult, cases, trial
 
 CASES = {case.name: case for case in cases()}
 NUMBERS = {"xm430-w350": 1020}
@@ -68,7 +68,7 @@ def double(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setitem(sys.modules, module.__name__, module)
 
 
-def tried(name: str, *, retries: int = 0, cycles: int = 60) -> Result:
+def tried(name: str, *, retries: int = 0, cycles: int = 60) -> TrialResult:
     opens = partial(LerobotDriver, retries=retries)
     return trial(CASES[name], opens, servos=5, baud=1_000_000, seed=1, cycles=cycles)
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from kinesic.body.arrays import Floats
-from kinesic.hardware.virtual.drivers import KinesicDriver, Reading, SdkDriver
-from kinesic.hardware.virtual.matrix import PERIOD, Case, Result, cases, trial
+from kinesic.hardware.virtual.drivers import DriverReading, KinesicDriver, SdkDriver
+from kinesic.hardware.virtual.matrix import PERIOD, FaultCase, TrialResult, cases, trial
 from kinesic.hardware.virtual.matrix_table import COLUMNS, rows, text
 
 CASES = {case.name: case for case in cases()}
@@ -16,7 +16,7 @@ REFUSED = {"duplicate id": "several servos have this id", "wrong model": "is a x
 
 
 @cache
-def driven(driver: str, case: str, cycles: int = 120) -> Result:
+def driven(driver: str, case: str, cycles: int = 120) -> TrialResult:
     opens = {"kinesic": KinesicDriver, "sdk": SdkDriver}[driver]
     return trial(CASES[case], opens, servos=7, baud=1_000_000, seed=1, cycles=cycles)
 
@@ -67,11 +67,11 @@ def test_the_same_seed_is_the_same_run():
 
 def test_a_lie_is_noticed():
     class Liar(SdkDriver):
-        def cycle(self, goals: Floats) -> Reading:
+        def cycle(self, goals: Floats) -> DriverReading:
             reading = super().cycle(goals)
             return replace(reading, positions=reading.positions + np.array([100, 0]))
 
-    assert trial(Case("calm"), Liar, servos=2, baud=1_000_000, seed=0, cycles=20).wrong == 20
+    assert trial(FaultCase("calm"), Liar, servos=2, baud=1_000_000, seed=0, cycles=20).wrong == 20
 
 
 def test_the_table_has_a_row_for_each_fault():

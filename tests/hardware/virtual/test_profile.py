@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinesic.hardware.virtual.profile import Profile, by_speed, by_time, resting
+from kinesic.hardware.virtual.profile import Profile, by_speed, by_time, still_profile
 
 PLACES = st.floats(-6.0, 6.0)
 
@@ -36,7 +36,7 @@ def test_times_from_rest_are_those_of_the_textbook():
 
 def test_a_step_is_at_its_goal_at_once():
     assert by_speed(0.0, 0.0, 1.0, limit=inf, acceleration=1.0).at(0.0) == (1.0, 0.0)
-    assert resting(0.3).at(0.0) == (0.3, 0.0)
+    assert still_profile(0.3).at(0.0) == (0.3, 0.0)
 
 
 @given(PLACES, st.floats(-3.0, 3.0), PLACES, st.floats(0.1, 5.0), st.floats(0.5, 50.0))

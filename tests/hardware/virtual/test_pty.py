@@ -13,8 +13,8 @@ import pytest
 from kinesic.hardware.protocol import packet
 from kinesic.hardware.protocol.packet import Reader
 from kinesic.hardware.virtual.faults import FaultPlan, Mishap
-from kinesic.hardware.virtual.pty import PtyPort, serve
-from kinesic.hardware.virtual.wiring import Cable, Fitting, build
+from kinesic.hardware.virtual.pty import PtyPort, serve_wires
+from kinesic.hardware.virtual.wiring import Cable, Fitting, build_bus
 
 pytestmark = pytest.mark.realtime
 
@@ -29,10 +29,10 @@ def opened(tmp_path: Path) -> Iterator[Opens]:
     done, threads = Event(), []
 
     def open_one(cable: Cable) -> Path:
-        _, buses = build([cable])
+        _, buses = build_bus([cable])
         port = PtyPort(buses[cable.name], tmp_path / cable.name)
         port.exchange(0.0)
-        thread = Thread(target=serve, args=([port], lambda: not done.is_set()))
+        thread = Thread(target=serve_wires, args=([port], lambda: not done.is_set()))
         thread.start()
         threads.append(thread)
         return port.link
@@ -84,7 +84,7 @@ def test_bytes_take_their_time(opened: Opens):
     host = Host(opened(wire(count=1, baud=57_600)))
     began = time.monotonic()
     for _ in range(20):
-        assert len(host.ask(packet.read(1, 0, 100), 111)) == 111
+        assert len(host.ask(packet.read_packet(1, 0, 100), 111)) == 111
     assert time.monotonic() - began > 20 * (111 + 14) * 10 / 57_600
 
 
@@ -120,9 +120,9 @@ def test_an_adapter_that_is_pulled_comes_back_under_its_name(opened: Opens):
 
 
 def test_nothing_is_left_behind(tmp_path: Path):
-    _, buses = build([wire()])
+    _, buses = build_bus([wire()])
     port = PtyPort(buses["body"], tmp_path / "body")
     rounds = iter([True, True, False])
-    serve([port], lambda: next(rounds))
+    serve_wires([port], lambda: next(rounds))
     assert not port.link.is_symlink()
     assert port.descriptor is None

@@ -44,7 +44,7 @@ def test_eeprom_is_locked_while_torque_is_on(line: Lines):
 def test_a_wrong_write_is_refused_and_changes_nothing(line: Lines, address: int, data: bytes, fault: Fault):
     one = line()
     before = one.servo.memory.read(0, 120)
-    assert one.error(packet.write(1, address, data)) == fault
+    assert one.error(packet.write_packet(1, address, data)) == fault
     assert one.servo.memory.read(0, 120) == before
 
 
@@ -69,17 +69,17 @@ def test_goals_obey_the_limits_that_other_registers_set(line: Lines):
 def test_a_write_of_several_registers_counts_as_a_whole(line: Lines):
     one = line()
     good = (7).to_bytes(4, "little")
-    assert one.error(packet.write(1, 108, good + good + (5000).to_bytes(4, "little"))) == Fault.LIMIT
+    assert one.error(packet.write_packet(1, 108, good + good + (5000).to_bytes(4, "little"))) == Fault.LIMIT
     assert one.get(Register.PROFILE_VELOCITY) == 0
-    assert one.error(packet.write(1, 108, good + good + (3000).to_bytes(4, "little"))) == Fault.NONE
+    assert one.error(packet.write_packet(1, 108, good + good + (3000).to_bytes(4, "little"))) == Fault.NONE
     assert one.get(Register.PROFILE_VELOCITY) == 7
 
 
 @pytest.mark.parametrize(("level", "answers"), [(0, (1, 0, 0)), (1, (1, 1, 0)), (2, (1, 1, 1))])
 def test_the_status_return_level_says_what_is_answered(line: Lines, level: int, answers: tuple[int, int, int]):
     one = line()
-    one.bytes(packet.write(1, Register.STATUS_RETURN_LEVEL.field.address, bytes((level,))))
-    asked = (packet.ping(1), packet.read(1, 132, 4), packet.write(1, 65, b"\1"))
+    one.bytes(packet.write_packet(1, Register.STATUS_RETURN_LEVEL.field.address, bytes((level,))))
+    asked = (packet.ping(1), packet.read_packet(1, 132, 4), packet.write_packet(1, 65, b"\1"))
     assert tuple(len(one.ask(data)) for data in asked) == answers
     assert one.servo.memory[Register.LED] == 1, "it obeys all the same"
 
@@ -100,7 +100,7 @@ def test_an_unknown_instruction_is_an_error(line: Lines):
 
 def test_nobody_answers_a_broadcast_but_everybody_obeys(line: Lines):
     two = line(1, 2)
-    assert two.ask(packet.write(BROADCAST, Register.TORQUE_ENABLE.field.address, b"\1")) == []
+    assert two.ask(packet.write_packet(BROADCAST, Register.TORQUE_ENABLE.field.address, b"\1")) == []
     assert [servo.memory[Register.TORQUE_ENABLE] for servo in two.plant.servos] == [1, 1]
 
 

@@ -5,7 +5,7 @@ from kinesic.hardware.protocol.packet import BROADCAST, Reader
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.servo_map import ServoMap
 from kinesic.hardware.virtual.memory_wire import MemoryWire
-from kinesic.hardware.virtual.wiring import Cable, Fitting, build, cables
+from kinesic.hardware.virtual.wiring import Cable, Fitting, build_bus, cables
 
 
 def test_a_robot_is_its_buses_with_its_servos_at_rest():
@@ -23,7 +23,7 @@ def test_a_robot_is_its_buses_with_its_servos_at_rest():
 
 def test_its_servos_answer_with_their_models_and_places():
     (cable,) = cables(Robot.load())
-    plant, buses = build([cable])
+    plant, buses = build_bus([cable])
     wire = MemoryWire(buses["body"])
     wire.write(packet.ping(BROADCAST))
     got = b""
@@ -37,9 +37,9 @@ def test_its_servos_answer_with_their_models_and_places():
 
 
 def test_two_wires_move_through_the_same_time():
-    plant, buses = build([Cable("left", (Fitting(1),)), Cable("right", (Fitting(1), Fitting(2)))])
+    plant, buses = build_bus([Cable("left", (Fitting(1),)), Cable("right", (Fitting(1), Fitting(2)))])
     left, right = (MemoryWire(buses[name]) for name in ("left", "right"))
-    left.write(packet.write(1, 64, b"\1"))
+    left.write(packet.write_packet(1, 64, b"\1"))
     assert [servo.memory[Register.TORQUE_ENABLE] for servo in plant.servos] == [1, 0, 0]
-    right.write(packet.write(1, 64, b"\1"))
+    right.write(packet.write_packet(1, 64, b"\1"))
     assert [servo.memory[Register.TORQUE_ENABLE] for servo in plant.servos] == [1, 1, 0]

@@ -1,7 +1,7 @@
 import pytest
 from numpy.random import default_rng
 
-from kinesic.ik.arm.masses import ROUNDS, TOLERANCE, clamp, settle
+from kinesic.ik.arm.masses import ROUNDS, TOLERANCE, clamp, settle_masses
 from kinesic.ik.scalar3 import Vector, cross, distance, minus, norm, plus, scaled, unit
 
 LENGTHS = (0.115, 0.22, 0.20)
@@ -17,7 +17,7 @@ def test_bones_keep_their_length_and_the_ends_stay_pinned() -> None:
     for _ in range(40):
         line = unit(tuple(random.normal(size=3).tolist()))
         target = scaled(line, random.uniform(0.3, 0.9) * sum(LENGTHS))
-        settled = settle(POINTS, LENGTHS, target)
+        settled = settle_masses(POINTS, LENGTHS, target)
         assert settled.points[0] == POINTS[0]
         assert distance(settled.points[-1], target) < 1e-12
         assert settled.energy < TOLERANCE
@@ -26,12 +26,12 @@ def test_bones_keep_their_length_and_the_ends_stay_pinned() -> None:
 
 
 def test_a_settled_chain_is_at_rest_at_once() -> None:
-    settled = settle(POINTS, LENGTHS, (0.3, 0.1, 0.1))
-    assert settle(settled.points, LENGTHS, (0.3, 0.1, 0.1)).iterations == 0
+    settled = settle_masses(POINTS, LENGTHS, (0.3, 0.1, 0.1))
+    assert settle_masses(settled.points, LENGTHS, (0.3, 0.1, 0.1)).iterations == 0
 
 
 def test_an_unreachable_target_is_pointed_at() -> None:
-    settled = settle(POINTS, LENGTHS, (3.0, 2.0, 1.0))
+    settled = settle_masses(POINTS, LENGTHS, (3.0, 2.0, 1.0))
     line = unit((3.0, 2.0, 1.0))
     assert settled.iterations <= ROUNDS
     assert distance(settled.points[-1], scaled(line, sum(LENGTHS))) < 1e-9
@@ -45,9 +45,11 @@ def test_the_clamp_brings_a_far_target_to_the_reach_and_leaves_a_near_one() -> N
 
 def test_two_scales_give_the_same_shape() -> None:
     target = (0.25, 0.1, 0.1)
-    small = settle(POINTS, LENGTHS, target)
+    small = settle_masses(POINTS, LENGTHS, target)
     scale = 1000.0
-    big = settle([scaled(p, scale) for p in POINTS], [scale * length for length in LENGTHS], scaled(target, scale))
+    big = settle_masses(
+        [scaled(p, scale) for p in POINTS], [scale * length for length in LENGTHS], scaled(target, scale)
+    )
     assert big.iterations == small.iterations
     assert big.energy == pytest.approx(small.energy, abs=1e-9)
     for a, b in zip(small.points, big.points, strict=True):
@@ -57,19 +59,19 @@ def test_two_scales_give_the_same_shape() -> None:
 @pytest.mark.parametrize("line", [(1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 0.0, 1.0)])
 def test_a_straight_chain_leaves_the_line_of_its_target(line: Vector) -> None:
     ends = [scaled(line, length) for length in (0.0, 0.115, 0.335, 0.535)]
-    settled = settle(ends, LENGTHS, scaled(line, 0.3))
+    settled = settle_masses(ends, LENGTHS, scaled(line, 0.3))
     assert _stretch(settled.points, LENGTHS) < 1e-4
     assert max(norm(cross(line, point)) for point in settled.points) > 0.05
 
 
 def test_a_target_on_the_base_is_served() -> None:
-    settled = settle(POINTS, LENGTHS, POINTS[0])
+    settled = settle_masses(POINTS, LENGTHS, POINTS[0])
     assert _stretch(settled.points, LENGTHS) < 1e-4
 
 
 def test_the_chain_may_stand_anywhere() -> None:
     shift = (0.3, -0.2, 1.0)
-    here = settle(POINTS, LENGTHS, (0.3, 0.1, 0.1))
-    there = settle([plus(point, shift) for point in POINTS], LENGTHS, plus((0.3, 0.1, 0.1), shift))
+    here = settle_masses(POINTS, LENGTHS, (0.3, 0.1, 0.1))
+    there = settle_masses([plus(point, shift) for point in POINTS], LENGTHS, plus((0.3, 0.1, 0.1), shift))
     for a, b in zip(here.points, there.points, strict=True):
         assert distance(a, minus(b, shift)) < 1e-9

@@ -1,7 +1,7 @@
 import numpy as np
 from numpy.random import default_rng
 
-from kinesic.bench.ik.best_posture import optimum
+from kinesic.bench.ik.best_posture import best_posture
 from kinesic.body.arrays import Floats
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
@@ -32,7 +32,7 @@ def test_the_hand_comes_as_near_as_the_offline_reference_finds():
     for target in _beyond(30, seed=41):
         first = solve(LEFT, Reach(target), start=LEFT.rest)
         found = finish(LINKAGE, vector(target), first.angles.tolist())
-        gaps.append(found.miss - optimum(LEFT, Reach(target), beginnings=8).residual)
+        gaps.append(found.miss - best_posture(LEFT, Reach(target), beginnings=8).residual)
     assert np.mean(np.array(gaps) < 5e-3) >= 0.95
     assert np.mean(np.array(gaps) < 1e-3) >= 0.9
 

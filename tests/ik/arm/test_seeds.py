@@ -2,7 +2,7 @@ import numpy as np
 
 from kinesic.body.robot import Robot
 from kinesic.ik.arm.linkage import linkage_of
-from kinesic.ik.arm.seeds import COUNT, nearest, seeds
+from kinesic.ik.arm.seeds import COUNT, nearest_seeds, seeds
 from kinesic.ik.scalar3 import distance
 
 CHAIN = Robot.load().arms["l"]
@@ -21,7 +21,7 @@ def test_seeds_lie_inside_the_ranges_and_fill_them() -> None:
 def test_seeds_are_made_once_and_the_nearest_come_first() -> None:
     arm = linkage_of(CHAIN)
     assert seeds(arm) is seeds(arm)
-    found = nearest(ARM, (0.2, 0.1, 0.0), 5)
+    found = nearest_seeds(ARM, (0.2, 0.1, 0.0), 5)
     spans = [distance(seed.hand, (0.2, 0.1, 0.0)) for seed in found]
     assert spans == sorted(spans)
     assert len(found) == 5

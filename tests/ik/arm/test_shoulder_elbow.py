@@ -3,7 +3,7 @@ from numpy.random import default_rng
 
 from kinesic.body.robot import Robot
 from kinesic.ik.arm.linkage import linkage_of
-from kinesic.ik.arm.shoulder_elbow import STRETCH, TAUT, bent, gap, place_of, placed
+from kinesic.ik.arm.shoulder_elbow import STRETCH, TAUT, bent, gap, place_of, place_shoulder
 from kinesic.ik.arm.swivel import swivel_of
 from kinesic.ik.scalar3 import cross, distance, minus, norm, unit, vector
 
@@ -14,7 +14,7 @@ SHOULDER = ARM.walk(REST, 1)[1][-1]
 
 
 def test_the_shoulder_rests_for_a_target_in_easy_reach() -> None:
-    place = placed(ARM, (0.3, 0.2, -0.1), near=REST, rest=REST)
+    place = place_shoulder(ARM, (0.3, 0.2, -0.1), near=REST, rest=REST)
     assert place.shoulder == SHOULDER
     assert place.target == (0.3, 0.2, -0.1)
     assert place.iterations == 0
@@ -23,7 +23,9 @@ def test_the_shoulder_rests_for_a_target_in_easy_reach() -> None:
 def test_a_taut_arm_pulls_the_shoulder_along_and_more_so_further_away() -> None:
     lifts = []
     for share in (TAUT, TAUT + 0.01, 1.0, 1.02, 1.05):
-        place = placed(ARM, (SHOULDER[0], SHOULDER[1], SHOULDER[2] + share * ARM.farthest), near=REST, rest=REST)
+        place = place_shoulder(
+            ARM, (SHOULDER[0], SHOULDER[1], SHOULDER[2] + share * ARM.farthest), near=REST, rest=REST
+        )
         lifts.append(place.shoulder[2] - SHOULDER[2])
     assert lifts == sorted(lifts)
     assert lifts[0] == 0.0
@@ -33,7 +35,7 @@ def test_a_taut_arm_pulls_the_shoulder_along_and_more_so_further_away() -> None:
 
 def test_a_target_beyond_reach_comes_to_the_reach_of_the_most_helpful_shoulder() -> None:
     target = (0.3, 2.0, 1.5)
-    place = placed(ARM, target, near=REST, rest=REST)
+    place = place_shoulder(ARM, target, near=REST, rest=REST)
     assert distance(place.shoulder, place.target) == pytest.approx(STRETCH * ARM.farthest)
     assert norm(cross(unit(minus(place.target, place.shoulder)), unit(minus(target, place.shoulder)))) < 1e-12
     assert gap(ARM, target) == pytest.approx(distance(place.shoulder, target))
@@ -50,7 +52,7 @@ def test_no_collar_bone_angle_brings_the_shoulder_nearer_than_the_gap() -> None:
 
 
 def test_the_wished_swivel_is_met_inside_the_ranges() -> None:
-    place = placed(ARM, (0.25, 0.15, -0.05), near=REST, rest=REST)
+    place = place_shoulder(ARM, (0.25, 0.15, -0.05), near=REST, rest=REST)
     for wished in (0.0, 0.4, 0.9):
         bend = bent(ARM, place, near=REST, swivel=wished)
         assert bend.exact
@@ -58,7 +60,7 @@ def test_the_wished_swivel_is_met_inside_the_ranges() -> None:
 
 
 def test_an_impossible_swivel_comes_as_near_as_the_ranges_allow() -> None:
-    place = placed(ARM, (0.25, 0.15, -0.05), near=REST, rest=REST)
+    place = place_shoulder(ARM, (0.25, 0.15, -0.05), near=REST, rest=REST)
     bend = bent(ARM, place, near=REST, swivel=2.5)
     found = swivel_of(ARM, ARM.walk(bend.angles, 3)[1][-3:])
     assert bend.exact

@@ -5,7 +5,7 @@ import pytest
 
 from kinesic.body.robot import Robot
 from kinesic.ik.arm.linkage import linkage_of
-from kinesic.ik.arm.swivel import elbow_at, hanging, swivel, swivel_of
+from kinesic.ik.arm.swivel import elbow_at, hanging_direction, swivel, swivel_of
 from kinesic.ik.scalar3 import Vector, distance, dot, unit
 
 ROBOT = Robot.load()
@@ -22,14 +22,14 @@ ARM = linkage_of(ROBOT.arms["l"])
     ],
 )
 def test_an_elbow_hangs_below_a_raised_arm_and_behind_a_hanging_one(line: Vector, expected: Vector) -> None:
-    assert hanging(line) == pytest.approx(expected)
+    assert hanging_direction(line) == pytest.approx(expected)
 
 
 def test_hanging_is_perpendicular_and_smooth() -> None:
     before = None
     for angle in np.linspace(0.0, 2.0, 100):
         line = unit((math.cos(angle), math.sin(angle), 0.3 * math.sin(3 * angle)))
-        zero = hanging(line)
+        zero = hanging_direction(line)
         assert dot(zero, line) == pytest.approx(0.0, abs=1e-12)
         assert dot(zero, zero) == pytest.approx(1.0)
         assert before is None or distance(before, zero) < 0.1

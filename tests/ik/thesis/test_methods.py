@@ -7,7 +7,7 @@ import pytest
 from numpy.random import default_rng
 
 from kinesic.body.arrays import Floats
-from kinesic.ik.arm.masses import settle
+from kinesic.ik.arm.masses import settle_masses
 from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.direct import balanced
 from kinesic.ik.thesis.force import drawn
@@ -122,7 +122,7 @@ def test_equal_masses_swing_as_in_the_production_solver():
             Effort(tolerance=0.0, threshold=1e-9),
         )
     )
-    theirs = settle([tuple(point) for point in chain.points.tolist()], lengths, target)
+    theirs = settle_masses([tuple(point) for point in chain.points.tolist()], lengths, target)
     assert mine.points == pytest.approx(np.array(theirs.points), abs=1e-5)
 
 

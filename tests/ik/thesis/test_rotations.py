@@ -4,7 +4,7 @@ from numpy.random import default_rng
 from scipy.spatial.transform import Rotation
 
 from kinesic.ik.thesis.chain import BallChain
-from kinesic.ik.thesis.rotations import Carrier, aimed, stance_of, swivelled, transported
+from kinesic.ik.thesis.rotations import Carrier, aim_bones, stance_of, swivelled, transported
 
 CHAIN = BallChain.curved([0.2, 0.3, 0.25, 0.1])
 GROUND = Carrier.at_rest(CHAIN)
@@ -25,21 +25,21 @@ def test_without_rotations_a_chain_rests():
 def test_aiming_at_points_of_a_stance_puts_the_joints_there():
     for seed in range(20):
         wished = stance_of(CHAIN, _turns(seed), GROUND)
-        stance = aimed(CHAIN, UNTURNED, wished.points, GROUND)
+        stance = aim_bones(CHAIN, UNTURNED, wished.points, GROUND)
         assert stance.points == pytest.approx(wished.points, abs=1e-12)
         assert stance.frames @ stance.frames.transpose(0, 2, 1) == pytest.approx(UNTURNED, abs=1e-12)
         assert np.linalg.det(stance.rotations) == pytest.approx(np.ones(4))
 
 
 def test_aiming_does_not_twist():
-    stance = aimed(CHAIN, UNTURNED, stance_of(CHAIN, _turns(3), GROUND).points, GROUND)
+    stance = aim_bones(CHAIN, UNTURNED, stance_of(CHAIN, _turns(3), GROUND).points, GROUND)
     twists = Rotation.from_matrix(stance.rotations).as_rotvec()[:, 0]
     assert twists == pytest.approx(np.zeros(4), abs=1e-12)
 
 
 def test_a_chain_that_is_aimed_where_it_points_keeps_its_rotations():
     rotations = _turns(5)
-    stance = aimed(CHAIN, rotations, stance_of(CHAIN, rotations, GROUND).points, GROUND)
+    stance = aim_bones(CHAIN, rotations, stance_of(CHAIN, rotations, GROUND).points, GROUND)
     assert stance.rotations == pytest.approx(rotations, abs=1e-12)
 
 
@@ -54,7 +54,7 @@ def test_what_carries_a_chain_takes_it_along():
 def test_masses_in_one_point_leave_the_bone_between_them_as_it_was():
     points = CHAIN.points.copy()
     points[2] = points[1]
-    stance = aimed(CHAIN, UNTURNED, points, GROUND)
+    stance = aim_bones(CHAIN, UNTURNED, points, GROUND)
     assert stance.rotations[1] == pytest.approx(np.eye(3))
     assert np.isfinite(stance.points).all()
 

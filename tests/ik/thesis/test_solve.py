@@ -5,7 +5,7 @@ from numpy.random import default_rng
 from kinesic.ik.thesis.boxes import EulerBoxes
 from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.rotations import Carrier
-from kinesic.ik.thesis.solve import RELAXATIONS, solve
+from kinesic.ik.thesis.solve import RELAXATIONS, solve_ball_chain
 
 METHODS = list(RELAXATIONS)
 JOINTS = (3, 6, 10, 20)
@@ -22,7 +22,7 @@ def test_the_hand_is_where_the_residual_says_and_bones_keep_their_lengths(method
     for _ in range(12):
         line = random.normal(size=3)
         target = random.uniform(0.2, 0.85) * line / np.linalg.norm(line)
-        relaxed = solve(chain, target, method=method)
+        relaxed = solve_ball_chain(chain, target, method=method)
         reached.append(relaxed.residual <= 1e-3)
         assert relaxed.residual == pytest.approx(np.linalg.norm(relaxed.points[-1] - target))
         assert np.linalg.norm(np.diff(relaxed.points, axis=0), axis=1) == pytest.approx(chain.lengths)
@@ -36,7 +36,7 @@ def test_the_hand_is_where_the_residual_says_and_bones_keep_their_lengths(method
 @pytest.mark.parametrize("method", METHODS)
 def test_a_chain_points_at_what_it_cannot_reach(method, joints):
     target = np.array([1.2, -0.6, 0.9])
-    relaxed = solve(_chain(joints), target, method=method)
+    relaxed = solve_ball_chain(_chain(joints), target, method=method)
     distance = np.linalg.norm(target)
     assert relaxed.target == pytest.approx(target / distance)
     slack = 0.05 if joints == 20 else 0.01
@@ -46,9 +46,9 @@ def test_a_chain_points_at_what_it_cannot_reach(method, joints):
 @pytest.mark.parametrize("method", METHODS)
 def test_two_scales_give_the_same_result(method):
     target = np.array([0.3, 0.4, 0.2])
-    small = solve(_chain(6), target, method=method)
+    small = solve_ball_chain(_chain(6), target, method=method)
     for scale in (1e-3, 1e4):
-        big = solve(_chain(6, scale), scale * target, method=method)
+        big = solve_ball_chain(_chain(6, scale), scale * target, method=method)
         assert big.iterations == small.iterations
         assert big.points / scale == pytest.approx(small.points, abs=1e-9)
         assert big.rotations == pytest.approx(small.rotations, abs=1e-9)
@@ -61,37 +61,39 @@ def test_a_straight_chain_leaves_the_line_of_its_target(method, line):
     axis = np.array(line)
     chain = BallChain.of(np.linspace(0.0, 1.0, 7)[:, None] * axis)
     for share in (0.9, 0.5, -0.5):
-        relaxed = solve(chain, share * axis, method=method)
+        relaxed = solve_ball_chain(chain, share * axis, method=method)
         assert relaxed.residual <= 1e-3
         assert np.linalg.norm(np.cross(relaxed.points, axis), axis=1).max() > 0.05
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_target_on_the_base_closes_the_chain(method):
-    assert solve(_chain(6), np.zeros(3), method=method).residual <= 1e-3
+    assert solve_ball_chain(_chain(6), np.zeros(3), method=method).residual <= 1e-3
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_one_bone_is_aimed(method):
-    relaxed = solve(BallChain.of([(0.0, 0.0, 0.0), (0.5, 0.0, 0.0)]), np.array([0.0, 0.3, 0.4]), method=method)
+    relaxed = solve_ball_chain(
+        BallChain.of([(0.0, 0.0, 0.0), (0.5, 0.0, 0.0)]), np.array([0.0, 0.3, 0.4]), method=method
+    )
     assert relaxed.points[-1] == pytest.approx([0.0, 0.3, 0.4], abs=1e-3)
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_an_earlier_result_is_a_start_that_needs_nothing_more(method):
     target = np.array([0.3, 0.4, 0.2])
-    first = solve(_chain(6), target, method=method)
-    again = solve(_chain(6), target, method=method, start=first.rotations)
+    first = solve_ball_chain(_chain(6), target, method=method)
+    again = solve_ball_chain(_chain(6), target, method=method, start=first.rotations)
     assert again.iterations == 0
     assert again.points == pytest.approx(first.points, abs=2e-3)
-    near = solve(_chain(6), target + 0.01, method=method, start=first.rotations)
+    near = solve_ball_chain(_chain(6), target + 0.01, method=method, start=first.rotations)
     assert near.iterations < first.iterations
 
 
 def test_the_up_vector_swivels_the_chain():
     target = np.array([0.5, 0.0, 0.0])
     for up in ([0.0, 1.0, 0.0], [0.0, 0.0, -1.0]):
-        relaxed = solve(_chain(4), target, up=np.array(up))
+        relaxed = solve_ball_chain(_chain(4), target, up=np.array(up))
         assert relaxed.residual <= 1e-3
         middle = relaxed.points[1:-1].mean(axis=0)
         assert middle @ np.array(up) == pytest.approx(np.linalg.norm(middle[1:]), rel=1e-3)
@@ -100,8 +102,8 @@ def test_the_up_vector_swivels_the_chain():
 def test_a_carried_chain_solves_from_where_it_stands():
     quarter = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     shift, target = np.array([1.0, 2.0, 3.0]), np.array([0.3, 0.4, 0.2])
-    here = solve(_chain(6), target)
-    there = solve(_chain(6), shift + quarter @ target, carrier=Carrier(shift, quarter))
+    here = solve_ball_chain(_chain(6), target)
+    there = solve_ball_chain(_chain(6), shift + quarter @ target, carrier=Carrier(shift, quarter))
     assert there.iterations == here.iterations
     assert there.rotations == pytest.approx(here.rotations, abs=1e-9)
 
@@ -111,7 +113,7 @@ def test_limits_are_held_with_every_method():
     box = np.radians([10.0, 40.0, 40.0])
     chain = BallChain.of(rest.points, limits=EulerBoxes.of(-box, box, joints=6))
     for method in METHODS:
-        relaxed = solve(chain, np.array([0.2, 0.5, 0.3]), method=method)
+        relaxed = solve_ball_chain(chain, np.array([0.2, 0.5, 0.3]), method=method)
         assert chain.limits is not None
         assert chain.limits.excess(relaxed.rotations) < 1e-9
         assert relaxed.residual < 0.05
@@ -129,4 +131,4 @@ def test_limits_are_held_with_every_method():
 )
 def test_bad_questions_are_refused_with_a_lesson(target, given, lesson):
     with pytest.raises(ValueError, match=lesson):
-        solve(_chain(3), np.array(target), **given)
+        solve_ball_chain(_chain(3), np.array(target), **given)

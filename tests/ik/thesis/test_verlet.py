@@ -3,7 +3,7 @@ import pytest
 
 from kinesic.ik.thesis.springs import DAMPING_SHARES, Springs
 from kinesic.ik.thesis.task import Effort
-from kinesic.ik.thesis.verlet import swing
+from kinesic.ik.thesis.verlet import swing_to_rest
 
 POINTS = np.array([[0.0, 0.0, 0.0], [0.4, 0.3, 0.0], [0.7, 0.0, 0.2], [1.0, 0.0, 0.0]])
 MASSES = np.array([1.0, 2.0, 5.0, 1.0])
@@ -16,7 +16,7 @@ def _springs() -> Springs:
 
 def _after(iterations: int, **given):
     effort = Effort(threshold=0.0, iterations=iterations, step=0.4)
-    return swing(_springs(), POINTS, effort=effort, arrived=lambda points: False, **given)
+    return swing_to_rest(_springs(), POINTS, effort=effort, arrived=lambda points: False, **given)
 
 
 def test_the_first_step_is_force_over_mass():
@@ -47,6 +47,6 @@ def test_the_loop_ends_where_it_is_told_to_and_leaves_its_input_alone():
         told.append(float(points[1, 0]))
         return len(told) == 4
 
-    rest = swing(_springs(), POINTS, damping=None, effort=Effort(threshold=0.0), arrived=arrived)
+    rest = swing_to_rest(_springs(), POINTS, damping=None, effort=Effort(threshold=0.0), arrived=arrived)
     assert rest.iterations == 3
     assert before.tolist() == POINTS.tolist()

@@ -8,10 +8,10 @@ import pytest
 
 from kinesic.controller.performance import Performance
 from kinesic.report.plots.hands import hands
-from kinesic.report.plots.joints import joints, still
+from kinesic.report.plots.joints import joints, still_hinges
 from kinesic.report.plots.margins import margins
 from kinesic.report.plots.score import score
-from kinesic.report.plots.svg import POINTS, apart, shortened, thinned
+from kinesic.report.plots.svg import POINTS, fit_text, spaced_indices, thinned
 
 
 def words_of(figure: str) -> set[str | None]:
@@ -40,7 +40,7 @@ def test_figures_are_well_formed_and_show_the_hinges_that_move(
     drawn = set().union(*(words_of(figure) for figure in moves))
     names = set(hurried.plan.facts.robot.skeleton.names)
     assert "skullbase_tilt" in drawn
-    assert drawn & names == names - set(still(hurried))
+    assert drawn & names == names - set(still_hinges(hurried))
     assert {"rushed", "nod", "Hello there,"} <= words_of(acts)
     assert len(words_of(ways)) > 3
 
@@ -68,7 +68,7 @@ def test_thinned_keeps_the_extremes() -> None:
 
 
 def test_labels_fit() -> None:
-    assert shortened("short", 3.0) == "short"
-    assert shortened("a very long name of a behaviour", 1.0).endswith("\u2026")
-    assert shortened("long", 0.01) == ""
-    assert apart([0.0, 0.1, 1.0, 1.4, 2.1], 1.0) == [0, 2, 4]
+    assert fit_text("short", 3.0) == "short"
+    assert fit_text("a very long name of a behaviour", 1.0).endswith("\u2026")
+    assert fit_text("long", 0.01) == ""
+    assert spaced_indices([0.0, 0.1, 1.0, 1.4, 2.1], 1.0) == [0, 2, 4]

@@ -6,10 +6,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from kinesic.sim.importer.convert import Mapped, mapped
-from kinesic.sim.importer.load import load
+from kinesic.sim.importer.convert import Mapped, import_humanoid
+from kinesic.sim.importer.load import load_model
 from kinesic.sim.importer.model_tree import Tree
-from kinesic.sim.importer.zero_pose import Figure, figure
+from kinesic.sim.importer.zero_pose import HumanoidGeometry, geometry_of
 
 
 def arm(name: str, side: int) -> str:
@@ -124,17 +124,17 @@ def tee_path(written) -> Path:
 
 @pytest.fixture(scope="session")
 def tee(tee_path) -> Tree:
-    return load(tee_path)
+    return load_model(tee_path)
 
 
 @pytest.fixture(scope="session")
-def tee_figure(tee) -> Figure:
-    return figure(tee)
+def tee_figure(tee) -> HumanoidGeometry:
+    return geometry_of(tee)
 
 
 @pytest.fixture(scope="session")
 def tee_mapped(tee_path) -> Mapped:
-    return mapped(tee_path)
+    return import_humanoid(tee_path)
 
 
 @pytest.fixture(scope="session")
@@ -144,9 +144,9 @@ def hanging_path(written) -> Path:
 
 @pytest.fixture(scope="session")
 def hanging(hanging_path) -> Tree:
-    return load(hanging_path)
+    return load_model(hanging_path)
 
 
 @pytest.fixture(scope="session")
 def hanging_mapped(hanging_path) -> Mapped:
-    return mapped(hanging_path)
+    return import_humanoid(hanging_path)

@@ -1,13 +1,15 @@
 import pytest
 
 from kinesic.sim.importer.arm import Split, centres, likeness, splits
-from kinesic.sim.importer.hinge_row import Limb
+from kinesic.sim.importer.hinge_row import HingeRow
 
 
 @pytest.fixture
 def limb(tee):
     names = [joint.name for joint in tee.joints]
-    return Limb.of(tee, [names.index(f"l_{part}") for part in ("pitch", "roll", "twist", "bend", "turn", "nod", "wag")])
+    return HingeRow.of(
+        tee, [names.index(f"l_{part}") for part in ("pitch", "roll", "twist", "bend", "turn", "nod", "wag")]
+    )
 
 
 def test_the_human_split_is_the_likeliest(limb):

@@ -2,7 +2,7 @@ import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.sim.importer.branches import branches
-from kinesic.sim.importer.load import load
+from kinesic.sim.importer.load import load_model
 from kinesic.sim.importer.mirror import sides
 
 
@@ -23,13 +23,13 @@ def test_a_gripper_is_no_wrist(hanging):
 
 
 def test_a_robot_without_neck_and_trunk(written, puppets):
-    tree = load(written("plain.xml", puppets.puppet(neck=False, trunk=False)))
+    tree = load_model(written("plain.xml", puppets.puppet(neck=False, trunk=False)))
     found = branches(tree, sides(tree))
     assert (found.trunk, found.neck) == ((), ())
 
 
 def test_a_robot_without_arms_is_refused(written):
     one = '<mujoco model="one"><worldbody><body><joint/><geom size="0.1"/></body></worldbody></mujoco>'
-    tree = load(written("one.xml", one))
+    tree = load_model(written("one.xml", one))
     with pytest.raises(ConfigError, match="robot one: no arms found: among 1 hinges there are 0 mirror pairs"):
         branches(tree, sides(tree))

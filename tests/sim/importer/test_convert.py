@@ -4,10 +4,10 @@ import pytest
 from kinesic.body.robot import Robot
 from kinesic.body.robot_text import robot_text
 from kinesic.sim.dynamics import MujocoDynamics
-from kinesic.sim.importer.convert import mapped
+from kinesic.sim.importer.convert import import_humanoid
 from kinesic.sim.importer.hinges import named_hinges
-from kinesic.sim.importer.load import load
-from kinesic.sim.importer.zero_pose import figure
+from kinesic.sim.importer.load import load_model
+from kinesic.sim.importer.zero_pose import geometry_of
 
 TOUCH = 5e-6  # [m] that rounding to micrometres leaves
 
@@ -20,7 +20,7 @@ def robot(tee_mapped, tmp_path_factory):
 
 
 def test_every_point_of_the_arm_is_where_the_foreign_model_has_it(robot, tee):
-    found = figure(tee)
+    found = geometry_of(tee)
     hinges, skeleton = named_hinges(found), robot.skeleton
     zero = skeleton.frames(np.zeros(len(skeleton.names)))
     for angles in np.random.default_rng(0).uniform(skeleton.lower, skeleton.upper, (10, len(skeleton.names))):
@@ -51,7 +51,7 @@ def test_no_hinge_is_overloaded(robot):
 
 
 def test_the_whole_is_deterministic(tee_path, tee_mapped):
-    again = mapped(tee_path)
+    again = import_humanoid(tee_path)
     assert robot_text(again.file, heading=[], remarks=again.remarks) == robot_text(
         tee_mapped.file, heading=[], remarks=tee_mapped.remarks
     )
@@ -60,12 +60,12 @@ def test_the_whole_is_deterministic(tee_path, tee_mapped):
 def test_an_arm_that_hardly_looks_like_one_is_doubtful(written, puppets):
     odd = puppets.puppet().replace('axis="0 0 1" range="-2.4 0.1"', 'axis="0 1 0" range="-2.4 0.1"')
     odd = odd.replace('axis="0 0 1" range="-0.1 2.4"', 'axis="0 1 0" range="-0.1 2.4"')
-    found = mapped(written("odd.xml", odd.replace('pos="0.01 0.28 0"', 'pos="0.2 0.1 0"')))
+    found = import_humanoid(written("odd.xml", odd.replace('pos="0.01 0.28 0"', 'pos="0.2 0.1 0"')))
     assert found.doubtful
 
 
 def test_gripper_and_tree_are_read_from_the_urdf(hanging_mapped, hanging_path):
     assert len(hanging_mapped.hinges) == 1 + 2 * 5
-    assert load(hanging_path).name == "hanging"
+    assert load_model(hanging_path).name == "hanging"
     assert hanging_mapped.file.chains["l_arm"] == ["l_shoulder", "l_elbow", "l_wrist"]
     assert "torso" not in hanging_mapped.file.chains

@@ -3,7 +3,7 @@ import pytest
 
 from kinesic.sim.importer.arm import Split, centres
 from kinesic.sim.importer.hanging_pose import elbow_sense
-from kinesic.sim.importer.hinge_row import Limb
+from kinesic.sim.importer.hinge_row import HingeRow
 from kinesic.sim.importer.zero_pose import HANGING, hung
 
 SPLIT = Split(0, 3, 3)
@@ -19,7 +19,7 @@ def test_an_arm_of_a_t_pose_is_hung_up(tee, row):
     posed = hung(tee, row, SPLIT, HANGING, strict=False)
     assert np.degrees(posed.off) < 0.5
     assert np.degrees(posed.angles[1]) == pytest.approx(-90, abs=0.5)
-    at = centres(Limb.of(tee, row).turned(posed.angles), SPLIT)
+    at = centres(HingeRow.of(tee, row).turned(posed.angles), SPLIT)
     assert at.wrist == pytest.approx(at.shoulder - [0, 0, sum(at.lengths)], abs=0.005)
 
 
@@ -30,7 +30,7 @@ def test_ranges_hold_where_they_must(tee, row):
 
 
 def test_an_elbow_bends_where_its_range_lies(tee, row):
-    limb = Limb.of(tee, row)
+    limb = HingeRow.of(tee, row)
     assert elbow_sense(limb, SPLIT, -2.4, 0.1) == -1.0
     assert elbow_sense(limb, SPLIT, -0.1, 2.4) == 1.0
     assert elbow_sense(limb, SPLIT, -2.0, 2.0) == 0.0

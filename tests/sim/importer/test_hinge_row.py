@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from kinesic.sim.importer.hinge_row import Limb, common_point, distances, foot, nearest_to_line
+from kinesic.sim.importer.hinge_row import HingeRow, common_point, distances, foot, nearest_to_line
 
 X, Y, Z = np.eye(3)
 
@@ -27,7 +27,7 @@ def test_a_turned_limb_is_the_turned_tree(tee):
     names = [joint.name for joint in tee.joints]
     row = [names.index(f"l_{part}") for part in ("pitch", "roll", "twist", "bend", "turn", "nod", "wag")]
     angles = np.linspace(-1, 1, 7)
-    limb, tree = Limb.of(tee, row).turned(angles), tee.turned(dict(zip(row, angles, strict=True)))
+    limb, tree = HingeRow.of(tee, row).turned(angles), tee.turned(dict(zip(row, angles, strict=True)))
     assert limb.anchors == pytest.approx(np.array([tree.joints[k].anchor for k in row]))
     assert limb.axes == pytest.approx(np.array([tree.joints[k].axis for k in row]))
     assert limb.centre == pytest.approx(tree.lump(tree.below(row[-1])).centre)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.sim.importer.load import load
+from kinesic.sim.importer.load import load_model
 from kinesic.sim.importer.model_tree import BASE
 
 
@@ -51,7 +51,7 @@ def test_masses_and_primitive_shapes_belong_to_the_hinge_that_moves_them(tee):
 
 def test_reading_leaves_no_file_behind(tee_path, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    load(tee_path)
+    load_model(tee_path)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -65,10 +65,10 @@ def test_reading_leaves_no_file_behind(tee_path, tmp_path, monkeypatch):
 )
 def test_a_broken_file_teaches(written, text, message):
     with pytest.raises(ConfigError, match=message) as caught:
-        load(written("broken.xml", text))
+        load_model(written("broken.xml", text))
     assert "\n" not in str(caught.value)
 
 
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(ConfigError, match=r"nowhere\.xml: no such file"):
-        load(tmp_path / "nowhere.xml")
+        load_model(tmp_path / "nowhere.xml")

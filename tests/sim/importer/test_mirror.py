@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from kinesic.sim.importer.load import load
+from kinesic.sim.importer.load import load_model
 from kinesic.sim.importer.mirror import sides
 
 
@@ -19,7 +19,7 @@ def test_pairs_are_found_by_geometry(tee):
 
 @pytest.mark.parametrize(("turned", "left"), [(0, (0, 1)), (90, (-1, 0)), (180, (0, -1)), (270, (1, 0))])
 def test_forward_follows_left_wherever_the_world_looks(written, puppets, turned, left):
-    tree = load(written("turned.xml", puppets.puppet(turned=turned)))
+    tree = load_model(written("turned.xml", puppets.puppet(turned=turned)))
     found = sides(tree)
     assert found.left == pytest.approx(left, abs=1e-9)
     forward = found.upright @ np.array([np.cos(np.radians(turned)), np.sin(np.radians(turned)), 0])
@@ -27,7 +27,7 @@ def test_forward_follows_left_wherever_the_world_looks(written, puppets, turned,
 
 
 def test_without_telling_names_feet_and_head_say_where_forward_is(written, puppets):
-    tree = load(written("unnamed.xml", puppets.puppet(left="one_", right="two_", turned=180)))
+    tree = load_model(written("unnamed.xml", puppets.puppet(left="one_", right="two_", turned=180)))
     found = sides(tree)
     assert found.certain
     assert set(names(tree, found.pairs)) == {name for name in names(tree, found.pairs) if name.startswith("one_")}
@@ -42,5 +42,5 @@ def test_a_pose_without_symmetry_is_paired_by_names(hanging):
 
 @pytest.mark.parametrize(("left", "right"), [("L_", "R_"), ("left_", "right_"), ("Left", "Right"), ("l_", "r_")])
 def test_sides_by_the_words_of_names(written, puppets, left, right):
-    tree = load(written("worded.xml", puppets.puppet(left=right, right=left)))  # on the wrong side: names win
+    tree = load_model(written("worded.xml", puppets.puppet(left=right, right=left)))  # on the wrong side: names win
     assert sides(tree).left == pytest.approx((0, -1))

@@ -11,7 +11,7 @@ from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
 from kinesic.body.robot_text import robot_text
 from kinesic.ik.arm.refine import finished
-from kinesic.sim.importer.convert import Mapped, mapped
+from kinesic.sim.importer.convert import Mapped, import_humanoid
 
 # name: wheel, end of the path, hinges that kinesic moves, the elbow's hinge on the left
 ROBOTS = {
@@ -65,10 +65,10 @@ def check(name: str, found: Mapped, folder: Path) -> None:
 
 @pytest.mark.parametrize("name", QUICK)
 def test_a_robot_is_mapped_without_a_hand_edit(name, tmp_path):
-    check(name, mapped(model(name)), tmp_path)
+    check(name, import_humanoid(model(name)), tmp_path)
 
 
 @pytest.mark.soak
 @pytest.mark.parametrize("name", [name for name in ROBOTS if name not in QUICK])
 def test_every_robot_is_mapped_without_a_hand_edit(name, tmp_path):
-    check(name, mapped(model(name)), tmp_path)
+    check(name, import_humanoid(model(name)), tmp_path)

@@ -2,11 +2,11 @@ import numpy as np
 import pytest
 
 from kinesic.sim.importer.hinges import named_hinges
-from kinesic.sim.importer.segments import layout
+from kinesic.sim.importer.segments import lay_out_segments
 
 
 def test_segments_begin_at_the_centres(tee_figure):
-    where = layout(tee_figure, named_hinges(tee_figure))
+    where = lay_out_segments(tee_figure, named_hinges(tee_figure))
     left = tee_figure.arms["l"].centres
     assert where.carrier == "vl5"
     assert where.parents["l_shoulder"] == "l_acromioclavicular"

@@ -7,20 +7,20 @@ import pytest
 from matplotlib.image import imread
 
 from kinesic.expressivity.lexicon.hand_shapes import SHAPES
-from kinesic.studies.gestures.isolated import STROKE, document, played, show, stroke_error
-from kinesic.studies.gestures.sheet import sheet, strip
-from kinesic.studies.gestures.silhouette import PALE, depth, figure, hand, pale, seen
+from kinesic.studies.gestures.isolated import STROKE, document, key_postures, plan_gesture, stroke_error
+from kinesic.studies.gestures.sheet import draw_gesture_sheet, draw_strip
+from kinesic.studies.gestures.silhouette import PALE, depth, hand_outline, pale, seen, silhouette
 from kinesic.studies.gestures.vocabulary import vocabulary
 
 
 @pytest.fixture(scope="module")
 def waved(known):
     form = known.lexicon.find("greet_wave").form
-    return show(form, played(form, known), 6)
+    return key_postures(form, plan_gesture(form, known), 6)
 
 
 def test_a_gesture_alone_strikes_when_it_is_asked(known):
-    planned = played(known.lexicon.find("offer").form, known, "left")
+    planned = plan_gesture(known.lexicon.find("offer").form, known, "left")
     assert abs(stroke_error(planned)) < 0.01
     assert planned.keyframes.uses["gesture"] == {"l_hand"}
     assert next(sync.asked for sync in planned.syncs if sync.sync == "stroke") == STROKE
@@ -43,15 +43,15 @@ def test_key_postures_are_those_of_the_stroke(waved, known):
 @pytest.mark.parametrize("most", [2, 3, 6])
 def test_of_many_keys_the_stroke_is_among_those_drawn(known, most):
     form = known.lexicon.find("spiral_stairs").form
-    planned = played(form, known)
-    shown = show(form, planned, most)
+    planned = plan_gesture(form, known)
+    shown = key_postures(form, planned, most)
     stroke = next(posture.angles for posture in planned.postures.postures if ("gesture", "stroke") in posture.syncs)
     assert len(shown.postures) <= most
     assert np.array_equal(shown.postures[shown.stroke], stroke)
 
 
 def test_the_nearer_is_drawn_later_and_darker(known):
-    lines = figure(known.robot, known.robot.skeleton.rest, {})
+    lines = silhouette(known.robot, known.robot.skeleton.rest, {})
     depths = [line.depth for line in lines if line.owner]
     assert depths == sorted(depths)
     arm = [line for line in lines if line.owner == "r"]
@@ -68,7 +68,7 @@ def test_left_is_seen_on_the_right_and_up_is_up():
 
 def test_fingers_are_straight_or_bent_towards_the_palm(known):
     site = known.robot.sites["l_palm"]
-    flat, fist = (hand(known.robot, "l", SHAPES[name]) for name in ("flat", "fist"))
+    flat, fist = (hand_outline(known.robot, "l", SHAPES[name]) for name in ("flat", "fist"))
     for (straight, _), (bent, _) in list(zip(flat, fist, strict=True))[1:5]:
         assert np.linalg.norm(straight[-1] - straight[0]) > np.linalg.norm(bent[-1] - bent[0])
         assert (straight[-1] - straight[0]) @ site.facing == pytest.approx(0.0, abs=1e-9)
@@ -76,23 +76,23 @@ def test_fingers_are_straight_or_bent_towards_the_palm(known):
 
 
 def test_thumbs_mirror_each_other(known):
-    left, right = (hand(known.robot, side, SHAPES["thumb"])[-1][0] for side in ("l", "r"))
+    left, right = (hand_outline(known.robot, side, SHAPES["thumb"])[-1][0] for side in ("l", "r"))
     assert left == pytest.approx(right * [1, -1, 1], abs=1e-9)
 
 
 def test_pictures_show_something(waved, known, tmp_path):
-    drawn = strip(waved, known.robot, tmp_path / "wave.png", says="The raised hand waves: hello.")
+    drawn = draw_strip(waved, known.robot, tmp_path / "wave.png", says="The raised hand waves: hello.")
     pixels = imread(drawn)
     assert pixels.shape[1] > pixels.shape[0] > 100
     assert (pixels[..., :3].min(axis=-1) < 0.9).mean() > 0.03
     other = replace(waved, form=replace(waved.form, id="other", category="beat"))
-    whole = sheet([waved, other], known.robot, tmp_path / "sheet.png")
+    whole = draw_gesture_sheet([waved, other], known.robot, tmp_path / "sheet.png")
     assert imread(whole).shape[1] > imread(whole).shape[0]
-    assert sheet([waved], known.robot, tmp_path / "sheet.svg").read_text().startswith("<?xml")
+    assert draw_gesture_sheet([waved], known.robot, tmp_path / "sheet.svg").read_text().startswith("<?xml")
 
 
 def test_pictures_are_the_same_twice(waved, known, tmp_path):
-    one, two = (strip(waved, known.robot, tmp_path / f"{name}.png").read_bytes() for name in "ab")
+    one, two = (draw_strip(waved, known.robot, tmp_path / f"{name}.png").read_bytes() for name in "ab")
     assert one == two
 
 

@@ -10,8 +10,8 @@ import pytest
 from click.testing import CliRunner
 
 from kinesic.cli.study import study
-from kinesic.studies.perception.analysis import compared, first_choices
-from kinesic.studies.perception.answers import COLUMNS, LABELS, Answer, read_answers
+from kinesic.studies.perception.analysis import compare_sides, first_choices
+from kinesic.studies.perception.answers import COLUMNS, LABELS, Rating, read_answers
 from kinesic.studies.perception.design import stimuli
 
 PEOPLE = 60
@@ -60,27 +60,27 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def answers(file: Path) -> tuple[Answer, ...]:
+def answers(file: Path) -> tuple[Rating, ...]:
     return read_answers([file])
 
 
-def test_an_effect_that_is_there_is_found(answers: tuple[Answer, ...]):
-    found = compared(answers, "strength", ("high", "low"))
+def test_an_effect_that_is_there_is_found(answers: tuple[Rating, ...]):
+    found = compare_sides(answers, "strength", ("high", "low"))
     for action in LABELS:
         cell = found.cells[action, "EXP"]
         assert cell.significant
         assert cell.means[0] > cell.means[1] + 0.5
 
 
-def test_an_effect_that_is_not_there_is_mostly_not_found(answers: tuple[Answer, ...]):
-    found = compared(answers, "presentation", ("animation", "image"))
+def test_an_effect_that_is_not_there_is_mostly_not_found(answers: tuple[Rating, ...]):
+    found = compare_sides(answers, "presentation", ("animation", "image"))
     assert sum(cell.significant for cell in found.cells.values()) <= 4  # of 18, by chance 1
 
 
-def test_wrinkles_help_the_frown_alone(answers: tuple[Answer, ...]):
+def test_wrinkles_help_the_frown_alone(answers: tuple[Rating, ...]):
     shares = first_choices(answers).shares
     assert shares["4", "with"] > shares["4", "without"] + 0.15
-    found = compared(answers, "wrinkles", ("with", "without"))
+    found = compare_sides(answers, "wrinkles", ("with", "without"))
     assert found.cells["4", "EXP"].significant
 
 
@@ -88,23 +88,23 @@ def test_p_is_that_of_the_test_by_hand():
     """All of one side above all of the other: U = 0; exact p of 5 against 5 is 2 / C(10, 5)."""
     conditions = {"wrinkles": "with", "presentation": "image"}
     answers = [
-        Answer(
+        Rating(
             "4", conditions | {"strength": side}, {"4": points, "1+2": 1, "1+4": 1}, {"naturalness": 1, "realism": 1}
         )
         for side, points in [*(("high", 5),) * 5, *(("low", 1),) * 5]
     ]
-    cell = compared(answers, "strength", ("high", "low")).cells["4", "EXP"]
+    cell = compare_sides(answers, "strength", ("high", "low")).cells["4", "EXP"]
     assert cell.means == (5.0, 1.0)
     assert cell.counts == (5, 5)
     assert cell.p < 0.01
-    assert isnan(compared(answers, "strength", ("high", "low")).cells["6", "EXP"].p)
+    assert isnan(compare_sides(answers, "strength", ("high", "low")).cells["6", "EXP"].p)
 
 
 def test_a_tie_is_no_first_choice():
     conditions = {"strength": "high", "wrinkles": "with", "presentation": "image"}
     opinions = {"naturalness": 3, "realism": 3}
-    assert not Answer("4", conditions, {"4": 4, "1+2": 4, "1+4": 1}, opinions).first_choice
-    assert Answer("4", conditions, {"4": 4, "1+2": 3, "1+4": 1}, opinions).first_choice
+    assert not Rating("4", conditions, {"4": 4, "1+2": 4, "1+4": 1}, opinions).first_choice
+    assert Rating("4", conditions, {"4": 4, "1+2": 3, "1+4": 1}, opinions).first_choice
 
 
 def test_the_command_prints_the_tables_of_the_thesis(file: Path):

@@ -8,7 +8,7 @@ from PIL import Image
 from kinesic.body.config import ConfigError
 from kinesic.studies.perception.answers import COLUMNS, read_answers
 from kinesic.studies.perception.design import stimuli
-from kinesic.studies.perception.page import write_page
+from kinesic.studies.perception.page import write_study_page
 from kinesic.studies.perception.stimuli import file_of
 
 from ...chromium import Page, binary, opened
@@ -24,7 +24,7 @@ def page(tmp_path: Path):
     for each in stimuli():
         Image.new("RGB", (8, 8)).save(tmp_path / "stimuli" / file_of(each))
     path = tmp_path / "index.html"
-    write_page(path)
+    write_study_page(path)
     path.write_text(path.read_text().replace('"seconds": 2.2', '"seconds": 0.05'))  # films are not the matter here
     with opened(path.as_uri(), tmp_path / "profile") as page:
         page.until("document.readyState === 'complete' && typeof state === 'object'")

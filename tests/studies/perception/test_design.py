@@ -2,7 +2,7 @@
 
 from collections import Counter
 
-from kinesic.body.action_units import keys_of
+from kinesic.body.action_units import face_keys
 from kinesic.studies.perception.answers import LABELS
 from kinesic.studies.perception.design import PER_CELL, stimuli
 
@@ -28,7 +28,7 @@ def test_a_participant_can_see_a_quarter_of_every_cell():
 
 def test_units_are_known_and_faint_ones_are_weaker():
     for each in stimuli():
-        assert all(keys_of(unit) for unit in each.units)
+        assert all(face_keys(unit) for unit in each.units)
     frowns = {each.strength: each.units["4"] for each in stimuli() if each.action.name == "4"}
     assert frowns["low"] < frowns["high"] == 1.0
 

@@ -4,7 +4,7 @@ from PIL import Image
 
 from kinesic.face.display import DisplayError, offscreen
 from kinesic.studies.perception.design import stimuli
-from kinesic.studies.perception.stimuli import RATE, SECONDS, draw, file_of
+from kinesic.studies.perception.stimuli import RATE, SECONDS, draw_stimuli, file_of
 
 FROWNS = [each for each in stimuli() if each.action.name == "4" and (each.agent, each.strength) == ("female", "high")]
 
@@ -17,7 +17,7 @@ def drawn(tmp_path_factory: pytest.TempPathFactory):
     except DisplayError as error:
         pytest.skip(str(error))
     folder = tmp_path_factory.mktemp("study")
-    list(draw(FROWNS, folder, size=96))
+    list(draw_stimuli(FROWNS, folder, size=96))
     return {(each.wrinkles, each.presentation): folder / file_of(each) for each in FROWNS}
 
 

@@ -5,7 +5,7 @@ import pytest
 from kinesic.body.robot import Robot
 from kinesic.controller.perform import perform
 from kinesic.sim.dynamics import MujocoDynamics
-from kinesic.sim.model import build, joint_order
+from kinesic.sim.model import build_model, joint_order
 from kinesic.studies.sweep.measures import SHOWN, Measures, kinetic_energy, measures
 
 ROBOT = Robot.load()
@@ -15,7 +15,7 @@ def test_it_is_the_energy_that_mujoco_has():
     random = np.random.default_rng(3)
     angles = random.uniform(ROBOT.skeleton.lower, ROBOT.skeleton.upper, (5, len(ROBOT.skeleton.hinges)))
     speeds = random.normal(0.0, 2.0, angles.shape)
-    model = build(ROBOT)
+    model = build_model(ROBOT)
     data, order, wanted = mujoco.MjData(model), joint_order(ROBOT, model), []
     for posture, speed in zip(angles, speeds, strict=True):
         data.qpos[order], data.qvel[order] = posture, speed

@@ -5,7 +5,7 @@ import pytest
 from kinesic.body.config import ConfigError
 from kinesic.expressivity.style.style import RANGES
 from kinesic.studies.sweep.measures import Measures
-from kinesic.studies.sweep.series import LATE, MEASURE_OF, Played, Series, presets, sweep
+from kinesic.studies.sweep.series import LATE, MEASURE_OF, Played, Series, presets, sweep_parameter
 
 PLAIN = Measures(
     peak_speed=1.0,
@@ -67,7 +67,7 @@ def test_strokes_in_time():
 
 
 def test_a_wider_gesture_sweeps_more_space(known):
-    found = sweep("flat_surface", "spatial", known, values=[0.8, -0.8])
+    found = sweep_parameter("flat_surface", "spatial", known, values=[0.8, -0.8])
     assert [one.value for one in found.played] == [-0.8, 0.8]
     assert found.monotone
     assert found.in_time
@@ -78,13 +78,13 @@ def test_a_wider_gesture_sweeps_more_space(known):
 
 
 def test_a_sweep_is_the_same_twice(known):
-    first, again = (sweep("beat", "power", known, values=[0.5]).played[0].measures for _ in range(2))
+    first, again = (sweep_parameter("beat", "power", known, values=[0.5]).played[0].measures for _ in range(2))
     assert first == again
 
 
 def test_values_default_to_the_whole_range(known, monkeypatch):
     monkeypatch.setattr("kinesic.studies.sweep.series.COUNT", 2)
-    assert [one.value for one in sweep("beat", "openness", known).played] == [0.0, 1.0]
+    assert [one.value for one in sweep_parameter("beat", "openness", known).played] == [0.0, 1.0]
 
 
 def test_presets_are_played_by_name(known, monkeypatch, tmp_path):
@@ -98,8 +98,8 @@ def test_presets_are_played_by_name(known, monkeypatch, tmp_path):
 
 def test_errors_teach(known):
     with pytest.raises(ConfigError, match=r"no gesture beet; did you mean beat\?"):
-        sweep("beet", "power", known)
+        sweep_parameter("beet", "power", known)
     with pytest.raises(ConfigError, match=r"a style has no powr; did you mean power\?"):
-        sweep("beat", "powr", known)
+        sweep_parameter("beat", "powr", known)
     with pytest.raises(ConfigError, match=r"power is 2, outside \[-1, 1\]"):
-        sweep("beat", "power", known, values=[0.0, 2.0])
+        sweep_parameter("beat", "power", known, values=[0.0, 2.0])

@@ -17,13 +17,13 @@ from kinesic.body.command import Command
 from kinesic.body.robot import Robot
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.servos import Servos
-from kinesic.hardware.supervisor.settings import Settings
+from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 
 HERE = Path(__file__).parent
 PATIENCE = 60.0  # [s] that a loaded machine may take for anything
 WATCHDOG = 0.2
-SETTINGS = Settings(watchdog=WATCHDOG, patient_watchdog=WATCHDOG, pace=3.0)
+SETTINGS = SupervisorSettings(watchdog=WATCHDOG, patient_watchdog=WATCHDOG, pace=3.0)
 BUSES = ("left", "right")
 
 

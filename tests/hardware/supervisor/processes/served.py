@@ -16,8 +16,8 @@ from pathlib import Path
 from kinesic.body.robot import Robot
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.virtual.faults import FaultPlan, Mishap
-from kinesic.hardware.virtual.pty import PtyPort, serve
-from kinesic.hardware.virtual.wiring import build, cables
+from kinesic.hardware.virtual.pty import PtyPort, serve_wires
+from kinesic.hardware.virtual.wiring import build_bus, cables
 
 SHOWN = (Register.TORQUE_ENABLE, Register.GOAL_POSITION, Register.BUS_WATCHDOG)
 EVERY = 0.002  # [s] between lines
@@ -32,7 +32,7 @@ def mishap(kind: str, *figures: float) -> Mishap:
 def main(robot: str, folder: Path) -> None:
     with suppress(OSError):  # servos are never late, whatever else the machine does, where it allows that
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(30))
-    plant, buses = build(cables(Robot.load(Path(robot))))
+    plant, buses = build_bus(cables(Robot.load(Path(robot))))
     ports = [PtyPort(bus, folder / name) for name, bus in buses.items()]
     began, written = time.monotonic(), 0.0
     with (folder / "record").open("w") as record:
@@ -59,7 +59,7 @@ def main(robot: str, folder: Path) -> None:
                 buses[words[1]].expose(FaultPlan((mishap(words[0], *map(float, words[2:])),)))
             return bool(line)
 
-        serve(ports, running)
+        serve_wires(ports, running)
 
 
 if __name__ == "__main__":
