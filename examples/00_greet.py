@@ -1,7 +1,6 @@
 """Performs a greeting in the twin and prints the verdicts."""
 
-from kinesic.controller.perform import perform
-from kinesic.report.checks import checks
+import kinesic
 
 BML = """
 <bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">
@@ -11,6 +10,7 @@ BML = """
 </bml>
 """
 
-performance = perform(BML)
-for check in checks(performance):
+run = kinesic.perform(BML)
+print(run)
+for check in run.checks:
     print(f"{check.status:5} {check.name:22} {check.value:10.4g} {check.unit:6} {check.where}")

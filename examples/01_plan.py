@@ -3,16 +3,17 @@
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import kinesic
 from kinesic.body.config import CONFIGS
-from kinesic.controller.perform import facts, plan
-from kinesic.planning.motion_files import write_motion
 
-known = facts("upper22", style="calm")
-planned = plan((CONFIGS / "bml" / "welcome.bml").read_bytes(), known)
-for sync in planned.syncs:
+performer = kinesic.Performer("upper22", style="calm")
+plan = performer.plan(CONFIGS / "bml" / "welcome.bml")
+print(plan)
+for sync in plan.syncs:
     if sync.sync == "stroke":
         print(f"{sync.behaviour:8} asked {sync.asked:6.3f} s, planned {sync.planned:6.3f} s")
+elbow = performer.robot.skeleton.joint("r_elbow_flexion")
+print(f"while it nods, its right elbow is at {plan.at('nod:stroke').angles[elbow]:.2f} rad")
 with TemporaryDirectory() as folder:
-    path = Path(folder) / "welcome.csv"
-    write_motion(planned.trajectory, known.robot, path)
-    print(f"{planned.trajectory.duration:.2f} s of motion in {path.stat().st_size} bytes")
+    path = plan.save(Path(folder) / "welcome.csv")
+    print(f"{plan.trajectory.duration:.2f} s of motion in {path.stat().st_size} bytes")

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from kinesic import Performer
 from kinesic.controller.arrival import part_paths
-from kinesic.controller.perform import facts, plan
 from kinesic.expressivity.style.style import Expressivity, Style
 
 BML = """
@@ -14,7 +14,7 @@ BML = """
 
 for name, extent in (("small and slow", -0.8), ("large and fast", 0.8)):
     style = Style.uniform(Expressivity(spatial=extent, temporal=extent), name)
-    planned = plan(BML, facts(style=style))
+    planned = Performer(style=style).plan(BML)
     times = np.arange(0.0, planned.trajectory.duration, 0.01)
     hand = part_paths(planned.trajectory.sample(times)[0], planned.facts.robot)["l_hand"]
     speed = np.linalg.norm(np.diff(hand, axis=0), axis=1) / 0.01

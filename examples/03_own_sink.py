@@ -1,10 +1,8 @@
 """A sink of one's own: anything with `write` and `close` follows the commands of the loop."""
 
-from kinesic.body.command import RATE, Command
+from kinesic import Performer
+from kinesic.body.command import Command
 from kinesic.body.config import CONFIGS
-from kinesic.controller.feedforward import lead
-from kinesic.controller.perform import facts, plan
-from kinesic.controller.play import command_times, commands, play
 
 
 class Ticker:
@@ -22,9 +20,6 @@ class Ticker:
         print("done")
 
 
-known = facts()
-planned = plan((CONFIGS / "bml" / "welcome.bml").read_bytes(), known)
-times = command_times(planned.duration)
-setpoints = lead(planned.trajectory, times, known.robot, known.dynamics, period=1 / RATE)
-elbow = known.robot.skeleton.joint("r_elbow_flexion")
-play(commands(planned.trajectory, times, setpoints), Ticker(elbow))
+performer = Performer()
+elbow = performer.robot.skeleton.joint("r_elbow_flexion")
+print(performer.perform(CONFIGS / "bml" / "welcome.bml", sinks=[Ticker(elbow)]))

@@ -1,21 +1,20 @@
 """Leaves a running motion for another one, and stops it: angles, speeds and accelerations go on without a step."""
 
-from pathlib import Path
-
 import numpy as np
 
-from kinesic.controller.perform import facts, plan
+from kinesic import Performer
+from kinesic.body.config import CONFIGS
 from kinesic.motion.stopping import stop
 from kinesic.realizer.merge import replaced
 
 CUT = 2.0  # [s]
 
-known = facts()
-running = plan(Path("kinesic/configs/bml/welcome.bml").read_text(), known)
+performer = Performer()
+running = performer.plan(CONFIGS / "bml" / "welcome.bml")
 nod = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" stroke="0.6"/></bml>'
-other = plan(nod, known)
+other = performer.plan(nod)
 
-halted = stop(running.trajectory, CUT, known.limits)
+halted = stop(running.trajectory, CUT, performer.setup.limits)
 print(f"at rest {1000 * (halted.duration - CUT):.0f} ms after the cut")
 
 over = replaced(running.trajectory, CUT, other)

@@ -2,11 +2,9 @@
 
 import time
 
-from kinesic.body.command import RATE, Command
+from kinesic import Performer
+from kinesic.body.command import Command
 from kinesic.body.config import CONFIGS
-from kinesic.controller.feedforward import lead
-from kinesic.controller.perform import facts, plan
-from kinesic.controller.play import command_times, commands, play
 
 try:
     import rclpy
@@ -34,8 +32,5 @@ class Topic:
 if rclpy is None:
     print("skipped: no rclpy here; source ROS 2's setup.bash first")
 else:
-    planned = plan((CONFIGS / "bml" / "welcome.bml").read_bytes(), known := facts())
-    setpoints = lead(
-        planned.trajectory, times := command_times(planned.duration), known.robot, known.dynamics, period=1 / RATE
-    )
-    play(commands(planned.trajectory, times, setpoints), Topic(known.robot.skeleton.names))
+    performer = Performer()
+    performer.perform(CONFIGS / "bml" / "welcome.bml", sinks=[Topic(performer.robot.skeleton.names)])

@@ -3,29 +3,69 @@
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-__all__ = ["Robot", "__version__", "client", "perform", "plan"]
+__all__ = [
+    "BmlError",
+    "BusError",
+    "Client",
+    "ConfigError",
+    "Performance",
+    "Performer",
+    "Plan",
+    "Robot",
+    "Style",
+    "__version__",
+    "perform",
+    "plan",
+    "solve_ik",
+    "track_ik",
+]
 
 if TYPE_CHECKING:
-    from kinesic import client
+    from kinesic import client as client
+    from kinesic import ik as ik
+    from kinesic import motion as motion
+    from kinesic.bml.block import BmlError
+    from kinesic.body.config import ConfigError
     from kinesic.body.robot import Robot
-    from kinesic.controller.perform import perform, plan
+    from kinesic.client import Client
+    from kinesic.controller.perform import plan
+    from kinesic.expressivity.style.style import Style
+    from kinesic.hardware.protocol.wire import BusError
+    from kinesic.ik.solve import solve as solve_ik
+    from kinesic.ik.track import track as track_ik
+    from kinesic.performer import Performer, perform
+    from kinesic.planning.plan import Plan
+    from kinesic.report.run import Performance
     from kinesic.version import __version__
+
+_MODULES = ("client", "ik", "motion")
+_PLACES = {
+    "BmlError": ("kinesic.bml.block", "BmlError"),
+    "BusError": ("kinesic.hardware.protocol.wire", "BusError"),
+    "Client": ("kinesic.client", "Client"),
+    "ConfigError": ("kinesic.body.config", "ConfigError"),
+    "Performance": ("kinesic.report.run", "Performance"),
+    "Performer": ("kinesic.performer", "Performer"),
+    "Plan": ("kinesic.planning.plan", "Plan"),
+    "Robot": ("kinesic.body.robot", "Robot"),
+    "Style": ("kinesic.expressivity.style.style", "Style"),
+    "__version__": ("kinesic.version", "__version__"),
+    "perform": ("kinesic.performer", "perform"),
+    "plan": ("kinesic.controller.perform", "plan"),
+    "solve_ik": ("kinesic.ik.solve", "solve"),
+    "track_ik": ("kinesic.ik.track", "track"),
+}
 
 
 def __getattr__(name: str) -> object:
-    """Imports the public functions when they are first asked for: `import kinesic` stays fast."""
-    if name == "Robot":
-        from kinesic.body.robot import Robot  # noqa: PLC0415 - only when asked for
+    """Imports what is public when it is first asked for: `import kinesic` stays fast."""
+    if name in _MODULES:
+        return import_module(f"kinesic.{name}")
+    if name not in _PLACES:
+        raise AttributeError(f"module kinesic has no attribute {name}")
+    module, own = _PLACES[name]
+    return getattr(import_module(module), own)
 
-        return Robot
-    if name == "__version__":
-        from kinesic.version import __version__  # noqa: PLC0415 - only when asked for
 
-        return __version__
-    if name == "client":
-        return import_module("kinesic.client")
-    if name in ("plan", "perform"):
-        from kinesic.controller import perform as module  # noqa: PLC0415 - only when asked for
-
-        return getattr(module, name)
-    raise AttributeError(f"module kinesic has no attribute {name}")
+def __dir__() -> list[str]:
+    return sorted({*__all__, *_MODULES})

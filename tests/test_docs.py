@@ -42,7 +42,7 @@ def test_contributors_are_shown_the_layers_of_the_contract_and_the_duty_of_each_
     (layers,) = [contract["layers"] for contract in contracts if contract.get("containers") == ["kinesic"]]
     (picture,) = [text for text in re.findall(r"```\n(.*?)```", CONTRIBUTING, re.DOTALL) if text.startswith("cli\n")]
     assert picture.splitlines() == layers
-    duties = re.findall(r"^\| `kinesic/(\w+)/` \| [^|]+ \|$", CONTRIBUTING, re.MULTILINE)
+    duties = re.findall(r"^\| `kinesic/(\w+)(?:/|\.py)` \| [^|]+ \|$", CONTRIBUTING, re.MULTILINE)
     assert duties == [room for layer in layers for room in layer.split(" | ")]
 
 

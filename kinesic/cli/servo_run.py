@@ -1,10 +1,8 @@
 """The robot's part of `kinesic perform`: ports, keyboard, and what is written and told afterwards."""
 
-import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from types import FrameType
 
 import click
 from rich.console import Console
@@ -13,7 +11,7 @@ from rich.live import Live as Display
 from kinesic.cli.playback import loudspeaker
 from kinesic.cli.terminal import pressed
 from kinesic.controller.performance import Performance
-from kinesic.controller.servo_performance import Live, Wish, perform_live
+from kinesic.controller.servo_performance import Live, Wish, interrupted, perform_live
 from kinesic.controller.soundtrack import sound
 from kinesic.controller.speech_sync import Aloud
 from kinesic.hardware.servos import Servos
@@ -52,8 +50,8 @@ def performed_live(
         servos = Servos(plan.facts.robot, ports, log=folder / "events.jsonl")
         if not quiet:
             click.echo(KEYS, err=True)
-        with _interrupted() as interrupted, pressed() as keys, _display(quiet) as shown:
-            return perform_live(performance, servos, wish=_wish(keys, interrupted), shown=_all(shown, said, told))
+        with interrupted() as folding, pressed() as keys, _display(quiet) as shown:
+            return perform_live(performance, servos, wish=_wish(keys, folding), shown=_all(shown, said, told))
 
 
 @contextmanager
@@ -77,13 +75,13 @@ def _all(*listeners: Callable[[Status], None]) -> Callable[[Status], None]:
     return hear
 
 
-def _wish(keys: Callable[[], str], interrupted: Callable[[], bool]) -> Callable[[], Wish]:
+def _wish(keys: Callable[[], str], folding: Callable[[], bool]) -> Callable[[], Wish]:
     """What somebody at the keyboard wants."""
 
     def wish() -> Wish:
         if " " in keys():
             return "stop"
-        return "end" if interrupted() else "go on"
+        return "end" if folding() else "go on"
 
     return wish
 
@@ -95,21 +93,6 @@ def write_live(live: Live, data: dict[str, Json], written: Written) -> tuple[dic
     log = written.report.with_name("servos.npz")
     write_log(live_log(live), live.performance.plan.facts.robot, log)
     return told, log
-
-
-@contextmanager
-def _interrupted() -> Iterator[Callable[[], bool]]:
-    """Whether Ctrl-C has been pressed since the last call; it ends nothing else meanwhile."""
-    waiting: list[int] = []
-
-    def note(number: int, _frame: FrameType | None) -> None:
-        waiting.append(number)
-
-    before = signal.signal(signal.SIGINT, note)
-    try:
-        yield lambda: bool(waiting and waiting.pop())
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 @contextmanager

@@ -4,11 +4,15 @@ All commands are handed over at once: the supervisor keeps them, owns the time f
 rest at the end. Here is only listened, and handed on what somebody at the keyboard wants.
 """
 
+import signal
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
+from types import FrameType
 from typing import Literal
 
 import numpy as np
@@ -167,6 +171,27 @@ def perform_live(
     ran = tuple(told for told in history if told.stage in RUNNING)
     ending, why = _ending(history, asked, error)
     return Live(performance, ran, tuple(notes), ending, why or _last_failure(notes) if ending == "failed" else why)
+
+
+@contextmanager
+def interrupted() -> Iterator[Callable[[], bool]]:
+    """Whether Ctrl-C has been pressed since the last call; it ends nothing else meanwhile.
+
+    Outside the main thread, which alone hears it, it is never pressed.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield lambda: False
+        return
+    waiting: list[int] = []
+
+    def note(number: int, _frame: FrameType | None) -> None:
+        waiting.append(number)
+
+    before = signal.signal(signal.SIGINT, note)
+    try:
+        yield lambda: bool(waiting and waiting.pop())
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _listen(servos: Servos, history: list[Status], notes: list[Note], shown: Callable[[Status], None]) -> None:

@@ -8,13 +8,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
-from kinesic.motion.trajectory import Trajectory
 
 SUFFIX = ".bap"
 RATE = 25  # [frames/s]
@@ -71,6 +71,17 @@ _AXES: Mapping[str, tuple[float, float, float]] = {
 }
 
 
+class Sampled(Protocol):
+    """A motion as a function of time, planned or measured."""
+
+    @property
+    def duration(self) -> float:
+        """[s]."""
+
+    def sample(self, times: Floats) -> tuple[Floats, Floats, Floats]:
+        """Angles, speeds and accelerations, each (m, n), at (m,) times."""
+
+
 @dataclass(frozen=True, eq=False)
 class BapFrames:
     """A motion as a BAP file has it, for the hinges of one robot."""
@@ -101,7 +112,7 @@ def _columns(robot: Robot) -> tuple[_Column, ...]:
     return tuple(sorted(found, key=lambda column: column.number))
 
 
-def write_bap(trajectory: Trajectory, robot: Robot, path: Path) -> None:
+def write_bap(trajectory: Sampled, robot: Robot, path: Path) -> None:
     """Writes a motion frame by frame, with the signs of the standard; hinges without a BAP name are left out."""
     columns = _columns(robot)
     numbers = {column.number for column in columns}

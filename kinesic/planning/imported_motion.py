@@ -20,7 +20,7 @@ from kinesic.planning.clearance import cleared
 from kinesic.planning.plan import Plan
 from kinesic.planning.postures import Postures
 from kinesic.planning.setup import Setup
-from kinesic.planning.syncs import SHIFT_TO_WARN
+from kinesic.planning.syncs import SHIFT_TO_WARN, Syncs
 
 EVERY = 0.1  # [s] between keys: a motion that servos can follow is then met within about a degree
 NEAR = 0.045  # [s] from where a hinge turns back, within which it has no other key
@@ -62,7 +62,7 @@ def imported(frames: BapFrames, facts: Setup, *, source: str) -> Plan:
         motion=motion,
         clearance=clearance,
         clearance_times=times,
-        syncs=(),
+        syncs=Syncs(),
         notices=(*_left_out(frames), *_clipped(frames, facts), *_shifted(motion)),
         seconds=perf_counter() - began,
     )

@@ -8,13 +8,12 @@ import numpy as np
 from kinesic.body.command import RATE
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
-from kinesic.motion.trajectory import Trajectory
-from kinesic.planning.bap import write_bap
+from kinesic.planning.bap import Sampled, write_bap
 
 SUFFIXES = (".npz", ".csv", ".bap")
 
 
-def write_motion(trajectory: Trajectory, robot: Robot, path: Path, *, rate: int = RATE) -> None:
+def write_motion(trajectory: Sampled, robot: Robot, path: Path, *, rate: int = RATE) -> None:
     """Writes a trajectory, sampled at a rate [Hz]; the suffix names the format.
 
     npz holds `times` [s], `names`, `angles` [rad], `speeds` [rad/s] and `accelerations` [rad/s^2]; csv holds time and

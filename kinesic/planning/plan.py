@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from time import perf_counter
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from kinesic.bml.block import Block, Notice, Timeline
 from kinesic.bml.schedule import schedule
 from kinesic.body.arrays import Floats
+from kinesic.body.command import State
 from kinesic.body.dynamics import Clearance
 from kinesic.body.utterance import Utterance
 from kinesic.expressivity.durations import spans
@@ -22,12 +24,13 @@ from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.certify import certified
 from kinesic.planning.clearance import Conditioner, cleared, culprits
 from kinesic.planning.coupling import bonds
+from kinesic.planning.motion_files import write_motion
 from kinesic.planning.postures import Postures, postures
 from kinesic.planning.setup import Setup
 from kinesic.planning.speech import remarks, synthesise_block
 from kinesic.planning.speech_pauses import SpeechPause, allowed, lengthen_pauses, mark_delays, required_pauses
 from kinesic.planning.speech_pauses import notices as pause_notices
-from kinesic.planning.syncs import SyncTime, shifts, smaller, sync_times
+from kinesic.planning.syncs import Syncs, SyncTime, shifts, smaller, sync_times
 
 STILL = 0.1  # [s] of a wish for nothing
 ROUNDS = 3  # of planning, in which pauses are made longer
@@ -47,7 +50,7 @@ class Plan:
     motion: Conditioned
     clearance: Clearance  # of the reference, at 100 Hz
     clearance_times: Floats  # (m,) [s] performance time
-    syncs: tuple[SyncTime, ...]
+    syncs: Syncs[SyncTime]
     notices: tuple[Notice, ...]
     seconds: float  # [s] that planning took
 
@@ -60,6 +63,37 @@ class Plan:
     def duration(self) -> float:
         """[s] of the performance, speech included."""
         return max(self.trajectory.duration, self.trajectory.zero + self.timeline.end)
+
+    def at(self, when: float | str) -> State:
+        """Angles, speeds and accelerations at a performance time [s], or at a sync point such as `nod:stroke`.
+
+        Raises:
+            KeyError: there is no such sync point.
+        """
+        return self.trajectory.at(self.trajectory.zero + self.syncs[when].planned if isinstance(when, str) else when)
+
+    def save(self, path: str | Path) -> Path:
+        """Writes the motion; the suffix names the format: .npz, .csv or .bap.
+
+        Raises:
+            ConfigError: the suffix is not known.
+        """
+        file = Path(path)
+        write_motion(self.trajectory, self.facts.robot, file)
+        return file
+
+    def __str__(self) -> str:
+        """One line: what, on which robot, in which manner, how long, and what had to give."""
+        block, outcomes = self.timeline.block, self.keyframes.outcomes
+        what = f"block {block.id}" if block.source.startswith("<") else block.source
+        dropped = sum(outcome.kind == "dropped" for outcome in outcomes.values())
+        counts = ((len(block.behaviours), "behaviour"), (dropped, "dropped behaviour"), (len(self.notices), "notice"))
+        notes = ", ".join(f"{count} {noun}{'s' if count > 1 else ''}" for count, noun in counts if count)
+        where = f"{self.facts.robot.name} ({self.facts.style.name})"
+        return f"plan of {what} on {where}: {self.duration:.2f} s{', ' if notes else ''}{notes}"
+
+    def __repr__(self) -> str:
+        return f"<{self}>"
 
 
 def plan_block(

@@ -3,11 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
+from typing import SupportsIndex, TypeVar, overload
 
 import numpy as np
 
 from kinesic.bml.block import Block, Notice, NoticeType, TimedBehaviour
 from kinesic.body.arrays import Floats
+from kinesic.body.config import suggestion
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.keyframes import KeyFrames, PartName
 from kinesic.motion.condition import Conditioned
@@ -28,6 +30,44 @@ class SyncTime:
     asked: float  # [s] block time
     planned: float  # [s] block time
 
+    @property
+    def name(self) -> str:
+        """Behaviour and sync point: `nod:stroke`."""
+        return f"{self.behaviour}:{self.sync}"
+
+
+T_co = TypeVar("T_co", bound=SyncTime, covariant=True)
+
+
+class Syncs(tuple[T_co, ...]):
+    """Sync points in planned order; `syncs["nod:stroke"]` finds one by its name."""
+
+    __slots__ = ()
+
+    @overload
+    def __getitem__(self, place: SupportsIndex, /) -> T_co: ...
+    @overload
+    def __getitem__(self, place: slice, /) -> tuple[T_co, ...]: ...
+    @overload
+    def __getitem__(self, place: str, /) -> T_co: ...
+    def __getitem__(self, place: SupportsIndex | slice | str, /) -> T_co | tuple[T_co, ...]:
+        """One by its place or its name, or a part of them.
+
+        Raises:
+            KeyError: no sync point has this name; names near to it are told.
+        """
+        if not isinstance(place, str):
+            return super().__getitem__(place)
+        for sync in self:
+            if sync.name == place:
+                return sync
+        behaviour, _, point = place.partition(":")
+        points = [sync.sync for sync in self if sync.behaviour == behaviour]
+        if not points:
+            behaviours = sorted({sync.behaviour for sync in self})
+            raise KeyError(f"no behaviour {behaviour} has sync points{suggestion(behaviour, behaviours)}")
+        raise KeyError(f"behaviour {behaviour} has no sync point {point}{suggestion(point, points)}")
+
 
 def on_keys(frames: KeyFrames, motion: Conditioned) -> list[tuple[str, str, float, float]]:
     """(behaviour, sync, asked, planned) of every sync point that lies on a key."""
@@ -40,7 +80,7 @@ def on_keys(frames: KeyFrames, motion: Conditioned) -> list[tuple[str, str, floa
     ]
 
 
-def sync_times(frames: KeyFrames, motion: Conditioned) -> tuple[SyncTime, ...]:
+def sync_times(frames: KeyFrames, motion: Conditioned) -> Syncs[SyncTime]:
     """Every sync point of every performed behaviour, in planned order."""
     moving = [SyncTime(*row) for row in on_keys(frames, motion)]
     seen = {sync.behaviour for sync in moving}
@@ -50,7 +90,7 @@ def sync_times(frames: KeyFrames, motion: Conditioned) -> tuple[SyncTime, ...]:
         if timed.behaviour.id not in seen and frames.outcomes[timed.behaviour.id].kind != "dropped"
         for sync, time in timed.times.items()
     ]
-    return tuple(sorted([*moving, *still], key=lambda sync: (sync.planned, sync.behaviour)))
+    return Syncs(sorted([*moving, *still], key=lambda sync: (sync.planned, sync.behaviour)))
 
 
 def shifts(

@@ -1,0 +1,233 @@
+"""The front door: a robot in a manner, which plans documents, performs them, and reports."""
+
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Literal, Unpack, get_args
+
+from kinesic.bml.block import BmlError
+from kinesic.bml.parse import parse
+from kinesic.body.command import RATE, Sink
+from kinesic.body.config import ConfigError, suggestion
+from kinesic.body.robot import Robot
+from kinesic.controller.feedforward import Terms, lead
+from kinesic.controller.options import Options, setup_of
+from kinesic.controller.perform import dry_runs
+from kinesic.controller.perform import perform as perform_text
+from kinesic.controller.play import command_times, commands, play
+from kinesic.controller.servo_performance import interrupted, perform_live
+from kinesic.controller.soundtrack import sound
+from kinesic.controller.speech_sync import Aloud
+from kinesic.expressivity.style.style import Style
+from kinesic.hardware.servos import Servos
+from kinesic.hardware.supervisor.channel import Status
+from kinesic.planning.bap import SUFFIX, read_bap
+from kinesic.planning.face_track import faces
+from kinesic.planning.imported_motion import imported
+from kinesic.planning.plan import Plan, plan_block
+from kinesic.planning.setup import Setup
+from kinesic.report.run import Performance, performance_of
+from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors
+from kinesic.speech.loudspeaker import SpeakerError
+from kinesic.speech.speaker import Speaker
+
+Document = str | bytes | Path  # a path, or BML text
+On = Literal["twin", "servos"]
+TwinName = Literal["nominal", "pessimistic", "both"]
+
+TWINS: Mapping[TwinName, tuple[Factors, ...]] = {
+    "nominal": (NOMINAL,),
+    "pessimistic": (PESSIMISTIC,),
+    "both": (NOMINAL, PESSIMISTIC),
+}
+
+
+class Performer:
+    """A robot in a manner: plans documents, performs them, and reports.
+
+    Example:
+        ```python
+        performer = kinesic.Performer("upper22", style="joyful")
+        run = performer.perform(performer.plan("greeting.bml"))
+        run.report("out/greeting")
+        ```
+
+    Attributes:
+        setup: everything that planning knows beside the documents.
+    """
+
+    def __init__(
+        self,
+        robot: Robot | str | Path = "upper22",
+        *,
+        style: Style | str | Path = "neutral",
+        **options: Unpack[Options],
+    ) -> None:
+        """Loads robot and manner.
+
+        Args:
+            robot: its name, or its TOML file.
+            style: its name, or its TOML file.
+            options: see `Options`.
+
+        Raises:
+            ConfigError: something is missing or wrong; says what would have worked.
+            TypeError: there is no such option.
+        """
+        self.setup = setup_of(robot, style, options)
+
+    @property
+    def robot(self) -> Robot:
+        """Who performs."""
+        return self.setup.robot
+
+    @property
+    def style(self) -> Style:
+        """In which manner."""
+        return self.setup.style
+
+    def plan(self, document: Document, *, source: str | None = None) -> Plan:
+        """Plans a document; nothing moves.
+
+        Args:
+            document: a path (BML, or a .bap motion), or BML text.
+            source: its name in messages and reports; the path, where it is one.
+
+        Raises:
+            BmlError: the document is refused, or there is no such file.
+            ConfigError: a motion's file is wrong.
+        """
+        text, name = _read(document)
+        name = source or name
+        if text is None:
+            return imported(read_bap(Path(str(document)), self.robot), self.setup, source=name)
+        return plan_block(parse(text, source=name, dialect=self.setup.dialect), self.setup)
+
+    def perform(
+        self,
+        plan: Plan | Document,
+        *,
+        on: On = "twin",
+        ports: Mapping[str, str | Path] | None = None,
+        sinks: Sequence[Sink] = (),
+        twin: TwinName | Factors = "nominal",
+        feedforward: Terms = "full",
+        correction: bool = True,
+    ) -> Performance:
+        """Performs in the twin; then in sinks of one's own, and on the servos, if they are asked for.
+
+        Servos move only where no check of the twin has failed (`run.servos` is None otherwise). Ctrl-C folds them to
+        rest.
+
+        Args:
+            plan: or a document, which is planned first.
+            on: whether servos perform too.
+            ports: path of the device by the name of each bus of the robot, for servos.
+            sinks: each gets every command, as fast as it takes them, and is closed at the end.
+            twin: how far the twin is from the robot's description.
+            feedforward: what of the servos' model is inverted.
+            correction: whether goals are corrected by what the twin measures.
+
+        Raises:
+            BmlError: the document is refused.
+            BusError: a port or a servo is missing or wrong; nothing has moved.
+            ConfigError: there is no such way to perform.
+            TypeError: a sink cannot `write` or `close`.
+        """
+        _check_way(on, twin, sinks)
+        planned = plan if isinstance(plan, Plan) else self.plan(plan)
+        factors = (twin,) if isinstance(twin, Factors) else TWINS[twin]
+        found, *beside = dry_runs(planned, factors, feedforward=feedforward, correction=correction)
+        run = performance_of(found, beside=tuple(beside), seed=self.setup.idling.seed)
+        for sink in sinks:
+            _play(planned, sink, feedforward)
+        if on == "servos" and run.ok:
+            with _speaking(planned) as said, interrupted() as stopped:
+                servos = Servos(planned.facts.robot, ports or {})
+                live = perform_live(run, servos, wish=lambda: "end" if stopped() else "go on", shown=said)
+            run = performance_of(found, beside=tuple(beside), seed=self.setup.idling.seed, servos=live)
+        return run
+
+    def report(self, done: Performance | Plan | Document, folder: str | Path, *, film: bool = True) -> Performance:
+        """Writes the report of a performance; what is not performed yet is performed in the twin first.
+
+        Raises:
+            BmlError: the document is refused.
+            ConfigError: something else than a report is in the folder.
+        """
+        run = done if isinstance(done, Performance) else self.perform(done)
+        run.report(folder, film=film)
+        return run
+
+    def __repr__(self) -> str:
+        return f"Performer({self.robot.name!r}, style={self.style.name!r})"
+
+
+def perform(
+    text: str | bytes,
+    known: Setup | None = None,
+    *,
+    source: str = "<text>",
+    twin: Factors = NOMINAL,
+    feedforward: Terms = "full",
+    correction: bool = True,
+) -> Performance:
+    """Plans a BML document and performs it in the twin.
+
+    Raises:
+        BmlError: the document is refused.
+    """
+    run = perform_text(text, known, source=source, twin=twin, feedforward=feedforward, correction=correction)
+    return performance_of(run, seed=run.plan.facts.idling.seed)
+
+
+def _read(document: Document) -> tuple[str | bytes | None, str]:
+    """Text and name of a document; no text of one that is a motion.
+
+    Raises:
+        BmlError: there is no such file, or it cannot be read.
+    """
+    if isinstance(document, bytes) or (isinstance(document, str) and document.lstrip("\ufeff \t\r\n")[:1] in "<{["):
+        return document, "<text>"
+    path = Path(document)
+    if path.suffix == SUFFIX:
+        return None, str(path)
+    try:
+        return path.read_bytes(), str(path)
+    except OSError as error:
+        raise BmlError(f"{path}: {error.strerror}; give a path, or BML text that begins with <") from None
+
+
+def _check_way(on: str, twin: object, sinks: Sequence[object]) -> None:
+    if on not in get_args(On):
+        raise ConfigError(f"on is {on!r}{suggestion(on, get_args(On))}")
+    if not isinstance(twin, Factors) and twin not in TWINS:
+        raise ConfigError(f"twin is {twin!r}{suggestion(str(twin), list(TWINS))}")
+    for sink in sinks:
+        missing = [name for name in ("write", "close") if not callable(getattr(sink, name, None))]
+        if missing:
+            raise TypeError(f"a sink needs write(command) and close(); {type(sink).__name__} lacks {missing[0]}")
+
+
+def _play(plan: Plan, sink: Sink, terms: Terms) -> None:
+    """Every command of a plan, with the face."""
+    times, known = command_times(plan.duration), plan.facts
+    setpoints = lead(plan.trajectory, times, known.robot, known.dynamics, period=1 / RATE, terms=terms)
+    play(commands(plan.trajectory, times, setpoints, faces(plan, times)), sink)
+
+
+@contextmanager
+def _speaking(plan: Plan) -> Iterator[Callable[[Status], None]]:
+    """What is said in a plan is heard meanwhile, where there is a loudspeaker."""
+    heard = sound(plan)
+    try:
+        speaker = Speaker() if heard is not None else None
+    except SpeakerError as error:
+        warnings.warn(f"voice: not heard ({error})", stacklevel=4)
+        speaker = None
+    try:
+        yield Aloud(heard, speaker) if heard is not None and speaker is not None else lambda status: None
+    finally:
+        if speaker is not None:
+            speaker.close()

@@ -1,0 +1,250 @@
+"""The front door: what a user of `import kinesic` meets."""
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kinesic
+from kinesic.body.command import Command
+from kinesic.body.config import CONFIGS
+from kinesic.controller.perform import dry_run
+from kinesic.controller.play import command_times
+from kinesic.planning.bap import read_bap
+
+NOD = (
+    '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">'
+    '<head id="nod" lexeme="NOD" stroke="0.8"/><gesture id="odd" lexeme="xyzzy" stroke="1"/></bml>'
+)
+
+
+class Mine:
+    """A sink that keeps what it gets."""
+
+    def __init__(self) -> None:
+        self.commands: list[Command] = []
+        self.closed = 0
+
+    def write(self, command: Command, /) -> None:
+        self.commands.append(command)
+
+    def close(self) -> None:
+        self.closed += 1
+
+
+@pytest.fixture(scope="module")
+def performer() -> kinesic.Performer:
+    return kinesic.Performer("upper22", style="joyful")
+
+
+@pytest.fixture(scope="module")
+def plan(performer) -> kinesic.Plan:
+    return performer.plan(NOD)
+
+
+@pytest.fixture(scope="module")
+def run(performer, plan) -> kinesic.Performance:
+    return performer.perform(plan)
+
+
+def test_everything_public_is_there_and_is_named():
+    assert all(getattr(kinesic, name) is not None for name in kinesic.__all__)
+    assert {"Performer", "Plan", "Performance", "Robot", "Style", "Client", "solve_ik", "track_ik"} <= {*dir(kinesic)}
+    assert kinesic.solve_ik is kinesic.ik.solve
+    with pytest.raises(AttributeError, match="no attribute performe"):
+        kinesic.performe  # noqa: B018 - asking for it is what is tested
+
+
+def test_importing_kinesic_imports_nothing_heavy():
+    code = "import sys, kinesic; print([name for name in ('numpy', 'mujoco', 'msgspec') if name in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_a_plan_prints_in_a_line(plan):
+    line = f"plan of block b on upper22 (joyful): {plan.duration:.2f} s, 2 behaviours, 1 dropped behaviour, 1 notice"
+    assert str(plan) == line
+    assert repr(plan) == f"<{line}>"
+
+
+def test_a_plan_answers_for_times_and_sync_points(plan):
+    sync = plan.syncs["nod:stroke"]
+    assert (sync.behaviour, sync.sync, sync.name) == ("nod", "stroke", "nod:stroke")
+    assert plan.syncs[plan.syncs.index(sync)] is sync
+    here, there = plan.at("nod:stroke"), plan.at(plan.trajectory.zero + sync.planned)
+    np.testing.assert_array_equal(here.angles, there.angles)
+    assert np.abs(here.angles).max() > 0.0
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("nod:strok", "behaviour nod has no sync point strok; did you mean stroke"),
+        ("nud:stroke", "no behaviour nud has sync points; did you mean nod"),
+        ("nod", "behaviour nod has no sync point ; known: end, ready"),
+    ],
+)
+def test_a_wrong_sync_point_is_told_those_near_to_it(plan, name, said):
+    with pytest.raises(KeyError, match=said):
+        plan.syncs[name]
+
+
+@pytest.mark.parametrize("which", ["plan", "run"])
+def test_a_motion_is_saved_in_three_formats(which, request, performer, tmp_path: Path):
+    motion = request.getfixturevalue(which)
+    with np.load(motion.save(tmp_path / "motion.npz")) as file:
+        times, angles = file["times"], file["angles"]
+        assert file["names"].tolist() == list(performer.robot.skeleton.names)
+    states = np.array([motion.at(float(time)).angles for time in times])
+    np.testing.assert_allclose(angles, states, atol=1e-12)
+    rows = motion.save(str(tmp_path / "motion.csv")).read_text(encoding="utf-8").splitlines()
+    assert len(rows) == len(times) + 1
+    frames = read_bap(motion.save(tmp_path / "motion.bap"), performer.robot)
+    assert abs(frames.times[-1] - times[-1]) < 0.05
+    with pytest.raises(kinesic.ConfigError, match=r"cannot write .txt; known: .npz, .csv, .bap"):
+        motion.save(tmp_path / "motion.txt")
+
+
+def test_a_saved_motion_is_performed(performer, plan, tmp_path: Path):
+    again = performer.plan(plan.save(tmp_path / "nod.bap"))
+    assert again.timeline.block.source == str(tmp_path / "nod.bap")
+    assert again.duration > 0.5 * plan.duration
+
+
+def test_a_run_tells_whether_all_is_well(run):
+    assert run.ok
+    assert {check.status for check in run.checks} <= {"pass", "warn"}
+    assert str(run).startswith("ok: <text> on upper22")
+    assert repr(run) == f"<performance of {run.plan} in the nominal twin>"
+
+
+def test_a_run_that_fails_a_check_is_not_ok(run):
+    touching = replace(run.measured.clearance, distances=np.full_like(run.measured.clearance.distances, -0.01))
+    failed = replace(run, measured=replace(run.measured, clearance=touching))
+    assert not failed.ok
+    assert str(failed).startswith("fail: <text> on upper22")
+
+
+def test_a_run_says_when_sync_points_were_met(run):
+    met = run.syncs["nod:stroke"]
+    assert met.planned == run.plan.syncs["nod:stroke"].planned
+    assert abs(met.performed - met.planned) < 0.05
+    np.testing.assert_allclose(run.at("nod:stroke").angles, run.plan.at("nod:stroke").angles, atol=0.02)
+    with pytest.raises(KeyError, match="did you mean nod"):
+        run.at("nodd:stroke")
+
+
+def test_it_performs_as_before(run, plan):
+    before = dry_run(plan)
+    np.testing.assert_array_equal(run.measured.angles, before.measured.angles)
+    assert run.reference.plan is plan
+
+
+def test_a_report_is_written_and_only_a_report_is_replaced(run, tmp_path: Path):
+    folder = tmp_path / "nod"
+    written = run.report(folder, film=False)
+    assert written.page.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    data = json.loads(written.report.read_text(encoding="utf-8"))
+    assert data["ok"] is run.ok
+    assert [check["name"] for check in data["checks"]] == [check.name for check in run.checks]
+    run.report(folder, film=False)
+    (folder / "mine.txt").write_text("mine", encoding="utf-8")
+    with pytest.raises(kinesic.ConfigError, match=r"holds mine.txt, which no report has written"):
+        run.report(folder, film=False)
+    assert (folder / "mine.txt").exists()
+
+
+def test_a_document_is_reported_in_one_step(performer, tmp_path: Path):
+    run = performer.report(NOD, tmp_path / "nod", film=False)
+    assert run.ok
+    assert (tmp_path / "nod" / "report.html").exists()
+
+
+def test_sinks_get_every_command_and_are_closed(performer, plan):
+    first, second = Mine(), Mine()
+    run = performer.perform(plan, sinks=[first, second])
+    assert [command.time for command in first.commands] == command_times(plan.duration).tolist()
+    assert len(second.commands) == len(first.commands)
+    assert (first.closed, second.closed) == (1, 1)
+    np.testing.assert_array_equal([command.angles for command in first.commands], run.reference.angles)
+    assert any(command.face for command in first.commands)  # it blinks
+
+
+def test_a_sink_that_cannot_close_is_refused_before_anything_is_planned(performer):
+    with pytest.raises(TypeError, match=r"a sink needs write\(command\) and close\(\); list lacks write"):
+        performer.perform("nowhere.bml", sinks=[[]])
+
+
+def test_several_twins_are_told_side_by_side(performer, plan):
+    run = performer.perform(plan, twin="both")
+    assert {*run.data["twins"]} == {"nominal", "pessimistic"}
+
+
+def test_servos_without_ports_are_refused(performer, plan):
+    with pytest.raises(kinesic.BusError, match=r"upper22 needs body=PATH"):
+        performer.perform(plan, on="servos")
+
+
+def test_options_are_those_of_the_command_line(tmp_path: Path):
+    performer = kinesic.Performer(
+        style="calm",
+        settings={"power": 0.5, "head.spatial": -0.5},
+        targets={"screen": [1.0, 0.2, 0.4]},
+        gather="complex",
+        idle="calm",
+        seed=7,
+        pause=0.5,
+    )
+    assert repr(performer) == "Performer('upper22', style='calm')"
+    assert (performer.style.gesture.power, performer.style.head.spatial) == (0.5, -0.5)
+    assert performer.setup.targets["screen"].tolist() == [1.0, 0.2, 0.4]
+    assert (performer.setup.idling.liveliness, performer.setup.idling.seed) == ("calm", 7)
+    file = tmp_path / "targets.toml"
+    file.write_text("door = [2.0, -1.0, 0.5]", encoding="utf-8")
+    assert kinesic.Performer(targets=file).setup.targets["door"].tolist() == [2.0, -1.0, 0.5]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "error", "said"),
+    [
+        ({"robot": "uper22"}, kinesic.ConfigError, "did you mean upper22"),
+        ({"style": "joyfull"}, kinesic.ConfigError, "did you mean joyful"),
+        ({"gathr": "lazy"}, TypeError, "no option gathr; did you mean gather"),
+        ({"xyz": 1}, TypeError, "no option xyz; known: settings, lexicon"),
+        ({"gather": "complx"}, kinesic.ConfigError, "gather is 'complx'; did you mean complex"),
+        ({"idle": "wild"}, kinesic.ConfigError, "idle is 'wild'; known: calm, lively, off"),
+        ({"pause": -1.0}, kinesic.ConfigError, "pause is -1.0; it must be from 0 to 60 seconds"),
+        ({"settings": {"pwer": 1.0}}, kinesic.ConfigError, "no pwer; did you mean power"),
+        ({"targets": {"door": [1.0]}}, kinesic.ConfigError, "target door is .* three finite numbers"),
+    ],
+)
+def test_wrong_options_are_told_what_would_have_worked(wrong, error, said):
+    with pytest.raises(error, match=said):
+        kinesic.Performer(**wrong)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"), [({"on": "servo"}, "did you mean servos"), ({"twin": "nominl"}, "did you mean nominal")]
+)
+def test_wrong_ways_to_perform_are_told_what_would_have_worked(performer, plan, wrong, said):
+    with pytest.raises(kinesic.ConfigError, match=said):
+        performer.perform(plan, **wrong)
+
+
+def test_a_document_is_a_path_or_a_text(performer):
+    path = CONFIGS / "bml" / "welcome.bml"
+    assert str(performer.plan(str(path))).startswith(f"plan of {path} on upper22")
+    with pytest.raises(kinesic.BmlError, match=r"nowhere.bml: No such file or directory; give a path, or BML text"):
+        performer.plan("nowhere.bml")
+    with pytest.raises(kinesic.BmlError, match=r"^greeting:1"):
+        performer.plan("<bml", source="greeting")
+
+
+def test_one_liners_stay():
+    run = kinesic.perform(NOD)
+    assert isinstance(run, kinesic.Performance)
+    assert str(kinesic.plan(NOD)).startswith("plan of block b on upper22 (neutral)")
