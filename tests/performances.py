@@ -7,7 +7,7 @@ import pytest
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
-from kinesic.controller.perform import facts, perform
+from kinesic.controller.perform import perform, set_up
 from kinesic.controller.performance import Performance
 from kinesic.motion.condition import condition
 from kinesic.motion.keys import KeyPosture
@@ -27,7 +27,7 @@ CALM = BLOCK.format('<gesture id="offering" lexeme="offer" mode="RIGHT_HAND" str
 @pytest.fixture(scope="session")
 def known() -> Setup:
     """The default robot and style."""
-    return facts()
+    return set_up()
 
 
 @pytest.fixture(scope="session")

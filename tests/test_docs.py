@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from kinesic.body.robot import Robot
-from kinesic.controller.perform import facts, perform
+from kinesic.controller.perform import perform, set_up
 from kinesic.expressivity.lexicon.hand_shapes import SHAPES
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.hardware.protocol.servo_map import ServoMap
@@ -69,7 +69,7 @@ def test_the_example_of_the_gesture_page_is_a_lexicon(tmp_path: Path):
 
 def test_the_page_of_gestures_is_in_step_with_the_lexicon():
     script = runpy.run_path(str(ROOT / "docs" / "make" / "gestures.py"))
-    known = facts()
+    known = set_up()
     written = (ROOT / "docs" / "gestures.md").read_text(encoding="utf-8")
     assert written == script["page"](vocabulary(known.lexicon, known.pace)), "run docs/make/gestures.py"
     assert (ROOT / "docs" / "gestures.png").stat().st_size < 1.5e6

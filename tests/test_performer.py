@@ -12,7 +12,7 @@ import pytest
 import kinesic
 from kinesic.body.command import Command
 from kinesic.body.config import CONFIGS
-from kinesic.controller.perform import dry_run
+from kinesic.controller.perform import dry_run, facts
 from kinesic.controller.play import command_times
 from kinesic.planning.bap import read_bap
 
@@ -248,3 +248,9 @@ def test_one_liners_stay():
     run = kinesic.perform(NOD)
     assert isinstance(run, kinesic.Performance)
     assert str(kinesic.plan(NOD)).startswith("plan of block b on upper22 (neutral)")
+
+
+def test_facts_still_work_and_say_that_they_go():
+    with pytest.warns(DeprecationWarning, match=r"facts is deprecated: use kinesic\.Performer"):
+        known = facts("upper22", style="calm")
+    assert (known.robot.name, known.style.name) == ("upper22", "calm")

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from itertools import groupby
 from pathlib import Path
 
-from kinesic.controller.perform import facts
+from kinesic.controller.perform import set_up
 from kinesic.studies.gestures.isolated import key_postures, plan_gesture
 from kinesic.studies.gestures.sheet import MOST, draw_gesture_sheet
 from kinesic.studies.gestures.vocabulary import VocabularyEntry, vocabulary
@@ -55,7 +55,7 @@ def _tables(entries: list[VocabularyEntry]) -> Iterator[str]:
 
 
 if __name__ == "__main__":
-    known = facts()
+    known = set_up()
     (DOCS / "gestures.md").write_text(page(vocabulary(known.lexicon, known.pace)), encoding="utf-8")
     shows = [key_postures(form, plan_gesture(form, known), MOST) for form in known.lexicon.forms]
     draw_gesture_sheet(shows, known.robot, DOCS / "gestures.png")

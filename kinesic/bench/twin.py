@@ -15,7 +15,7 @@ from kinesic.bench.blocks import passage_text
 from kinesic.bench.figure import Figure
 from kinesic.body.arrays import Floats
 from kinesic.controller.feedforward import Terms
-from kinesic.controller.perform import dry_run, dry_runs, facts, plan
+from kinesic.controller.perform import dry_run, dry_runs, plan, set_up
 from kinesic.controller.performance import Performance
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
@@ -107,7 +107,7 @@ def _goal(name: str, twin: str, kind: str) -> float | None:
 
 def bench() -> list[Figure]:
     """The passage in both twins: simulated time over feed-forward, physics and checks; then a set of documents."""
-    known = facts()
+    known = set_up()
     plans = [plan(passage_text(repetition), known) for repetition in range(REPETITIONS)]
     everyone = tuple(factors for _, factors in TWINS)
     _timed(plans[0], everyone)

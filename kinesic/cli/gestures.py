@@ -11,7 +11,7 @@ from rich.table import Table
 from kinesic.bml.block import BmlError
 from kinesic.body.config import ConfigError, suggestion
 from kinesic.cli.terminal import console
-from kinesic.controller.perform import facts
+from kinesic.controller.perform import set_up
 from kinesic.expressivity.lexicon.form import Match
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.hardware.protocol.servo_map import load_robot
@@ -37,7 +37,7 @@ def gestures() -> None:
 @click.option("--json", "as_json", is_flag=True, help="Prints a vocabulary in JSON, for a planner or a language model.")
 def list_gestures(lexicon: Path | None, robot: str, category: str | None, as_json: bool) -> int:
     """Lists all gestures."""
-    known = facts(load_robot(robot), lexicon=lexicon)
+    known = set_up(load_robot(robot), lexicon=lexicon)
     entries = vocabulary(known.lexicon, known.pace)
     kinds = sorted({entry.category for entry in entries})
     if category is not None and category not in kinds:
@@ -92,7 +92,7 @@ def render(lexeme: str | None, whole: bool, out: Path, lexicon: Path | None, rob
     """Draws LEXEME as key postures side by side, or all gestures at their strokes."""
     if (lexeme is None) != whole:
         raise click.UsageError("name one gesture, or give --all")
-    known = facts(load_robot(robot), lexicon=lexicon)
+    known = set_up(load_robot(robot), lexicon=lexicon)
     try:
         if lexeme is None:
             draw_gesture_sheet(list(_drawable(known)), known.robot, out)

@@ -11,7 +11,7 @@ import click
 
 from kinesic.bml.block import BmlError, Dialect
 from kinesic.body.config import names_of
-from kinesic.controller.perform import facts
+from kinesic.controller.perform import set_up
 from kinesic.expressivity.gather import Gathering
 from kinesic.expressivity.idle import OFF, Idling, Liveliness
 from kinesic.expressivity.style.style import RANGES, Style
@@ -93,7 +93,7 @@ class PlanningOptions:
         Raises:
             ConfigError: something is missing or wrong.
         """
-        return facts(
+        return set_up(
             load_robot(self.robot),
             style=Style.load(self.style).changed(self.changes),
             lexicon=self.lexicon,

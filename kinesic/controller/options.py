@@ -11,7 +11,7 @@ from kinesic.bml.block import Dialect
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError, suggestion
 from kinesic.body.robot import Robot
-from kinesic.controller.perform import facts
+from kinesic.controller.perform import set_up
 from kinesic.expressivity.gather import Gathering
 from kinesic.expressivity.idle import Idling, Liveliness
 from kinesic.expressivity.style.style import Style
@@ -60,7 +60,7 @@ def setup_of(robot: Robot | str | Path, style: Style | str | Path, options: Opti
     _check(options)
     manner = style if isinstance(style, Style) else Style.load(style)
     lexicon = options.get("lexicon")
-    return facts(
+    return set_up(
         robot if isinstance(robot, Robot) else load_robot(robot),
         style=manner.changed(f"{name}={float(value)!r}" for name, value in options.get("settings", {}).items()),
         lexicon=None if lexicon is None else Path(lexicon),

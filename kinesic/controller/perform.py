@@ -1,10 +1,11 @@
 """Joins the line with the sinks: plans a document, performs it in the twin, and reports."""
 
+import warnings
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from time import perf_counter
-from typing import Literal
+from typing import Literal, TypedDict, Unpack
 
 from kinesic.bml.block import Dialect
 from kinesic.bml.parse import parse
@@ -30,7 +31,18 @@ from kinesic.speech.voice import VoiceName
 from kinesic.speech.voice import voice as make_voice
 
 
-def facts(
+class _Options(TypedDict, total=False):
+    style: Style | str
+    lexicon: Path | None
+    targets: Mapping[str, Floats] | None
+    dialect: Dialect | Literal["auto"]
+    gathering: Gathering
+    idling: Idling
+    voice: VoiceName
+    pause: float
+
+
+def set_up(
     robot: Robot | str | Path = "upper22",
     *,
     style: Style | str = "neutral",
@@ -42,7 +54,7 @@ def facts(
     voice: VoiceName = "durations",
     pause: float = 0.0,
 ) -> Setup:
-    """What planning needs, with MuJoCo's dynamics.
+    """Loads what planning needs, with MuJoCo's dynamics.
 
     The voice is the silent one unless another is asked for, so that times are the same on every machine.
 
@@ -65,13 +77,19 @@ def facts(
     )
 
 
+def facts(robot: Robot | str | Path = "upper22", **options: Unpack[_Options]) -> Setup:
+    """Does what `set_up` does. Deprecated: use `kinesic.Performer`; it goes with the next release."""
+    warnings.warn("facts is deprecated: use kinesic.Performer, or set_up", DeprecationWarning, stacklevel=2)
+    return set_up(robot, **options)
+
+
 def plan(text: str | bytes, known: Setup | None = None, *, source: str = "<text>") -> Plan:
     """Plans a BML document; nothing moves.
 
     Raises:
         BmlError: the document is refused.
     """
-    known = known or facts()
+    known = known or set_up()
     return plan_block(parse(text, source=source, dialect=known.dialect), known)
 
 
@@ -106,7 +124,7 @@ def performances(
     Raises:
         BmlError: the document is refused.
     """
-    known = known or facts()
+    known = known or set_up()
     began = perf_counter()
     block = parse(text, source=source, dialect=known.dialect)
     parsed = perf_counter() - began

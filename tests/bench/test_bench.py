@@ -8,7 +8,7 @@ from kinesic.bench.blocks import crowd
 from kinesic.bench.figure import Figure
 from kinesic.bench.plan import first_command as first
 from kinesic.cli.bench import PARTS, bench
-from kinesic.controller.perform import facts
+from kinesic.controller.perform import set_up
 
 SMALL = 4  # the seed of a crowded block whose optimum is soon found
 
@@ -46,7 +46,7 @@ def test_twin_measures_speed_and_clearance(brief):
 
 @pytest.mark.skipif(corpus.folder() is None, reason="no corpus of BML documents (KINESIC_CORPUS)")
 def test_feed_forward_and_correction_each_bring_servos_nearer_to_the_plan():
-    figures = {figure.name: figure for figure in twin.tracking_figures(facts(), 3)}
+    figures = {figure.name: figure for figure in twin.tracking_figures(set_up(), 3)}
     for twin_name in ("nominal", "pessimistic"):
         helped, alone, without = (
             figures[f"twin.rmse_{twin_name}{kind}"].value for kind in ("", "_feedforward_only", "_without")
@@ -58,7 +58,7 @@ def test_feed_forward_and_correction_each_bring_servos_nearer_to_the_plan():
 
 def test_without_a_corpus_the_table_is_null_and_says_why(monkeypatch):
     monkeypatch.setenv("KINESIC_CORPUS", "nowhere")
-    figures = twin.tracking_figures(facts())
+    figures = twin.tracking_figures(set_up())
     assert len(figures) == 36
     assert all(figure.value is None and "KINESIC_CORPUS" in figure.why for figure in figures)
 
@@ -67,7 +67,7 @@ def test_the_choice_of_documents_is_the_same_each_time():
     where = corpus.folder()
     if where is None:
         pytest.skip("no corpus of BML documents (KINESIC_CORPUS)")
-    known = facts()
+    known = set_up()
     first, again = (corpus.blocks(where, known, 2) for _ in range(2))
     assert [plan.timeline.block.id for plan in first] == [plan.timeline.block.id for plan in again]
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.utterance import Script, Sound, Utterance
-from kinesic.controller.perform import facts, plan
+from kinesic.controller.perform import plan, set_up
 from kinesic.controller.soundtrack import resampled, sound, write_wav
 from kinesic.planning.setup import Setup
 from kinesic.speech.recorded import read_wav
@@ -33,7 +33,7 @@ class Beep:
 
 @pytest.fixture
 def known() -> Setup:
-    return facts()
+    return set_up()
 
 
 def beeping(known: Setup, two: float, loudness: float = 0.25):
@@ -60,7 +60,7 @@ def test_utterances_at_once_are_mixed_and_never_too_loud(known: Setup):
 
 
 def test_nothing_is_heard_of_a_silent_voice():
-    assert sound(plan(BLOCK.format(two=2), facts())) is None
+    assert sound(plan(BLOCK.format(two=2), set_up())) is None
 
 
 def test_another_rate_keeps_the_tone():

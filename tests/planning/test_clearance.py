@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from kinesic.bml.parse import parse
-from kinesic.controller.perform import facts
+from kinesic.controller.perform import set_up
 from kinesic.expressivity.lexicon.lexicon import mirror_form
 from kinesic.expressivity.style.style import Expressivity, Style
 from kinesic.planning.clearance import LAG_RESERVE
 from kinesic.planning.plan import plan_block
 
-FACTS = facts()
+FACTS = set_up()
 ROBOT = FACTS.robot
 LEAST = ROBOT.least_clearance + LAG_RESERVE
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'

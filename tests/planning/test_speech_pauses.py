@@ -6,7 +6,7 @@ import pytest
 
 from kinesic.bml.block import Speech
 from kinesic.body.utterance import Mark, Pause, Script
-from kinesic.controller.perform import facts, plan
+from kinesic.controller.perform import plan, set_up
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
 from kinesic.planning.speech_pauses import SpeechPause, paused
@@ -48,7 +48,7 @@ def pauses(planned: Plan) -> list[str]:
 def known(request: pytest.FixtureRequest) -> Setup:
     if request.param == "espeak" and espeak_fault():
         pytest.skip(espeak_fault())
-    return facts(voice=request.param)
+    return set_up(voice=request.param)
 
 
 @pytest.fixture(scope="module")
@@ -92,7 +92,7 @@ def test_no_pause_is_longer_than_it_may_be(known: Setup):
 
 
 def test_the_facts_say_so_for_documents_that_do_not():
-    usual = facts(voice="durations", pause=2.0)
+    usual = set_up(voice="durations", pause=2.0)
     assert max(missed(hurried(usual))) <= SHIFT_TO_WARN
     assert pauses(hurried(usual, block='kinesic:pause="false"')) == []
 

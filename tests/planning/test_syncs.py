@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinesic.controller.perform import facts, plan
+from kinesic.controller.perform import plan, set_up
 from kinesic.controller.performance import Performance
 from kinesic.motion.key_times import Bottleneck
 from kinesic.planning.syncs import SHIFT_TO_WARN, SMALLER_TO_WARN, limit_met, shifts, smaller
@@ -34,7 +34,7 @@ def test_of_two_limits_as_near_that_of_the_own_hinge_counts(calm: Performance) -
     assert limit_met(late, plan.keyframes, motion, robot) == met[0, last], "the nearer one comes first"
 
 
-FACTS = facts()
+FACTS = set_up()
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 
 

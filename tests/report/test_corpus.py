@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from kinesic.controller.perform import facts
+from kinesic.controller.perform import set_up
 from kinesic.report.batch import documents, judge
 
 CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.skipif(not CORPUS.exists(), reason=f"no corpus of BML d
 
 @pytest.fixture(scope="module")
 def known():
-    return facts()
+    return set_up()
 
 
 def sample() -> list[Path]:

@@ -5,7 +5,7 @@ from collections import Counter
 
 import pytest
 
-from kinesic.controller.perform import facts, plan
+from kinesic.controller.perform import plan, set_up
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.report.feedback import feedback
 
@@ -28,7 +28,7 @@ KEPT = ("feasible", "still", "empty")
 
 @pytest.fixture(scope="module")
 def plans():
-    known = facts()
+    known = set_up()
     return {name: plan(ROOT.format(text), known) for name, text in BLOCKS.items()}
 
 

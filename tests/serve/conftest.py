@@ -11,7 +11,7 @@ import pytest
 
 from kinesic.body.command import Command
 from kinesic.client import Client
-from kinesic.controller.perform import facts
+from kinesic.controller.perform import set_up
 from kinesic.serve.quotas import Rules
 from kinesic.serve.server import Address, Serving, serving, until_done
 from kinesic.serve.sinks import Follower, RealTwin
@@ -58,9 +58,9 @@ def running(rules: Rules, token: str | None = None) -> Iterator[Running]:
 
     async def serve() -> None:
         enough = asyncio.Event()
-        followers = [Follower(witness), Follower(RealTwin(facts().robot))]
+        followers = [Follower(witness), Follower(RealTwin(set_up().robot))]
         address = Address("127.0.0.1", 0)
-        async with serving(facts, followers, address=address, rules=rules, token=token, face=True) as open_:
+        async with serving(set_up, followers, address=address, rules=rules, token=token, face=True) as open_:
             found.extend((Running(open_, witness, asyncio.get_running_loop()), enough))
             ready.set()
             await until_done(open_, enough, console=False)

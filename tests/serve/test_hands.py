@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from kinesic.controller.perform import facts
+from kinesic.controller.perform import set_up
 
 pytestmark = pytest.mark.realtime
 
@@ -38,6 +38,6 @@ def test_a_gesture_takes_the_hand_that_another_block_leaves_free(server, becomes
     assert "moved to the left hand" in warning
     assert "the right hand is busy with holds:g" in warning
     assert told(answers, "beside:end") < told(messages, "holds:g:relax")
-    robot, at = facts().robot, told(answers, "beside:g:stroke")
+    robot, at = set_up().robot, told(answers, "beside:g:stroke")
     pose = min((command for _, command in server.witness.commands), key=lambda each: abs(each.time - at)).angles
     assert np.abs((pose - robot.skeleton.rest)[list(robot.joints("l_arm"))]).max() > np.radians(10.0)

@@ -14,7 +14,7 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from kinesic.body.command import RATE
-from kinesic.controller.perform import facts
+from kinesic.controller.perform import set_up
 from kinesic.planning.setup import Setup
 
 pytestmark = pytest.mark.realtime
@@ -29,7 +29,7 @@ POINTS = ["start", "h:start", "h:ready", "h:strokeStart", "h:stroke", "h:strokeE
 @cache
 def known() -> Setup:
     """What the server's planner knows, read once."""
-    return facts()
+    return set_up()
 
 
 def progress(messages, name):

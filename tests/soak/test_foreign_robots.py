@@ -8,7 +8,7 @@ import pytest
 
 from kinesic.body.robot import Robot
 from kinesic.body.robot_text import robot_text
-from kinesic.controller.perform import facts, perform
+from kinesic.controller.perform import perform, set_up
 from kinesic.report.checks import checks
 from kinesic.sim.importer.convert import import_humanoid
 
@@ -61,7 +61,7 @@ def test_ten_blocks(wheel, stem, tmp_path):
     assert not found.doubtful
     target = tmp_path / "robot.toml"
     target.write_text(robot_text(found.file, heading=[], remarks=found.remarks), encoding="utf-8")
-    known = facts(Robot.load(target))
+    known = set_up(Robot.load(target))
     kept = 0
     for block in BLOCKS:
         performance = perform(ROOT.format(block), known)

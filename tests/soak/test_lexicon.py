@@ -7,7 +7,7 @@ import pytest
 
 from kinesic.bench.expressivity.lexicon import every, play_gestures
 from kinesic.body.config import names_of
-from kinesic.controller.perform import facts
+from kinesic.controller.perform import set_up
 from kinesic.studies.gestures.isolated import plan_gesture
 
 pytestmark = pytest.mark.soak
@@ -21,7 +21,7 @@ def test_all_gestures_in_all_styles_keep_limits_and_distances_and_tell_what_move
 
 
 def test_every_gesture_of_one_hand_mirrors_that_of_the_other():
-    known = facts()
+    known = set_up()
     names = list(known.robot.skeleton.names)
     swapped = [names.index({"l_": "r_", "r_": "l_"}.get(name[:2], name[:2]) + name[2:]) for name in names]
     signs = np.array([-1.0 if name[:2] not in ("l_", "r_") and not name.endswith("tilt") else 1.0 for name in names])

@@ -7,7 +7,7 @@ import pytest
 
 from kinesic.bench.bml.merging import CUTS, replace_at_random
 from kinesic.bml.parse import parse
-from kinesic.controller.perform import facts
+from kinesic.controller.perform import set_up
 from kinesic.motion.limit_check import peaks
 from kinesic.motion.trajectory import stay as resting
 from kinesic.motion.transition import knot_at, lengthen
@@ -29,7 +29,7 @@ pytestmark = pytest.mark.soak
 
 @pytest.fixture(scope="module")
 def known():
-    return facts()
+    return set_up()
 
 
 def random_block(chance: random.Random, lexemes: list[str]) -> str:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from kinesic.bench.plan import unsaid, violations
-from kinesic.controller.perform import facts, perform
+from kinesic.controller.perform import perform, set_up
 from kinesic.expressivity.style.style import RANGES, Expressivity, Style
 from kinesic.report.checks import checks
 
@@ -19,7 +19,7 @@ pytestmark = pytest.mark.soak
 
 @pytest.fixture(scope="module")
 def known():
-    return facts()
+    return set_up()
 
 
 def random_style(chance: random.Random) -> Style:

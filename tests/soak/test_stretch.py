@@ -4,7 +4,7 @@ import pytest
 
 from kinesic.bench.blocks import crowd
 from kinesic.bench.plan import stretch, unsaid, violations
-from kinesic.controller.perform import facts, plan
+from kinesic.controller.perform import plan, set_up
 
 BLOCKS = 50
 
@@ -12,7 +12,7 @@ pytestmark = pytest.mark.soak
 
 
 def test_times_move_hardly_more_than_they_must():
-    known = facts()
+    known = set_up()
     lexemes = [form.id for form in known.lexicon.forms]
     plans = [plan(crowd(seed, lexemes), known) for seed in range(BLOCKS)]
     assert [violations(found) for found in plans] == [0] * BLOCKS

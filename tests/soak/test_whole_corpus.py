@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from kinesic.controller.perform import facts
+from kinesic.controller.perform import set_up
 from kinesic.report.batch import documents, validate_documents
 
 CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
@@ -21,7 +21,7 @@ pytestmark = [
 )
 def test_performed_or_refused_with_a_place(folder):
     files = documents((CORPUS / folder,))
-    verdicts = list(validate_documents(files, facts, jobs=os.cpu_count() or 1))
+    verdicts = list(validate_documents(files, set_up, jobs=os.cpu_count() or 1))
     assert len(verdicts) == len(files)
     assert [verdict.file for verdict in verdicts if verdict.exit] == []
     for verdict in verdicts:
@@ -29,7 +29,7 @@ def test_performed_or_refused_with_a_place(folder):
 
 
 def test_gestures_heads_and_gazes_of_greta_are_performed():
-    verdicts = validate_documents(documents((CORPUS / "greta" / "bml",)), facts, jobs=os.cpu_count() or 1)
+    verdicts = validate_documents(documents((CORPUS / "greta" / "bml",)), set_up, jobs=os.cpu_count() or 1)
     outcomes = [
         o for verdict in verdicts for kind, o in verdict.behaviours if kind in ("gesture", "head", "gaze", "gazeShift")
     ]

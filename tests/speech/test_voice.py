@@ -4,7 +4,7 @@ import pytest
 
 from kinesic.bml.parse import parse
 from kinesic.body.config import ConfigError
-from kinesic.controller.perform import facts, plan
+from kinesic.controller.perform import plan, set_up
 from kinesic.expressivity.style.style import Expressivity, Style
 from kinesic.planning.speech import delivery, synthesise_block
 from kinesic.speech import voice as module
@@ -20,7 +20,7 @@ SPEECH = (
 def test_auto_speaks_where_an_engine_is_installed():
     if espeak_fault():
         pytest.skip(espeak_fault())
-    said = plan(SPEECH, facts(voice="auto")).utterances["s"]
+    said = plan(SPEECH, set_up(voice="auto")).utterances["s"]
     assert said.voice == "espeak-ng"
     assert said.sound is not None
     assert said.sound.duration == pytest.approx(said.duration)
@@ -28,7 +28,7 @@ def test_auto_speaks_where_an_engine_is_installed():
 
 def test_auto_is_silent_elsewhere_and_warns(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(module, "espeak_fault", lambda: "espeak-ng is not installed: pip install it")
-    planned = plan(SPEECH, facts(voice="auto"))
+    planned = plan(SPEECH, set_up(voice="auto"))
     assert planned.utterances["s"].voice == "durations"
     (notice,) = planned.notices
     assert notice.id == "b:s"
@@ -42,7 +42,7 @@ def test_an_engine_asked_for_by_name_must_be_there(monkeypatch: pytest.MonkeyPat
 
 
 def test_the_library_is_silent_and_says_nothing_of_it_unless_asked():
-    planned = plan(SPEECH, facts())
+    planned = plan(SPEECH, set_up())
     assert planned.utterances["s"].sound is None
     assert planned.notices == ()
 
@@ -50,7 +50,7 @@ def test_the_library_is_silent_and_says_nothing_of_it_unless_asked():
 @pytest.mark.parametrize("name", ["auto", "durations"])
 def test_a_voice_can_go_to_another_process(name: module.VoiceName):
     block = parse(SPEECH)
-    ours, theirs = facts(voice=name), facts()
+    ours, theirs = set_up(voice=name), set_up()
     object.__setattr__(theirs, "voice", pickle.loads(pickle.dumps(ours.voice)))
     assert synthesise_block(block, theirs)["s"].marks == synthesise_block(block, ours)["s"].marks
 
@@ -75,6 +75,7 @@ def test_manner_changes_rate_and_pitch(manner: Expressivity, faster: bool | None
 
 def test_a_fast_style_is_heard_sooner():
     calm, fast = (
-        plan(SPEECH, facts(style=Style.uniform(Expressivity(temporal=t)))).utterances["s"].duration for t in (-1.0, 1.0)
+        plan(SPEECH, set_up(style=Style.uniform(Expressivity(temporal=t)))).utterances["s"].duration
+        for t in (-1.0, 1.0)
     )
     assert calm / fast == pytest.approx(1.25**2)

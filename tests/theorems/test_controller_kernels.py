@@ -18,7 +18,7 @@ import pytest
 from numpy._core import _multiarray_umath as umath
 
 from kinesic.bml.block import BmlError
-from kinesic.controller.perform import facts, plan
+from kinesic.controller.perform import plan, set_up
 from kinesic.report.batch import documents
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -47,7 +47,7 @@ def chosen() -> list[Path]:
 
 def planned(files: list[Path]) -> dict[str, np.ndarray]:
     """Sampled angles (n, hinges) [rad] of each document, and the name of the kernel that was used."""
-    known, angles = facts(), {"kernel": np.array(kernel())}
+    known, angles = set_up(), {"kernel": np.array(kernel())}
     for path in files:
         try:
             motion = plan(path.read_text(encoding="utf-8"), known, source=str(path)).trajectory

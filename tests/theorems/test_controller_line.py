@@ -5,7 +5,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from kinesic.controller.perform import facts, plan
+from kinesic.controller.perform import plan, set_up
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 LEXEMES = ("beat", "offer", "large", "greet_wave", "arms_crossed", "this_index", "belly", "refuse_sweep", "up")
@@ -19,7 +19,7 @@ nods = st.lists(times, max_size=2)
 
 @pytest.fixture(scope="module")
 def known():
-    return facts()
+    return set_up()
 
 
 def document(asked, nodding) -> str:

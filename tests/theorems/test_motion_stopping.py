@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinesic.bench.blocks import passage_text
-from kinesic.controller.perform import facts, plan
+from kinesic.controller.perform import plan, set_up
 from kinesic.motion.limit_check import peaks
 from kinesic.motion.stopping import cut, stop
 from kinesic.motion.trajectory import STEP
@@ -21,7 +21,7 @@ def planned(repetition: int) -> Plan:
 
 @lru_cache(maxsize=1)
 def known():
-    return facts()
+    return set_up()
 
 
 def check(before, after, knot: int) -> None:

@@ -7,13 +7,13 @@ import pytest
 
 from kinesic.bench.blocks import crowd
 from kinesic.bench.plan import unsaid, violations
-from kinesic.controller.perform import facts, plan
+from kinesic.controller.perform import plan, set_up
 from kinesic.expressivity.style.style import RANGES, Expressivity, Style
 
 
 @pytest.fixture(scope="module")
 def known():
-    return facts()
+    return set_up()
 
 
 @pytest.mark.parametrize("seed", [20, 21, 25])

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinesic.bml.parse import parse
-from kinesic.controller.perform import facts
+from kinesic.controller.perform import set_up
 from kinesic.motion.limit_check import peaks
 from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.motion.trajectory import stay as resting
@@ -44,7 +44,7 @@ DEEDS = st.tuples(
 
 @lru_cache(maxsize=1)
 def known():
-    return facts()
+    return set_up()
 
 
 @cache

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinesic.bml.block import Composition, Succession
-from kinesic.controller.perform import facts
+from kinesic.controller.perform import set_up
 from kinesic.motion.limit_check import peaks
 from kinesic.planning.setup import Setup
 from kinesic.realizer.realizer import Due, Ready, Scene, advance, begin, interrupted, ready
@@ -41,7 +41,7 @@ ALIKE = (1e-8, 1e-6, 1e-4)  # [rad], [rad/s], [rad/s^2] before and after a chang
 
 @lru_cache(maxsize=1)
 def known() -> Setup:
-    return facts()
+    return set_up()
 
 
 @lru_cache(maxsize=16)

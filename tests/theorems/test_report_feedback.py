@@ -7,7 +7,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from kinesic.controller.perform import facts, plan
+from kinesic.controller.perform import plan, set_up
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.report.feedback import feedback
 
@@ -23,7 +23,7 @@ gestures = st.lists(
 
 @pytest.fixture(scope="module")
 def known():
-    return facts()
+    return set_up()
 
 
 @settings(max_examples=10, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

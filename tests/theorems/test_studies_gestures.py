@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinesic.controller.perform import facts
+from kinesic.controller.perform import set_up
 from kinesic.studies.gestures.isolated import plan_gesture
 
-KNOWN = facts()
+KNOWN = set_up()
 NAMES = list(KNOWN.robot.skeleton.names)
 ONE_HANDED = [form for form in KNOWN.lexicon.forms if len(form.sides) == 1]
 ALIKE = [

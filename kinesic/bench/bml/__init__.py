@@ -7,7 +7,7 @@ from kinesic.bench.bml.expectations import Parsing, ReferenceSuite, Scenarios, e
 from kinesic.bench.bml.parsing import parsed, referred
 from kinesic.bench.bml.verdict import ExpectationVerdict, verdict_figures
 from kinesic.bench.figure import Figure
-from kinesic.controller.perform import facts
+from kinesic.controller.perform import set_up
 
 SCENARIOS, DOCUMENTS, GRAMMAR = "realizertester", "openbmlparser", "syncref"  # suites, by the names of their files
 NO_CORPUS = "no expectations of this suite; KINESIC_CORPUS names the folder that holds them"
@@ -21,7 +21,7 @@ def bench() -> list[Figure]:
 def verdicts() -> Iterator[ExpectationVerdict]:
     """What became of every expectation of all suites."""
     if (scenarios := expected(SCENARIOS, Scenarios)) is not None:
-        yield from play_suite(SCENARIOS, *scenarios, facts())
+        yield from play_suite(SCENARIOS, *scenarios, set_up())
     if (documents := expected(DOCUMENTS, Parsing)) is not None:
         yield from parsed(DOCUMENTS, *documents)
     if (grammar := expected(GRAMMAR, ReferenceSuite)) is not None:

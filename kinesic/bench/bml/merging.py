@@ -10,7 +10,7 @@ import numpy as np
 from kinesic.bench.blocks import passage_text
 from kinesic.bench.figure import Figure
 from kinesic.bml.parse import parse
-from kinesic.controller.perform import facts
+from kinesic.controller.perform import set_up
 from kinesic.motion.limit_check import peaks
 from kinesic.motion.trajectory import Trajectory
 from kinesic.motion.transition import knot_at
@@ -45,7 +45,7 @@ class MergeCut:
 
 def bench() -> list[Figure]:
     """Times a nod and a beat over the passage, and replaces the passage in the midst of everything."""
-    known = facts()
+    known = set_up()
     found = replace_at_random(known, CUTS)
     return [
         Figure("bml.live.merged", 1000 * median(_merging(known)), "ms", 15.0, "lower"),

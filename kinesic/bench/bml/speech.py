@@ -17,7 +17,7 @@ import numpy as np
 from kinesic.bench.figure import Figure
 from kinesic.body.arrays import Floats
 from kinesic.body.utterance import Mark, Pause, Script, Sound
-from kinesic.controller.perform import dry_run, facts, plan
+from kinesic.controller.perform import dry_run, plan, set_up
 from kinesic.controller.performance import Performance
 from kinesic.controller.soundtrack import sound, write_wav
 from kinesic.controller.tracking_delay import tracking_delay
@@ -103,7 +103,7 @@ def mark_errors(count: int) -> Iterator[float]:
 
 def heard_stroke_errors(count: int) -> Iterator[float]:
     """When the hands of the pessimistic twin make strokes, minus when the word of each is heard [s]."""
-    known = facts(voice="espeak")
+    known = set_up(voice="espeak")
     choice = random.Random(SEED)
     for number in range(count):
         words, lexemes = choice.sample(WORDS["en"], 11), choice.sample(LEXEMES, 2)

@@ -11,7 +11,7 @@ from kinesic.bench.expressivity.distinct import look, twins
 from kinesic.bench.figure import Figure
 from kinesic.bench.plan import unsaid, violations
 from kinesic.body.config import names_of
-from kinesic.controller.perform import dry_run, facts
+from kinesic.controller.perform import dry_run, set_up
 from kinesic.controller.performance import Performance
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
@@ -78,7 +78,7 @@ def play_gestures(tasks: Sequence[Task], *, jobs: int) -> Iterable[GestureResult
     Raises:
         RuntimeError: a process died.
     """
-    for task, result in crew(tasks, partial(_prepare, facts), jobs=jobs, preload=__name__):
+    for task, result in crew(tasks, partial(_prepare, set_up), jobs=jobs, preload=__name__):
         if isinstance(result, Crash):
             raise RuntimeError(f"{task[0]} in style {task[1]}: {result.reason}")
         yield result
@@ -123,7 +123,7 @@ def _prepare(make_facts: Callable[[], Setup]) -> Callable[[Task], GestureResult]
 
 def _counts(lexicon: Lexicon) -> list[Figure]:
     """How many gestures there are, and how many are like no other."""
-    pace = facts().pace
+    pace = set_up().pace
     same = twins((form.id, look(form, pace)) for form in lexicon.forms)
     count = float(len(lexicon.forms))
     why = "" if not same else "like another: " + ", ".join(f"{name} ({other})" for name, other in same)

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure as Picture
 
 from kinesic.bench.figure import Figure
 from kinesic.controller.arrival import WINDOW
-from kinesic.controller.perform import facts
+from kinesic.controller.perform import set_up
 from kinesic.studies.sweep.measures import SHOWN
 from kinesic.studies.sweep.series import LATE, MEASURE_OF, Series, sweep_parameter
 
@@ -41,7 +41,7 @@ DPI = 100
 @cache
 def swept() -> tuple[Series, ...]:
     """Every gesture over every parameter, five values each; measured once in a process."""
-    known = facts()
+    known = set_up()
     return tuple(sweep_parameter(gesture, parameter, known) for parameter in MEASURE_OF for gesture in GESTURES)
 
 

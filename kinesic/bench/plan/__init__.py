@@ -11,7 +11,7 @@ from kinesic.bench.figure import Figure
 from kinesic.bench.plan.optimum import best_times
 from kinesic.bml.block import NoticeType
 from kinesic.body.arrays import Floats
-from kinesic.controller.perform import facts, plan
+from kinesic.controller.perform import plan, set_up
 from kinesic.ik import KERNEL
 from kinesic.motion.condition import LEAD_IN, condition
 from kinesic.motion.key_time_lp import strain
@@ -30,7 +30,7 @@ STRAINED = 1e-6  # strain above which times have moved
 
 def bench() -> list[Figure]:
     """Times the passage and a hurried one, warm, and judges their plans and those of crowded blocks."""
-    known = facts()
+    known = set_up()
     lexemes = [form.id for form in known.lexicon.forms]
     plan(passage_text(0), known)
     seconds, plans = _timed(passage_text, known)

@@ -10,7 +10,7 @@ from kinesic.bench.figure import Figure
 from kinesic.bml.parse import parse
 from kinesic.body.command import RATE
 from kinesic.controller.feedforward import lead
-from kinesic.controller.perform import facts
+from kinesic.controller.perform import set_up
 from kinesic.controller.play import command_times, commands
 from kinesic.motion.trajectory import stay
 from kinesic.planning.plan import plan_block
@@ -25,7 +25,7 @@ OVER = 0.2  # [s] of the opening that is played before the better plan takes ove
 
 def bench() -> list[Figure]:
     """Times the passage from its text to the first command, and the way over into the better plan."""
-    known = facts()
+    known = set_up()
     _first(passage_text(0), known)
     seconds = [_first(passage_text(repetition), known) for repetition in range(1, REPETITIONS + 1)]
     over = []

@@ -14,7 +14,7 @@ from kinesic.bench.bml.parsing import parsed, referred
 from kinesic.bench.bml.verdict import ExpectationVerdict, verdict_figures
 from kinesic.bench.bml.virtual_realizer import Feedback, Realizer, ReceivedMessage, read_message
 from kinesic.bench.corpus import folder
-from kinesic.controller.perform import facts
+from kinesic.controller.perform import set_up
 
 NOD = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b1"><head id="h" lexeme="NOD" start="1" end="2"/></bml>'
@@ -87,7 +87,7 @@ END = step(do="wait_block_end", block="b1")
 )
 def test_a_scenario_passes_or_says_why(corpus: Path, steps: list[dict[str, object]], why: str) -> None:
     scenarios = suite(corpus, "one/test", *steps)
-    (verdict,) = play_suite("suite", corpus / "suite", scenarios, facts())
+    (verdict,) = play_suite("suite", corpus / "suite", scenarios, set_up())
     assert (verdict.suite, verdict.name) == ("suite", "one.test")
     assert why in verdict.why
     assert verdict.passed is (why == "")
@@ -95,14 +95,14 @@ def test_a_scenario_passes_or_says_why(corpus: Path, steps: list[dict[str, objec
 
 def test_a_draft_is_read_strictly(corpus: Path) -> None:
     steps = [step(do="send", inline_block={}), step(do="sleep", seconds=1), step(check="exceptions", count=1)]
-    (verdict,) = play_suite("suite", corpus / "suite", suite(corpus, "draft1/test", *steps), facts())
+    (verdict,) = play_suite("suite", corpus / "suite", suite(corpus, "draft1/test", *steps), set_up())
     assert verdict.passed
-    (verdict,) = play_suite("suite", corpus / "suite", suite(corpus, "bml-1/test", *steps), facts())
+    (verdict,) = play_suite("suite", corpus / "suite", suite(corpus, "bml-1/test", *steps), set_up())
     assert verdict.why.startswith("0 exceptions")
 
 
 def test_unknown_targets_get_a_place() -> None:
-    known = facts()
+    known = set_up()
     places = place_targets([LOOK.encode(), b"no bml", b'<bml><gaze target="user"/></bml>'], known)
     assert set(places) == {"lamp"}
     assert places["lamp"][0] > 1.0
@@ -144,7 +144,7 @@ def test_a_message_is_heard() -> None:
 
 
 def test_a_refused_document_is_warned_of() -> None:
-    realizer = Realizer(facts())
+    realizer = Realizer(set_up())
     realizer.send("<bml", source="f")
     (message,) = realizer.feedback.messages
     assert (message.kind, message.id) == ("warningFeedback", "block")

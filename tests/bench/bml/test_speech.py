@@ -3,7 +3,7 @@ import pytest
 
 from kinesic.bench.bml import speech
 from kinesic.body.utterance import Sound
-from kinesic.controller.perform import facts, plan
+from kinesic.controller.perform import plan, set_up
 from kinesic.speech.espeak_pool import espeak_fault
 
 
@@ -32,7 +32,7 @@ def test_a_word_that_waits_is_met_as_well():
         '<speech id="s"><text>Now we look <sync id="zero"/>at <sync id="one"/>apples here</text></speech>'
         '<gesture id="right" lexeme="large" mode="RIGHT_HAND" start="s:zero" stroke="s:one"/></bml>'
     )
-    known = facts(voice="espeak")
+    known = set_up(voice="espeak")
     assert any("a pause of" in notice.text for notice in plan(text, known).notices)
     (error,) = speech.performed_errors(text, known)
     assert abs(error) <= 0.030

@@ -6,7 +6,7 @@ from kinesic.bench.blocks import crowd
 from kinesic.bench.plan.optimum import TOLERANCE, best_times
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
-from kinesic.controller.perform import facts, plan
+from kinesic.controller.perform import plan, set_up
 from kinesic.motion.condition import LEAD_IN, condition
 from kinesic.motion.key_time_lp import strain
 from kinesic.motion.keys import KeyPosture, Keys
@@ -48,7 +48,7 @@ def test_tighter_limits_strain_more():
 
 
 def test_a_crowded_block_is_strained_hardly_more_than_it_must():
-    known = facts()
+    known = set_up()
     lexemes = [form.id for form in known.lexicon.forms]
     planned = plan(crowd(4, lexemes), known)
     asked, ties = planned.postures.postures, bonds(planned.timeline)

@@ -10,7 +10,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.description import Supply
 from kinesic.body.dynamics import Clearance
 from kinesic.body.measurements import Power
-from kinesic.controller.perform import dry_run, facts, perform
+from kinesic.controller.perform import dry_run, perform, set_up
 from kinesic.controller.performance import Performance
 from kinesic.report.checks import checks
 from kinesic.report.report import report
@@ -33,7 +33,7 @@ NAMES = {
 
 @pytest.fixture(scope="module")
 def known():
-    return facts()
+    return set_up()
 
 
 @pytest.fixture(scope="module")
