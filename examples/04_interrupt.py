@@ -5,7 +5,7 @@ import numpy as np
 from kinesic import Performer
 from kinesic.body.config import CONFIGS
 from kinesic.motion.stopping import stop
-from kinesic.realizer.merge import replaced
+from kinesic.realizer.merge import replace_motion
 
 CUT = 2.0  # [s]
 
@@ -17,7 +17,7 @@ other = performer.plan(nod)
 halted = stop(running.trajectory, CUT, performer.setup.limits)
 print(f"at rest {1000 * (halted.duration - CUT):.0f} ms after the cut")
 
-over = replaced(running.trajectory, CUT, other)
+over = replace_motion(running.trajectory, CUT, other)
 print(f"nods instead, {over.zero - CUT:.2f} s after the cut")
 
 before, after = running.trajectory.at(CUT), over.trajectory.at(CUT)

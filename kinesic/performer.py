@@ -18,13 +18,13 @@ from kinesic.controller.perform import perform as perform_text
 from kinesic.controller.play import command_times, commands, play
 from kinesic.controller.servo_performance import interrupted, perform_live
 from kinesic.controller.soundtrack import sound
-from kinesic.controller.speech_sync import Aloud
+from kinesic.controller.speech_sync import SpeechPlayback
 from kinesic.expressivity.style.style import Style
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.planning.bap import SUFFIX, read_bap
 from kinesic.planning.face_track import faces
-from kinesic.planning.imported_motion import imported
+from kinesic.planning.imported_motion import plan_imported
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
 from kinesic.report.run import Performance, performance_of
@@ -101,7 +101,7 @@ class Performer:
         text, name = _read(document)
         name = source or name
         if text is None:
-            return imported(read_bap(Path(str(document)), self.robot), self.setup, source=name)
+            return plan_imported(read_bap(Path(str(document)), self.robot), self.setup, source=name)
         return plan_block(parse(text, source=name, dialect=self.setup.dialect), self.setup)
 
     def perform(
@@ -227,7 +227,7 @@ def _speaking(plan: Plan) -> Iterator[Callable[[Status], None]]:
         warnings.warn(f"voice: not heard ({error})", stacklevel=4)
         speaker = None
     try:
-        yield Aloud(heard, speaker) if heard is not None and speaker is not None else lambda status: None
+        yield SpeechPlayback(heard, speaker) if heard is not None and speaker is not None else lambda status: None
     finally:
         if speaker is not None:
             speaker.close()

@@ -93,7 +93,7 @@ def awaited(block: Block, present: Mapping[str, BlockState]) -> dict[str, Until]
     return {id: until for id, until in waits.items() if id in present and id != block.id}
 
 
-def held_back(block: Block, present: Mapping[str, BlockState]) -> dict[str, Until]:
+def waiting_blocks(block: Block, present: Mapping[str, BlockState]) -> dict[str, Until]:
     """Blocks that have not begun and, by this block's wish, wait for it."""
     succession = block.succession
     waits: dict[str, Until] = {

@@ -55,7 +55,7 @@ def read_calibration(robot: Path, name: str) -> Calibration:
     return found
 
 
-def narrowed(hinges: list[HingeTable], calibration: Calibration, path: Path) -> list[HingeTable]:
+def narrow_ranges(hinges: list[HingeTable], calibration: Calibration, path: Path) -> list[HingeTable]:
     """Hinges with the ranges that were measured.
 
     Raises:

@@ -9,7 +9,7 @@ import msgspec
 import numpy as np
 
 from kinesic.body.arrays import sealed
-from kinesic.body.calibration import NONE, Calibration, narrowed, read_calibration
+from kinesic.body.calibration import NONE, Calibration, narrow_ranges, read_calibration
 from kinesic.body.config import CONFIGS, ConfigError, read_toml, suggestion
 from kinesic.body.description import Description, Exclusion, Mount, Site, Supply
 from kinesic.body.robot_schema import (
@@ -50,10 +50,10 @@ def read_description(path: Path, *, calibrated: bool = True) -> Description:
         ConfigError: a file is missing or wrong.
     """
     file = read_toml(path, RobotFile)
-    return described(file, path, read_calibration(path, file.robot.name) if calibrated else NONE)
+    return robot_from_tables(file, path, read_calibration(path, file.robot.name) if calibrated else NONE)
 
 
-def described(file: RobotFile, path: Path, calibration: Calibration = NONE) -> Description:
+def robot_from_tables(file: RobotFile, path: Path, calibration: Calibration = NONE) -> Description:
     """A robot from its tables.
 
     Args:
@@ -67,7 +67,7 @@ def described(file: RobotFile, path: Path, calibration: Calibration = NONE) -> D
     file = _with_both_sides(file)
     models = servo_models() | _models(file.servos)  # the robot's own servos win
     _check(path, file, list(models))
-    file = msgspec.structs.replace(file, hinge=narrowed(file.hinge, calibration, path))
+    file = msgspec.structs.replace(file, hinge=narrow_ranges(file.hinge, calibration, path))
     _check(path, file, list(models))
     order = [body.name for body in file.body]
     hinges = sorted(file.hinge, key=lambda hinge: order.index(hinge.body))

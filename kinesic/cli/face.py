@@ -13,7 +13,7 @@ from kinesic.bml.block import Face
 from kinesic.body.command import Command
 from kinesic.body.config import ConfigError
 from kinesic.cli.options import PlanningOptions, planning, read_input
-from kinesic.cli.playback import watched
+from kinesic.cli.playback import play_whole
 from kinesic.controller.perform import plan
 from kinesic.controller.play import command_times, play
 from kinesic.controller.soundtrack import sound, write_wav
@@ -185,7 +185,7 @@ def _perform(planned: Plan, sight: Sight, out: Path | None) -> None:
     robot, times = planned.facts.robot, command_times(planned.duration)
     if out is None:
         click.echo(KEYS, err=True)
-        watched(planned, Preview(robot, look=sight.look, windowed=True))
+        play_whole(planned, Preview(robot, look=sight.look, windowed=True))
         return
     with TemporaryDirectory() as folder:
         heard, wav = sound(planned), None

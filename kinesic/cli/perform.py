@@ -11,17 +11,17 @@ from rich.table import Table
 
 from kinesic.cli.options import FAULT, TWIN_HELP, PlanningOptions, SinkNames, planning, read_input, read_twins
 from kinesic.cli.playback import follow_servos as following_face
-from kinesic.cli.playback import watched, watching
-from kinesic.cli.servo_run import performed_live, write_live
+from kinesic.cli.playback import play_whole, preview_window
+from kinesic.cli.servo_run import perform_on_servos, write_live
 from kinesic.cli.servos.ports import PORT_HELP, all_ports
 from kinesic.cli.terminal import console
 from kinesic.controller.feedforward import Terms
 from kinesic.controller.perform import dry_runs, performances
 from kinesic.controller.performance import Performance
-from kinesic.controller.servo_performance import Live
+from kinesic.controller.servo_performance import ServoRun
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.planning.bap import SUFFIX, read_bap
-from kinesic.planning.imported_motion import imported
+from kinesic.planning.imported_motion import plan_imported
 from kinesic.planning.setup import Setup
 from kinesic.report.checks import Check, checks
 from kinesic.report.comparison import measure_tracking
@@ -76,12 +76,14 @@ def perform(
     data = report(performance, source=source, seed=settings.idling.seed, beside=beside)
     written = write_report(performance, data, folder, film=film)
     live, log, planned = None, None, performance.plan
-    with watching(known.robot, asked="face" in sinks, beside=written.film if "twin" in sinks else None) as preview:
+    with preview_window(
+        known.robot, asked="face" in sinks, beside=written.film if "twin" in sinks else None
+    ) as preview:
         if paths and data["ok"]:
-            live = performed_live(performance, paths, folder, quiet=as_json, told=following_face(planned, preview))
+            live = perform_on_servos(performance, paths, folder, quiet=as_json, told=following_face(planned, preview))
             data, log = write_live(live, data, written)
         elif preview is not None:
-            watched(planned, preview)
+            play_whole(planned, preview)
     if as_json:
         click.echo(json.dumps(data, indent=1))
     else:
@@ -94,7 +96,7 @@ def perform(
     return 0 if data["ok"] else 1
 
 
-def _print_report(performances: tuple[Performance, ...], live: Live | None, data: dict[str, Json]) -> None:
+def _print_report(performances: tuple[Performance, ...], live: ServoRun | None, data: dict[str, Json]) -> None:
     screen = console()
     screen.print(_table((*checks(performances[0]), *(live_checks(live) if live is not None else ()))))
     if len(performances) > 1:
@@ -107,7 +109,7 @@ def _performed(
 ) -> tuple[Performance, ...]:
     """A document, or a motion that others made, in all twins."""
     if file.endswith(SUFFIX):
-        planned = imported(read_bap(Path(file), known.robot), known, source=file)
+        planned = plan_imported(read_bap(Path(file), known.robot), known, source=file)
         return dry_runs(planned, twins, feedforward=feedforward, correction=correction)
     source = "stdin" if file == "-" else file
     text = read_input(file)

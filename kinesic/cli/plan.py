@@ -7,7 +7,7 @@ import click
 from kinesic.cli.options import PlanningOptions, planning, read_input
 from kinesic.controller.perform import plan as plan_document
 from kinesic.planning.bap import SUFFIX, read_bap
-from kinesic.planning.imported_motion import imported
+from kinesic.planning.imported_motion import plan_imported
 from kinesic.planning.motion_files import write_motion
 
 
@@ -23,7 +23,7 @@ def plan(
     """Plans FILE (BML, a .bap motion, or - for BML from standard input) and writes the motion."""
     known = settings.facts()
     if file.endswith(SUFFIX):
-        planned = imported(read_bap(Path(file), known.robot), known, source=file)
+        planned = plan_imported(read_bap(Path(file), known.robot), known, source=file)
     else:
         planned = plan_document(read_input(file), known, source="stdin" if file == "-" else file)
     write_motion(planned.trajectory, known.robot, out)

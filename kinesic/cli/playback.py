@@ -10,7 +10,7 @@ import click
 from kinesic.body.command import RATE
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
-from kinesic.controller.play import command_times, paced, play
+from kinesic.controller.play import command_times, pace, play
 from kinesic.controller.soundtrack import sound
 from kinesic.face.display import DisplayError
 from kinesic.face.show.controls import HELP
@@ -40,7 +40,7 @@ def loudspeaker() -> Iterator[Speaker | None]:
 
 
 @contextmanager
-def watching(robot: Robot, *, asked: bool, beside: Path | None = None) -> Iterator[Preview | None]:
+def preview_window(robot: Robot, *, asked: bool, beside: Path | None = None) -> Iterator[Preview | None]:
     """A window that is open meanwhile, where it is asked for and there is a display; else nothing is watched.
 
     Args:
@@ -67,14 +67,14 @@ def watching(robot: Robot, *, asked: bool, beside: Path | None = None) -> Iterat
         yield preview
 
 
-def watched(plan: Plan, preview: Preview) -> None:
+def play_whole(plan: Plan, preview: Preview) -> None:
     """Shows a whole performance in its own time, and lets it be heard where there is a loudspeaker."""
     commands, heard = tuple(commands_with_face(plan, command_times(plan.duration))), sound(plan)
     with ExitStack() as opened:
         speaker = None if heard is None else opened.enter_context(loudspeaker())
         if heard is not None and speaker is not None:
             speaker.play(heard, monotonic())
-        play(paced(commands), preview)
+        play(pace(commands), preview)
 
 
 def follow_servos(plan: Plan, preview: Preview | None) -> Callable[[Status], None]:

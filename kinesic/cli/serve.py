@@ -17,14 +17,16 @@ from kinesic.client import PORT
 from kinesic.face.show.preview import Preview
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.manifest import Manifest
-from kinesic.serve.quotas import USUAL, Rules
-from kinesic.serve.server import Address, Serving, serving, until_done
-from kinesic.serve.sinks import AHEAD, DELAY, Follower, RealServos, RealTwin
+from kinesic.serve.quotas import USUAL, Quotas
+from kinesic.serve.server import Address, Serving, open_serving, until_done
+from kinesic.serve.sinks import AHEAD, DELAY, RealServos, RealTwin, ServoSink
 from kinesic.speech import port_audio
 
 LISTEN_HELP = "Address for TCP and WebSocket; 'none' for standard input alone. Port 0: any that is free."
 TOKEN_HELP = "That clients must show; needed where others than this machine can connect. Also KINESIC_TOKEN."
-RULE_HELP = f"A limit for clients: {', '.join(f'{each.name}={getattr(USUAL, each.name):g}' for each in fields(Rules))}."
+RULE_HELP = (
+    f"A limit for clients: {', '.join(f'{each.name}={getattr(USUAL, each.name):g}' for each in fields(Quotas))}."
+)
 
 
 @click.command()
@@ -54,7 +56,7 @@ def serve(
         raise ConfigError(f"--sound: {why}")
     address, limits = read_address(listen, token), read_rules(rules)
     followers = _followers(settings, sinks, ports)
-    server = serving(
+    server = open_serving(
         settings.facts, followers, address=address, rules=limits, token=token, face="face" in sinks, sound=not why
     )
     return asyncio.run(_serve(server))
@@ -77,13 +79,13 @@ def read_address(text: str, token: str | None) -> Address | None:
     return Address(host, int(port))
 
 
-def read_rules(changes: tuple[str, ...]) -> Rules:
+def read_rules(changes: tuple[str, ...]) -> Quotas:
     """The usual rules with some changes.
 
     Raises:
         ConfigError: no such rule, or a value that makes no sense.
     """
-    rules, kinds = USUAL, {each.name: type(getattr(USUAL, each.name)) for each in fields(Rules)}
+    rules, kinds = USUAL, {each.name: type(getattr(USUAL, each.name)) for each in fields(Quotas)}
     for change in changes:
         name, _, value = change.partition("=")
         if name not in kinds:
@@ -102,15 +104,15 @@ def _is_here(host: str) -> bool:
         return host == "localhost"
 
 
-def _followers(settings: PlanningOptions, sinks: frozenset[str], ports: tuple[str, ...]) -> list[Follower]:
+def _followers(settings: PlanningOptions, sinks: frozenset[str], ports: tuple[str, ...]) -> list[ServoSink]:
     """Who performs, opened."""
     robot = settings.facts().robot
-    followers = [Follower(RealTwin(robot))] if "twin" in sinks else []
+    followers = [ServoSink(RealTwin(robot))] if "twin" in sinks else []
     if "servos" in sinks:
         servos = Servos(robot, all_ports(ports, Manifest.of(robot).bauds), log=Path("events.jsonl"))
-        followers.append(Follower(RealServos(servos), ahead=AHEAD, delay=DELAY))
+        followers.append(ServoSink(RealServos(servos), ahead=AHEAD, delay=DELAY))
     if "face" in sinks:
-        followers.append(Follower(Preview(robot)))
+        followers.append(ServoSink(Preview(robot)))
     return followers
 
 

@@ -9,11 +9,11 @@ from rich.console import Console
 from rich.live import Live as Display
 
 from kinesic.cli.playback import loudspeaker
-from kinesic.cli.terminal import pressed
+from kinesic.cli.terminal import pressed_keys
 from kinesic.controller.performance import Performance
-from kinesic.controller.servo_performance import Live, Wish, interrupted, perform_live
+from kinesic.controller.servo_performance import ServoRun, Wish, interrupted, perform_live
 from kinesic.controller.soundtrack import sound
-from kinesic.controller.speech_sync import Aloud
+from kinesic.controller.speech_sync import SpeechPlayback
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.planning.plan import Plan
@@ -25,14 +25,14 @@ from kinesic.sim.log import write_log
 KEYS = "space: stop where it is; again: let go. Ctrl-C: fold to rest and let go."
 
 
-def performed_live(
+def perform_on_servos(
     performance: Performance,
     ports: dict[str, Path],
     folder: Path,
     *,
     quiet: bool,
     told: Callable[[Status], None] = lambda status: None,
-) -> Live:
+) -> ServoRun:
     """Performs on the servos, and aloud, what the twin has performed; events are added to FOLDER/events.jsonl.
 
     Args:
@@ -46,23 +46,23 @@ def performed_live(
         BusError: a port or a servo is missing or wrong; nothing has moved.
     """
     plan = performance.plan
-    with speaking(plan) as said:
+    with speak_along(plan) as said:
         servos = Servos(plan.facts.robot, ports, log=folder / "events.jsonl")
         if not quiet:
             click.echo(KEYS, err=True)
-        with interrupted() as folding, pressed() as keys, _display(quiet) as shown:
+        with interrupted() as folding, pressed_keys() as keys, _display(quiet) as shown:
             return perform_live(performance, servos, wish=_wish(keys, folding), shown=_all(shown, said, told))
 
 
 @contextmanager
-def speaking(plan: Plan) -> Iterator[Callable[[Status], None]]:
+def speak_along(plan: Plan) -> Iterator[Callable[[Status], None]]:
     """What is said in a plan is heard meanwhile at the time that the servos tell, where there is a loudspeaker."""
     heard = sound(plan)
     if heard is None:
         yield lambda status: None
         return
     with loudspeaker() as speaker:
-        yield Aloud(heard, speaker) if speaker is not None else lambda status: None
+        yield SpeechPlayback(heard, speaker) if speaker is not None else lambda status: None
 
 
 def _all(*listeners: Callable[[Status], None]) -> Callable[[Status], None]:
@@ -86,7 +86,7 @@ def _wish(keys: Callable[[], str], folding: Callable[[], bool]) -> Callable[[], 
     return wish
 
 
-def write_live(live: Live, data: dict[str, Json], written: Written) -> tuple[dict[str, Json], Path]:
+def write_live(live: ServoRun, data: dict[str, Json], written: Written) -> tuple[dict[str, Json], Path]:
     """Writes the report anew with what the robot did, and its log; the report, and the path of the log."""
     told = with_live(data, live)
     rewrite(written, live.performance, told)

@@ -13,7 +13,7 @@ from kinesic.body.config import ConfigError
 from kinesic.cli.terminal import console
 from kinesic.face.display import DisplayError
 from kinesic.face.render.presets import PRESETS
-from kinesic.report.output import emptied, free_folder
+from kinesic.report.output import empty_folder, free_folder
 from kinesic.report.report import Json
 from kinesic.studies.perception.analysis import (
     MEASURES,
@@ -48,7 +48,7 @@ def study() -> None:
 @click.option("--post-to", default="", metavar="URL", help="Where answers are sent too, as CSV.")
 def make(out: Path | None, force: bool, size: int, preset: str, post_to: str) -> int:
     """Draws all 128 faces and writes the page that shows them and asks."""
-    folder = emptied(free_folder(out, "study", force=force))
+    folder = empty_folder(free_folder(out, "study", force=force))
     wanted = stimuli()
     try:
         with Progress(console=Console(stderr=True), transient=True) as progress:

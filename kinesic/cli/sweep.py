@@ -12,7 +12,7 @@ from kinesic.body.config import ConfigError
 from kinesic.cli.options import PlanningOptions, planning
 from kinesic.cli.terminal import console
 from kinesic.expressivity.style.style import RANGES
-from kinesic.report.output import emptied, free_folder
+from kinesic.report.output import empty_folder, free_folder
 from kinesic.report.report import Json
 from kinesic.studies.sweep.measures import SHOWN, Measures
 from kinesic.studies.sweep.plots import draw_series
@@ -50,7 +50,7 @@ def sweep(
     found = [play_series(gesture, name, known, values=_numbers(values)) for name in names]
     styles = presets(gesture, known) if every else {}
     data = _data(gesture, settings.style, found, styles)
-    pictures = _written(found, emptied(folder), data)
+    pictures = _written(found, empty_folder(folder), data)
     if as_json:
         click.echo(json.dumps(data, indent=1))
     else:

@@ -20,7 +20,7 @@ def console() -> Console:
 
 
 @contextmanager
-def pressed() -> Iterator[Callable[[], str]]:
+def pressed_keys() -> Iterator[Callable[[], str]]:
     """What has been pressed since the last call, without waiting; nothing where no terminal is."""
     if not sys.stdin.isatty():
         yield lambda: ""

@@ -17,7 +17,7 @@ from kinesic.cli.validate_fingerprint import fingerprint
 from kinesic.cli.validate_table import summarise
 from kinesic.report.batch import JOURNAL, DocumentVerdict, documents, validate_documents
 from kinesic.report.batch_totals import totals
-from kinesic.report.output import emptied
+from kinesic.report.output import empty_folder
 from kinesic.report.report import Json
 
 SUMMARY = "validate.json"
@@ -89,7 +89,7 @@ def _folder(out: Path, *, force: bool) -> Path:
         ConfigError: it holds something else, or a run that did finish.
     """
     if force or not out.exists():
-        return emptied(out)
+        return empty_folder(out)
     if (out / SUMMARY).exists():
         raise ConfigError(f"{out} holds a finished run; --force begins anew, --out names another folder")
     if not (out / JOURNAL).exists():

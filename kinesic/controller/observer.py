@@ -46,7 +46,7 @@ SLICES = 1024  # of a period, for its exact solution
 
 
 @dataclass(frozen=True, eq=False)
-class Belief:
+class LoadEstimate:
     """What is believed about the hinges at one tick, in joint order."""
 
     rows: Floats  # (6 + h, n) all of it, one under another
@@ -73,7 +73,7 @@ class Belief:
 
 
 @dataclass(frozen=True, eq=False)
-class Lessons:
+class LearnedLoads:
     """What is known of all ticks before anything is measured."""
 
     angles: Floats  # (m, n) [rad] reference
@@ -159,11 +159,11 @@ class Observer:
 
         return step
 
-    def begin(self) -> Belief:
+    def begin(self) -> LoadEstimate:
         """Standing where it should."""
-        return Belief(np.zeros((6 + len(self.arrival), len(self.lower))))
+        return LoadEstimate(np.zeros((6 + len(self.arrival), len(self.lower))))
 
-    def lessons(self, stream: Sequence[Command], loads: Floats) -> Lessons:
+    def lessons(self, stream: Sequence[Command], loads: Floats) -> LearnedLoads:
         """What a performance can teach: it depends on what is led, not on what is measured.
 
         Args:
@@ -181,7 +181,7 @@ class Observer:
         noticed = _smoothed(acting, loads[0], 1.0 / (1.0 + 3.0 / (BANDWIDTH * self.period)))
         forgotten = self.period / FORGETTING
         learned = _smoothed(noticed**2, np.zeros(loads.shape[1]), forgotten) / forgotten
-        return Lessons(
+        return LearnedLoads(
             angles=angles,
             goals=goals,
             lowest=np.maximum(self.lower, goals - LARGEST),
@@ -191,7 +191,7 @@ class Observer:
             trust=noticed / (CLEAR_LOAD**2 + learned),
         )
 
-    def after(self, belief: Belief, deviation: Floats, lessons: Lessons, tick: int) -> Belief:
+    def after(self, belief: LoadEstimate, deviation: Floats, lessons: LearnedLoads, tick: int) -> LoadEstimate:
         """One tick on.
 
         Args:
@@ -203,7 +203,7 @@ class Observer:
         Returns:
             The belief of this tick, with corrected goals.
         """
-        return Belief(self._step(belief.rows, deviation, lessons.rows[tick]))
+        return LoadEstimate(self._step(belief.rows, deviation, lessons.rows[tick]))
 
 
 def correct_goals(

@@ -40,7 +40,7 @@ def commands(
         yield Command(*row)
 
 
-def paced(stream: Iterable[Command], *, clock: Callable[[], float] = monotonic) -> Iterator[Command]:
+def pace(stream: Iterable[Command], *, clock: Callable[[], float] = monotonic) -> Iterator[Command]:
     """Commands at their times on the wall's clock, which begins with the first; late ones follow at once.
 
     Args:

@@ -39,7 +39,7 @@ Ending = Literal["performed", "ended", "stopped", "failed"]
 
 
 @dataclass(frozen=True, eq=False)
-class Live:
+class ServoRun:
     """What the servos did with a plan."""
 
     performance: Performance  # of the twin, with the plan
@@ -137,7 +137,7 @@ def perform_live(
     *,
     wish: Callable[[], Wish] = lambda: "go on",
     shown: Callable[[Status], None] = lambda told: None,
-) -> Live:
+) -> ServoRun:
     """Lets the servos perform what a twin has performed before; returns when the robot is limp again.
 
     Args:
@@ -170,7 +170,7 @@ def perform_live(
         raise error
     ran = tuple(told for told in history if told.stage in RUNNING)
     ending, why = _ending(history, asked, error)
-    return Live(performance, ran, tuple(notes), ending, why or _last_failure(notes) if ending == "failed" else why)
+    return ServoRun(performance, ran, tuple(notes), ending, why or _last_failure(notes) if ending == "failed" else why)
 
 
 @contextmanager

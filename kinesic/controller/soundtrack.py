@@ -29,14 +29,14 @@ def sound(plan: Plan) -> Sound | None:
     if not parts:
         return None
     rate = max(spoken.rate for _, spoken in parts)
-    pieces = [(round(begin * rate), resampled(spoken, rate)) for begin, spoken in parts]
+    pieces = [(round(begin * rate), resample(spoken, rate)) for begin, spoken in parts]
     mixed = np.zeros(max(round(plan.duration * rate), *(first + len(piece) for first, piece in pieces)))
     for first, piece in pieces:
         mixed[first : first + len(piece)] += piece
     return Sound.of(rate, mixed / max(1.0, np.abs(mixed).max()))
 
 
-def resampled(spoken: Sound, rate: int) -> Samples:
+def resample(spoken: Sound, rate: int) -> Samples:
     """The samples (m,) of a sound at another rate [Hz]."""
     if spoken.rate == rate:
         return spoken.samples

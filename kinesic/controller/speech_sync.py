@@ -8,7 +8,7 @@ from kinesic.speech.speaker import Speaker
 ASTRAY = 0.03  # [s] between the robot's time and the sound's beyond which the sound is put right
 
 
-class Aloud:
+class SpeechPlayback:
     """Speaks while performance time runs as planned, and is silent while it stands or changes its pace."""
 
     def __init__(self, sound: Sound, speaker: Speaker) -> None:

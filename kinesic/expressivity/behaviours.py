@@ -75,7 +75,7 @@ class Move:
     warnings: tuple[Warned, ...] = ()
 
 
-def dropped(why: str, type: NoticeType = NoticeType.CANNOT_CREATE_BEHAVIOR) -> Move:
+def drop_behaviour(why: str, type: NoticeType = NoticeType.CANNOT_CREATE_BEHAVIOR) -> Move:
     """A behaviour that is left out."""
     return Move(Outcome("dropped", why), warnings=(Warned(type, f"left out: {why}"),))
 
@@ -87,10 +87,12 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, scene: BehaviourScene) 
     """
     match = scene.lexicon.find(action.lexeme, action.mode)
     if match is None:
-        return dropped(f"the lexicon has no gesture for {action.lexeme}; `kinesic gestures list` shows what it has")
+        return drop_behaviour(
+            f"the lexicon has no gesture for {action.lexeme}; `kinesic gestures list` shows what it has"
+        )
     form = match.form
     if not form.keys and not form.rest:
-        return dropped(f"gesture {form.id} has no stroke")
+        return drop_behaviour(f"gesture {form.id} has no stroke")
     unmet = _unmet(action, form, scene)
     if action.target is not None and not unmet:
         return pointing_move(timed, Pointing(action.target, action.mode), scene)
@@ -99,7 +101,7 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, scene: BehaviourScene) 
     if action.mode == "unspecified" and len(form.sides) == 1 and not form.rest:
         options.append(mirror_form(form))
     works = tuple(poses(option, scene.robot, manner) if option.keys else hanging_arms(SIDES) for option in options)
-    outcome, warnings = substituted(match.substitute)
+    outcome, warnings = substitution_outcome(match.substitute)
     halves = action.mode == "unspecified"
     stroke = Stroke(timed.behaviour.id, timed.times, works, form.rest, manner, halves=halves)
     return Move(outcome, strokes=(stroke,), warnings=(*warnings, *unmet))
@@ -121,7 +123,7 @@ def pointing_move(timed: TimedBehaviour, action: Pointing, scene: BehaviourScene
     """Pointing at a place, with the hand on its side unless the mode says which."""
     place = find_target(action.target, scene.targets)
     if place is None:
-        return dropped(unknown(action.target, scene.targets), NoticeType.NO_SUCH_TARGET)
+        return drop_behaviour(unknown(action.target, scene.targets), NoticeType.NO_SUCH_TARGET)
     work: dict[Side, Poses] = {side: pointing_poses(place, side, scene.robot) for side in SIDES}
     both = Poses({side: work[side].hands[side] for side in SIDES}, work["l"].stroke)
     nearer = (work["l"], work["r"]) if place[1] > 0 else (work["r"], work["l"])
@@ -136,7 +138,7 @@ def head_move(timed: TimedBehaviour, action: Head, scene: BehaviourScene) -> Mov
     if not scene.robot.joints("neck"):
         return _lacking("neck", scene)
     form = head_form(action, scene.robot, scene.manner(timed))
-    outcome, warnings = substituted(form.substitute, form.clipped)
+    outcome, warnings = substitution_outcome(form.substitute, form.clipped)
     return Move(outcome, head=(head_layer(form, timed.times, scene.pace, scene.manner(timed)),), warnings=warnings)
 
 
@@ -146,9 +148,11 @@ def torso_move(timed: TimedBehaviour, action: Torso, scene: BehaviourScene) -> M
         return _lacking("torso", scene)
     lean = trunk.named_lean(action, scene.robot, scene.manner(timed).spatial)
     if lean is None:
-        return dropped(f"torso movement {action.lexeme} is unknown; lean, recline, turn, left and right are known")
+        return drop_behaviour(
+            f"torso movement {action.lexeme} is unknown; lean, recline, turn, left and right are known"
+        )
     if lean.clipped and lean.turn == UPRIGHT:
-        return dropped(f"the trunk cannot: {lean.clipped}")
+        return drop_behaviour(f"the trunk cannot: {lean.clipped}")
     (layer,) = exclusive([trunk.hold_trunk(lean.turn, timed.times, stays=False, pace=scene.pace)])
     return Move(torso=(pass_layer(layer, scene.manner(timed)),), warnings=_clipped(lean.clipped))
 
@@ -170,14 +174,14 @@ def look_moves(looks: Sequence[TimedBehaviour], scene: BehaviourScene) -> Mappin
         action = timed.behaviour.action
         if other is not None:
             why = f"{other.behaviour.id} looks elsewhere from the same moment"
-            moves[timed.behaviour.id] = dropped(why, NoticeType.IMPOSSIBLE_TO_SCHEDULE)
+            moves[timed.behaviour.id] = drop_behaviour(why, NoticeType.IMPOSSIBLE_TO_SCHEDULE)
             continue
         if not isinstance(action, Gaze | HeadDirectionShift):
             raise TypeError(f"{timed.behaviour.id} is a {type(action).__name__}, no gaze and no head direction")
         aim = gaze.aim(action, block=scene.block, robot=scene.robot, targets=scene.targets, base=base)
         if aim is None:
             why = unknown(action.target or "", scene.targets)
-            moves[timed.behaviour.id] = dropped(why, NoticeType.NO_SUCH_TARGET)
+            moves[timed.behaviour.id] = drop_behaviour(why, NoticeType.NO_SUCH_TARGET)
             continue
         base = aim if stays(action) else base
         aims.append(aim)
@@ -212,7 +216,7 @@ def _looked(looks: Sequence[TimedBehaviour], aims: Sequence[gaze.Aim], scene: Be
     head, lower = exclusive(heads), exclusive(trunks)
     moves: dict[str, Move] = {}
     for k, (timed, aim) in enumerate(zip(looks, aims, strict=True)):
-        outcome, warnings = substituted(aim.substitute, aim.clipped, aim.missing)
+        outcome, warnings = substitution_outcome(aim.substitute, aim.clipped, aim.missing)
         if k + 1 < len(heads) and (leave := heads[k].leave) is not None and heads[k + 1].start < leave:
             text = f"gives way to {looks[k + 1].behaviour.id} at {heads[k + 1].start:.2f} s"
             warnings += (Warned(NoticeType.IMPOSSIBLE_TO_SCHEDULE, text),)
@@ -233,14 +237,14 @@ def without_upright(layer: Layer) -> tuple[Layer, ...]:
 
 
 def _lacking(part: str, scene: BehaviourScene) -> Move:
-    return dropped(f"robot {scene.robot.name} has no {part}", NoticeType.BEHAVIOR_TYPE_NOT_SUPPORTED)
+    return drop_behaviour(f"robot {scene.robot.name} has no {part}", NoticeType.BEHAVIOR_TYPE_NOT_SUPPORTED)
 
 
 def _clipped(text: str) -> tuple[Warned, ...]:
     return (Warned(NoticeType.CANNOT_CREATE_BEHAVIOR, text),) if text else ()
 
 
-def substituted(why: str, clipped: str = "", missing: str = "") -> tuple[Outcome, tuple[Warned, ...]]:
+def substitution_outcome(why: str, clipped: str = "", missing: str = "") -> tuple[Outcome, tuple[Warned, ...]]:
     """The outcome of a behaviour that is performed, by something else if there is a reason, and its warnings."""
     type = NoticeType.NO_SUCH_TARGET if missing else NoticeType.CANNOT_CREATE_BEHAVIOR
     warnings = (Warned(type, why),) if why else ()

@@ -17,7 +17,7 @@ from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.hands.keys import HandKey, hand_at
 from kinesic.expressivity.hands.poses import resting_hands
 from kinesic.expressivity.keyframes import KeyFrame, PartName, Turn
-from kinesic.expressivity.turns import Layer, TurnKey, add_turns, clipped, room, scale_turn, total
+from kinesic.expressivity.turns import Layer, TurnKey, add_turns, clip_turn, room, scale_turn, total
 from kinesic.motion.passage import Passage
 
 Gathering = Literal["complex", "lazy"]
@@ -165,9 +165,9 @@ def _frames(
     filled = [_filled(parts, priorities) for parts in given]
     looked = {part: _looked(part, found, times.get(part, []), filled) for part in PARTS}
     trunk, neck, rest = room(robot, "torso"), room(robot, "neck"), resting_hands(robot)
-    torso = [clipped(turn, trunk) for turn in _turns(sequences.torso, looked["torso"])]
+    torso = [clip_turn(turn, trunk) for turn in _turns(sequences.torso, looked["torso"])]
     above = _turns(sequences.head, looked["head"])
-    head = [add_turns(t, clipped(add_turns(h, scale_turn(t, -1.0)), neck)) for t, h in zip(torso, above, strict=True)]
+    head = [add_turns(t, clip_turn(add_turns(h, scale_turn(t, -1.0)), neck)) for t, h in zip(torso, above, strict=True)]
     hands = {
         side: [hand_at(sequences.hands.get(side, ()), time, rest[side]) for time in looked[part]]
         for side, part in HANDS.items()

@@ -15,7 +15,7 @@ from kinesic.expressivity.head import direction, names_stem, words
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.targets import find_target, unknown
-from kinesic.expressivity.turns import UPRIGHT, Hold, add_turns, axes, clipped, excess, hold_turn, room, scale_turn
+from kinesic.expressivity.turns import UPRIGHT, Hold, add_turns, axes, clip_turn, excess, hold_turn, room, scale_turn
 
 AUDIENCE = "audience"  # who is looked at when the one that was meant is unknown
 EYES = (Turn(-ASIDE, -UPWARD), Turn(ASIDE, DOWNWARD))  # how far they turn in the head
@@ -156,21 +156,21 @@ def _offset(gaze: Gaze, block: Block) -> Turn:
 def _limited(turn: Turn, *, influence: str | None, robot: Robot, base: Aim, missing: str = "") -> Aim:
     """The rotation shared between eyes, head and trunk, inside their ranges."""
     parts, seeing = (influence or "").upper(), EYES if "eyes" in robot.sites else (UPRIGHT, UPRIGHT)
-    alone = clipped(add_turns(turn, scale_turn(base.head, -1.0)), seeing) if parts == "EYES" else UPRIGHT
+    alone = clip_turn(add_turns(turn, scale_turn(base.head, -1.0)), seeing) if parts == "EYES" else UPRIGHT
     head = add_turns(turn, scale_turn(alone, -1.0))
     share = max((least for part, least in _TRUNK_SHARES.items() if part in parts), default=0.0)
     torso = base.torso
     if not parts or share:
         trunk = copysign(max(share * abs(head.torsion), abs(head.torsion) - HEAD_ALONE), head.torsion)
-        torso = clipped(Turn(torsion=trunk), room(robot, "torso"))
+        torso = clip_turn(Turn(torsion=trunk), room(robot, "torso"))
     neck = add_turns(head, scale_turn(torso, -1.0))
-    turned = add_turns(torso, clipped(neck, room(robot, "neck")))
+    turned = add_turns(torso, clip_turn(neck, room(robot, "neck")))
     rest = add_turns(turn, scale_turn(turned, -1.0))
     lost = excess(rest, seeing)
     return Aim(
         head=turned,
         torso=torso,
-        eyes=clipped(rest, seeing),
+        eyes=clip_turn(rest, seeing),
         substitute=f"looks at the {AUDIENCE}: {missing}" if missing else _without_eyes(parts, robot),
         missing=missing,
         clipped=f"{lost:.0f} deg beyond the neck's range are left out" if lost > 0.5 else "",

@@ -20,7 +20,7 @@ from kinesic.expressivity.turns import (
     Layer,
     TurnKey,
     arrival,
-    clipped,
+    clip_turn,
     departure_time,
     excess,
     room,
@@ -95,7 +95,7 @@ def head_form(head: Head, robot: Robot, manner: Expressivity) -> HeadForm:
     lost = excess(peak, within)
     why = f"{lost:.1f} deg beyond the neck's range are left out" if lost > 0.05 else ""
     more = 0 if kind == "direction" else round(MORE * max(0.0, manner.repetition))
-    return HeadForm(kind, clipped(peak, within), max(1, head.repetition), substitute, why, more)
+    return HeadForm(kind, clip_turn(peak, within), max(1, head.repetition), substitute, why, more)
 
 
 def swing_time(form: HeadForm, pace: Pace, manner: Expressivity) -> float:

@@ -53,7 +53,7 @@ class Idling:
 OFF = Idling()
 
 
-def filled(sequences: Sequences, whole: Span, idling: Idling, robot: Robot) -> Sequences:
+def add_idle_motion(sequences: Sequences, whole: Span, idling: Idling, robot: Robot) -> Sequences:
     """The sequences of a block, idle motion added to the parts that the robot has.
 
     Args:
@@ -62,7 +62,7 @@ def filled(sequences: Sequences, whole: Span, idling: Idling, robot: Robot) -> S
         idling: how lively, and by which chance.
         robot: whose parts idle.
     """
-    torso, head = idle(pauses(used(sequences), whole), idling)
+    torso, head = idle(pauses(used_spans(sequences), whole), idling)
     return replace(
         sequences,
         torso=(*sequences.torso, torso) if torso and robot.joints("torso") else sequences.torso,
@@ -94,7 +94,7 @@ def idle(free: Iterable[Span], idling: Idling) -> tuple[Layer, Layer]:
     return tuple(torso), tuple(head)
 
 
-def used(sequences: Sequences) -> tuple[Span, ...]:
+def used_spans(sequences: Sequences) -> tuple[Span, ...]:
     """Spans in which a part moves, or is held away from its rest until it goes on [s]."""
     turning = [
         (a.time, b.time)

@@ -11,10 +11,10 @@ from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.behaviours import (
     BehaviourScene,
     Move,
-    dropped,
+    drop_behaviour,
     hanging_arms,
     stays,
-    substituted,
+    substitution_outcome,
     without_upright,
 )
 from kinesic.expressivity.hands.poses import poses
@@ -28,7 +28,7 @@ from kinesic.expressivity.turns import (
     UPRIGHT,
     Hold,
     add_turns,
-    clipped,
+    clip_turn,
     exclusive,
     hold_turn,
     pass_layer,
@@ -98,7 +98,7 @@ def pose(posture: Posture, lexicon: Lexicon, robot: Robot) -> Pose | None:
     leaned, bowed = UPRIGHT, UPRIGHT
     for part in parts:
         leaned, bowed = add_turns(leaned, part.lean), add_turns(bowed, part.head)
-    return Pose(limit_trunk(leaned, robot), arms, clipped(bowed, room(robot, "neck")), "; ".join(left_out))
+    return Pose(limit_trunk(leaned, robot), arms, clip_turn(bowed, room(robot, "neck")), "; ".join(left_out))
 
 
 def _stance(stance: str, lexicon: Lexicon, *, stays: bool) -> _Part | None:
@@ -157,9 +157,9 @@ def posture_moves(postures: Sequence[TimedBehaviour], scene: BehaviourScene) -> 
             asked = [f"stance {action.stance}"] if action.stance else []
             names = ", ".join((*asked, *(f"{lexeme} of {part}" for part, lexeme in action.poses)))
             known = "standing, sitting, leaning, and rest poses of the arms, are known"
-            moves[timed.behaviour.id] = dropped(f"no pose {names}; {known}")
+            moves[timed.behaviour.id] = drop_behaviour(f"no pose {names}; {known}")
         elif posed.lean.clipped and posed.lean.turn == UPRIGHT and not posed.arms:
-            moves[timed.behaviour.id] = dropped(f"the trunk cannot: {posed.lean.clipped}")
+            moves[timed.behaviour.id] = drop_behaviour(f"the trunk cannot: {posed.lean.clipped}")
         else:
             found.append((timed, posed))
     trunks, heads = (
@@ -170,7 +170,7 @@ def posture_moves(postures: Sequence[TimedBehaviour], scene: BehaviourScene) -> 
         )
     )
     for (timed, posed), trunk, head in zip(found, trunks, heads, strict=True):
-        outcome, warnings = substituted(posed.left_out, posed.lean.clipped)
+        outcome, warnings = substitution_outcome(posed.left_out, posed.lean.clipped)
         moves[timed.behaviour.id] = Move(
             outcome,
             head=without_upright(pass_layer(head, scene.manner(timed, "head"))) if scene.robot.joints("neck") else (),

@@ -33,7 +33,7 @@ from kinesic.expressivity.behaviours import (
     BehaviourScene,
     Move,
     Warned,
-    dropped,
+    drop_behaviour,
     gesture_move,
     head_move,
     look_moves,
@@ -43,8 +43,8 @@ from kinesic.expressivity.behaviours import (
 from kinesic.expressivity.face.tracks import outcome
 from kinesic.expressivity.gather import GATHER, HANDS, Gathering, Sequences, SyncPoint
 from kinesic.expressivity.hands.coarticulation import Engaged
-from kinesic.expressivity.hands.phases import Arranged, arranged
-from kinesic.expressivity.idle import OFF, Idling, filled
+from kinesic.expressivity.hands.phases import Arranged, arrange_hands
+from kinesic.expressivity.idle import OFF, Idling, add_idle_motion
 from kinesic.expressivity.keyframes import KeyFrames, Outcome, PartName
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.posture import posture_moves
@@ -87,9 +87,9 @@ def keyframes(
     robot = pace.robot
     scene = BehaviourScene(timeline.block, style, lexicon, pace, {**robot.targets, **targets})
     moves = _moves([timed for timed in timeline.timed if timed.behaviour.id not in without], scene)
-    moves |= {id: dropped(why) for id, why in without.items()}
+    moves |= {id: drop_behaviour(why) for id, why in without.items()}
     strokes = [stroke for move in moves.values() for stroke in move.strokes]
-    hands = arranged(strokes, pace, placed_points(timeline.block), engaged=engaged)
+    hands = arrange_hands(strokes, pace, placed_points(timeline.block), engaged=engaged)
     moves = {id: _with_hands(id, move, hands) for id, move in moves.items()}
     outcomes = {drop.behaviour.id: Outcome("dropped", drop.why) for drop in timeline.dropped}
     outcomes |= {id: move.outcome for id, move in moves.items()}
@@ -114,7 +114,7 @@ def keyframes(
         head=tuple(layer for move in moves.values() for layer in move.head),
         hands=hands.hands,
     )
-    sequences = filled(sequences, (timeline.start, timeline.end), idling, robot)
+    sequences = add_idle_motion(sequences, (timeline.start, timeline.end), idling, robot)
     return KeyFrames(
         timeline,
         GATHER[gathering](sequences, syncs, robot),
@@ -154,16 +154,16 @@ def _move(timed: TimedBehaviour, scene: BehaviourScene) -> Move:
         case Speech() | Wait() | Interrupt() | Activate() | ParameterChange():
             return Move()
         case Custom(name):
-            return dropped(f"nothing is known of {name}", NoticeType.CUSTOM_BEHAVIOUR_NOT_SUPPORTED)
+            return drop_behaviour(f"nothing is known of {name}", NoticeType.CUSTOM_BEHAVIOUR_NOT_SUPPORTED)
     why = f"no part of robot {scene.robot.name} does {timed.behaviour.type}"
-    return dropped(why, NoticeType.BEHAVIOR_TYPE_NOT_SUPPORTED)
+    return drop_behaviour(why, NoticeType.BEHAVIOR_TYPE_NOT_SUPPORTED)
 
 
 def _face_move(action: Face) -> Move:
     """A face: it moves no hinge, and `face.tracks` works out what it shows when somebody looks."""
     found = outcome(action)
     if found.kind == "dropped":
-        return dropped(found.why)
+        return drop_behaviour(found.why)
     beyond = "" if 0.0 <= action.amount <= 1.0 else f"amount {action.amount:g} is cut to the range from 0 to 1"
     told = filter(None, (found.why, beyond))
     return Move(found, warnings=tuple(Warned(NoticeType.CANNOT_CREATE_BEHAVIOR, text) for text in told))
@@ -176,7 +176,7 @@ def _with_hands(id: str, move: Move, hands: Arranged) -> Move:
     if outcome is None:
         return move
     if outcome.kind == "dropped":
-        return dropped(outcome.why, NoticeType.IMPOSSIBLE_TO_SCHEDULE)
+        return drop_behaviour(outcome.why, NoticeType.IMPOSSIBLE_TO_SCHEDULE)
     why = "; ".join(filter(None, [move.outcome.why, outcome.why]))
     warned = Warned(NoticeType.IMPOSSIBLE_TO_SCHEDULE, outcome.why)
     return replace(move, outcome=Outcome("substituted", why), warnings=(*move.warnings, warned))

@@ -29,7 +29,7 @@ from kinesic.expressivity.turns import (
     Layer,
     TurnKey,
     add_turns,
-    clipped,
+    clip_turn,
     excess,
     hold_turn,
     room,
@@ -91,7 +91,7 @@ def limit_trunk(turn: Turn, robot: Robot) -> Lean:
     """A rotation inside the range of the trunk."""
     within = room(robot, "torso")
     lost = excess(turn, within)
-    return Lean(clipped(turn, within), f"{lost:.1f} deg beyond the torso's range are left out" if lost > 0.05 else "")
+    return Lean(clip_turn(turn, within), f"{lost:.1f} deg beyond the torso's range are left out" if lost > 0.05 else "")
 
 
 def taking_part(work: HandStroke, manner: Expressivity, pace: Pace) -> Layer:

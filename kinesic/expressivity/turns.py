@@ -83,7 +83,7 @@ def room(robot: Robot, chain: str) -> tuple[Turn, Turn]:
     return Turn(*lower), Turn(*upper)
 
 
-def clipped(turn: Turn, within: tuple[Turn, Turn]) -> Turn:
+def clip_turn(turn: Turn, within: tuple[Turn, Turn]) -> Turn:
     """The nearest rotation inside a range."""
     least, most = within
     return Turn(*(min(max(v, a), b) for v, a, b in zip(axes(turn), axes(least), axes(most), strict=True)))
@@ -91,7 +91,7 @@ def clipped(turn: Turn, within: tuple[Turn, Turn]) -> Turn:
 
 def excess(turn: Turn, within: tuple[Turn, Turn]) -> float:
     """How far a rotation lies outside a range, on its worst axis [deg]."""
-    inside = clipped(turn, within)
+    inside = clip_turn(turn, within)
     return degrees(max(abs(a - b) for a, b in zip(axes(turn), axes(inside), strict=True)))
 
 

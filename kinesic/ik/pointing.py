@@ -12,7 +12,7 @@ from kinesic.body.reach import Reach
 from kinesic.ik.angles import arccosine
 from kinesic.ik.arm.compiled import arm_of
 from kinesic.ik.arm.linkage import Link, Linkage, linkage_of
-from kinesic.ik.arm.mirror import is_right, mirrored_chain, mirrored_reach
+from kinesic.ik.arm.mirror import is_right, mirror_chain, mirror_reach
 from kinesic.ik.arm.shoulder_elbow import place_of
 from kinesic.ik.arm.swivel_search import Cell, cell_at, present_swivel
 from kinesic.ik.arm.wrist import HandDirection, orient
@@ -75,7 +75,7 @@ def _compiled(chain: Chain, reach: Reach, home: Floats, angles: Floats, widest: 
 def _specified(chain: Chain, reach: Reach, home: Floats, angles: Floats, widest: float) -> Swing:
     """From a solved posture [rad], with a hand that rests at `home` [rad]."""
     if is_right(chain):
-        chain, reach = mirrored_chain(chain), mirrored_reach(reach)
+        chain, reach = mirror_chain(chain), mirror_reach(reach)
     linkage, wishes, near = linkage_of(chain), wishes_of(chain, reach), angles.tolist()
     last = linkage.links[-1]
 

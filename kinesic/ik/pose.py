@@ -15,7 +15,7 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
 from kinesic.ik.arm.linkage import Link, Linkage, linkage_of
-from kinesic.ik.arm.mirror import ACROSS, is_right, mirrored_chain
+from kinesic.ik.arm.mirror import ACROSS, is_right, mirror_chain
 from kinesic.ik.arm.subproblems import first_of_two, turn_towards
 from kinesic.ik.arm.swivel_search import Cell, cells
 from kinesic.ik.arm.wrist import HandDirection, orient
@@ -74,7 +74,7 @@ def solve_pose(chain: Chain, position: Floats, rotation: Floats, *, start: Float
     """
     place, frame = as_floats("position", position, (3,)), _checked(rotation)
     if is_right(chain):
-        chain, place = mirrored_chain(chain), place * ACROSS
+        chain, place = mirror_chain(chain), place * ACROSS
         frame = ACROSS[:, None] * frame * ACROSS
     near = np.clip(as_floats("start", start, chain.rest.shape), chain.lower, chain.upper)
     return _solved(linkage_of(chain), vector(place), _rotation(frame), tuple(near.tolist()))

@@ -16,10 +16,10 @@ from kinesic.body.reach import Reach
 from kinesic.ik.angles import arccosine
 from kinesic.ik.arm.compiled import arm_of
 from kinesic.ik.arm.linkage import Linkage, linkage_of
-from kinesic.ik.arm.mirror import is_right, mirrored_chain, mirrored_place, mirrored_reach
+from kinesic.ik.arm.mirror import is_right, mirror_chain, mirror_place, mirror_reach
 from kinesic.ik.arm.multistart import STALLED, approach
 from kinesic.ik.arm.nearest import finish
-from kinesic.ik.arm.shoulder_elbow import Bend, ShoulderPlace, bent, place_of, place_shoulder
+from kinesic.ik.arm.shoulder_elbow import Bend, ShoulderPlace, bend_elbow, place_of, place_shoulder
 from kinesic.ik.arm.wrist import HandDirection, orient
 from kinesic.ik.kernel_choice import KERNEL, Kernel
 from kinesic.ik.scalar3 import Vector, distance, dot, rotated, unit, vector
@@ -92,8 +92,8 @@ def _examined(
         if answer is not None:
             return answer
     if is_right(chain):
-        solution = _solved(mirrored_chain(chain), mirrored_reach(reach), start, rest, mobility)
-        return replace(solution, target=mirrored_place(solution.target))
+        solution = _solved(mirror_chain(chain), mirror_reach(reach), start, rest, mobility)
+        return replace(solution, target=mirror_place(solution.target))
     return _solved(chain, reach, start, rest, mobility)
 
 
@@ -127,7 +127,7 @@ def _with_wrist(
 def _finished(chain: Chain, reach: Reach, rest: Floats | None, answer: Solution) -> Solution:
     """Out of reach: the last steps to the nearest that the hand can come, where they win something."""
     if is_right(chain):
-        solution = _finished(mirrored_chain(chain), mirrored_reach(reach), rest, answer)
+        solution = _finished(mirror_chain(chain), mirror_reach(reach), rest, answer)
         return solution if solution is answer else replace(solution, target=answer.target)
     linkage = linkage_of(chain)
     best = finish(linkage, vector(reach.position), answer.angles.tolist())
@@ -148,7 +148,7 @@ def _found(
     swivel: float | None,
 ) -> Bend:
     """Closed forms first; where they miss, polish, from other postures if need be."""
-    first = bent(linkage, place, near=near, swivel=swivel)
+    first = bend_elbow(linkage, place, near=near, swivel=swivel)
     if first.exact:
         return first
     best = approach(linkage, place.target, first.angles, posture=home, mobility=ease)
@@ -156,7 +156,7 @@ def _found(
     if best.miss >= STALLED:
         return Bend(best.angles, False, iterations)
     again = place_of(linkage, best.angles, linkage.hand(best.angles))
-    second = bent(linkage, again, near=best.angles, swivel=swivel)
+    second = bend_elbow(linkage, again, near=best.angles, swivel=swivel)
     return Bend(second.angles if second.exact else best.angles, second.exact, iterations + second.iterations)
 
 

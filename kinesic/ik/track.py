@@ -14,8 +14,8 @@ from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
 from kinesic.ik.arm.compiled import arm_of
 from kinesic.ik.arm.linkage import Linkage, linkage_of
-from kinesic.ik.arm.mirror import is_right, mirrored_chain, mirrored_place
-from kinesic.ik.arm.polish import columns, stepped
+from kinesic.ik.arm.mirror import is_right, mirror_chain, mirror_place
+from kinesic.ik.arm.polish import columns, polish_step
 from kinesic.ik.arm.shoulder_elbow import STRETCH, helpful
 from kinesic.ik.kernel_choice import KERNEL, Kernel
 from kinesic.ik.scalar3 import Vector, distance, dot, minus, norm, plus, scaled, vector
@@ -122,7 +122,7 @@ class _Specification:
 
     def __init__(self, chain: Chain) -> None:
         self._right = is_right(chain)
-        self._linkage = linkage_of(mirrored_chain(chain) if self._right else chain)
+        self._linkage = linkage_of(mirror_chain(chain) if self._right else chain)
         self._rest = np.clip(chain.rest, chain.lower, chain.upper).tolist()
 
     def track(self, target: Floats, pull: float, parts: int, angles: Floats) -> float:
@@ -130,7 +130,7 @@ class _Specification:
         place = np.asarray(target, dtype=np.float64)
         if place.shape != (3,) or not all(map(isfinite, place)):
             raise ValueError("the target needs three finite numbers in a float64 array")
-        asked = vector(mirrored_place(place) if self._right else place)
+        asked = vector(mirror_place(place) if self._right else place)
         goal, now = soften_target(self._linkage, asked, self._rest), angles.tolist()
         origin, error = self._linkage.hand(now) if parts > 1 else goal, (0.0, 0.0, 0.0)
         for part in range(1, parts + 1):
@@ -177,7 +177,7 @@ def _moved(
     for _ in range(ROUNDS):
         damping = DAMPING * dot(error, error) + LEAST_DAMPING * size * size
         pulls = [pull * (home - angle) for home, angle in zip(rest, now, strict=False)]
-        now, pull = stepped(linkage, now, error, moves, pulls, linkage.mobility, damping), 0.0
+        now, pull = polish_step(linkage, now, error, moves, pulls, linkage.mobility, damping), 0.0
         hand, moves = columns(linkage, now)
         error = minus(target, hand)
         if norm(error) <= TOLERANCE * size:

@@ -18,21 +18,21 @@ from kinesic.motion.bspline import grid
 from kinesic.motion.desired import wish
 from kinesic.motion.key_times import Bottleneck, Search
 from kinesic.motion.keys import Bond, KeyPosture, Keys, Pair, Waypoints
-from kinesic.motion.qp import WITHIN, nearest_within_limits, unlimited
+from kinesic.motion.qp import WITHIN, nearest_within_limits, nearest_without_limits
 from kinesic.motion.segments import SplineSegment, pieces, segments
 from kinesic.motion.trajectory import STEP, Trajectory
 
 LEAD_IN = 0.6  # [s] by which the motion may begin before it is asked to
 
 
-class Wished(Protocol):
+class MakeDesired(Protocol):
     """What is wished for, as a function of performance time."""
 
     def sample(self, times: Floats) -> tuple[Floats, Floats, Floats]:
         """Angles, speeds and accelerations, each (m, n), at (m,) performance times; only the angles are asked for."""
 
 
-Wishes = Callable[[Floats, Waypoints], Wished]
+Wishes = Callable[[Floats, Waypoints], MakeDesired]
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +94,7 @@ def _nearest(times: Floats, keys: Keys, limits: Limits, wishes: Wishes) -> tuple
     wished = wishes(times, keys.waypoints).sample(grid(count, STEP).knots)[0]
     controls, beyond = np.empty((count + 3, keys.angles.shape[1])), []
     for segment in segments(times, keys, STEP):
-        own = unlimited(segment, wished[segment.knots, segment.hinge])
+        own = nearest_without_limits(segment, wished[segment.knots, segment.hinge])
         controls[segment.controls, segment.hinge] = own
         share = segment.grid.largest(own, limits, segment.hinge)
         if share > WITHIN:

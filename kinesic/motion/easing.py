@@ -19,7 +19,7 @@ OVERSHOOT = 0.1  # of OutBack, as a share of the way
 _BOUNCES = ((1.0, 0.0, 0.0), (2.0, 1.5, 0.75), (2.5, 2.25, 0.9375), (2.75, 2.625, 0.984375))  # end, middle, bottom
 
 
-def eased(easing: Easing, shares: Floats, *, steepness: float = 4.0, overshoot: float = OVERSHOOT) -> Floats:
+def ease(easing: Easing, shares: Floats, *, steepness: float = 4.0, overshoot: float = OVERSHOOT) -> Floats:
     """Shares of a way at shares of its time, both from 0 to 1; before 0 and after 1 nothing moves.
 
     Args:
@@ -71,7 +71,7 @@ def soften_easing(easing: Easing, steepness: float, overshoot: float = OVERSHOOT
             (2.0 - 12.0 * s * (1.0 - s)) / window**2,
         ]
     )
-    come = eased(easing, (at[:, None] - window * s) / max(1.0 - window, 1e-9), steepness=steepness, overshoot=overshoot)
+    come = ease(easing, (at[:, None] - window * s) / max(1.0 - window, 1e-9), steepness=steepness, overshoot=overshoot)
     found = weights @ come.T / QUADRATURE
     found[:, 0], found[:, -1] = 0.0, (1.0, 0.0, 0.0)
     return sealed(found)

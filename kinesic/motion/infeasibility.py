@@ -31,7 +31,7 @@ NOTABLE = 0.05  # share of all multipliers that makes a limit bind in a gap
 
 
 @dataclass(frozen=True, eq=False)
-class Shortage:
+class Infeasibility:
     """What the gaps of a segment lack."""
 
     amount: float  # of the logarithm of their time; negative where there is some to spare
@@ -46,7 +46,7 @@ def roughly(segment: SplineSegment, limits: Limits) -> float:
     return segment.grid.largest(smoothest(segment), limits, segment.hinge)
 
 
-def shortage(segment: SplineSegment, limits: Limits) -> Shortage | None:
+def shortage(segment: SplineSegment, limits: Limits) -> Infeasibility | None:
     """How far a segment is from being passable; None when the program cannot be solved."""
     found = _least(segment, limits)
     if found is None:
@@ -57,7 +57,7 @@ def shortage(segment: SplineSegment, limits: Limits) -> Shortage | None:
             slopes[key + 1] = _difference(segment, limits, key, found.amount)
     total = float(np.abs(slopes).sum())
     even = slopes - slopes.sum() * np.abs(slopes) / total if total else slopes
-    return Shortage(found.amount, even, found.binding)
+    return Infeasibility(found.amount, even, found.binding)
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,9 @@ class CuttingPlane:
     bound: float
 
 
-def relaxed(keys: Keys, gaps: Mapping[Pair, float], lead_in: float, cuts: Sequence[CuttingPlane] = ()) -> Floats:
+def relax_key_times(
+    keys: Keys, gaps: Mapping[Pair, float], lead_in: float, cuts: Sequence[CuttingPlane] = ()
+) -> Floats:
     """Key times as near to the asked ones as gaps, cuts and bonds allow.
 
     Variables are t (m,), lateness e+ and earliness e- (m,) with t - asked = e+ - e-, and what each bond lacks.
@@ -65,7 +67,7 @@ def relaxed(keys: Keys, gaps: Mapping[Pair, float], lead_in: float, cuts: Sequen
 
 
 def strain(keys: Keys, times: Floats) -> float:
-    """What moving the keys to times (m,) [s] costs: the weighted sum that `relaxed` makes least."""
+    """What moving the keys to times (m,) [s] costs: the weighted sum that `relax_key_times` makes least."""
     late = times - keys.asked
     lacking = sum(max(least - float(times[j] - times[i]), 0.0) for (i, j), least in keys.bonds.items())
     return float(keys.weights @ np.where(late > 0.0, LATENESS * late, -late)) + BROKEN * lacking

@@ -16,8 +16,8 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
 from kinesic.motion.double_s import least_rest_times
-from kinesic.motion.infeasibility import Quantity, Shortage, roughly, shortage
-from kinesic.motion.key_time_lp import CuttingPlane, relaxed, strain
+from kinesic.motion.infeasibility import Infeasibility, Quantity, roughly, shortage
+from kinesic.motion.key_time_lp import CuttingPlane, relax_key_times, strain
 from kinesic.motion.keys import SAME, Keys, Pair
 from kinesic.motion.segments import SplineSegment, segments
 from kinesic.motion.trajectory import STEP
@@ -82,10 +82,10 @@ class Search:
         self._gaps = dict(keys.gaps)
         self._cuts: dict[int, list[CuttingPlane]] = {}  # of each hinge
         self._rests: dict[int, float] = {}  # hinge -> by which its rests are longer
-        self._shortages: dict[tuple[object, ...], Shortage | None] = {}  # that were looked at
+        self._shortages: dict[tuple[object, ...], Infeasibility | None] = {}  # that were looked at
         self._lengthen_to_full_speed()
         spaced = all(keys.asked[j] - keys.asked[i] >= gap - SAME for (i, j), gap in self._gaps.items())
-        self.times = keys.asked if spaced else relaxed(keys, self._gaps, lead_in)
+        self.times = keys.asked if spaced else relax_key_times(keys, self._gaps, lead_in)
 
     def avoid(self, lost: SplineSegment) -> None:
         """Moves the times because a segment has no motion in them, until all that is known to lack has one.
@@ -105,12 +105,12 @@ class Search:
             self._relax({segment.hinge for segment, _ in lacking})
             lacking = self._lacking([segment for segment in self._segments() if self._near(segment)])
 
-    def _lacking(self, pending: list[SplineSegment]) -> list[tuple[SplineSegment, Shortage | None]]:
+    def _lacking(self, pending: list[SplineSegment]) -> list[tuple[SplineSegment, Infeasibility | None]]:
         """The segments that lack time, and by how much if that is known."""
         found = [(segment, self._shortage(segment)) for segment in pending]
         return [(segment, lack) for segment, lack in found if lack is None or lack.amount > -MARGIN / 4]
 
-    def _shortage(self, segment: SplineSegment) -> Shortage | None:
+    def _shortage(self, segment: SplineSegment) -> Infeasibility | None:
         """By its keys and their places, which say all about it: many a segment is as it was when others have moved."""
         known = (segment.hinge, segment.marks, segment.grid.pieces, segment.places.tobytes())
         if known not in self._shortages:
@@ -127,7 +127,7 @@ class Search:
         """Whether a plane that a hinge has put up is near."""
         return any(cut.slopes @ self.times > cut.bound - NEAR for cut in self._cuts.get(segment.hinge, ()))
 
-    def _cut_off(self, segment: SplineSegment, found: Shortage) -> None:
+    def _cut_off(self, segment: SplineSegment, found: Infeasibility) -> None:
         """Puts up a plane before times that are too short for a segment, and notes which limit is met."""
         cuts, amount = self._cuts.setdefault(segment.hinge, []), max(found.amount, 0.0) + MARGIN
         if np.abs(found.slopes).max() > FLAT:
@@ -171,7 +171,7 @@ class Search:
                 self._rest(hinge)
             cuts = [cut for own in self._cuts.values() for cut in own]
             try:
-                self.times = relaxed(self._keys, self._gaps, self._lead_in, cuts)
+                self.times = relax_key_times(self._keys, self._gaps, self._lead_in, cuts)
             except ArithmeticError:
                 continue
             if not cuts or strain(self._keys, self.times) <= self._enough:
@@ -183,7 +183,7 @@ class Search:
         gaps = dict(self._keys.gaps)
         for (_, pair), rest in self._all_rests.items():
             gaps[pair] = max(gaps[pair], LONGER * rest)
-        return strain(self._keys, relaxed(self._keys, gaps, self._lead_in))
+        return strain(self._keys, relax_key_times(self._keys, gaps, self._lead_in))
 
     @cached_property
     def _all_rests(self) -> Gaps:

@@ -29,13 +29,13 @@ def nearest_motion(segment: SplineSegment, wish: Floats, limits: Limits) -> Floa
     Returns:
         None when the hinge cannot pass its keys in these times.
     """
-    controls = unlimited(segment, wish)
+    controls = nearest_without_limits(segment, wish)
     if segment.grid.largest(controls, limits, segment.hinge) <= WITHIN:
         return controls
     return nearest_within_limits(segment, wish, limits)
 
 
-def unlimited(segment: SplineSegment, wish: Floats) -> Floats:
+def nearest_without_limits(segment: SplineSegment, wish: Floats) -> Floats:
     """Control points (k + 3,) [rad] nearest to a wish whatever the limits are."""
     if segment.still:
         return np.full(segment.grid.size, segment.start)

@@ -18,7 +18,7 @@ from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.motion.transition import EARLY, LEAST, roomy
 
 
-def cut(running: Trajectory, time: float) -> int:
+def cut_knot(running: Trajectory, time: float) -> int:
     """The knot at which a motion can be left: the first not before a performance time [s]."""
     return int(np.clip(np.ceil(time / STEP - EARLY), 0, len(running.controls) - 3))
 
@@ -34,7 +34,7 @@ def stop(running: Trajectory, time: float, limits: Limits) -> Trajectory:
     Returns:
         The same until the cut, then to rest.
     """
-    knot, room = cut(running, time), roomy(limits)
+    knot, room = cut_knot(running, time), roomy(limits)
     _, speeds, accelerations = running.sample(np.array([knot * STEP]))
     least = least_stop(speeds[0], accelerations[0], room.acceleration, room.jerk) / STEP
     ways = enumerate(zip(running.controls[knot:].T, least, strict=True))

@@ -37,7 +37,7 @@ def roomy(limits: Limits) -> Limits:
     )
 
 
-def crossed(
+def cross_over(
     own: Floats, after: Floats, leave: int, land: int, limits: Limits, hinge: int, *, passing: Floats = NOWHERE
 ) -> Floats | None:
     """Control points of a hinge that leaves one motion at a knot and is on another from a later knot on.
@@ -90,7 +90,7 @@ def together(ways: Iterable[Floats | None]) -> Floats | None:
     return np.stack(found, axis=1) if found else None
 
 
-def kept(wish: Floats, first: int, last: int, limits: Limits, hinge: int) -> Floats | None:
+def keep_limits(wish: Floats, first: int, last: int, limits: Limits, hinge: int) -> Floats | None:
     """Control points nearest to those of a wish, within the limits; the same except about where it exceeds them.
 
     Args:

@@ -11,7 +11,7 @@ from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.keyframes import Hand
-from kinesic.ik.arm.refine import finished
+from kinesic.ik.arm.refine import refine_posture
 from kinesic.ik.arm.shoulder import carry_shoulder
 from kinesic.ik.arm.swivel import swivel
 from kinesic.ik.pointing import best_swivel
@@ -60,14 +60,14 @@ def with_arms(
             began[indices] = start = before.get(side, start)
             kept = swivel(chain, start)
             solved[indices] = solve(chain, structs.replace(in_base, swivel=kept), start=start, rest=rest).angles
-            solved = finished(robot, side, structs.replace(reach, swivel=kept), solved, near=began)
+            solved = refine_posture(robot, side, structs.replace(reach, swivel=kept), solved, near=began)
             continue
         free = best_swivel(chain, in_base, start=start, rest=rest, widest=WIDEST_SWING).angles
         opened = structs.replace(in_base, swivel=_opened(chain, free, hand.openness))
         if opened.swivel is not None:
             free = best_swivel(chain, opened, start=free, rest=rest).angles
         solved[indices] = free
-        solved = finished(robot, side, structs.replace(reach, swivel=opened.swivel), solved, near=angles)
+        solved = refine_posture(robot, side, structs.replace(reach, swivel=opened.swivel), solved, near=angles)
     return solved
 
 

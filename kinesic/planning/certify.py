@@ -17,7 +17,7 @@ TIGHTER = 0.93  # on the row of a drive above its full duty, beside what it exce
 ATTEMPTS = 6
 
 
-def certified(
+def certify(
     keys: tuple[KeyPosture, ...],
     facts: Setup,
     bonds: tuple[Bond, ...] = (),

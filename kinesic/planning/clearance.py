@@ -9,11 +9,11 @@ from kinesic.body.dynamics import Clearance, Distances
 from kinesic.body.robot import Robot
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.condition import Conditioned
-from kinesic.motion.key_time_lp import relaxed
+from kinesic.motion.key_time_lp import relax_key_times
 from kinesic.motion.keys import Bond, KeyPosture, Keys
 from kinesic.motion.trajectory import Trajectory, stay
-from kinesic.planning.certify import certified
-from kinesic.planning.detour import SCAN_RATE, PostureCourse, led_around
+from kinesic.planning.certify import certify
+from kinesic.planning.detour import SCAN_RATE, PostureCourse, lead_around
 from kinesic.planning.postures import Postures
 from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import on_keys
@@ -34,8 +34,8 @@ EASIER = 0.8  # times the limits, for a motion that strays from a clear wish
 REPAIR = 0.002  # [m] over what it then lacks
 
 
-def cleared(
-    solved: Postures, facts: Setup, bonds: tuple[Bond, ...] = (), *, conditioned: Conditioner = certified
+def keep_clear(
+    solved: Postures, facts: Setup, bonds: tuple[Bond, ...] = (), *, conditioned: Conditioner = certify
 ) -> tuple[Postures, Conditioned, Floats, Clearance]:
     """Conditions the postures, and leads the motion around the body where it comes too near.
 
@@ -72,7 +72,7 @@ def _led_around(keys: tuple[KeyPosture, ...], planned: Floats, facts: Setup, lea
     if len(keys) < 2:
         return keys
     course = PostureCourse(keys, planned, facts.robot, facts.limits)
-    return led_around(course, facts.distances, least=least).postures
+    return lead_around(course, facts.distances, least=least).postures
 
 
 def _times(postures: tuple[KeyPosture, ...], facts: Setup) -> Floats:
@@ -80,7 +80,7 @@ def _times(postures: tuple[KeyPosture, ...], facts: Setup) -> Floats:
     if len(postures) < 2:
         return np.zeros(len(postures))
     keys = Keys.of(postures, facts.limits)
-    return keys.asked if keys.spaced else relaxed(keys, keys.gaps, 0.0)
+    return keys.asked if keys.spaced else relax_key_times(keys, keys.gaps, 0.0)
 
 
 def _condition(

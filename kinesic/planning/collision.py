@@ -129,7 +129,7 @@ def clear_hands(angles: Floats, hands: Mapping[Side, Hand], robot: Robot, distan
     if not moving:
         return angles
     gaps = distances.gaps(angles[None])[0]
-    asked = {touched(side, hand.touch, robot) for side, hand in moving.items() if hand.touch is not None}
+    asked = {touched_pair(side, hand.touch, robot) for side, hand in moving.items() if hand.touch is not None}
     touching = sorted(pair for pair in asked if pair is not None and gaps[pair] <= NEAR_ENOUGH)
     if gaps.min(initial=HOVER) >= HOVER and not touching:
         return angles
@@ -139,7 +139,7 @@ def clear_hands(angles: Floats, hands: Mapping[Side, Hand], robot: Robot, distan
     return angles if found is None else found
 
 
-def touched(side: Side, touch: Touch, robot: Robot) -> int | None:
+def touched_pair(side: Side, touch: Touch, robot: Robot) -> int | None:
     """Index among the counted pairs of a hand and what it touches; None when this pair does not count."""
     hand, part = robot.chains[f"{side}_arm"][-1], _segment(side, touch, robot)
     found = [k for k, pair in enumerate(robot.counted_pairs) if set(pair) == {hand, part}]

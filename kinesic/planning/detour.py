@@ -89,7 +89,7 @@ class PostureCourse:
         )
 
 
-def led_around(course: PostureCourse, distances: Distances, *, least: float) -> PostureCourse:
+def lead_around(course: PostureCourse, distances: Distances, *, least: float) -> PostureCourse:
     """The course with changes wherever its motion comes too near to the body.
 
     One stretch after the other: of several changes the one is taken that leaves least to be done. An arm that has no

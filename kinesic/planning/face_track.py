@@ -33,10 +33,10 @@ def asks_face(plan: Plan) -> bool:
 
 def faces(plan: Plan, times: Floats) -> tuple[Mapping[str, float], ...]:
     """What `Command.face` holds at each of (m,) performance times [s]."""
-    return tuple(face_at_ticks(shown(plan, times), len(times)))
+    return tuple(face_at_ticks(shown_units(plan, times), len(times)))
 
 
-def shown(plan: Plan, times: Floats) -> Channels:
+def shown_units(plan: Plan, times: Floats) -> Channels:
     """Action units during a performance: expressions, visemes, gaze, blinks.
 
     Sync points that planning moved take what is tied to them along; eyes look where the head is going, and hold on to

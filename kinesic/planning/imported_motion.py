@@ -16,7 +16,7 @@ from kinesic.motion.desired import wish
 from kinesic.motion.double_s import least_rest_times
 from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.planning.bap import BapFrames
-from kinesic.planning.clearance import cleared
+from kinesic.planning.clearance import keep_clear
 from kinesic.planning.plan import Plan
 from kinesic.planning.postures import Postures
 from kinesic.planning.setup import Setup
@@ -30,7 +30,7 @@ LEAST = 0.3  # [s] of these
 BEYOND = 1e-4  # [rad] outside a range, and it is worth telling
 
 
-def imported(frames: BapFrames, facts: Setup, *, source: str) -> Plan:
+def plan_imported(frames: BapFrames, facts: Setup, *, source: str) -> Plan:
     """Plans a motion that was read from a file: from rest to its first frame, through it, and back to rest.
 
     Block time is the file's. The motion is passed at keys, every 0.1 s and where a hinge turns back, and smoothly
@@ -50,7 +50,7 @@ def imported(frames: BapFrames, facts: Setup, *, source: str) -> Plan:
     block = Block(id="motion", behaviours=(), source=source)
     timeline = schedule(block, {}, {})
     asked = Postures(_keys(frames, facts), {})
-    solved, motion, times, clearance = cleared(asked, facts)
+    solved, motion, times, clearance = keep_clear(asked, facts)
     keys = Keys.of(asked.postures, facts.limits)
     return Plan(
         facts=facts,

@@ -21,14 +21,14 @@ from kinesic.motion.condition import Conditioned
 from kinesic.motion.desired import DesiredMotion, wish
 from kinesic.motion.keys import Keys, Waypoints
 from kinesic.motion.trajectory import Trajectory
-from kinesic.planning.certify import certified
-from kinesic.planning.clearance import Conditioner, cleared, culprits
+from kinesic.planning.certify import certify
+from kinesic.planning.clearance import Conditioner, culprits, keep_clear
 from kinesic.planning.coupling import bonds
 from kinesic.planning.motion_files import write_motion
 from kinesic.planning.postures import Postures, postures
 from kinesic.planning.setup import Setup
 from kinesic.planning.speech import remarks, synthesise_block
-from kinesic.planning.speech_pauses import SpeechPause, allowed, lengthen_pauses, mark_delays, required_pauses
+from kinesic.planning.speech_pauses import SpeechPause, allowed_pauses, lengthen_pauses, mark_delays, required_pauses
 from kinesic.planning.speech_pauses import notices as pause_notices
 from kinesic.planning.syncs import Syncs, SyncTime, shifts, smaller, sync_times
 
@@ -100,7 +100,7 @@ def plan_block(
     block: Block,
     facts: Setup,
     *,
-    conditioned: Conditioner = certified,
+    conditioned: Conditioner = certify,
     utterances: Mapping[str, Utterance] | None = None,
     engaged: Sequence[Engaged] = (),
 ) -> Plan:
@@ -123,7 +123,7 @@ def plan_block(
     began = perf_counter()
     found = _planned(block, facts, utterances or synthesise_block(block, facts), conditioned, engaged)
     waiting: tuple[SpeechPause, ...] = ()
-    if utterances is None and (most := allowed(block, facts.pause)):
+    if utterances is None and (most := allowed_pauses(block, facts.pause)):
         found, waiting = _unhurried(found, most, conditioned, engaged)
     notices = (*remarks(block, found.utterances), *pause_notices(block, waiting), *found.notices)
     return replace(found, notices=notices, seconds=perf_counter() - began)
@@ -168,7 +168,7 @@ def _planned(
     while True:
         frames = _frames(timeline, facts, without, engaged)
         asked = postures(frames, facts.robot, facts.distances)
-        solved, motion, times, clearance = cleared(asked, facts, bonds(timeline), conditioned=conditioned)
+        solved, motion, times, clearance = keep_clear(asked, facts, bonds(timeline), conditioned=conditioned)
         dropped = culprits(frames, motion, times, clearance, facts.robot)
         if not dropped:
             break

@@ -16,7 +16,7 @@ from kinesic.expressivity.hands.coarticulation import Engaged
 from kinesic.motion.bspline import grid
 from kinesic.motion.condition import Conditioned
 from kinesic.motion.desired import wish
-from kinesic.motion.key_time_lp import relaxed
+from kinesic.motion.key_time_lp import relax_key_times
 from kinesic.motion.keys import Bond, KeyPosture, Keys, Waypoints
 from kinesic.motion.qp import nearest_motion
 from kinesic.motion.segments import pieces, segments
@@ -32,7 +32,7 @@ LEAST_GAP = 0.06  # [s] of a gap in which something moves
 LONGER = 1.1  # on gaps that do not suffice after all
 
 
-def opening(block: Block, facts: Setup, *, engaged: Sequence[Engaged] = ()) -> Plan:
+def plan_quickly(block: Block, facts: Setup, *, engaged: Sequence[Engaged] = ()) -> Plan:
     """Plans a block so that it can begin at once; nothing of it is late in block zero.
 
     Raises:
@@ -61,7 +61,7 @@ def rest_at_keys(
             gaps[i, j] = max(gaps[i, j], duration(way, limits, hinge))
     motion = None
     while motion is None:
-        times = relaxed(keys, gaps, lead_in=0.0)
+        times = relax_key_times(keys, gaps, lead_in=0.0)
         motion = _stepwise(times, keys, limits)
         gaps = {pair: LONGER * gap for pair, gap in gaps.items()}
     return Conditioned(motion, keys.asked, sealed(times), {}, sealed(np.zeros(len(limits.lower))))

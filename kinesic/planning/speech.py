@@ -6,7 +6,7 @@ from kinesic.bml.block import Block, Notice, NoticeType, Speech
 from kinesic.body.utterance import Utterance
 from kinesic.expressivity.style.style import Style
 from kinesic.planning.setup import Setup
-from kinesic.planning.speech_pauses import SpeechPause, paused
+from kinesic.planning.speech_pauses import SpeechPause, insert_pauses
 
 FASTER = 1.25  # rate of temporal 1; its inverse at -1
 HIGHER = 1.5  # [semitones] of power 1, and of activation 1
@@ -24,7 +24,7 @@ def synthesise_block(block: Block, facts: Setup, waiting: tuple[SpeechPause, ...
     scripts = {b.id: b.action.script for b in block.behaviours if isinstance(b.action, Speech)}
     return {
         name: facts.voice.say(
-            paused(script, tuple(each for each in waiting if each.speech == name)), rate=rate, pitch=pitch
+            insert_pauses(script, tuple(each for each in waiting if each.speech == name)), rate=rate, pitch=pitch
         )
         for name, script in scripts.items()
     }

@@ -27,7 +27,7 @@ class SpeechPause:
     duration: float = 0.0  # [s] of the silence, that of punctuation included
 
 
-def allowed(block: Block, usual: float) -> dict[str, float]:
+def allowed_pauses(block: Block, usual: float) -> dict[str, float]:
     """The longest pause [s] before a word of each speech that may wait; a recording cannot.
 
     Args:
@@ -103,7 +103,7 @@ def lengthen_pauses(waiting: tuple[SpeechPause, ...], utterances: Mapping[str, U
     return tuple(found)
 
 
-def paused(script: Script, waiting: tuple[SpeechPause, ...]) -> Script:
+def insert_pauses(script: Script, waiting: tuple[SpeechPause, ...]) -> Script:
     """A script with pauses before its marks, each beside those that it had."""
     pauses = list(script.pauses)
     for each in (each for each in waiting if each.duration):

@@ -80,7 +80,7 @@ def _hinges(robot: Robot, chain: str) -> _Hinges:
 
 
 @dataclass(frozen=True, eq=False)
-class Volume:
+class GestureVolume:
     """The box of sectors, relative to that of the upright torso."""
 
     pivot: Floats  # (3,) [m] in the world: the torso's first joint
@@ -93,7 +93,7 @@ class Volume:
 
 
 @lru_cache(maxsize=64)
-def volume(robot: Robot, turn: Turn) -> Volume | None:
+def volume(robot: Robot, turn: Turn) -> GestureVolume | None:
     """The box of a torso's own key; None for an upright torso, or none; remembered, for it often stays as it is."""
     if turn == UPRIGHT or not robot.joints("torso"):
         return None
@@ -104,4 +104,4 @@ def volume(robot: Robot, turn: Turn) -> Volume | None:
     girdle = robot.skeleton.segment(robot.arms["l"].base)
     moved, upright = robot.skeleton.frames(angles), robot.skeleton.resting
     now, before = (float(np.linalg.norm(f.origins[girdle] - f.origins[first])) for f in (moved, upright))
-    return Volume(moved.origins[first], moved.rotations[last], now / before)
+    return GestureVolume(moved.origins[first], moved.rotations[last], now / before)

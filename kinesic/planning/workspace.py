@@ -7,7 +7,7 @@ import numpy as np
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
 from kinesic.expressivity.lexicon.space import SECTORS, position, to_world
-from kinesic.ik.arm.refine import finished
+from kinesic.ik.arm.refine import refine_posture
 from kinesic.ik.solve import solve
 
 NEAR = 0.02  # [m] from a sector's centre
@@ -35,7 +35,7 @@ def workspace(robot: Robot) -> Workspace:
         posture = np.array(rest)
         reach = Reach(np.asarray(rotation.T @ (target - origin)))
         posture[list(chain.indices)] = solve(chain, reach, start=chain.rest).angles
-        posture = finished(robot, "l", Reach(target), posture, near=rest)
+        posture = refine_posture(robot, "l", Reach(target), posture, near=rest)
         residual = float(np.linalg.norm(robot.skeleton.frames(posture).origins[hand] - target))
         (reached if residual <= NEAR else missed).append(name)
     return Workspace(tuple(reached), tuple(missed))

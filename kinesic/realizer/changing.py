@@ -20,18 +20,18 @@ from kinesic.body.config import ConfigError
 from kinesic.expressivity.style.style import Style, style_preset
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SHIFT_TO_WARN
-from kinesic.realizer.feedback import Due, ordered, retimed, times_of
-from kinesic.realizer.pointing import aimed_again
-from kinesic.realizer.replan import restyled
-from kinesic.realizer.request import Asked, again
-from kinesic.realizer.running_block import Ready, Staged
+from kinesic.realizer.feedback import ScheduledFeedback, order_feedback, retime_feedback, times_of
+from kinesic.realizer.pointing import aim_again
+from kinesic.realizer.replan import replan
+from kinesic.realizer.request import TimedRequest, again
+from kinesic.realizer.running_block import PreparedBlock, RunningBlock
 from kinesic.realizer.scene import Scene
 
-Told = tuple[Due, ...]
+Told = tuple[ScheduledFeedback, ...]
 Change = Callable[[Behaviour], Behaviour]
 
 
-def improved(scene: Scene, block_id: str, better: Plan, now: float) -> Scene | None:
+def improve_block(scene: Scene, block_id: str, better: Plan, now: float) -> Scene | None:
     """Goes on with a block by another plan of it.
 
     Args:
@@ -48,21 +48,21 @@ def improved(scene: Scene, block_id: str, better: Plan, now: float) -> Scene | N
     if staged is None:
         return None
     if not staged.state.is_playing:
-        left = replace(staged, ready=Ready(staged.ready.asked, better), times=times_of(better.syncs))
+        left = replace(staged, ready=PreparedBlock(staged.ready.asked, better), times=times_of(better.syncs))
         return _told(scene, staged, left, now)
     if staged.merged is None or not _says_the_same(better, staged.ready.plan):
         return None
     better = replace(better, utterances=staged.ready.plan.utterances)
     others = scene.busy_but(block_id)
-    over = restyled(scene.motion, scene.first_change(now), staged.merged, better, others=others)
+    over = replan(scene.motion, scene.first_change(now), staged.merged, better, others=others)
     if over is None:
         return None
     kept = {id: at for id, at in times_of(over.syncs).items() if id in staged.times}
-    left = replace(staged, ready=Ready(staged.ready.asked, better), merged=over, times=kept)
-    agenda = retimed(scene.agenda, block_id, left.agenda(), now)
+    left = replace(staged, ready=PreparedBlock(staged.ready.asked, better), merged=over, times=kept)
+    agenda = retime_feedback(scene.agenda, block_id, left.agenda(), now)
     after = _told(replace(scene, motion=over.trajectory, agenda=agenda), staged, left, now)
-    after, astray = aimed_again(scene, after, now)
-    return replace(after, agenda=ordered(astray, after.agenda))
+    after, astray = aim_again(scene, after, now)
+    return replace(after, agenda=order_feedback(astray, after.agenda))
 
 
 def _says_the_same(better: Plan, plan: Plan) -> bool:
@@ -74,7 +74,7 @@ def _says_the_same(better: Plan, plan: Plan) -> bool:
     return said(better) == said(plan)
 
 
-def changed(
+def change_manner(
     scene: Scene,
     now: float,
     *,
@@ -115,8 +115,8 @@ def changed(
     return _wished(scene, change, now, [each.id for each in scene.blocks if block in (None, each.id)])
 
 
-def parameter_changed(
-    scene: Scene, by: Staged, behaviour: str, action: ParameterChange, now: float
+def change_parameter(
+    scene: Scene, by: RunningBlock, behaviour: str, action: ParameterChange, now: float
 ) -> tuple[Scene, Told]:
     """Does what a `parameterValueChange` asks for.
 
@@ -140,15 +140,15 @@ def parameter_changed(
     return _wished(scene, only, now, [target])
 
 
-def take_replans(scene: Scene) -> tuple[Scene, tuple[Asked, ...]]:
-    """Blocks that are to be planned anew, each to be handed to `ready` and its plan to `improved`; told once."""
+def take_replans(scene: Scene) -> tuple[Scene, tuple[TimedRequest, ...]]:
+    """Blocks that are to be planned anew, each to be handed to `ready` and its plan to `improve_block`; told once."""
     return replace(scene, wishes=()), scene.wishes
 
 
 def _wished(scene: Scene, change: Change, now: float, ids: Collection[str]) -> tuple[Scene, Told]:
     """Blocks with changed behaviours, as wishes; one that cannot be timed so stays as it is."""
-    wishes: Mapping[str, Asked] = {wish.block.id: wish for wish in scene.wishes}
-    told: list[Due] = []
+    wishes: Mapping[str, TimedRequest] = {wish.block.id: wish for wish in scene.wishes}
+    told: list[ScheduledFeedback] = []
     for staged in scene.blocks:
         if staged.id in ids:
             wish = wishes.get(staged.id, staged.ready.wish)
@@ -202,7 +202,7 @@ def _with_amount(behaviour: Behaviour, amount: float) -> Behaviour:
     return _with(behaviour, "spatial", 2.0 * amount - 1.0)
 
 
-def _told(scene: Scene, before: Staged, staged: Staged, now: float) -> Scene:
+def _told(scene: Scene, before: RunningBlock, staged: RunningBlock, now: float) -> Scene:
     """The scene with a block that goes on otherwise: its times are told where they differ, and what is new of it."""
     doubts = [due for due in scene.agenda if due.unless_improved == staged.id]
     known = before.certain if doubts else before.ready.plan.notices
@@ -211,4 +211,4 @@ def _told(scene: Scene, before: Staged, staged: Staged, now: float) -> Scene:
         news.insert(0, staged.prediction(now))
         staged = replace(staged, told=(staged.zero, staged.times))
     agenda = [due for due in scene.agenda if due.unless_improved != staged.id]
-    return replace(scene.put(staged), agenda=ordered(news, agenda))
+    return replace(scene.put(staged), agenda=order_feedback(news, agenda))

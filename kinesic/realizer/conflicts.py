@@ -12,13 +12,13 @@ from kinesic.motion.transition import LEAST, SAME, lengthen
 from kinesic.planning.certify import duties
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.setup import Setup
-from kinesic.realizer.occupancy import ARMS, Busy, Failed, Overlay, arm_hinges
+from kinesic.realizer.occupancy import ARMS, MergeFailure, Occupancy, Overlay, arm_hinges
 from kinesic.realizer.release import tail
 
 FULL = 1.0  # of a drive's duty
 
 
-def hindered(work: Overlay, found: Floats, facts: Setup) -> Failed | None:
+def find_conflict(work: Overlay, found: Floats, facts: Setup) -> MergeFailure | None:
     """The behaviour of a block to blame, and why; None when nothing stands against it.
 
     Args:
@@ -34,7 +34,7 @@ def hindered(work: Overlay, found: Floats, facts: Setup) -> Failed | None:
     return _too_near(coming, work, facts) or _too_heavy(coming, work, facts)
 
 
-def _too_near(coming: Trajectory, work: Overlay, facts: Setup) -> Failed | None:
+def _too_near(coming: Trajectory, work: Overlay, facts: Setup) -> MergeFailure | None:
     times, clearance = scan_clearance(coming, facts.distances)
     worst, robot = clearance.worst, facts.robot
     distance = float(clearance.distances[worst])
@@ -46,10 +46,10 @@ def _too_near(coming: Trajectory, work: Overlay, facts: Setup) -> Failed | None:
     for role in roles:
         hinges[list(arm_hinges(role, robot))] = True
     name = _blamed(work, hinges, at)
-    return Failed(name, f"brings {pair[0]} within {1000 * distance:.0f} mm of {pair[1]} beside what runs")
+    return MergeFailure(name, f"brings {pair[0]} within {1000 * distance:.0f} mm of {pair[1]} beside what runs")
 
 
-def _too_heavy(coming: Trajectory, work: Overlay, facts: Setup) -> Failed | None:
+def _too_heavy(coming: Trajectory, work: Overlay, facts: Setup) -> MergeFailure | None:
     peaks = duties(coming, facts)
     if peaks.max() <= FULL:
         return None
@@ -60,13 +60,13 @@ def _too_heavy(coming: Trajectory, work: Overlay, facts: Setup) -> Failed | None
     worst = int(np.where(over, peaks, 0.0).argmax())
     joint = facts.robot.skeleton.names[worst]
     name = _blamed(work, np.arange(len(peaks)) == worst, work.cut * STEP)
-    return Failed(name, f"asks {100 * peaks[worst]:.0f} % of the duty of {joint} beside what runs")
+    return MergeFailure(name, f"asks {100 * peaks[worst]:.0f} % of the duty of {joint} beside what runs")
 
 
 def _blamed(work: Overlay, hinges: Flags, at: float) -> str:
     """The behaviour of the block that moves some hinges (n,) nearest to a time [s]; none where it performs none."""
 
-    def away(each: Busy) -> tuple[bool, float]:
+    def away(each: Occupancy) -> tuple[bool, float]:
         return not (each.hinges & hinges).any(), max(each.begin - at, at - each.end, 0.0)
 
     return min(work.performed, key=away).behaviour if work.performed else ""

@@ -8,15 +8,15 @@ from kinesic.bml.block import Block, Composition, Interrupt, Notice, NoticeType
 from kinesic.body.robot import SIDES
 from kinesic.expressivity.hands.coarticulation import Engaged
 from kinesic.realizer.feedback import Times
-from kinesic.realizer.occupancy import Busy
-from kinesic.realizer.request import LEAD, Asked
-from kinesic.realizer.running_block import Spoken, Staged
+from kinesic.realizer.occupancy import Occupancy
+from kinesic.realizer.request import LEAD, TimedRequest
+from kinesic.realizer.running_block import PlayingSpeech, RunningBlock
 from kinesic.realizer.scene import Scene
 
 Cuts = Mapping[tuple[str, str], float]  # block and behaviour -> [s] global time at which it will be interrupted
 
 
-class Coming(Protocol):
+class IncomingBlock(Protocol):
     """A block that has times."""
 
     @property
@@ -32,15 +32,15 @@ class Coming(Protocol):
         """Of its sync points, block time [s]."""
 
 
-def interrupted_by(action: Interrupt, staged: Staged) -> frozenset[str]:
+def interrupted_by(action: Interrupt, staged: RunningBlock) -> frozenset[str]:
     """The behaviours of a block that an interrupt stops."""
     return (frozenset(action.include) or frozenset(staged.times)) & staged.times.keys() - frozenset(action.exclude)
 
 
-def planned_interruptions(scene: Scene, coming: Coming) -> Cuts:
+def planned_interruptions(scene: Scene, coming: IncomingBlock) -> Cuts:
     """What blocks that play, and one that comes, are going to interrupt."""
     found: dict[tuple[str, str], float] = {}
-    blocks: tuple[Coming, ...] = (*scene.playing, coming)
+    blocks: tuple[IncomingBlock, ...] = (*scene.playing, coming)
     for by in blocks:
         for behaviour in by.block.behaviours:
             action = behaviour.action
@@ -52,7 +52,7 @@ def planned_interruptions(scene: Scene, coming: Coming) -> Cuts:
     return found
 
 
-def occupancy_of_others(scene: Scene, coming: Coming) -> tuple[Busy, ...]:
+def occupancy_of_others(scene: Scene, coming: IncomingBlock) -> tuple[Occupancy, ...]:
     """What other blocks need of the body, in performance time, each as long as it will be let."""
     ends = {
         f"{block}:{id}": scene.performance(time) for (block, id), time in planned_interruptions(scene, coming).items()
@@ -60,7 +60,7 @@ def occupancy_of_others(scene: Scene, coming: Coming) -> tuple[Busy, ...]:
     return tuple(_until(each, ends[each.behaviour]) if each.behaviour in ends else each for each in scene.busy)
 
 
-def among(scene: Scene, asked: Asked) -> Asked:
+def among(scene: Scene, asked: TimedRequest) -> TimedRequest:
     """The block with the hands that others need meanwhile, as far as one can tell before it is planned.
 
     It may begin later than expected by the time to plan it. One that takes the place of others, or stops them, finds
@@ -79,10 +79,10 @@ def among(scene: Scene, asked: Asked) -> Asked:
     return replace(asked, engaged=tuple(engaged))
 
 
-def silence_overlap(scene: Scene, coming: Staged) -> tuple[Staged, tuple[Notice, ...]]:
+def silence_overlap(scene: Scene, coming: RunningBlock) -> tuple[RunningBlock, tuple[Notice, ...]]:
     """The block without speech that would be said while another one speaks, and what is to be told of it."""
     ends = planned_interruptions(scene, coming)
-    met: dict[str, Spoken] = {}
+    met: dict[str, PlayingSpeech] = {}
     for own in coming.speeches:
         for other in scene.speeches:
             until = min(other.end, ends.get((other.block, other.behaviour), other.end))
@@ -99,6 +99,6 @@ def silence_overlap(scene: Scene, coming: Staged) -> tuple[Staged, tuple[Notice,
     return coming.without(frozenset(met)), notices
 
 
-def _until(busy: Busy, time: float) -> Busy:
+def _until(busy: Occupancy, time: float) -> Occupancy:
     relax = min(busy.relax, max(time, busy.begin))
     return replace(busy, ready=min(busy.ready, relax), relax=relax)

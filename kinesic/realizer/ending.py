@@ -9,16 +9,16 @@ from kinesic.bml.block import Notice, NoticeType
 from kinesic.bml.composition import BlockState
 from kinesic.body.arrays import Flags
 from kinesic.motion.trajectory import Trajectory
-from kinesic.realizer.feedback import Due, Progress, retimed, without
-from kinesic.realizer.occupancy import Busy, freed_hinges
-from kinesic.realizer.release import released
-from kinesic.realizer.running_block import Staged
+from kinesic.realizer.feedback import Progress, ScheduledFeedback, retime_feedback, without
+from kinesic.realizer.occupancy import Occupancy, freed_hinges
+from kinesic.realizer.release import release_motion
+from kinesic.realizer.running_block import RunningBlock
 from kinesic.realizer.scene import Scene
 
-Told = tuple[Due, ...]
+Told = tuple[ScheduledFeedback, ...]
 
 
-def stop_block(scene: Scene, staged: Staged, now: float, why: str) -> tuple[Scene, Told]:
+def stop_block(scene: Scene, staged: RunningBlock, now: float, why: str) -> tuple[Scene, Told]:
     """A block ends now: what it does is taken back while all others go on; one that waits is revoked.
 
     Args:
@@ -27,7 +27,7 @@ def stop_block(scene: Scene, staged: Staged, now: float, why: str) -> tuple[Scen
         now: [s] global time.
         why: for the sender.
     """
-    after, dues = ended(scene, staged, now, why)
+    after, dues = end_block(scene, staged, now, why)
     merged = staged.merged
     if merged is None or not merged.busy:
         return after, dues
@@ -35,7 +35,7 @@ def stop_block(scene: Scene, staged: Staged, now: float, why: str) -> tuple[Scen
     return replace(after, motion=_taken_back(scene, staged, staged.busy, moved, now)), dues
 
 
-def ended(scene: Scene, staged: Staged, now: float, why: str) -> tuple[Scene, Told]:
+def end_block(scene: Scene, staged: RunningBlock, now: float, why: str) -> tuple[Scene, Told]:
     """The same, while its motion is somebody else's matter."""
     agenda = tuple(due for due in without(scene.agenda, staged.id) if due.unless_improved != staged.id)
     waits_for_start = any(
@@ -46,10 +46,12 @@ def ended(scene: Scene, staged: Staged, now: float, why: str) -> tuple[Scene, To
         return replace(scene.gone(staged, BlockState.REVOKED), agenda=agenda), (staged.warning(notice, now),)
     point = Progress(staged.id, None, "end", now - staged.zero, staged.block.character, BlockState.INTERRUPTED)
     cut = replace(staged, times=_until(staged, now))
-    return replace(scene.gone(cut, BlockState.INTERRUPTED), agenda=agenda), (Due(now, point, staged.sender),)
+    return replace(scene.gone(cut, BlockState.INTERRUPTED), agenda=agenda), (
+        ScheduledFeedback(now, point, staged.sender),
+    )
 
 
-def left_out(scene: Scene, staged: Staged, behaviours: frozenset[str], now: float) -> tuple[Scene, Told]:
+def leave_out(scene: Scene, staged: RunningBlock, behaviours: frozenset[str], now: float) -> tuple[Scene, Told]:
     """Some behaviours of a block end now; what nobody else moves goes back."""
     left = staged.without(behaviours)
     if not left.times:
@@ -57,11 +59,11 @@ def left_out(scene: Scene, staged: Staged, behaviours: frozenset[str], now: floa
     after = scene.put(left)
     gone = [each for each in staged.busy if each.behaviour in behaviours]
     motion = _taken_back(scene, staged, gone, scene.hinges(gone) & ~scene.hinges(left.busy), now)
-    agenda = retimed(without(scene.agenda, staged.id, behaviours), staged.id, left.agenda(), now)
+    agenda = retime_feedback(without(scene.agenda, staged.id, behaviours), staged.id, left.agenda(), now)
     return replace(after, motion=motion, agenda=agenda), (left.prediction(now),)
 
 
-def _taken_back(scene: Scene, staged: Staged, gone: Sequence[Busy], moved: Flags, now: float) -> Trajectory:
+def _taken_back(scene: Scene, staged: RunningBlock, gone: Sequence[Occupancy], moved: Flags, now: float) -> Trajectory:
     """The motion without what some behaviours of a block do with the hinges (n,) that they move."""
     if staged.merged is None:
         return scene.motion
@@ -70,15 +72,15 @@ def _taken_back(scene: Scene, staged: Staged, gone: Sequence[Busy], moved: Flags
     free = freed_hinges(gone, moved, at, scene.facts.robot, others=others)
     if not free.any():
         return scene.motion
-    return released(scene.motion, at, free, scene.facts, layer=staged.merged.layer, others=others)
+    return release_motion(scene.motion, at, free, scene.facts, layer=staged.merged.layer, others=others)
 
 
-def _of(scene: Scene, staged: Staged) -> Told:
+def _of(scene: Scene, staged: RunningBlock) -> Told:
     """What a block has still to tell."""
     return tuple(due for due in scene.agenda if due.block == staged.id)
 
 
-def _until(staged: Staged, now: float) -> dict[str, dict[str, float]]:
+def _until(staged: RunningBlock, now: float) -> dict[str, dict[str, float]]:
     """The sync points that were passed."""
     own = {id: {sync: t for sync, t in at.items() if staged.zero + t <= now} for id, at in staged.times.items()}
     return {id: at for id, at in own.items() if at}

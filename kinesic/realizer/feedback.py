@@ -29,7 +29,7 @@ class Progress:
 
 
 @dataclass(frozen=True)
-class Due:
+class ScheduledFeedback:
     """A message for the sender of a block."""
 
     time: float  # [s] global
@@ -59,7 +59,7 @@ class Due:
             measured=self.measured,
         )
 
-    def seen(self, time: float) -> "Due":
+    def seen(self, time: float) -> "ScheduledFeedback":
         """The same with the global time [s] at which servos or twin were there."""
         return replace(self, measured=time)
 
@@ -76,7 +76,9 @@ def span(times: Times) -> tuple[float, float, float]:
     return min([0.0, *points]), max([0.0, *relaxed]), max([0.0, *points])
 
 
-def agenda(block: str, times: Times, zero: float, *, sender: int, character: str | None = None) -> tuple[Due, ...]:
+def agenda(
+    block: str, times: Times, zero: float, *, sender: int, character: str | None = None
+) -> tuple[ScheduledFeedback, ...]:
     """Everything that a block will tell, in order.
 
     Args:
@@ -88,8 +90,8 @@ def agenda(block: str, times: Times, zero: float, *, sender: int, character: str
     """
     start, relax, end = span(times)
 
-    def due(behaviour: str | None, point: str, time: float) -> Due:
-        return Due(zero + time, Progress(block, behaviour, point, time, character), sender)
+    def due(behaviour: str | None, point: str, time: float) -> ScheduledFeedback:
+        return ScheduledFeedback(zero + time, Progress(block, behaviour, point, time, character), sender)
 
     points = [due(behaviour, sync, time) for behaviour, own in times.items() for sync, time in _forward(own)]
     subsides = due(None, "relax", relax)
@@ -105,15 +107,17 @@ def _forward(own: Mapping[str, float]) -> Iterator[tuple[str, float]]:
         yield sync, latest
 
 
-def ordered(*agendas: Sequence[Due]) -> tuple[Due, ...]:
+def order_feedback(*agendas: Sequence[ScheduledFeedback]) -> tuple[ScheduledFeedback, ...]:
     """Several agendas as one; what is told at the same time keeps its order."""
     return tuple(sorted((due for each in agendas for due in each), key=lambda due: due.time))
 
 
-def without(dues: Sequence[Due], block: str, behaviours: frozenset[str] | None = None) -> tuple[Due, ...]:
+def without(
+    dues: Sequence[ScheduledFeedback], block: str, behaviours: frozenset[str] | None = None
+) -> tuple[ScheduledFeedback, ...]:
     """The agenda without a block, or without some of its behaviours."""
 
-    def goes(due: Due) -> bool:
+    def goes(due: ScheduledFeedback) -> bool:
         told = due.told
         return (
             isinstance(told, Progress) and told.block == block and (behaviours is None or told.behaviour in behaviours)
@@ -122,7 +126,9 @@ def without(dues: Sequence[Due], block: str, behaviours: frozenset[str] | None =
     return tuple(due for due in dues if not goes(due))
 
 
-def retimed(dues: Sequence[Due], block: str, fresh: Sequence[Due], now: float) -> tuple[Due, ...]:
+def retime_feedback(
+    dues: Sequence[ScheduledFeedback], block: str, fresh: Sequence[ScheduledFeedback], now: float
+) -> tuple[ScheduledFeedback, ...]:
     """The agenda with new times of a block: what was told is not told again, what is past is told at once."""
     left = {due.told.key for due in dues if isinstance(due.told, Progress) and due.told.block == block}
     again = [
@@ -130,7 +136,7 @@ def retimed(dues: Sequence[Due], block: str, fresh: Sequence[Due], now: float) -
         for due in fresh
         if isinstance(due.told, Progress) and due.told.key in left
     ]
-    return ordered(without(dues, block), again)
+    return order_feedback(without(dues, block), again)
 
 
 def times_of(syncs: tuple[SyncTime, ...]) -> dict[str, dict[str, float]]:

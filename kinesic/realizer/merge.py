@@ -17,30 +17,30 @@ from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.motion.transition import EARLY, LEAST, delay_controls, knot_at, lengthen, roomy, shorten
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
-from kinesic.realizer.conflicts import hindered
-from kinesic.realizer.occupancy import Busy, Failed, Overlay, still_occupied
+from kinesic.realizer.conflicts import find_conflict
+from kinesic.realizer.occupancy import MergeFailure, Occupancy, Overlay, still_occupied
 from kinesic.realizer.occupancy import occupancy_of as needs
-from kinesic.realizer.overlay import laid
-from kinesic.realizer.release import released, tail
+from kinesic.realizer.overlay import overlay
+from kinesic.realizer.release import release_motion, tail
 
 WAITS = (0, 10, 20, 40)  # knots from one attempt to the next
 MOST_LATER = 60  # knots by which a block may come later
 
 
 @dataclass(frozen=True, eq=False)
-class Merged:
+class MergedMotion:
     """A block among what runs."""
 
     trajectory: Trajectory  # on the running motion's clock, the same before the cut
     zero: float  # [s] performance time of the block's zero
     layer: Trajectory  # what the block adds to the running motion, on the same clock
-    busy: tuple[Busy, ...]  # its behaviours that move
+    busy: tuple[Occupancy, ...]  # its behaviours that move
     planned: Floats  # (m,) [s] performance time of the keys of its plan
     syncs: tuple[SyncTime, ...]  # as performed, in block time; of dropped behaviours none
     dropped: tuple[str, ...]  # behaviours that are left out
     notices: tuple[Notice, ...]
 
-    def earlier(self, seconds: float) -> "Merged":
+    def earlier(self, seconds: float) -> "MergedMotion":
         """The same on a clock whose 0 is later, as `release.tail` makes it: a whole number of knots [s]."""
         return replace(
             self,
@@ -52,7 +52,9 @@ class Merged:
         )
 
 
-def merged(running: Trajectory, time: float, coming: Plan, *, begin: float, busy: Sequence[Busy] = ()) -> Merged:
+def merge(
+    running: Trajectory, time: float, coming: Plan, *, begin: float, busy: Sequence[Occupancy] = ()
+) -> MergedMotion:
     """Lays a block over a running motion.
 
     A silent block in which something has no place comes later by up to `MOST_LATER` where it then has; else, and in
@@ -68,7 +70,7 @@ def merged(running: Trajectory, time: float, coming: Plan, *, begin: float, busy
     return _laid_over(running, time, coming, begin, busy, waits=not coming.utterances)
 
 
-def replaced(running: Trajectory, time: float, coming: Plan, *, begin: float | None = None) -> Merged:
+def replace_motion(running: Trajectory, time: float, coming: Plan, *, begin: float | None = None) -> MergedMotion:
     """Puts a block in the place of all that runs: from how the body moves at the cut, over into the block.
 
     What the block does not move comes to rest. The block comes later where it has no way else.
@@ -80,14 +82,14 @@ def replaced(running: Trajectory, time: float, coming: Plan, *, begin: float | N
         begin: [s] performance time at which the block's zero is wished; at once by default.
     """
     every = np.ones(len(coming.facts.limits.lower), dtype=np.bool_)
-    leaving = released(running, time, every, coming.facts)
+    leaving = release_motion(running, time, every, coming.facts)
     wished = time + coming.trajectory.zero if begin is None else begin
     return _laid_over(leaving, time, coming, wished, (), waits=True)
 
 
 def _laid_over(
-    running: Trajectory, time: float, coming: Plan, begin: float, busy: Sequence[Busy], *, waits: bool
-) -> Merged:
+    running: Trajectory, time: float, coming: Plan, begin: float, busy: Sequence[Occupancy], *, waits: bool
+) -> MergedMotion:
     """A block over what runs, later where it may wait and then has a place for everything."""
     knot = knot_at(time)
     soonest = max(ceil((begin - coming.trajectory.zero) / STEP - EARLY), knot)
@@ -106,14 +108,14 @@ class _Tried:
     """A block at one time."""
 
     offset: int  # knot at which its own motion begins
-    every: Sequence[Busy]  # of the block
+    every: Sequence[Occupancy]  # of the block
     base: Floats  # (k + 3, n) [rad] control points of what ran
     controls: Floats  # (k + 3, n) [rad] of both
-    performed: Sequence[Busy]
+    performed: Sequence[Occupancy]
     gone: Mapping[str, str]  # what is left out, and why
 
 
-def _later(first: _Tried, others: Sequence[Busy]) -> list[int]:
+def _later(first: _Tried, others: Sequence[Occupancy]) -> list[int]:
     """By how many knots a block may come later, so that nothing it needs is busy: that, and a little more."""
     lacking = [
         other.relax - each.ready for each in first.every for other in others if each.meets(other) and not other.stays
@@ -127,8 +129,8 @@ def _tried(
     coming: Plan,
     knot: int,
     offset: int,
-    own: Sequence[Busy],
-    others: Sequence[Busy],
+    own: Sequence[Occupancy],
+    others: Sequence[Occupancy],
     *,
     whole: bool = False,
 ) -> _Tried:
@@ -145,15 +147,15 @@ def _tried(
             return _Tried(offset, every, base, base, performed, gone)
         dropped = [each for each in every if each.behaviour in gone]
         work = Overlay(base, begun, knot, others, performed, dropped)
-        found = laid(work, coming.facts, limits)
-        failed = found if isinstance(found, Failed) else hindered(work, found, coming.facts)
-        if failed is None and not isinstance(found, Failed):
+        found = overlay(work, coming.facts, limits)
+        failed = found if isinstance(found, MergeFailure) else find_conflict(work, found, coming.facts)
+        if failed is None and not isinstance(found, MergeFailure):
             return _Tried(offset, every, base, found, performed, gone)
         if failed is not None:
             gone[failed.behaviour] = failed.why
 
 
-def _conflicts(own: Sequence[Busy], others: Sequence[Busy]) -> dict[str, str]:
+def _conflicts(own: Sequence[Occupancy], others: Sequence[Occupancy]) -> dict[str, str]:
     """Behaviours that meet what runs, and why."""
     found = {}
     for each in own:
@@ -164,7 +166,7 @@ def _conflicts(own: Sequence[Busy], others: Sequence[Busy]) -> dict[str, str]:
     return found
 
 
-def _told(running: Trajectory, tried: _Tried, coming: Plan, begin: float) -> Merged:
+def _told(running: Trajectory, tried: _Tried, coming: Plan, begin: float) -> MergedMotion:
     """A block as it was laid, with what the sender should know."""
     block, zero = coming.timeline.block, tried.offset * STEP + coming.trajectory.zero
     syncs = tuple(sync for sync in coming.syncs if sync.behaviour not in tried.gone)
@@ -173,7 +175,7 @@ def _told(running: Trajectory, tried: _Tried, coming: Plan, begin: float) -> Mer
         late = f"comes {zero - begin:.3f} s later, with the block"
         notices += [(sync.behaviour, f"{sync.sync} {late}") for sync in syncs if sync.sync == "stroke"]
     layer = tried.controls - lengthen(tried.base, len(tried.controls))
-    return Merged(
+    return MergedMotion(
         trajectory=Trajectory(sealed(shorten(tried.controls)), running.zero) if np.any(layer) else running,
         zero=zero,
         layer=Trajectory(sealed(layer), running.zero),

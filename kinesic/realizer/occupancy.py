@@ -24,7 +24,7 @@ STILL = 1e-9  # [rad]
 
 
 @dataclass(frozen=True, eq=False)
-class Busy:
+class Occupancy:
     """What one behaviour needs, in performance time [s]."""
 
     behaviour: str
@@ -41,21 +41,21 @@ class Busy:
         """Whether its end is where others of its kind return to."""
         return self.offset is not None
 
-    def later(self, seconds: float) -> "Busy":
+    def later(self, seconds: float) -> "Occupancy":
         """The same at another time."""
         begin, ready, relax, end = (time + seconds for time in (self.begin, self.ready, self.relax, self.end))
         return replace(self, begin=begin, ready=ready, relax=relax, end=end)
 
-    def left(self, change: Floats) -> "Busy":
+    def left(self, change: Floats) -> "Occupancy":
         """The same with what it has really changed in the end (n,) [rad], where it stays."""
         return replace(self, offset=sealed(np.where(self.hinges, change, 0.0))) if self.stays else self
 
-    def meets(self, other: "Busy") -> bool:
+    def meets(self, other: "Occupancy") -> bool:
         """Whether both must be somewhere at the same time with the same part of the body."""
         return bool(self.roles & other.roles) and self.ready < other.relax and other.ready < self.relax
 
 
-def occupancy_of(plan: Plan) -> tuple[Busy, ...]:
+def occupancy_of(plan: Plan) -> tuple[Occupancy, ...]:
     """What the moving behaviours of a plan need, in the order of their beginnings.
 
     Args:
@@ -70,7 +70,9 @@ def occupancy_of(plan: Plan) -> tuple[Busy, ...]:
     return tuple(sorted(found, key=lambda each: (each.begin, each.behaviour)))
 
 
-def freed_hinges(own: Sequence[Busy], moved: Flags, time: float, robot: Robot, *, others: Sequence[Busy] = ()) -> Flags:
+def freed_hinges(
+    own: Sequence[Occupancy], moved: Flags, time: float, robot: Robot, *, others: Sequence[Occupancy] = ()
+) -> Flags:
     """(n,) hinges that a block gives free when it is interrupted.
 
     Args:
@@ -90,13 +92,13 @@ def freed_hinges(own: Sequence[Busy], moved: Flags, time: float, robot: Robot, *
     return found
 
 
-def settled(busy: Iterable[Busy]) -> tuple[Busy, ...]:
+def settle_occupancy(busy: Iterable[Occupancy]) -> tuple[Occupancy, ...]:
     """Of what is busy, what stays when all is over, the latest of each kind: at any time, as it takes none."""
     last = {role: each for each in sorted(busy, key=lambda each: each.end) for role in each.roles if each.stays}
     return tuple(each.later(-np.inf) for each in dict.fromkeys(last.values()))
 
 
-def _one(id: str, action: Action, at: Mapping[str, float], plan: Plan) -> Busy:
+def _one(id: str, action: Action, at: Mapping[str, float], plan: Plan) -> Occupancy:
     """One behaviour with sync points at performance times [s]."""
     parts, controls = plan.keyframes.uses[id], plan.trajectory.controls
     begin, end = min(at.values()), max(at.values())
@@ -107,10 +109,10 @@ def _one(id: str, action: Action, at: Mapping[str, float], plan: Plan) -> Busy:
     if stays(action):
         last = min(round(end / STEP), len(controls) - 3) + 1
         offset = sealed(np.where(hinges, controls[last] - controls[0], 0.0))
-    return Busy(id, _roles(action, parts), hinges, begin, ready, relax, end, offset)
+    return Occupancy(id, _roles(action, parts), hinges, begin, ready, relax, end, offset)
 
 
-def still_occupied(busy: Iterable[Busy], time: float) -> tuple[Busy, ...]:
+def still_occupied(busy: Iterable[Occupancy], time: float) -> tuple[Occupancy, ...]:
     """Of what is busy, what still counts from a performance time on [s].
 
     That is what has not given way, and of what stays the latest of its kind.
@@ -150,7 +152,7 @@ def arm_hinges(role: Role, robot: Robot) -> tuple[int, ...]:
 
 
 @dataclass(frozen=True)
-class Failed:
+class MergeFailure:
     """A behaviour that has no way within the limits."""
 
     behaviour: str
@@ -164,11 +166,11 @@ class Overlay:
     base: Floats  # (k + 3, n) [rad] control points of what runs
     coming: Floats  # (k + 3, n) [rad] of the block's own motion
     cut: int  # knot until which nothing may change
-    held: Sequence[Busy]  # of what runs, what has not given way at the cut
-    performed: Sequence[Busy]  # behaviours of the block
-    dropped: Sequence[Busy]  # behaviours of the block that are left out
+    held: Sequence[Occupancy]  # of what runs, what has not given way at the cut
+    performed: Sequence[Occupancy]  # behaviours of the block
+    dropped: Sequence[Occupancy]  # behaviours of the block that are left out
 
-    def blamed(self, why: str) -> Failed:
+    def blamed(self, why: str) -> MergeFailure:
         """The last behaviour of the block that moves the trunk fails; none where it performs none."""
         performed = sorted(self.performed, key=lambda each: not each.roles <= set(ARMS))
-        return Failed(performed[-1].behaviour if performed else "", why)
+        return MergeFailure(performed[-1].behaviour if performed else "", why)

@@ -14,10 +14,10 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats
 from kinesic.body.limits import Limits
 from kinesic.motion.trajectory import STEP
-from kinesic.motion.transition import EARLY, LEAST, SAME, crossed, excesses, kept, lengthen
+from kinesic.motion.transition import EARLY, LEAST, SAME, cross_over, excesses, keep_limits, lengthen
 from kinesic.planning.quick_plan import duration
 from kinesic.planning.setup import Setup
-from kinesic.realizer.occupancy import ARMS, Busy, Failed, Overlay, Role, arm_hinges
+from kinesic.realizer.occupancy import ARMS, MergeFailure, Occupancy, Overlay, Role, arm_hinges
 
 EASE = 1.5  # times the least time, in which what stays gives way
 AGAIN = 1.5  # times as long, when a way back to rest is too short
@@ -26,7 +26,7 @@ LEAST_BACK = 30  # pieces
 KEPT = 1.0 + 1e-6  # share of a limit
 
 
-def added(work: Overlay, alone: Flags, limits: Limits, names: Sequence[str]) -> Floats | Failed:
+def add_motions(work: Overlay, alone: Flags, limits: Limits, names: Sequence[str]) -> Floats | MergeFailure:
     """Both motions added, nearest to their sum where that exceeds a limit.
 
     Args:
@@ -57,21 +57,21 @@ def added(work: Overlay, alone: Flags, limits: Limits, names: Sequence[str]) -> 
     over = excesses(found[first : last + LEAST, moved], limits.part(moved)) > 1.0
     for hinge in moved[over].tolist():
         wish = np.clip(found[:, hinge], limits.lower[hinge], limits.upper[hinge])
-        column = kept(wish, first, last, limits, hinge)
+        column = keep_limits(wish, first, last, limits, hinge)
         if column is None:
             return work.blamed(f"{names[hinge]} cannot do both within its limits")
         found[:, hinge] = column
     return found
 
 
-def _flatten(change: Floats, gone: Busy, work: Overlay, limits: Limits) -> None:
+def _flatten(change: Floats, gone: Occupancy, work: Overlay, limits: Limits) -> None:
     """Takes out of what a block changes (k + 3, n) [rad] what a behaviour did that is left out."""
     begin, end = max(0, floor(gone.begin / STEP)), min(ceil(gone.end / STEP), len(change) - LEAST)
     beside = [each for each in work.performed if each.begin < gone.end and gone.begin < each.end]
     own = gone.hinges & ~np.any([each.hinges for each in beside], axis=0) if beside else np.ones_like(gone.hinges)
     for hinge in np.flatnonzero(own).tolist() if begin < end else ():
         column = change[:, hinge]
-        way = crossed(column, np.full(len(column), column[end + 1]), begin, end, limits, hinge)
+        way = cross_over(column, np.full(len(column), column[end + 1]), begin, end, limits, hinge)
         if way is not None:
             change[begin : end + 1, hinge] = way[begin : end + 1]
 
@@ -98,7 +98,7 @@ class _Turn:
         return np.asarray(rise(times, self.begin, self.gone) * (1.0 - back))
 
 
-def _turns(each: Busy, work: Overlay, limits: Limits) -> Iterator[_Turn]:
+def _turns(each: Occupancy, work: Overlay, limits: Limits) -> Iterator[_Turn]:
     for role in each.roles - set(ARMS):
         left = next((other.offset for other in work.held if role in other.roles and other.end <= each.begin), None)
         if left is not None:
@@ -113,7 +113,7 @@ def rise(times: Floats, begin: float, end: float) -> Floats:
     return np.asarray(u**3 * (10 - 15 * u + 6 * u**2))
 
 
-def handed(work: Overlay, role: Role, hinge: int, limits: Limits) -> Floats | Failed:
+def hand_over(work: Overlay, role: Role, hinge: int, limits: Limits) -> Floats | MergeFailure:
     """One hinge of an arm, through all that its hand has to do.
 
     Args:
@@ -136,7 +136,7 @@ def handed(work: Overlay, role: Role, hinge: int, limits: Limits) -> Floats | Fa
             way = _led(column, sources[of], left, stop, limits, hinge)
             if way is None:
                 name = stop.behaviour if of == "coming" or done is None else done.behaviour
-                return Failed(name, "its hand has not the time to come from one work to the next")
+                return MergeFailure(name, "its hand has not the time to come from one work to the next")
             column, source = way, of
         left, done = max(left, stop.relax), stop
     if source == "base" or done is None:
@@ -144,19 +144,19 @@ def handed(work: Overlay, role: Role, hinge: int, limits: Limits) -> Floats | Fa
     return _home(column, sources, done, work, role, limits, hinge)
 
 
-def _stops(work: Overlay, role: Role) -> list[tuple[Busy, Literal["base", "coming"]]]:
+def _stops(work: Overlay, role: Role) -> list[tuple[Occupancy, Literal["base", "coming"]]]:
     """What a hand has to do, in order; empty where the block asks nothing of it."""
-    own: list[tuple[Busy, Literal["base", "coming"]]] = [(b, "coming") for b in work.performed if role in b.roles]
+    own: list[tuple[Occupancy, Literal["base", "coming"]]] = [(b, "coming") for b in work.performed if role in b.roles]
     if not own:
         return []
     return sorted([*own, *((b, "base") for b in work.held if role in b.roles)], key=lambda stop: stop[0].ready)
 
 
-def _between(dropped: Sequence[Busy], role: Role, before: Busy, after: Busy) -> bool:
+def _between(dropped: Sequence[Occupancy], role: Role, before: Occupancy, after: Occupancy) -> bool:
     return any(role in gone.roles and before.ready <= gone.ready <= after.ready for gone in dropped)
 
 
-def _led(own: Floats, after: Floats, left: float, stop: Busy, limits: Limits, hinge: int) -> Floats | None:
+def _led(own: Floats, after: Floats, left: float, stop: Occupancy, limits: Limits, hinge: int) -> Floats | None:
     """From one work to the next: where both are one, else when the next begins, or as soon as the one gives way."""
     land, soonest = floor(stop.ready / STEP + EARLY), ceil(left / STEP - EARLY)
     apart = np.abs(own[soonest : land + LEAST] - after[soonest : land + LEAST]) > SAME
@@ -164,13 +164,13 @@ def _led(own: Floats, after: Floats, left: float, stop: Busy, limits: Limits, hi
     leaves = (
         [soonest + int(together[-1])] if len(together) else [max(soonest, floor(stop.begin / STEP + EARLY)), soonest]
     )
-    ways = (crossed(own, after, leave, land, limits, hinge) for leave in leaves)
+    ways = (cross_over(own, after, leave, land, limits, hinge) for leave in leaves)
     return next((way for way in ways if way is not None), None)
 
 
 def _home(
-    column: Floats, sources: dict[str, Floats], done: Busy, work: Overlay, role: Role, limits: Limits, hinge: int
-) -> Floats | Failed:
+    column: Floats, sources: dict[str, Floats], done: Occupancy, work: Overlay, role: Role, limits: Limits, hinge: int
+) -> Floats | MergeFailure:
     """After its last work the hand rests as it did before, unless the block ends elsewhere."""
     base, coming = sources["base"], sources["coming"]
     cleanly = not any(role in gone.roles and gone.ready >= done.ready for gone in work.dropped)
@@ -183,14 +183,14 @@ def _home(
     while pieces <= LONGEST:
         short = max(0, leave + pieces + LEAST - len(column))
         own, after = (np.pad(each, (0, short), mode="edge") for each in (column, rest))
-        way = crossed(own, after, leave, leave + pieces, limits, hinge)
+        way = cross_over(own, after, leave, leave + pieces, limits, hinge)
         if way is not None:
             return way
         pieces = ceil(AGAIN * pieces)
-    return Failed(done.behaviour, "its hand has no way back to rest within its limits")
+    return MergeFailure(done.behaviour, "its hand has no way back to rest within its limits")
 
 
-def laid(work: Overlay, facts: Setup, limits: Limits) -> Floats | Failed:
+def overlay(work: Overlay, facts: Setup, limits: Limits) -> Floats | MergeFailure:
     """Both together, at rest in the end.
 
     Args:
@@ -203,13 +203,13 @@ def laid(work: Overlay, facts: Setup, limits: Limits) -> Floats | Failed:
     """
     arms = {hinge: role for role in ARMS for hinge in arm_hinges(role, facts.robot)}
     names = facts.robot.skeleton.names
-    found = added(work, np.isin(np.arange(len(names)), list(arms)), limits, names)
-    if isinstance(found, Failed):
+    found = add_motions(work, np.isin(np.arange(len(names)), list(arms)), limits, names)
+    if isinstance(found, MergeFailure):
         return found
     columns = [found[:, hinge] for hinge in range(found.shape[1])]
     for hinge, role in arms.items():
-        column = handed(work, role, hinge, limits)
-        if isinstance(column, Failed):
+        column = hand_over(work, role, hinge, limits)
+        if isinstance(column, MergeFailure):
             return column
         columns[hinge] = column
     count = max(map(len, columns)) + 1

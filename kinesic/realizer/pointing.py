@@ -14,18 +14,18 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.keyframes import Hand
 from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.motion.transition import LEAST, SAME, kept, knot_at, lengthen, roomy, shorten
+from kinesic.motion.transition import LEAST, SAME, keep_limits, knot_at, lengthen, roomy, shorten
 from kinesic.planning.arm_postures import with_arms
 from kinesic.planning.certify import duties
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.plan import Plan
 from kinesic.planning.postures import aim_from_shoulder
 from kinesic.planning.setup import Setup
-from kinesic.realizer.feedback import Due
-from kinesic.realizer.occupancy import STILL, Busy
+from kinesic.realizer.feedback import ScheduledFeedback
+from kinesic.realizer.occupancy import STILL, Occupancy
 from kinesic.realizer.overlay import rise
 from kinesic.realizer.release import tail
-from kinesic.realizer.running_block import Staged
+from kinesic.realizer.running_block import RunningBlock
 from kinesic.realizer.scene import Scene
 
 FULL = 1.0  # of a drive's duty
@@ -34,7 +34,7 @@ ASTRAY = np.radians(2.0)  # by which a hand may point farther past its aim than 
 
 
 @dataclass(frozen=True, eq=False)
-class Pointed:
+class PointingHand:
     """A hand that points in the stroke of a behaviour."""
 
     behaviour: str
@@ -62,10 +62,10 @@ class Pointed:
         return with_arms(angles, {self.side: self.hand}, {self.side: reach}, robot)
 
 
-def pointed(plan: Plan) -> tuple[Pointed, ...]:
+def pointing_hands(plan: Plan) -> tuple[PointingHand, ...]:
     """The hands that point in a plan."""
     return tuple(
-        Pointed(id, side, hand, hand.aim)
+        PointingHand(id, side, hand, hand.aim)
         for frame in plan.keyframes.frames
         for id, sync in frame.syncs
         if sync == "stroke"
@@ -75,7 +75,13 @@ def pointed(plan: Plan) -> tuple[Pointed, ...]:
 
 
 def correct_pointing(
-    motion: Trajectory, time: float, one: Pointed, stroke: float, busy: Busy, others: Sequence[Busy], facts: Setup
+    motion: Trajectory,
+    time: float,
+    one: PointingHand,
+    stroke: float,
+    busy: Occupancy,
+    others: Sequence[Occupancy],
+    facts: Setup,
 ) -> Trajectory | None:
     """The motion with an arm that points again in its stroke, and from there until it relaxes, or as far as it can.
 
@@ -104,7 +110,7 @@ def correct_pointing(
     for part in PARTS if last - first >= LEAST else ():
         found = np.array(lengthen(motion.controls, count))
         for hinge in np.flatnonzero(np.abs(change) > SAME).tolist():
-            column = kept(found[:, hinge] + part * share * change[hinge], first, last, limits, hinge)
+            column = keep_limits(found[:, hinge] + part * share * change[hinge], first, last, limits, hinge)
             found[:, hinge] = found[:, hinge] if column is None else column
         if _clear(found, motion, first, last, facts):
             return Trajectory(sealed(shorten(found)), motion.zero)
@@ -124,7 +130,7 @@ def _clear(found: Floats, motion: Trajectory, first: int, last: int, facts: Setu
     return float(scan_clearance(after, facts.distances)[1].distances.min()) >= least
 
 
-def aimed_again(before: Scene, scene: Scene, now: float) -> tuple[Scene, tuple[Due, ...]]:
+def aim_again(before: Scene, scene: Scene, now: float) -> tuple[Scene, tuple[ScheduledFeedback, ...]]:
     """Has hands that point keep to it, where the motion was so changed that they miss by more than `ASTRAY`.
 
     Args:
@@ -136,15 +142,17 @@ def aimed_again(before: Scene, scene: Scene, now: float) -> tuple[Scene, tuple[D
         The scene in which arms are turned back to what they point at in strokes to come, and a warning for each that
         servos cannot turn so far, or not without coming too near to the body.
     """
-    told: list[Due] = []
+    told: list[ScheduledFeedback] = []
     for staged in scene.playing if scene.motion is not before.motion else ():
-        for one in pointed(staged.ready.plan):
+        for one in pointing_hands(staged.ready.plan):
             scene, dues = _one(before, scene, staged.id, one, now)
             told += dues
     return scene, tuple(told)
 
 
-def _one(before: Scene, scene: Scene, block: str, one: Pointed, now: float) -> tuple[Scene, tuple[Due, ...]]:
+def _one(
+    before: Scene, scene: Scene, block: str, one: PointingHand, now: float
+) -> tuple[Scene, tuple[ScheduledFeedback, ...]]:
     staged = scene.find(block)
     busy = next((each for each in staged.busy if each.behaviour == one.behaviour), None) if staged else None
     if staged is None or staged.merged is None or busy is None:
@@ -166,7 +174,7 @@ def _one(before: Scene, scene: Scene, block: str, one: Pointed, now: float) -> t
     return scene, (staged.warning(notice, now),)
 
 
-def _usual(before: Scene, staged: Staged, one: Pointed, time: float) -> float:
+def _usual(before: Scene, staged: RunningBlock, one: PointingHand, time: float) -> float:
     """By how much a hand pointed past its aim before, or does in its own plan [rad]."""
     earlier, plan = before.find(staged.id), staged.ready.plan
     if earlier is not None and earlier.merged is not None and earlier.ready.plan is plan:
@@ -175,11 +183,11 @@ def _usual(before: Scene, staged: Staged, one: Pointed, time: float) -> float:
     return _miss(plan.trajectory, plan.trajectory.zero + asked, one, before)
 
 
-def _miss(motion: Trajectory, time: float, one: Pointed, scene: Scene) -> float:
+def _miss(motion: Trajectory, time: float, one: PointingHand, scene: Scene) -> float:
     return one.miss(motion.sample(np.array([time]))[0][0], scene.facts.robot)
 
 
-def _with(scene: Scene, staged: Staged, behaviour: str, motion: Trajectory) -> Scene:
+def _with(scene: Scene, staged: RunningBlock, behaviour: str, motion: Trajectory) -> Scene:
     """The scene with another motion, whose difference is the behaviour's of a block."""
     if staged.merged is None:
         return replace(scene, motion=motion)

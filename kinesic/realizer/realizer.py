@@ -8,42 +8,42 @@ from dataclasses import replace
 from functools import partial
 
 from kinesic.bml.block import Activate, Command, Interrupt, Notice, NoticeType, ParameterChange
-from kinesic.bml.composition import BlockState, awaited, goes_round, held_back
+from kinesic.bml.composition import BlockState, awaited, goes_round, waiting_blocks
 from kinesic.bml.reading.manner import modality_of
-from kinesic.planning.certify import certified
+from kinesic.planning.certify import certify
 from kinesic.planning.plan import plan_block
-from kinesic.planning.quick_plan import opening
+from kinesic.planning.quick_plan import plan_quickly
 from kinesic.planning.setup import Setup
-from kinesic.realizer.changing import changed, improved, parameter_changed, take_replans
+from kinesic.realizer.changing import change_manner, change_parameter, improve_block, take_replans
 from kinesic.realizer.contention import interrupted_by
-from kinesic.realizer.ending import left_out, stop_block
-from kinesic.realizer.feedback import Due, ordered
-from kinesic.realizer.pointing import aimed_again
-from kinesic.realizer.request import Asked
-from kinesic.realizer.running_block import Ready, Staged
+from kinesic.realizer.ending import leave_out, stop_block
+from kinesic.realizer.feedback import ScheduledFeedback, order_feedback
+from kinesic.realizer.pointing import aim_again
+from kinesic.realizer.request import TimedRequest
+from kinesic.realizer.running_block import PreparedBlock, RunningBlock
 from kinesic.realizer.scene import Scene, forgotten
-from kinesic.realizer.starting import activate_block, started
+from kinesic.realizer.starting import activate_block, start_block
 
 __all__ = [
-    "Due",
-    "Ready",
+    "PreparedBlock",
     "Scene",
+    "ScheduledFeedback",
     "advance",
     "begin",
-    "changed",
-    "improved",
-    "interrupted",
+    "change_manner",
+    "improve_block",
+    "interrupt",
     "ready",
     "take_replans",
 ]
 
 MOST_BLOCKS = 256  # in a scene at once
-AT_ONCE = partial(certified, lead_in=0.0)
+AT_ONCE = partial(certify, lead_in=0.0)
 SMALL = 4  # moving behaviours of a block that is planned well as quickly as not
 BRIEF = 20.0  # [s] such a block may move
 
 
-def ready(asked: Asked, facts: Setup) -> Ready:
+def ready(asked: TimedRequest, facts: Setup) -> PreparedBlock:
     """Plans a block so that it can begin at once: a small one well, a large one quickly, to be improved while it plays.
 
     Raises:
@@ -53,13 +53,15 @@ def ready(asked: Asked, facts: Setup) -> Ready:
     times = [time for each in moving for time in each.times.values()]
     block, engaged = asked.block, asked.engaged
     if asked.is_decided:
-        return Ready(asked, plan_block(block, facts, conditioned=AT_ONCE, utterances=asked.utterances, engaged=engaged))
+        return PreparedBlock(
+            asked, plan_block(block, facts, conditioned=AT_ONCE, utterances=asked.utterances, engaged=engaged)
+        )
     if len(moving) <= SMALL and max(times, default=0.0) - min(times, default=0.0) <= BRIEF:
-        return Ready(asked, plan_block(block, facts, conditioned=AT_ONCE, engaged=engaged))
-    return Ready(asked, opening(block, facts, engaged=engaged), is_provisional=True)
+        return PreparedBlock(asked, plan_block(block, facts, conditioned=AT_ONCE, engaged=engaged))
+    return PreparedBlock(asked, plan_quickly(block, facts, engaged=engaged), is_provisional=True)
 
 
-def begin(scene: Scene, ready: Ready, now: float) -> tuple[Scene, tuple[Due, ...]]:
+def begin(scene: Scene, ready: PreparedBlock, now: float) -> tuple[Scene, tuple[ScheduledFeedback, ...]]:
     """Takes a block into the scene: it begins now, or waits for its turn.
 
     Args:
@@ -77,32 +79,34 @@ def begin(scene: Scene, ready: Ready, now: float) -> tuple[Scene, tuple[Due, ...
         notice = Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, block.id, refusal)
         return scene, (*dues, scene.warned(notice, now, sender, block.character))
     waits = awaited(block, scene.states)
-    staged = Staged.of(ready, BlockState.PENDING if block.succession.preplanned else BlockState.LURKING, waits)
+    staged = RunningBlock.of(ready, BlockState.PENDING if block.succession.preplanned else BlockState.LURKING, waits)
     staged = replace(staged, zero=max(now + scene.ahead, scene.turn(staged)) + staged.lead)
     scene = _held_back(scene.put(staged), staged)
     if ready.is_provisional:
-        scene = replace(scene, wishes=(*scene.wishes, ready.wish), agenda=ordered(scene.agenda, staged.doubts(now)))
+        scene = replace(
+            scene, wishes=(*scene.wishes, ready.wish), agenda=order_feedback(scene.agenda, staged.doubts(now))
+        )
     notices = tuple(staged.warning(notice, now) for notice in staged.certain)
     if scene.has_turn(staged, now):
-        scene, told = started(scene, staged, now)
+        scene, told = start_block(scene, staged, now)
     else:
         scene = scene.put(replace(staged, told=(staged.zero, staged.times)))
         told = (staged.prediction(now),)
     return scene, (*dues, *told, *notices)
 
 
-def advance(scene: Scene, now: float) -> tuple[Scene, tuple[Due, ...]]:
+def advance(scene: Scene, now: float) -> tuple[Scene, tuple[ScheduledFeedback, ...]]:
     """Lets time pass: blocks whose turn has come begin, what has become due is handed out, what is over is forgotten.
 
     Args:
         scene: at some time before.
         now: [s] global time.
     """
-    told: list[Due] = []
+    told: list[ScheduledFeedback] = []
     while True:
         coming = next((each for each in scene.blocks if scene.has_turn(each, now)), None)
         if coming is not None:
-            scene, dues = started(scene, coming, now)
+            scene, dues = start_block(scene, coming, now)
         elif scene.agenda and scene.agenda[0].time <= now:
             due = scene.agenda[0]
             told.append(due)
@@ -112,7 +116,7 @@ def advance(scene: Scene, now: float) -> tuple[Scene, tuple[Due, ...]]:
         told += dues
 
 
-def interrupted(scene: Scene, now: float, block: str | None = None) -> tuple[Scene, tuple[Due, ...]]:
+def interrupt(scene: Scene, now: float, block: str | None = None) -> tuple[Scene, tuple[ScheduledFeedback, ...]]:
     """Ends one block or all of them; what others do goes on.
 
     Args:
@@ -126,11 +130,11 @@ def interrupted(scene: Scene, now: float, block: str | None = None) -> tuple[Sce
         if block in (None, staged.id):
             scene, dues = stop_block(scene, staged, now, "it was interrupted")
             told += dues
-    scene, astray = aimed_again(before, scene, now)
+    scene, astray = aim_again(before, scene, now)
     return scene, (*told, *astray)
 
 
-def _happened(scene: Scene, due: Due, now: float) -> tuple[Scene, tuple[Due, ...]]:
+def _happened(scene: Scene, due: ScheduledFeedback, now: float) -> tuple[Scene, tuple[ScheduledFeedback, ...]]:
     """What follows from a point that a block has passed."""
     point = due.told
     staged = None if isinstance(point, str) else scene.find(point.block)
@@ -149,8 +153,8 @@ def _happened(scene: Scene, due: Due, now: float) -> tuple[Scene, tuple[Due, ...
 
 
 def _commanded(
-    scene: Scene, staged: Staged, behaviour: str, action: Command, now: float
-) -> tuple[Scene, tuple[Due, ...]]:
+    scene: Scene, staged: RunningBlock, behaviour: str, action: Command, now: float
+) -> tuple[Scene, tuple[ScheduledFeedback, ...]]:
     """What a block does to another one."""
     name = action.target.partition(":")[0]
     other = scene.find(name)
@@ -162,19 +166,19 @@ def _commanded(
     if isinstance(action, Activate):
         return activate_block(scene, name, now)
     if isinstance(action, ParameterChange):
-        return parameter_changed(scene, staged, behaviour, action, now)
+        return change_parameter(scene, staged, behaviour, action, now)
     chosen = interrupted_by(action, other)
     if chosen == other.times.keys():
         after, told = stop_block(scene, other, now, f"{staged.id} interrupts it")
     else:
-        after, told = left_out(scene, other, chosen, now)
-    after, astray = aimed_again(scene, after, now)
+        after, told = leave_out(scene, other, chosen, now)
+    after, astray = aim_again(scene, after, now)
     return after, (*told, *astray)
 
 
-def _held_back(scene: Scene, staged: Staged) -> Scene:
+def _held_back(scene: Scene, staged: RunningBlock) -> Scene:
     """Blocks that wait, and by this block's wish go after it, unless they would wait for themselves."""
-    for id, until in held_back(staged.block, scene.states).items():
+    for id, until in waiting_blocks(staged.block, scene.states).items():
         other = scene.find(id)
         if other is not None:
             after = scene.put(replace(other, waits={**other.waits, staged.id: until}))
@@ -183,7 +187,7 @@ def _held_back(scene: Scene, staged: Staged) -> Scene:
     return scene
 
 
-def _refusal(scene: Scene, ready: Ready) -> str | None:
+def _refusal(scene: Scene, ready: PreparedBlock) -> str | None:
     """Why a block is not taken; None when it is."""
     block = ready.plan.timeline.block
     same = scene.find(block.id)

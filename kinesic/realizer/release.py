@@ -13,9 +13,9 @@ from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.motion.transition import (
     LEAST,
     SAME,
-    crossed,
+    cross_over,
     excesses,
-    kept,
+    keep_limits,
     knot_at,
     lengthen,
     roomy,
@@ -25,7 +25,7 @@ from kinesic.motion.transition import (
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.quick_plan import duration
 from kinesic.planning.setup import Setup
-from kinesic.realizer.occupancy import ARMS, Busy, arm_hinges
+from kinesic.realizer.occupancy import ARMS, Occupancy, arm_hinges
 
 WAIT = 10  # knots that an interruption waits at least, when the way back is not clear
 MOST_WAITS = 6  # each twice as long as the one before
@@ -35,14 +35,14 @@ LONGEST = 400  # pieces
 FEWEST = 4  # pieces of a motion
 
 
-def released(
+def release_motion(
     running: Trajectory,
     time: float,
     hinges: Flags,
     facts: Setup,
     *,
     layer: Trajectory | None = None,
-    others: Sequence[Busy] = (),
+    others: Sequence[Occupancy] = (),
 ) -> Trajectory:
     """Takes back what an interrupted block or behaviour does; all else goes on as it runs.
 
@@ -66,7 +66,7 @@ def released(
 
 
 def _from(
-    running: Trajectory, knot: int, hinges: Flags, facts: Setup, layer: Trajectory | None, others: Sequence[Busy]
+    running: Trajectory, knot: int, hinges: Flags, facts: Setup, layer: Trajectory | None, others: Sequence[Occupancy]
 ) -> Trajectory | None:
     """The way back from a knot on; None where it is not clear of the body."""
     limits, free = roomy(facts.limits), np.flatnonzero(hinges).tolist()
@@ -79,7 +79,7 @@ def _from(
         count = max(len(after), knot + pieces + LEAST)
         whole, goal = np.array(lengthen(own, count)), lengthen(after, count)
         land = knot + pieces
-        found = together(crossed(whole[:, hinge], goal[:, hinge], knot, land, limits, hinge) for hinge in free)
+        found = together(cross_over(whole[:, hinge], goal[:, hinge], knot, land, limits, hinge) for hinge in free)
         if found is not None:
             back = np.array(whole)
             back[:, free] = found
@@ -109,7 +109,7 @@ def _without(own: Floats, layer: Trajectory | None, robot: Robot) -> Floats:
     return found
 
 
-def _take_up(back: Floats, own: Floats, knot: int, others: Sequence[Busy], facts: Setup) -> None:
+def _take_up(back: Floats, own: Floats, knot: int, others: Sequence[Occupancy], facts: Setup) -> None:
     """Arms that came to rest take up again what else runs, when that begins; where it is too soon, all goes on."""
     limits = roomy(facts.limits)
     for role in ARMS:
@@ -118,7 +118,7 @@ def _take_up(back: Floats, own: Floats, knot: int, others: Sequence[Busy], facts
             continue
         leave, land = max(knot, int(stop.begin / STEP)), int(stop.ready / STEP)
         hinges = arm_hinges(role, facts.robot)
-        ways = together(crossed(back[:, hinge], own[:, hinge], leave, land, limits, hinge) for hinge in hinges)
+        ways = together(cross_over(back[:, hinge], own[:, hinge], leave, land, limits, hinge) for hinge in hinges)
         back[:, hinges] = own[:, hinges] if ways is None else ways
 
 
@@ -126,7 +126,7 @@ def _checked(found: Floats, zero: float, knot: int, facts: Setup) -> Trajectory 
     """A motion in which what is left keeps the limits and the distances after a knot."""
     limits = roomy(facts.limits)
     for hinge in np.flatnonzero(excesses(found[knot:], limits) > 1.0).tolist():
-        column = kept(found[:, hinge], knot, len(found) - 3, limits, hinge)
+        column = keep_limits(found[:, hinge], knot, len(found) - 3, limits, hinge)
         if column is None:
             return None
         found[:, hinge] = column

@@ -11,21 +11,31 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.keys import Keys
 from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.motion.transition import LEAST, NOWHERE, SAME, crossed, delay_controls, knot_at, lengthen, roomy, shorten
+from kinesic.motion.transition import (
+    LEAST,
+    NOWHERE,
+    SAME,
+    cross_over,
+    delay_controls,
+    knot_at,
+    lengthen,
+    roomy,
+    shorten,
+)
 from kinesic.planning.plan import Plan
-from kinesic.realizer.conflicts import hindered
-from kinesic.realizer.merge import Merged
-from kinesic.realizer.occupancy import ARMS, Busy, Failed, Overlay, arm_hinges, occupancy_of, still_occupied
-from kinesic.realizer.overlay import laid
+from kinesic.realizer.conflicts import find_conflict
+from kinesic.realizer.merge import MergedMotion
+from kinesic.realizer.occupancy import ARMS, MergeFailure, Occupancy, Overlay, arm_hinges, occupancy_of, still_occupied
+from kinesic.realizer.overlay import overlay
 
 AHEAD = 3  # keys of the other plan that a hand may pass before it is on its way
 SWING = 0.1  # [rad] from the other motion, once a hand has met it
 SOON = (10, 20, 40, 80)  # knots in which the trunk is on its way
 
 
-def restyled(
-    running: Trajectory, time: float, playing: Merged, better: Plan, *, others: Sequence[Busy] = ()
-) -> Merged | None:
+def replan(
+    running: Trajectory, time: float, playing: MergedMotion, better: Plan, *, others: Sequence[Occupancy] = ()
+) -> MergedMotion | None:
     """What is still to come of a block, by another plan of the same block.
 
     Hands go over in the midst of a gesture where no stroke is then performed twice or left out; else they first end
@@ -46,7 +56,7 @@ def restyled(
     ending = set() if change.keeps_strokes else begun
     while True:
         found = change.made(ending)
-        if not isinstance(found, Failed):
+        if not isinstance(found, MergeFailure):
             return found
         more = ending | begun | {found.behaviour}
         if more == ending:
@@ -60,9 +70,9 @@ class _Change:
 
     running: Trajectory
     knot: int  # where it may begin
-    playing: Merged
+    playing: MergedMotion
     better: Plan
-    others: Sequence[Busy]
+    others: Sequence[Occupancy]
 
     @cached_property
     def offset(self) -> int:
@@ -75,7 +85,7 @@ class _Change:
         return self.offset * STEP + self.better.trajectory.zero
 
     @cached_property
-    def own(self) -> tuple[Busy, ...]:
+    def own(self) -> tuple[Occupancy, ...]:
         """What the behaviours of the other plan need."""
         return tuple(each.later(self.offset * STEP) for each in occupancy_of(self.better))
 
@@ -94,7 +104,7 @@ class _Change:
         strokes = [sync for sync in before.keys() & after.keys() if sync[1].startswith("stroke")]
         return all(after[sync] >= soon if before[sync] > now else after[sync] <= now for sync in strokes)
 
-    def made(self, ending: Collection[str]) -> Merged | Failed:
+    def made(self, ending: Collection[str]) -> MergedMotion | MergeFailure:
         """The block by the other plan, but for behaviours that end as they run."""
         gone, facts, count = {*self.playing.dropped, *ending}, self.better.facts, self._count
         going_on = [each for each in self.playing.busy if each.behaviour in ending and each.relax > self.knot * STEP]
@@ -106,14 +116,14 @@ class _Change:
             [each for each in self.own if each.behaviour not in gone],
             [each for each in self.own if each.behaviour in gone],
         )
-        goal = laid(work, facts, roomy(facts.limits))
-        if isinstance(goal, Failed):
+        goal = overlay(work, facts, roomy(facts.limits))
+        if isinstance(goal, MergeFailure):
             return goal
         count = max(len(goal), self.knot + SOON[-1] + LEAST)
         found = self._caught_up(lengthen(goal, count))
         if found is None:
-            return Failed("", "a hinge cannot catch up")
-        return hindered(work, found, facts) or self._told(found, gone, (*going_on, *work.performed))
+            return MergeFailure("", "a hinge cannot catch up")
+        return find_conflict(work, found, facts) or self._told(found, gone, (*going_on, *work.performed))
 
     @property
     def _count(self) -> int:
@@ -146,7 +156,7 @@ class _Change:
         found[: self.knot + LEAST] = own[: self.knot + LEAST]
         return found
 
-    def _told(self, found: Floats, gone: Collection[str], needs: Sequence[Busy]) -> Merged:
+    def _told(self, found: Floats, gone: Collection[str], needs: Sequence[Occupancy]) -> MergedMotion:
         """The block as it now is."""
         slip, playing, zero = self.zero - self.playing.zero, self.playing, self.running.zero
         layer = found - lengthen(self.running.controls, len(found)) + lengthen(playing.layer.controls, len(found))
@@ -165,7 +175,7 @@ class _Change:
         )
 
 
-def _with_hands(each: Busy) -> bool:
+def _with_hands(each: Occupancy) -> bool:
     return bool(each.roles & set(ARMS))
 
 
@@ -174,7 +184,7 @@ def _on_its_way(own: Floats, goal: Floats, knot: int, coming: Floats, limits: Li
     lands = [(int(place), coming[:k]) for k, place in enumerate(coming[:AHEAD])]
     lands += [(knot + pieces, NOWHERE) for pieces in SOON if not len(coming)]
     for land, passing in lands:
-        way = crossed(own, goal, knot, land, limits, hinge, passing=passing)
+        way = cross_over(own, goal, knot, land, limits, hinge, passing=passing)
         if way is not None:
             first = ceil(passing[0]) if len(passing) else land
             return way if np.abs(way - goal)[first + LEAST :].max() < SWING else None

@@ -25,7 +25,7 @@ _ID = re.compile(rb"""<(?:\w+:)?bml\b[^>]*?\sid\s*=\s*["']([^"']+)["']""")
 
 
 @dataclass(frozen=True)
-class Around:
+class SceneContext:
     """Other blocks, in global time [s]."""
 
     now: float = 0.0
@@ -58,7 +58,7 @@ def refers_elsewhere(block: Block) -> bool:
     return any(ref.block != block.id for ref in _refs(block))
 
 
-def anchored(block: Block, around: Around, zero: float) -> Block:
+def anchor_references(block: Block, around: SceneContext, zero: float) -> Block:
     """The block with references to other blocks turned into times of its own; unknown ones stay.
 
     Args:
@@ -93,7 +93,7 @@ def _refs(block: Block) -> list[SyncRef]:
     return refs
 
 
-ALONE = Around()
+ALONE = SceneContext()
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ class Message:
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class TimedRequest:
     """A block with times, from somebody."""
 
     sender: int
@@ -137,7 +137,9 @@ class Asked:
         return prediction(self.block.id, start, end, self.times, types=types, zero=self.zero, character=character)
 
 
-def asked(message: Message, facts: Setup, *, around: Around = ALONE, bounds: Bounds = BOUNDS) -> Asked:
+def read_request(
+    message: Message, facts: Setup, *, around: SceneContext = ALONE, bounds: Bounds = BOUNDS
+) -> TimedRequest:
     """Reads, says and times a block.
 
     Args:
@@ -158,12 +160,12 @@ def asked(message: Message, facts: Setup, *, around: Around = ALONE, bounds: Bou
         bounds=bounds,
     )
     zero, is_anchored = around.begin(block), refers_elsewhere(block)
-    own = anchored(block, around, zero)
-    found = again(Asked(message.sender, own, {}, Timeline(own, ()), zero, is_anchored), facts)
+    own = anchor_references(block, around, zero)
+    found = again(TimedRequest(message.sender, own, {}, Timeline(own, ()), zero, is_anchored), facts)
     return found if is_anchored else replace(found, zero=zero - found.timeline.start)
 
 
-def again(earlier: Asked, facts: Setup) -> Asked:
+def again(earlier: TimedRequest, facts: Setup) -> TimedRequest:
     """Says and times a block anew, with other facts or after it was changed.
 
     Raises:

@@ -14,25 +14,25 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.utterance import Utterance
 from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.planning.plan import Plan
-from kinesic.realizer.feedback import Due, Times, agenda, span, times_of
-from kinesic.realizer.merge import Merged
-from kinesic.realizer.occupancy import Busy
-from kinesic.realizer.request import Asked
+from kinesic.realizer.feedback import ScheduledFeedback, Times, agenda, span, times_of
+from kinesic.realizer.merge import MergedMotion
+from kinesic.realizer.occupancy import Occupancy
+from kinesic.realizer.request import TimedRequest
 
 PATIENCE = 1.0  # [s] for a better plan than a provisional one
 FEWEST = 4  # control points of a motion: one piece
 
 
 @dataclass(frozen=True, eq=False)
-class Ready:
+class PreparedBlock:
     """A block that can begin at once."""
 
-    asked: Asked
+    asked: TimedRequest
     plan: Plan
     is_provisional: bool = False  # planned quickly, to be planned well while it plays
 
     @property
-    def wish(self) -> Asked:
+    def wish(self) -> TimedRequest:
         """The block to be planned anew, which says what it says."""
         return replace(self.asked, block=self.plan.timeline.block, utterances=self.plan.utterances, is_decided=True)
 
@@ -43,7 +43,7 @@ class Ready:
 
 
 @dataclass(frozen=True)
-class Spoken:
+class PlayingSpeech:
     """A speech in a scene."""
 
     block: str
@@ -58,19 +58,19 @@ class Spoken:
 
 
 @dataclass(frozen=True, eq=False)
-class Staged:
+class RunningBlock:
     """A block that waits or plays."""
 
-    ready: Ready
+    ready: PreparedBlock
     state: BlockState
     zero: float  # [s] global time of its time 0; as expected while it waits
     times: Times  # of its sync points, as performed; of behaviours that are left out none
     waits: dict[str, Until] = field(default_factory=dict)  # other blocks, and what must come of them
-    merged: Merged | None = None  # how its motion was laid over the scene's, in the scene's performance time
+    merged: MergedMotion | None = None  # how its motion was laid over the scene's, in the scene's performance time
     told: tuple[float, Times] | None = None  # zero and times of its last prediction
 
     @classmethod
-    def of(cls, ready: Ready, state: BlockState, waits: dict[str, Until]) -> "Staged":
+    def of(cls, ready: PreparedBlock, state: BlockState, waits: dict[str, Until]) -> "RunningBlock":
         """A block that has not begun."""
         return cls(ready, state, ready.asked.zero, times_of(ready.plan.syncs), waits)
 
@@ -115,10 +115,10 @@ class Staged:
         return own | {Point(self.id, "bml", "start"): self.zero, Point(self.id, "bml", "end"): self.end}
 
     @property
-    def speeches(self) -> tuple[Spoken, ...]:
+    def speeches(self) -> tuple[PlayingSpeech, ...]:
         """What is said in it."""
         return tuple(
-            Spoken(self.id, behaviour.id, self.zero + self.times[behaviour.id]["start"], utterance)
+            PlayingSpeech(self.id, behaviour.id, self.zero + self.times[behaviour.id]["start"], utterance)
             for behaviour in self.block.behaviours
             if isinstance(behaviour.action, Speech)
             and behaviour.id in self.times
@@ -126,25 +126,25 @@ class Staged:
         )
 
     @property
-    def busy(self) -> tuple[Busy, ...]:
+    def busy(self) -> tuple[Occupancy, ...]:
         """What its behaviours need, in the scene's performance time."""
         return () if self.merged is None else self.merged.busy
 
-    def agenda(self) -> tuple[Due, ...]:
+    def agenda(self) -> tuple[ScheduledFeedback, ...]:
         """All it will tell."""
         return agenda(self.id, self.times, self.zero, sender=self.sender, character=self.block.character)
 
-    def prediction(self, now: float) -> Due:
+    def prediction(self, now: float) -> ScheduledFeedback:
         """The predictionFeedback."""
         types = {behaviour.id: behaviour.type for behaviour in self.block.behaviours}
         start, _, end = span(self.times)
         character = self.block.character
         text = prediction(self.id, start, end, self.times, types=types, zero=self.zero, character=character)
-        return Due(now, text, self.sender)
+        return ScheduledFeedback(now, text, self.sender)
 
-    def warning(self, notice: Notice, now: float) -> Due:
+    def warning(self, notice: Notice, now: float) -> ScheduledFeedback:
         """A warningFeedback."""
-        return Due(now, warning(notice, character=self.block.character), self.sender)
+        return ScheduledFeedback(now, warning(notice, character=self.block.character), self.sender)
 
     def differs(self, by: float) -> bool:
         """Whether a time is not as it was told, by more than so many seconds."""
@@ -163,13 +163,13 @@ class Staged:
         plan = self.ready.plan
         return plan.keyframes.notices if self.ready.is_provisional else plan.notices
 
-    def doubts(self, now: float) -> tuple[Due, ...]:
+    def doubts(self, now: float) -> tuple[ScheduledFeedback, ...]:
         """What is told when no better plan comes in time."""
         doubtful = [notice for notice in self.ready.plan.notices if notice not in self.certain]
         late = now + PATIENCE
         return tuple(replace(self.warning(notice, late), unless_improved=self.id) for notice in doubtful)
 
-    def without(self, behaviours: frozenset[str]) -> "Staged":
+    def without(self, behaviours: frozenset[str]) -> "RunningBlock":
         """The block with some of its behaviours left out from now on."""
         merged = self.merged
         if merged is not None:
@@ -177,7 +177,7 @@ class Staged:
         times = {id: own for id, own in self.times.items() if id not in behaviours}
         return replace(self, merged=merged, times=times)
 
-    def earlier(self, pieces: int, motion: Trajectory) -> "Staged":
+    def earlier(self, pieces: int, motion: Trajectory) -> "RunningBlock":
         """The same after the scene's motion lost so many pieces of its past."""
         if self.merged is None:
             return self
@@ -197,7 +197,7 @@ class Staged:
 
 
 @dataclass(frozen=True)
-class Past:
+class EndedBlocks:
     """What is remembered of a block that is over."""
 
     id: str

@@ -13,10 +13,10 @@ from kinesic.bml.timing.constraints import Point
 from kinesic.body.arrays import Flags
 from kinesic.motion.trajectory import STEP, Trajectory, stay
 from kinesic.planning.setup import Setup
-from kinesic.realizer.feedback import Due
-from kinesic.realizer.occupancy import Busy, settled
-from kinesic.realizer.request import Around, Asked
-from kinesic.realizer.running_block import Past, Spoken, Staged, rest_of
+from kinesic.realizer.feedback import ScheduledFeedback
+from kinesic.realizer.occupancy import Occupancy, settle_occupancy
+from kinesic.realizer.request import SceneContext, TimedRequest
+from kinesic.realizer.running_block import EndedBlocks, PlayingSpeech, RunningBlock, rest_of
 
 KEPT = 0.5  # [s] of the past that the motion keeps
 LONGEST_PAST = 2.0  # [s] after which it is cut away
@@ -31,13 +31,13 @@ class Scene:
     facts: Setup
     motion: Trajectory
     epoch: float  # [s] global time of the motion's time 0
-    blocks: tuple[Staged, ...] = ()  # in the order in which they came
-    agenda: tuple[Due, ...] = ()  # in time
-    past: tuple[Past, ...] = ()  # the last blocks that are over
-    wishes: tuple[Asked, ...] = ()  # blocks that are to be planned anew, and handed to `improved`
+    blocks: tuple[RunningBlock, ...] = ()  # in the order in which they came
+    agenda: tuple[ScheduledFeedback, ...] = ()  # in time
+    past: tuple[EndedBlocks, ...] = ()  # the last blocks that are over
+    wishes: tuple[TimedRequest, ...] = ()  # blocks that are to be planned anew, and handed to `improved`
     character: str | None = None  # who performs here; None: whoever is asked
     ahead: float = 0.0  # [s] the motion is handed over so early: changes begin no sooner
-    left: tuple[Busy, ...] = ()  # what stays of blocks that are over
+    left: tuple[Occupancy, ...] = ()  # what stays of blocks that are over
 
     @classmethod
     def of(cls, facts: Setup, now: float = 0.0, *, character: str | None = None, ahead: float = 0.0) -> "Scene":
@@ -52,10 +52,10 @@ class Scene:
         return cls(facts, stay(facts.robot.skeleton.rest), now, character=character, ahead=ahead)
 
     @cached_property
-    def _by_id(self) -> dict[str, Staged]:
+    def _by_id(self) -> dict[str, RunningBlock]:
         return {each.id: each for each in self.blocks}
 
-    def find(self, id: str) -> Staged | None:
+    def find(self, id: str) -> RunningBlock | None:
         """A block that is not over."""
         return self._by_id.get(id)
 
@@ -65,16 +65,16 @@ class Scene:
         return {each.id: each.state for each in self.blocks}
 
     @property
-    def playing(self) -> tuple[Staged, ...]:
+    def playing(self) -> tuple[RunningBlock, ...]:
         """Blocks that have begun and are not over."""
         return tuple(each for each in self.blocks if each.state.is_playing)
 
     @property
-    def busy(self) -> tuple[Busy, ...]:
+    def busy(self) -> tuple[Occupancy, ...]:
         """What all blocks that play need, in performance time, by the names of blocks and behaviours."""
         return self.busy_but(None)
 
-    def busy_but(self, block: str | None) -> tuple[Busy, ...]:
+    def busy_but(self, block: str | None) -> tuple[Occupancy, ...]:
         """What all blocks need but one."""
         playing = (
             replace(busy, behaviour=f"{each.id}:{busy.behaviour}")
@@ -85,18 +85,18 @@ class Scene:
         return (*self.left, *playing)
 
     @property
-    def speeches(self) -> tuple[Spoken, ...]:
+    def speeches(self) -> tuple[PlayingSpeech, ...]:
         """What is said and will be, by blocks that play."""
         return tuple(spoken for each in self.playing for spoken in each.speeches)
 
-    def around(self, now: float) -> Around:
+    def around(self, now: float) -> SceneContext:
         """What a block that is asked now has to know of the others."""
         times: dict[Point, float] = {}
         for over in self.past:
             times |= over.points
         for each in self.blocks:
             times |= each.points
-        return Around(
+        return SceneContext(
             now,
             self.states,
             {each.id: each.relax for each in self.blocks},
@@ -104,7 +104,7 @@ class Scene:
             times,
         )
 
-    def turn(self, staged: Staged) -> float:
+    def turn(self, staged: RunningBlock) -> float:
         """When the last block that another one waits for lets it begin [s] global; those that are over always do."""
         latest = -np.inf
         for id, until in staged.waits.items():
@@ -113,7 +113,7 @@ class Scene:
                 latest = max(latest, other.relax if until == "relax" else other.end)
         return latest
 
-    def _look(self, staged: Staged) -> float:
+    def _look(self, staged: RunningBlock) -> float:
         """When to see whether a block that waits has its turn [s] global; never, as long as one it waits for waits."""
         if staged.state is not BlockState.LURKING:
             return np.inf
@@ -123,7 +123,7 @@ class Scene:
                 return np.inf
         return self.turn(staged) - self.ahead - SOON
 
-    def has_turn(self, staged: Staged, now: float) -> bool:
+    def has_turn(self, staged: RunningBlock, now: float) -> bool:
         """Whether a block that waits may begin now [s]."""
         return self._look(staged) <= now
 
@@ -141,33 +141,33 @@ class Scene:
         """Performance time [s] from which the motion may change."""
         return max(0.0, self.performance(now + self.ahead))
 
-    def put(self, staged: Staged) -> "Scene":
+    def put(self, staged: RunningBlock) -> "Scene":
         """With a block in the place of its earlier version, or as the last one."""
         if self.find(staged.id) is None:
             return replace(self, blocks=(*self.blocks, staged))
         return replace(self, blocks=tuple(staged if each.id == staged.id else each for each in self.blocks))
 
-    def gone(self, staged: Staged, state: BlockState) -> "Scene":
+    def gone(self, staged: RunningBlock, state: BlockState) -> "Scene":
         """Without a block that is over."""
-        past = Past(staged.id, state, staged.points)
+        past = EndedBlocks(staged.id, state, staged.points)
         return replace(
             self,
-            left=settled((*self.left, *staged.busy)) if state is BlockState.DONE else self.left,
+            left=settle_occupancy((*self.left, *staged.busy)) if state is BlockState.DONE else self.left,
             blocks=tuple(each for each in self.blocks if each.id != staged.id),
             wishes=tuple(wish for wish in self.wishes if wish.block.id != staged.id),
             past=(*(each for each in self.past if each.id != past.id), past)[-REMEMBERED:],
         )
 
-    def hinges(self, busy: Iterable[Busy]) -> Flags:
+    def hinges(self, busy: Iterable[Occupancy]) -> Flags:
         """(n,) that some behaviours move."""
         found = np.zeros(len(self.facts.limits.lower), dtype=np.bool_)
         for each in busy:
             found |= each.hinges
         return found
 
-    def warned(self, notice: Notice, now: float, sender: int, character: str | None = None) -> Due:
+    def warned(self, notice: Notice, now: float, sender: int, character: str | None = None) -> ScheduledFeedback:
         """A warning about a block that is not here."""
-        return Due(now, warning(notice, character=character), sender)
+        return ScheduledFeedback(now, warning(notice, character=character), sender)
 
 
 def forgotten(scene: Scene, now: float) -> Scene:

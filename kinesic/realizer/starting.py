@@ -6,15 +6,15 @@ from kinesic.bml.block import Composition, Notice, NoticeType
 from kinesic.bml.composition import BlockState
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.realizer.contention import occupancy_of_others, silence_overlap
-from kinesic.realizer.ending import Told, ended, stop_block
-from kinesic.realizer.feedback import Due, ordered, times_of, without
-from kinesic.realizer.merge import Merged, merged, replaced
-from kinesic.realizer.pointing import aimed_again
-from kinesic.realizer.running_block import Staged
+from kinesic.realizer.ending import Told, end_block, stop_block
+from kinesic.realizer.feedback import ScheduledFeedback, order_feedback, times_of, without
+from kinesic.realizer.merge import MergedMotion, merge, replace_motion
+from kinesic.realizer.pointing import aim_again
+from kinesic.realizer.running_block import RunningBlock
 from kinesic.realizer.scene import Scene
 
 
-def started(scene: Scene, staged: Staged, now: float) -> tuple[Scene, Told]:
+def start_block(scene: Scene, staged: RunningBlock, now: float) -> tuple[Scene, Told]:
     """Begins a block now, or as soon as its turn has come.
 
     Args:
@@ -22,7 +22,7 @@ def started(scene: Scene, staged: Staged, now: float) -> tuple[Scene, Told]:
         staged: the block, which has not begun.
         now: [s] global time.
     """
-    dues: list[Due] = []
+    dues: list[ScheduledFeedback] = []
     wished = _wished(scene, staged, now)
     before = scene = scene.put(staged)
     for id in staged.block.succession.interrupts:
@@ -32,7 +32,7 @@ def started(scene: Scene, staged: Staged, now: float) -> tuple[Scene, Told]:
     if staged.block.composition is Composition.REPLACE:
         for other in scene.blocks:
             if other.id != staged.id and other.state is not BlockState.PENDING:
-                ends = ended if staged.ready.moves else stop_block  # where it moves, it moves all that did
+                ends = end_block if staged.ready.moves else stop_block  # where it moves, it moves all that did
                 scene, told = ends(scene, other, now, f"{staged.id} replaces it")
                 dues += told
     if staged.block.composition is Composition.REPLACE and staged.ready.moves:
@@ -51,14 +51,14 @@ def started(scene: Scene, staged: Staged, now: float) -> tuple[Scene, Told]:
     dues += [staged.warning(notice, now) for notice in notices]
     staged = replace(staged, told=(staged.zero, staged.times))
     own = (replace(due, time=max(due.time, now)) for due in staged.agenda())  # what lies in the past is told at once
-    scene = replace(scene.put(staged), agenda=ordered(scene.agenda, tuple(own)))
-    scene, astray = aimed_again(before, scene, now)
+    scene = replace(scene.put(staged), agenda=order_feedback(scene.agenda, tuple(own)))
+    scene, astray = aim_again(before, scene, now)
     dues += astray
     return _activated(scene, staged.block.succession.activates, now, dues)
 
 
 def _failed(
-    scene: Scene, staged: Staged, missing: list[str], notices: tuple[Notice, ...], now: float
+    scene: Scene, staged: RunningBlock, missing: list[str], notices: tuple[Notice, ...], now: float
 ) -> tuple[Scene, Told]:
     """Nothing of a block is performed when something that it requires meets what plays."""
     text = f"not performed, because it requires {', '.join(missing)}"
@@ -76,40 +76,44 @@ def activate_block(scene: Scene, id: str, now: float) -> tuple[Scene, Told]:
         return scene, ()
     waiting = replace(staged, state=BlockState.LURKING)
     scene = scene.put(waiting)
-    return started(scene, waiting, now) if scene.has_turn(waiting, now) else (scene, ())
+    return start_block(scene, waiting, now) if scene.has_turn(waiting, now) else (scene, ())
 
 
-def _activated(scene: Scene, ids: tuple[str, ...], now: float, dues: list[Due]) -> tuple[Scene, Told]:
+def _activated(scene: Scene, ids: tuple[str, ...], now: float, dues: list[ScheduledFeedback]) -> tuple[Scene, Told]:
     for id in ids:
         scene, told = activate_block(scene, id, now)
         dues += told
     return scene, tuple(dues)
 
 
-def _wished(scene: Scene, staged: Staged, now: float) -> float:
+def _wished(scene: Scene, staged: RunningBlock, now: float) -> float:
     """Global time [s] at which the block's time 0 is wished."""
     asked = staged.ready.asked
     earliest = max(now + scene.ahead, scene.turn(staged))
     return max(earliest, asked.zero) if asked.is_anchored else earliest + staged.lead
 
 
-def _beside(scene: Scene, staged: Staged, wished: float, now: float) -> tuple[Scene, Staged, tuple[Notice, ...]]:
+def _beside(
+    scene: Scene, staged: RunningBlock, wished: float, now: float
+) -> tuple[Scene, RunningBlock, tuple[Notice, ...]]:
     """Laid over what plays; what meets it is left out."""
     if not staged.ready.moves:
         return scene, replace(staged, zero=wished), ()
     others, begin = occupancy_of_others(scene, replace(staged, zero=wished)), scene.performance(wished)
-    laid = merged(scene.motion, scene.first_change(now), staged.ready.plan, begin=begin, busy=others)
+    laid = merge(scene.motion, scene.first_change(now), staged.ready.plan, begin=begin, busy=others)
     return _with(scene, staged, laid)
 
 
-def _in_place(scene: Scene, staged: Staged, wished: float, now: float) -> tuple[Scene, Staged, tuple[Notice, ...]]:
+def _in_place(
+    scene: Scene, staged: RunningBlock, wished: float, now: float
+) -> tuple[Scene, RunningBlock, tuple[Notice, ...]]:
     """In the place of all that moves."""
     begin = scene.performance(wished)
-    over = replaced(scene.motion, scene.first_change(now), staged.ready.plan, begin=begin)
+    over = replace_motion(scene.motion, scene.first_change(now), staged.ready.plan, begin=begin)
     return _with(replace(scene, left=()), staged, over)
 
 
-def _late(staged: Staged) -> tuple[Notice, ...]:
+def _late(staged: RunningBlock) -> tuple[Notice, ...]:
     """Says when a block that refers to others begins too late to meet them."""
     asked = staged.ready.asked
     late = staged.zero - asked.zero
@@ -119,6 +123,6 @@ def _late(staged: Staged) -> tuple[Notice, ...]:
     return (Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, staged.id, text),)
 
 
-def _with(scene: Scene, staged: Staged, laid: Merged) -> tuple[Scene, Staged, tuple[Notice, ...]]:
+def _with(scene: Scene, staged: RunningBlock, laid: MergedMotion) -> tuple[Scene, RunningBlock, tuple[Notice, ...]]:
     own = replace(staged, merged=laid, zero=scene.epoch + laid.zero, times=times_of(laid.syncs))
     return replace(scene, motion=laid.trajectory), own, laid.notices

@@ -19,7 +19,7 @@ from kinesic.controller.performance import Performance
 from kinesic.planning.setup import Setup
 from kinesic.report.checks import Check, checks
 from kinesic.report.report import Json, report
-from kinesic.report.worker_pool import Crash, crew
+from kinesic.report.worker_pool import WorkerCrash, run_pool
 from kinesic.sim.servo_factors import NOMINAL, Factors
 
 Outcome = Literal["performed", "refused", "crashed"]
@@ -144,8 +144,8 @@ def validate_documents(
     yield from known.values()
     left = [file for file in tasks if file not in known]
     prepare = partial(_prepare, make_facts, twins, folder, tasks)
-    for file, result in crew(left, prepare, jobs=jobs, preload=__name__):
-        verdict = _crashed(file, result, folder, tasks[file]) if isinstance(result, Crash) else result
+    for file, result in run_pool(left, prepare, jobs=jobs, preload=__name__):
+        verdict = _crashed(file, result, folder, tasks[file]) if isinstance(result, WorkerCrash) else result
         if journal:
             journal.append(tasks[file], verdict)
         yield verdict
@@ -176,7 +176,7 @@ def _is_there(path: str | None) -> bool:
     return path is None or Path(path).exists()
 
 
-def _crashed(file: Path, crash: Crash, folder: Path | None, key: str) -> DocumentVerdict:
+def _crashed(file: Path, crash: WorkerCrash, folder: Path | None, key: str) -> DocumentVerdict:
     if folder:
         (folder / f"{_name(file, key)}.crash.txt").write_text(crash.trace, encoding="utf-8")
     return DocumentVerdict(str(file), "crashed", 1, error=f"{file}: {crash.reason}")

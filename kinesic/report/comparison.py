@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinesic.controller.performance import Performance
-from kinesic.report.checks.twin import stroke_errors, tracking
+from kinesic.report.checks.twin import stroke_errors, tracking_errors
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Following:
 
 def measure_tracking(performance: Performance) -> Following:
     """Measures one performance."""
-    found, strokes = tracking(performance), stroke_errors(performance)
+    found, strokes = tracking_errors(performance), stroke_errors(performance)
     errors = [abs(error) for error, _ in strokes if error is not None]
     return Following(
         rmse_deg=found.rmse,

@@ -38,7 +38,7 @@ def free_folder(asked: Path | None, source: str, *, force: bool = False) -> Path
     return folder
 
 
-def emptied(folder: Path) -> Path:
+def empty_folder(folder: Path) -> Path:
     """Makes a folder, and removes what was there before."""
     if folder.exists():
         shutil.rmtree(folder)
@@ -63,7 +63,7 @@ class Written:
 def write_report(performance: Performance, data: dict[str, Json], folder: Path, *, film: bool = True) -> Written:
     """Writes report.json, report.html, measured.npz, speech.wav and, where OpenGL works, films of twin and face."""
     plan = performance.plan
-    report = emptied(folder) / "report.json"
+    report = empty_folder(folder) / "report.json"
     picture, why = _filmed(performance, folder / "film.webp") if film else (None, NOT_ASKED)
     face, why_not = _face(plan, folder / "face.webp") if film else (None, NOT_ASKED)
     measured = folder / "measured.npz"

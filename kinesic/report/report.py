@@ -16,7 +16,7 @@ from kinesic.ik import KERNEL
 from kinesic.planning.plan import Plan
 from kinesic.report.checks import TOLERANCE, Check, checks
 from kinesic.report.checks.plan import penetrations
-from kinesic.report.checks.twin import tracking
+from kinesic.report.checks.twin import tracking_errors
 from kinesic.report.comparison import measure_tracking
 from kinesic.report.conditioning import story
 from kinesic.report.feedback import feedback
@@ -155,7 +155,7 @@ def _tracking(performance: Performance) -> dict[str, Json]:
     names = performance.plan.facts.robot.skeleton.names
     squares = np.degrees(np.nan_to_num(performance.errors)) ** 2
     means = squares.sum(axis=0) / np.maximum(performance.reference.moving.sum(axis=0), 1)
-    found = tracking(performance)
+    found = tracking_errors(performance)
     late = performance.lateness
     return {
         "rmse_deg": found.rmse,

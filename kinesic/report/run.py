@@ -12,7 +12,7 @@ from kinesic.body.command import State
 from kinesic.body.config import ConfigError
 from kinesic.controller.measured_motion import Motion
 from kinesic.controller.performance import Performance as DryRun
-from kinesic.controller.servo_performance import Live
+from kinesic.controller.servo_performance import ServoRun
 from kinesic.planning.motion_files import write_motion
 from kinesic.planning.syncs import Syncs, SyncTime
 from kinesic.report.checks import Check, checks
@@ -39,7 +39,7 @@ class Performance(DryRun):
 
     seed: int = 0
     beside: tuple[DryRun, ...] = ()  # the same plan in other twins
-    servos: Live | None = None
+    servos: ServoRun | None = None
 
     @cached_property
     def checks(self) -> tuple[Check, ...]:
@@ -126,7 +126,7 @@ class Performance(DryRun):
 
 
 def performance_of(
-    run: DryRun, *, seed: int, beside: tuple[DryRun, ...] = (), servos: Live | None = None
+    run: DryRun, *, seed: int, beside: tuple[DryRun, ...] = (), servos: ServoRun | None = None
 ) -> Performance:
     """A dry run with its verdicts, and with what the servos did."""
     same = {field.name: getattr(run, field.name) for field in fields(DryRun)}

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from kinesic.controller.servo_performance import Live
+from kinesic.controller.servo_performance import ServoRun
 from kinesic.report.checks import Check
 from kinesic.report.checks.check import goal, least
 from kinesic.report.checks.twin import MAX, P95
@@ -15,7 +15,7 @@ RMSE = 1.0  # [deg]
 WHOLE = 0.999  # share of a plan that is all of it
 
 
-def live_checks(live: Live) -> list[Check]:
+def live_checks(live: ServoRun) -> list[Check]:
     """How near the robot stayed to the plan, and whether it came to its end."""
     found = [least("measured.performed", live.performed, WHOLE, "ratio", live.why or live.ending)]
     errors = np.degrees(np.abs(live.errors))
@@ -33,13 +33,13 @@ def live_checks(live: Live) -> list[Check]:
     ]
 
 
-def _most(live: Live) -> str:
+def _most(live: ServoRun) -> str:
     """The hinge that strays most."""
     sums = (np.nan_to_num(live.errors) ** 2).sum(axis=0)
     return live.performance.plan.facts.robot.skeleton.names[int(sums.argmax())]
 
 
-def with_live(data: Mapping[str, Json], live: Live) -> dict[str, Json]:
+def with_live(data: Mapping[str, Json], live: ServoRun) -> dict[str, Json]:
     """A report with what the robot did: more checks, the times of its sync points, and a table `servos`."""
     found = live_checks(live)
     rows: list[Json] = [{**vars(check)} for check in found]
@@ -55,7 +55,7 @@ def with_live(data: Mapping[str, Json], live: Live) -> dict[str, Json]:
     }
 
 
-def _syncs(rows: list[Json], live: Live) -> list[Json]:
+def _syncs(rows: list[Json], live: ServoRun) -> list[Json]:
     """With the time at which the robot met each."""
     found: list[Json] = []
     for row, sync in zip(rows, live.performance.plan.syncs, strict=True):
@@ -65,7 +65,7 @@ def _syncs(rows: list[Json], live: Live) -> list[Json]:
     return found
 
 
-def _servos(live: Live, figures: Mapping[str, float]) -> dict[str, Json]:
+def _servos(live: ServoRun, figures: Mapping[str, float]) -> dict[str, Json]:
     names = live.performance.plan.facts.robot.skeleton.names
     squares = np.degrees(np.nan_to_num(live.errors)) ** 2
     means = squares.sum(axis=0) / np.maximum(np.isfinite(live.errors).sum(axis=0), 1)
@@ -94,6 +94,6 @@ def _servos(live: Live, figures: Mapping[str, float]) -> dict[str, Json]:
     }
 
 
-def live_log(live: Live) -> Log:
+def live_log(live: ServoRun) -> Log:
     """Goals sent and angles measured, as `kinesic twin fit` reads them."""
     return Log(live.clocks, live.goals, live.followed)

@@ -23,7 +23,7 @@ FATAL = "Fatal Python error"
 
 
 @dataclass(frozen=True)
-class Crash:
+class WorkerCrash:
     """Why a process died while it had a task."""
 
     reason: str  # one line
@@ -37,7 +37,7 @@ class _Worker(Generic[Task, Result]):
     errors: Path  # its standard error
     task: Task
 
-    def result(self) -> Result | Crash:
+    def result(self) -> Result | WorkerCrash:
         """What it has to say of its task."""
         try:
             result: Result = self.line.recv()
@@ -54,9 +54,9 @@ class _Worker(Generic[Task, Result]):
         self.process.join()
 
 
-def crew(
+def run_pool(
     tasks: Iterable[Task], prepare: Callable[[], Callable[[Task], Result]], *, jobs: int, preload: str = ""
-) -> Generator[tuple[Task, Result | Crash], None, None]:
+) -> Generator[tuple[Task, Result | WorkerCrash], None, None]:
     """Works through tasks in processes of their own.
 
     When the caller stops iterating, or is interrupted, the processes end.
@@ -87,7 +87,7 @@ def crew(
                 for line in wait(list(working)):
                     worker = working[line]  # type: ignore[index]  # wait gives back what it was given
                     task, result = worker.task, worker.result()
-                    if isinstance(result, Crash) or not left:
+                    if isinstance(result, WorkerCrash) or not left:
                         worker.dismiss()
                         del working[worker.line]
                         if left:
@@ -127,10 +127,10 @@ def _work(line: Connection, prepare: Callable[[], Callable[[Task], Result]], tas
             return
 
 
-def _crash(code: int, trace: str) -> Crash:
+def _crash(code: int, trace: str) -> WorkerCrash:
     """Says why a process ended: its signal or exit code, and the error that it wrote last."""
     lines = [line.strip() for line in trace.splitlines() if line.strip()]
     fatal = [line for line in lines if line.startswith(FATAL)]
     said = (fatal or lines[-1:] or ["it wrote nothing"])[0]
     how = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
-    return Crash(f"its process ended with {how}: {said}", trace)
+    return WorkerCrash(f"its process ended with {how}: {said}", trace)

@@ -20,7 +20,7 @@ SHARE = 0.05  # of the way in the window
 LEAST_WAY = np.radians(2.0)  # [rad] in the window, below which nothing is measured
 
 
-class Gauge:
+class ArrivalMonitor:
     """What a body did lately."""
 
     def __init__(self) -> None:

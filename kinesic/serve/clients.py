@@ -19,23 +19,23 @@ from kinesic.serve.protocol import (
     control,
     json_answer,
 )
-from kinesic.serve.queues import Outbox, QueuedDocument
-from kinesic.serve.quotas import Bucket, Rules, quota_feedback
-from kinesic.serve.session import Performer
+from kinesic.serve.queues import OutputQueue, QueuedDocument
+from kinesic.serve.quotas import Quotas, TokenBucket, quota_feedback
+from kinesic.serve.session import Session
 
 NORMAL, POLICY, TOO_BIG, LATER = 1000, 1008, 1009, 1013  # WebSocket's close codes
 NO_TOKEN = 'a token is needed: send {"do": "hello", "token": "..."} first'
 
 
 @dataclass(eq=False)
-class Guest:
+class ConnectedClient:
     """What the server knows of a client."""
 
     number: int
     name: str  # where it is
     admitted: bool  # has shown the token, or needs none
-    bucket: Bucket
-    outbox: Outbox
+    bucket: TokenBucket
+    outbox: OutputQueue
     code: int = NORMAL  # why it was closed, as WebSocket says it
     why: str = ""
     count: int = 0  # documents so far
@@ -55,10 +55,10 @@ class Guest:
         self.outbox.end()
 
 
-class Desk:
+class ClientRegistry:
     """All clients of a server."""
 
-    def __init__(self, rules: Rules, token: str | None, performer: Callable[["Desk"], Performer]) -> None:
+    def __init__(self, rules: Quotas, token: str | None, performer: Callable[["ClientRegistry"], Session]) -> None:
         """With nobody there.
 
         Args:
@@ -67,11 +67,11 @@ class Desk:
             performer: made for this desk, whose `tell` it uses.
         """
         self.rules, self._token = rules, token
-        self._guests: dict[int, Guest] = {}
+        self._guests: dict[int, ConnectedClient] = {}
         self._numbers = count(1)
         self.performer = performer(self)
 
-    def joined(self, name: str, *, token: str | None = None, trusted: bool = False) -> Guest:
+    def joined(self, name: str, *, token: str | None = None, trusted: bool = False) -> ConnectedClient:
         """Somebody has come.
 
         Args:
@@ -80,7 +80,9 @@ class Desk:
             trusted: needs no token.
         """
         admitted = trusted or self._token is None or self.is_right(token)
-        guest = Guest(next(self._numbers), name, admitted, Bucket(self.rules), Outbox(self.rules.unread))
+        guest = ConnectedClient(
+            next(self._numbers), name, admitted, TokenBucket(self.rules), OutputQueue(self.rules.unread)
+        )
         if len(self._guests) >= self.rules.clients:
             guest.close(LATER, f"rule clients: {self.rules.clients} are connected already")
         elif token is not None and not admitted:
@@ -89,7 +91,7 @@ class Desk:
             self._guests[guest.number] = guest
         return guest
 
-    def left(self, guest: Guest) -> None:
+    def left(self, guest: ConnectedClient) -> None:
         """Somebody is gone; its blocks are performed all the same."""
         self._guests.pop(guest.number, None)
         guest.outbox.end()
@@ -103,7 +105,7 @@ class Desk:
         """Whether this is the token."""
         return token is not None and self._token is not None and compare_digest(token.encode(), self._token.encode())
 
-    def heard(self, guest: Guest, message: bytes) -> None:
+    def heard(self, guest: ConnectedClient, message: bytes) -> None:
         """Takes a message: an emergency stop before all that waits, everything else within the rules."""
         try:
             wish = control(message)
@@ -128,7 +130,7 @@ class Desk:
             if refusal is not None:
                 guest.put(refusal)
 
-    def overlong(self, guest: Guest, error: ValueError) -> None:
+    def overlong(self, guest: ConnectedClient, error: ValueError) -> None:
         """A message was longer than it may be."""
         guest.put(quota_feedback("message", str(error), type_=NoticeType.PARSING_FAILURE))
 
@@ -143,7 +145,7 @@ class Desk:
         for guest in self._guests.values():
             guest.close(code, why)
 
-    def _admit(self, guest: Guest, wish: Control | None) -> None:
+    def _admit(self, guest: ConnectedClient, wish: Control | None) -> None:
         if isinstance(wish, Hello) and self.is_right(wish.token):
             guest.admitted = True
             guest.put(json_answer("welcome"))
@@ -152,7 +154,7 @@ class Desk:
         guest.put(json_answer("refused", why=why))
         guest.close(POLICY, why)
 
-    def _obey(self, guest: Guest, wish: Control) -> None:
+    def _obey(self, guest: ConnectedClient, wish: Control) -> None:
         match wish:
             case Resume():
                 self.performer.resume()

@@ -22,12 +22,21 @@ from kinesic.hardware.protocol.wire import BusError
 from kinesic.motion.stopping import stop
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.setup import Setup
-from kinesic.realizer.realizer import Due
+from kinesic.realizer.realizer import ScheduledFeedback
 from kinesic.realizer.release import tail
-from kinesic.serve.arrival_monitor import Gauge
+from kinesic.serve.arrival_monitor import ArrivalMonitor
 from kinesic.serve.clock import Clock
-from kinesic.serve.messages import Beginning, ClockedTrajectory, Done, Halted, Proposal, ProposalVerdict, Tell, Warm
-from kinesic.serve.sinks import Follower, Measuring, Playing, TimedSink, rest_from, steady
+from kinesic.serve.messages import (
+    ClockedTrajectory,
+    FeedbackNotice,
+    Halted,
+    LoopStart,
+    PlannerReady,
+    Proposal,
+    ProposalVerdict,
+    RequestDone,
+)
+from kinesic.serve.sinks import MeasuringSink, Playing, ServoSink, TimedSink, rest_from, steady
 from kinesic.serve.tracks import Effects
 
 PERIOD = 1 / RATE
@@ -42,12 +51,12 @@ class Loop(Thread):
     def __init__(
         self,
         facts: Setup,
-        followers: Sequence[Follower],
+        followers: Sequence[ServoSink],
         clock: Clock,
         *,
         effects: Effects,
         tell: Callable[[str, int], None],
-        news: Callable[[Warm | Done | None], None],
+        news: Callable[[PlannerReady | RequestDone | None], None],
     ) -> None:
         """Not running yet.
 
@@ -61,7 +70,7 @@ class Loop(Thread):
         """
         super().__init__(name="loop")
         self.playing = rest_from(facts.robot, clock.now())
-        self.agenda: list[Due] = []
+        self.agenda: list[ScheduledFeedback] = []
         self.stops, self._done = 0, 0  # emergency stops that were asked for, and those that were made
         self.halted = False  # whether the last one still holds
         self.late = 0  # ticks that came more than a period late
@@ -70,16 +79,16 @@ class Loop(Thread):
         self._owed: frozenset[int] = frozenset()  # senders whose blocks are not over
         self._facts, self._followers, self._clock = facts, followers, clock
         self._tell, self._news, self._effects = tell, news, effects
-        self._told: set[Due] = set()  # that the planner may propose again
+        self._told: set[ScheduledFeedback] = set()  # that the planner may propose again
         self._moving: Mapping[tuple[str, str], Flags] = {}
-        self._gauge = Gauge()
-        self._body = next((each.sink for each in reversed(followers) if isinstance(each.sink, Measuring)), None)
+        self._gauge = ArrivalMonitor()
+        self._body = next((each.sink for each in reversed(followers) if isinstance(each.sink, MeasuringSink)), None)
         self._orders: deque[Callable[[], None]] = deque()
         self._mail: Connection | None = None
         self._out = clock.now()  # [s] until when commands are out
         self._leave = Event()
 
-    def link(self, mail: Connection, beginning: Beginning) -> None:
+    def link(self, mail: Connection, beginning: LoopStart) -> None:
         """Listens from the next tick on to a planner, which knows the motion as it was at its beginning."""
         self._orders.append(lambda: self._link(mail, beginning.stops))
 
@@ -95,9 +104,9 @@ class Loop(Thread):
         """Ends after the present tick."""
         self._leave.set()
 
-    def beginning(self) -> Beginning:
+    def beginning(self) -> LoopStart:
         """Where a planner takes over."""
-        return Beginning(_motion(self.playing), self._done, tuple(self.agenda), self._effects.senses)
+        return LoopStart(_motion(self.playing), self._done, tuple(self.agenda), self._effects.senses)
 
     def owes(self, sender: int) -> bool:
         """Whether a block of a sender's is not over, or something is still to be told of it."""
@@ -140,7 +149,7 @@ class Loop(Thread):
             self._told.add(self.agenda.pop(0))
             self._tell(told.xml, told.sender)
 
-    def _measured(self, due: Due, now: float) -> Due | None:
+    def _measured(self, due: ScheduledFeedback, now: float) -> ScheduledFeedback | None:
         """With the time at which the body was there, where that can be told; None: it is worth waiting a little."""
         point = due.told
         if self._body is None or isinstance(point, str) or point.behaviour is None:
@@ -177,11 +186,11 @@ class Loop(Thread):
                 self._mail = None
                 self._news(None)
 
-    def _heard(self, message: Warm | Tell | Done | Proposal, mail: Connection) -> None:
+    def _heard(self, message: PlannerReady | FeedbackNotice | RequestDone | Proposal, mail: Connection) -> None:
         match message:
             case Proposal():
                 mail.send(ProposalVerdict(self._taken(message), self.stops, self._out))
-            case Tell():
+            case FeedbackNotice():
                 self._tell(message.message, message.sender)
             case _:
                 self._news(message)

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from kinesic.body.arrays import Flags, Floats
-from kinesic.realizer.realizer import Due
-from kinesic.serve.tracks import Senses, Track
+from kinesic.realizer.realizer import ScheduledFeedback
+from kinesic.serve.tracks import SoundAndFace, Track
 
 
 @dataclass(frozen=True)
@@ -56,13 +56,13 @@ class ClockedTrajectory:
 
 
 @dataclass(frozen=True, eq=False)
-class Beginning:
+class LoopStart:
     """Where a planner takes over."""
 
     motion: ClockedTrajectory
     stops: int  # emergency stops so far
-    agenda: tuple[Due, ...]  # what another planner left to be told
-    senses: Senses  # what is wanted beside the motion
+    agenda: tuple[ScheduledFeedback, ...]  # what another planner left to be told
+    senses: SoundAndFace  # what is wanted beside the motion
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,12 +84,12 @@ class ProposalVerdict:
 
 
 @dataclass(frozen=True)
-class Warm:
+class PlannerReady:
     """From the planner: it is ready."""
 
 
 @dataclass(frozen=True)
-class Tell:
+class FeedbackNotice:
     """From the planner to a sender, at once."""
 
     message: str
@@ -97,7 +97,7 @@ class Tell:
 
 
 @dataclass(frozen=True)
-class Done:
+class RequestDone:
     """From the planner: what was wanted is done."""
 
 
@@ -109,10 +109,10 @@ class Proposal:
     now: float  # [s] of the clock: what was due until then is in the agenda for the last time
     cut: float  # [s] of the clock, until which the motion is the one that plays
     motion: ClockedTrajectory | None  # None: as it is
-    agenda: tuple[Due, ...]  # all that is still to be told
+    agenda: tuple[ScheduledFeedback, ...]  # all that is still to be told
     owed: frozenset[int]  # senders whose blocks are not over
     moving: Mapping[tuple[str, str], Flags]  # (block, behaviour) -> (n,) hinges that it moves
     tracks: Mapping[str, Track | None]  # by block, those that have changed; None: of a block that is over
 
 
-News = Warm | Tell | Done | Proposal
+News = PlannerReady | FeedbackNotice | RequestDone | Proposal

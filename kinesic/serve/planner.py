@@ -13,30 +13,39 @@ from kinesic.expressivity.style.style import Style
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.setup import Setup
 from kinesic.realizer.contention import among
-from kinesic.realizer.realizer import Due, Ready, Scene, advance, changed, improved, interrupted, ready
+from kinesic.realizer.realizer import (
+    PreparedBlock,
+    Scene,
+    ScheduledFeedback,
+    advance,
+    change_manner,
+    improve_block,
+    interrupt,
+    ready,
+)
 from kinesic.realizer.realizer import begin as begun
-from kinesic.realizer.release import released
-from kinesic.realizer.request import Message, asked, refusal_feedback
+from kinesic.realizer.release import release_motion
+from kinesic.realizer.request import Message, read_request, refusal_feedback
 from kinesic.serve.clock import Clock
 from kinesic.serve.messages import (
-    Beginning,
     ClockedTrajectory,
     DocumentRequest,
-    Done,
+    FeedbackNotice,
     Halted,
     Interruption,
+    LoopStart,
+    PlannerReady,
     Proposal,
     ProposalVerdict,
+    RequestDone,
     Restyling,
     Resumption,
-    Tell,
     Wanted,
-    Warm,
 )
 from kinesic.serve.protocol import json_answer
-from kinesic.serve.quotas import Rules
+from kinesic.serve.quotas import Quotas
 from kinesic.serve.quotas import quota_feedback as refused_by
-from kinesic.serve.refiner import Better, Leisure, packed, unpacked
+from kinesic.serve.refiner import RefinedPlan, RefinementJob, pack, unpack
 from kinesic.serve.tracks import Track, Version, track, version
 
 MARGIN = 0.015  # [s] from a proposal to its cut, beside what it takes to make it
@@ -49,7 +58,7 @@ WARMING = (
     '<faceLexeme id="brows" lexeme="RAISE_BROWS" start="0"/><speech id="yes"><text>Yes.</text></speech></bml>'
 )
 
-Change = Callable[[Scene, float], tuple[Scene, tuple[Due, ...]]]
+Change = Callable[[Scene, float], tuple[Scene, tuple[ScheduledFeedback, ...]]]
 
 
 def run_planner(
@@ -58,8 +67,8 @@ def run_planner(
     loop: Connection,
     improver: Connection,
     clock: Clock,
-    beginning: Beginning,
-    rules: Rules,
+    beginning: LoopStart,
+    rules: Quotas,
 ) -> None:
     """Plans until the server is gone.
 
@@ -74,15 +83,15 @@ def run_planner(
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which then folds the robot
     try:
-        planning = Planning(facts_of(), loop, improver, clock, beginning, rules)
-        loop.send(Warm())
+        planning = PlannerState(facts_of(), loop, improver, clock, beginning, rules)
+        loop.send(PlannerReady())
         while True:
             heard = wait([wishes, loop, improver], planning.pause)
             if loop in heard:
                 planning.heard(loop.recv())
             elif wishes in heard:
                 planning.fulfil(wishes.recv())
-                loop.send(Done())
+                loop.send(RequestDone())
             elif improver in heard:
                 planning.improve(improver.recv_bytes())
             else:
@@ -92,7 +101,7 @@ def run_planner(
         return
 
 
-class Planning:
+class PlannerState:
     """The scene, and how it changes."""
 
     def __init__(
@@ -101,8 +110,8 @@ class Planning:
         loop: Connection,
         improver: Connection,
         clock: Clock,
-        beginning: Beginning,
-        rules: Rules,
+        beginning: LoopStart,
+        rules: Quotas,
     ) -> None:
         """Warms up by planning a block that nobody sees."""
         self._loop, self._improver, self._clock, self._rules = loop, improver, clock, rules
@@ -134,7 +143,7 @@ class Planning:
             case DocumentRequest():
                 self._plan(wanted)
             case Interruption(block):
-                self._propose(lambda scene, now: interrupted(scene, now, block))
+                self._propose(lambda scene, now: interrupt(scene, now, block))
             case Restyling():
                 self._restyle(wanted)
             case Resumption(stops) if stops == self._stops:
@@ -146,19 +155,19 @@ class Planning:
             return
         first, *others = self._scene.wishes
         self._scene = replace(self._scene, wishes=tuple(others))
-        self._improver.send_bytes(packed(Leisure(first, self._scene.facts.style)))
+        self._improver.send_bytes(pack(RefinementJob(first, self._scene.facts.style)))
         self._improving = True
 
     def improve(self, data: bytes) -> None:
         """Goes over into what the improver has found, where that is still possible."""
         self._improving = False
-        better = unpacked(data, self._scene.facts)
-        if not isinstance(better, Better) or (found := better.plan) is None:
+        better = unpack(data, self._scene.facts)
+        if not isinstance(better, RefinedPlan) or (found := better.plan) is None:
             return
 
-        def change(scene: Scene, now: float) -> tuple[Scene, tuple[Due, ...]]:
+        def change(scene: Scene, now: float) -> tuple[Scene, tuple[ScheduledFeedback, ...]]:
             after, dues = advance(scene, now)
-            return improved(after, better.block, found, now) or after, dues
+            return improve_block(after, better.block, found, now) or after, dues
 
         self._propose(change)
 
@@ -166,8 +175,8 @@ class Planning:
         """Takes over what the loop has made of an emergency stop: every block is interrupted, and stays where it is."""
         self._stops = halted.stops
 
-        def stopped(scene: Scene, _now: float) -> tuple[Scene, tuple[Due, ...]]:
-            after, dues = interrupted(scene, halted.time)
+        def stopped(scene: Scene, _now: float) -> tuple[Scene, tuple[ScheduledFeedback, ...]]:
+            after, dues = interrupt(scene, halted.time)
             return _moved(after, halted.motion), dues
 
         self._propose(stopped, moves=False)
@@ -181,21 +190,23 @@ class Planning:
         message = Message(document.text, document.sender, document.source)
         try:
             around = self._scene.around(self._clock.now())
-            known = among(self._scene, asked(message, self._scene.facts, around=around, bounds=self._bounds))
+            known = among(self._scene, read_request(message, self._scene.facts, around=around, bounds=self._bounds))
             if known.timeline.end - known.timeline.start > self._rules.duration:
                 what = (
                     f"{known.block.id} lasts {known.timeline.end:.0f} s, at most {self._rules.duration:g} s are taken"
                 )
-                self._loop.send(Tell(refused_by("duration", f"{what}: split it", name=known.block.id), document.sender))
+                self._loop.send(
+                    FeedbackNotice(refused_by("duration", f"{what}: split it", name=known.block.id), document.sender)
+                )
                 return
-            self._loop.send(Tell(known.prediction, document.sender))
+            self._loop.send(FeedbackNotice(known.prediction, document.sender))
             coming = ready(known, self._scene.facts)
         except BmlError as error:
-            self._loop.send(Tell(refusal_feedback(message, error), document.sender))
+            self._loop.send(FeedbackNotice(refusal_feedback(message, error), document.sender))
             return
         if document.stops != self._stops or not self._propose(lambda scene, now: begun(scene, coming, now)):
             text = refused_by("stopped", "an emergency stop came; resume first", name=known.block.id)
-            self._loop.send(Tell(text, document.sender))
+            self._loop.send(FeedbackNotice(text, document.sender))
 
     def _restyle(self, wanted: Restyling) -> None:
         try:
@@ -203,9 +214,11 @@ class Planning:
             if wanted.block is None and (wanted.style or wanted.changes):
                 manner = Style.load(wanted.style) if wanted.style else self._scene.facts.style
                 style = manner.changed(wanted.changes)
-            self._propose(lambda scene, now: changed(scene, now, style=style, amount=wanted.amount, block=wanted.block))
+            self._propose(
+                lambda scene, now: change_manner(scene, now, style=style, amount=wanted.amount, block=wanted.block)
+            )
         except (ConfigError, ValueError) as error:
-            self._loop.send(Tell(json_answer("refused", do="style", why=str(error)), wanted.sender))
+            self._loop.send(FeedbackNotice(json_answer("refused", do="style", why=str(error)), wanted.sender))
 
     def _propose(self, change: Change, *, moves: bool = True) -> bool:
         """Changes the scene as soon as the loop can follow; False when it cannot, or an emergency stop came before.
@@ -258,16 +271,16 @@ class Planning:
         return halted, heard
 
 
-def _ready(text: bytes, scene: Scene) -> Ready:
-    return ready(asked(Message(text), scene.facts), scene.facts)
+def _ready(text: bytes, scene: Scene) -> PreparedBlock:
+    return ready(read_request(Message(text), scene.facts), scene.facts)
 
 
 def _moved(scene: Scene, motion: ClockedTrajectory) -> Scene:
     return replace(scene, motion=Trajectory(motion.controls, motion.zero), epoch=motion.epoch)
 
 
-def _resumed(scene: Scene, now: float) -> tuple[Scene, tuple[Due, ...]]:
+def _resumed(scene: Scene, now: float) -> tuple[Scene, tuple[ScheduledFeedback, ...]]:
     """Back to rest, all hinges together."""
     everything = scene.facts.limits.lower < scene.facts.limits.upper
-    motion = released(scene.motion, scene.first_change(now), everything, scene.facts)
+    motion = release_motion(scene.motion, scene.first_change(now), everything, scene.facts)
     return replace(scene, motion=Trajectory(motion.controls, motion.zero)), ()

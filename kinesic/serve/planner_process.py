@@ -10,8 +10,8 @@ from kinesic.planning.setup import Setup
 from kinesic.serve import planner, refiner
 from kinesic.serve.clock import Clock
 from kinesic.serve.loop import Loop
-from kinesic.serve.messages import DocumentRequest, Done, Wanted, Warm
-from kinesic.serve.quotas import Rules
+from kinesic.serve.messages import DocumentRequest, PlannerReady, RequestDone, Wanted
+from kinesic.serve.quotas import Quotas
 
 
 class Planner:
@@ -23,7 +23,7 @@ class Planner:
         loop: Loop,
         clock: Clock,
         *,
-        rules: Rules,
+        rules: Quotas,
         idle: Callable[[], None],
         lost: Callable[[Wanted | None], None],
     ) -> None:
@@ -88,13 +88,13 @@ class Planner:
         except OSError:
             return  # it has died, as the loop will find out
 
-    def heard(self, news: Warm | Done | None) -> None:
+    def heard(self, news: PlannerReady | RequestDone | None) -> None:
         """What came of it; None: it has died."""
         if self._watch is not None:
             self._watch.cancel()
         present, self._present = self._present, None
         match news:
-            case Warm() | Done():
+            case PlannerReady() | RequestDone():
                 self.warm = True
                 self._idle()
             case None:

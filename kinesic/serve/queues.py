@@ -23,7 +23,7 @@ class QueuedDocument:
     source: str  # how messages call it
 
 
-class Turns:
+class FairQueue:
     """Documents by sender, in the order in which each sent them."""
 
     def __init__(self, most: int) -> None:
@@ -63,7 +63,7 @@ class Turns:
         return found
 
 
-class Outbox:
+class OutputQueue:
     """Messages in order. When it is full the oldest syncPointProgress goes, or else the oldest message of all."""
 
     def __init__(self, most: int) -> None:

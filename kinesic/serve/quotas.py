@@ -11,7 +11,7 @@ NOBODY = "message"  # id of a warning about a message whose own id nobody has re
 
 
 @dataclass(frozen=True)
-class Rules:
+class Quotas:
     """Limits of a server, above zero."""
 
     message: int = 1_000_000  # [bytes] of one message
@@ -32,13 +32,13 @@ class Rules:
                 raise ValueError(f"{field.name} is {value}, must be above 0 (usual: {field.default})")
 
 
-USUAL = Rules()
+USUAL = Quotas()
 
 
-class Bucket:
+class TokenBucket:
     """Lets through `rate` messages a second, and `burst` at once."""
 
-    def __init__(self, rules: Rules) -> None:
+    def __init__(self, rules: Quotas) -> None:
         """Full."""
         self._rate, self._burst = rules.rate, float(rules.burst)
         self._left, self._time = self._burst, monotonic()

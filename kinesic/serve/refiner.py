@@ -13,22 +13,22 @@ from kinesic.expressivity.style.style import Style
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.realizer.realizer import ready
-from kinesic.realizer.request import Asked
+from kinesic.realizer.request import TimedRequest
 
 NICE = 5  # behind loop and planner
 FACTS = "facts"  # stands for them where a plan is sent: either side has its own
 
 
 @dataclass(frozen=True, eq=False)
-class Leisure:
+class RefinementJob:
     """To the improver: a block that could be planned better, or in another manner."""
 
-    asked: Asked
+    asked: TimedRequest
     style: Style  # of those that do not say theirs
 
 
 @dataclass(frozen=True, eq=False)
-class Better:
+class RefinedPlan:
     """From the improver."""
 
     block: str  # its id
@@ -51,18 +51,20 @@ class _Unpickler(pickle.Unpickler):
         return self._facts
 
 
-def packed(thing: Leisure | Better) -> bytes:
+def pack(thing: RefinementJob | RefinedPlan) -> bytes:
     """As bytes, without the facts."""
     stream = io.BytesIO()
     _Pickler(stream, pickle.HIGHEST_PROTOCOL).dump(thing)
     return stream.getvalue()
 
 
-def unpacked(data: bytes, facts: Setup) -> Leisure | Better:
+def unpack(data: bytes, facts: Setup) -> RefinementJob | RefinedPlan:
     """From bytes, with the facts of this side."""
     found = _Unpickler(data, facts).load()
-    if not isinstance(found, Leisure | Better):
-        raise pickle.UnpicklingError(f"a {type(found).__name__} came, only {Leisure.__name__} and {Better.__name__} do")
+    if not isinstance(found, RefinementJob | RefinedPlan):
+        raise pickle.UnpicklingError(
+            f"a {type(found).__name__} came, only {RefinementJob.__name__} and {RefinedPlan.__name__} do"
+        )
     return found
 
 
@@ -73,16 +75,16 @@ def run_refiner(facts_of: Callable[[], Setup], planner: Connection) -> None:
         os.nice(NICE)
         facts = facts_of()
         while True:
-            leisure = unpacked(planner.recv_bytes(), facts)
-            if isinstance(leisure, Leisure):
+            leisure = unpack(planner.recv_bytes(), facts)
+            if isinstance(leisure, RefinementJob):
                 known = facts if leisure.style == facts.style else replace(facts, style=leisure.style)
-                planner.send_bytes(packed(_better(leisure.asked, known)))
+                planner.send_bytes(pack(_better(leisure.asked, known)))
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return
 
 
-def _better(asked: Asked, facts: Setup) -> Better:
+def _better(asked: TimedRequest, facts: Setup) -> RefinedPlan:
     try:
-        return Better(asked.block.id, ready(asked, facts).plan)
+        return RefinedPlan(asked.block.id, ready(asked, facts).plan)
     except BmlError:
-        return Better(asked.block.id, None)
+        return RefinedPlan(asked.block.id, None)

@@ -24,11 +24,11 @@ from typing import Protocol
 
 from kinesic.body.config import ConfigError
 from kinesic.planning.setup import Setup
-from kinesic.serve.clients import POLICY, TOO_BIG, Desk, Guest
+from kinesic.serve.clients import POLICY, TOO_BIG, ClientRegistry, ConnectedClient
 from kinesic.serve.protocol import BLANK, END
-from kinesic.serve.quotas import USUAL, Rules, quota_feedback
-from kinesic.serve.session import Performer
-from kinesic.serve.sinks import Follower
+from kinesic.serve.quotas import USUAL, Quotas, quota_feedback
+from kinesic.serve.session import Session
+from kinesic.serve.sinks import ServoSink
 from kinesic.serve.transport import Console, HalfError, Stream, Transport
 from kinesic.serve.websocket import WebSocket
 
@@ -57,7 +57,7 @@ class ClientWire(Protocol):
         """Sends it home."""
 
 
-async def open_listener(desk: Desk, host: str, port: int) -> Listener:
+async def open_listener(desk: ClientRegistry, host: str, port: int) -> Listener:
     """Takes an address for TCP and WebSocket; nobody is attended to before it starts serving.
 
     Raises:
@@ -79,12 +79,12 @@ async def open_listener(desk: Desk, host: str, port: int) -> Listener:
         raise ConfigError(f"--listen {host}:{port}: {error.strerror}; give another one, or port 0") from None
 
 
-async def attend_console(desk: Desk) -> None:
+async def attend_console(desk: ClientRegistry) -> None:
     """Attends to standard input until it ends and everything from it is performed."""
     await _attend(desk, Console(desk.rules), desk.joined("stdin", trusted=True))
 
 
-async def _welcome(desk: Desk, reader: StreamReader, writer: StreamWriter) -> None:
+async def _welcome(desk: ClientRegistry, reader: StreamReader, writer: StreamWriter) -> None:
     """Finds out how a client speaks, and attends to it."""
     socket = writer.get_extra_info("socket")
     socket.setsockopt(SOL_SOCKET, SO_KEEPALIVE, 1)
@@ -106,7 +106,7 @@ async def _welcome(desk: Desk, reader: StreamReader, writer: StreamWriter) -> No
         await _attend(desk, Stream(line, first, desk.rules.message), desk.joined(name))
 
 
-async def _attend(desk: Desk, wire: ClientWire, guest: Guest) -> None:
+async def _attend(desk: ClientRegistry, wire: ClientWire, guest: ConnectedClient) -> None:
     """Hears and answers a client until it goes, or is sent home."""
     hearing, telling = create_task(_hear(desk, wire, guest)), create_task(_tell(wire, guest))
     try:
@@ -125,7 +125,7 @@ async def _attend(desk: Desk, wire: ClientWire, guest: Guest) -> None:
             task.cancel()
 
 
-async def _hear(desk: Desk, wire: ClientWire, guest: Guest) -> None:
+async def _hear(desk: ClientRegistry, wire: ClientWire, guest: ConnectedClient) -> None:
     try:
         messages = wire.messages(lambda: not guest.admitted)
         while guest.open:
@@ -140,7 +140,7 @@ async def _hear(desk: Desk, wire: ClientWire, guest: Guest) -> None:
         guest.close(POLICY, "half a message")
 
 
-async def _tell(wire: ClientWire, guest: Guest) -> None:
+async def _tell(wire: ClientWire, guest: ConnectedClient) -> None:
     while (message := await guest.outbox.take()) is not None:
         await wire.send(message)
 
@@ -160,17 +160,17 @@ class Address:
 class Serving:
     """An open server."""
 
-    desk: Desk
+    desk: ClientRegistry
     address: Address | None  # None: only standard input
 
 
 @asynccontextmanager
-async def serving(
+async def open_serving(
     facts_of: Callable[[], Setup],
-    followers: Sequence[Follower],
+    followers: Sequence[ServoSink],
     *,
     address: Address | None,
-    rules: Rules = USUAL,
+    rules: Quotas = USUAL,
     token: str | None = None,
     face: bool = False,
     sound: bool = False,
@@ -189,7 +189,9 @@ async def serving(
     Raises:
         ConfigError: the address cannot be had.
     """
-    desk = Desk(rules, token, lambda own: Performer(facts_of, followers, rules, own.tell, face=face, sound=sound))
+    desk = ClientRegistry(
+        rules, token, lambda own: Session(facts_of, followers, rules, own.tell, face=face, sound=sound)
+    )
     listener = None
     try:
         if address is not None:
@@ -229,6 +231,6 @@ async def until_done(open_: Serving, wanted: Event, *, console: bool) -> None:
         task.cancel()
 
 
-async def _failed(performer: Performer) -> None:
+async def _failed(performer: Session) -> None:
     while performer.loop.is_alive():
         await sleep(LOOK_AT_LOOP)

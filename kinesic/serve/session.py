@@ -8,25 +8,33 @@ from kinesic.planning.setup import Setup
 from kinesic.realizer.request import block_id
 from kinesic.serve.clock import Clock
 from kinesic.serve.loop import Loop
-from kinesic.serve.messages import DocumentRequest, Done, Interruption, Restyling, Resumption, Wanted, Warm
+from kinesic.serve.messages import (
+    DocumentRequest,
+    Interruption,
+    PlannerReady,
+    RequestDone,
+    Restyling,
+    Resumption,
+    Wanted,
+)
 from kinesic.serve.planner_process import Planner
-from kinesic.serve.queues import QueuedDocument, Turns
-from kinesic.serve.quotas import Rules, quota_feedback
-from kinesic.serve.sinks import Follower
+from kinesic.serve.queues import FairQueue, QueuedDocument
+from kinesic.serve.quotas import Quotas, quota_feedback
+from kinesic.serve.sinks import ServoSink
 from kinesic.serve.tracks import Effects
 from kinesic.speech.speaker import Speaker
 
 LOOK = 0.02  # [s] between two looks at whether it is at rest
 
 
-class Performer:
+class Session:
     """Performs what it is given, and tells senders about it."""
 
     def __init__(
         self,
         facts_of: Callable[[], Setup],
-        followers: Sequence[Follower],
-        rules: Rules,
+        followers: Sequence[ServoSink],
+        rules: Quotas,
         tell: Callable[[str, int], None],
         *,
         face: bool = False,
@@ -44,7 +52,7 @@ class Performer:
         """
         self._asyncio: AbstractEventLoop = get_running_loop()
         self._tell, self._rules = tell, rules
-        self._turns, self._first = Turns(rules.waiting), deque[Wanted]()
+        self._turns, self._first = FairQueue(rules.waiting), deque[Wanted]()
         self._halted = False
         self._warm = Event()
         self.clock = Clock()
@@ -158,5 +166,5 @@ class Performer:
     def _pass_on(self, message: str, sender: int) -> None:
         self._asyncio.call_soon_threadsafe(self._tell, message, sender)
 
-    def _hear(self, news: Warm | Done | None) -> None:
+    def _hear(self, news: PlannerReady | RequestDone | None) -> None:
         self._asyncio.call_soon_threadsafe(self.planner.heard, news)

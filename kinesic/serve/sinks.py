@@ -50,7 +50,7 @@ class TimedSink(Protocol):
 
 
 @runtime_checkable
-class Measuring(Protocol):
+class MeasuringSink(Protocol):
     """A sink that knows where its joints are."""
 
     def seen(self) -> tuple[float, Floats] | None:
@@ -106,7 +106,7 @@ class RealServos:
         self.servos.close()
 
 
-class Follower:
+class ServoSink:
     """A sink, and which of its commands is next."""
 
     def __init__(self, sink: Sink, *, ahead: float = 0.0, delay: float = 0.0) -> None:

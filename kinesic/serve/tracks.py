@@ -8,14 +8,14 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.command import RATE
 from kinesic.body.utterance import Sound
-from kinesic.planning.face_track import asks_face, shown
-from kinesic.realizer.running_block import Staged
+from kinesic.planning.face_track import asks_face, shown_units
+from kinesic.realizer.running_block import RunningBlock
 from kinesic.speech.loudspeaker import SpeakerError
 from kinesic.speech.speaker import Speaker
 
 
 @dataclass(frozen=True)
-class Senses:
+class SoundAndFace:
     """What is wanted of a scene."""
 
     face: bool = False
@@ -40,19 +40,19 @@ Sounds = Mapping[tuple[str, float], Sound]  # by block and the time [s] of the c
 Version = tuple[int, float, float, int]  # of a block: it has another one when its track has to be made anew
 
 
-def version(staged: Staged) -> Version:
+def version(staged: RunningBlock) -> Version:
     """By which one knows whether a block's track is still right."""
     return id(staged.ready.plan), staged.zero, staged.end, len(staged.times)
 
 
-def track(staged: Staged, senses: Senses) -> Track:
+def track(staged: RunningBlock, senses: SoundAndFace) -> Track:
     """What is seen and heard of a block that plays."""
     plan, zero = staged.ready.plan, staged.zero
     begin = zero - plan.trajectory.zero
     sounds = tuple((spoken.begin, found) for spoken in staged.speeches if (found := spoken.utterance.sound) is not None)
     is_seen = senses.face and asks_face(plan)
     times = np.arange(int(plan.duration * RATE) + 1) / RATE
-    return Track(begin, shown(plan, times) if is_seen else {}, sounds if senses.sound else ())
+    return Track(begin, shown_units(plan, times) if is_seen else {}, sounds if senses.sound else ())
 
 
 class Effects:
@@ -66,7 +66,7 @@ class Effects:
             face: whether a sink shows it.
         """
         self._speaker, self._tracks = speaker, dict[str, Track]()
-        self.senses = Senses(face, speaker is not None)
+        self.senses = SoundAndFace(face, speaker is not None)
 
     def take(self, changes: Mapping[str, Track | None]) -> None:
         """Takes new tracks by block, and drops those that are None. A loudspeaker that fails is not asked again."""

@@ -12,7 +12,7 @@ from contextlib import suppress
 from threading import Thread
 
 from kinesic.serve.protocol import END, MessageFramer, json_answer
-from kinesic.serve.quotas import Rules
+from kinesic.serve.quotas import Quotas
 
 CHUNK = 65_536  # [bytes] read at once
 LINGER = 1.0  # [s] in which a client may read what was said last, while what it still says is thrown away
@@ -137,7 +137,7 @@ class Console:
 
     lingers = True
 
-    def __init__(self, rules: Rules) -> None:
+    def __init__(self, rules: Quotas) -> None:
         """Begins to read; a thread does, since a file or terminal cannot be waited for."""
         self._frames, self._reader = MessageFramer(rules.message), StreamReader()
         self._loop = get_running_loop()

@@ -11,7 +11,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.sim.gl import opengl_fault
 from kinesic.sim.model import joint_order
-from kinesic.sim.scene_style import CAMERA, staged
+from kinesic.sim.scene_style import CAMERA, styled_model
 
 __all__ = ["FilmError", "film", "opengl_fault", "write_still"]
 
@@ -74,7 +74,7 @@ def _pictures(robot: Robot, postures: Floats, width: int, height: int) -> list[P
     """One picture (height, width, 3) for each posture (m, n) [rad]."""
     if why := opengl_fault():
         raise FilmError(why)
-    model = staged(robot, width=width, height=height)
+    model = styled_model(robot, width=width, height=height)
     data = mujoco.MjData(model)
     order = joint_order(robot, model)
     pictures = []

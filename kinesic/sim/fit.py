@@ -16,7 +16,7 @@ from scipy.optimize import least_squares
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import Robot
 from kinesic.sim.fit_parameters import DEFAULT, Figure, Unknown, bounds, factors_of, unknowns
-from kinesic.sim.identifiability import SHEET, Telling, assumptions, telling
+from kinesic.sim.identifiability import SHEET, Telling, assumptions, identifiable
 from kinesic.sim.log import Log
 from kinesic.sim.replay import replay_log
 from kinesic.sim.servo_factors import Factors
@@ -76,7 +76,7 @@ def fit_factors(log: Log, robot: Robot, *, free: tuple[Figure, ...] = DEFAULT) -
     assumed = assumptions(asked, _slopes(errors, sheet, range(len(asked)))) if "gain" in free else {}
     values = _solved(errors, asked, [k for k in range(len(asked)) if k not in assumed])
     scatter = max(1.0, _rms(errors(values)))
-    found = telling(asked, _slopes(errors, values, range(len(asked))), assumed=assumed, scatter=scatter)
+    found = identifiable(asked, _slopes(errors, values, range(len(asked))), assumed=assumed, scatter=scatter)
     values = np.where(found.told, values, 0.0)
     spacing = np.tile(noise, len(log.times))
     return Fit(

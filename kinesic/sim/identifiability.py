@@ -39,7 +39,7 @@ def assumptions(of: Sequence[Unknown], slopes: Floats) -> dict[int, str]:
     }
 
 
-def telling(of: Sequence[Unknown], slopes: Floats, *, assumed: Mapping[int, str], scatter: float) -> Telling:
+def identifiable(of: Sequence[Unknown], slopes: Floats, *, assumed: Mapping[int, str], scatter: float) -> Telling:
     """Which unknowns a log tells.
 
     Args:

@@ -34,7 +34,7 @@ VIEW_RISE = 0.45  # of the picture's middle above gesture space's origin, in arm
 VIEW_HEIGHT = 2.6  # of the picture at the robot, in arm lengths
 
 
-def staged(robot: Robot, *, width: int, height: int) -> mujoco.MjModel:
+def styled_model(robot: Robot, *, width: int, height: int) -> mujoco.MjModel:
     """The robot's model with colours and scenery, for pictures of a size in pixels."""
     spec = describe(robot)
     _paint(spec, robot)

@@ -60,10 +60,10 @@ class Speaker:
         """The next samples; a device that misjudges its time by a little does not make them stumble."""
         begin = self._next if abs(heard - self._next) < JUMP else heard
         self._next = begin + count / self._rate
-        return mixed(self._playing, begin, count, self._rate)
+        return mix(self._playing, begin, count, self._rate)
 
 
-def mixed(playing: tuple[tuple[float, Sound], ...], begin: float, count: int, rate: int) -> Samples:
+def mix(playing: tuple[tuple[float, Sound], ...], begin: float, count: int, rate: int) -> Samples:
     """(count,) samples at a rate [Hz] of what is heard from a time on, -1..1.
 
     Args:

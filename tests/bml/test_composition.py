@@ -14,7 +14,7 @@ from kinesic.bml.block import (
     ParameterChange,
     Succession,
 )
-from kinesic.bml.composition import BlockState, awaited, goes_round, held_back
+from kinesic.bml.composition import BlockState, awaited, goes_round, waiting_blocks
 from kinesic.bml.parse import parse
 from kinesic.bml.schedule import schedule
 
@@ -132,7 +132,7 @@ def test_what_a_block_waits_for(written: str, waits: dict[str, str]) -> None:
 
 def test_only_blocks_that_wait_are_held_back() -> None:
     found = replace(block(), succession=Succession(before=("a", "p"), chunk_before=("l", "gone")))
-    assert held_back(found, PRESENT) == {"p": "end", "l": "relax"}
+    assert waiting_blocks(found, PRESENT) == {"p": "end", "l": "relax"}
 
 
 def test_waiting_in_a_circle() -> None:

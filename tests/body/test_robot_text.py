@@ -5,7 +5,7 @@ import pytest
 
 from kinesic.body.config import read_toml
 from kinesic.body.robot import Robot
-from kinesic.body.robot_file import described
+from kinesic.body.robot_file import robot_from_tables
 from kinesic.body.robot_schema import RobotFile, ServoTable
 from kinesic.body.robot_text import robot_text
 
@@ -36,6 +36,6 @@ def test_heading_and_remarks_are_comments(file):
 
 
 def test_a_robots_own_servos_win(file, tmp_path):
-    description = described(file, tmp_path / "robot.toml")
+    description = robot_from_tables(file, tmp_path / "robot.toml")
     assert description.mounts[0].drive.servo.stall_nm == 10.0
     assert description.skeleton.hinges[0].at.tolist() == [0.01, 0.0, -0.02]

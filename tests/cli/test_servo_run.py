@@ -37,7 +37,7 @@ def test_what_is_said_begins_with_the_performance_and_the_speaker_is_let_go(monk
     fake = Fake()
     monkeypatch.setattr(servo_run, "sound", lambda plan: SAID)
     monkeypatch.setattr(playback, "Speaker", lambda: fake)
-    with servo_run.speaking(PLAN) as said:
+    with servo_run.speak_along(PLAN) as said:
         for stage, time, scale in [(Stage.HOLD, 0.0, 0.0), (Stage.ACTIVE, 0.02, 1.0), (Stage.ACTIVE, 0.04, 1.0)]:
             said(Status(stage, clock=7.0 + time, time=time, scale=scale))
         assert fake.begun == [7.0]
@@ -51,7 +51,7 @@ def test_without_a_loudspeaker_it_is_performed_in_silence(monkeypatch: pytest.Mo
 
     monkeypatch.setattr(servo_run, "sound", lambda plan: SAID)
     monkeypatch.setattr(playback, "Speaker", none)
-    with servo_run.speaking(PLAN) as said:
+    with servo_run.speak_along(PLAN) as said:
         said(Status(Stage.ACTIVE, clock=7.0, time=0.0, scale=1.0))
     assert capsys.readouterr().err == "voice: not heard (no device; plug one in)\n"
 
@@ -59,5 +59,5 @@ def test_without_a_loudspeaker_it_is_performed_in_silence(monkeypatch: pytest.Mo
 def test_nothing_is_opened_where_nothing_is_said(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(servo_run, "sound", lambda plan: None)
     monkeypatch.setattr(playback, "Speaker", lambda: pytest.fail("opened"))
-    with servo_run.speaking(PLAN) as said:
+    with servo_run.speak_along(PLAN) as said:
         said(Status(Stage.ACTIVE, clock=7.0, time=0.0, scale=1.0))

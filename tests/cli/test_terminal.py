@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import pytest
 
-from kinesic.cli.terminal import pressed
+from kinesic.cli.terminal import pressed_keys
 
 pytestmark = pytest.mark.realtime
 
@@ -33,7 +33,7 @@ def soon(keys: Callable[[], str]) -> str:
 
 def test_keys_come_at_once_and_the_terminal_is_as_before(terminal: int):
     before = termios.tcgetattr(sys.stdin.fileno())
-    with pressed() as keys:
+    with pressed_keys() as keys:
         assert keys() == ""
         os.write(terminal, b" ")
         assert soon(keys) == " "
@@ -44,5 +44,5 @@ def test_keys_come_at_once_and_the_terminal_is_as_before(terminal: int):
 def test_without_a_terminal_nothing_is_pressed(monkeypatch: pytest.MonkeyPatch):
     with open(os.devnull, encoding="utf-8") as stdin:
         monkeypatch.setattr(sys, "stdin", stdin)
-        with pressed() as keys:
+        with pressed_keys() as keys:
             assert keys() == ""

@@ -8,7 +8,7 @@ from scipy.linalg import expm
 from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
 from kinesic.body.robot import SPEED_SHARE, Robot
-from kinesic.controller.observer import LARGEST, Belief, Lessons, Observer, _forecast, correct_goals
+from kinesic.controller.observer import LARGEST, LearnedLoads, LoadEstimate, Observer, _forecast, correct_goals
 from kinesic.controller.observer_step import FADING, RESTORING, SHARES
 from kinesic.sim.dynamics import MujocoDynamics
 
@@ -25,7 +25,7 @@ def command(angles: Floats = REST) -> Command:
     return Command(0.0, angles, NOTHING, NOTHING, angles)
 
 
-def lessons(angles: Floats = REST, load: float = 0.0, **changes: Floats) -> Lessons:
+def lessons(angles: Floats = REST, load: float = 0.0, **changes: Floats) -> LearnedLoads:
     """One tick that teaches nothing, but for what is changed."""
     return replace(OBSERVER.lessons([command(angles)], NOTHING[None] + load), **changes)
 
@@ -97,9 +97,9 @@ def test_without_deviation_nothing_is_corrected():
 
 def test_a_step_is_pure():
     belief = OBSERVER.begin()
-    kept = [getattr(belief, name).copy() for name in Belief.__dataclass_fields__]
+    kept = [getattr(belief, name).copy() for name in LoadEstimate.__dataclass_fields__]
     first, second = (OBSERVER.after(belief, NOTHING + 0.01, lessons(load=0.02), 0) for _ in range(2))
-    for name, before in zip(Belief.__dataclass_fields__, kept, strict=True):
+    for name, before in zip(LoadEstimate.__dataclass_fields__, kept, strict=True):
         np.testing.assert_array_equal(getattr(belief, name), before)
         np.testing.assert_array_equal(getattr(first, name), getattr(second, name))
 

@@ -8,7 +8,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
 from kinesic.controller.perform import perform
 from kinesic.controller.performance import Performance
-from kinesic.controller.servo_performance import Live, Wish, perform_live
+from kinesic.controller.servo_performance import ServoRun, Wish, perform_live
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.channel import Note, Status
 from kinesic.hardware.supervisor.state_machine import Stage
@@ -153,7 +153,7 @@ def test_samples_of_silent_servos_and_of_standing_time_do_not_count(performance:
     gone[3] = np.nan
     rows[20] = replace(rows[20], angles=gone)
     rows.insert(30, rows[29])
-    again = Live(live.performance, tuple(rows), (), "performed")
+    again = ServoRun(live.performance, tuple(rows), (), "performed")
     assert len(again.times) == len(live.times) - 1
     assert (np.diff(again.times) > 0).all()
 
@@ -163,6 +163,6 @@ def test_an_old_angle_is_compared_with_the_plan_of_its_own_time_and_counts_once(
     rows = list(live.history)
     for k in range(1, len(rows), 2):
         rows[k] = replace(rows[k], angles=rows[k - 1].angles, taken=rows[k - 1].taken)
-    again = Live(live.performance, tuple(rows), (), "performed")
+    again = ServoRun(live.performance, tuple(rows), (), "performed")
     assert np.nanmax(np.abs(again.errors)) < 1e-6
     assert np.isfinite(again.errors).sum() == pytest.approx(np.isfinite(live.errors).sum() / 2, rel=0.2)

@@ -6,7 +6,7 @@ import pytest
 
 from kinesic.body.utterance import Script, Sound, Utterance
 from kinesic.controller.perform import plan, set_up
-from kinesic.controller.soundtrack import resampled, sound, write_wav
+from kinesic.controller.soundtrack import resample, sound, write_wav
 from kinesic.planning.setup import Setup
 from kinesic.speech.recorded import read_wav
 
@@ -65,7 +65,7 @@ def test_nothing_is_heard_of_a_silent_voice():
 
 def test_another_rate_keeps_the_tone():
     tone = Sound.of(RATE, 0.5 * np.sin(2 * np.pi * 200 * np.arange(RATE) / RATE))
-    other = resampled(tone, 22050)
+    other = resample(tone, 22050)
     assert len(other) == 22050
     expected = 0.5 * np.sin(2 * np.pi * 200 * np.arange(22050) / 22050)
     assert np.abs(other - expected)[200:-200].max() < 0.01

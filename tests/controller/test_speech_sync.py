@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.utterance import Sound
-from kinesic.controller.speech_sync import Aloud
+from kinesic.controller.speech_sync import SpeechPlayback
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.speech.loudspeaker import Feed
@@ -56,7 +56,7 @@ class Stand:
     def __init__(self) -> None:
         self.tape = Tape()
         self.speaker = Speaker(self.tape.clock, device=self.tape)
-        self.aloud = Aloud(Sound.of(RATE, np.arange(2 * RATE) / RATE / 2), self.speaker)
+        self.aloud = SpeechPlayback(Sound.of(RATE, np.arange(2 * RATE) / RATE / 2), self.speaker)
         self.time = 0.0
 
     def go(self, seconds: float, stage: Stage, scale: float = 1.0, *, told: bool = True) -> None:

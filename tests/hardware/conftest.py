@@ -12,8 +12,8 @@ from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.virtual.faults import CALM, FaultPlan
 from kinesic.hardware.virtual.memory_wire import MemoryWire
-from kinesic.hardware.virtual.shaft_simulation import Plant
-from kinesic.hardware.virtual.wiring import Cable, Fitting, build_bus
+from kinesic.hardware.virtual.shaft_simulation import ShaftSimulation
+from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
 
 @dataclass
@@ -22,7 +22,7 @@ class Rig:
 
     bus: Bus
     wire: MemoryWire
-    plant: Plant
+    plant: ShaftSimulation
 
     def true(self, register: Register) -> Ticks:
         """What the servos' registers really hold."""
@@ -57,7 +57,7 @@ def rig_of(
     latency: float = 0.001,
 ) -> Rig:
     models = ["xc330_t288" if mixed and k % 2 else model for k in range(count)]
-    fitted = tuple(Fitting(k + 1, model=name, firmware=firmware) for k, name in enumerate(models))
+    fitted = tuple(ServoFitting(k + 1, model=name, firmware=firmware) for k, name in enumerate(models))
     plant, buses = build_bus([Cable("body", fitted, baud=baud, latency=latency, faults=faults)])
     wire = MemoryWire(buses["body"])
     servos = [Servo(k + 1, MODELS[name]) for k, name in enumerate(models)]

@@ -15,7 +15,7 @@ from kinesic.ik.arm.masses import settle_masses
 from kinesic.ik.arm.multistart import RESTARTS
 from kinesic.ik.arm.polish import polish
 from kinesic.ik.arm.seeds import nearest_seeds, seeds
-from kinesic.ik.arm.shoulder_elbow import bent, gap, place_shoulder
+from kinesic.ik.arm.shoulder_elbow import bend_elbow, gap, place_shoulder
 from kinesic.ik.arm.subproblems import first_of_two, turn_towards
 from kinesic.ik.arm.swivel import elbow_at, swivel_of
 from kinesic.ik.arm.wrist import HandDirection, orient
@@ -112,7 +112,7 @@ def test_place_and_bend(size: float) -> None:
         target = vector(np.array(LINKAGE.origin) + size * np.array(direction))
         place = place_shoulder(LINKAGE, target, near=near, rest=rest)
         _agree((place.girdle, place.shoulder, place.target, place.iterations), arm.placed(target, near, rest))
-        bend = bent(LINKAGE, place, near=near, swivel=swivel)
+        bend = bend_elbow(LINKAGE, place, near=near, swivel=swivel)
         found = arm.bent(place.girdle, place.shoulder, place.target, near, swivel)
         _agree((bend.angles, bend.iterations), (found[0], found[2]))
         assert bend.exact == found[1]

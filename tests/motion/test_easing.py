@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import BPoly
 
-from kinesic.motion.easing import OVERSHOOT, PARTS, Easing, eased, overshoot_shape, soften_easing
+from kinesic.motion.easing import OVERSHOOT, PARTS, Easing, ease, overshoot_shape, soften_easing
 
 EASINGS = get_args(Easing)
 EVEN = np.linspace(0.0, 1.0, 2001)
@@ -17,7 +17,7 @@ def played(easing: Easing, steepness: float) -> BPoly:
 
 @pytest.mark.parametrize("easing", EASINGS)
 def test_every_easing_goes_from_0_to_1(easing):
-    np.testing.assert_allclose(eased(easing, np.array([-0.5, 0.0, 1.0, 1.5])), [0.0, 0.0, 1.0, 1.0], atol=1e-12)
+    np.testing.assert_allclose(ease(easing, np.array([-0.5, 0.0, 1.0, 1.5])), [0.0, 0.0, 1.0, 1.0], atol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -26,18 +26,18 @@ def test_every_easing_goes_from_0_to_1(easing):
 )
 def test_the_speeds_at_the_ends_are_those_of_the_formulas(easing, begins, ends):
     step = 1e-6
-    assert eased(easing, np.array([step]))[0] / step == pytest.approx(begins, abs=1e-4)
-    assert (1 - eased(easing, np.array([1 - step]))[0]) / step == pytest.approx(ends, abs=1e-4)
+    assert ease(easing, np.array([step]))[0] / step == pytest.approx(begins, abs=1e-4)
+    assert (1 - ease(easing, np.array([1 - step]))[0]) / step == pytest.approx(ends, abs=1e-4)
 
 
 def test_out_back_overshoots_by_the_share_that_is_asked():
     for share in (0.02, 0.05, 0.1, 0.2):
-        assert eased("out_back", EVEN, overshoot=share).max() == pytest.approx(1 + share, abs=1e-4)
+        assert ease("out_back", EVEN, overshoot=share).max() == pytest.approx(1 + share, abs=1e-4)
     assert overshoot_shape(OVERSHOOT) == pytest.approx(1.70158, abs=1e-4)
 
 
 def test_out_bounce_comes_back_three_times_and_never_goes_beyond():
-    values = eased("out_bounce", EVEN)
+    values = ease("out_bounce", EVEN)
     assert values.max() <= 1.0
     tops = np.flatnonzero((values[1:-1] >= values[:-2]) & (values[1:-1] > values[2:]))
     assert len(tops) == 3
@@ -45,8 +45,8 @@ def test_out_bounce_comes_back_three_times_and_never_goes_beyond():
 
 @pytest.mark.parametrize("steepness", [1.0, 2.0, 4.0, 8.0])
 def test_out_power_begins_with_its_steepness(steepness):
-    assert eased("out_power", np.array([1e-6]), steepness=steepness)[0] / 1e-6 == pytest.approx(steepness, rel=1e-4)
-    assert np.all(np.diff(eased("out_power", EVEN, steepness=steepness)) >= 0.0)
+    assert ease("out_power", np.array([1e-6]), steepness=steepness)[0] / 1e-6 == pytest.approx(steepness, rel=1e-4)
+    assert np.all(np.diff(ease("out_power", EVEN, steepness=steepness)) >= 0.0)
 
 
 @pytest.mark.parametrize("easing", EASINGS)
@@ -64,7 +64,7 @@ def test_softened_it_is_the_average_of_the_easing_over_the_window(easing):
     inner = EVEN[1:-1]
     np.testing.assert_allclose((curve(inner + step) - curve(inner - step)) / (2 * step), curve(inner, nu=1), atol=1e-3)
     average = np.mean(
-        [eased(easing, (inner - 0.5 * s) / 0.5, steepness=3.0) * 30 * s**2 * (1 - s) ** 2 for s in EVEN], axis=0
+        [ease(easing, (inner - 0.5 * s) / 0.5, steepness=3.0) * 30 * s**2 * (1 - s) ** 2 for s in EVEN], axis=0
     )
     np.testing.assert_allclose(curve(inner), average, atol=2e-3)
 
@@ -72,7 +72,7 @@ def test_softened_it_is_the_average_of_the_easing_over_the_window(easing):
 @pytest.mark.parametrize("easing", [easing for easing in EASINGS if easing != "minimum_jerk"])
 def test_the_softest_is_minimum_jerk(easing):
     np.testing.assert_allclose(
-        soften_easing(easing, 1.0)[0], eased("minimum_jerk", np.linspace(0, 1, PARTS + 1)), atol=1e-3
+        soften_easing(easing, 1.0)[0], ease("minimum_jerk", np.linspace(0, 1, PARTS + 1)), atol=1e-3
     )
 
 

@@ -3,7 +3,7 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.key_time_lp import CuttingPlane, relaxed, strain
+from kinesic.motion.key_time_lp import CuttingPlane, relax_key_times, strain
 from kinesic.motion.keys import KeyPosture, Keys
 
 LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
@@ -15,27 +15,29 @@ def keys_of(*rows: tuple[float, float, str]) -> tuple[KeyPosture, ...]:
 
 def test_gaps_push_the_cheapest_key():
     keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), LIMITS)
-    times = relaxed(keys, keys.gaps | {(1, 2): 0.5}, lead_in=0.6)
+    times = relax_key_times(keys, keys.gaps | {(1, 2): 0.5}, lead_in=0.6)
     assert times == pytest.approx([0.0, 0.7, 1.2, 2.0])
 
 
 def test_the_lead_in_lets_the_start_come_earlier_and_no_more():
     keys = Keys.of(keys_of((0, 0, "start"), (0.5, 1, "stroke"), (2, 0, "end")), LIMITS)
-    assert relaxed(keys, keys.gaps | {(0, 1): 0.9}, lead_in=0.6) == pytest.approx([-0.4, 0.5, 2.0])
-    assert relaxed(keys, keys.gaps | {(0, 1): 1.5}, lead_in=0.6) == pytest.approx([-0.6, 0.9, 2.0])
+    assert relax_key_times(keys, keys.gaps | {(0, 1): 0.9}, lead_in=0.6) == pytest.approx([-0.4, 0.5, 2.0])
+    assert relax_key_times(keys, keys.gaps | {(0, 1): 1.5}, lead_in=0.6) == pytest.approx([-0.6, 0.9, 2.0])
 
 
 def test_cuts_are_kept_as_gaps_are():
     keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), LIMITS)
     slopes = sealed([0.0, 2.0, -2.0, 0.0])
-    times = relaxed(keys, keys.gaps, 0.6, [CuttingPlane(slopes, -1.0)])
-    assert times == pytest.approx(relaxed(keys, keys.gaps | {(1, 2): 0.5}, 0.6))
+    times = relax_key_times(keys, keys.gaps, 0.6, [CuttingPlane(slopes, -1.0)])
+    assert times == pytest.approx(relax_key_times(keys, keys.gaps | {(1, 2): 0.5}, 0.6))
 
 
 def test_cuts_that_leave_nothing_are_told():
     keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "stroke")), LIMITS)
     with pytest.raises(ArithmeticError, match="no key times"):
-        relaxed(keys, keys.gaps, 0.6, [CuttingPlane(sealed([0.0, 1.0]), 0.5), CuttingPlane(sealed([0.0, -1.0]), -0.7)])
+        relax_key_times(
+            keys, keys.gaps, 0.6, [CuttingPlane(sealed([0.0, 1.0]), 0.5), CuttingPlane(sealed([0.0, -1.0]), -0.7)]
+        )
 
 
 def test_the_strain_is_what_is_made_least():

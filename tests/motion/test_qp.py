@@ -4,7 +4,7 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.bspline import grid
-from kinesic.motion.qp import nearest_motion, unlimited
+from kinesic.motion.qp import nearest_motion, nearest_without_limits
 from kinesic.motion.segments import SplineSegment
 from kinesic.motion.trajectory import STEP
 
@@ -27,7 +27,7 @@ def test_a_gentle_wish_is_followed_as_it_is():
     s = np.linspace(0, 1, 61)
     wish = 0.5 * (10 * s**3 - 15 * s**4 + 6 * s**5)
     controls = nearest_motion(way, wish, LIMITS)
-    np.testing.assert_array_equal(controls, unlimited(way, wish))
+    np.testing.assert_array_equal(controls, nearest_without_limits(way, wish))
     np.testing.assert_allclose(way.grid.at_knots @ controls, wish, atol=2e-4)
 
 
@@ -36,7 +36,7 @@ def test_a_sharp_wish_is_followed_as_far_as_the_limits_go():
     wish = np.where(np.arange(61) < 30, 0.0, 0.5)
     wish[30] = 0.25
     controls = nearest_motion(way, wish, LIMITS)
-    assert largest(way, unlimited(way, wish)) > 5.0
+    assert largest(way, nearest_without_limits(way, wish)) > 5.0
     assert largest(way, controls) == pytest.approx(1.0, abs=1e-6)
     matrix, values = way.fixed
     np.testing.assert_allclose(matrix @ controls, values, atol=1e-9)

@@ -9,7 +9,7 @@ from kinesic.motion.condition import condition
 from kinesic.motion.double_s import least_stop
 from kinesic.motion.keys import KeyPosture
 from kinesic.motion.limit_check import peaks
-from kinesic.motion.stopping import cut, stop
+from kinesic.motion.stopping import cut_knot, stop
 from kinesic.motion.trajectory import STEP, stay
 
 BOXES = ([-1.5] * 3, [1.5] * 3, [1.0, 4.0, 6.0], [10.0, 59.0, 350.0], [250.0, 1500.0, 8750.0])
@@ -37,7 +37,7 @@ def test_stopping_keeps_the_past_and_the_limits(seed):
     motion = moving(seed)
     time = np.random.default_rng(100 + seed).uniform(0, motion.duration)
     halted = stop(motion, time, LIMITS)
-    past = np.linspace(0.0, cut(motion, time) * STEP, 50)
+    past = np.linspace(0.0, cut_knot(motion, time) * STEP, 50)
     for before, after in zip(motion.sample(past), halted.sample(past), strict=True):
         np.testing.assert_allclose(after, before, atol=1e-9)
     assert largest(halted) <= 1.001
@@ -47,7 +47,7 @@ def test_stopping_keeps_the_past_and_the_limits(seed):
 @pytest.mark.parametrize("seed", range(6))
 def test_stopping_takes_the_physical_minimum_but_for_the_grid(seed):
     motion = moving(seed)
-    knot = cut(motion, 0.4 * motion.duration)
+    knot = cut_knot(motion, 0.4 * motion.duration)
     _, speeds, accelerations = motion.sample(np.array([knot * STEP]))
     least = float(least_stop(speeds[0], accelerations[0], LIMITS.acceleration, LIMITS.jerk).max())
     taken = stop(motion, knot * STEP, LIMITS).duration - knot * STEP
@@ -56,7 +56,7 @@ def test_stopping_takes_the_physical_minimum_but_for_the_grid(seed):
 
 def test_a_motion_is_left_at_the_next_knot():
     still = stay(np.zeros(3), 0.1)
-    assert [cut(still, time) for time in (-1.0, 0.0, 0.0101, 0.02, 0.5)] == [0, 0, 2, 2, 10]
+    assert [cut_knot(still, time) for time in (-1.0, 0.0, 0.0101, 0.02, 0.5)] == [0, 0, 2, 2, 10]
 
 
 def test_what_is_at_rest_stays():

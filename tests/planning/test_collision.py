@@ -4,7 +4,7 @@ import pytest
 from kinesic.body.robot import Robot
 from kinesic.expressivity.hands.poses import resting_hands
 from kinesic.expressivity.keyframes import Hand
-from kinesic.planning.collision import EXACT, HOVER, NEAR_ENOUGH, SLACK, clear_hands, separate, touched
+from kinesic.planning.collision import EXACT, HOVER, NEAR_ENOUGH, SLACK, clear_hands, separate, touched_pair
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.worst_postures import random_postures
 
@@ -105,13 +105,13 @@ REST = resting_hands(ROBOT)
     ],
 )
 def test_words_name_segments(touch, segment):
-    pair = touched("l", touch, ROBOT)
+    pair = touched_pair("l", touch, ROBOT)
     assert set(ROBOT.counted_pairs[pair]) == {"l_wrist", segment}
 
 
 def test_a_hand_far_from_what_it_touches_stays():
     angles = ROBOT.skeleton.rest
-    assert DISTANCES.gaps(angles[None])[0][touched("l", "hand", ROBOT)] > NEAR_ENOUGH
+    assert DISTANCES.gaps(angles[None])[0][touched_pair("l", "hand", ROBOT)] > NEAR_ENOUGH
     hands = {side: Hand(REST[side], touch="hand") for side in ("l", "r")}
     assert np.array_equal(clear_hands(angles, hands, ROBOT, DISTANCES), angles)
 

@@ -7,7 +7,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
 from kinesic.motion.keys import KeyPosture
-from kinesic.planning.detour import LEAST_STEP, PostureCourse, led_around
+from kinesic.planning.detour import LEAST_STEP, PostureCourse, lead_around
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.dynamics import MujocoDynamics
 
@@ -50,19 +50,19 @@ def least(made):
 def test_a_clear_motion_stays_as_it_is():
     clear = course(key(0.0), key(1.0, right=IN_FRONT), key(2.0))
     assert least(clear) >= LEAST
-    assert led_around(clear, DISTANCES, least=LEAST) is clear
+    assert lead_around(clear, DISTANCES, least=LEAST) is clear
 
 
 def test_hands_in_one_place_go_round_one_another():
     together = course(key(0.0), key(1.0, left=IN_FRONT), key(1.4, right=IN_FRONT), key(1.8, left=HIGHER), key(3.0))
     assert least(together) < 0
-    led = led_around(together, DISTANCES, least=LEAST)
+    led = lead_around(together, DISTANCES, least=LEAST)
     assert least(led) >= LEAST - 1e-3
 
 
 def test_keys_of_an_arm_stay_apart_and_in_order():
     together = course(key(0.0), key(1.0, left=IN_FRONT), key(1.4, right=IN_FRONT), key(1.8, left=HIGHER), key(3.0))
-    led = led_around(together, DISTANCES, least=LEAST)
+    led = lead_around(together, DISTANCES, least=LEAST)
     for arm in (LEFT, RIGHT):
         own = [k for k, posture in enumerate(led.postures) if posture.keyed[arm[0]]]
         assert np.diff(led.planned[own]).min() >= LEAST_STEP - 1e-9

@@ -9,10 +9,10 @@ from kinesic.body.action_units import ASIDE, UPWARD
 from kinesic.body.command import NO_FACE, RATE
 from kinesic.controller.feedforward import lead
 from kinesic.controller.perform import plan
-from kinesic.controller.play import command_times, commands, paced
+from kinesic.controller.play import command_times, commands, pace
 from kinesic.expressivity.idle import Idling
 from kinesic.expressivity.style.style import Style
-from kinesic.planning.face_track import asks_face, commands_with_face, faces, heads, shown
+from kinesic.planning.face_track import asks_face, commands_with_face, faces, heads, shown_units
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 
@@ -63,15 +63,15 @@ def test_the_lips_close_on_p_and_m(smiling: Plan):
     assert len(sounds) >= 4
     for sound in sounds:
         middle = zero + smiling.keyframes.timeline.timed[0].times["start"] + sound.start + sound.duration / 2
-        assert shown(smiling, np.array([middle - 0.01, middle]))["24"][1] > 0.95
+        assert shown_units(smiling, np.array([middle - 0.01, middle]))["24"][1] > 0.95
 
 
 def test_the_style_of_the_face_is_used(known: Setup):
     wide = planned(SMILE, replace(known, style=Style.load("neutral").changed(["face.spatial=-1"])))
     plain = planned(SMILE, known)
     moments = np.array([0.0, 2.0])
-    assert shown(wide, moments + wide.trajectory.zero)["L12"][1] == pytest.approx(
-        0.5 * shown(plain, moments + plain.trajectory.zero)["L12"][1]
+    assert shown_units(wide, moments + wide.trajectory.zero)["L12"][1] == pytest.approx(
+        0.5 * shown_units(plain, moments + plain.trajectory.zero)["L12"][1]
     )
 
 
@@ -84,7 +84,7 @@ def test_an_expression_that_is_tied_to_a_late_point_comes_with_it(known: Setup):
     (late,) = [sync for sync in found.syncs if (sync.behaviour, sync.sync) == ("a", "end")]
     assert late.planned > late.asked + 0.1
     times = command_times(found.duration + 3.0)
-    smile = np.asarray(shown(found, times)["L12"])
+    smile = np.asarray(shown_units(found, times)["L12"])
     peak = times[np.argmax(smile >= smile.max() - 1e-9)]
     assert peak == pytest.approx(found.trajectory.zero + late.planned, abs=0.015)
 
@@ -92,7 +92,7 @@ def test_an_expression_that_is_tied_to_a_late_point_comes_with_it(known: Setup):
 def test_eyes_hold_on_while_the_head_nods(known: Setup):
     found = planned('<head id="h" lexeme="NOD" amount="1" stroke="1.5"/>', replace(known, idling=Idling("off", 3)))
     times = command_times(found.duration)
-    told, stands = shown(found, times), heads(found, times)
+    told, stands = shown_units(found, times), heads(found, times)
     assert stands[:, 1].min() < -0.2
     up = told["63"] * UPWARD
     assert np.corrcoef(up, -stands[:, 1])[0, 1] > 0.9
@@ -128,4 +128,4 @@ def test_paced_commands_come_at_their_times(smiling: Plan):
         return now[0]
 
     stream = list(commands_with_face(smiling, np.array([0.0, 0.01, 0.02])))
-    assert list(paced(stream, clock=clock)) == stream
+    assert list(pace(stream, clock=clock)) == stream

@@ -6,7 +6,7 @@ from kinesic.body.config import ConfigError
 from kinesic.controller.perform import dry_run, plan
 from kinesic.controller.performance import Performance
 from kinesic.planning.bap import BapFrames, read_bap, write_bap
-from kinesic.planning.imported_motion import imported
+from kinesic.planning.imported_motion import plan_imported
 from kinesic.report.checks import checks
 
 WAVE = (
@@ -33,7 +33,7 @@ def violations(performed: Performance) -> int:
 
 
 def test_a_motion_that_servos_can_follow_comes_back_within_two_degrees(known, wave):
-    planned = imported(wave, known, source="wave.bap")
+    planned = plan_imported(wave, known, source="wave.bap")
     away = np.degrees(np.abs(at_frames(planned, wave) - wave.angles))
     assert away.max() < 2.0
     assert np.sqrt((away**2).mean()) < 0.3
@@ -43,14 +43,14 @@ def test_a_motion_that_servos_can_follow_comes_back_within_two_degrees(known, wa
 
 def test_it_begins_and_ends_at_rest(known, wave):
     late = BapFrames(wave.times + 5.0, sealed(wave.angles + 0.2), wave.given, ())
-    planned = imported(late, known, source="late.bap")
+    planned = plan_imported(late, known, source="late.bap")
     motion = planned.trajectory
     np.testing.assert_allclose(motion.at(0.0).angles, known.robot.skeleton.rest, atol=2e-3)
     np.testing.assert_allclose(motion.at(motion.duration).angles, known.robot.skeleton.rest, atol=2e-3)
 
 
 def test_the_twin_performs_it(known, wave):
-    performed = dry_run(imported(wave, known, source="wave.bap"))
+    performed = dry_run(plan_imported(wave, known, source="wave.bap"))
     apart = np.abs(performed.measured.angles - performed.reference.angles).max()
     assert np.degrees(apart) < 1.0
     assert violations(performed) == 0
@@ -58,7 +58,7 @@ def test_the_twin_performs_it(known, wave):
 
 def test_a_motion_too_fast_is_slowed_and_says_so(known, wave):
     fast = BapFrames(sealed(wave.times / 4), wave.angles, wave.given, ())
-    planned = imported(fast, known, source="fast.bap")
+    planned = plan_imported(fast, known, source="fast.bap")
     assert any("faster than the servos" in notice.text for notice in planned.notices)
     assert violations(dry_run(planned)) == 0
 
@@ -67,7 +67,7 @@ def test_angles_beyond_a_range_stop_there_and_are_named(known, wave):
     elbow = known.robot.skeleton.joint("l_elbow_flexion")
     angles = wave.angles.copy()
     angles[:, elbow] = -0.1
-    planned = imported(BapFrames(wave.times, sealed(angles), wave.given, ()), known, source="bent.bap")
+    planned = plan_imported(BapFrames(wave.times, sealed(angles), wave.given, ()), known, source="bent.bap")
     (notice,) = planned.notices
     assert "l_elbow_flexion is asked for 5.7 deg beyond its range" in notice.text
 
@@ -75,13 +75,15 @@ def test_angles_beyond_a_range_stop_there_and_are_named(known, wave):
 def test_one_frame_is_a_posture(known):
     posture = known.robot.skeleton.rest.copy()
     posture[known.robot.skeleton.joint("skullbase_torsion")] = 0.3
-    planned = imported(BapFrames(sealed([0.0]), sealed([posture]), ("skullbase_torsion",), ()), known, source="one.bap")
+    planned = plan_imported(
+        BapFrames(sealed([0.0]), sealed([posture]), ("skullbase_torsion",), ()), known, source="one.bap"
+    )
     np.testing.assert_allclose(planned.trajectory.at(planned.trajectory.zero).angles, posture, atol=2e-3)
 
 
 def test_what_the_robot_lacks_is_named(known, wave):
     legs = BapFrames(wave.times, wave.angles, wave.given, (4, 5))
-    (notice,) = imported(legs, known, source="legs.bap").notices
+    (notice,) = plan_imported(legs, known, source="legs.bap").notices
     assert notice.text == "the robot has no hinge for the parameters 4, 5"
     with pytest.raises(ConfigError, match=r"legs\.bap: sets no parameter that upper22 has a hinge for"):
-        imported(BapFrames(wave.times, wave.angles, (), (4, 5)), known, source="legs.bap")
+        plan_imported(BapFrames(wave.times, wave.angles, (), (4, 5)), known, source="legs.bap")

@@ -6,14 +6,14 @@ from kinesic.bml.parse import parse
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.limit_check import peaks
-from kinesic.planning.quick_plan import duration, opening
+from kinesic.planning.quick_plan import duration, plan_quickly
 
 LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 
 
 @pytest.fixture(scope="module")
 def slow(known):
-    return opening(parse(passage_text(1)), known)
+    return plan_quickly(parse(passage_text(1)), known)
 
 
 def largest(trajectory, limits) -> float:

@@ -9,7 +9,7 @@ from kinesic.body.utterance import Mark, Pause, Script
 from kinesic.controller.perform import plan, set_up
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
-from kinesic.planning.speech_pauses import SpeechPause, paused
+from kinesic.planning.speech_pauses import SpeechPause, insert_pauses
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.report.feedback import feedback
 from kinesic.speech.espeak_pool import espeak_fault
@@ -116,7 +116,7 @@ def test_an_utterance_that_is_decided_stays(known: Setup, waiting: Plan):
 
 def test_a_pause_goes_right_before_its_mark():
     script = Script("one two", (Mark("a", 4), Mark("b", 4)), pauses=(Pause(4, 0.1),))
-    found = paused(
+    found = insert_pauses(
         script, (SpeechPause("s", "b", 0.0, ("g", "stroke"), 0.2, 0.2), SpeechPause("s", "a", 0.0, ("g", "stroke")))
     )
     assert found.stops() == (Pause(4, 0.1), Mark("a", 4), Pause(4, 0.2, 1), Mark("b", 4))

@@ -9,8 +9,8 @@ import pytest
 from kinesic.bml.composition import BlockState
 from kinesic.planning.setup import Setup
 from kinesic.realizer.contention import among
-from kinesic.realizer.realizer import Due, Ready, Scene, advance, begin, ready
-from kinesic.realizer.request import Message, asked
+from kinesic.realizer.realizer import PreparedBlock, Scene, ScheduledFeedback, advance, begin, ready
+from kinesic.realizer.request import Message, read_request
 
 TICK = 0.01  # [s]
 NAMESPACES = (
@@ -25,23 +25,23 @@ class Play:
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.now = 0.0
-        self.told: list[Due] = []
+        self.told: list[ScheduledFeedback] = []
 
-    def ready(self, id: str, inside: str = "", attributes: str = "", sender: int = 0) -> Ready:
+    def ready(self, id: str, inside: str = "", attributes: str = "", sender: int = 0) -> PreparedBlock:
         text = f'<bml {NAMESPACES} id="{id}" {attributes}>{inside}</bml>'
-        known = asked(Message(text, sender), self.scene.facts, around=self.scene.around(self.now))
+        known = read_request(Message(text, sender), self.scene.facts, around=self.scene.around(self.now))
         return ready(among(self.scene, known), self.scene.facts)
 
     def send(self, id: str, inside: str = "", attributes: str = "", sender: int = 0) -> "Play":
         return self.take(begin(self.scene, self.ready(id, inside, attributes, sender), self.now))
 
-    def renamed(self, made: Ready, id: str) -> Ready:
+    def renamed(self, made: PreparedBlock, id: str) -> PreparedBlock:
         """A plan that costs nothing."""
         block = replace(made.plan.timeline.block, id=id)
         plan = replace(made.plan, timeline=replace(made.plan.timeline, block=block))
         return replace(made, plan=plan, asked=replace(made.asked, block=block))
 
-    def take(self, after: tuple[Scene, tuple[Due, ...]]) -> "Play":
+    def take(self, after: tuple[Scene, tuple[ScheduledFeedback, ...]]) -> "Play":
         self.scene, dues = after
         self.told += dues
         return self
@@ -71,11 +71,11 @@ class Play:
         return [due.xml for due in self.told if "<predictionFeedback" in due.xml and f'<bml id="{id}"' in due.xml]
 
 
-def is_progress(due: Due, id: str) -> bool:
+def is_progress(due: ScheduledFeedback, id: str) -> bool:
     return "Progress " in due.xml and f' id="{id}"' in due.xml
 
 
-def time(due: Due) -> float:
+def time(due: ScheduledFeedback) -> float:
     found = re.search(r'globalTime="([^"]*)"', due.xml)
     assert found is not None
     return float(found[1])

@@ -7,8 +7,8 @@ from kinesic.motion.limit_check import peaks
 from kinesic.motion.transition import knot_at
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.realizer import pointing
-from kinesic.realizer.pointing import pointed
-from kinesic.realizer.realizer import begin, improved, interrupted, ready, take_replans
+from kinesic.realizer.pointing import pointing_hands
+from kinesic.realizer.realizer import begin, improve_block, interrupt, ready, take_replans
 
 LEAN = '<torso id="t" lexeme="lean" amount="1" start="0" end="3"/>'
 GAZE = '<gaze id="t" target="left" influence="WAIST" start="0" end="3"/>'
@@ -20,7 +20,7 @@ SLIGHT = np.radians(0.2)
 def missed(play, block: str, *, motion=None) -> float:
     """By how much the hand of a block points past its target in its stroke [rad]."""
     staged = play.scene.find(block)
-    (one,) = pointed(staged.ready.plan)
+    (one,) = pointing_hands(staged.ready.plan)
     stroke = play.scene.performance(staged.zero + staged.times[one.behaviour]["stroke"])
     return one.miss((motion or play.scene.motion).sample(np.array([stroke]))[0][0], play.scene.facts.robot)
 
@@ -58,14 +58,14 @@ def test_a_hand_that_is_going_to_point_allows_for_a_trunk_that_moves_then(play, 
 
 def test_a_trunk_that_comes_back_sooner_leaves_the_hand_where_it_points(play):
     play.send("a", LEAN).until(0.4).send("b", POINT).until(0.5)
-    play.take(interrupted(play.scene, play.now, "a"))
+    play.take(interrupt(play.scene, play.now, "a"))
     assert missed(play, "b") < pointing.ASTRAY
     check(play)
 
 
 def test_a_hand_that_is_interrupted_rests_while_the_trunk_goes_on(play):
     play.send("a", LEAN).until(0.4).send("b", POINT).until(0.8)
-    play.take(interrupted(play.scene, play.now, "b"))
+    play.take(interrupt(play.scene, play.now, "b"))
     check(play)
     play.until(6.0)
     assert play.scene.motion.controls[-1] == pytest.approx(play.scene.facts.robot.skeleton.rest, abs=1e-6)
@@ -119,7 +119,7 @@ def test_a_better_plan_points_as_well(play):
     play.take(begin(play.scene, coming, play.now))
     assert missed(play, "b") < SLIGHT
     play.scene, (wish,) = take_replans(play.scene)
-    after = improved(play.scene, "b", ready(wish, play.scene.facts).plan, play.now)
+    after = improve_block(play.scene, "b", ready(wish, play.scene.facts).plan, play.now)
     assert after is not None
     play.scene = after
     assert missed(play, "b") < SLIGHT

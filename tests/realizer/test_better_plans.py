@@ -2,7 +2,7 @@
 
 import pytest
 
-from kinesic.realizer.realizer import begin, improved, ready, take_replans
+from kinesic.realizer.realizer import begin, improve_block, ready, take_replans
 
 BEAT = '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND"/>'
 
@@ -16,7 +16,7 @@ def test_a_large_block_is_improved_while_it_plays(play):
     play.scene, (wish,) = take_replans(play.scene)
     better = ready(wish, play.scene.facts).plan
     play.until(0.2)
-    after = improved(play.scene, "a", better, play.now)
+    after = improve_block(play.scene, "a", better, play.now)
     assert after is not None
     assert take_replans(after)[1] == ()
     play.scene = after
@@ -25,7 +25,7 @@ def test_a_large_block_is_improved_while_it_plays(play):
     assert {id: play.at(f"a:{id}:stroke") for id in strokes} == pytest.approx(strokes, abs=0.011)
     assert len(play.predictions("a")) == 2
     assert len(play.warnings()) == len(better.notices)
-    assert improved(play.scene, "a", better, play.now) is None
+    assert improve_block(play.scene, "a", better, play.now) is None
 
 
 def test_a_better_plan_keeps_to_the_hand_that_others_leave_free(play):
@@ -38,7 +38,7 @@ def test_a_better_plan_keeps_to_the_hand_that_others_leave_free(play):
     assert better.keyframes.uses == before.keyframes.uses
     assert before.keyframes.uses["g0"] == {"l_hand"}
     assert before.keyframes.uses["g4"] == {"r_hand"}
-    assert improved(play.scene, "b", better, play.now) is not None
+    assert improve_block(play.scene, "b", better, play.now) is not None
 
 
 def test_what_no_better_plan_mends_is_warned(play):
@@ -50,7 +50,7 @@ def test_what_no_better_plan_mends_is_warned(play):
 def test_a_block_that_waits_gets_a_better_plan(play):
     play.send("w", '<wait id="w" duration="1"/>').send("a", HURRIED, 'composition="APPEND"')
     play.scene, (wish,) = take_replans(play.scene)
-    after = improved(play.scene, "a", ready(wish, play.scene.facts).plan, play.now)
+    after = improve_block(play.scene, "a", ready(wish, play.scene.facts).plan, play.now)
     assert after is not None
     play.scene = after
     play.until(9.0)

@@ -8,9 +8,9 @@ from kinesic.body.config import ConfigError
 from kinesic.expressivity.style.style import Style
 from kinesic.motion.limit_check import peaks
 from kinesic.planning.setup import Setup
-from kinesic.realizer.realizer import Scene, advance, changed, improved, ready, take_replans
+from kinesic.realizer.realizer import Scene, advance, change_manner, improve_block, ready, take_replans
 from kinesic.realizer.realizer import begin as begun
-from kinesic.realizer.request import Asked, Message, asked
+from kinesic.realizer.request import Message, TimedRequest, read_request
 
 BML = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:bmla="http://www.asap-project.org/bmla" '
@@ -21,15 +21,15 @@ SPEECH = '<speech id="s"><text>One two three four five six seven</text></speech>
 
 
 def sent(scene: Scene, id: str, inside: str, now: float) -> Scene:
-    coming = ready(asked(Message(BML.format(id, inside)), scene.facts, around=scene.around(now)), scene.facts)
+    coming = ready(read_request(Message(BML.format(id, inside)), scene.facts, around=scene.around(now)), scene.facts)
     return begun(scene, coming, now)[0]
 
 
-def granted(scene: Scene, now: float) -> tuple[Scene, tuple[Asked, ...]]:
+def granted(scene: Scene, now: float) -> tuple[Scene, tuple[TimedRequest, ...]]:
     """The scene with all its wishes planned, as far as that can be."""
     scene, wishes = take_replans(scene)
     for wish in wishes:
-        scene = improved(scene, wish.block.id, ready(wish, scene.facts).plan, now) or scene
+        scene = improve_block(scene, wish.block.id, ready(wish, scene.facts).plan, now) or scene
     return scene, wishes
 
 
@@ -47,7 +47,7 @@ def nodding(known: Setup) -> Scene:
 
 def test_amount_changes_what_is_still_to_come(nodding: Scene) -> None:
     before = swing(nodding, 1.8, 2.6)
-    scene, dues = changed(advance(nodding, 1.0)[0], 1.0, amount=0.3)
+    scene, dues = change_manner(advance(nodding, 1.0)[0], 1.0, amount=0.3)
     assert dues == ()
     scene, (wish,) = granted(scene, 1.0)
     action = wish.block.behaviours[0].action
@@ -62,22 +62,22 @@ def test_amount_changes_what_is_still_to_come(nodding: Scene) -> None:
 
 def test_a_style_for_all_is_that_of_what_comes_too(nodding: Scene) -> None:
     tense = Style.load("neutral").changed(["spatial=-0.8"])
-    scene, _ = changed(nodding, 0.2, style=tense)
+    scene, _ = change_manner(nodding, 0.2, style=tense)
     assert scene.facts.style is tense
     assert [wish.block.id for wish in scene.wishes] == ["a"]
 
 
 def test_a_style_for_one_block_leaves_the_others(nodding: Scene) -> None:
     scene = sent(nodding, "b", '<gesture id="g" lexeme="BEAT"/>', 0.2)
-    scene, _ = changed(scene, 0.3, style="neutral", block="b")
+    scene, _ = change_manner(scene, 0.3, style="neutral", block="b")
     (wish,) = scene.wishes
     assert (wish.block.id, wish.block.behaviours[0].manner.style) == ("b", "neutral")
     assert scene.facts.style is nodding.facts.style
 
 
 def test_changes_add_up(nodding: Scene) -> None:
-    scene, _ = changed(nodding, 0.2, amount=0.4)
-    scene, _ = changed(scene, 0.2, style="neutral", block="a")
+    scene, _ = change_manner(nodding, 0.2, amount=0.4)
+    scene, _ = change_manner(scene, 0.2, style="neutral", block="a")
     (wish,) = scene.wishes
     behaviour = wish.block.behaviours[0]
     assert isinstance(behaviour.action, Head)
@@ -87,7 +87,7 @@ def test_changes_add_up(nodding: Scene) -> None:
 def test_what_is_said_already_stays(known: Setup) -> None:
     scene = sent(Scene.of(known), "a", SPEECH + NODS, 0.0)
     before = scene.speeches
-    scene, _ = changed(scene, 0.5, style=Style.load("neutral").changed(["temporal=0.9"]))
+    scene, _ = change_manner(scene, 0.5, style=Style.load("neutral").changed(["temporal=0.9"]))
     scene, (wish,) = granted(scene, 0.5)
     assert wish.is_decided
     assert scene.speeches == before
@@ -95,9 +95,9 @@ def test_what_is_said_already_stays(known: Setup) -> None:
 
 def test_bad_wishes_are_refused(nodding: Scene) -> None:
     with pytest.raises(ValueError, match=r"amount is 1\.5, outside \[0, 1\]"):
-        changed(nodding, 0.1, amount=1.5)
+        change_manner(nodding, 0.1, amount=1.5)
     with pytest.raises(ConfigError, match="nobody"):
-        changed(nodding, 0.1, style="nobody")
+        change_manner(nodding, 0.1, style="nobody")
 
 
 CHANGE = (
@@ -116,7 +116,7 @@ def test_a_block_changes_another(nodding: Scene, target: str, parameter: str, va
     (wish,) = scene.wishes
     changed_ = wish.block.behaviours[0]
     assert changed_ != nodding.blocks[0].block.behaviours[0]
-    assert improved(scene, "a", ready(wish, scene.facts).plan, 0.25) is not None
+    assert improve_block(scene, "a", ready(wish, scene.facts).plan, 0.25) is not None
 
 
 @pytest.mark.parametrize(

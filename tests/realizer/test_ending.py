@@ -4,7 +4,7 @@ import pytest
 
 from kinesic.bml.composition import BlockState
 from kinesic.motion.limit_check import peaks
-from kinesic.realizer.realizer import interrupted
+from kinesic.realizer.realizer import interrupt
 
 NOD = '<head id="h" lexeme="NOD"/>'
 BEAT = '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND"/>'
@@ -37,7 +37,7 @@ def test_replacing_in_mid_stroke_keeps_the_limits(play):
 
 def test_interrupting_one_block_lets_others_go_on(play):
     play.send("a", BEAT).send("b", '<head id="h" lexeme="NOD" repetition="4"/>').until(0.7)
-    play.take(interrupted(play.scene, play.now, "a")).until(5.0)
+    play.take(interrupt(play.scene, play.now, "a")).until(5.0)
     assert play.at("a:end") == pytest.approx(0.7)
     assert not play.was_told("a:g:strokeEnd")
     assert play.was_told("b:h:end")
@@ -46,7 +46,7 @@ def test_interrupting_one_block_lets_others_go_on(play):
 
 def test_interrupting_all(play):
     play.send("a", BEAT).send("b", NOD).send("c", NOD, 'composition="APPEND"').until(0.5)
-    play.take(interrupted(play.scene, play.now)).until(3.0)
+    play.take(interrupt(play.scene, play.now)).until(3.0)
     assert [play.state(id) for id in "abc"] == [BlockState.INTERRUPTED, BlockState.INTERRUPTED, BlockState.REVOKED]
     assert play.scene.agenda == ()
     assert play.scene.motion.controls[-1] == pytest.approx(play.scene.facts.robot.skeleton.rest, abs=1e-6)

@@ -3,12 +3,20 @@
 import pytest
 
 from kinesic.bml.composition import BlockState
-from kinesic.realizer.feedback import Due, Progress, agenda, ordered, retimed, span, without
+from kinesic.realizer.feedback import (
+    Progress,
+    ScheduledFeedback,
+    agenda,
+    order_feedback,
+    retime_feedback,
+    span,
+    without,
+)
 
 TIMES = {"h": {"start": 0.0, "stroke": 1.0, "relax": 1.5, "end": 2.0}, "s": {"start": 0.5, "m": 0.7, "end": 1.7}}
 
 
-def keys(dues: tuple[Due, ...]) -> list[str]:
+def keys(dues: tuple[ScheduledFeedback, ...]) -> list[str]:
     return [f"{due.told.behaviour or ''}:{due.told.point}" for due in dues if isinstance(due.told, Progress)]
 
 
@@ -51,7 +59,7 @@ def test_sync_points_never_go_back() -> None:
 def test_what_was_told_is_not_told_again_and_what_is_past_is_told_at_once() -> None:
     left = agenda("b", TIMES, 10.0, sender=0)[4:]
     sooner = {"h": {"start": 0.0, "stroke": 0.8, "relax": 1.2, "end": 1.6}, "s": TIMES["s"]}
-    again = retimed((*left, Due(11.0, "else")), "b", agenda("b", sooner, 10.0, sender=0), 10.9)
+    again = retime_feedback((*left, ScheduledFeedback(11.0, "else")), "b", agenda("b", sooner, 10.0, sender=0), 10.9)
     assert keys(again) == ["h:stroke", "h:relax", "h:end", "s:end", ":relax", ":end"]
     assert [due.time for due in again] == pytest.approx([10.9, 11.0, 11.2, 11.6, 11.7, 11.7, 11.7])
 
@@ -64,19 +72,21 @@ def test_a_part_can_be_left_out() -> None:
 
 
 def test_agendas_are_joined_in_time() -> None:
-    joined = ordered(agenda("a", {}, 1.0, sender=0), agenda("b", {}, 0.5, sender=0), agenda("c", {}, 1.0, sender=0))
+    joined = order_feedback(
+        agenda("a", {}, 1.0, sender=0), agenda("b", {}, 0.5, sender=0), agenda("c", {}, 1.0, sender=0)
+    )
     assert [due.block for due in joined] == ["b"] * 3 + ["a"] * 3 + ["c"] * 3
 
 
 def test_measured_times_are_told_in_our_namespace() -> None:
-    due = Due(12.0, Progress("b", "h", "stroke", 2.0, "Anna")).seen(12.034)
+    due = ScheduledFeedback(12.0, Progress("b", "h", "stroke", 2.0, "Anna")).seen(12.034)
     assert 'xmlns:kinesic="urn:kinesic"' in due.xml
     assert 'kinesic:measuredGlobalTime="12.034" kinesic:lag="0.034"' in due.xml
     assert 'characterId="Anna"' in due.xml
-    ended = Due(3.0, Progress("b", None, "end", 2.0, state=BlockState.INTERRUPTED)).seen(3.1)
+    ended = ScheduledFeedback(3.0, Progress("b", None, "end", 2.0, state=BlockState.INTERRUPTED)).seen(3.1)
     assert 'kinesic:state="INTERRUPTED" kinesic:measuredGlobalTime="3.1"' in ended.xml
-    assert "kinesic" not in Due(3.0, Progress("b", None, "end", 2.0)).xml
+    assert "kinesic" not in ScheduledFeedback(3.0, Progress("b", None, "end", 2.0)).xml
 
 
 def test_a_written_message_is_told_as_it_is() -> None:
-    assert (Due(1.0, "<x/>").xml, Due(1.0, "<x/>").block) == ("<x/>", None)
+    assert (ScheduledFeedback(1.0, "<x/>").xml, ScheduledFeedback(1.0, "<x/>").block) == ("<x/>", None)

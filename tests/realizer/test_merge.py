@@ -13,8 +13,8 @@ from kinesic.motion.limit_check import peaks
 from kinesic.motion.trajectory import stay
 from kinesic.motion.transition import knot_at, lengthen
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
-from kinesic.planning.quick_plan import opening
-from kinesic.realizer.merge import merged, replaced
+from kinesic.planning.quick_plan import plan_quickly
+from kinesic.realizer.merge import merge, replace_motion
 from kinesic.realizer.occupancy import arm_hinges
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
@@ -27,7 +27,7 @@ def planned(known):
     plans = {}
 
     def made(text: str):
-        return plans.setdefault(text, opening(parse(text if "<bml" in text else ROOT.format(text)), known))
+        return plans.setdefault(text, plan_quickly(parse(text if "<bml" in text else ROOT.format(text)), known))
 
     return made
 
@@ -40,7 +40,7 @@ def rest(known):
 @pytest.fixture(scope="module")
 def running(planned, rest):
     """The passage, from rest, half a second later."""
-    return merged(rest, 0.0, planned(passage_text(0)), begin=0.5)
+    return merge(rest, 0.0, planned(passage_text(0)), begin=0.5)
 
 
 def gesture(hand: str, stroke: float = 0.9, id: str = "g", lexeme: str = "beat") -> str:
@@ -80,7 +80,7 @@ def test_a_block_on_a_body_at_rest_is_its_own_plan(planned, running):
 
 @pytest.mark.parametrize("time", [2.0, 3.7, 5.2, 9.0])
 def test_a_nod_goes_over_gestures_that_go_on(planned, running, known, time):
-    found = merged(running.trajectory, time, planned(NOD), begin=time, busy=running.busy)
+    found = merge(running.trajectory, time, planned(NOD), begin=time, busy=running.busy)
     certified(found.trajectory, known, running.trajectory, time)
     assert found.dropped == ()
     arms = [*arm_hinges("l_hand", known.robot), *arm_hinges("r_hand", known.robot)]
@@ -92,8 +92,8 @@ def test_a_nod_goes_over_gestures_that_go_on(planned, running, known, time):
 
 
 def test_a_nod_adds_to_a_gaze(planned, rest, known):
-    gaze = merged(rest, 0.0, planned('<gaze id="z" target="left" start="0" end="4"/>'), begin=0.0)
-    found = merged(gaze.trajectory, 1.2, planned(NOD), begin=1.2, busy=gaze.busy)
+    gaze = merge(rest, 0.0, planned('<gaze id="z" target="left" start="0" end="4"/>'), begin=0.0)
+    found = merge(gaze.trajectory, 1.2, planned(NOD), begin=1.2, busy=gaze.busy)
     certified(found.trajectory, known, gaze.trajectory, 1.2)
     torsion, tilt, _ = known.robot.joints("neck")
     times = np.linspace(0.0, 5.0, 200)
@@ -103,9 +103,9 @@ def test_a_nod_adds_to_a_gaze(planned, rest, known):
 
 
 def test_one_hand_goes_while_the_other_does_something_else(planned, rest, known):
-    left = merged(rest, 0.0, planned(gesture("LEFT", id="l", lexeme="offer")), begin=0.0)
+    left = merge(rest, 0.0, planned(gesture("LEFT", id="l", lexeme="offer")), begin=0.0)
     plan = planned(gesture("RIGHT"))
-    found = merged(left.trajectory, 0.4, plan, begin=0.4, busy=left.busy)
+    found = merge(left.trajectory, 0.4, plan, begin=0.4, busy=left.busy)
     certified(found.trajectory, known, left.trajectory, 0.4)
     assert found.dropped == ()
     strokes(plan, found, list(arm_hinges("r_hand", known.robot)))
@@ -115,21 +115,21 @@ def test_the_lean_of_one_reach_adds_to_that_of_the_other(planned, rest, known):
     far = {**known.targets, "far_left": np.array([0.9, 0.5, 0.3]), "far_right": np.array([0.9, -0.5, 0.3])}
     reaching = replace(known, targets=far)
     plans = [
-        opening(
+        plan_quickly(
             parse(ROOT.format(f'<pointing id="{side[0]}" target="far_{side}" mode="{side.upper()}_HAND"/>')), reaching
         )
         for side in ("left", "right")
     ]
-    first = merged(rest, 0.0, plans[0], begin=0.0)
-    found = merged(first.trajectory, 0.3, plans[1], begin=0.3, busy=first.busy)
+    first = merge(rest, 0.0, plans[0], begin=0.0)
+    found = merge(first.trajectory, 0.3, plans[1], begin=0.3, busy=first.busy)
     certified(found.trajectory, known, first.trajectory, 0.3)
     assert found.dropped == ()
 
 
 def test_a_hand_that_is_busy_leaves_the_behaviour_out_by_name(planned, rest, known):
-    first = merged(rest, 0.0, planned(gesture("RIGHT", 1.5, lexeme="offer")), begin=0.0)
+    first = merge(rest, 0.0, planned(gesture("RIGHT", 1.5, lexeme="offer")), begin=0.0)
     plan = planned(SPOKEN + gesture("RIGHT", 1.2, id="beat") + '<head id="n" lexeme="NOD" start="0.4"/>')
-    found = merged(first.trajectory, 0.2, plan, begin=0.2, busy=first.busy)
+    found = merge(first.trajectory, 0.2, plan, begin=0.2, busy=first.busy)
     certified(found.trajectory, known, first.trajectory, 0.2)
     assert found.dropped == ("beat",)
     (notice,) = found.notices
@@ -144,8 +144,8 @@ def test_a_hand_that_is_busy_leaves_the_behaviour_out_by_name(planned, rest, kno
 
 
 def test_a_silent_block_waits_a_little_where_that_helps(planned, rest, known):
-    first = merged(rest, 0.0, planned(NOD), begin=0.0)
-    found = merged(first.trajectory, 0.1, planned('<head id="m" lexeme="SHAKE"/>'), begin=0.1, busy=first.busy)
+    first = merge(rest, 0.0, planned(NOD), begin=0.0)
+    found = merge(first.trajectory, 0.1, planned('<head id="m" lexeme="SHAKE"/>'), begin=0.1, busy=first.busy)
     certified(found.trajectory, known, first.trajectory, 0.1)
     assert found.dropped == ()
     assert 0.1 < found.zero - 0.1 <= 0.61
@@ -156,9 +156,9 @@ def test_a_silent_block_waits_a_little_where_that_helps(planned, rest, known):
 
 
 def test_a_block_that_speaks_does_not_wait(planned, rest):
-    first = merged(rest, 0.0, planned(NOD), begin=0.0)
+    first = merge(rest, 0.0, planned(NOD), begin=0.0)
     plan = planned(SPOKEN + '<head id="m" lexeme="SHAKE"/>')
-    found = merged(first.trajectory, 0.1, plan, begin=0.1, busy=first.busy)
+    found = merge(first.trajectory, 0.1, plan, begin=0.1, busy=first.busy)
     assert found.dropped == ("m",)
     assert found.zero == pytest.approx(0.1)
     assert found.trajectory is first.trajectory
@@ -166,8 +166,8 @@ def test_a_block_that_speaks_does_not_wait(planned, rest):
 
 def test_arms_that_would_meet_are_not_moved_at_once(planned, rest, known):
     point = '<pointing id="{}" target="{}" mode="{}_HAND"/>'
-    first = merged(rest, 0.0, planned(point.format("r", "left", "RIGHT")), begin=0.0)
-    found = merged(first.trajectory, 0.3, planned(point.format("l", "right", "LEFT")), begin=0.3, busy=first.busy)
+    first = merge(rest, 0.0, planned(point.format("r", "left", "RIGHT")), begin=0.0)
+    found = merge(first.trajectory, 0.3, planned(point.format("l", "right", "LEFT")), begin=0.3, busy=first.busy)
     assert found.dropped == ("l",)
     assert "mm of" in found.notices[0].text
     assert found.trajectory is first.trajectory
@@ -175,10 +175,10 @@ def test_arms_that_would_meet_are_not_moved_at_once(planned, rest, known):
 
 def test_a_retraction_gives_way_to_the_next_gesture(planned, rest, known):
     plan = planned(gesture("RIGHT"))
-    first = merged(rest, 0.0, planned(gesture("RIGHT", 1.0, lexeme="offer")), begin=0.0)
+    first = merge(rest, 0.0, planned(gesture("RIGHT", 1.0, lexeme="offer")), begin=0.0)
     relax, end = first.busy[0].relax, first.busy[0].end
     time = relax + 0.2 * (end - relax)
-    found = merged(first.trajectory, time, plan, begin=time, busy=first.busy)
+    found = merge(first.trajectory, time, plan, begin=time, busy=first.busy)
     certified(found.trajectory, known, first.trajectory, time)
     assert found.dropped == ()
     hinges = list(arm_hinges("r_hand", known.robot))
@@ -190,22 +190,22 @@ def test_a_retraction_gives_way_to_the_next_gesture(planned, rest, known):
 
 def test_a_look_goes_where_it_is_asked_to_from_one_that_stays(planned, rest, known):
     torsion = known.robot.joints("neck")[0]
-    left = merged(rest, 0.0, planned('<gazeShift id="l" target="left" start="0" end="1"/>'), begin=0.0)
+    left = merge(rest, 0.0, planned('<gazeShift id="l" target="left" start="0" end="1"/>'), begin=0.0)
     right = planned('<gaze id="r" target="right" start="0" end="3"/>')
-    found = merged(left.trajectory, 2.0, right, begin=2.0, busy=left.busy)
+    found = merge(left.trajectory, 2.0, right, begin=2.0, busy=left.busy)
     certified(found.trajectory, known, left.trajectory, 2.0)
     wanted = right.trajectory.at(1.6 + right.trajectory.zero).angles[torsion]
     assert found.trajectory.at(found.zero + 1.6).angles[torsion] == pytest.approx(wanted, abs=0.02)
     back = found.trajectory.controls[-1]
     np.testing.assert_allclose(back, left.trajectory.controls[-1], atol=1e-6)
-    stays = merged(left.trajectory, 2.0, planned('<gazeShift id="r" target="right"/>'), begin=2.0, busy=left.busy)
+    stays = merge(left.trajectory, 2.0, planned('<gazeShift id="r" target="right"/>'), begin=2.0, busy=left.busy)
     assert stays.trajectory.controls[-1][torsion] == pytest.approx(-left.trajectory.controls[-1][torsion], abs=0.02)
 
 
 def test_two_looks_at_once_are_a_conflict(planned, rest):
     looks = '<gaze id="{}" target="{}" start="0" ready="0.8" relax="{}" end="9"/>'
-    first = merged(rest, 0.0, planned(looks.format("z", "left", 6)), begin=0.0)
-    found = merged(first.trajectory, 0.3, planned(looks.format("y", "right", 3)), begin=0.3, busy=first.busy)
+    first = merge(rest, 0.0, planned(looks.format("z", "left", 6)), begin=0.0)
+    found = merge(first.trajectory, 0.3, planned(looks.format("y", "right", 3)), begin=0.3, busy=first.busy)
     assert found.dropped == ("y",)
     assert "look busy with z" in found.notices[0].text
 
@@ -216,8 +216,8 @@ def test_a_clock_that_begins_anew_changes_nothing(planned, running, known):
     one, other = later.trajectory.sample(times)[0], running.trajectory.sample(times + 2.0)[0]
     np.testing.assert_allclose(one, other, atol=1e-12)
     plan = planned(NOD)
-    one = merged(running.trajectory, 3.7, plan, begin=3.7, busy=running.busy)
-    other = merged(later.trajectory, 1.7, plan, begin=1.7, busy=later.busy)
+    one = merge(running.trajectory, 3.7, plan, begin=3.7, busy=running.busy)
+    other = merge(later.trajectory, 1.7, plan, begin=1.7, busy=later.busy)
     assert other.zero == pytest.approx(one.zero - 2.0)
     np.testing.assert_allclose(other.trajectory.controls, one.trajectory.controls[200:], atol=1e-9)
 
@@ -225,7 +225,7 @@ def test_a_clock_that_begins_anew_changes_nothing(planned, running, known):
 @pytest.mark.parametrize("time", [0.9, 1.45, 3.1, 6.5, 8.0])
 def test_a_block_in_the_place_of_another_comes_at_once(planned, running, known, time):
     plan = planned(gesture("RIGHT", 1.0, lexeme="offer"))
-    found = replaced(running.trajectory, time, plan)
+    found = replace_motion(running.trajectory, time, plan)
     certified(found.trajectory, known, running.trajectory, time)
     strokes(plan, found, list(arm_hinges("r_hand", known.robot)))
     assert 0.0 <= found.zero - plan.trajectory.zero - time <= 0.01

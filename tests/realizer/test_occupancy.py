@@ -2,19 +2,26 @@ import numpy as np
 import pytest
 
 from kinesic.bml.parse import parse
-from kinesic.planning.quick_plan import opening
-from kinesic.realizer.occupancy import Busy, arm_hinges, freed_hinges, occupancy_of, settled, still_occupied
+from kinesic.planning.quick_plan import plan_quickly
+from kinesic.realizer.occupancy import (
+    Occupancy,
+    arm_hinges,
+    freed_hinges,
+    occupancy_of,
+    settle_occupancy,
+    still_occupied,
+)
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 
 
 @pytest.fixture(scope="module")
 def planned(known):
-    return lambda text: opening(parse(ROOT.format(text)), known)
+    return lambda text: plan_quickly(parse(ROOT.format(text)), known)
 
 
-def need(*roles, begin=0.0, ready=0.5, relax=1.0, end=1.5, offset=None, hinges=22) -> Busy:
-    return Busy("a", frozenset(roles), np.ones(hinges, dtype=bool), begin, ready, relax, end, offset)
+def need(*roles, begin=0.0, ready=0.5, relax=1.0, end=1.5, offset=None, hinges=22) -> Occupancy:
+    return Occupancy("a", frozenset(roles), np.ones(hinges, dtype=bool), begin, ready, relax, end, offset)
 
 
 def test_each_behaviour_needs_its_own_part(planned, known):
@@ -81,7 +88,7 @@ def test_what_has_given_way_no_longer_counts_but_what_stays_does():
 
 
 def test_what_stays_after_all_is_over_takes_no_time():
-    (left,) = settled(
+    (left,) = settle_occupancy(
         [need("r_hand"), need("look", offset=np.full(22, 0.1)), need("look", offset=np.ones(22)).later(1)]
     )
     np.testing.assert_array_equal(left.offset, np.ones(22))
@@ -102,6 +109,6 @@ def test_a_look_that_another_has_taken_over_from_frees_nothing(known):
     neck = np.zeros(22, dtype=bool)
     neck[list(known.robot.joints("neck"))] = True
     own = need("look", offset=np.where(neck, 0.3, 0.0))
-    own = Busy(own.behaviour, own.roles, neck, own.begin, own.ready, own.relax, own.end, own.offset)
+    own = Occupancy(own.behaviour, own.roles, neck, own.begin, own.ready, own.relax, own.end, own.offset)
     assert freed_hinges([own], neck, 2.0, known.robot).any()
     assert not freed_hinges([own], neck, 2.0, known.robot, others=[need("look", offset=np.ones(22)).later(1.0)]).any()

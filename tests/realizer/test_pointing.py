@@ -6,9 +6,9 @@ import pytest
 from kinesic.bml.parse import parse
 from kinesic.motion.trajectory import Trajectory
 from kinesic.motion.transition import knot_at, lengthen
-from kinesic.planning.quick_plan import opening
+from kinesic.planning.quick_plan import plan_quickly
 from kinesic.realizer.occupancy import occupancy_of
-from kinesic.realizer.pointing import correct_pointing, pointed
+from kinesic.realizer.pointing import correct_pointing, pointing_hands
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 POINT = '<pointing id="p" target="user" mode="RIGHT_HAND" stroke="1.4"/>'
@@ -17,7 +17,7 @@ TURN = np.radians(8.0)  # of the trunk
 
 @pytest.fixture(scope="module")
 def alone(known):
-    return opening(parse(ROOT.format(POINT + '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND"/>')), known)
+    return plan_quickly(parse(ROOT.format(POINT + '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND"/>')), known)
 
 
 @pytest.fixture(scope="module")
@@ -39,17 +39,17 @@ def posture(motion, time):
 
 
 def test_only_hands_that_point_are_found(alone):
-    (one,) = pointed(alone)
+    (one,) = pointing_hands(alone)
     assert (one.behaviour, one.side) == ("p", "r")
 
 
 def test_a_hand_meets_its_target_by_its_own_plan(alone, stroke, known):
-    (one,) = pointed(alone)
+    (one,) = pointing_hands(alone)
     assert one.miss(posture(alone.trajectory, stroke), known.robot) < np.radians(0.5)
 
 
 def test_a_turned_trunk_makes_it_miss_and_the_arm_mends_it(leaning, alone, stroke, known):
-    (one,) = pointed(alone)
+    (one,) = pointing_hands(alone)
     off = posture(leaning, stroke)
     assert one.miss(off, known.robot) > np.radians(3.0)
     mended = one.arm(off, known.robot)
@@ -59,7 +59,7 @@ def test_a_turned_trunk_makes_it_miss_and_the_arm_mends_it(leaning, alone, strok
 
 
 def test_a_corrected_motion_differs_only_in_the_arm_and_only_while_it_points(leaning, alone, stroke, known):
-    (one,), needs = pointed(alone), {each.behaviour: each for each in occupancy_of(alone)}
+    (one,), needs = pointing_hands(alone), {each.behaviour: each for each in occupancy_of(alone)}
     cut = stroke - 0.4
     found = correct_pointing(leaning, cut, one, stroke, needs["p"], [needs["g"]], known)
     assert found is not None
@@ -72,5 +72,5 @@ def test_a_corrected_motion_differs_only_in_the_arm_and_only_while_it_points(lea
 
 
 def test_no_motion_is_corrected_that_may_not_change_in_time(leaning, alone, stroke, known):
-    (one,), needs = pointed(alone), {each.behaviour: each for each in occupancy_of(alone)}
+    (one,), needs = pointing_hands(alone), {each.behaviour: each for each in occupancy_of(alone)}
     assert correct_pointing(leaning, needs["p"].end + 1.0, one, stroke, needs["p"], [], known) is None

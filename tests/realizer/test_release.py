@@ -6,10 +6,10 @@ import pytest
 from kinesic.bench.blocks import passage_text
 from kinesic.bml.parse import parse
 from kinesic.motion.trajectory import STEP, stay
-from kinesic.planning.quick_plan import opening
-from kinesic.realizer.merge import merged
+from kinesic.planning.quick_plan import plan_quickly
+from kinesic.realizer.merge import merge
 from kinesic.realizer.occupancy import arm_hinges, freed_hinges
-from kinesic.realizer.release import released, tail
+from kinesic.realizer.release import release_motion, tail
 
 from .certified import certified
 
@@ -20,7 +20,7 @@ GAZE = '<gaze id="z" target="left" start="0" ready="0.9" relax="6" end="7"/>'
 
 @pytest.fixture(scope="module")
 def planned(known):
-    return lambda text: opening(parse(text if "<bml" in text else ROOT.format(text)), known)
+    return lambda text: plan_quickly(parse(text if "<bml" in text else ROOT.format(text)), known)
 
 
 @pytest.fixture(scope="module")
@@ -31,21 +31,21 @@ def rest(known):
 @pytest.mark.parametrize("time", [0.4, 0.85, 1.3, 3.5, 4.6])
 def test_all_comes_to_rest_from_any_moment(planned, known, rest, time):
     running = planned(passage_text(0)).trajectory
-    found = released(running, time, np.ones(22, dtype=bool), known)
+    found = release_motion(running, time, np.ones(22, dtype=bool), known)
     certified(found, known, running, time)
     np.testing.assert_allclose(found.controls[-1], rest.controls[-1], atol=1e-9)
     assert found.duration < time + 2.5
 
 
 def test_what_rests_already_stays_as_it_is(known, rest):
-    found = released(rest, 0.02, np.ones(22, dtype=bool), known)
+    found = release_motion(rest, 0.02, np.ones(22, dtype=bool), known)
     np.testing.assert_allclose(found.at(5.0).angles, rest.controls[0], atol=1e-12)
 
 
 def test_some_hinges_come_to_rest_and_the_others_go_on(planned, known):
     running, left = planned(passage_text(0)).trajectory, list(arm_hinges("l_hand", known.robot))
     free = np.isin(np.arange(22), left)
-    found = released(running, 1.0, free, known)
+    found = release_motion(running, 1.0, free, known)
     certified(found, known, running, 1.0)
     np.testing.assert_allclose(found.controls[-1][left], known.robot.skeleton.rest[left], atol=1e-9)
     times = np.linspace(0.0, 6.0, 200)
@@ -53,25 +53,25 @@ def test_some_hinges_come_to_rest_and_the_others_go_on(planned, known):
 
 
 def test_a_block_is_taken_back_from_over_another(planned, known, rest):
-    gaze = merged(rest, 0.0, planned(GAZE), begin=0.0)
+    gaze = merge(rest, 0.0, planned(GAZE), begin=0.0)
     shake = planned('<head id="s" lexeme="SHAKE" repetition="3" start="0"/>')
-    both = merged(gaze.trajectory, 1.5, shake, begin=1.5, busy=gaze.busy)
+    both = merge(gaze.trajectory, 1.5, shake, begin=1.5, busy=gaze.busy)
     moved = np.ptp(both.layer.controls, axis=0) > 0.0
     free = freed_hinges(both.busy, moved, 2.2, known.robot, others=gaze.busy)
-    found = released(both.trajectory, 2.2, free, known, layer=both.layer, others=gaze.busy)
+    found = release_motion(both.trajectory, 2.2, free, known, layer=both.layer, others=gaze.busy)
     certified(found, known, both.trajectory, 2.2)
     times = np.linspace(3.2, 8.0, 100)
     np.testing.assert_allclose(found.sample(times)[0], gaze.trajectory.sample(times)[0], atol=1e-6)
 
 
 def test_an_arm_goes_to_rest_until_another_block_needs_it(planned, known, rest):
-    first = merged(rest, 0.0, planned(OFFER.format("one", "RIGHT", 0, 1.0, 2.0)), begin=0.0)
+    first = merge(rest, 0.0, planned(OFFER.format("one", "RIGHT", 0, 1.0, 2.0)), begin=0.0)
     plan = planned(OFFER.format("two", "RIGHT", 3.5, 4.8, 5.3))
-    both = merged(first.trajectory, 0.5, plan, begin=0.5, busy=first.busy)
+    both = merge(first.trajectory, 0.5, plan, begin=0.5, busy=first.busy)
     assert both.dropped == ()
     moved = np.ptp(first.layer.controls, axis=0) > 0.0
     free = freed_hinges(first.busy, moved, 1.1, known.robot, others=both.busy)
-    found = released(both.trajectory, 1.1, free, known, layer=first.layer, others=both.busy)
+    found = release_motion(both.trajectory, 1.1, free, known, layer=first.layer, others=both.busy)
     certified(found, known, both.trajectory, 1.1)
     hinges = list(arm_hinges("r_hand", known.robot))
     np.testing.assert_allclose(found.at(3.2).angles[hinges], known.robot.skeleton.rest[hinges], atol=1e-6)

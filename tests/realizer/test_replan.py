@@ -10,11 +10,11 @@ from kinesic.bml.parse import parse
 from kinesic.expressivity.style.style import Style
 from kinesic.motion.trajectory import stay
 from kinesic.planning.plan import plan_block
-from kinesic.planning.quick_plan import opening
-from kinesic.realizer.merge import merged
+from kinesic.planning.quick_plan import plan_quickly
+from kinesic.realizer.merge import merge
 from kinesic.realizer.occupancy import arm_hinges
-from kinesic.realizer.release import released
-from kinesic.realizer.replan import restyled
+from kinesic.realizer.release import release_motion
+from kinesic.realizer.replan import replan
 
 from .certified import certified
 
@@ -28,7 +28,7 @@ def block():
 
 @pytest.fixture(scope="module")
 def playing(known, block):
-    return merged(stay(known.robot.skeleton.rest), 0.0, opening(block, known), begin=0.2)
+    return merge(stay(known.robot.skeleton.rest), 0.0, plan_quickly(block, known), begin=0.2)
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +44,7 @@ def reached(motion, zero, plan, sync, hinges) -> float:
 
 
 def test_a_better_plan_is_gone_on_with_at_once(known, playing, others):
-    found = restyled(playing.trajectory, 0.35, playing, others["neutral"])
+    found = replan(playing.trajectory, 0.35, playing, others["neutral"])
     certified(found.trajectory, known, playing.trajectory, 0.35)
     hinges = list(arm_hinges("r_hand", known.robot))
     for sync in found.syncs:
@@ -61,7 +61,7 @@ def test_a_better_plan_is_gone_on_with_at_once(known, playing, others):
 @pytest.mark.parametrize("time", [0.3, 1.3, 1.9, 2.6, 3.6, 4.7])
 @pytest.mark.parametrize("style", ["joyful", "sad"])
 def test_another_manner_comes_at_any_moment(known, playing, others, time, style):
-    found = restyled(playing.trajectory, time, playing, others[style])
+    found = replan(playing.trajectory, time, playing, others[style])
     certified(found.trajectory, known, playing.trajectory, time)
     strokes = {(sync.behaviour, sync.sync): sync.planned for sync in playing.syncs}
     for sync in found.syncs:
@@ -73,16 +73,16 @@ def test_another_manner_comes_at_any_moment(known, playing, others, time, style)
 def test_a_gesture_that_has_begun_is_ended_as_it_was(known, playing, others):
     begun = next(need for need in playing.busy if need.behaviour == "g3")
     time = begun.ready + 0.1
-    found = restyled(playing.trajectory, time, playing, others["joyful"])
+    found = replan(playing.trajectory, time, playing, others["joyful"])
     kept = [sync for sync in playing.syncs if sync.behaviour == "g3"]
     assert [sync for sync in found.syncs if sync.behaviour == "g3"] == kept
 
 
 def test_what_was_merged_later_goes_on(known, playing, others):
-    nod = opening(parse(ROOT.format('<gesture id="late" lexeme="beat" mode="RIGHT_HAND"/>')), known)
-    both = merged(playing.trajectory, 0.3, nod, begin=5.6, busy=playing.busy)
+    nod = plan_quickly(parse(ROOT.format('<gesture id="late" lexeme="beat" mode="RIGHT_HAND"/>')), known)
+    both = merge(playing.trajectory, 0.3, nod, begin=5.6, busy=playing.busy)
     assert both.dropped == ()
-    found = restyled(both.trajectory, 0.4, playing, others["neutral"], others=both.busy)
+    found = replan(both.trajectory, 0.4, playing, others["neutral"], others=both.busy)
     certified(found.trajectory, known, both.trajectory, 0.4)
     hinges = list(arm_hinges("r_hand", known.robot))
     (stroke,) = (sync for sync in both.syncs if sync.sync == "stroke")
@@ -90,8 +90,8 @@ def test_what_was_merged_later_goes_on(known, playing, others):
 
 
 def test_a_restyled_block_can_be_taken_back(known, playing, others):
-    found = restyled(playing.trajectory, 1.3, playing, others["sad"])
+    found = replan(playing.trajectory, 1.3, playing, others["sad"])
     free = np.ptp(found.layer.controls, axis=0) > 0.0
-    gone = released(found.trajectory, 2.0, free, known, layer=found.layer)
+    gone = release_motion(found.trajectory, 2.0, free, known, layer=found.layer)
     certified(gone, known, found.trajectory, 2.0)
     np.testing.assert_allclose(gone.controls[-1], known.robot.skeleton.rest, atol=1e-6)

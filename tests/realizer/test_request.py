@@ -10,11 +10,20 @@ from kinesic.bml.composition import BlockState
 from kinesic.bml.parse import parse
 from kinesic.bml.timing.constraints import Point
 from kinesic.planning.setup import Setup
-from kinesic.realizer.request import LEAD, Around, Message, again, anchored, asked, refers_elsewhere, refusal_feedback
+from kinesic.realizer.request import (
+    LEAD,
+    Message,
+    SceneContext,
+    again,
+    anchor_references,
+    read_request,
+    refers_elsewhere,
+    refusal_feedback,
+)
 
 BML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b" {}>{}</bml>'
 NOD = '<head id="h" lexeme="NOD" start="{}"/>'
-AROUND = Around(
+AROUND = SceneContext(
     now=10.0,
     states={"a": BlockState.IN_EXEC, "p": BlockState.PENDING},
     relaxes={"a": 12.0, "p": 20.0},
@@ -28,7 +37,7 @@ def message(inside: str = "", attributes: str = "", sender: int = 0) -> Message:
 
 
 def test_a_block_is_timed_and_told_at_once(known: Setup) -> None:
-    found = asked(message(NOD.format("1"), 'characterId="Anna"', sender=3), known, around=AROUND)
+    found = read_request(message(NOD.format("1"), 'characterId="Anna"', sender=3), known, around=AROUND)
     assert found.sender == 3
     assert found.timeline.timed[0].times["start"] == 1.0
     assert found.zero == 10.0
@@ -39,7 +48,7 @@ def test_a_block_is_timed_and_told_at_once(known: Setup) -> None:
 
 
 def test_a_block_that_begins_before_its_zero_is_expected_so_much_earlier(known: Setup) -> None:
-    found = asked(message(NOD.format("-0.5")), known, around=AROUND)
+    found = read_request(message(NOD.format("-0.5")), known, around=AROUND)
     assert (found.zero, found.timeline.start) == (10.5, -0.5)
     assert 'globalStart="10.0"' in found.prediction
 
@@ -49,16 +58,16 @@ def test_a_block_that_begins_before_its_zero_is_expected_so_much_earlier(known: 
     [("", 10.0), ('composition="APPEND"', 13.0), ('bmla:chunkAfter="a"', 12.0), ('composition="REPLACE"', 10.0)],
 )
 def test_when_it_is_expected(known: Setup, attributes: str, zero: float) -> None:
-    assert asked(message("", attributes), known, around=AROUND).zero == zero
+    assert read_request(message("", attributes), known, around=AROUND).zero == zero
 
 
 def test_what_is_said_takes_its_time(known: Setup) -> None:
-    found = asked(message('<speech id="s"><text>Hello <sync id="m"/>there</text></speech>'), known)
+    found = read_request(message('<speech id="s"><text>Hello <sync id="m"/>there</text></speech>'), known)
     assert found.timeline.timed[0].times["end"] == found.utterances["s"].duration > 0.0
 
 
 def test_references_to_other_blocks_become_times(known: Setup) -> None:
-    found = asked(message(NOD.format("a:g:stroke+0.25")), known, around=AROUND)
+    found = read_request(message(NOD.format("a:g:stroke+0.25")), known, around=AROUND)
     assert found.is_anchored
     assert found.zero == 10.0 + LEAD
     assert found.zero + found.timeline.timed[0].times["start"] == pytest.approx(11.25)
@@ -71,14 +80,16 @@ def test_references_in_constraints_become_times() -> None:
     )
     block = parse(BML.format("", inside))
     assert refers_elsewhere(block)
-    own = anchored(block, AROUND, 10.0)
+    own = anchor_references(block, AROUND, 10.0)
     assert not refers_elsewhere(own)
     offsets = [ref.offset for ref in (own.constraints[0].refs[1], own.constraints[1].earlier)]
     assert offsets == pytest.approx([3.0, 1.0])
 
 
 def test_unknown_references_stay_and_are_warned(known: Setup) -> None:
-    found = asked(message(NOD.format("gone:g:stroke") + NOD.replace('"h"', '"i"').format("1")), known, around=AROUND)
+    found = read_request(
+        message(NOD.format("gone:g:stroke") + NOD.replace('"h"', '"i"').format("1")), known, around=AROUND
+    )
     assert [drop.behaviour.id for drop in found.timeline.dropped] == ["h"]
     assert "gone:g:stroke" in found.notices[0].text
 
@@ -86,13 +97,13 @@ def test_unknown_references_stay_and_are_warned(known: Setup) -> None:
 def test_blocks_without_id_get_free_ones(known: Setup) -> None:
     text = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0"/>'
     busy = replace(AROUND, states={"block": BlockState.IN_EXEC, "block.2": BlockState.LURKING})
-    assert asked(Message(text), known).block.id == "block"
-    found = asked(Message(text), known, around=busy)
+    assert read_request(Message(text), known).block.id == "block"
+    found = read_request(Message(text), known, around=busy)
     assert (found.block.id, len(found.notices)) == ("block.3", 1)
 
 
 def test_what_is_decided_is_not_said_again(known: Setup) -> None:
-    found = asked(message('<speech id="s"><text>Hello</text></speech>'), known)
+    found = read_request(message('<speech id="s"><text>Hello</text></speech>'), known)
     assert again(replace(found, is_decided=True), known).utterances is found.utterances
     assert again(found, known).utterances is not found.utterances
 
@@ -100,7 +111,7 @@ def test_what_is_decided_is_not_said_again(known: Setup) -> None:
 def test_a_bad_document_is_refused_by_the_id_of_its_block(known: Setup) -> None:
     bad = message(NOD.format("nobody:end"))
     with pytest.raises(BmlError) as caught:
-        asked(bad, known)
+        read_request(bad, known)
     xml = refusal_feedback(bad, caught.value)
     assert re.search(r'id="b" type="PARSING_FAILURE"', xml)
     assert "nobody" in xml

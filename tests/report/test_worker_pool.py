@@ -3,7 +3,7 @@ from functools import partial
 
 import pytest
 
-from kinesic.report.worker_pool import Crash, crew
+from kinesic.report.worker_pool import WorkerCrash, run_pool
 
 EVALUATE = partial(partial, eval)  # tasks are Python expressions
 DIES = {
@@ -25,25 +25,25 @@ def alive(pid: int) -> bool:
 @pytest.mark.parametrize("jobs", [1, 3])
 def test_every_task_is_done_once(jobs):
     tasks = [f"{k} ** 2" for k in range(7)]
-    assert dict(crew(tasks, EVALUATE, jobs=jobs)) == {task: k**2 for k, task in enumerate(tasks)}
+    assert dict(run_pool(tasks, EVALUATE, jobs=jobs)) == {task: k**2 for k, task in enumerate(tasks)}
 
 
 def test_no_tasks():
-    assert list(crew([], EVALUATE, jobs=2)) == []
+    assert list(run_pool([], EVALUATE, jobs=2)) == []
 
 
 def test_processes_that_die_are_named_with_their_task_and_the_others_go_on():
     tasks = ["1 + 1", *DIES, "2 + 2", "3 + 3"]
-    found = dict(crew(tasks, EVALUATE, jobs=2))
+    found = dict(run_pool(tasks, EVALUATE, jobs=2))
     assert [found[task] for task in ("1 + 1", "2 + 2", "3 + 3")] == [2, 4, 6]
     for task, reason in DIES.items():
-        assert isinstance(found[task], Crash)
+        assert isinstance(found[task], WorkerCrash)
         assert reason in found[task].reason
     assert 'File "<string>", line 1' in found["1 / 0"].trace
 
 
 def test_processes_end_when_nobody_listens_any_more():
-    results = crew(["__import__('os').getpid()"] + ["__import__('time').sleep(60)"] * 3, EVALUATE, jobs=2)
+    results = run_pool(["__import__('os').getpid()"] + ["__import__('time').sleep(60)"] * 3, EVALUATE, jobs=2)
     _, pid = next(results)
     assert alive(pid)
     results.close()

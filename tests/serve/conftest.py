@@ -12,9 +12,9 @@ import pytest
 from kinesic.body.command import Command
 from kinesic.client import Client
 from kinesic.controller.perform import set_up
-from kinesic.serve.quotas import Rules
-from kinesic.serve.server import Address, Serving, serving, until_done
-from kinesic.serve.sinks import Follower, RealTwin
+from kinesic.serve.quotas import Quotas
+from kinesic.serve.server import Address, Serving, open_serving, until_done
+from kinesic.serve.sinks import RealTwin, ServoSink
 
 
 class Witness:
@@ -52,15 +52,15 @@ class Running:
 
 
 @contextmanager
-def running(rules: Rules, token: str | None = None) -> Iterator[Running]:
+def running(rules: Quotas, token: str | None = None) -> Iterator[Running]:
     """A server on a free port."""
     witness, ready, found = Witness(), threading.Event(), []
 
     async def serve() -> None:
         enough = asyncio.Event()
-        followers = [Follower(witness), Follower(RealTwin(set_up().robot))]
+        followers = [ServoSink(witness), ServoSink(RealTwin(set_up().robot))]
         address = Address("127.0.0.1", 0)
-        async with serving(set_up, followers, address=address, rules=rules, token=token, face=True) as open_:
+        async with open_serving(set_up, followers, address=address, rules=rules, token=token, face=True) as open_:
             found.extend((Running(open_, witness, asyncio.get_running_loop()), enough))
             ready.set()
             await until_done(open_, enough, console=False)
@@ -80,14 +80,14 @@ def running(rules: Rules, token: str | None = None) -> Iterator[Running]:
 @pytest.fixture(scope="package")
 def server() -> Iterator[Running]:
     """With the usual rules, but for the rate; it works as long as it is open, so not beside other tests."""
-    with running(Rules(rate=1000.0, burst=1000)) as found:
+    with running(Quotas(rate=1000.0, burst=1000)) as found:
         yield found
 
 
 @pytest.fixture(scope="module")
 def guarded() -> Iterator[Running]:
     """With a token and tight rules."""
-    rules = Rules(
+    rules = Quotas(
         message=2000, depth=8, rate=20.0, burst=10, waiting=2, clients=4, unread=64, patience=1.0, duration=20.0
     )
     with running(rules, "open sesame") as found:

@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinesic.motion.trajectory import Trajectory, stay
-from kinesic.serve.arrival_monitor import Gauge
+from kinesic.serve.arrival_monitor import ArrivalMonitor
 from kinesic.serve.sinks import Playing
 
 HINGES = np.array([True, False])
@@ -19,7 +19,7 @@ def moving(epoch):
 
 
 def seen(playing, late, until):
-    gauge = Gauge()
+    gauge = ArrivalMonitor()
     for time in TIMES[until > TIMES]:
         gauge.add(time + playing.epoch, playing.trajectory.sample(np.array([time - late]))[0][0])
     return gauge
@@ -36,7 +36,7 @@ def test_a_body_that_is_late_by_so_much_is_told_so(late, epoch):
 def test_a_body_that_has_not_arrived_yet_is_waited_for():
     playing = moving(0.0)
     assert seen(playing, 0.05, 0.81).lateness(0.8, HINGES, playing) is None
-    assert Gauge().lateness(0.8, HINGES, playing) is None
+    assert ArrivalMonitor().lateness(0.8, HINGES, playing) is None
 
 
 def test_nothing_can_be_said_of_hinges_that_rest():

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinesic.bench.bml.mutations import MUTATIONS, mutated
+from kinesic.bench.bml.mutations import MUTATIONS, mutate
 from kinesic.bench.corpus import folder
 from kinesic.body.command import RATE
 from kinesic.body.config import CONFIGS
@@ -28,8 +28,8 @@ def test_every_mutation_takes_any_document(mutation, document):
 
 def test_the_same_seed_makes_the_same_document():
     document = OWN[0].read_bytes()
-    made = [mutated(document, seed) for seed in range(50)]
-    assert made == [mutated(document, seed) for seed in range(50)]
+    made = [mutate(document, seed) for seed in range(50)]
+    assert made == [mutate(document, seed) for seed in range(50)]
     assert len(set(made)) > 40
 
 
@@ -37,7 +37,7 @@ def test_a_sample_of_them_is_answered_while_the_robot_performs(server, monkeypat
     where = folder()
     files = OWN if where is None else documents((where,))
     chance = random.Random(7)
-    crowd = [mutated(chance.choice(files).read_bytes()[:6000], seed) for seed in range(COUNT)]
+    crowd = [mutate(chance.choice(files).read_bytes()[:6000], seed) for seed in range(COUNT)]
     performer = server.open.desk.performer
     patient = replace(server.open.desk.rules, planning=120.0)  # this machine may be busy with other tests
     monkeypatch.setattr(performer.planner, "_rules", patient)

@@ -3,7 +3,7 @@ import asyncio
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinesic.serve.queues import MINOR, Outbox, QueuedDocument, Turns
+from kinesic.serve.queues import MINOR, FairQueue, OutputQueue, QueuedDocument
 
 
 def waiting(sender, text=b""):
@@ -11,7 +11,7 @@ def waiting(sender, text=b""):
 
 
 def test_clients_take_turns():
-    turns = Turns(9)
+    turns = FairQueue(9)
     for sender, text in ((1, b"a"), (1, b"b"), (1, b"c"), (2, b"d"), (3, b"e"), (2, b"f")):
         turns.add(waiting(sender, text))
     assert b"".join(turns.next().text for _ in range(6)) == b"adebfc"
@@ -19,14 +19,14 @@ def test_clients_take_turns():
 
 
 def test_one_client_may_have_so_many_only():
-    turns = Turns(2)
+    turns = FairQueue(2)
     assert [turns.add(waiting(1)) for _ in range(3)] == [True, True, False]
     assert turns.add(waiting(2))
     assert len(turns) == 3
 
 
 def test_who_waits_is_known_until_nobody_does():
-    turns = Turns(2)
+    turns = FairQueue(2)
     turns.add(waiting(7))
     assert 7 in turns
     assert turns.clear() == (waiting(7),)
@@ -37,7 +37,7 @@ def test_who_waits_is_known_until_nobody_does():
 @settings(deadline=None)
 @given(st.lists(st.integers(1, 4), max_size=60))
 def test_nobody_waits_for_more_than_one_block_of_each_other_client(senders):
-    turns = Turns(100)
+    turns = FairQueue(100)
     for number, sender in enumerate(senders):
         turns.add(waiting(sender, b"%d" % number))
     order = [turns.next().sender for _ in senders]
@@ -62,14 +62,14 @@ async def _messages(outbox):
 
 
 def test_messages_come_in_order():
-    outbox = Outbox(3)
+    outbox = OutputQueue(3)
     for message in "abc":
         outbox.put(message)
     assert drained(outbox) == ["a", "b", "c"]
 
 
 def test_of_too_many_the_oldest_minor_ones_go_first_and_the_loss_is_told():
-    outbox = Outbox(3)
+    outbox = OutputQueue(3)
     for message in ("first", f"{MINOR} 1", f"{MINOR} 2", "second", "third", "fourth"):
         outbox.put(message)
     told, *left = drained(outbox)
@@ -78,7 +78,7 @@ def test_of_too_many_the_oldest_minor_ones_go_first_and_the_loss_is_told():
 
 
 def test_it_never_holds_more_than_it_may():
-    outbox = Outbox(5)
+    outbox = OutputQueue(5)
     for number in range(1000):
         outbox.put(str(number))
     assert len(outbox) == 5
@@ -86,7 +86,7 @@ def test_it_never_holds_more_than_it_may():
 
 def test_one_that_waits_gets_what_comes():
     async def both():
-        outbox = Outbox(2)
+        outbox = OutputQueue(2)
         waiting = asyncio.create_task(outbox.take())
         await asyncio.sleep(0)
         outbox.put("late")
@@ -96,7 +96,7 @@ def test_one_that_waits_gets_what_comes():
 
 
 def test_nothing_goes_in_after_the_end():
-    outbox = Outbox(2)
+    outbox = OutputQueue(2)
     outbox.end()
     outbox.put("a")
     assert drained(outbox) == []

@@ -4,8 +4,8 @@ import pytest
 from kinesic.body.utterance import Sound
 from kinesic.realizer.realizer import Scene, ready
 from kinesic.realizer.realizer import begin as begun
-from kinesic.realizer.request import Message, asked
-from kinesic.serve.tracks import Effects, Senses, Track, track, version
+from kinesic.realizer.request import Message, read_request
+from kinesic.serve.tracks import Effects, SoundAndFace, Track, track, version
 from kinesic.speech.loudspeaker import SpeakerError
 
 BLOCK = (
@@ -40,12 +40,12 @@ def shows(begin, **units):
 @pytest.fixture(scope="module")
 def staged(known):
     scene = Scene.of(known)
-    scene, _ = begun(scene, ready(asked(Message(BLOCK.encode()), known), known), 10.0)
+    scene, _ = begun(scene, ready(read_request(Message(BLOCK.encode()), known), known), 10.0)
     return scene.playing[0]
 
 
 def test_a_block_s_face_is_on_the_clock(staged):
-    one = track(staged, Senses(face=True))
+    one = track(staged, SoundAndFace(face=True))
     brows = {time: one.at(staged.zero + time).get("L1", 0.0) for time in (0.0, 0.3, 0.5, 0.89)}
     assert brows[0.0] < 0.1 < 0.5 < brows[0.3] == pytest.approx(brows[0.5], abs=0.05)
     assert brows[0.89] < 0.1
@@ -53,7 +53,7 @@ def test_a_block_s_face_is_on_the_clock(staged):
 
 
 def test_what_is_not_wanted_is_not_made(staged):
-    assert track(staged, Senses()).face == {}
+    assert track(staged, SoundAndFace()).face == {}
     assert version(staged) == version(staged)
 
 

@@ -6,10 +6,10 @@ import pytest
 
 from kinesic.body.robot import Robot
 from kinesic.sim.model import build_model
-from kinesic.sim.scene_style import CAMERA, eyeballs, parts, staged
+from kinesic.sim.scene_style import CAMERA, eyeballs, parts, styled_model
 
 ROBOT = Robot.load()
-MODEL = staged(ROBOT, width=320, height=240)
+MODEL = styled_model(ROBOT, width=320, height=240)
 
 
 def test_scenery_has_no_weight_and_touches_nothing():

@@ -14,10 +14,10 @@ from kinesic.motion.transition import knot_at, lengthen
 from kinesic.planning.certify import duties
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.plan import plan_block
-from kinesic.planning.quick_plan import opening
-from kinesic.realizer.merge import merged, replaced
+from kinesic.planning.quick_plan import plan_quickly
+from kinesic.realizer.merge import merge, replace_motion
 from kinesic.realizer.occupancy import freed_hinges, still_occupied
-from kinesic.realizer.release import released, tail
+from kinesic.realizer.release import release_motion, tail
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 MODES = ("LEFT_HAND", "RIGHT_HAND", "BOTH_HANDS")
@@ -57,7 +57,7 @@ def random_block(chance: random.Random, lexemes: list[str]) -> str:
 def test_an_endless_stream_of_blocks(seed, known):
     chance = random.Random(seed)
     lexemes = [form.id for form in known.lexicon.forms]
-    planner = opening if seed % 2 else plan_block
+    planner = plan_quickly if seed % 2 else plan_block
     pool = [planner(parse(random_block(chance, lexemes)), known) for _ in range(BLOCKS)]
     motion, now, playing = resting(known.robot.skeleton.rest), 0.0, []
     least = known.robot.least_clearance + LAG_RESERVE
@@ -71,16 +71,16 @@ def test_an_endless_stream_of_blocks(seed, known):
         needs = still_occupied((need for each in playing for need in each.busy), now)
         deed = chance.random()
         if deed < 0.85:
-            found = merged(motion, now, chance.choice(pool), begin=now, busy=needs)
+            found = merge(motion, now, chance.choice(pool), begin=now, busy=needs)
             after, playing = found.trajectory, [*playing, found]
         elif deed < 0.93:
-            found = replaced(motion, now, chance.choice(pool))
+            found = replace_motion(motion, now, chance.choice(pool))
             after, playing = found.trajectory, [found]
         elif playing:
             gone = playing.pop(chance.randrange(len(playing)))
             others = [need for each in playing for need in each.busy]
             free = freed_hinges(gone.busy, np.ptp(gone.layer.controls, axis=0) > 0.0, now, known.robot, others=others)
-            after = released(motion, now, free, known, layer=gone.layer, others=others)
+            after = release_motion(motion, now, free, known, layer=gone.layer, others=others)
         else:
             continue
         count = knot_at(now) + 3

@@ -10,7 +10,7 @@ import sys
 import pytest
 
 from kinesic.bench.bml import server as live
-from kinesic.bench.bml.mutations import mutated
+from kinesic.bench.bml.mutations import mutate
 from kinesic.bench.corpus import folder
 from kinesic.body.config import CONFIGS
 from kinesic.client import Client
@@ -38,7 +38,7 @@ def test_mutated_documents_neither_crash_nor_stall_it():
     patient = ("--rule", "planning=120", "--rule", "rate=1000", "--rule", "burst=1000")
     with live.open_server(*patient) as server, Client(port=server.port) as client:
         for seed in range(DOCUMENTS):
-            text = mutated(chance.choice(texts), seed).replace(b"\0", b" ")
+            text = mutate(chance.choice(texts), seed).replace(b"\0", b" ")
             if len(text) > USUAL.message:
                 _sent_home(server.port, text)
             else:

@@ -5,7 +5,7 @@ from kinesic.body.utterance import Sound
 from kinesic.speech import port_audio
 from kinesic.speech.loudspeaker import Feed, SpeakerError
 from kinesic.speech.port_audio import PortAudio
-from kinesic.speech.speaker import Speaker, mixed
+from kinesic.speech.speaker import Speaker, mix
 
 RATE = 1000
 CLICK = Sound.of(RATE, [1.0, 0.5, 0.25])
@@ -105,13 +105,13 @@ def test_a_device_is_let_go():
 
 def test_a_sound_of_another_rate_takes_as_long():
     sound = Sound.of(2 * RATE, np.ones(400))
-    found = mixed(((1.0, sound),), 0.9, 400, RATE)
+    found = mix(((1.0, sound),), 0.9, 400, RATE)
     assert np.flatnonzero(found > 0.5).tolist() == list(range(100, 300))
 
 
 @pytest.mark.parametrize("begin", [-5.0, 0.0, 5.0])
 def test_before_and_after_it_is_silent(begin: float):
-    assert mixed(((1.0, CLICK),), begin, 16, RATE).tolist() == [0.0] * 16
+    assert mix(((1.0, CLICK),), begin, 16, RATE).tolist() == [0.0] * 16
 
 
 def test_a_machine_that_plays_nothing_says_what_mends_it():

@@ -12,7 +12,7 @@ from kinesic.body.limits import Limits
 from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Robot
 from kinesic.expressivity.hands.coarticulation import Engaged
-from kinesic.expressivity.hands.phases import Arranged, arranged
+from kinesic.expressivity.hands.phases import Arranged, arrange_hands
 from kinesic.expressivity.hands.poses import REST, Poses, pose_distance, resting_hands
 from kinesic.expressivity.hands.strokes import Stroke
 from kinesic.expressivity.keyframes import Hand
@@ -69,7 +69,7 @@ def same(found: Arranged, other: Arranged) -> bool:
 @given(st.floats(0.0, 5.0), gaps, usual, windows)
 def test_a_gesture_alone_takes_a_free_hand_if_there_is_one(start, phases, side, engaged):
     one = stroke("g", start, phases, side, either=True)
-    found = arranged([one], PACE, engaged=engaged)
+    found = arrange_hands([one], PACE, engaged=engaged)
     busy = {each.side for each in engaged if each.meets(one.times, WAY)}
     free = [option for option in (side, *(set(SIDES) - {side})) if option not in busy]
     assert found.sides == {"g": {free[0] if free else side}}
@@ -80,7 +80,7 @@ def test_a_gesture_alone_takes_a_free_hand_if_there_is_one(start, phases, side, 
 def test_a_gesture_of_two_hands_is_done_by_the_free_one_if_only_one_is(start, phases, engaged):
     both = Poses({side: OPTIONS[side].hands[side] for side in SIDES}, 1)
     one = replace(stroke("g", start, phases, "r", either=False), options=(both,), halves=True)
-    found = arranged([one], PACE, engaged=engaged)
+    found = arrange_hands([one], PACE, engaged=engaged)
     free = set(SIDES) - {each.side for each in engaged if each.meets(one.times, WAY)}
     assert found.sides == {"g": free or set(SIDES)}
     assert (found.outcomes != {}) == (len(free) == 1)
@@ -89,20 +89,20 @@ def test_a_gesture_of_two_hands_is_done_by_the_free_one_if_only_one_is(start, ph
 @given(rows, windows)
 def test_gestures_of_a_given_hand_are_the_same(row, engaged):
     fixed = made(row, either=False)
-    assert same(arranged(fixed, PACE, engaged=engaged), arranged(fixed, PACE))
+    assert same(arrange_hands(fixed, PACE, engaged=engaged), arrange_hands(fixed, PACE))
 
 
 @given(rows, windows)
 def test_what_meets_no_gesture_changes_nothing(row, engaged):
     strokes = made(row, either=True)
     later = [Engaged(each.side, each.begin + NEVER, each.end + NEVER, each.by) for each in engaged]
-    assert same(arranged(strokes, PACE, engaged=later), arranged(strokes, PACE))
+    assert same(arrange_hands(strokes, PACE, engaged=later), arrange_hands(strokes, PACE))
 
 
 @given(rows, windows)
 def test_every_gesture_is_done_or_dropped_by_name_with_hands_it_may_take(row, engaged):
     strokes = made(row, either=True)
-    found = arranged(strokes, PACE, engaged=engaged)
+    found = arrange_hands(strokes, PACE, engaged=engaged)
     for one in strokes:
         dropped = one.id in found.outcomes and found.outcomes[one.id].kind == "dropped"
         assert dropped != (one.id in found.sides)

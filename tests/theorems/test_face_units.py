@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinesic.body.action_units import CHANNELS
-from kinesic.face.assets.action_units import deformed, intensities, shape_weights
+from kinesic.face.assets.action_units import deform, intensities, shape_weights
 from kinesic.face.assets.mesh import load_head
 
 MESH = load_head("female")
@@ -18,7 +18,7 @@ def test_weights_are_shares_and_the_face_stays_a_face(told: dict[str, float]):
     found = shape_weights(MESH, told)
     assert found.min() >= 0.0
     assert found.max() <= 1.0
-    away = np.linalg.norm(deformed(MESH, told) - MESH.positions, axis=1)
+    away = np.linalg.norm(deform(MESH, told) - MESH.positions, axis=1)
     assert np.all(np.isfinite(away))
     assert away.max() < 0.08
 
@@ -26,12 +26,12 @@ def test_weights_are_shares_and_the_face_stays_a_face(told: dict[str, float]):
 @settings(max_examples=60, deadline=None)
 @given(units, st.sampled_from(CHANNELS), st.floats(0.0, 0.99))
 def test_a_little_more_moves_a_little(told: dict[str, float], channel: str, value: float):
-    before, after = (deformed(MESH, {**told, channel: each}) for each in (value, value + 0.01))
+    before, after = (deform(MESH, {**told, channel: each}) for each in (value, value + 0.01))
     assert np.linalg.norm(after - before, axis=1).max() < 0.01 * 0.08
 
 
 @settings(max_examples=30, deadline=None)
 @given(units)
 def test_telling_twice_shows_the_same(told: dict[str, float]):
-    assert np.array_equal(deformed(MESH, told), deformed(MESH, dict(reversed(told.items()))))
+    assert np.array_equal(deform(MESH, told), deform(MESH, dict(reversed(told.items()))))
     assert np.array_equal(intensities(told), intensities({**dict.fromkeys(CHANNELS, 0.0), **told}))

@@ -8,10 +8,10 @@ from kinesic.hardware.bus.bus import Bus, Servo
 from kinesic.hardware.bus.health import CELLS
 from kinesic.hardware.protocol.models import MODELS
 from kinesic.hardware.protocol.registers import Register
-from kinesic.hardware.virtual.faults import WIRE_KINDS, FaultPlan, Mishap
+from kinesic.hardware.virtual.faults import WIRE_KINDS, FaultPlan, PlannedFault
 from kinesic.hardware.virtual.memory_wire import MemoryWire
-from kinesic.hardware.virtual.shaft_simulation import Plant
-from kinesic.hardware.virtual.wiring import Cable, Fitting, build_bus
+from kinesic.hardware.virtual.shaft_simulation import ShaftSimulation
+from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
 MID, CYCLES, PERIOD = 2048, 30, 0.02
 MODEL = MODELS["xm430_w350"]
@@ -19,7 +19,7 @@ RATES = st.sampled_from([0.0, 0.01, 0.1, 0.5])
 WEATHER = st.fixed_dictionaries(dict.fromkeys(sorted(WIRE_KINDS), RATES))
 BEFALLS = st.lists(
     st.builds(
-        Mishap,
+        PlannedFault,
         st.sampled_from(["silent", "reboot", "alert", "undervoltage", "unplug"]),
         servos=st.sampled_from([(1,), (2, 3), ()]),
         start=st.floats(0.0, 0.6),
@@ -29,9 +29,9 @@ BEFALLS = st.lists(
 )
 
 
-def opened(count: int, faults: FaultPlan) -> tuple[Bus, MemoryWire, Plant]:
+def opened(count: int, faults: FaultPlan) -> tuple[Bus, MemoryWire, ShaftSimulation]:
     """A bus whose servos show their records, and what is behind it."""
-    plant, buses = build_bus([Cable("body", tuple(Fitting(k + 1) for k in range(count)), faults=faults)])
+    plant, buses = build_bus([Cable("body", tuple(ServoFitting(k + 1) for k in range(count)), faults=faults)])
     for servo in plant.servos:
         servo.memory.put(MODEL.cells[0].addresses, CELLS)
     wire = MemoryWire(buses["body"])
@@ -41,9 +41,9 @@ def opened(count: int, faults: FaultPlan) -> tuple[Bus, MemoryWire, Plant]:
 @settings(max_examples=25, deadline=None)
 @given(WEATHER, BEFALLS, st.integers(2, 9), st.integers(0, 1000))
 def test_nothing_is_raised_and_nothing_wrong_is_believed(
-    rates: dict[str, float], befalls: list[Mishap], count: int, seed: int
+    rates: dict[str, float], befalls: list[PlannedFault], count: int, seed: int
 ):
-    weather = tuple(Mishap(kind, rate=rate) for kind, rate in rates.items() if rate)
+    weather = tuple(PlannedFault(kind, rate=rate) for kind, rate in rates.items() if rate)
     bus, wire, _ = opened(
         count, FaultPlan(tuple(m for m in befalls if m.kind != "unplug" or m.start > 0.01) + weather, seed)
     )

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from kinesic.hardware.bus.goals import GoalFrame
 from kinesic.hardware.bus.health import BLOCK, SIZE
-from kinesic.hardware.bus.query import FastQuestion, PlainQuestion
+from kinesic.hardware.bus.query import FastQuery, PlainQuery
 from kinesic.hardware.protocol.crc import advance_crcs, byte_contributions, crc_contributions
 from kinesic.hardware.protocol.packet import (
     BROADCAST,
@@ -17,9 +17,9 @@ from kinesic.hardware.protocol.packet import (
     Reader,
     crc16,
     packet,
-    stuffed,
+    stuff,
     sync_write,
-    unstuffed,
+    unstuff,
 )
 
 IDS = st.integers(0, 252)
@@ -31,8 +31,8 @@ SAMPLE, MANY = 2_000, 100_000
 
 @given(BODIES)
 def test_stuffing_is_undone(body: bytes):
-    assert unstuffed(stuffed(body)) == body
-    assert HEADER not in stuffed(body)
+    assert unstuff(stuff(body)) == body
+    assert HEADER not in stuff(body)
 
 
 @given(st.lists(st.tuples(IDS, INSTRUCTIONS, BODIES), max_size=6), st.data())
@@ -87,7 +87,7 @@ def joint(servos: list[int], records: list[bytes], errors: list[int]) -> bytes:
 @given(SERVOS, st.data())
 def test_a_joint_answer_is_read_as_it_was_given(servos: list[int], data: st.DataObject):
     records = [data.draw(RECORDS) for _ in servos]
-    question = FastQuestion(tuple(servos), (224,) * len(servos))
+    question = FastQuery(tuple(servos), (224,) * len(servos))
     raw = joint(servos, records, [0] * len(servos))
     assert len(raw) == question.length
     answer = question.answer(raw)
@@ -103,7 +103,7 @@ def test_a_changed_byte_costs_two_blocks_at_most_and_lies_in_none(
     records = [data.draw(st.binary(min_size=SIZE, max_size=SIZE)) for _ in servos]
     raw = bytearray(joint(servos, records, [0] * len(servos)))
     raw[where % len(raw)] ^= change
-    answer = FastQuestion(tuple(servos), (224,) * len(servos)).answer(bytes(raw))
+    answer = FastQuery(tuple(servos), (224,) * len(servos)).answer(bytes(raw))
     assert answer.found.sum() >= len(servos) - 2
     for block, found, record in zip(answer.blocks, answer.found, records, strict=True):
         assert not found or block.tobytes()[2:20] == record
@@ -113,7 +113,7 @@ def test_a_changed_byte_costs_two_blocks_at_most_and_lies_in_none(
 def test_single_statuses_are_read_as_they_were_given(servos: list[int], data: st.DataObject):
     records = [data.draw(RECORDS) for _ in servos]
     raw = b"".join(packet(s, Instruction.STATUS, b"\0" + r) for s, r in zip(servos, records, strict=True))
-    answer = PlainQuestion(tuple(servos), (224,) * len(servos)).answer(raw)
+    answer = PlainQuery(tuple(servos), (224,) * len(servos)).answer(raw)
     assert answer.whole
     assert [block.tobytes()[2:20] for block in answer.blocks] == records
 

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinesic.hardware.supervisor.goal_limits import GoalBounds, GoalCourse, guarded
+from kinesic.hardware.supervisor.goal_limits import GoalBounds, GoalCourse, limit_goals
 
 STEP = 0.01
 wishes = st.lists(st.floats(-1e5, 1e5), min_size=1, max_size=60)
@@ -19,7 +19,7 @@ def test_goals_never_jump(wanted: list[float], start: float, speed: float, lead:
     course = GoalCourse.still(np.array([start]))
     for k, wish in enumerate(wanted):
         here = np.array([present[k % len(present)] if present else np.nan])
-        after, _ = guarded(course, np.array([wish]), here, STEP, bounds)
+        after, _ = limit_goals(course, np.array([wish]), here, STEP, bounds)
         assert -1e-6 <= after.goals[0] <= 4095.0 + 1e-6
         assert abs(after.goals[0] - course.goals[0]) <= speed * STEP * (1 + 1e-5)
         assert abs(after.speeds[0] - course.speeds[0]) <= bounds.acceleration[0] * STEP * (1 + 1e-5)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from kinesic.bench.blocks import passage_text
 from kinesic.controller.perform import plan, set_up
 from kinesic.motion.limit_check import peaks
-from kinesic.motion.stopping import cut, stop
+from kinesic.motion.stopping import cut_knot, stop
 from kinesic.motion.trajectory import STEP
 from kinesic.planning.plan import Plan
 
@@ -37,7 +37,7 @@ def test_stops_at_random_and_stops_while_stopping(first, second):
     motion = planned(0).trajectory
     time = first * motion.duration
     halted = stop(motion, time, known().limits)
-    check(motion, halted, cut(motion, time))
-    begin = cut(motion, time) * STEP
+    check(motion, halted, cut_knot(motion, time))
+    begin = cut_knot(motion, time) * STEP
     again = begin + second * (halted.duration - begin)
-    check(halted, stop(halted, again, known().limits), cut(halted, again))
+    check(halted, stop(halted, again, known().limits), cut_knot(halted, again))

@@ -14,11 +14,11 @@ from kinesic.motion.trajectory import stay as resting
 from kinesic.motion.transition import knot_at, lengthen
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.plan import Plan, plan_block
-from kinesic.planning.quick_plan import opening
-from kinesic.realizer.merge import merged, replaced
+from kinesic.planning.quick_plan import plan_quickly
+from kinesic.realizer.merge import merge, replace_motion
 from kinesic.realizer.occupancy import freed_hinges, still_occupied
-from kinesic.realizer.release import released, tail
-from kinesic.realizer.replan import restyled
+from kinesic.realizer.release import release_motion, tail
+from kinesic.realizer.replan import replan
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 BLOCKS = (
@@ -50,7 +50,7 @@ def known():
 @cache
 def planned(index: int, *, quickly: bool) -> Plan:
     block = parse(ROOT.format(BLOCKS[index]))
-    return opening(block, known()) if quickly else plan_block(block, known())
+    return plan_quickly(block, known()) if quickly else plan_block(block, known())
 
 
 def check(before: Trajectory, after: Trajectory, time: float) -> None:
@@ -72,22 +72,22 @@ def test_whatever_comes_over_whatever(deeds, quickly):
         time += later
         needs = [need for _, each in playing for need in each.busy]
         if what == "instead":
-            found = replaced(motion, time, planned(index, quickly=quickly))
+            found = replace_motion(motion, time, planned(index, quickly=quickly))
             after, playing = found.trajectory, [(index, found)]
         elif what == "back" and playing:
             _, gone = playing.pop(0)
             others = [need for _, each in playing for need in each.busy]
             moved = np.ptp(gone.layer.controls, axis=0) > 0.0
             free = freed_hinges(gone.busy, moved, time, known().robot, others=others)
-            after = released(motion, time, free, known(), layer=gone.layer, others=others)
+            after = release_motion(motion, time, free, known(), layer=gone.layer, others=others)
         elif what == "otherwise" and playing:
             own, gone = playing.pop()
             others = [need for _, each in playing for need in each.busy]
-            found = restyled(motion, time, gone, planned(own, quickly=not quickly), others=others) or gone
+            found = replan(motion, time, gone, planned(own, quickly=not quickly), others=others) or gone
             after = motion if found is gone else found.trajectory
             playing.append((own, found))
         else:
-            found = merged(motion, time, planned(index, quickly=quickly), begin=time, busy=still_occupied(needs, time))
+            found = merge(motion, time, planned(index, quickly=quickly), begin=time, busy=still_occupied(needs, time))
             after = found.trajectory
             playing.append((index, found))
         check(motion, after, time)
@@ -98,11 +98,11 @@ def test_whatever_comes_over_whatever(deeds, quickly):
 @given(st.integers(0, len(BLOCKS) - 1), st.integers(0, len(BLOCKS) - 1), st.floats(0.0, 3.0), st.integers(0, 200))
 def test_the_past_that_is_forgotten_changes_nothing_to_come(first, second, time, pieces):
     pieces = min(pieces, knot_at(time))
-    one = merged(resting(known().robot.skeleton.rest), 0.0, planned(first, quickly=True), begin=0.0)
+    one = merge(resting(known().robot.skeleton.rest), 0.0, planned(first, quickly=True), begin=0.0)
     shift = round(one.trajectory.zero - tail(one.trajectory, pieces * STEP).zero, 9)
     other = one.earlier(shift)
-    over = merged(one.trajectory, time, planned(second, quickly=True), begin=time, busy=one.busy)
-    again = merged(other.trajectory, time - shift, planned(second, quickly=True), begin=time - shift, busy=other.busy)
+    over = merge(one.trajectory, time, planned(second, quickly=True), begin=time, busy=one.busy)
+    again = merge(other.trajectory, time - shift, planned(second, quickly=True), begin=time - shift, busy=other.busy)
     assert again.dropped == over.dropped
     times = np.linspace(shift, shift + 6.0, 100)
     np.testing.assert_allclose(again.trajectory.sample(times - shift)[0], over.trajectory.sample(times)[0], atol=1e-6)

@@ -13,8 +13,8 @@ from kinesic.bml.block import Composition, Succession
 from kinesic.controller.perform import set_up
 from kinesic.motion.limit_check import peaks
 from kinesic.planning.setup import Setup
-from kinesic.realizer.realizer import Due, Ready, Scene, advance, begin, interrupted, ready
-from kinesic.realizer.request import Message, asked
+from kinesic.realizer.realizer import PreparedBlock, Scene, ScheduledFeedback, advance, begin, interrupt, ready
+from kinesic.realizer.request import Message, read_request
 
 TEXT = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:bmla="http://www.asap-project.org/bmla" '
@@ -45,11 +45,11 @@ def known() -> Setup:
 
 
 @lru_cache(maxsize=16)
-def made(inside: str) -> Ready:
-    return ready(asked(Message(TEXT.format(inside)), known()), known())
+def made(inside: str) -> PreparedBlock:
+    return ready(read_request(Message(TEXT.format(inside)), known()), known())
 
 
-def named(id: str, inside: str, composition: Composition, succession: Succession) -> Ready:
+def named(id: str, inside: str, composition: Composition, succession: Succession) -> PreparedBlock:
     """A plan under another name, which costs nothing."""
     found = made(inside)
     block = replace(found.plan.timeline.block, id=id, composition=composition, succession=succession)
@@ -76,9 +76,9 @@ class Watched:
 
     def __init__(self, ahead: float) -> None:
         self.scene = Scene.of(known(), ahead=ahead)
-        self.told: list[Due] = []
+        self.told: list[ScheduledFeedback] = []
 
-    def take(self, after: tuple[Scene, tuple[Due, ...]], now: float) -> None:
+    def take(self, after: tuple[Scene, tuple[ScheduledFeedback, ...]], now: float) -> None:
         before, (self.scene, dues) = self.scene, after
         self.told += dues
         if self.scene.motion is not before.motion:
@@ -103,13 +103,13 @@ def test_any_scene(script: list[tuple[float, tuple[str, Composition, Succession]
         if event is None:
             watched.take(advance(watched.scene, now), now)
         elif isinstance(event, str):
-            watched.take(interrupted(watched.scene, now, event), now)
+            watched.take(interrupt(watched.scene, now, event), now)
         else:
             watched.take(begin(watched.scene, named(f"b{number}", *event), now), now)
     for _ in range(12):
         now += 1.7
         watched.take(advance(watched.scene, now), now)
-    watched.take(interrupted(watched.scene, now), now)  # what nobody activated
+    watched.take(interrupt(watched.scene, now), now)  # what nobody activated
     watched.take(advance(watched.scene, now + 30.0), now + 30.0)
     check(watched.told)
     assert watched.scene.blocks == watched.scene.agenda == ()
@@ -128,7 +128,7 @@ def test_replacing_and_replacing_again_in_the_midst(first: float, second: float,
     check(watched.told)
 
 
-def check(told: list[Due]) -> None:
+def check(told: list[ScheduledFeedback]) -> None:
     """Feedback of every block is complete, in order, and told once."""
     progress = [due for due in told if "Progress " in due.xml]
     keys = [written(due.xml, "id") for due in progress]

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from kinesic.bench.bml.conformance import play_suite
 from kinesic.bench.bml.expectations import Parsing, ReferenceSuite, Scenarios, expected
-from kinesic.bench.bml.parsing import parsed, referred
+from kinesic.bench.bml.parsing import judge_parsing, judge_references
 from kinesic.bench.bml.verdict import ExpectationVerdict, verdict_figures
 from kinesic.bench.figure import Figure
 from kinesic.controller.perform import set_up
@@ -23,9 +23,9 @@ def verdicts() -> Iterator[ExpectationVerdict]:
     if (scenarios := expected(SCENARIOS, Scenarios)) is not None:
         yield from play_suite(SCENARIOS, *scenarios, set_up())
     if (documents := expected(DOCUMENTS, Parsing)) is not None:
-        yield from parsed(DOCUMENTS, *documents)
+        yield from judge_parsing(DOCUMENTS, *documents)
     if (grammar := expected(GRAMMAR, ReferenceSuite)) is not None:
-        yield from referred(GRAMMAR, grammar[1])
+        yield from judge_references(GRAMMAR, grammar[1])
 
 
 def _missing() -> Iterator[Figure]:

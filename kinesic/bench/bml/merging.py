@@ -16,9 +16,9 @@ from kinesic.motion.trajectory import Trajectory
 from kinesic.motion.transition import knot_at
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.plan import plan_block
-from kinesic.planning.quick_plan import opening
+from kinesic.planning.quick_plan import plan_quickly
 from kinesic.planning.setup import Setup
-from kinesic.realizer.merge import merged, replaced
+from kinesic.realizer.merge import merge, replace_motion
 
 CUTS = 200
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
@@ -70,7 +70,7 @@ def replace_at_random(known: Setup, count: int, *, seed: int = 0) -> list[MergeC
     found = []
     for _ in range(count):
         time = chance.uniform(0.0, running.duration)
-        over = replaced(running, time, chance.choice(coming))
+        over = replace_motion(running, time, chance.choice(coming))
         knot = knot_at(time)
         left = Trajectory(over.trajectory.controls[knot:], 0.0)
         largest = max(float(peak.ratios.max()) for peak in peaks(left, known.limits).shares.values())
@@ -83,12 +83,12 @@ def replace_at_random(known: Setup, count: int, *, seed: int = 0) -> list[MergeC
 
 def _merging(known: Setup) -> list[float]:
     """[s] of one core that a nod or a beat takes to be laid over the last second of the passage."""
-    running = opening(parse(passage_text(0)), known).trajectory
-    small = [opening(parse(ROOT.format("b", text)), known) for text in SMALL]
+    running = plan_quickly(parse(passage_text(0)), known).trajectory
+    small = [plan_quickly(parse(ROOT.format("b", text)), known) for text in SMALL]
     seconds = []
     for k in range(CUTS // 10):
         time = running.duration - 1.0 + 0.04 * (k % 20)
         began = process_time()
-        merged(running, time, small[k % len(small)], begin=time)
+        merge(running, time, small[k % len(small)], begin=time)
         seconds.append(process_time() - began)
     return seconds

@@ -24,7 +24,7 @@ _ATTRIBUTE = re.compile(rb'\b(\w++)="([^"]*)"')  # begins where a word does: a l
 _ELEMENT = re.compile(rb"<\w[^<>]*/>")
 
 
-def mutated(document: bytes, seed: int) -> bytes:
+def mutate(document: bytes, seed: int) -> bytes:
     """A document with one to three mutations.
 
     Args:

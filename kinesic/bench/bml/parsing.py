@@ -16,13 +16,13 @@ from kinesic.bench.bml.expectations import (
 from kinesic.bench.bml.verdict import ExpectationVerdict
 from kinesic.bml.block import Block, BmlError, SyncRef
 from kinesic.bml.parse import parse
-from kinesic.bml.reading.syncref import Names, parse_ref, written
+from kinesic.bml.reading.syncref import Names, parse_ref, write_reference
 from kinesic.bml.timing.constraints import After, Constraints, Equals, Point, constraints_of
 
 _DIGITS = 6  # of offsets that are compared [s]
 
 
-def parsed(suite: str, where: Path, expected: Parsing) -> Iterator[ExpectationVerdict]:
+def judge_parsing(suite: str, where: Path, expected: Parsing) -> Iterator[ExpectationVerdict]:
     """Judges documents and small blocks.
 
     Args:
@@ -37,7 +37,7 @@ def parsed(suite: str, where: Path, expected: Parsing) -> Iterator[ExpectationVe
         yield ExpectationVerdict(suite, inline.test, _inline(inline))
 
 
-def referred(suite: str, expected: ReferenceSuite) -> Iterator[ExpectationVerdict]:
+def judge_references(suite: str, expected: ReferenceSuite) -> Iterator[ExpectationVerdict]:
     """Judges sync references by themselves.
 
     Args:
@@ -58,7 +58,7 @@ def referred(suite: str, expected: ReferenceSuite) -> Iterator[ExpectationVerdic
             yield ExpectationVerdict(suite, case.test, why)
     for case in expected.written:
         found = _read(case.input, case)
-        text = str(found) if isinstance(found, BmlError) else written(found, relative_to=case.relative_to)
+        text = str(found) if isinstance(found, BmlError) else write_reference(found, relative_to=case.relative_to)
         yield ExpectationVerdict(
             suite, case.test, "" if text == case.text else f"'{text}' is written, '{case.text}' is expected"
         )

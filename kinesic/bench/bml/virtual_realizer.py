@@ -10,8 +10,8 @@ from kinesic.bml.block import BmlError
 from kinesic.bml.reading.tree import read_tree
 from kinesic.planning.setup import Setup
 from kinesic.realizer.contention import among
-from kinesic.realizer.realizer import Due, Scene, advance, begin, ready
-from kinesic.realizer.request import Message, asked, refusal_feedback
+from kinesic.realizer.realizer import Scene, ScheduledFeedback, advance, begin, ready
+from kinesic.realizer.request import Message, read_request, refusal_feedback
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ class Realizer:
         """Sends a document now; one that is refused is answered by a warning."""
         message = Message(text, source=source)
         try:
-            known = asked(message, self._facts, around=self._scene.around(self.now))
+            known = read_request(message, self._facts, around=self._scene.around(self.now))
             coming = ready(among(self._scene, known), self._facts)
         except BmlError as error:
             self.feedback.messages.append(read_message(refusal_feedback(message, error)))
@@ -117,5 +117,5 @@ class Realizer:
         self._scene, due = advance(self._scene, time)
         self._hear(due)
 
-    def _hear(self, due: tuple[Due, ...]) -> None:
+    def _hear(self, due: tuple[ScheduledFeedback, ...]) -> None:
         self.feedback.messages += [read_message(each.xml) for each in due]

@@ -24,7 +24,7 @@ from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import Wire
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.pty import PtyPort, serve_wires
-from kinesic.hardware.virtual.wiring import Cable, Fitting, build_bus
+from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
 COUNTS = (7, 14, 20, 26)
 BAUDS = (57_600, 1_000_000, 2_000_000, 4_000_000)
@@ -151,7 +151,7 @@ def _goals(count: int) -> list[Ticks]:
 
 
 def _cable(count: int, baud: int) -> Cable:
-    return Cable("bench", tuple(Fitting(k + 1, model=MODEL) for k in range(count)), baud=baud)
+    return Cable("bench", tuple(ServoFitting(k + 1, model=MODEL) for k in range(count)), baud=baud)
 
 
 def _servos(count: int) -> list[Servo]:

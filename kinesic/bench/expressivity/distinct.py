@@ -11,7 +11,7 @@ from kinesic.body.robot import SIDES, Side
 from kinesic.expressivity.durations import stroke_spans
 from kinesic.expressivity.hands.keys import hand_at
 from kinesic.expressivity.hands.poses import poses, resting_hands
-from kinesic.expressivity.hands.strokes import Stroke, stroke_keys, worked
+from kinesic.expressivity.hands.strokes import Stroke, do_stroke, stroke_keys
 from kinesic.expressivity.lexicon.form import GestureForm
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import NEUTRAL
@@ -43,7 +43,7 @@ def look(form: GestureForm, pace: Pace) -> StrokeAppearance:
     natural = stroke_spans(work, pace, NEUTRAL)
     whole = natural["stroke"] + natural["strokeEnd"]
     times = {"ready": 0.0, "strokeStart": 0.0, "stroke": natural["stroke"], "strokeEnd": whole}
-    done, rest = worked(Stroke(form.id, times, (work,)), work, pace), resting_hands(pace.robot)
+    done, rest = do_stroke(Stroke(form.id, times, (work,)), work, pace), resting_hands(pace.robot)
     seen = np.empty((3, len(SIDES), _SAMPLES, 3))
     for s, side in enumerate(SIDES):
         keys = stroke_keys(done, side, pace) if side in work.hands else []

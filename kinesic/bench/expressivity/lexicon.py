@@ -18,7 +18,7 @@ from kinesic.expressivity.style.style import Style
 from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.report.checks.plan import penetrations
-from kinesic.report.worker_pool import Crash, crew
+from kinesic.report.worker_pool import WorkerCrash, run_pool
 from kinesic.studies.gestures.isolated import plan_gesture
 
 LEAST_GESTURES = 150.0
@@ -78,13 +78,13 @@ def play_gestures(tasks: Sequence[Task], *, jobs: int) -> Iterable[GestureResult
     Raises:
         RuntimeError: a process died.
     """
-    for task, result in crew(tasks, partial(_prepare, set_up), jobs=jobs, preload=__name__):
-        if isinstance(result, Crash):
+    for task, result in run_pool(tasks, partial(_prepare, set_up), jobs=jobs, preload=__name__):
+        if isinstance(result, WorkerCrash):
             raise RuntimeError(f"{task[0]} in style {task[1]}: {result.reason}")
         yield result
 
 
-def judged(gesture: str, style: str, known: Setup) -> GestureResult:
+def judge_gesture(gesture: str, style: str, known: Setup) -> GestureResult:
     """Plays one gesture in one style, planned and in the nominal twin."""
     styled = replace(known, style=Style.load(style))
     form = next(form for form in styled.lexicon.forms if form.id == gesture)
@@ -118,7 +118,7 @@ def _late(performance: Performance) -> float:
 
 def _prepare(make_facts: Callable[[], Setup]) -> Callable[[Task], GestureResult]:
     known = make_facts()
-    return lambda task: judged(*task, known)
+    return lambda task: judge_gesture(*task, known)
 
 
 def _counts(lexicon: Lexicon) -> list[Figure]:

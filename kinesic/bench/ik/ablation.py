@@ -30,7 +30,7 @@ from kinesic.ik.arm.linkage import Linkage, linkage_of
 from kinesic.ik.arm.masses import settle_masses
 from kinesic.ik.arm.multistart import approach, reach, reach_many
 from kinesic.ik.arm.polish import polish
-from kinesic.ik.arm.shoulder_elbow import EXACT, bent, place_shoulder
+from kinesic.ik.arm.shoulder_elbow import EXACT, bend_elbow, place_shoulder
 from kinesic.ik.arm.swivel import elbow_at
 from kinesic.ik.scalar3 import Vector, minus, vector, within
 from kinesic.ik.solve import solve
@@ -131,7 +131,7 @@ def _masses_branches(arm: AblationArm, target: Floats) -> Sequence[float]:
 
 def _circle(arm: AblationArm, target: Floats) -> Sequence[float]:
     place = place_shoulder(arm.linkage, vector(target), near=arm.rest, rest=arm.rest)
-    return bent(arm.linkage, place, near=arm.rest, swivel=None).angles
+    return bend_elbow(arm.linkage, place, near=arm.rest, swivel=None).angles
 
 
 def _masses_guess_polish(arm: AblationArm, target: Floats) -> Sequence[float]:

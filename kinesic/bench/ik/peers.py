@@ -59,17 +59,17 @@ def bench() -> list[Figure]:
         return [*_own({}, why), *(figure for peer in PEERS for figure in _figures(peer, {}, why))]
     chain = Robot.load().arms["l"]
     asked = targets(default_rng(33), chain, TARGETS)
-    figures = _own(interleaved(chain, ours(chain), asked), "beside no peer")
+    figures = _own(interleave(chain, ours(chain), asked), "beside no peer")
     for peer in PEERS:
         pair = ours(chain) | {peer.name: peer.build(chain)} if installed(peer) else {}
-        figures += _figures(peer, interleaved(chain, pair, asked), _why(peer))
+        figures += _figures(peer, interleave(chain, pair, asked), _why(peer))
     return [*figures, *_one_round(chain, asked)]
 
 
 def _one_round(chain: Chain, asked: Floats) -> list[Figure]:
     """The same ratios with all libraries in turn: what each leaves in the processor's caches is the next one's cost."""
     present = [peer for peer in PEERS if installed(peer)]
-    calls = interleaved(chain, ours(chain) | {peer.name: peer.build(chain) for peer in present}, asked)
+    calls = interleave(chain, ours(chain) | {peer.name: peer.build(chain) for peer in present}, asked)
     return [
         Figure(
             f"ik.peer_{peer.name}_one_round_{entry.removeprefix('kinesic_')}",
@@ -101,7 +101,7 @@ def ours(chain: Chain) -> dict[str, Solver]:
     return {SOLVE: lambda target: solve(chain, Reach(target), start=chain.rest).angles, REACH: reach}
 
 
-def interleaved(chain: Chain, solvers: Mapping[str, Solver], asked: Floats) -> dict[str, Calls]:
+def interleave(chain: Chain, solvers: Mapping[str, Solver], asked: Floats) -> dict[str, Calls]:
     """Every solver gets each target before the next one comes, so that a busy moment falls on none alone.
 
     Args:

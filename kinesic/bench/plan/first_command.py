@@ -14,10 +14,10 @@ from kinesic.controller.perform import set_up
 from kinesic.controller.play import command_times, commands
 from kinesic.motion.trajectory import stay
 from kinesic.planning.plan import plan_block
-from kinesic.planning.quick_plan import opening
+from kinesic.planning.quick_plan import plan_quickly
 from kinesic.planning.setup import Setup
-from kinesic.realizer.merge import merged
-from kinesic.realizer.replan import restyled
+from kinesic.realizer.merge import merge
+from kinesic.realizer.replan import replan
 
 REPETITIONS = 40
 OVER = 0.2  # [s] of the opening that is played before the better plan takes over
@@ -32,9 +32,9 @@ def bench() -> list[Figure]:
     for repetition in range(1, 6):
         block = parse(passage_text(repetition))
         better = plan_block(block, known)
-        playing = merged(stay(known.robot.skeleton.rest), 0.0, opening(block, known), begin=0.0)
+        playing = merge(stay(known.robot.skeleton.rest), 0.0, plan_quickly(block, known), begin=0.0)
         began = perf_counter()
-        found = restyled(playing.trajectory, OVER, playing, better)
+        found = replan(playing.trajectory, OVER, playing, better)
         over.append(1000 * (perf_counter() - began) if found else np.inf)
     return [
         Figure("plan.first_command_p95", 1000 * float(np.percentile(seconds, 95)), "ms", 100.0, "lower"),
@@ -46,7 +46,7 @@ def bench() -> list[Figure]:
 def _first(text: str, known: Setup) -> float:
     """[s] from a text to its first command."""
     began = perf_counter()
-    planned = opening(parse(text), known)
+    planned = plan_quickly(parse(text), known)
     times = command_times(planned.duration)
     setpoints = lead(planned.trajectory, times[:1], known.robot, known.dynamics, period=1 / RATE)
     next(iter(commands(planned.trajectory, times[:1], setpoints)))

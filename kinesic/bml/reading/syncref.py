@@ -70,7 +70,7 @@ def parse_ref(text: str, names: Names) -> SyncRef:
     return _resolved(trimmed, path, _seconds(split["sign"] + split["number"]), names)
 
 
-def written(ref: SyncRef, *, relative_to: str | None = None) -> str:
+def write_reference(ref: SyncRef, *, relative_to: str | None = None) -> str:
     """Writes a reference; inside the block `relative_to`, the block's id is left out."""
     if relative_to == ref.block and (ref.behaviour, ref.sync) == ("bml", "start"):
         return repr(ref.offset)

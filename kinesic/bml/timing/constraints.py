@@ -54,7 +54,7 @@ def ties(block: Block) -> Iterator[Tie]:
         yield from own_ties(behaviour, block.id)
     for constraint in block.constraints:
         if isinstance(constraint, Synchronize):
-            yield from synchronized(constraint)
+            yield from synchronize_equalities(constraint)
 
 
 def own_ties(behaviour: Behaviour, block: str) -> Iterator[Tie]:
@@ -64,7 +64,7 @@ def own_ties(behaviour: Behaviour, block: str) -> Iterator[Tie]:
         yield Tie(own, ref, behaviour.id, behaviour.place, behaviour.required)
 
 
-def synchronized(constraint: Synchronize) -> Iterator[Tie]:
+def synchronize_equalities(constraint: Synchronize) -> Iterator[Tie]:
     """Equalities of a <synchronize>, all with its first point that moves."""
     moving = (ref for ref in constraint.refs if ref.behaviour != "bml")
     first = next(moving, None)

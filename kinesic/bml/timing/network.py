@@ -6,7 +6,7 @@ from functools import cached_property
 from itertools import pairwise
 
 from kinesic.bml.block import Behaviour, Block, NoticeType, Precedence, Speech, Synchronize, SyncRef
-from kinesic.bml.timing.constraints import Point, Tie, point_of, synchronized
+from kinesic.bml.timing.constraints import Point, Tie, point_of, synchronize_equalities
 from kinesic.bml.timing.disjoint_sets import Potentials
 from kinesic.bml.timing.negative_cycles import EQUAL, Edge
 from kinesic.bml.timing.points import sync_points
@@ -135,7 +135,7 @@ class Surroundings:
             distances += self._distances(tie, tie.owner or "")
         for constraint in constraints:
             if isinstance(constraint, Synchronize):
-                for tie in synchronized(constraint):
+                for tie in synchronize_equalities(constraint):
                     distances += self._distances(tie, constraint)
             else:
                 orders += self._orders(constraint)

@@ -15,7 +15,7 @@ from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.body.servo import TICKS_PER_TURN
 from kinesic.cli.servos.ports import all_ports, open_ports, robot_and_ports
-from kinesic.cli.terminal import console, pressed
+from kinesic.cli.terminal import console, pressed_keys
 from kinesic.hardware.protocol.device import Change
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.servo_map import load_robot
@@ -23,7 +23,7 @@ from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.axes import Axes, Snapshot
 from kinesic.hardware.supervisor.manifest import Manifest
-from kinesic.hardware.supervisor.preflight import prepared
+from kinesic.hardware.supervisor.preflight import prepare_servos
 from kinesic.hardware.tools.calibration import HingeCalibration, Travel, calibration, calibration_text, marks
 from kinesic.hardware.tools.directions import positive_way
 
@@ -51,13 +51,13 @@ def calibrate(robot: str, ports: tuple[str, ...], yes: bool, seconds: float | No
         raise ConfigError("standard input is no terminal; give --yes and --seconds N")
     before = read_calibration(raw.path, raw.name)
     with open_ports(manifest, paths) as wires:
-        axes = prepared(manifest, wires, period=LOOK)
+        axes = prepare_servos(manifest, wires, period=LOOK)
         limp(axes)
         for change in free_servos(axes):
             click.echo(f"servo {change.servo}: {change.register.name} {change.before} -> {change.after}")
         travel = read_zero_posture(axes, ask=not yes)
-        with pressed() as keys:
-            travel = followed(axes, raw, travel, seconds=inf if seconds is None else seconds, keys=keys)
+        with pressed_keys() as keys:
+            travel = watch_hands(axes, raw, travel, seconds=inf if seconds is None else seconds, keys=keys)
         found = calibration(travel, manifest, raw, before)
     path = _written(found, raw)
     load_robot(robot)
@@ -115,7 +115,7 @@ def read_zero_posture(axes: Axes, *, ask: bool) -> Travel:
     return Travel.begin(counted_ticks(limp(axes)))
 
 
-def followed(axes: Axes, robot: Robot, travel: Travel, *, seconds: float, keys: Callable[[], str]) -> Travel:
+def watch_hands(axes: Axes, robot: Robot, travel: Travel, *, seconds: float, keys: Callable[[], str]) -> Travel:
     """Watches hands at work, until Enter, until the time is over, or until all has been seen."""
     manifest = axes.manifest
     click.echo(f"{TURN} Enter ends.")

@@ -12,7 +12,7 @@ import click
 from kinesic.body.config import ConfigError
 from kinesic.cli.options import read_twins
 from kinesic.controller.virtual_robot import TwinPhysics
-from kinesic.hardware.bus.real_time import granted
+from kinesic.hardware.bus.real_time import request_real_time
 from kinesic.hardware.protocol.registers import BAUD_RATES
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.hardware.virtual.faults import CALM, KINDS, FaultPlan
@@ -55,7 +55,7 @@ def simulate(robot: str, physics: str, twin: str, faults: Path | None, baud: int
         )
     except ValueError as error:
         raise ConfigError(f"--physics twin: {error}") from None
-    granted(PRIORITY)
+    request_real_time(PRIORITY)
     stopped = _stopped_by_signals()
     with tempfile.TemporaryDirectory(prefix="kinesic-servos-") as place:
         home = Path(place) if folder is None else folder

@@ -7,7 +7,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.expressivity.style.style import NEUTRAL, Expressivity
-from kinesic.motion.easing import eased
+from kinesic.motion.easing import ease
 
 QUICKEST = 0.06  # [s] in which a muscle of the face can do anything
 WIDEST = 0.5  # more intensity of a spatial extent of 1, and less of -1
@@ -60,9 +60,9 @@ class Envelope:
     def _level(self, times: Floats, power: float) -> Floats | float:
         """(m,) what is held, as a share of what was asked."""
         if power > 0:
-            return 1.0 + OVERSHOOT * power * (1.0 - eased("minimum_jerk", (times - self.peak) / SETTLING))
+            return 1.0 + OVERSHOOT * power * (1.0 - ease("minimum_jerk", (times - self.peak) / SETTLING))
         held = min(max(self.relax - self.peak, QUICKEST), LONGEST)
-        return 1.0 + FADING * power * eased("minimum_jerk", (times - self.peak) / held) if power else 1.0
+        return 1.0 + FADING * power * ease("minimum_jerk", (times - self.peak) / held) if power else 1.0
 
 
 def _early(shares: Floats, power: float) -> Floats:
@@ -73,5 +73,5 @@ def _early(shares: Floats, power: float) -> Floats:
 
 def _way(shares: Floats, fluidity: float) -> Floats:
     """Shares of a way at shares of its time."""
-    smooth = eased("minimum_jerk", shares)
-    return smooth if fluidity >= 0 else smooth - fluidity * (eased("linear", shares) - smooth)
+    smooth = ease("minimum_jerk", shares)
+    return smooth if fluidity >= 0 else smooth - fluidity * (ease("linear", shares) - smooth)

@@ -14,7 +14,7 @@ import numpy as np
 
 from kinesic.body.action_units import ASIDE, DOWNWARD, UPWARD, channels
 from kinesic.body.arrays import Floats
-from kinesic.motion.easing import eased
+from kinesic.motion.easing import ease
 
 CLOSING, SHUT, OPENING = 0.06, 0.02, 0.10  # [s] of a blink
 LEAST_GAP, MEAN_GAP = 1.2, 4.0  # [s] between blinks
@@ -81,8 +81,8 @@ def blinking(begins: Sequence[float], times: Floats) -> Mapping[str, Floats]:
     closed = np.zeros(len(times))
     for begin in begins:
         since = times - begin
-        shut = eased("minimum_jerk", since / CLOSING)
-        open_again = eased("minimum_jerk", (since - CLOSING - SHUT) / OPENING)
+        shut = ease("minimum_jerk", since / CLOSING)
+        open_again = ease("minimum_jerk", (since - CLOSING - SHUT) / OPENING)
         np.maximum(closed, shut - open_again, out=closed)
     return dict.fromkeys(channels(45), closed)
 
@@ -141,4 +141,4 @@ def _saccade(times: Floats, start: float, angle: float) -> Floats:
     """(m,) shares of a saccade by some angle [rad]; of one that never starts 0."""
     if start == np.inf:
         return np.zeros(len(times))
-    return eased("minimum_jerk", (times - start) / (0.021 + 0.0022 * degrees(angle)))
+    return ease("minimum_jerk", (times - start) / (0.021 + 0.0022 * degrees(angle)))

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from kinesic.bml.block import GESTURE_SYNCS
 from kinesic.body.robot import SIDES, Side
 from kinesic.expressivity.hands.poses import REST, Poses, pose_distance, resting_hands
-from kinesic.expressivity.hands.strokes import HandStroke, Stroke, least_stroke_times, worked
+from kinesic.expressivity.hands.strokes import HandStroke, Stroke, do_stroke, least_stroke_times
 from kinesic.expressivity.keyframes import Outcome
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.turns import MERGE
@@ -50,7 +50,7 @@ class Allotted:
     times: Mapping[str, Mapping[str, float]]  # behaviour id -> sync points that moved [s]
 
 
-def allotted(strokes: Sequence[Stroke], pace: Pace, tied: Tied, engaged: Sequence[Engaged] = ()) -> Allotted:
+def allot_hands(strokes: Sequence[Stroke], pace: Pace, tied: Tied, engaged: Sequence[Engaged] = ()) -> Allotted:
     """Gives every stroke its hands.
 
     A stroke that would begin before an earlier one of its hand has ended takes the other hand if one of its options
@@ -115,7 +115,7 @@ class _Hands:
                 self._replace(before, self._gone_on(sooner, later))
                 self._note(stroke, later)
                 stroke = later
-        work = worked(stroke, option, self.pace)
+        work = do_stroke(stroke, option, self.pace)
         for side in option.hands:
             self.works[side].append(work)
 
@@ -188,7 +188,7 @@ class _Hands:
         part = min(1.0, missing / spare) if spare > 0 else 0.0
         sooner = replace(work.stroke, times=_cut(work.stroke.times, ends - part * (ends - soonest)))
         later = dict(stroke.times) | {"strokeStart": begins + part * (latest - begins)}
-        return replace(stroke, times=later), worked(sooner, work.poses, self.pace)
+        return replace(stroke, times=later), do_stroke(sooner, work.poses, self.pace)
 
     def _gone_on(self, work: HandStroke, stroke: Stroke) -> HandStroke:
         """A work whose hold and retraction become the preparation of the next stroke, where the document allows."""
@@ -234,7 +234,7 @@ class _Hands:
                 (side,) = option.hands
                 for work in works:
                     self.works[side].remove(work)
-                    one = worked(work.stroke, work.poses.only(_OTHER[side]), self.pace)
+                    one = do_stroke(work.stroke, work.poses.only(_OTHER[side]), self.pace)
                     self._replace(work, one)
                     why = f"the {_NAMES[side]} hand does {stroke.id} from {stroke.times['strokeStart']:.2f} s on"
                     self.outcomes[work.id] = _alone(_OTHER[side], why)

@@ -10,7 +10,7 @@ from msgspec import structs
 from kinesic.body.arrays import sealed
 from kinesic.body.reach import Reach
 from kinesic.expressivity.hands.poses import REST, between
-from kinesic.expressivity.hands.rotation_spline import Turning, facing
+from kinesic.expressivity.hands.rotation_spline import Turning, facing_rotations
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.turns import MERGE
 from kinesic.motion.passage import PLAIN, Passage
@@ -54,7 +54,7 @@ def face_between(hand: Hand, keys: Sequence[HandKey], k: int, time: float) -> Ha
         return hand
     near, pointing, palm = zip(*about, strict=True)
     turning = Turning.through(
-        [key.time for key in near], facing(np.array(pointing), np.array(palm)), [key.passage for key in near]
+        [key.time for key in near], facing_rotations(np.array(pointing), np.array(palm)), [key.passage for key in near]
     )
     along, _, facing_there = turning.at(np.array([time])).as_matrix()[0].T
     return replace(hand, reach=structs.replace(hand.reach, pointing=sealed(along), palm=sealed(facing_there)))

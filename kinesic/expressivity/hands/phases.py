@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Side
-from kinesic.expressivity.hands.coarticulation import Engaged, Tied, allotted
+from kinesic.expressivity.hands.coarticulation import Engaged, Tied, allot_hands
 from kinesic.expressivity.hands.keys import HandKey
 from kinesic.expressivity.hands.poses import REST, pose_distance, resting_hands
 from kinesic.expressivity.hands.strokes import HandStroke, Stroke, stroke_keys
@@ -34,10 +34,10 @@ class Arranged:
     works: tuple[HandStroke, ...] = ()  # what both hands do, in time order
 
 
-def arranged(
+def arrange_hands(
     strokes: Sequence[Stroke], pace: Pace, tied: Tied = ALL_TIED, *, engaged: Sequence[Engaged] = ()
 ) -> Arranged:
-    """Gives every stroke its hands (see `allotted`) and joins the strokes of each hand.
+    """Gives every stroke its hands (see `allot_hands`) and joins the strokes of each hand.
 
     Args:
         strokes: in the order of the document.
@@ -46,7 +46,7 @@ def arranged(
         engaged: hands that other blocks need.
     """
     rest = resting_hands(pace.robot)
-    given = allotted(strokes, pace, tied, engaged)
+    given = allot_hands(strokes, pace, tied, engaged)
     sides: dict[str, frozenset[Side]] = {}
     for side in SIDES:
         for work in given.works[side]:

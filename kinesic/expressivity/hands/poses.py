@@ -12,7 +12,7 @@ from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
 from kinesic.expressivity.lexicon.paths import HandPath
-from kinesic.expressivity.lexicon.space import EASE, direction_in_world, extended, to_world, widened
+from kinesic.expressivity.lexicon.space import EASE, direction_in_world, extend_position, to_world, widen_key
 from kinesic.expressivity.style.style import Expressivity
 
 REST = Hand()
@@ -103,7 +103,7 @@ def poses(form: GestureForm, robot: Robot, manner: Expressivity) -> Poses:
     once, written = _repeated(form.keys)
     more = round(2 * manner.repetition) if manner.repetition > 0 else -round(-manner.repetition)
     times = 1 if form.rest else max(1, written + more)
-    keys = [widened(key, manner.spatial, robot) for key in form.keys[:once]]
+    keys = [widen_key(key, manner.spatial, robot) for key in form.keys[:once]]
     hands = {side: _carried(keys, side, robot, manner) for side in form.sides}
     paths = {side: _paths(form.keys[:once], row, side, robot, manner) for side, row in hands.items()}
     if once == 1:
@@ -244,8 +244,8 @@ def _paths(
 
 def _spread(pose: HandPose, path: HandPath, side: Side, robot: Robot, spatial: float) -> HandPath:
     """A path under spatial extent, in the world."""
-    amplitude = robot.arm_length * direction_in_world(side, extended(path.amplitude, spatial, pose.fixed))
-    return path.mapped(amplitude, lambda point: to_world(robot, side, extended(point, spatial, pose.fixed)))
+    amplitude = robot.arm_length * direction_in_world(side, extend_position(path.amplitude, spatial, pose.fixed))
+    return path.mapped(amplitude, lambda point: to_world(robot, side, extend_position(point, spatial, pose.fixed)))
 
 
 def _carried(keys: list[StrokeKey], side: Side, robot: Robot, manner: Expressivity) -> tuple[Hand, ...]:

@@ -61,7 +61,7 @@ class Turning:
         return self.keys[way] * scipy.spatial.transform.Rotation.from_rotvec(self.turns(inside))
 
 
-def facing(pointing: Floats, palm: Floats) -> "scipy.spatial.transform.Rotation":
+def facing_rotations(pointing: Floats, palm: Floats) -> "scipy.spatial.transform.Rotation":
     """The rotations of hands from the directions (..., 3) in which they point and in which their palms face."""
     aside = np.cross(palm, pointing)
     aside /= np.linalg.norm(aside, axis=-1, keepdims=True)

@@ -68,7 +68,7 @@ class HandStroke:
         return self.stroke.times[sync]
 
 
-def worked(stroke: Stroke, option: Poses, pace: Pace) -> HandStroke:
+def do_stroke(stroke: Stroke, option: Poses, pace: Pace) -> HandStroke:
     """A stroke done with one of its options, as often and with as many turns as there is time for."""
     chosen = _fitting(option, stroke.times, pace)
     remarks = []

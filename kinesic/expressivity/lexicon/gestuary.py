@@ -15,7 +15,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError, suggestion
 from kinesic.body.robot import Side
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
-from kinesic.expressivity.lexicon.paths import HandPath, Kind, Three, Variation, shaped
+from kinesic.expressivity.lexicon.paths import HandPath, Kind, Three, Variation, shape_path
 from kinesic.expressivity.lexicon.space import position
 
 _SIDES: Mapping[str, Side] = {"left": "l", "right": "r"}
@@ -87,7 +87,7 @@ class _Reader:
 
 
 def read_gestuary(path: Path) -> tuple[GestureForm, ...]:
-    """Reads all gestures of a gestuary, switched-off and empty ones included (see `enabled`).
+    """Reads all gestures of a gestuary, switched-off and empty ones included (see `is_enabled`).
 
     Raises:
         ConfigError: the file is missing, is no gestuary, or a gesture in it is wrong.
@@ -104,7 +104,7 @@ def read_gestuary(path: Path) -> tuple[GestureForm, ...]:
     return tuple(_form(reader, gesture) for gesture in _all(root, "gesture"))
 
 
-def enabled(form: GestureForm) -> bool:
+def is_enabled(form: GestureForm) -> bool:
     """Whether a gesture is meant to be used: it moves a hand, and no `zz` before its category switches it off."""
     return bool(form.sides) and not form.category.lower().startswith("zz")
 
@@ -209,7 +209,7 @@ def _path(reader: _Reader, trajectory: Element) -> HandPath:
     kind = reader.listed(trajectory, "type", _KINDS, "wave")
     axes = {axis: element for axis in "xyz" for element in [_first(trajectory, axis, axis.upper())] if element}
     if not axes or kind == "line":
-        return shaped(kind)
+        return shape_path(kind)
 
     def three(name: str) -> Three:
         x, y, z = (reader.number(axes[axis], name, "0") if axis in axes else 0.0 for axis in "xyz")
@@ -218,7 +218,7 @@ def _path(reader: _Reader, trajectory: Element) -> HandPath:
     size = three("amplitude")
     moving = next((axes[axis] for axis, amplitude in zip("xyz", size, strict=True) if amplitude), trajectory)
     try:
-        return shaped(
+        return shape_path(
             kind,
             amplitude=size,
             frequency=three("frequency"),

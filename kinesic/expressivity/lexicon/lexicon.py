@@ -8,7 +8,7 @@ from kinesic.bml.block import Mode
 from kinesic.body.config import CONFIGS
 from kinesic.body.robot import Side
 from kinesic.expressivity.lexicon.form import GestureForm, Match, StrokeKey
-from kinesic.expressivity.lexicon.gestuary import enabled, read_gestuary
+from kinesic.expressivity.lexicon.gestuary import is_enabled, read_gestuary
 from kinesic.expressivity.lexicon.space import spread_hands
 from kinesic.expressivity.lexicon.synonyms import Sense, nearest_sense, read_lexeme
 from kinesic.expressivity.lexicon.toml_file import read_gestures
@@ -121,5 +121,5 @@ def _entries(path: Path) -> list[tuple[GestureForm, Sense]]:
     """The entries of a file of the user's."""
     if path.suffix.lower() != ".xml":
         return read_gestures(path)
-    forms = [form for form in read_gestuary(path) if enabled(form)]
+    forms = [form for form in read_gestuary(path) if is_enabled(form)]
     return [(form, Sense(read_lexeme(form.id).words, form.category.lower())) for form in forms]

@@ -163,7 +163,7 @@ _SHAPES: Mapping[Kind, _Shape] = {
 Three = tuple[float, float, float]
 
 
-def shaped(
+def shape_path(
     kind: Kind,
     *,
     amplitude: float | Three | None = None,

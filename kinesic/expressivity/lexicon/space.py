@@ -86,7 +86,7 @@ def to_world(robot: Robot, side: Side, position: Floats) -> Floats:
     return sealed(robot.gesture_origin + robot.arm_length * direction_in_world(side, position))
 
 
-def extended(position: Floats, spatial: float, fixed: tuple[bool, bool, bool] = (False, False, False)) -> Floats:
+def extend_position(position: Floats, spatial: float, fixed: tuple[bool, bool, bool] = (False, False, False)) -> Floats:
     """A position under spatial extent (thesis 8.7, Gesture Volume; Greta's factors, but for more upward shrinking).
 
     Args:
@@ -101,7 +101,7 @@ def extended(position: Floats, spatial: float, fixed: tuple[bool, bool, bool] = 
     return sealed(np.where(fixed, position, position * scale))
 
 
-def widened(key: StrokeKey, spatial: float, robot: Robot) -> StrokeKey:
+def widen_key(key: StrokeKey, spatial: float, robot: Robot) -> StrokeKey:
     """A stroke key under spatial extent, as far as the arms reach with ease.
 
     Two hands that would meet are moved apart, unless outward is fixed in both.
@@ -124,8 +124,8 @@ def _shoulder(robot: Robot) -> Floats:
 def _at_extent(position: Floats, spatial: float, fixed: tuple[bool, bool, bool], shoulder: Floats) -> Floats:
     """A position under spatial extent; above 0 in proportion, so that the widest is still reached with ease."""
     if spatial <= 0.0:
-        return extended(position, spatial, fixed)
-    widest = _reached(position, extended(position, 1.0, fixed), shoulder)
+        return extend_position(position, spatial, fixed)
+    widest = _reached(position, extend_position(position, 1.0, fixed), shoulder)
     return sealed(position + spatial * (widest - position))
 
 

@@ -13,7 +13,7 @@ from kinesic.body.robot import Side
 from kinesic.expressivity.keyframes import Touch
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
 from kinesic.expressivity.lexicon.hand_shapes import HandShape
-from kinesic.expressivity.lexicon.paths import HandPath, Kind, Variation, shaped
+from kinesic.expressivity.lexicon.paths import HandPath, Kind, Variation, shape_path
 from kinesic.expressivity.lexicon.space import position
 from kinesic.expressivity.lexicon.synonyms import Sense
 
@@ -149,7 +149,7 @@ def _path(table: PathTable | None) -> HandPath | None:
     """One path."""
     if table is None:
         return None
-    return shaped(
+    return shape_path(
         table.kind,
         amplitude=table.amplitude,
         frequency=table.frequency,

@@ -30,7 +30,7 @@ _PROBE = 1e-5  # [rad] for the slope
 _DAMPING = 1e-3  # of an arm that can hardly move along some axis
 
 
-def hurried(ease: float, least: float, extent: float, most: float) -> float:
+def hurry_time(ease: float, least: float, extent: float, most: float) -> float:
     """A time under an extent from -1 to 1, which the fastest divides and the slowest multiplies by `most` [s].
 
     It falls with the extent as long as servos can do with less: where the least time forbids the whole factor, the
@@ -143,5 +143,5 @@ class Pace:
 
 def _natural(ease: float, least: float, temporal: float, power: float) -> float:
     """A time at ease under temporal extent and power [s]."""
-    paced = hurried(ease, least, temporal, HASTE)
-    return hurried(paced, least, power**GATHERED, FORCE) if power > 0 else hurried(paced, least, power, WEAKNESS)
+    paced = hurry_time(ease, least, temporal, HASTE)
+    return hurry_time(paced, least, power**GATHERED, FORCE) if power > 0 else hurry_time(paced, least, power, WEAKNESS)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from kinesic.body.action_units import ASIDE, CHANNELS, DOWNWARD, UPWARD, face_keys, unknown_unit
 from kinesic.body.arrays import Floats
 from kinesic.face.assets.mesh import Mesh
-from kinesic.face.assets.shapes import SIDES, mixing
+from kinesic.face.assets.shapes import SIDES, shape_mixing
 from kinesic.face.display import DisplayError
 
 SEALS = ("24", "28")  # action units that hold the lips together, whatever the jaw does
@@ -64,7 +64,7 @@ def shape_weights(mesh: Mesh, units: Mapping[str, float]) -> Floats:
     return _weights(_rig(mesh), intensities(units))
 
 
-def deformed(mesh: Mesh, units: Mapping[str, float]) -> Floats:
+def deform(mesh: Mesh, units: Mapping[str, float]) -> Floats:
     """(v, 3) [m] where the vertices of a mesh are when it shows some action units.
 
     Skin, teeth, tongue and lashes are moved by shapes; the eyeballs turn about their centres, by up to `ASIDE`,
@@ -108,4 +108,4 @@ def _rig(mesh: Mesh) -> _Rig:
     eyes = mesh.vertices("eyes")
     is_left = mesh.positions[eyes, 1] > 0.0
     shape = {name: place for place, name in enumerate(mesh.shapes)}
-    return _Rig(mixing(mesh.shapes), shape, (eyes[is_left], eyes[~is_left]))
+    return _Rig(shape_mixing(mesh.shapes), shape, (eyes[is_left], eyes[~is_left]))

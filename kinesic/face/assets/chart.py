@@ -65,7 +65,7 @@ def vertex_chart(mesh: Mesh) -> Floats:
     return sealed(found)
 
 
-def unrolled(place: Floats, triangles: Indices) -> tuple[NDArray[np.intp], Floats, Indices]:
+def unroll(place: Floats, triangles: Indices) -> tuple[NDArray[np.intp], Floats, Indices]:
     """Cuts a mesh open behind the head, where the chart's right end meets its left one.
 
     Args:

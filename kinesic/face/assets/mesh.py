@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import CONFIGS, suggestion
-from kinesic.face.assets.subdivision import refined
+from kinesic.face.assets.subdivision import refine
 from kinesic.face.display import DisplayError
 
 Variant = Literal["female", "male"]
@@ -67,7 +67,7 @@ class Mesh:
         Subdivision is linear: shapes are subdivided with the positions, so that deforming works on either mesh.
         Eyeballs would shrink; they keep their radii.
         """
-        stencil, faces = refined(self.faces, len(self.positions))
+        stencil, faces = refine(self.faces, len(self.positions))
         positions = stencil @ self.positions
         parts = np.rint(stencil @ self.parts).astype(np.uint8)
         ball = np.flatnonzero(parts == PARTS.index("eyes"))

@@ -54,7 +54,7 @@ SHAPES: Mapping[int, Mapping[str, float]] = {
 }
 
 
-def mixing(shapes: tuple[str, ...]) -> Floats:
+def shape_mixing(shapes: tuple[str, ...]) -> Floats:
     """(s, c) weight of each of a mesh's shapes in each of `CHANNELS`.
 
     Args:

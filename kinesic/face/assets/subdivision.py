@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 Indices = NDArray[np.int32]
 
 
-def refined(faces: Indices, vertices: int) -> tuple["scipy.sparse.csr_array", Indices]:
+def refine(faces: Indices, vertices: int) -> tuple["scipy.sparse.csr_array", Indices]:
     """The finer mesh: a vertex for each vertex, edge and face, in this order, and four faces for each.
 
     Args:

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats
-from kinesic.face.assets.action_units import deformed
-from kinesic.face.assets.chart import unrolled, vertex_chart
+from kinesic.face.assets.action_units import deform
+from kinesic.face.assets.chart import unroll, vertex_chart
 from kinesic.face.assets.eyeshade import eyeshade
 from kinesic.face.assets.mesh import PARTS, Mesh
 from kinesic.face.render.camera import Camera
-from kinesic.face.render.head_pose import steadied
+from kinesic.face.render.head_pose import steady_shoulders
 from kinesic.face.render.passes import Rectangle, Size, Target, program, set_uniforms
 
 Layer = Literal["skin", "organs", "lashes", "film"]
@@ -59,7 +59,7 @@ class Geometry:
         self.drawn_on, self.place = drawn_on, vertex_chart(drawn_on)
         skin = mesh.parts == PARTS.index("skin")
         self._hair = VOLUME * np.clip(self.place[:, 3] / 0.35, 0.0, 1.0) * skin
-        self._sources, on_chart, triangles = unrolled(self.place, mesh.triangles)
+        self._sources, on_chart, triangles = unroll(self.place, mesh.triangles)
         fixed = np.column_stack([on_chart, mesh.parts[self._sources], mesh.tips[self._sources]])
         self._moving = context.buffer(reserve=len(fixed) * 6 * 4, dynamic=True)
         first = mesh.triangles[:, 0]
@@ -132,7 +132,7 @@ class Geometry:
 
     def _vertices(self, units: Mapping[str, float], camera: Camera) -> Floats:
         """(v, 6) positions and normals."""
-        positions = steadied(self.mesh.positions, deformed(self.mesh, units), camera.turn)
+        positions = steady_shoulders(self.mesh.positions, deform(self.mesh, units), camera.turn)
         normals = self.mesh.normals(positions)
         eyes = self.mesh.vertices("eyes")
         spokes = positions[eyes] - self.mesh.eyes[np.where(self.mesh.positions[eyes, 1] > 0.0, 0, 1)]

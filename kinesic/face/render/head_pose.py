@@ -33,7 +33,7 @@ def turns(robot: Robot, angles: Floats) -> Floats:
     return np.stack([left, up, over], axis=-1)
 
 
-def steadied(rest: Floats, positions: Floats, turn: tuple[float, float, float]) -> Floats:
+def steady_shoulders(rest: Floats, positions: Floats, turn: tuple[float, float, float]) -> Floats:
     """Positions with the shoulders left where they are while the head turns, and the neck bent between.
 
     Args:

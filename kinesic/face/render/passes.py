@@ -53,7 +53,7 @@ def set_uniforms(shader: moderngl.Program, values: Values) -> None:
         member.write(np.asarray(value, dtype="f4").tobytes())
 
 
-def stored(pixels: Floats | Stored, kind: Kind) -> Stored:
+def store_pixels(pixels: Floats | Stored, kind: Kind) -> Stored:
     """Pixels as a texture of a kind holds them; those that are stored already stay as they are."""
     scaled = np.rint(255 * pixels) if kind == "f1" and pixels.dtype != STORED[kind] else pixels
     return np.ascontiguousarray(scaled, dtype=STORED[kind])
@@ -64,11 +64,11 @@ def texture(context: moderngl.Context, pixels: Floats | Stored, kind: Kind = "f2
 
     Args:
         context: to draw in.
-        pixels: (height, width, components), first row at the bottom; numbers, or as `stored` has them.
+        pixels: (height, width, components), first row at the bottom; numbers, or as `store_pixels` has them.
         kind: of a component: a byte for 0..1, or a float of 2 or 4 bytes.
     """
     height, width, components = pixels.shape
-    found = context.texture((width, height), components, stored(pixels, kind).tobytes(), alignment=1, dtype=kind)
+    found = context.texture((width, height), components, store_pixels(pixels, kind).tobytes(), alignment=1, dtype=kind)
     found.filter = (moderngl.LINEAR, moderngl.LINEAR)
     found.repeat_x = found.repeat_y = False
     return found

@@ -16,7 +16,7 @@ from kinesic.face.render.camera import Camera
 from kinesic.face.render.geometry import Geometry
 from kinesic.face.render.lights import Lights
 from kinesic.face.render.occlusion import OcclusionPass
-from kinesic.face.render.passes import ScreenPass, Size, Stored, Target, Value, stored, texture
+from kinesic.face.render.passes import ScreenPass, Size, Stored, Target, Value, store_pixels, texture
 from kinesic.face.render.post import Finish
 from kinesic.face.render.presets import Preset
 from kinesic.face.render.scattering import ScatterPass
@@ -117,7 +117,7 @@ class Pipeline:
 @cache
 def _painted(complexion: Complexion) -> Stored:
     """(n, n, 4) skin as its texture holds it: square roots of its colours, and how dry it is."""
-    return stored(skin(complexion) ** (0.5, 0.5, 0.5, 1.0), "f1")
+    return store_pixels(skin(complexion) ** (0.5, 0.5, 0.5, 1.0), "f1")
 
 
 def pixels_per_metre(camera: Camera, height: int) -> float:

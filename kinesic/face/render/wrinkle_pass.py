@@ -9,7 +9,7 @@ from kinesic.body.arrays import Flags, Floats
 from kinesic.face.assets.chart import ROUND, chart_window, vertex_chart
 from kinesic.face.assets.mesh import PARTS, Mesh
 from kinesic.face.render.geometry import Geometry
-from kinesic.face.render.passes import ScreenPass, Stored, Target, Value, stored, texture
+from kinesic.face.render.passes import ScreenPass, Stored, Target, Value, store_pixels, texture
 from kinesic.face.render.wrinkles import MAPS, maps, reaches
 
 BUMP = 0.022  # height of a wrinkle of depth 1, in distances between the eyes
@@ -78,7 +78,7 @@ class ReliefPass:
 def _packed() -> tuple[Stored, ...]:
     """(n, n, 4) the wrinkle maps as textures hold them."""
     packed = np.moveaxis(maps(), 0, -1)
-    return tuple(stored(packed[..., first : first + GROUP], "f2") for first in range(0, MAPS, GROUP))
+    return tuple(store_pixels(packed[..., first : first + GROUP], "f2") for first in range(0, MAPS, GROUP))
 
 
 @lru_cache(maxsize=4)

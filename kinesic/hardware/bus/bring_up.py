@@ -6,7 +6,7 @@ import numpy as np
 
 from kinesic.hardware.bus.bus import Bus, Servo
 from kinesic.hardware.bus.health import CELLS, HEALTH, SIZE
-from kinesic.hardware.bus.query import FastQuestion
+from kinesic.hardware.bus.query import FastQuery
 from kinesic.hardware.bus.scan import is_shared
 from kinesic.hardware.protocol.device import Cold
 from kinesic.hardware.protocol.registers import Register
@@ -88,7 +88,7 @@ def show_record(cold: Cold, servo: Servo) -> None:
 
 def answers_fast(wire: Wire, servos: Sequence[Servo]) -> bool:
     """Whether all servos answer one fast read together, as older firmware does not."""
-    question = FastQuestion(tuple(servo.id for servo in servos), tuple(servo.cells for servo in servos))
+    question = FastQuery(tuple(servo.id for servo in servos), tuple(servo.cells for servo in servos))
     if len(question.servos) == 1:
         return False
     for _ in range(FAST_TRIES):

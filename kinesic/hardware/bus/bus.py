@@ -14,11 +14,11 @@ import numpy as np
 from kinesic.hardware.bus.cycle import Cycle, Event, Happening
 from kinesic.hardware.bus.goals import GoalFrame
 from kinesic.hardware.bus.health import BLOCK, CELLS, SIZE, Records
-from kinesic.hardware.bus.late_replies import Overdue
+from kinesic.hardware.bus.late_replies import LateReplies
 from kinesic.hardware.bus.listener import Listener
-from kinesic.hardware.bus.plausibility import Gate, Place
-from kinesic.hardware.bus.polling import Roster
-from kinesic.hardware.bus.query import Question, question_to
+from kinesic.hardware.bus.plausibility import Place, PlausibilityFilter
+from kinesic.hardware.bus.polling import PollingPlan
+from kinesic.hardware.bus.query import Query, question_to
 from kinesic.hardware.bus.timeout import MOST
 from kinesic.hardware.protocol import packet
 from kinesic.hardware.protocol.models import Model
@@ -60,10 +60,10 @@ class Bus:
         self.wire, self.servos, self.period, self.fast = wire, tuple(servos), period, fast
         self.ids = tuple(servo.id for servo in servos)
         self._frame = GoalFrame(self.ids)
-        self._gate = Gate(tuple(servo.model for servo in servos), period)
-        self._roster = Roster(len(servos))
+        self._gate = PlausibilityFilter(tuple(servo.model for servo in servos), period)
+        self._roster = PollingPlan(len(servos))
         self._listener = Listener(wire)
-        self._overdue = Overdue(self._gate, self._listener)
+        self._overdue = LateReplies(self._gate, self._listener)
         self._queue: deque[bytes] = deque()
         self._events: list[Event] = []
         self._told, self._signature = self._gate.blocks, self._gate.signature
@@ -156,7 +156,7 @@ class Bus:
             self._listener.tardy = bool(self._gate.late.any())
         overdue.keep(self._question, self._places, asked=self._asked, whole=self._whole)
 
-    def _listen(self, question: Question, places: Place, *, strict: bool = False, patient: bool = False) -> bool:
+    def _listen(self, question: Query, places: Place, *, strict: bool = False, patient: bool = False) -> bool:
         """Waits for the answer to what was said last, and believes what is plausible of it; whether it was whole."""
         listener, overdue, end = self._listener, self._overdue, self._end
         answer = listener.hear(question, end=end, strict=strict, patient=patient)
@@ -283,12 +283,12 @@ class Bus:
             self._tell(None, "port back", self.wire.name)
         return not self._lost
 
-    def _next_question(self) -> tuple[Question, Place]:
+    def _next_question(self) -> tuple[Query, Place]:
         order = self._roster.order
         places: Place = slice(None) if order == tuple(range(len(self.ids))) else np.array(order)
         return self._question_to(order), places
 
-    def _question_to(self, places: tuple[int, ...]) -> Question:
+    def _question_to(self, places: tuple[int, ...]) -> Query:
         servos = tuple(self.ids[k] for k in places)
         cells = tuple(self.servos[k].cells for k in places)
         return question_to(servos, cells, fast=self.fast)

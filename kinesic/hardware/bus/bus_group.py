@@ -7,7 +7,7 @@ from kinesic.hardware.bus.cycle import Cycle
 from kinesic.hardware.protocol.ticks import Ticks
 
 
-class Buses:
+class BusGroup:
     """The buses of a robot, by name."""
 
     def __init__(self, buses: Mapping[str, Bus]) -> None:

@@ -10,8 +10,8 @@ from math import inf
 import numpy as np
 
 from kinesic.hardware.bus.listener import Listener
-from kinesic.hardware.bus.plausibility import Gate, Place
-from kinesic.hardware.bus.query import Question, ServoReplies
+from kinesic.hardware.bus.plausibility import Place, PlausibilityFilter
+from kinesic.hardware.bus.query import Query, ServoReplies
 from kinesic.hardware.bus.timeout import MOST
 
 LAG = 0.004  # [s] beyond its own time by which an answer is clearly older than the question
@@ -20,14 +20,14 @@ STUCK = 2  # cycles in a row that brought nothing but what seems to be older, be
 SETTLED = 100  # cycles without another such trial, when answers proved to be late indeed
 
 
-class Overdue:
+class LateReplies:
     """What one bus still waits for."""
 
-    def __init__(self, gate: Gate, listener: Listener) -> None:
+    def __init__(self, gate: PlausibilityFilter, listener: Listener) -> None:
         """Nothing yet."""
         self._gate, self._listener = gate, listener
         self._until = -inf  # [s] when nothing more will come
-        self._unfinished: tuple[Question, Place, bytes, float] | None = None  # its answer so far; when it was asked
+        self._unfinished: tuple[Query, Place, bytes, float] | None = None  # its answer so far; when it was asked
         self._set_aside = False  # whether this cycle brought what seems to be older
         self._seeming = 0  # cycles in a row that brought nothing else, see STUCK
 
@@ -36,11 +36,11 @@ class Overdue:
         """Whether a cycle without a question should tell if answers are really late."""
         return self._seeming >= STUCK
 
-    def missed(self, question: Question) -> None:
+    def missed(self, question: Query) -> None:
         """What was asked last has not been answered in full."""
         self._until = self._listener.asked + self._listener.spoken(question.length) + OWED
 
-    def is_of_earlier(self, question: Question, places: Place, answer: ServoReplies) -> bool:
+    def is_of_earlier(self, question: Query, places: Place, answer: ServoReplies) -> bool:
         """Whether a whole answer is one to an earlier question; then what is news of it is believed."""
         listener, gate, asked = self._listener, self._gate, self._listener.asked
         if not answer.whole or asked > self._until:
@@ -54,7 +54,7 @@ class Overdue:
         gate.admit_late(places, answer, asked)
         return True
 
-    def without_earlier(self, question: Question, places: Place, answer: ServoReplies) -> ServoReplies:
+    def without_earlier(self, question: Query, places: Place, answer: ServoReplies) -> ServoReplies:
         """An answer less what of a broken one belongs to an earlier question."""
         listener = self._listener
         if answer.whole or listener.asked > self._until:
@@ -62,7 +62,7 @@ class Overdue:
         leeway = LAG + listener.spoken(question.length)
         return self._gate.without_late(places, answer, listener.asked, leeway=leeway)
 
-    def keep(self, question: Question, places: Place, *, asked: float, whole: bool) -> None:
+    def keep(self, question: Query, places: Place, *, asked: float, whole: bool) -> None:
         """The cycle is over; unless the answer to what was asked [s] was whole, the rest may still come."""
         self._unfinished = None if whole else (question, places, self._listener.heard, asked)
         self._set_aside = False
@@ -88,7 +88,7 @@ class Overdue:
         """Everybody has been asked, and something fresh has come or not."""
         self._seeming = 0 if fresh else self._seeming + self._set_aside
 
-    def overhear(self, question: Question, places: Place, end: float) -> None:
+    def overhear(self, question: Query, places: Place, end: float) -> None:
         """Listens until `end` [s] without having asked: what comes is late, else the clocks have moved apart."""
         raw = b""
         while chunk := self._listener.wire.read(end):

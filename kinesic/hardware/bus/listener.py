@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from math import inf, isfinite
 
-from kinesic.hardware.bus.query import Question, ServoReplies
-from kinesic.hardware.bus.timeout import LEAST, Slack
+from kinesic.hardware.bus.query import Query, ServoReplies
+from kinesic.hardware.bus.timeout import LEAST, TimeoutEstimate
 from kinesic.hardware.protocol.packet import STATUS_OVERHEAD, Instruction, Reader
 from kinesic.hardware.protocol.wire import BITS_PER_BYTE, Wire
 
@@ -24,8 +24,10 @@ class Listener:
 
     def __init__(self, wire: Wire) -> None:
         """Knows nothing yet."""
-        self.wire, self.slack = wire, Slack()
-        self._burst = Slack(BURST * BITS_PER_BYTE / wire.baud, fall=HASTE)  # until the first bytes of an answer come
+        self.wire, self.slack = wire, TimeoutEstimate()
+        self._burst = TimeoutEstimate(
+            BURST * BITS_PER_BYTE / wire.baud, fall=HASTE
+        )  # until the first bytes of an answer come
         self.heard = b""  # all bytes since `forget`
         self._byte = BITS_PER_BYTE / wire.baud
         self.asked = 0.0  # [s] when the last byte of what was said last is out
@@ -53,7 +55,7 @@ class Listener:
         self.asked = self.wire.now() + self.spoken(len(data))
 
     def hear(
-        self, question: Question, *, end: float, strict: bool = False, patient: bool = False, again: bool = False
+        self, question: Query, *, end: float, strict: bool = False, patient: bool = False, again: bool = False
     ) -> ServoReplies | None:
         """Waits for the answer to what was said last.
 
@@ -100,7 +102,7 @@ class Listener:
         self.mute = not raw
         return question.answer(raw) if raw else None
 
-    def _wait(self, question: Question, end: float, *, strict: bool, patient: bool) -> "_Wait":
+    def _wait(self, question: Query, end: float, *, strict: bool, patient: bool) -> "_Wait":
         """How long to wait for what was said last; see `hear`."""
         usual, length = self.slack.usual, self.spoken(question.length)
         again = GAP + self.spoken(len(question.data)) + usual  # [s] of asking again, but for the bytes of the answer

@@ -28,7 +28,7 @@ TRUST = 3  # records from the past in a row after which the servo's clock must h
 Place = slice | np.ndarray[tuple[int], np.dtype[np.intp]]
 
 
-class Gate:
+class PlausibilityFilter:
     """The last believed record of every servo of a bus, and the way in."""
 
     def __init__(self, models: tuple[Model, ...], period: float) -> None:

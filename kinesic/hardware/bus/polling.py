@@ -13,7 +13,7 @@ PATIENCE = 5  # misses in a row
 REST = 0.2  # [s] after which a silent servo is asked even when there is no time
 
 
-class Roster:
+class PollingPlan:
     """Misses, and what follows from them, by places on the bus."""
 
     def __init__(self, count: int) -> None:

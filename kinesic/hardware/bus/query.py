@@ -42,7 +42,7 @@ class ServoReplies(NamedTuple):
     end: int  # [bytes] where it ends, or where it should if it is not whole
 
 
-class Question(Protocol):
+class Query(Protocol):
     """What to send, and how to read the answer."""
 
     @property
@@ -69,7 +69,7 @@ class Question(Protocol):
 
 
 @dataclass(frozen=True)
-class FastQuestion:
+class FastQuery:
     """A fast sync read, or a fast bulk read where the models keep their cells at different addresses."""
 
     servos: tuple[int, ...]
@@ -89,7 +89,7 @@ class FastQuestion:
 
     @property
     def chained(self) -> bool:
-        """See `Question`."""
+        """See `Query`."""
         return True
 
     @cached_property
@@ -118,7 +118,7 @@ class FastQuestion:
         return every
 
     def answer(self, raw: bytes) -> ServoReplies:
-        """See `Question`."""
+        """See `Query`."""
         first = start = raw.find(self._head)
         while 0 <= start <= len(raw) - self.length:
             blocks = self._sound(raw, start)
@@ -142,7 +142,7 @@ class FastQuestion:
         return None if wrong.any() else np.frombuffer(raw, BLOCK, count, offset)
 
     def complete(self, raw: bytes) -> bool:
-        """See `Question`: the last block, sound, ends an answer, though it may have lost bytes."""
+        """See `Query`: the last block, sound, ends an answer, though it may have lost bytes."""
         last = raw[-BLOCK.itemsize :]
         if len(raw) < BLOCK.itemsize + 2 or last[1] != self.servos[-1]:
             return False
@@ -205,7 +205,7 @@ class _Windows(NamedTuple):
 
 
 @dataclass(frozen=True)
-class PlainQuestion:
+class PlainQuery:
     """A sync read, a bulk read, or the read of a single servo: one status each."""
 
     servos: tuple[int, ...]
@@ -227,11 +227,11 @@ class PlainQuestion:
 
     @property
     def chained(self) -> bool:
-        """See `Question`."""
+        """See `Query`."""
         return False
 
     def answer(self, raw: bytes) -> ServoReplies:
-        """See `Question`."""
+        """See `Query`."""
         blocks: Records = np.zeros(len(self.servos), dtype=BLOCK)
         found: Flags = np.zeros(len(self.servos), dtype=np.bool_)
         for status in Reader().feed(raw):
@@ -245,12 +245,12 @@ class PlainQuestion:
         return ServoReplies(blocks, found, bool(found.all()), len(raw) + lacking)
 
     def complete(self, raw: bytes) -> bool:
-        """See `Question`: stuffing may make each status longer, so only time tells."""
+        """See `Query`: stuffing may make each status longer, so only time tells."""
         return False
 
 
 @lru_cache(256)
-def question_to(servos: tuple[int, ...], addresses: tuple[int, ...], *, fast: bool) -> Question:
+def question_to(servos: tuple[int, ...], addresses: tuple[int, ...], *, fast: bool) -> Query:
     """Asks servos for their records.
 
     Args:
@@ -258,7 +258,7 @@ def question_to(servos: tuple[int, ...], addresses: tuple[int, ...], *, fast: bo
         addresses: where each shows its record.
         fast: whether all of them answer fast reads; a single one is read plainly anyway.
     """
-    return FastQuestion(servos, addresses) if fast and len(servos) > 1 else PlainQuestion(servos, addresses)
+    return FastQuery(servos, addresses) if fast and len(servos) > 1 else PlainQuery(servos, addresses)
 
 
 _PLACES = byte_contributions(CHECKED).ravel()

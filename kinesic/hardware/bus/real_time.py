@@ -4,7 +4,7 @@ import os
 import sys
 
 
-def granted(priority: int) -> bool:
+def request_real_time(priority: int) -> bool:
     """Asks the host for real time for this process; whether it grants it.
 
     Args:

@@ -10,7 +10,7 @@ STEP = 50e-6  # [s]
 QUANTILE = 0.9
 
 
-class Slack:
+class TimeoutEstimate:
     """The wait of one bus."""
 
     def __init__(self, usual: float = 0.0015, *, fall: float = 0.0) -> None:

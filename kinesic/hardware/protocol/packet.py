@@ -94,13 +94,13 @@ def crc16(data: bytes | bytearray | memoryview, crc: int = 0) -> int:
     return crc
 
 
-def stuffed(body: bytes) -> bytes:
+def stuff(body: bytes) -> bytes:
     """A body in which no header can be found."""
     return body.replace(_MARK, _STUFFED)
 
 
-def unstuffed(body: bytes) -> bytes:
-    """The inverse of `stuffed`."""
+def unstuff(body: bytes) -> bytes:
+    """The inverse of `stuff`."""
     return body.replace(_STUFFED, _MARK)
 
 
@@ -112,7 +112,7 @@ def packet(servo: int, instruction: int, parameters: bytes = b"") -> bytes:
     """
     if not 0 <= servo <= BROADCAST or servo == 0xFD:
         raise ValueError(f"id is {servo}, must be 0..252, or {BROADCAST} for all")
-    body = stuffed(bytes((instruction,)) + parameters)
+    body = stuff(bytes((instruction,)) + parameters)
     length = len(body) + 2
     if length > MAX_LENGTH:
         raise ValueError(f"a packet of length {length} is longer than the {MAX_LENGTH} that servos read")
@@ -217,7 +217,7 @@ class Reader:
             servo = stream[4]
             del stream[:end]
             fast = servo == BROADCAST and body[0] == Instruction.STATUS
-            body = body if fast else unstuffed(body)
+            body = body if fast else unstuff(body)
             if body[0] == Instruction.STATUS and len(body) < 2:
                 continue
             return Packet(servo, body[0], body[1:])

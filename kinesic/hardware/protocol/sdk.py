@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from dynamixel_sdk import COMM_SUCCESS, PortHandler, Protocol2PacketHandler
 
-from kinesic.hardware.protocol.packet import ALERT, stuffed, unstuffed
+from kinesic.hardware.protocol.packet import ALERT, stuff, unstuff
 from kinesic.hardware.protocol.wire import BITS_PER_BYTE, Wire
 
 LATENCY_MS = 4.0  # [ms] that an adapter and a busy host may add, each way
@@ -85,7 +85,7 @@ class Packets(Protocol2PacketHandler):  # type: ignore[misc]  # the SDK ships no
     def addStuffing(self, packet: list[int]) -> list[int]:
         """Stuffs a packet in place."""
         length = packet[5] | packet[6] << 8
-        body = stuffed(bytes(packet[BODY : BODY + length - 2]))
+        body = stuff(bytes(packet[BODY : BODY + length - 2]))
         packet[BODY:] = [*body, 0, 0]
         packet[5], packet[6] = (len(body) + 2) & 0xFF, (len(body) + 2) >> 8
         return packet
@@ -94,7 +94,7 @@ class Packets(Protocol2PacketHandler):  # type: ignore[misc]  # the SDK ships no
         """Undoes it, in place."""
         length = packet[5] | packet[6] << 8
         end = BODY + length - 2
-        body = unstuffed(bytes(packet[BODY:end]))
+        body = unstuff(bytes(packet[BODY:end]))
         packet[BODY:] = [*body, *packet[end : end + 2]]
         packet[5], packet[6] = (len(body) + 2) & 0xFF, (len(body) + 2) >> 8
         return packet

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from kinesic.body.arrays import Flags, Floats
 from kinesic.body.servo import TICKS_PER_TURN
 from kinesic.hardware.bus.bus import Bus
-from kinesic.hardware.bus.bus_group import Buses
+from kinesic.hardware.bus.bus_group import BusGroup
 from kinesic.hardware.bus.cycle import Event
 from kinesic.hardware.bus.health import Records
 from kinesic.hardware.protocol.device import Cold
@@ -62,7 +62,7 @@ class Axes:
     def __init__(self, manifest: Manifest, buses: Mapping[str, Bus]) -> None:
         """The buses by the manifest's names."""
         self.manifest = manifest
-        self._buses = Buses({name: buses[name] for name in manifest.bauds})
+        self._buses = BusGroup({name: buses[name] for name in manifest.bauds})
         self._cold = {name: Cold(bus.wire) for name, bus in self._buses.buses.items()}
         places = {name: [k for k, m in enumerate(manifest.members) if m.bus == name] for name in manifest.bauds}
         self._parts = {name: slice(found[0], found[-1] + 1) for name, found in places.items()}
@@ -162,7 +162,7 @@ def _row(parts: Sequence[NDArray[Kind]]) -> NDArray[Kind]:
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
-def folded(positions: Floats) -> Floats:
+def fold_turns(positions: Floats) -> Floats:
     """Positions [ticks] within one turn, as torque coming on makes them."""
     turned: Floats = np.mod(positions, TICKS_PER_TURN)
     return turned

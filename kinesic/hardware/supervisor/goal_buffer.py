@@ -11,7 +11,7 @@ from kinesic.body.arrays import Floats
 BEHIND = 2  # commands that are kept before the present one: slopes need them
 
 
-class Score:
+class GoalBuffer:
     """Goals of commands by performance time, forgotten once they are past.
 
     Between two commands the curve is a cubic Hermite spline whose slope at a command is that from the one before to

@@ -40,7 +40,7 @@ class GoalCourse:
         return cls(sealed(goals), sealed(np.zeros(len(goals))))
 
 
-def guarded(
+def limit_goals(
     course: GoalCourse, wanted: Floats, present: Floats, seconds: float, bounds: GoalBounds
 ) -> tuple[GoalCourse, Flags]:
     """The next goals: those that are wanted where they keep the limits, else the nearest that do.

@@ -6,14 +6,14 @@ import numpy as np
 
 from kinesic.body.arrays import Flags, Floats
 from kinesic.hardware.protocol.ticks import Ticks
-from kinesic.hardware.supervisor.axes import folded
-from kinesic.hardware.supervisor.goal_limits import LEAD, GoalBounds, GoalCourse, guarded
+from kinesic.hardware.supervisor.axes import fold_turns
+from kinesic.hardware.supervisor.goal_limits import LEAD, GoalBounds, GoalCourse, limit_goals
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.player import Player
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 
 
-class Steering:
+class GoalSteering:
     """The goals of all members, and where they are to go."""
 
     def __init__(self, manifest: Manifest, settings: SupervisorSettings) -> None:
@@ -80,7 +80,7 @@ class Steering:
             if self._given_up.any():
                 asked = np.where(self._given_up, self._wish, asked)
         self._wish = np.maximum(np.minimum(asked, self._bounds.upper), self._bounds.lower)
-        self._course, refused = guarded(self._course, self._wish, present, seconds, self._bounds)
+        self._course, refused = limit_goals(self._course, self._wish, present, seconds, self._bounds)
         refused |= self._wish != asked
         return refused
 
@@ -128,4 +128,4 @@ class Steering:
             return
         known = limp & np.isfinite(present)
         if self._course is not None and known.any():
-            self.put(known, folded(present[known]))
+            self.put(known, fold_turns(present[known]))

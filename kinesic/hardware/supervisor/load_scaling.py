@@ -24,7 +24,7 @@ LOAD_FULL = 1000.0  # PRESENT_CURRENT at stall of a servo without current sensor
 
 
 @dataclass(frozen=True, eq=False)
-class Strength:
+class LoadRatings:
     """What servos bear, by members."""
 
     celsius: Floats  # (m,) [C] where a servo shuts down
@@ -32,7 +32,7 @@ class Strength:
     full: Floats  # (m,) [ticks] of error at which a servo gives full power
 
     @classmethod
-    def of(cls, tables: Sequence[Table]) -> "Strength":
+    def of(cls, tables: Sequence[Table]) -> "LoadRatings":
         """By the servos' own limits."""
         return cls(
             celsius=sealed([table[Register.TEMPERATURE_LIMIT] for table in tables]),
@@ -46,14 +46,14 @@ def _current(table: Table) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class Strain:
+class LoadState:
     """How servos have been working."""
 
     work: Floats  # (m,) mean square of the current, of its limit's
     stalled: Floats  # (m,) [s] far from the goal without moving
 
     @classmethod
-    def none(cls, count: int) -> "Strain":
+    def none(cls, count: int) -> "LoadState":
         """Of servos that have rested."""
         return cls(sealed(np.zeros(count)), sealed(np.zeros(count)))
 
@@ -63,7 +63,7 @@ class Strain:
         return self.stalled >= STUCK
 
 
-def strained(strain: Strain, records: Records, goals: Floats, seconds: float, strength: Strength) -> Strain:
+def update_load(strain: LoadState, records: Records, goals: Floats, seconds: float, strength: LoadRatings) -> LoadState:
     """What a moment adds.
 
     Args:
@@ -77,10 +77,10 @@ def strained(strain: Strain, records: Records, goals: Floats, seconds: float, st
     work = strain.work + (share**2 - strain.work) * min(seconds / MEMORY, 1.0)
     far = np.abs(goals - records["position"]) >= BEHIND * strength.full
     halted = far & (np.abs(records["velocity"].astype(float)) < MOVES) & (records["torque"] != 0)
-    return Strain(sealed(work), sealed(np.where(halted, strain.stalled + seconds, 0.0)))
+    return LoadState(sealed(work), sealed(np.where(halted, strain.stalled + seconds, 0.0)))
 
 
-def derating(strain: Strain, records: Records, strength: Strength) -> Floats:
+def derate(strain: LoadState, records: Records, strength: LoadRatings) -> Floats:
     """(m,) how fast, 0..1, each servo lets the performance be; 1: as planned."""
     by_work = (HARD - strain.work) / (HARD - EASY)
     by_heat = (strength.celsius - HOT - records["temperature"]) / (COOL - HOT)

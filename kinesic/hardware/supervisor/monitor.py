@@ -7,14 +7,14 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats
 from kinesic.hardware.bus.health import Records
 from kinesic.hardware.supervisor.axes import Snapshot
-from kinesic.hardware.supervisor.load_scaling import Strain, Strength, derating, strained
+from kinesic.hardware.supervisor.load_scaling import LoadRatings, LoadState, derate, update_load
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.preflight import Table
 
 WEIGH = 0.05  # [s] between two looks at currents and temperatures
 
 
-class Watch:
+class CommunicationMonitor:
     """Looks at every cycle; at how hard servos work, which changes slowly, at every few."""
 
     def __init__(self, manifest: Manifest, tables: Sequence[Table]) -> None:
@@ -26,8 +26,8 @@ class Watch:
         """
         count = len(manifest.members)
         nobody: Flags = np.zeros(count, dtype=np.bool_)
-        self._manifest, self._strength = manifest, Strength.of(tables)
-        self._strain, self._since = Strain.none(count), WEIGH  # [s] since it was looked at
+        self._manifest, self._strength = manifest, LoadRatings.of(tables)
+        self._strain, self._since = LoadState.none(count), WEIGH  # [s] since it was looked at
         self._signature = b""  # of what was judged last
         self.records: Records | None = None  # (m,) the last ones; None before the first
         self.present: Floats = np.full(count, np.nan)  # (m,) [ticks]; NaN for who has not answered lately
@@ -62,9 +62,9 @@ class Watch:
     def _weigh(self, snapshot: Snapshot, goals: Floats | None) -> None:
         """How hard they work."""
         if goals is not None:
-            self._strain = strained(self._strain, snapshot.records, goals, self._since, self._strength)
+            self._strain = update_load(self._strain, snapshot.records, goals, self._since, self._strength)
             self.stuck = self.stuck | (self._strain.stuck & snapshot.torque)
-        self.scale = float(derating(self._strain, snapshot.records, self._strength).min())
+        self.scale = float(derate(self._strain, snapshot.records, self._strength).min())
         self._since = 0.0
 
     def _judge(self, snapshot: Snapshot) -> None:

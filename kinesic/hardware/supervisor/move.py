@@ -11,7 +11,7 @@ LEAST = 0.3  # [s]
 
 
 @dataclass(frozen=True, eq=False)
-class Way:
+class TimedMove:
     """Minimum jerk from rest to rest (Flash and Hogan, 1985)."""
 
     start: Floats  # (n,) [rad]
@@ -19,7 +19,7 @@ class Way:
     duration: float  # [s]
 
     @classmethod
-    def between(cls, start: Floats, goal: Floats, *, pace: float) -> "Way":
+    def between(cls, start: Floats, goal: Floats, *, pace: float) -> "TimedMove":
         """A way on which no joint is faster than a pace [rad/s]; of no duration between equal postures."""
         longest = float(np.abs(goal - start).max(initial=0.0))
         duration = 0.0 if longest < 1e-9 else max(LEAST, PEAK * longest / pace)

@@ -3,10 +3,10 @@
 from typing import Literal
 
 from kinesic.body.arrays import Floats
-from kinesic.hardware.supervisor.goal_buffer import Score, are_numbers
-from kinesic.hardware.supervisor.move import Way
+from kinesic.hardware.supervisor.goal_buffer import GoalBuffer, are_numbers
+from kinesic.hardware.supervisor.move import TimedMove
 from kinesic.hardware.supervisor.settings import SupervisorSettings
-from kinesic.hardware.supervisor.time_scaling import Tempo, advance_time
+from kinesic.hardware.supervisor.time_scaling import TimeScale, advance_time
 
 GAP = 0.5  # [s] between commands beyond which the later ones are a performance of their own
 DONE = 1e-6  # [s] before the end that is the end
@@ -20,11 +20,11 @@ class Player:
     def __init__(self, settings: SupervisorSettings) -> None:
         """Nothing to play yet."""
         self._settings = settings
-        self._score = Score()
-        self._way: Way | None = None
+        self._score = GoalBuffer()
+        self._way: TimedMove | None = None
         self._source: Source | None = None
-        self.tempo = Tempo()  # of the performance
-        self._walk = Tempo()  # of the way
+        self.tempo = TimeScale()  # of the performance
+        self._walk = TimeScale()  # of the way
 
     @property
     def begun(self) -> bool:
@@ -57,7 +57,7 @@ class Player:
             return False
         over = self.left <= DONE
         if not self.begun or (over and (time > self._score.end + GAP or time <= self.tempo.time)):
-            self._score, self.tempo = Score(), Tempo(time)
+            self._score, self.tempo = GoalBuffer(), TimeScale(time)
         elif time <= self.tempo.time:
             return False
         self._score.add(time, goals)
@@ -66,7 +66,7 @@ class Player:
     def hold(self) -> None:
         """Stands still from now on."""
         self._source, self._way = None, None
-        self.tempo = Tempo(self.tempo.time, 0.0)
+        self.tempo = TimeScale(self.tempo.time, 0.0)
 
     def approach(self, start: Floats) -> None:
         """To where the performance begins, or goes on, from (n,) [rad]."""
@@ -78,14 +78,14 @@ class Player:
 
     def _go(self, start: Floats, goal: Floats) -> None:
         self.hold()
-        self._way = Way.between(start, goal, pace=self._settings.pace)
-        self._source, self._walk = "way", Tempo(0.0, 1.0)
+        self._way = TimedMove.between(start, goal, pace=self._settings.pace)
+        self._source, self._walk = "way", TimeScale(0.0, 1.0)
 
     def follow(self) -> None:
         """Performance time runs: at once from the first command, which is at rest; softly when it goes on."""
         fresh = self.tempo.time <= self._score.begin
         self._source, self._way = "score", None
-        self.tempo = Tempo(self.tempo.time, 1.0 if fresh else 0.0)
+        self.tempo = TimeScale(self.tempo.time, 1.0 if fresh else 0.0)
 
     def advance(self, seconds: float, *, wanted: float, slow: float) -> Floats | None:
         """Lets time pass.

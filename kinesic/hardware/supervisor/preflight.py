@@ -53,7 +53,7 @@ def take_over(manifest: Manifest, opens: Callable[[str], Wire], *, period: float
     """
     wires = open_wires(manifest, opens)
     try:
-        axes = prepared(manifest, wires, period=period)
+        axes = prepare_servos(manifest, wires, period=period)
         found = control_tables(axes)
         check_servos(axes, found)
     except BusError:
@@ -83,7 +83,7 @@ def open_wires(manifest: Manifest, opens: Callable[[str], Wire]) -> dict[str, Wi
     return wires
 
 
-def prepared(manifest: Manifest, wires: Mapping[str, Wire], *, period: float) -> Axes:
+def prepare_servos(manifest: Manifest, wires: Mapping[str, Wire], *, period: float) -> Axes:
     """Checks who hangs on the wires, and lets them show their records.
 
     Args:

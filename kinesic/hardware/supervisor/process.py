@@ -17,7 +17,7 @@ import msgspec
 
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
-from kinesic.hardware.bus.real_time import granted
+from kinesic.hardware.bus.real_time import request_real_time
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.wire import Wire
 from kinesic.hardware.supervisor.channel import Channel, map_memory, memory_size
@@ -52,7 +52,7 @@ def supervise(order: SupervisorOrder, planner: Callable[[], bool], asked: Callab
     joints = len(manifest.rest)
     channel = Channel(map_memory(order.memory, memory_size(joints)), joints)
     settings, journal = order.settings, EventLog(Path(order.log) if order.log else None)
-    watchdog = settings.watchdog if granted(PRIORITY) else settings.patient_watchdog
+    watchdog = settings.watchdog if request_real_time(PRIORITY) else settings.patient_watchdog
 
     def opens(bus: str) -> Wire:
         return SerialWire(order.ports[bus], manifest.bauds[bus])

@@ -7,16 +7,16 @@ import numpy as np
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.supervisor.channel import Channel, Note, Status
 from kinesic.hardware.supervisor.event_log import EventLog
-from kinesic.hardware.supervisor.goals import Steering
+from kinesic.hardware.supervisor.goals import GoalSteering
 from kinesic.hardware.supervisor.manifest import Manifest
-from kinesic.hardware.supervisor.monitor import Watch
+from kinesic.hardware.supervisor.monitor import CommunicationMonitor
 from kinesic.hardware.supervisor.state_machine import SupervisorState
 
 SLOWLY = 0.1  # [s] between two looks at temperatures and voltages
 VOLT = Register.PRESENT_INPUT_VOLTAGE.field.scale
 
 
-class Teller:
+class StatusWriter:
     """The way to the planner, and to the file."""
 
     def __init__(self, manifest: Manifest, channel: Channel, journal: EventLog) -> None:
@@ -30,7 +30,9 @@ class Teller:
         self._channel.note(note)
         self._journal.write(note)
 
-    def tell(self, clock: float, state: SupervisorState, watch: Watch, steering: Steering, late: int) -> None:
+    def tell(
+        self, clock: float, state: SupervisorState, watch: CommunicationMonitor, steering: GoalSteering, late: int
+    ) -> None:
         """Tells how it was in the cycle that began at a time [s]; `late` cycles so far began too late."""
         player = steering.player
         if abs(clock - self._measured) >= SLOWLY and watch.records is not None:

@@ -11,14 +11,14 @@ from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.supervisor.axes import Axes, Snapshot
 from kinesic.hardware.supervisor.channel import POLICIES, Channel
 from kinesic.hardware.supervisor.event_log import EventLog
-from kinesic.hardware.supervisor.goals import Steering
+from kinesic.hardware.supervisor.goals import GoalSteering
 from kinesic.hardware.supervisor.manifest import Manifest
-from kinesic.hardware.supervisor.monitor import Watch
+from kinesic.hardware.supervisor.monitor import CommunicationMonitor
 from kinesic.hardware.supervisor.player import DONE
 from kinesic.hardware.supervisor.preflight import Table, configure, take_over
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import MOVING, Action, Event, Observation, Stage, SupervisorState, step
-from kinesic.hardware.supervisor.status import Teller
+from kinesic.hardware.supervisor.status import StatusWriter
 from kinesic.hardware.supervisor.torque import RAMP, Procedure, adopt, energise, release_torque, watchdog_counts
 
 TAKEN = 32  # commands in one cycle at most: it must not take long
@@ -57,8 +57,8 @@ class Supervisor:
         self.late = 0  # cycles that began more than a period late, as the loop counts them
         self._opens, self._channel, self._settings = opens, channel, settings
         self._watchdog, self._planner = watchdog_counts(watchdog), planner
-        self._teller = Teller(manifest, channel, journal)
-        self._steering, self._watch = Steering(manifest, settings), Watch(manifest, ())
+        self._teller = StatusWriter(manifest, channel, journal)
+        self._steering, self._watch = GoalSteering(manifest, settings), CommunicationMonitor(manifest, ())
         self._axes: Axes | None = None
         self._tables: tuple[Table, ...] = ()
         self._procedure: Procedure | None = None
@@ -237,7 +237,7 @@ class Supervisor:
 
     def _check(self) -> None:
         axes, self._tables = take_over(self.manifest, self._opens, period=WIRE_SHARE * self._settings.period)
-        self._axes, self._watch = axes, Watch(self.manifest, self._tables)
+        self._axes, self._watch = axes, CommunicationMonitor(self.manifest, self._tables)
         for _ in range(LOOKS):
             self._look(axes, None, self._settings.period)
             if self._watch.answering:

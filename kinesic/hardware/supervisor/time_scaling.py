@@ -5,7 +5,7 @@ from math import sqrt
 
 
 @dataclass(frozen=True)
-class Tempo:
+class TimeScale:
     """Where time is, and how fast it runs."""
 
     time: float = 0.0  # [s]
@@ -17,7 +17,7 @@ class Tempo:
         return self.scale <= 0.0
 
 
-def advance_time(tempo: Tempo, seconds: float, *, wanted: float, end: float, slow: float) -> Tempo:
+def advance_time(tempo: TimeScale, seconds: float, *, wanted: float, end: float, slow: float) -> TimeScale:
     """Time a moment later: its scale changes evenly, and it comes to a stop at the end of what is known.
 
     Args:
@@ -34,4 +34,4 @@ def advance_time(tempo: Tempo, seconds: float, *, wanted: float, end: float, slo
     change = seconds / slow
     scale = max(0.0, tempo.scale - change, min(allowed, tempo.scale + change))
     way = (tempo.scale + scale) / 2 * seconds
-    return Tempo(tempo.time + left, 0.0) if way >= left else Tempo(tempo.time + way, scale)
+    return TimeScale(tempo.time + left, 0.0) if way >= left else TimeScale(tempo.time + way, scale)

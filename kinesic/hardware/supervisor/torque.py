@@ -13,7 +13,7 @@ from kinesic.body.arrays import Floats
 from kinesic.hardware.protocol.registers import WATCHDOG, Register
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError
-from kinesic.hardware.supervisor.axes import Axes, Snapshot, folded
+from kinesic.hardware.supervisor.axes import Axes, Snapshot, fold_turns
 from kinesic.hardware.supervisor.goal_limits import LEAD
 
 TRIES = 25  # cycles that a step may take
@@ -51,11 +51,11 @@ def energise(
     axes.put_all(Register.BUS_WATCHDOG, chosen, 0)
     _put_passing(axes, chosen)
     axes.put(Register.GOAL_PWM, {k: round(LOW * power[k]) for k in chosen})
-    goals, since = folded(first.positions[chosen]), first.time
+    goals, since = fold_turns(first.positions[chosen]), first.time
     confirmed = False
     for _ in range(SETTLING):
         snapshot = yield goals
-        here, since, before = folded(snapshot.positions[chosen]), snapshot.time, since
+        here, since, before = fold_turns(snapshot.positions[chosen]), snapshot.time, since
         if (snapshot.times[chosen] < before).any() or float(np.abs(here - goals).max(initial=0.0)) > STILL:
             goals, confirmed = here, False
         elif confirmed:

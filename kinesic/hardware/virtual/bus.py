@@ -16,8 +16,8 @@ from kinesic.hardware.protocol.wire import BITS_PER_BYTE
 from kinesic.hardware.virtual.faults import CALM, FaultPlan
 from kinesic.hardware.virtual.protocol import answers
 from kinesic.hardware.virtual.servo import VirtualServo
-from kinesic.hardware.virtual.shaft_simulation import Plant
-from kinesic.hardware.virtual.wire_faults import Transmission, Weather
+from kinesic.hardware.virtual.shaft_simulation import ShaftSimulation
+from kinesic.hardware.virtual.wire_faults import Transmission, WireFaults
 
 PIECE = 62  # [bytes] of one USB packet of a common adapter
 LATENCY = 0.001  # [s] of its timer, set low as it should be
@@ -28,7 +28,7 @@ class VirtualBus:
 
     def __init__(
         self,
-        plant: Plant,
+        plant: ShaftSimulation,
         servos: Sequence[VirtualServo],
         *,
         baud: int,
@@ -55,7 +55,7 @@ class VirtualBus:
     def expose(self, faults: FaultPlan) -> None:
         """Faults of the wire and its servos from now on; those of the wire replace earlier ones."""
         now = self._plant.time
-        self._weather = Weather(faults, since=now)
+        self._weather = WireFaults(faults, since=now)
         self._outages = [(now + mishap.start, now + mishap.end) for mishap in faults.of(frozenset({"unplug"}))]
         self._plant.expose(self._servos, faults)
 

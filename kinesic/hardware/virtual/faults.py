@@ -36,7 +36,7 @@ DEFAULTS: Mapping[str, float] = {
 
 
 @dataclass(frozen=True)
-class Mishap:
+class PlannedFault:
     """One thing that goes wrong.
 
     Faults of the wire strike each answer, or each request, between `start` and its end with the chance `rate`, at one
@@ -82,7 +82,7 @@ class Mishap:
 class FaultPlan:
     """All that goes wrong on one wire."""
 
-    mishaps: tuple[Mishap, ...] = ()
+    mishaps: tuple[PlannedFault, ...] = ()
     seed: int = 0
 
     @classmethod
@@ -99,7 +99,7 @@ class FaultPlan:
             raise ConfigError(f"{path}: {error}") from None
         return cls(mishaps, found.seed)
 
-    def of(self, kinds: frozenset[str]) -> tuple[Mishap, ...]:
+    def of(self, kinds: frozenset[str]) -> tuple[PlannedFault, ...]:
         """Those of some kinds."""
         return tuple(mishap for mishap in self.mishaps if mishap.kind in kinds)
 
@@ -118,9 +118,9 @@ class FaultTable(msgspec.Struct, forbid_unknown_fields=True):
     value: float | None = None
     way: Way = "reply"
 
-    def mishap(self) -> Mishap:
+    def mishap(self) -> PlannedFault:
         """The fault that it describes."""
-        return Mishap(
+        return PlannedFault(
             kind=self.kind,
             servos=tuple(self.servos),
             rate=self.rate,

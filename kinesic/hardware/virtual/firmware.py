@@ -29,7 +29,7 @@ SMALL_VOLTS = 5.0  # [V] for models that do not stand 12 V
 _TORQUE_AT_BOOT, _RAM_AT_BOOT = 1, 2
 
 
-class Electronics:
+class Firmware:
     """Registers, guards and control loop of a servo; its shaft is somebody else's."""
 
     def __init__(self, memory: Memory) -> None:

@@ -17,10 +17,10 @@ from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.virtual.bus import VirtualBus
 from kinesic.hardware.virtual.drivers import Driver, DriverReading
-from kinesic.hardware.virtual.faults import BUILD_KINDS, CALM, FaultPlan, Kind, Mishap
+from kinesic.hardware.virtual.faults import BUILD_KINDS, CALM, FaultPlan, Kind, PlannedFault
 from kinesic.hardware.virtual.memory_wire import MemoryWire
-from kinesic.hardware.virtual.shaft_simulation import Plant
-from kinesic.hardware.virtual.wiring import Cable, Fitting, build_bus
+from kinesic.hardware.virtual.shaft_simulation import ShaftSimulation
+from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
 MODEL = "xm430_w350"
 PERIOD = 0.01  # [s]
@@ -40,7 +40,7 @@ class FaultCase:
     """What goes wrong."""
 
     name: str
-    mishaps: tuple[Mishap, ...] = ()
+    mishaps: tuple[PlannedFault, ...] = ()
     cycles: int = 300  # of a trial
 
 
@@ -69,29 +69,29 @@ class TrialResult:
 
 def cases() -> tuple[FaultCase, ...]:
     """The faults of the matrix that a bus alone can meet."""
-    rates = [FaultCase(f"{kind} {rate:.0%}", (Mishap(kind, rate=rate),)) for rate in RATES for kind in MIXED]
+    rates = [FaultCase(f"{kind} {rate:.0%}", (PlannedFault(kind, rate=rate),)) for rate in RATES for kind in MIXED]
     # the first late answer of a wire is taken for a lost one: what matters is how many follow
-    late = [FaultCase(f"late {rate:.0%}", (Mishap("late", rate=rate),), cycles=1500) for rate in RATES]
+    late = [FaultCase(f"late {rate:.0%}", (PlannedFault("late", rate=rate),), cycles=1500) for rate in RATES]
     alerts = [
-        FaultCase(f"alert {error.name.lower()}", (Mishap("alert", (2,), start=STRIKE, value=error.value),))
+        FaultCase(f"alert {error.name.lower()}", (PlannedFault("alert", (2,), start=STRIKE, value=error.value),))
         for error in HardwareError
     ]
     return (
         FaultCase("calm"),
         *rates,
         *late,
-        FaultCase("mixed 6 x 2%", tuple(Mishap(kind, rate=0.02) for kind in MIXED)),
-        FaultCase("requests lost 1%", (Mishap("lost", rate=0.01, way="request"),)),
-        FaultCase("silent", (Mishap("silent", (2,), start=STRIKE),)),
-        FaultCase("reboot", (Mishap("reboot", (2,), start=STRIKE),)),
+        FaultCase("mixed 6 x 2%", tuple(PlannedFault(kind, rate=0.02) for kind in MIXED)),
+        FaultCase("requests lost 1%", (PlannedFault("lost", rate=0.01, way="request"),)),
+        FaultCase("silent", (PlannedFault("silent", (2,), start=STRIKE),)),
+        FaultCase("reboot", (PlannedFault("reboot", (2,), start=STRIKE),)),
         *alerts,
-        FaultCase("overheat", (Mishap("overheat", (2,), start=0.1, value=60.0),)),
-        FaultCase("undervoltage", (Mishap("undervoltage", start=STRIKE, seconds=0.5, value=8.0),)),
-        FaultCase("watchdog", (Mishap("watchdog", (2,), start=STRIKE),)),
-        FaultCase("unplug", tuple(Mishap("unplug", start=STRIKE + k, seconds=0.2) for k in range(2))),
-        FaultCase("duplicate id", (Mishap("duplicate_id", (2,)),)),
-        FaultCase("wrong model", (Mishap("wrong_model", (2,)),)),
-        FaultCase("old firmware", (Mishap("old_firmware"),)),
+        FaultCase("overheat", (PlannedFault("overheat", (2,), start=0.1, value=60.0),)),
+        FaultCase("undervoltage", (PlannedFault("undervoltage", start=STRIKE, seconds=0.5, value=8.0),)),
+        FaultCase("watchdog", (PlannedFault("watchdog", (2,), start=STRIKE),)),
+        FaultCase("unplug", tuple(PlannedFault("unplug", start=STRIKE + k, seconds=0.2) for k in range(2))),
+        FaultCase("duplicate id", (PlannedFault("duplicate_id", (2,)),)),
+        FaultCase("wrong model", (PlannedFault("wrong_model", (2,)),)),
+        FaultCase("old firmware", (PlannedFault("old_firmware"),)),
     )
 
 
@@ -109,7 +109,7 @@ def trial(
         cycles: how many, one each period or as fast as the driver can; by default the case's.
     """
     plan = FaultPlan(case.mishaps, seed)
-    fittings = tuple(Fitting(servo, model=MODEL) for servo in range(1, servos + 1))
+    fittings = tuple(ServoFitting(servo, model=MODEL) for servo in range(1, servos + 1))
     built = FaultPlan(plan.of(BUILD_KINDS), seed)
     plant, buses = build_bus([Cable("trial", fittings, baud=baud, faults=built)])
     bus = buses["trial"]
@@ -135,7 +135,9 @@ def _ideal(servos: int, baud: int, *, fast: bool) -> float:
 class _Watch:
     """Looks over a driver's shoulder: it knows where the servos really are."""
 
-    def __init__(self, case: FaultCase, plant: Plant, bus: VirtualBus, wire: MemoryWire, period: float) -> None:
+    def __init__(
+        self, case: FaultCase, plant: ShaftSimulation, bus: VirtualBus, wire: MemoryWire, period: float
+    ) -> None:
         self._case, self._plant, self._bus, self._wire, self._period = case, plant, bus, wire, period
         self._truth: deque[tuple[float, Ticks]] = deque()
         self._began = wire.now()

@@ -8,7 +8,7 @@ from kinesic.hardware.protocol.models import Model
 from kinesic.hardware.protocol.packet import Fault, Instruction
 from kinesic.hardware.protocol.registers import BAUD_RATES, Register
 from kinesic.hardware.virtual.control_table import Memory, RefusalError, RegisterWrite
-from kinesic.hardware.virtual.firmware import BOOT, Electronics
+from kinesic.hardware.virtual.firmware import BOOT, Firmware
 from kinesic.hardware.virtual.value_rules import BY_GOAL, GOALS, value_fault
 
 NEWEST = 52  # firmware unless said otherwise
@@ -52,7 +52,7 @@ class VirtualServo:
         self.memory = Memory(model, firmware)
         self.memory[Register.ID] = servo
         self.memory[Register.BAUD_RATE] = BAUD_RATES.index(baud)
-        self.electronics = Electronics(self.memory)
+        self.electronics = Firmware(self.memory)
         self.mute = False  # hears, but does not answer
         self._latches_goal = latches_goal
         self._registered: bytes | None = None  # parameters of a write that waits for its action

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from math import inf
 
-from kinesic.hardware.virtual.faults import SERVO_KINDS, FaultPlan, Mishap
+from kinesic.hardware.virtual.faults import SERVO_KINDS, FaultPlan, PlannedFault
 from kinesic.hardware.virtual.physics import Physics
 from kinesic.hardware.virtual.servo import VirtualServo
 
@@ -12,7 +12,7 @@ SAME_TIME = 1e-12  # [s]
 Event = tuple[float, Callable[[], None]]
 
 
-class Plant:
+class ShaftSimulation:
     """All servos of one physics, on whichever wires they are. Its clock is told, and never goes back."""
 
     def __init__(self, servos: Sequence[VirtualServo], physics: Physics, *, time: float = 0.0) -> None:
@@ -57,7 +57,7 @@ class Plant:
             self._events.pop()[1]()
 
 
-def _events(mishap: Mishap, servo: VirtualServo) -> Iterator[Event]:
+def _events(mishap: PlannedFault, servo: VirtualServo) -> Iterator[Event]:
     """When a mishap begins and ends for a servo, and what it does then."""
     electronics, figure = servo.electronics, mishap.figure
 

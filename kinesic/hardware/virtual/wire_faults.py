@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from random import Random
 
-from kinesic.hardware.virtual.faults import WIRE_KINDS, FaultPlan, Mishap
+from kinesic.hardware.virtual.faults import WIRE_KINDS, FaultPlan, PlannedFault
 from kinesic.hardware.virtual.protocol import Sent
 
 
@@ -17,7 +17,7 @@ class Transmission:
     late: float = 0.0  # [s] that the host gets it later
 
 
-class Weather:
+class WireFaults:
     """Faults of one wire; the same seed and traffic meet the same faults."""
 
     def __init__(self, plan: FaultPlan, *, since: float = 0.0) -> None:
@@ -61,7 +61,7 @@ class Weather:
                 end = min(end, k)
         return [part for part in heard[:end] if part.data]
 
-    def _struck(self, mishap: Mishap, data: bytes) -> bytes:
+    def _struck(self, mishap: PlannedFault, data: bytes) -> bytes:
         """Bytes after a fault."""
         dice = self._random
         if mishap.kind == "noise":

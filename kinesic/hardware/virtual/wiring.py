@@ -12,13 +12,13 @@ from kinesic.hardware.virtual.bus import LATENCY, VirtualBus
 from kinesic.hardware.virtual.faults import BUILD_KINDS, CALM, FaultPlan
 from kinesic.hardware.virtual.physics import FirstOrder, Motor, Physics, Shaft
 from kinesic.hardware.virtual.servo import NEWEST, VirtualServo
-from kinesic.hardware.virtual.shaft_simulation import Plant
+from kinesic.hardware.virtual.shaft_simulation import ShaftSimulation
 
 USUAL = Motor()
 
 
 @dataclass(frozen=True)
-class Fitting:
+class ServoFitting:
     """One servo as it is mounted."""
 
     servo: int  # id
@@ -47,7 +47,7 @@ class Cable:
     """One wire with its servos."""
 
     name: str
-    fittings: tuple[Fitting, ...]
+    fittings: tuple[ServoFitting, ...]
     baud: int = 1_000_000  # [bit/s] of servos and host
     latency: float = LATENCY  # [s] of the adapter
     faults: FaultPlan = CALM
@@ -60,17 +60,19 @@ def cables(robot: Robot) -> tuple[Cable, ...]:
         return ()
     ticks = wiring.scale.ticks(robot.skeleton.rest)
     models = [mount.drive.servo for mount in robot.mounts]
-    fitted: dict[str, list[Fitting]] = {bus.name: [] for bus in wiring.buses}
+    fitted: dict[str, list[ServoFitting]] = {bus.name: [] for bus in wiring.buses}
     for servos, place, model in zip(wiring.servos, ticks, models, strict=True):
         fitted[servos.bus] += [_fitting(servo, model, int(place)) for servo in servos.ids]
     return tuple(Cable(bus.name, tuple(fitted[bus.name]), baud=bus.baud) for bus in wiring.buses)
 
 
-def _fitting(servo: int, model: ServoModel, ticks: int) -> Fitting:
-    return Fitting(servo, model=model.name, ticks=ticks, motor=Motor.of(model))
+def _fitting(servo: int, model: ServoModel, ticks: int) -> ServoFitting:
+    return ServoFitting(servo, model=model.name, ticks=ticks, motor=Motor.of(model))
 
 
-def build_bus(wires: Sequence[Cable], physics: Physics | None = None) -> tuple[Plant, Mapping[str, VirtualBus]]:
+def build_bus(
+    wires: Sequence[Cable], physics: Physics | None = None
+) -> tuple[ShaftSimulation, Mapping[str, VirtualBus]]:
     """Virtual servos on virtual wires.
 
     Args:
@@ -86,7 +88,7 @@ def build_bus(wires: Sequence[Cable], physics: Physics | None = None) -> tuple[P
     groups = [[_altered(fitting, wire.faults).build(wire.baud) for fitting in wire.fittings] for wire in wires]
     for wire, group in zip(wires, groups, strict=True):
         _disguise(group, wire.faults)
-    plant = Plant([servo for group in groups for servo in group], physics)
+    plant = ShaftSimulation([servo for group in groups for servo in group], physics)
     buses = {
         wire.name: VirtualBus(
             plant, [*group, *_intruders(wire)], baud=wire.baud, latency=wire.latency, faults=wire.faults
@@ -96,7 +98,7 @@ def build_bus(wires: Sequence[Cable], physics: Physics | None = None) -> tuple[P
     return plant, buses
 
 
-def _altered(fitting: Fitting, faults: FaultPlan) -> Fitting:
+def _altered(fitting: ServoFitting, faults: FaultPlan) -> ServoFitting:
     """With the firmware that the plan says."""
     for mishap in faults.of(frozenset({"old_firmware"})):
         if mishap.strikes(fitting.servo, mishap.start):

@@ -21,7 +21,7 @@ FEWEST = 3  # joints: shoulder, elbow, wrist
 MOST_SWINGS = 2  # of one joint
 
 
-def checked(chain: Chain) -> Chain:
+def accept_chain(chain: Chain) -> Chain:
     """The same chain in the form that the solver takes.
 
     A joint's first hinge that lies along the parent's bone slides down that bone and becomes the parent's twist:

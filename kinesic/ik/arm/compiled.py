@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from kinesic.body.chain import Chain
 from kinesic.ik.arm.linkage import linkage_of
-from kinesic.ik.arm.mirror import is_right, mirrored_chain
+from kinesic.ik.arm.mirror import is_right, mirror_chain
 from kinesic.ik.arm.seeds import seeds
 from kinesic.ik.scalar3 import vector
 
@@ -24,7 +24,7 @@ def arm_of(chain: Chain) -> "_kernel.Arm":
     from kinesic.ik import _kernel  # noqa: PLC0415 - exists only where there was a compiler
 
     right = is_right(chain)
-    left = mirrored_chain(chain) if right else chain
+    left = mirror_chain(chain) if right else chain
     linkage = linkage_of(left)
     return _kernel.Arm(
         origin=linkage.origin,

@@ -9,7 +9,7 @@ import numpy as np
 
 from kinesic.body.chain import Chain
 from kinesic.body.skeleton import Hinge
-from kinesic.ik.arm.accepts import checked
+from kinesic.ik.arm.accepts import accept_chain
 from kinesic.ik.scalar3 import IDENTITY, Rotation, Vector, after, norm, plus, rotated, turned, unit, vector
 
 PARALLEL = 1e-9  # sine of the angle below which a hinge lies along its bone
@@ -106,7 +106,7 @@ def linkage_of(chain: Chain) -> Linkage:
     Raises:
         ConfigError: the chain is no arm that can be solved; says which rule it breaks.
     """
-    chain = checked(chain)
+    chain = accept_chain(chain)
     links: list[Link] = []
     carried: list[Hinge] = []
     first = 0

@@ -20,7 +20,7 @@ def is_right(chain: Chain) -> bool:
 
 
 @lru_cache(maxsize=32)
-def mirrored_chain(chain: Chain) -> Chain:
+def mirror_chain(chain: Chain) -> Chain:
     """The chain in the mirror; equal angles are mirror postures."""
     joints = tuple(
         ChainJoint(joint.name, tuple(_hinge(hinge) for hinge in joint.hinges), _seen(joint.bone, ACROSS))
@@ -31,7 +31,7 @@ def mirrored_chain(chain: Chain) -> Chain:
     )
 
 
-def mirrored_reach(reach: Reach) -> Reach:
+def mirror_reach(reach: Reach) -> Reach:
     """The reach in the mirror; the swivel stays, since it counts outward on both sides."""
     return Reach(
         _seen(reach.position, ACROSS),
@@ -41,7 +41,7 @@ def mirrored_reach(reach: Reach) -> Reach:
     )
 
 
-def mirrored_place(place: Floats) -> Floats:
+def mirror_place(place: Floats) -> Floats:
     """(3,) in the mirror."""
     return _seen(place, ACROSS)
 

@@ -11,7 +11,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
 from kinesic.ik.arm.compiled import arm_of
 from kinesic.ik.arm.linkage import Linkage, linkage_of
-from kinesic.ik.arm.mirror import is_right, mirrored_chain, mirrored_place
+from kinesic.ik.arm.mirror import is_right, mirror_chain, mirror_place
 from kinesic.ik.arm.polish import ROUNDS, Polished, polish
 from kinesic.ik.arm.seeds import nearest_seeds
 from kinesic.ik.kernel_choice import KERNEL, Kernel
@@ -76,7 +76,7 @@ def reach(chain: Chain, target: Floats, angles: Floats, *, kernel: Kernel = KERN
         raise ValueError("reach needs finite float64 arrays: a target of 3 numbers and an angle for each hinge")
     linkage, home = _packed(chain)
     angles[:] = np.clip(angles, chain.lower, chain.upper)
-    place = vector(mirrored_place(target) if is_right(chain) else target)
+    place = vector(mirror_place(target) if is_right(chain) else target)
     found = approach(linkage, place, angles.tolist(), posture=home, mobility=linkage.mobility)
     angles[: len(found.angles)] = found.angles
     return found.miss
@@ -115,7 +115,7 @@ def reach_many(
     angles[:] = np.clip(start, chain.lower, chain.upper)
     near = angles[0].tolist() if len(angles) else []
     for row, target in enumerate(targets):
-        place = vector(mirrored_place(target) if is_right(chain) else target)
+        place = vector(mirror_place(target) if is_right(chain) else target)
         found = polish(linkage, place, near, posture=home, mobility=linkage.mobility, rounds=rounds)
         angles[row, : len(found.angles)] = found.angles
         residuals[row] = found.miss
@@ -124,5 +124,5 @@ def reach_many(
 
 def _packed(chain: Chain) -> tuple[Linkage, list[float]]:
     """A left arm's linkage, and its rest inside the ranges [rad]."""
-    linkage = linkage_of(mirrored_chain(chain) if is_right(chain) else chain)
+    linkage = linkage_of(mirror_chain(chain) if is_right(chain) else chain)
     return linkage, np.clip(chain.rest, chain.lower, chain.upper).tolist()

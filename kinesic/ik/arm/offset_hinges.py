@@ -13,7 +13,7 @@ from msgspec import structs
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
-from kinesic.ik.arm.accepts import checked
+from kinesic.ik.arm.accepts import accept_chain
 from kinesic.ik.arm.linkage import linkage_of
 from kinesic.ik.arm.multistart import approach
 from kinesic.ik.arm.wrist import orient
@@ -61,7 +61,7 @@ def solve_offset(chain: Chain, reach: Reach, *, start: Floats) -> Solution:
         ValueError: a shape is wrong or a number is not finite.
         ConfigError: the nominal arm is none that the solver takes.
     """
-    ideal = checked(nominal(chain))
+    ideal = accept_chain(nominal(chain))
     guess = solve(ideal, reach, start=start)
     linkage, target = linkage_of(chain), vector(reach.position)
     mobility = linkage_of(ideal).mobility

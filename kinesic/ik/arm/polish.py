@@ -63,7 +63,7 @@ def polish(
         damping = caution * (DAMPING * dot(error, error) + LEAST_DAMPING * size * size)
         share = POSTURE * fading / caution
         pulls = [share * (home - angle) for home, angle in zip(posture, now, strict=False)]
-        tried = stepped(linkage, now, error, moves, pulls, mobility, damping)
+        tried = polish_step(linkage, now, error, moves, pulls, mobility, damping)
         hand, tried_moves = columns(linkage, tried)
         tried_error = minus(target, hand)
         gain = norm(tried_error) / norm(error)
@@ -86,7 +86,7 @@ def columns(linkage: Linkage, angles: Sequence[float]) -> tuple[Vector, list[Vec
     return centre, [cross(axis, minus(centre, pole)) for axis, pole in axes]
 
 
-def stepped(
+def polish_step(
     linkage: Linkage,
     angles: Sequence[float],
     error: Vector,

@@ -82,7 +82,7 @@ def true_arm(robot: Robot, side: Side) -> TrueArm:
     )
 
 
-def finished(robot: Robot, side: Side, reach: Reach, angles: Floats, *, near: Floats) -> Floats:
+def refine_posture(robot: Robot, side: Side, reach: Reach, angles: Floats, *, near: Floats) -> Floats:
     """Brings the hand of a solved posture to its place on the true arm.
 
     Args:

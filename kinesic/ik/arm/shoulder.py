@@ -11,7 +11,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
 from kinesic.ik.arm.hinges import extract
 from kinesic.ik.arm.linkage import linkage_of
-from kinesic.ik.arm.mirror import ACROSS, is_right, mirrored_chain
+from kinesic.ik.arm.mirror import ACROSS, is_right, mirror_chain
 from kinesic.ik.scalar3 import Vector, distance, minus, plus, scaled, unit, vector
 
 
@@ -29,7 +29,7 @@ def carry_shoulder(chain: Chain, target: Floats, effort: float) -> Floats:
     if effort <= 0.0:
         return chain.rest
     if is_right(chain):
-        return _carried(mirrored_chain(chain), vector(target * ACROSS), effort)
+        return _carried(mirror_chain(chain), vector(target * ACROSS), effort)
     return _carried(chain, vector(target), effort)
 
 

@@ -93,7 +93,7 @@ class Bend:
     iterations: int  # of the masses
 
 
-def bent(linkage: Linkage, place: ShoulderPlace, *, near: Sequence[float], swivel: float | None) -> Bend:
+def bend_elbow(linkage: Linkage, place: ShoulderPlace, *, near: Sequence[float], swivel: float | None) -> Bend:
     """Chooses the elbow's place on its circle: as near to the wished swivel as the ranges allow.
 
     Args:

@@ -15,7 +15,7 @@ from kinesic.ik.thesis.task import Rest, Task
 COMPLIANCE = 1e-3  # per stiffness: keeps the system regular where all bones lie on one line
 
 
-def balanced(task: Task) -> Rest:
+def balance_springs(task: Task) -> Rest:
     """Corrects all bones together until they have their lengths between the base and the target.
 
     With the stretch c_j of bone j, its direction u_j and weights w = 1 / m (0 at the pinned ends), each step solves

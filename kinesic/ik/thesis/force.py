@@ -10,7 +10,7 @@ from kinesic.ik.thesis.task import Rest, Task
 from kinesic.ik.thesis.verlet import swing_to_rest
 
 
-def drawn(task: Task) -> Rest:
+def draw_by_force(task: Task) -> Rest:
     """Draws the free end of a chain to its target.
 
     The outer force is that of a spring without length between the end effector and the target, as stiff as the last

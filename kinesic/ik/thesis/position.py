@@ -7,7 +7,7 @@ from kinesic.ik.thesis.task import Rest, Task
 from kinesic.ik.thesis.verlet import swing_to_rest
 
 
-def pinned(task: Task) -> Rest:
+def swing_pinned(task: Task) -> Rest:
     """Lets a chain swing to rest between its base and its target."""
     bones = len(task.rests)
     springs = Springs.between(

@@ -39,7 +39,7 @@ class Stance:
     end: Carrier  # of what hangs on the last point
 
 
-def transported(up: Floats, start: Floats, end: Floats) -> Floats:
+def transport_up(up: Floats, start: Floats, end: Floats) -> Floats:
     """An up vector (3,) carried along when its bone swings from one direction to another by the smallest turn.
 
     The turn is about start x end; between opposite directions it is a half turn about the up vector itself.
@@ -98,12 +98,12 @@ def aim_bones(chain: BallChain, before: Floats, points: Floats, carrier: Carrier
 
 def _led(frame: Floats, along: Floats) -> Floats:
     """A bone's frame (3, 3) when the bone swings to a direction, built anew from bone and up vector."""
-    side = np.cross(transported(frame[:, 2], frame[:, 0], along), along)
+    side = np.cross(transport_up(frame[:, 2], frame[:, 0], along), along)
     side /= np.linalg.norm(side)
     return np.stack([along, side, np.cross(along, side)], axis=1)
 
 
-def swivelled(points: Floats, up: Floats) -> Floats:
+def swivel_chain(points: Floats, up: Floats) -> Floats:
     """Turns a chain about the line from base to hand until it bends towards a direction.
 
     Both ends stay, and so does every spring: the swivel is what the masses leave open.

@@ -17,7 +17,7 @@ from kinesic.ik.arm.masses import clamp
 from kinesic.ik.scalar3 import vector
 from kinesic.ik.thesis.limbs import Limbs
 from kinesic.ik.thesis.rotations import Stance
-from kinesic.ik.thesis.shared import Wishes, postured, standing
+from kinesic.ik.thesis.shared import Wishes, standing_limbs, turn_joints
 from kinesic.ik.thesis.solve import Method, three, unbent
 from kinesic.ik.thesis.springs import Springs
 from kinesic.ik.thesis.task import Effort, Rest
@@ -64,13 +64,13 @@ def solve_several(
     pulls = {limb.name: float((weights or {}).get(limb.name, 1.0)) for limb in limbs.members}
     near = {name: sealed(clamp(vector(t), vector(limbs.root(name)), limbs.reach[name])) for name, t in asked.items()}
     ranks = [name for name in priority if name in asked] + [name for name in asked if name not in priority]
-    stances = standing(limbs)
+    stances = standing_limbs(limbs)
     best, least, iterations, done = stances, [np.inf], 0, 0
     while done < effort.rounds:
         swung = _swung(limbs, stances, near, pulls, effort)
         points = {name: limbs.size * swung.points[rows] for name, rows in limbs.indices.items()}
         wishes = Wishes(points, near, dict(pulls), priority)
-        stances = postured(limbs, stances, wishes, method=method, effort=effort)
+        stances = turn_joints(limbs, stances, wishes, method=method, effort=effort)
         iterations, done = iterations + swung.iterations, done + 1
         misses = [float(np.linalg.norm(stances[name].points[-1] - near[name])) / limbs.size for name in ranks]
         late = [miss if miss > effort.tolerance else 0.0 for miss in misses]

@@ -15,7 +15,7 @@ from kinesic.ik.thesis.solve import Method, solve_ball_chain
 from kinesic.ik.thesis.task import Effort
 
 
-def standing(limbs: Limbs) -> dict[str, Stance]:
+def standing_limbs(limbs: Limbs) -> dict[str, Stance]:
     """All limbs at rest."""
     stances: dict[str, Stance] = {}
     for limb in limbs.members:
@@ -34,7 +34,7 @@ class Wishes:
     priority: Sequence[str]  # the first of them among the limbs on one joint decides its rotation alone
 
 
-def postured(
+def turn_joints(
     limbs: Limbs, before: Mapping[str, Stance], wishes: Wishes, *, method: Method, effort: Effort
 ) -> dict[str, Stance]:
     """Turns the joints of all limbs towards where the masses went, carriers first.

@@ -14,15 +14,15 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.ik.arm.masses import clamp
 from kinesic.ik.scalar3 import vector
 from kinesic.ik.thesis.chain import BallChain
-from kinesic.ik.thesis.direct import balanced
-from kinesic.ik.thesis.force import drawn
+from kinesic.ik.thesis.direct import balance_springs
+from kinesic.ik.thesis.force import draw_by_force
 from kinesic.ik.thesis.limits import within_limits
-from kinesic.ik.thesis.position import pinned
-from kinesic.ik.thesis.rotations import Carrier, Stance, aim_bones, stance_of, swivelled
+from kinesic.ik.thesis.position import swing_pinned
+from kinesic.ik.thesis.rotations import Carrier, Stance, aim_bones, stance_of, swivel_chain
 from kinesic.ik.thesis.task import Effort, Relaxation, Rest, Task
 
 Method = Literal["force", "position", "direct"]
-RELAXATIONS: Mapping[Method, Relaxation] = {"force": drawn, "position": pinned, "direct": balanced}
+RELAXATIONS: Mapping[Method, Relaxation] = {"force": draw_by_force, "position": swing_pinned, "direct": balance_springs}
 STRAIGHT = 1e-4  # of the chain's length: masses and target this near to one line stay on it
 NUDGE = 0.02  # of the chain's length, along the up vector, to leave the line
 
@@ -80,7 +80,7 @@ def solve_ball_chain(
     best, energy, iterations, done = stance, 0.0, 0, 0
     while done == 0 or (chain.limits is not None and done < effort.rounds and _miss(best, near) > enough):
         rest = _relaxed(chain, stance, near, method=method, effort=effort)
-        points = rest.points if wish is None else swivelled(rest.points, wish)
+        points = rest.points if wish is None else swivel_chain(rest.points, wish)
         stance = within_limits(chain, aim_bones(chain, stance.rotations, points, ground), near, ground)
         iterations, done = iterations + rest.iterations, done + 1
         if done == 1 or _miss(stance, near) < _miss(best, near):

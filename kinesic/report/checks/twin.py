@@ -84,7 +84,7 @@ class Tracking:
     max: float
 
 
-def tracking(performance: Performance) -> Tracking:
+def tracking_errors(performance: Performance) -> Tracking:
     """Root mean square, 95th percentile and largest error over the samples that count."""
     errors = np.degrees(np.abs(performance.errors[performance.reference.moving]))
     if not len(errors):
@@ -100,7 +100,7 @@ def tracking_checks(performance: Performance) -> list[Check]:
     errors = np.nan_to_num(np.abs(performance.errors))
     row, hinge = np.unravel_index(int(errors.argmax()), errors.shape)
     squares = (errors**2).sum(axis=0)
-    found = tracking(performance)
+    found = tracking_errors(performance)
     moving = int(performance.reference.moving.any(axis=0).sum())
     late = np.nan_to_num(np.abs(performance.lateness))
     last = int(late.argmax())

@@ -25,8 +25,8 @@ from kinesic.report.plots.svg import (
     is_stroke,
     spaced_indices,
     svg,
-    thinned,
-    timed,
+    thin_line,
+    time_axes,
     write_text,
 )
 
@@ -113,11 +113,11 @@ def _panel(
 ) -> None:
     """One hinge."""
     times, robot = performance.measured.times, performance.plan.facts.robot
-    timed(axes, end=float(times[-1]))
+    time_axes(axes, end=float(times[-1]))
     _mark(axes, performance, syncs)
     styles = ((ASKED, 2.6, "-"), (PLANNED, 1.2, "-"), (PERFORMED, 1.0, (0, (4, 2))))
     for curve, (colour, width, dashes) in zip(curves, styles, strict=True):
-        axes.plot(*thinned(times, curve[:, joint]), color=colour, linewidth=width, linestyle=dashes)
+        axes.plot(*thin_line(times, curve[:, joint]), color=colour, linewidth=width, linestyle=dashes)
     low, high = min(c[:, joint].min() for c in curves), max(c[:, joint].max() for c in curves)
     room = max(0.12 * (high - low), (LEAST_SPAN - (high - low)) / 2)
     axes.set_ylim(low - room, high + room)

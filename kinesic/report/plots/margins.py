@@ -19,8 +19,8 @@ from kinesic.report.plots.svg import (
     WIDTH,
     empty_figure,
     svg,
-    thinned,
-    timed,
+    thin_line,
+    time_axes,
     write_text,
 )
 
@@ -39,7 +39,7 @@ def margins(performance: Performance) -> Markup:
     for row, panel in enumerate(panels):
         bottom = (BOTTOM + PANEL * (len(panels) - 1 - row)) / height
         axes = drawn.add_axes((LEFT / WIDTH, bottom, 1 - (LEFT + RIGHT) / WIDTH, (PANEL - 0.25) / height))
-        timed(axes, end=float(performance.measured.times[-1]))
+        time_axes(axes, end=float(performance.measured.times[-1]))
         panel(axes, performance)
         if row < len(panels) - 1:
             axes.tick_params(labelbottom=False)
@@ -55,7 +55,7 @@ def _clearance(axes: "Axes", performance: Performance) -> None:
         (measured.times, measured.clearance, PERFORMED, (0, (4, 2))),
     )
     for times, clearance, colour, dashes in curves:
-        axes.plot(*thinned(times, 1000 * clearance.distances), color=colour, linewidth=1.2, linestyle=dashes)
+        axes.plot(*thin_line(times, 1000 * clearance.distances), color=colour, linewidth=1.2, linestyle=dashes)
     lowest = 1000 * min(float(clearance.distances.min()) for _, clearance, _, _ in curves)
     axes.set_ylim(min(0.0, lowest - 5.0), None)
     axes.axhspan(axes.get_ylim()[0], least, color=OUTSIDE, linewidth=0)
@@ -76,7 +76,7 @@ def _shares(axes: "Axes", performance: Performance) -> None:
         ("duty", np.abs(performance.reference.duties), SPEECH),
     )
     for _, share, colour in shares:
-        axes.plot(*thinned(times, share.max(axis=1)), color=colour, linewidth=1.1)
+        axes.plot(*thin_line(times, share.max(axis=1)), color=colour, linewidth=1.1)
     top = max(1.1, *(1.05 * float(share.max()) for _, share, _ in shares))
     axes.set_ylim(0.0, top)
     axes.axhline(1.0, color=LIMIT, linewidth=0.8)
@@ -91,7 +91,7 @@ def _tracking(axes: "Axes", performance: Performance) -> None:
     everything = np.degrees(np.abs(performance.measured.angles - performance.reference.angles))
     counted = np.degrees(np.abs(np.nan_to_num(performance.errors)))
     for errors, colour in ((everything, ASKED), (counted, PERFORMED)):
-        axes.plot(*thinned(performance.measured.times, errors.max(axis=1)), color=colour, linewidth=1.1)
+        axes.plot(*thin_line(performance.measured.times, errors.max(axis=1)), color=colour, linewidth=1.1)
     axes.set_ylim(0.0, None)
     title = "tracking error of the twin, worst hinge [deg]; grey: with hinges that hardly move"
     _title(axes, title, _peak("while moving", counted, performance))

@@ -19,7 +19,7 @@ from kinesic.report.plots.svg import (
     fit_text,
     is_stroke,
     svg,
-    timed,
+    time_axes,
     write_text,
 )
 
@@ -46,7 +46,7 @@ def score(performance: Performance) -> Markup | None:
     width = WIDTH - LEFT - RIGHT
     axes = drawn.add_axes((LEFT / WIDTH, BOTTOM / height, width / WIDTH, 1 - (TOP + BOTTOM) / height))
     end = float(performance.measured.times[-1])
-    timed(axes, end=end)
+    time_axes(axes, end=end)
     axes.set_ylim((height - TOP - BOTTOM) / ROW, 0)
     axes.set_yticks([])
     pieces = tuple(captions(performance.plan))

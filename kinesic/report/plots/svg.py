@@ -76,7 +76,7 @@ def svg(drawn: "Figure") -> Markup:
     return Markup(f'<div class="plot"><div>{body}{heads}</div></div>')  # Matplotlib escapes every text in it
 
 
-def timed(axes: "Axes", *, end: float, ticks: int = 3) -> None:
+def time_axes(axes: "Axes", *, end: float, ticks: int = 3) -> None:
     """Plain axes over performance time, 0..end [s], on which the replay shows where it is."""
     plain(axes, ticks=ticks)
     axes.set_xlim(0.0, end)
@@ -136,7 +136,7 @@ def spaced_indices(times: Iterable[float], least: float) -> list[int]:
     return kept
 
 
-def thinned(times: Floats, values: Floats) -> tuple[Floats, Floats]:
+def thin_line(times: Floats, values: Floats) -> tuple[Floats, Floats]:
     """A line with at most about `POINTS` points that shows the same extremes, for (m,) times and values."""
     size = int(np.ceil(2 * len(times) / POINTS))
     if size < 3:

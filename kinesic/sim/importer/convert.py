@@ -11,7 +11,7 @@ from kinesic.body.robot_schema import ImportTable, RobotFile, ServoTable
 from kinesic.sim.dynamics import MujocoDynamics
 from kinesic.sim.importer.draft import robot_of
 from kinesic.sim.importer.exclusions import with_exclusions
-from kinesic.sim.importer.hinges import MappedHinge, named_hinges, spelled
+from kinesic.sim.importer.hinges import MappedHinge, named_hinges, spell_angle
 from kinesic.sim.importer.load import load_model
 from kinesic.sim.importer.rest_pose import nearest_to_zero, rest_pose
 from kinesic.sim.importer.segments import lay_out_segments
@@ -60,7 +60,7 @@ def import_humanoid(path: Path) -> Mapped:
     confidence = _confidence(found)
     file.robot.imported = ImportTable(path.name, round(confidence, 2), _review(found, hinges))
     joints = found.tree.joints
-    remarks = {hinge.name: spelled(hinge, joints[hinge.joint].name) for hinge in hinges}
+    remarks = {hinge.name: spell_angle(hinge, joints[hinge.joint].name) for hinge in hinges}
     return Mapped(file, found, hinges, remarks | sources, confidence)
 
 

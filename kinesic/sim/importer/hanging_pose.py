@@ -69,7 +69,7 @@ def elbow_sense(limb: HingeRow, split: Split, lower: float, upper: float) -> flo
     return float(np.sign(middle)) if abs(middle) > CENTRED * (high - low) else 0.0
 
 
-def posed(limb: HingeRow, split: Split, wish: HangingPose, ranges: Ranges, first: list[Floats]) -> Posed:
+def pose_arm(limb: HingeRow, split: Split, wish: HangingPose, ranges: Ranges, first: list[Floats]) -> Posed:
     """The angles that bring an arm nearest to a wish, close to the pose of its file where that leaves a choice.
 
     Args:

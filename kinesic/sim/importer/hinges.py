@@ -154,6 +154,6 @@ def _default(name: str) -> tuple[float, float]:
     return radians(low), radians(high)
 
 
-def spelled(hinge: MappedHinge, joint: str) -> str:
+def spell_angle(hinge: MappedHinge, joint: str) -> str:
     """How the foreign robot's angle follows from kinesic's."""
     return f"{joint} = {'' if hinge.sign > 0 else '-'}angle {degrees(hinge.zero):+.4f} deg"

@@ -13,7 +13,7 @@ from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.importer.draft import robot_of
 from kinesic.sim.importer.hanging_pose import HangingPose
 from kinesic.sim.importer.hinges import MappedHinge
-from kinesic.sim.importer.zero_pose import HumanoidGeometry, hung, mirror_angles
+from kinesic.sim.importer.zero_pose import HumanoidGeometry, hang_arm, mirror_angles
 
 TILTS = (10.0, 15.0, 20.0, 27.0, 35.0)  # [deg] away from the body, tried in turn
 BENT = 25.0  # [deg] of the elbow
@@ -48,7 +48,7 @@ def _resting_arms(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...], til
             mirror_angles(figure.tree, left, row, np.array([turns[k] for k in left])) if turns else np.zeros(len(row))
         )
         wish = _wish(tilt if side == "l" else -tilt)
-        angles = hung(figure.tree, row, figure.split, wish, strict=True, first=first).angles
+        angles = hang_arm(figure.tree, row, figure.split, wish, strict=True, first=first).angles
         turns |= dict(zip(row, angles.tolist(), strict=True))
     found = {}
     for hinge in hinges:

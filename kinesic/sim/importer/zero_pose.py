@@ -8,7 +8,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import Side
 from kinesic.sim.importer.arm import Centres, Split, centres, likeness, splits
 from kinesic.sim.importer.branches import Branches, branches
-from kinesic.sim.importer.hanging_pose import HangingPose, Posed, Ranges, posed
+from kinesic.sim.importer.hanging_pose import HangingPose, Posed, Ranges, pose_arm
 from kinesic.sim.importer.hinge_row import HingeRow
 from kinesic.sim.importer.mirror import Sides, sides
 from kinesic.sim.importer.model_tree import Tree
@@ -63,7 +63,9 @@ def geometry_of(tree: Tree) -> HumanoidGeometry:
     rows = branches(upright, found)
     split, left = _best(upright, rows)
     row, image = rows.left[: split.hinges], rows.right[: split.hinges]
-    right = hung(upright, image, split, HANGING, strict=False, first=mirror_angles(upright, row, image, left.angles))
+    right = hang_arm(
+        upright, image, split, HANGING, strict=False, first=mirror_angles(upright, row, image, left.angles)
+    )
     turns = dict(zip((*row, *image), (*left.angles, *right.angles), strict=True))
     hanging = upright.turned(turns)
     limbs = {"l": HingeRow.of(hanging, row), "r": HingeRow.of(hanging, image)}
@@ -73,11 +75,11 @@ def geometry_of(tree: Tree) -> HumanoidGeometry:
     return HumanoidGeometry(standing, found, rows.trunk, rows.neck, split, likeness(arms["l"].limb, split), arms)
 
 
-def hung(
+def hang_arm(
     tree: Tree, row: tuple[int, ...], split: Split, wish: HangingPose, *, strict: bool, first: Floats | None = None
 ) -> Posed:
     """The angles that bring an arm of a tree nearest to a wish."""
-    return posed(HingeRow.of(tree, row), split, wish, _ranges(tree, row, strict), [] if first is None else [first])
+    return pose_arm(HingeRow.of(tree, row), split, wish, _ranges(tree, row, strict), [] if first is None else [first])
 
 
 def mirror_angles(tree: Tree, row: tuple[int, ...], image: tuple[int, ...], angles: Floats) -> Floats:
@@ -95,7 +97,7 @@ def _best(tree: Tree, rows: Branches) -> tuple[Split, Posed]:
     tried = []
     for split in (split for split, like in ranked.items() if like >= max(ranked.values()) - RIVAL):
         row = rows.left[: split.hinges]
-        pose = hung(tree, row, split, HANGING, strict=False)
+        pose = hang_arm(tree, row, split, HANGING, strict=False)
         tried.append((likeness(HingeRow.of(tree, row).turned(pose.angles), split), split, pose))
     _, split, pose = max(tried, key=lambda one: one[0])
     return split, pose

@@ -17,7 +17,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.lexicon.form import GestureForm
 from kinesic.studies.gestures.isolated import Show
-from kinesic.studies.gestures.silhouette import COLOURS, PenStroke, edged, pale, seen, silhouette
+from kinesic.studies.gestures.silhouette import COLOURS, PenStroke, outline_lines, pale, project, silhouette
 
 MOST = 6  # key postures in a strip
 
@@ -50,7 +50,7 @@ def draw_strip(show: Show, robot: Robot, path: Path, *, says: str = "", scale: f
     paper, axes = _paper(count * _WIDE, _TALL + 2 * _LABEL, scale)
     for k, angles in enumerate(show.postures):
         body = silhouette(robot, angles, _shapes(show.form, k, count))
-        lines = [*edged(body), *_ways(show)]
+        lines = [*outline_lines(body), *_ways(show)]
         _draw(axes, lines, np.array([k * _WIDE - _LEFT, 2 * _LABEL - _LOW]), scale)
         name = "stroke" if k == show.stroke else f"{k + 1}"
         axes.text((k + 0.5) * _WIDE, 2 * _LABEL + 0.01, name, color=_FAINT, fontsize=2.9 * scale, ha="center")
@@ -95,7 +95,7 @@ def _cell(axes: Axes, show: Show, robot: Robot, corner: Floats, scale: float) ->
     begins = pale([line for line in silhouette(robot, show.postures[0], {}) if line.owner != "trunk"])
     body = silhouette(robot, show.postures[show.stroke], _shapes(show.form, show.stroke, count))
     at = corner + np.array([-_LEFT, _LABEL - _LOW])
-    _draw(axes, [*begins, *edged(body), *_ways(show)], at, scale)
+    _draw(axes, [*begins, *outline_lines(body), *_ways(show)], at, scale)
     middle = corner[0] + _WIDE / 2
     axes.text(middle, corner[1] + 0.03, show.form.id, color=_INK, fontsize=5.6 * scale, ha="center")
 
@@ -123,7 +123,7 @@ def _ways(show: Show) -> list[PenStroke]:
     """The ways of the palms, with arrows where they end."""
     lines: list[PenStroke] = []
     for side, path in show.paths.items():
-        points = seen(path)
+        points = project(path)
         red, green, blue = (_DARKER * part for part in COLOURS[side])
         lines.append(PenStroke(points, _WAY_WIDTH, (red, green, blue)))
         before = points[np.linalg.norm(points - points[-1], axis=1) > _ARROW]

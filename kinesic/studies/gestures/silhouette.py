@@ -44,7 +44,7 @@ class PenStroke:
     owner: str = ""  # trunk, l or r
 
 
-def seen(points: Floats) -> Floats:
+def project(points: Floats) -> Floats:
     """(..., 2) [m] right and up, from the front and a little above, of (..., 3) points of the world."""
     return np.stack([points[..., 1], points[..., 2] * cos(_DOWN) - points[..., 0] * sin(_DOWN)], axis=-1)
 
@@ -90,7 +90,7 @@ def _eyes(robot: Robot, frames: Frames) -> list[PenStroke]:
     head = capsules[0]
     places = (head.start + head.end) / 2 + head.radius * np.array([[0.9, side, 0.35] for side in (-0.4, 0.4)])
     world = frames.origins[k] + places @ frames.rotations[k].T
-    return [PenStroke(sealed(seen(np.stack([eye, eye + _DOT]))), _EYE, _EYES) for eye in world]
+    return [PenStroke(sealed(project(np.stack([eye, eye + _DOT]))), _EYE, _EYES) for eye in world]
 
 
 def hand_outline(robot: Robot, side: Side, shape: Shape) -> list[tuple[Floats, float]]:
@@ -126,7 +126,7 @@ def pale(lines: list[PenStroke]) -> list[PenStroke]:
     return [replace(line, colour=PALE) for line in lines]
 
 
-def edged(lines: list[PenStroke]) -> list[PenStroke]:
+def outline_lines(lines: list[PenStroke]) -> list[PenStroke]:
     """Each line over a wider white one."""
     return [
         part
@@ -139,7 +139,7 @@ def _line(points: Floats, width: float, owner: str) -> PenStroke:
     nearest = float(depth(points).mean())
     white = _PALEST * float(np.clip((_NEAR - nearest) / (_NEAR - _FAR), 0.0, 1.0))
     red, green, blue = (white + (1.0 - white) * part for part in COLOURS[owner])
-    return PenStroke(sealed(seen(points)), width, (red, green, blue), nearest, owner)
+    return PenStroke(sealed(project(points)), width, (red, green, blue), nearest, owner)
 
 
 def _owner(robot: Robot, segment: str) -> str:

@@ -10,7 +10,7 @@ from msgspec import structs
 from kinesic.bench import bml
 from kinesic.bench.bml.conformance import CHECKS, place_targets, play_suite
 from kinesic.bench.bml.expectations import Parsing, ReferenceSuite, Scenarios, Step, expected
-from kinesic.bench.bml.parsing import parsed, referred
+from kinesic.bench.bml.parsing import judge_parsing, judge_references
 from kinesic.bench.bml.verdict import ExpectationVerdict, verdict_figures
 from kinesic.bench.bml.virtual_realizer import Feedback, Realizer, ReceivedMessage, read_message
 from kinesic.bench.corpus import folder
@@ -189,11 +189,11 @@ def test_a_wrong_expectation_is_found_out() -> None:
     where, stated = documents
     flipped = {"ok": "error", "error": "ok"}
     wrong = replace_all(stated, flipped)
-    assert not any(verdict.passed for verdict in parsed("d", where, wrong))
+    assert not any(verdict.passed for verdict in judge_parsing("d", where, wrong))
     swapped = ReferenceSuite(
         grammar[1].tolerance, (), grammar[1].accepted, grammar[1].not_equal, grammar[1].equal, grammar[1].written
     )
-    assert sum(verdict.passed for verdict in referred("g", swapped)) == len(swapped.written)
+    assert sum(verdict.passed for verdict in judge_references("g", swapped)) == len(swapped.written)
 
 
 def replace_all(stated: Parsing, flipped: dict[str, str]) -> Parsing:

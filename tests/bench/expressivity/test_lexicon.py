@@ -6,7 +6,7 @@ from kinesic.bench.expressivity.lexicon import (
     NEUTRAL,
     GestureResult,
     every,
-    judged,
+    judge_gesture,
     lexicon_figures,
     play_gestures,
     sample,
@@ -31,7 +31,7 @@ def test_a_sample_is_seeded_and_in_order():
 
 @pytest.mark.parametrize(("gesture", "style"), sample(TASKS, share=SHARE, seed=1))
 def test_a_gesture_keeps_limits_and_distances_and_tells_what_moves(known, gesture, style):
-    result = judged(gesture, style, known)
+    result = judge_gesture(gesture, style, known)
     assert not result.dropped
     assert result.penetrations == 0
     assert result.violations == 0
@@ -41,7 +41,7 @@ def test_a_gesture_keeps_limits_and_distances_and_tells_what_moves(known, gestur
 
 @pytest.mark.parametrize(("gesture", "style"), sample(every((NEUTRAL,)), share=0.1, seed=2))
 def test_in_the_neutral_style_strokes_are_on_time_and_hands_where_they_belong(known, gesture, style):
-    result = judged(gesture, style, known)
+    result = judge_gesture(gesture, style, known)
     assert result.on_time
     assert result.stroke_error <= 0.010
     assert result.miss < 0.03

@@ -49,7 +49,7 @@ def test_success_is_the_hand_within_a_millimetre_and_the_limits(chain):
     inside, outside = chain.rest, chain.upper + 0.01
     asked = np.array([chain.hand(inside), chain.hand(outside), chain.hand(inside) + 0.002])
     replies = {asked[0].tobytes(): inside, asked[1].tobytes(): outside, asked[2].tobytes(): inside}
-    calls = peers.interleaved(chain, {"x": lambda target: replies[target.tobytes()]}, asked)["x"]
+    calls = peers.interleave(chain, {"x": lambda target: replies[target.tobytes()]}, asked)["x"]
     assert calls.reached.tolist() == [1.0, 0.0, 0.0]
     assert calls.microseconds > 0
 
@@ -65,7 +65,7 @@ def test_each_target_goes_to_every_solver_before_the_next(chain):
         return solve
 
     asked = targets(default_rng(1), chain, 3)
-    peers.interleaved(chain, {name: solver(name) for name in "ab"}, asked)
+    peers.interleave(chain, {name: solver(name) for name in "ab"}, asked)
     assert order[2:] == [(name, tuple(target)) for target in asked for name in "ab"]
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from kinesic.bml.block import BmlError, SyncRef
-from kinesic.bml.reading.syncref import Names, parse_ref, relation, written
+from kinesic.bml.reading.syncref import Names, parse_ref, relation, write_reference
 
 CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[4] / "shared" / "corpus"))
 EXPECTED = CORPUS / "expectations" / "syncref.json"
@@ -45,7 +45,7 @@ def test_equality(kind: str) -> None:
 @pytest.mark.parametrize("case", _cases("written"))
 def test_written(case: dict[str, Any]) -> None:
     ref = parse_ref(case["input"], Names(case["default_block"]))
-    assert written(ref, relative_to=case.get("relative_to")) == case["text"]
+    assert write_reference(ref, relative_to=case.get("relative_to")) == case["text"]
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from kinesic.controller.perform import performances
 from kinesic.controller.performance import Performance
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.registers import Register
-from kinesic.hardware.virtual.faults import FaultPlan, Mishap
+from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
 from kinesic.report import output
 from kinesic.sim.servo_factors import NOMINAL
 
@@ -21,12 +21,12 @@ pytestmark = pytest.mark.realtime
 
 NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" stroke="0.8"/></bml>'
 FAULTS = [
-    (Mishap("silent"), "no servo of ids"),
-    (Mishap("wrong_model", (15,)), "servo 15: is a xl430_w250, must be a xm430_w210"),
-    (Mishap("old_firmware", (15,), value=37), "firmware 37 has no bus watchdog"),
-    (Mishap("duplicate_id", (15,)), "several servos have this id"),
-    (Mishap("undervoltage", (15,), value=5.0), "supply is 5.0 V"),
-    (Mishap("alert", (15,), value=32), "has shut down (overload)"),
+    (PlannedFault("silent"), "no servo of ids"),
+    (PlannedFault("wrong_model", (15,)), "servo 15: is a xl430_w250, must be a xm430_w210"),
+    (PlannedFault("old_firmware", (15,), value=37), "firmware 37 has no bus watchdog"),
+    (PlannedFault("duplicate_id", (15,)), "several servos have this id"),
+    (PlannedFault("undervoltage", (15,), value=5.0), "supply is 5.0 V"),
+    (PlannedFault("alert", (15,), value=32), "has shut down (overload)"),
 ]
 
 
@@ -61,7 +61,7 @@ def refused(kinesic: Callable, nod: Path, table: Table) -> str:
 
 
 @pytest.mark.parametrize(("mishap", "message"), FAULTS, ids=[mishap.kind for mishap, _ in FAULTS])
-def test_wrong_servos_are_one_line(kinesic: Callable, nod: Path, tmp_path: Path, mishap: Mishap, message: str):
+def test_wrong_servos_are_one_line(kinesic: Callable, nod: Path, tmp_path: Path, mishap: PlannedFault, message: str):
     with serving(Table(FaultPlan((mishap,))), tmp_path / "port") as table:
         assert message in refused(kinesic, nod, table)
 

@@ -7,7 +7,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.reach import Reach
 from kinesic.expressivity.hands.coarticulation import Engaged
 from kinesic.expressivity.hands.keys import hand_at
-from kinesic.expressivity.hands.phases import arranged
+from kinesic.expressivity.hands.phases import arrange_hands
 from kinesic.expressivity.hands.poses import REST, Poses, pose_distance, resting_hands
 from kinesic.expressivity.hands.strokes import Stroke, least_stroke_times
 from kinesic.expressivity.keyframes import Hand
@@ -40,7 +40,7 @@ def overlapping(phases):
 
 
 def test_strokes_that_overlap_make_room_when_the_document_lets_them(pace, overlapping):
-    found = arranged(overlapping, pace, FREE)
+    found = arrange_hands(overlapping, pace, FREE)
     assert found.outcomes == {}
     moved = found.times
     assert 1.0 < moved["g1"]["strokeEnd"] <= moved["g2"]["strokeStart"] < 2.6
@@ -55,7 +55,7 @@ def test_strokes_that_overlap_make_room_when_the_document_lets_them(pace, overla
 
 
 def test_what_makes_room_keeps_what_servos_need(pace, overlapping):
-    moved = arranged(overlapping, pace, FREE).times
+    moved = arrange_hands(overlapping, pace, FREE).times
     after = least_stroke_times(right(A, B, C), pace)[1]
     before = least_stroke_times(right(C, A), pace)[0]
     assert moved["g1"]["strokeEnd"] - 1.0 >= after - 1e-9
@@ -67,14 +67,14 @@ def test_what_makes_room_keeps_what_servos_need(pace, overlapping):
     [({"g1": {"stroke", "strokeEnd"}}, {"g2"}), ({"g2": {"stroke", "strokeStart"}}, {"g1"})],
 )
 def test_only_what_the_document_leaves_open_moves(pace, overlapping, tied, moving):
-    found = arranged(overlapping, pace, FREE | tied)
+    found = arrange_hands(overlapping, pace, FREE | tied)
     assert found.outcomes == {}
     assert {id for id, times in found.times.items() if times.keys() - {"relax", "end"}} == moving
 
 
 def test_what_is_placed_where_it_overlaps_is_dropped_and_named(pace, overlapping):
     tied = {"g1": {"stroke", "strokeEnd"}, "g2": {"stroke", "strokeStart"}}
-    found = arranged(overlapping, pace, tied)
+    found = arrange_hands(overlapping, pace, tied)
     assert found.outcomes["g2"].kind == "dropped"
     assert "busy with the stroke of g1 until 1.90 s" in found.outcomes["g2"].why
 
@@ -82,13 +82,13 @@ def test_what_is_placed_where_it_overlaps_is_dropped_and_named(pace, overlapping
 def test_strokes_that_are_nearer_than_servos_can_do_are_dropped(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.9, 2.0, 2.6), (right(A, B, C),))
     second = Stroke("g2", phases(0.2, 0.8, 0.8, 1.02, 1.2, 1.4, 2), (right(C, A),))
-    assert arranged([first, second], pace, FREE).outcomes["g2"].kind == "dropped"
+    assert arrange_hands([first, second], pace, FREE).outcomes["g2"].kind == "dropped"
 
 
 def test_a_two_handed_gesture_beside_an_earlier_one_is_done_by_the_free_hand(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (right(A, B, C),))
     second = Stroke("g2", phases(0.4, 1.0, 1.0, 1.2, 1.2, 1.4, 2.0), (both(),))
-    found = arranged([first, second], pace)
+    found = arrange_hands([first, second], pace)
     assert found.sides == {"g1": {"r"}, "g2": {"l"}}
     assert found.outcomes["g2"].kind == "substituted"
     assert "left hand alone" in found.outcomes["g2"].why
@@ -97,7 +97,7 @@ def test_a_two_handed_gesture_beside_an_earlier_one_is_done_by_the_free_hand(pac
 def test_a_two_handed_gesture_leaves_a_hand_to_a_later_one(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (both(),))
     second = Stroke("g2", phases(0.4, 1.0, 1.0, 1.2, 1.2, 1.4, 2.0), (right(C, A),))
-    found = arranged([first, second], pace)
+    found = arrange_hands([first, second], pace)
     assert found.sides == {"g1": {"l"}, "g2": {"r"}}
     assert found.outcomes.keys() == {"g1"}
     assert "the right hand does g2" in found.outcomes["g1"].why
@@ -108,7 +108,7 @@ def test_one_hand_is_left_away_only_once(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (both(),))
     second = Stroke("g2", phases(0.4, 1.0, 1.0, 1.2, 1.2, 1.4, 2.0), (right(C, A),))
     third = Stroke("g3", phases(0.4, 1.0, 1.0, 1.3, 1.3, 1.4, 2.0), (Poses({"l": (M, L)}, 1),))
-    found = arranged([first, second, third], pace)
+    found = arrange_hands([first, second, third], pace)
     assert found.outcomes["g3"].kind == "dropped"
     assert found.sides == {"g1": {"l"}, "g2": {"r"}}
 
@@ -123,7 +123,7 @@ RIGHT, LEFT = Engaged("r", 0.2, 1.1, "a:g"), Engaged("l", 1.0, 1.3, "a:h")
 
 
 def test_a_gesture_leaves_a_hand_to_another_block_and_says_so(pace, either):
-    found = arranged([either], pace, engaged=[RIGHT])
+    found = arrange_hands([either], pace, engaged=[RIGHT])
     assert found.sides == {"g1": {"l"}}
     assert found.outcomes["g1"].kind == "substituted"
     why = (
@@ -137,20 +137,20 @@ def test_a_hand_is_free_as_soon_as_it_has_the_time_to_come(pace, either, sooner)
     way = pace.least_hand_time(pose_distance(REST, A, resting_hands(pace.robot)["r"]))
     before, after = Engaged("r", -5.0, 0.6 - way + sooner, "a:g"), Engaged("r", 1.5 + way - sooner, 9.0, "a:g")
     for other in (before, after):
-        found = arranged([either], pace, engaged=[other])
+        found = arrange_hands([either], pace, engaged=[other])
         assert found.sides == {"g1": {"l"} if sooner else {"r"}}
         assert (found.outcomes != {}) == (sooner > 0.0)
 
 
 def test_a_gesture_whose_hands_are_all_needed_elsewhere_is_as_without(pace, either):
-    found = arranged([either], pace, engaged=[RIGHT, LEFT])
+    found = arrange_hands([either], pace, engaged=[RIGHT, LEFT])
     assert found.sides == {"g1": {"r"}}
     assert found.outcomes == {}
 
 
 def test_a_gesture_of_one_hand_never_goes_to_the_other(pace, phases):
     fixed = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (right(A, B),))
-    found = arranged([fixed], pace, engaged=[RIGHT])
+    found = arrange_hands([fixed], pace, engaged=[RIGHT])
     assert found.sides == {"g1": {"r"}}
     assert found.outcomes == {}
 
@@ -158,7 +158,7 @@ def test_a_gesture_of_one_hand_never_goes_to_the_other(pace, phases):
 @pytest.mark.parametrize(("other", "left"), [(RIGHT, "l"), (LEFT, "r")])
 def test_a_gesture_of_two_hands_leaves_one_to_another_block(pace, phases, other, left):
     stroke = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (both(),), halves=True)
-    found = arranged([stroke], pace, engaged=[other])
+    found = arrange_hands([stroke], pace, engaged=[other])
     assert found.sides == {"g1": {left}}
     hand = {"l": "left", "r": "right"}[left]
     assert found.outcomes["g1"].why.startswith(f"done by the {hand} hand alone: its stroke begins at 0.60 s, the ")
@@ -167,14 +167,14 @@ def test_a_gesture_of_two_hands_leaves_one_to_another_block(pace, phases, other,
 
 def test_a_gesture_that_must_have_two_hands_keeps_them(pace, phases):
     stroke = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (both(),))
-    found = arranged([stroke], pace, engaged=[RIGHT])
+    found = arrange_hands([stroke], pace, engaged=[RIGHT])
     assert found.sides == {"g1": {"l", "r"}}
     assert found.outcomes == {}
 
 
 def test_a_rest_pose_does_not_mind_what_other_blocks_need(pace, either):
     folded = Stroke("p", either.times, either.options, rest=True)
-    assert arranged([folded], pace, engaged=[RIGHT]).sides == {"p": {"r"}}
+    assert arrange_hands([folded], pace, engaged=[RIGHT]).sides == {"p": {"r"}}
 
 
 def test_of_two_gestures_beside_another_block_one_makes_room_on_the_free_hand(pace, overlapping):
@@ -183,7 +183,7 @@ def test_of_two_gestures_beside_another_block_one_makes_room_on_the_free_hand(pa
         Stroke(stroke.id, stroke.times, (*stroke.options, other))
         for stroke, other in zip(overlapping, mirrored, strict=True)
     ]
-    found = arranged(open_, pace, FREE, engaged=[Engaged("r", 0.0, 9.0, "a:g")])
+    found = arrange_hands(open_, pace, FREE, engaged=[Engaged("r", 0.0, 9.0, "a:g")])
     assert found.sides == {"g1": {"l"}, "g2": {"l"}}
     assert {outcome.kind for outcome in found.outcomes.values()} == {"substituted"}
     assert "the right hand is busy with a:g" in found.outcomes["g2"].why
@@ -192,8 +192,8 @@ def test_of_two_gestures_beside_another_block_one_makes_room_on_the_free_hand(pa
 def test_a_gesture_makes_room_rather_than_take_a_hand_that_another_block_needs(pace, overlapping):
     first, second = overlapping
     second = Stroke(second.id, second.times, (*second.options, Poses({"l": (L, M)}, 1)))
-    assert arranged([first, second], pace, FREE).sides["g2"] == {"l"}
-    found = arranged([first, second], pace, FREE, engaged=[Engaged("l", 0.0, 9.0, "a:g")])
+    assert arrange_hands([first, second], pace, FREE).sides["g2"] == {"l"}
+    found = arrange_hands([first, second], pace, FREE, engaged=[Engaged("l", 0.0, 9.0, "a:g")])
     assert found.sides["g2"] == {"r"}
     assert found.outcomes == {}
 
@@ -201,7 +201,7 @@ def test_a_gesture_makes_room_rather_than_take_a_hand_that_another_block_needs(p
 def test_gestures_of_different_hands_are_done_together(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (right(A, B),))
     second = Stroke("g2", phases(0.1, 0.6, 0.6, 1.1, 1.4, 1.5, 2.2), (Poses({"l": (L, M)}, 1),))
-    found = arranged([first, second], pace)
+    found = arrange_hands([first, second], pace)
     assert found.outcomes == {}
     assert found.sides == {"g1": {"r"}, "g2": {"l"}}
 
@@ -209,7 +209,7 @@ def test_gestures_of_different_hands_are_done_together(pace, phases):
 def test_a_retraction_becomes_the_preparation_of_the_next(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.0, 1.2, 2.0), (right(A, B),))
     second = Stroke("g2", phases(1.5, 2.1, 2.1, 2.5, 2.5, 2.7, 3.3), (right(C, A),))
-    keys = arranged([first, second], pace).hands["r"]
+    keys = arrange_hands([first, second], pace).hands["r"]
     inner = [key.hand for key in keys[1:-1]]
     assert REST not in inner
     hold = max(key.time for key in keys if key.hand is B)
@@ -221,7 +221,7 @@ def test_no_time_to_wait_means_going_straight_to_the_stroke(pace, phases):
     far = reach(0.3, -0.5, 1.0)
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.0, 1.2, 2.0), (right(A, B),))
     second = Stroke("g2", phases(0.5, 1.05, 1.6, 2.0, 2.0, 2.2, 2.8), (right(far, A),))
-    keys = arranged([first, second], pace).hands["r"]
+    keys = arrange_hands([first, second], pace).hands["r"]
     assert [key.time for key in keys if key.hand is far] == [1.6]
 
 
@@ -236,7 +236,7 @@ def test_hands_never_jump_and_every_stroke_is_met(pace, phases):
             hands = [reach(0.25, *rng.uniform((-0.3, 0.7), (-0.1, 0.9))) for _ in range(rng.integers(2, 4))]
             options = (right(*hands),) if rng.random() < 0.7 else (both(),)
             strokes.append(Stroke(f"g{k}", phases(*times), options))
-        found = arranged(strokes, pace, {stroke.id: {"stroke"} for stroke in strokes})
+        found = arrange_hands(strokes, pace, {stroke.id: {"stroke"} for stroke in strokes})
         for side, keys in found.hands.items():
             assert all(b.time - a.time > 1e-6 for a, b in pairwise(keys))
             for stroke in strokes:

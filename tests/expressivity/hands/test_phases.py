@@ -7,7 +7,7 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.body.reach import Reach
 from kinesic.expressivity.hands.keys import HandKey, hand_at
-from kinesic.expressivity.hands.phases import arranged
+from kinesic.expressivity.hands.phases import arrange_hands
 from kinesic.expressivity.hands.poses import REST, Poses, pointing_poses, poses, resting_hands, shoulder
 from kinesic.expressivity.hands.strokes import Stroke, stroke_key_times
 from kinesic.expressivity.keyframes import Hand
@@ -32,10 +32,10 @@ def times_of(keys):
 
 def test_a_gesture_goes_from_rest_through_its_strokes_and_back(pace, phases):
     stroke = Stroke("g", phases(0, 0.6, 0.7, 1.0, 1.3, 1.5, 2.0), (work(A, B, C),))
-    keys = arranged([stroke], pace).hands["r"]
+    keys = arrange_hands([stroke], pace).hands["r"]
     assert times_of(keys) == [0, 0.6, 0.7, 1.0, 1.3, 1.5, 2.0]
     assert [key.hand for key in keys] == [REST, A, A, B, C, C, REST]
-    assert arranged([stroke], pace).hands["l"] == ()
+    assert arrange_hands([stroke], pace).hands["l"] == ()
 
 
 def test_one_key_is_exactly_at_the_stroke(robot, pace, lexicon, phases):
@@ -55,7 +55,7 @@ def test_without_room_after_the_stroke_its_last_key_is_the_stroke(pace, phases):
 
 def test_strokes_without_any_room_keep_the_stroke_key(pace, phases):
     stroke = Stroke("g", phases(0, 0.5, 1.0, 1.0, 1.0, 1.4, 2.0), (work(A, B, C),))
-    keys = arranged([stroke], pace).hands["r"]
+    keys = arrange_hands([stroke], pace).hands["r"]
     assert times_of(keys) == [0, 0.5, 1.0, 1.4, 2.0]
     assert keys[2].hand is C
 
@@ -70,14 +70,14 @@ def test_a_form_of_one_key_strokes_into_it(robot, lexicon):
 def test_neighbours_do_not_pass_through_rest(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.0, 1.2, 1.8), (work(A, B),))
     second = Stroke("g2", phases(2.2, 2.8, 2.8, 3.2, 3.2, 3.4, 4.0), (work(C, A),))
-    keys = arranged([first, second], pace).hands["r"]
+    keys = arrange_hands([first, second], pace).hands["r"]
     assert [key.time for key in keys if key.hand is REST] == [0, 4.0]
 
 
 def test_the_hand_leaves_an_overlapped_hold_in_time(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.0, 2.0, 2.5), (work(A, B),))
     second = Stroke("g2", phases(1.2, 1.8, 1.8, 2.2, 2.2, 2.4, 3.0), (work(C, A),))
-    keys = arranged([first, second], pace).hands["r"]
+    keys = arrange_hands([first, second], pace).hands["r"]
     leaving = max(key.time for key in keys if key.hand is B)
     assert 1.0 <= leaving <= 1.55
     assert next(key for key in keys if key.time == 1.8).hand is C
@@ -86,14 +86,14 @@ def test_the_hand_leaves_an_overlapped_hold_in_time(pace, phases):
 def test_far_gestures_rest_between(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.0, 1.2, 1.8), (work(A, B),))
     second = Stroke("g2", phases(2.5, 3, 3, 3.2, 3.2, 3.4, 4.0), (work(C, A),))
-    keys = arranged([first, second], pace).hands["r"]
+    keys = arrange_hands([first, second], pace).hands["r"]
     assert [key.time for key in keys if key.hand is REST] == [0, 1.8, 2.5, 4.0]
 
 
 def test_a_stroke_inside_anothers_is_dropped_and_says_which(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 1.8), (work(A, B),))
     second = Stroke("g2", phases(0.5, 1.2, 1.2, 1.6, 1.6, 1.9, 2.4), (work(C, A),))
-    found = arranged([first, second], pace)
+    found = arrange_hands([first, second], pace)
     assert found.outcomes["g2"].kind == "dropped"
     assert "g1" in found.outcomes["g2"].why
     assert "1.40" in found.outcomes["g2"].why
@@ -103,7 +103,7 @@ def test_a_stroke_inside_anothers_is_dropped_and_says_which(pace, phases):
 def test_a_stroke_inside_anothers_takes_the_free_hand(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 1.8), (work(A, B),))
     second = Stroke("g2", phases(0.5, 1.2, 1.2, 1.6, 1.6, 1.9, 2.4), (work(C, A), work(C, A, side="l")))
-    found = arranged([first, second], pace)
+    found = arrange_hands([first, second], pace)
     assert found.outcomes["g2"].kind == "substituted"
     assert "left hand" in found.outcomes["g2"].why
     assert found.sides["g2"] == {"l"}
@@ -112,7 +112,7 @@ def test_a_stroke_inside_anothers_takes_the_free_hand(pace, phases):
 def test_a_rest_pose_stays_until_the_next(pace, phases):
     folded = Stroke("r", phases(0, 0.6, 0.6, 1.0, 1.0, 1.0, 1.5), (work(A),), rest=True)
     gesture = Stroke("g", phases(4, 4.6, 4.6, 5.0, 5.0, 5.2, 6.0), (work(C, B),))
-    keys = arranged([folded, gesture], pace).hands["r"]
+    keys = arrange_hands([folded, gesture], pace).hands["r"]
     assert keys[0].hand is REST
     assert keys[-1].hand is A
     assert next(key for key in keys if key.time == 4.0).hand is A
@@ -121,14 +121,14 @@ def test_a_rest_pose_stays_until_the_next(pace, phases):
 def test_a_rest_pose_in_a_stroke_is_taken_when_the_hand_goes_back(pace, phases):
     gesture = Stroke("g", phases(0, 0.6, 0.6, 1.0, 2.0, 2.2, 3.0), (work(C, B),))
     folded = Stroke("r", phases(0.5, 1.2, 1.2, 1.5, 1.5, 1.5, 1.5), (work(A),), rest=True)
-    keys = arranged([gesture, folded], pace).hands["r"]
+    keys = arrange_hands([gesture, folded], pace).hands["r"]
     assert [key.hand for key in keys].count(A) == 1
     assert keys[-1].time == 3.0
     assert keys[-1].hand is A
 
 
 def test_a_gesture_without_time_for_its_ways_gets_natural_ones(pace, phases):
-    keys = arranged([Stroke("g", phases(1, 1, 1, 1, 1, 1, 1), (work(A, B),))], pace).hands["r"]
+    keys = arrange_hands([Stroke("g", phases(1, 1, 1, 1, 1, 1, 1), (work(A, B),))], pace).hands["r"]
     assert keys[0].time < 0.8
     assert keys[-1].time > 1.2
     assert [key.hand for key in keys] == [REST, B, REST]

@@ -3,7 +3,7 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation, Slerp
 
-from kinesic.expressivity.hands.rotation_spline import Turning, facing
+from kinesic.expressivity.hands.rotation_spline import Turning, facing_rotations
 from kinesic.motion.passage import PLAIN, Passage
 
 TIMES = (0.0, 0.4, 1.1, 1.5, 2.3)
@@ -79,6 +79,6 @@ def test_it_goes_the_short_way():
 
 def test_what_faces_somewhere_points_and_faces_there():
     pointing, palm = np.array([0.0, 0.6, 0.8]), np.array([1.0, 0.0, 0.0])
-    matrix = facing(pointing, palm).as_matrix()
+    matrix = facing_rotations(pointing, palm).as_matrix()
     np.testing.assert_allclose(matrix[:, 0], pointing, atol=1e-12)
     np.testing.assert_allclose(matrix[:, 2], palm, atol=1e-12)

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from kinesic.body.arrays import sealed
-from kinesic.expressivity.hands.phases import arranged
+from kinesic.expressivity.hands.phases import arrange_hands
 from kinesic.expressivity.hands.poses import poses
-from kinesic.expressivity.hands.strokes import Stroke, natural_times, stroke_key_times, stroke_keys, worked
+from kinesic.expressivity.hands.strokes import Stroke, do_stroke, natural_times, stroke_key_times, stroke_keys
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
 from kinesic.expressivity.lexicon.lexicon import mirror_form
-from kinesic.expressivity.lexicon.paths import shaped
+from kinesic.expressivity.lexicon.paths import shape_path
 from kinesic.expressivity.style.style import Expressivity
 
 NEUTRAL = Expressivity()
@@ -23,8 +23,8 @@ def form(*positions, path=None):
     return GestureForm("own", "iconic", tuple(keys))
 
 
-CIRCLE = form(HERE, HERE, path=shaped("circle"))
-WAVE = form(HERE, HERE, path=shaped("wave", frequency=4.0))
+CIRCLE = form(HERE, HERE, path=shape_path("circle"))
+WAVE = form(HERE, HERE, path=shape_path("wave", frequency=4.0))
 TWO = form(HERE, THERE)
 WAVED = form(HERE, THERE, HERE, THERE)  # written twice
 
@@ -36,7 +36,7 @@ def done(robot, pace, phases):
     def run(form, *times, manner=NEUTRAL):
         start, stroke, end = times
         asked = phases(start - 1, start, start, stroke, end, end, end + 1)
-        work = worked(
+        work = do_stroke(
             Stroke("g", asked, (poses(form, robot, manner),), manner=manner), poses(form, robot, manner), pace
         )
         return work, stroke_keys(work, "r", pace)
@@ -57,7 +57,7 @@ def test_a_path_becomes_keys_between_those_of_the_stroke(robot, done):
 
 
 def test_hands_turn_along_their_path(robot, done):
-    turned = form(HERE, THERE, path=shaped("arc"))
+    turned = form(HERE, THERE, path=shape_path("arc"))
     last = turned.keys[1].hands["r"]
     turned = replace(turned, keys=(turned.keys[0], StrokeKey({"r": replace(last, palm=sealed([0, 0, -1.0]))})))
     _, keys = done(turned, 1.0, 2.0, 2.0)
@@ -67,7 +67,7 @@ def test_hands_turn_along_their_path(robot, done):
 
 
 def test_sampling_follows_size_and_never_time(done):
-    small, large = (form(HERE, HERE, path=shaped("circle", amplitude=size)) for size in (0.03, 0.3))
+    small, large = (form(HERE, HERE, path=shape_path("circle", amplitude=size)) for size in (0.03, 0.3))
     counts = [len(done(one, 1.0, end, end)[1]) for one in (small, large) for end in (2.0, 4.0)]
     assert counts[0] == counts[1] < counts[2] == counts[3]
 
@@ -103,21 +103,25 @@ def test_amplitude_follows_spatial_extent_but_for_fixed_axes(robot):
 
 
 def test_left_and_right_paths_mirror_each_other(robot, pace, done):
-    kinds = [shaped("spiral"), shaped("points", points=(sealed([0.5, 0.4, 0.2]),)), shaped("wave", shift=0.1)]
+    kinds = [
+        shape_path("spiral"),
+        shape_path("points", points=(sealed([0.5, 0.4, 0.2]),)),
+        shape_path("wave", shift=0.1),
+    ]
     for path in kinds:
         one = form(HERE, THERE, path=path)
         work, keys = done(one, 1.0, 3.0, 3.0)
-        other = worked(work.stroke, poses(mirror_form(one), robot, NEUTRAL), pace)
+        other = do_stroke(work.stroke, poses(mirror_form(one), robot, NEUTRAL), pace)
         for a, b in zip(keys, stroke_keys(other, "l", pace), strict=True):
             assert a.time == pytest.approx(b.time, abs=1e-12)
             np.testing.assert_allclose(a.hand.reach.position * [1, -1, 1], b.hand.reach.position, atol=1e-12)
 
 
 def test_ways_along_a_path_take_longer_than_straight_ones(robot, pace):
-    arc, straight = (poses(one, robot, NEUTRAL) for one in (form(HERE, THERE, path=shaped("arc")), TWO))
+    arc, straight = (poses(one, robot, NEUTRAL) for one in (form(HERE, THERE, path=shape_path("arc")), TWO))
     assert natural_times(arc, pace)[0] > natural_times(straight, pace)[0]
     once, twice = (
-        natural_times(poses(form(HERE, HERE, path=shaped("wave", frequency=f)), robot, NEUTRAL), pace)[0]
+        natural_times(poses(form(HERE, HERE, path=shape_path("wave", frequency=f)), robot, NEUTRAL), pace)[0]
         for f in (1.0, 2.0)
     )
     assert twice == pytest.approx(2 * once, rel=0.01)
@@ -177,4 +181,4 @@ def test_repetitions_share_what_time_there_is(done, end, times):
 
 def test_a_path_that_is_not_asked_for_changes_nothing(robot, pace, phases):
     stroke = Stroke("g", phases(0, 0.6, 0.6, 1.0, 1.0, 1.2, 1.8), (poses(TWO, robot, NEUTRAL),))
-    assert [key.time for key in arranged([stroke], pace).hands["r"]] == pytest.approx([0, 0.6, 1.0, 1.2, 1.8])
+    assert [key.time for key in arrange_hands([stroke], pace).hands["r"]] == pytest.approx([0, 0.6, 1.0, 1.2, 1.8])

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.expressivity.lexicon.gestuary import enabled, read_gestuary
+from kinesic.expressivity.lexicon.gestuary import is_enabled, read_gestuary
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -92,9 +92,9 @@ def test_a_touch_is_near_the_body_on_the_side_it_names(read):
 
 
 def test_switched_off_and_empty_gestures_are_not_enabled(read):
-    assert enabled(read(hand()))
-    assert not enabled(read(hand(), category="zziconic"))
-    assert not enabled(read())
+    assert is_enabled(read(hand()))
+    assert not is_enabled(read(hand(), category="zziconic"))
+    assert not is_enabled(read())
     assert read(hand(), category="REST").rest
 
 
@@ -145,7 +145,7 @@ def test_a_missing_file_is_named(tmp_path):
 def test_the_gestuaries_of_the_corpus(name, count, usable):
     forms = read_gestuary(FOLDER / f"{name}.xml")
     assert len(forms) == count
-    assert sum(enabled(form) for form in forms) == usable
+    assert sum(is_enabled(form) for form in forms) == usable
     for form in forms:
         for pose in (pose for key in form.keys for pose in key.hands.values()):
             assert np.isfinite(pose.position).all()
@@ -157,7 +157,7 @@ def test_the_gestuaries_of_the_corpus(name, count, usable):
 @pytest.mark.skipif(not FOLDER.is_dir(), reason="no corpus; set KINESIC_CORPUS")
 def test_a_gestuary_comes_before_our_own_gestures():
     lexicon = Lexicon.load(FOLDER / "gestuary_camille.xml")
-    for form in (form for form in read_gestuary(FOLDER / "gestuary_camille.xml") if enabled(form)):
+    for form in (form for form in read_gestuary(FOLDER / "gestuary_camille.xml") if is_enabled(form)):
         match = lexicon.find(f"{form.category}={form.id.upper()}")
         assert match is not None
         assert match.substitute == ""

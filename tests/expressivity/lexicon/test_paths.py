@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from kinesic.body.arrays import sealed
-from kinesic.expressivity.lexicon.paths import Kind, shaped
+from kinesic.expressivity.lexicon.paths import Kind, shape_path
 
 START, END = sealed([0.6, 0.3, 0.45]), sealed([0.5, 0.5, 0.3])
 POINTS = (sealed([0.5, 0.4, 0.1]), sealed([0.6, 0.5, 0.25]))
 
 
 def path(kind, **given):
-    return shaped(kind, **given, **({"points": POINTS} if kind == "points" else {}))
+    return shape_path(kind, **given, **({"points": POINTS} if kind == "points" else {}))
 
 
 @pytest.mark.parametrize("kind", get_args(Kind))
@@ -80,7 +80,7 @@ def test_free_points_are_passed_and_at_even_speed():
 
 def test_a_zigzag_turns_as_often_as_it_does():
     zigzag = tuple(sealed([0.5, 0.3 + 0.1 * (k % 2), 0.4]) for k in range(6))
-    assert shaped("points", points=zigzag).swings(START, END) in (5, 6, 7)
+    assert shape_path("points", points=zigzag).swings(START, END) in (5, 6, 7)
 
 
 @pytest.mark.parametrize("kind", get_args(Kind))
@@ -124,4 +124,4 @@ def test_slowed_is_the_same_with_fewer_turns():
 )
 def test_what_makes_no_path_is_refused(given, said):
     with pytest.raises(ValueError, match=said):
-        shaped(**given)
+        shape_path(**given)

@@ -12,11 +12,11 @@ from kinesic.expressivity.lexicon.space import (
     EASE,
     HAND_GAP,
     SECTORS,
-    extended,
+    extend_position,
     position,
     spread_hands,
     to_world,
-    widened,
+    widen_key,
 )
 
 ROBOT = Robot.load()
@@ -57,17 +57,17 @@ def test_the_sides_are_mirror_images(place):
     [(0.0, [0.4, 0.5, 0.6]), (1.0, [0.5, 1.15, 0.96]), (-1.0, [0.3, 0.15, 0.39]), (0.5, [0.45, 0.825, 0.78])],
 )
 def test_spatial_extent_scales_each_axis_by_its_own_rate(spatial, expected):
-    assert extended(sealed([0.4, 0.5, 0.6]), spatial) == pytest.approx(expected)
+    assert extend_position(sealed([0.4, 0.5, 0.6]), spatial) == pytest.approx(expected)
 
 
 def test_fixed_axes_stay():
-    assert extended(sealed([0.4, 0.5, 0.6]), 1.0, (True, False, True)) == pytest.approx([0.4, 1.15, 0.6])
+    assert extend_position(sealed([0.4, 0.5, 0.6]), 1.0, (True, False, True)) == pytest.approx([0.4, 1.15, 0.6])
 
 
 @given(places, st.floats(-1, 1), st.floats(-1, 1))
 def test_a_wider_style_never_brings_the_hand_nearer_to_the_origin(place, one, other):
     tight, wide = sorted((one, other))
-    assert np.all(np.abs(extended(place, tight)) <= np.abs(extended(place, wide)) + 1e-12)
+    assert np.all(np.abs(extend_position(place, tight)) <= np.abs(extend_position(place, wide)) + 1e-12)
 
 
 def _wrists(key: StrokeKey) -> float:
@@ -77,7 +77,7 @@ def _wrists(key: StrokeKey) -> float:
 
 @given(places, places, st.floats(-1, 1))
 def test_two_hands_keep_their_gap_at_any_extent(left, right, spatial):
-    assert _wrists(widened(StrokeKey({"l": HandPose(left), "r": HandPose(right)}), spatial, ROBOT)) >= HAND_GAP - 1e-9
+    assert _wrists(widen_key(StrokeKey({"l": HandPose(left), "r": HandPose(right)}), spatial, ROBOT)) >= HAND_GAP - 1e-9
 
 
 def test_hands_that_point_at_each_other_are_parted_further():
@@ -96,24 +96,24 @@ def test_hands_that_are_clear_stay_where_they_are():
 def test_a_crossing_whose_outward_is_fixed_stays_crossed():
     fixed = (True, True, True)
     key = StrokeKey({"l": HandPose(position(-0.1, 0.2, 0.4), fixed), "r": HandPose(position(-0.1, 0.3, 0.4), fixed)})
-    assert widened(key, 1.0, ROBOT).hands["l"].position == pytest.approx([0.4, -0.1, 0.2])
+    assert widen_key(key, 1.0, ROBOT).hands["l"].position == pytest.approx([0.4, -0.1, 0.2])
 
 
 def test_one_hand_has_nothing_to_avoid():
     key = StrokeKey({"l": HandPose(position(0.0, 0.2, 0.5))})
-    assert widened(key, 0.0, ROBOT).hands["l"].position == pytest.approx([0.5, 0.0, 0.2])
+    assert widen_key(key, 0.0, ROBOT).hands["l"].position == pytest.approx([0.5, 0.0, 0.2])
 
 
 @given(places, st.floats(-1, 1))
 def test_spatial_extent_takes_no_hand_out_of_reach(place, spatial):
     shoulder = ROBOT.skeleton.straight.origins[ROBOT.skeleton.segment("l_shoulder")] - ROBOT.gesture_origin
-    wide = widened(StrokeKey({"l": HandPose(place)}), spatial, ROBOT).hands["l"].position
+    wide = widen_key(StrokeKey({"l": HandPose(place)}), spatial, ROBOT).hands["l"].position
     far, before = (float(np.linalg.norm(where - shoulder / ROBOT.arm_length)) for where in (wide, place))
     assert far <= max(before, EASE) + 1e-9 or spatial < 0
 
 
 @given(places)
 def test_the_way_outwards_is_straight_and_has_no_jump(place):
-    way = [widened(StrokeKey({"l": HandPose(place)}), k / 20, ROBOT).hands["l"].position for k in range(21)]
+    way = [widen_key(StrokeKey({"l": HandPose(place)}), k / 20, ROBOT).hands["l"].position for k in range(21)]
     steps = [float(np.linalg.norm(b - a)) for a, b in pairwise(way)]
-    assert max(steps) <= float(np.linalg.norm(extended(place, 1.0) - place)) / 20 + 1e-9
+    assert max(steps) <= float(np.linalg.norm(extend_position(place, 1.0) - place)) / 20 + 1e-9

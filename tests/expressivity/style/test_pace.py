@@ -6,7 +6,7 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.style.pace import CARRIED, COMFORT, FLOOR, FORCE, HASTE, WEAKNESS, Pace, fitts, hurried
+from kinesic.expressivity.style.pace import CARRIED, COMFORT, FLOOR, FORCE, HASTE, WEAKNESS, Pace, fitts, hurry_time
 from kinesic.expressivity.style.style import Expressivity
 
 WAYS = np.linspace(0.0, 0.8, 33)
@@ -78,10 +78,12 @@ def test_what_a_robot_lacks_takes_no_time(robot, limits):
 
 
 def test_a_time_falls_with_the_extent_as_long_as_there_is_room():
-    assert [hurried(0.6, 0.1, extent, 2.0) for extent in (-1.0, 0.0, 1.0)] == pytest.approx([1.2, 0.6, 0.3])
-    assert [hurried(0.6, 0.4, extent, 2.0) for extent in (-1.0, 0.0, 1.0)] == pytest.approx([1.2, 0.6, 0.4])
-    assert [hurried(0.3, 0.4, extent, 2.0) for extent in (-1.0, -0.1, 0.0, 1.0)] == pytest.approx([0.6, 0.4, 0.4, 0.4])
-    assert np.all(np.diff([hurried(0.6, 0.4, extent, 2.0) for extent in np.linspace(-1, 1, 21)]) < 0)
+    assert [hurry_time(0.6, 0.1, extent, 2.0) for extent in (-1.0, 0.0, 1.0)] == pytest.approx([1.2, 0.6, 0.3])
+    assert [hurry_time(0.6, 0.4, extent, 2.0) for extent in (-1.0, 0.0, 1.0)] == pytest.approx([1.2, 0.6, 0.4])
+    assert [hurry_time(0.3, 0.4, extent, 2.0) for extent in (-1.0, -0.1, 0.0, 1.0)] == pytest.approx(
+        [0.6, 0.4, 0.4, 0.4]
+    )
+    assert np.all(np.diff([hurry_time(0.6, 0.4, extent, 2.0) for extent in np.linspace(-1, 1, 21)]) < 0)
 
 
 def test_power_more_than_halves_a_stroke_where_the_servos_allow(pace, sluggish):

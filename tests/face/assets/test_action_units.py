@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.action_units import ASIDE, CHANNELS, DOWNWARD, UNITS, UPWARD
-from kinesic.face.assets.action_units import deformed, intensities, shape_weights
+from kinesic.face.assets.action_units import deform, intensities, shape_weights
 from kinesic.face.assets.mesh import PARTS, VARIANTS, Mesh, load_head
 from kinesic.face.display import DisplayError
 
@@ -42,7 +42,7 @@ def seen(mesh: Mesh, positions: np.ndarray, window: tuple[float, float, float, f
 
 
 def moved(mesh: Mesh, **units: float) -> np.ndarray:
-    return deformed(mesh, {name.lstrip("_"): value for name, value in units.items()}) - mesh.positions
+    return deform(mesh, {name.lstrip("_"): value for name, value in units.items()}) - mesh.positions
 
 
 def centre(mesh: Mesh, y: float, z: float) -> np.intp:
@@ -52,13 +52,13 @@ def centre(mesh: Mesh, y: float, z: float) -> np.intp:
 
 
 def test_nothing_is_the_face_at_rest_to_the_last_bit(mesh: Mesh):
-    assert np.array_equal(deformed(mesh, {}), mesh.positions)
-    assert np.array_equal(deformed(mesh, {"12": 0.0, "L45": 0.0}), mesh.positions)
+    assert np.array_equal(deform(mesh, {}), mesh.positions)
+    assert np.array_equal(deform(mesh, {"12": 0.0, "L45": 0.0}), mesh.positions)
 
 
 @pytest.mark.parametrize("channel", CHANNELS)
 def test_every_unit_moves_something_and_stays_in_its_place(mesh: Mesh, channel: str):
-    change = np.linalg.norm(deformed(mesh, {channel: 1.0}) - mesh.positions, axis=1)
+    change = np.linalg.norm(deform(mesh, {channel: 1.0}) - mesh.positions, axis=1)
     assert 1e-3 < change.max() < 0.05
     back = mesh.positions[:, 0] < -0.08
     assert change[back].max() < 1e-3
@@ -92,25 +92,25 @@ def test_muscles_pull_where_anatomy_says(mesh: Mesh):
 
 def test_pressed_lips_stay_closed_whatever_the_jaw_does(mesh: Mesh):
     assert seen(mesh, mesh.positions, MOUTH) == {"skin"}
-    assert seen(mesh, deformed(mesh, {"26": 1.0, "25": 1.0}), MOUTH) >= {"skin", "tongue"}
+    assert seen(mesh, deform(mesh, {"26": 1.0, "25": 1.0}), MOUTH) >= {"skin", "tongue"}
     for jaw in (0.0, 0.3, 1.0):
-        pressed = deformed(mesh, {"24": 1.0, "25": 1.0, "26": jaw})
+        pressed = deform(mesh, {"24": 1.0, "25": 1.0, "26": jaw})
         assert seen(mesh, pressed, MOUTH) == {"skin"}, jaw
 
 
 def test_a_broad_smile_with_parted_lips_shows_teeth(mesh: Mesh):
-    assert "teeth" in seen(mesh, deformed(mesh, {"12": 1.0, "25": 0.9, "26": 0.5}), MOUTH)
+    assert "teeth" in seen(mesh, deform(mesh, {"12": 1.0, "25": 0.9, "26": 0.5}), MOUTH)
 
 
 @pytest.mark.parametrize("also", [{}, {"64": 1.0}, {"63": 1.0}, {"5": 1.0}, {"7": 1.0, "61": 1.0}])
 def test_closed_lids_hide_the_eyes_wherever_they_look(mesh: Mesh, also: dict[str, float]):
     assert "eyes" in seen(mesh, mesh.positions, EYES)
     for closing in ("43", "45"):
-        assert "eyes" not in seen(mesh, deformed(mesh, {closing: 1.0, **also}), EYES)
+        assert "eyes" not in seen(mesh, deform(mesh, {closing: 1.0, **also}), EYES)
 
 
 def test_a_wink_closes_one_eye(mesh: Mesh):
-    winked = deformed(mesh, {"R46": 1.0})
+    winked = deform(mesh, {"R46": 1.0})
     assert "eyes" in seen(mesh, winked, (0.0, 0.05, -0.012, 0.012))
     assert "eyes" not in seen(mesh, winked, (-0.05, 0.0, -0.012, 0.012))
 
@@ -125,7 +125,7 @@ def test_a_wink_closes_one_eye(mesh: Mesh):
     ],
 )
 def test_eyeballs_turn_about_their_centres(mesh: Mesh, units: dict[str, float], direction: tuple[float, ...]):
-    positions = deformed(mesh, units)
+    positions = deform(mesh, units)
     eyes = mesh.vertices("eyes")
     is_left = mesh.positions[eyes, 1] > 0
     for eyeball, middle in zip((eyes[is_left], eyes[~is_left]), mesh.eyes, strict=True):
@@ -142,7 +142,7 @@ def test_the_finer_head_does_the_same():
     mesh = load_head("female")
     fine = mesh.subdivided()
     units = {"12": 0.8, "26": 0.5, "61": 0.7, "L43": 0.4}
-    coarse, smooth = deformed(mesh, units) - mesh.positions, deformed(fine, units) - fine.positions
+    coarse, smooth = deform(mesh, units) - mesh.positions, deform(fine, units) - fine.positions
     away = np.linalg.norm(smooth[: len(coarse)] - coarse, axis=1)
     assert np.median(away) < 1e-4
     assert away.max() < 4e-3
@@ -165,10 +165,10 @@ def test_weights_stay_inside_0_and_1():
 @pytest.mark.parametrize("name", ["3", "AU12", "L26", "", "jaw", "121"])
 def test_an_unknown_unit_is_refused(name: str):
     with pytest.raises(DisplayError, match=f"no action unit {name}(; known: 1, 2|: jaw drop has no sides; write 26)"):
-        deformed(load_head(), {name: 0.5})
+        deform(load_head(), {name: 0.5})
 
 
 @pytest.mark.parametrize("value", [1.5, -0.1, math.nan, math.inf])
 def test_an_intensity_outside_0_and_1_is_refused(value: float):
     with pytest.raises(DisplayError, match=r"action unit 12 is .*; intensities go from 0 to 1"):
-        deformed(load_head(), {"12": value})
+        deform(load_head(), {"12": value})

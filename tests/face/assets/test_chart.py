@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from kinesic.face.assets.chart import LEFT_RIGHT, LOW_HIGH, ROUND, chart_window, hair, mouth, unrolled, vertex_chart
+from kinesic.face.assets.chart import LEFT_RIGHT, LOW_HIGH, ROUND, chart_window, hair, mouth, unroll, vertex_chart
 from kinesic.face.assets.mesh import VARIANTS, Variant, load_head
 
 
@@ -22,7 +22,7 @@ def test_the_seam_is_cut_open():
     place = vertex_chart(mesh)
     skin = mesh.parts[mesh.triangles[:, 0]] == 0
     assert (np.ptp(place[mesh.triangles[skin], 0], axis=1) > ROUND / 2).sum() > 20
-    sources, cut, triangles = unrolled(place, mesh.triangles)
+    sources, cut, triangles = unroll(place, mesh.triangles)
     np.testing.assert_array_equal(sources[triangles], mesh.triangles)
     moved = cut - place[sources]
     assert set(np.unique(moved[:, 0])) <= {0.0, ROUND}

@@ -4,7 +4,7 @@ import pytest
 from kinesic.body.robot import Robot
 from kinesic.face.assets.mesh import load_head
 from kinesic.face.render.camera import PIVOT, Camera, head_rotation
-from kinesic.face.render.head_pose import HEAD_ENDS, SHOULDERS_BEGIN, steadied, turns
+from kinesic.face.render.head_pose import HEAD_ENDS, SHOULDERS_BEGIN, steady_shoulders, turns
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +42,7 @@ def test_a_head_that_is_raised_shows_its_chin():
 def test_shoulders_stay_while_the_head_turns_and_the_neck_is_bent_between():
     mesh = load_head()
     rest, turn = mesh.positions, (0.5, -0.3, 0.1)
-    seen = steadied(rest, rest, turn)
+    seen = steady_shoulders(rest, rest, turn)
     head, shoulders = rest[:, 2] > HEAD_ENDS, rest[:, 2] < SHOULDERS_BEGIN
     np.testing.assert_array_equal(seen[head], rest[head])
     stands = (seen - PIVOT) @ head_rotation(*turn).T + PIVOT
@@ -51,4 +51,4 @@ def test_shoulders_stay_while_the_head_turns_and_the_neck_is_bent_between():
     neck = ~(head | shoulders)
     reach = np.linalg.norm(whole - rest, axis=1)[neck]
     assert np.all(np.linalg.norm(stands - rest, axis=1)[neck] <= reach + 1e-9)
-    np.testing.assert_array_equal(steadied(rest, rest, (0.0, 0.0, 0.0)), rest)
+    np.testing.assert_array_equal(steady_shoulders(rest, rest, (0.0, 0.0, 0.0)), rest)

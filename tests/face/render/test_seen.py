@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from kinesic.face.assets.action_units import deformed
+from kinesic.face.assets.action_units import deform
 from kinesic.face.assets.mesh import PARTS
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.portrait import Portrait
@@ -21,7 +21,7 @@ def test_each_pixel_lies_on_the_part_that_it_names(portrait: Portrait, yaw: floa
         parts, positions = geometry.parts(), geometry.positions()
     assert set(np.unique(parts)) <= set(range(len(PARTS) + 1))
     view, mesh = camera.view(), portrait.mesh
-    corners = deformed(mesh, UNITS)[mesh.triangles]
+    corners = deform(mesh, UNITS)[mesh.triangles]
     surface = np.einsum("bk,tkc->tbc", np.random.default_rng(1).dirichlet((1.0, 1.0, 1.0), 24), corners)
     for number in range(len(PARTS)):
         seen = positions[parts == number + 1]

@@ -5,20 +5,22 @@ from kinesic.hardware.bus.bus import Servo
 from kinesic.hardware.protocol.models import MODELS
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BusError
-from kinesic.hardware.virtual.faults import CALM, FaultPlan, Mishap
+from kinesic.hardware.virtual.faults import CALM, FaultPlan, PlannedFault
 from kinesic.hardware.virtual.memory_wire import MemoryWire
-from kinesic.hardware.virtual.shaft_simulation import Plant
-from kinesic.hardware.virtual.wiring import Cable, Fitting, build_bus
+from kinesic.hardware.virtual.shaft_simulation import ShaftSimulation
+from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
 MODEL = MODELS["xm430_w350"]
 
 
-def wire_of(faults: FaultPlan = CALM, baud: int = 1_000_000, count: int = 3) -> tuple[MemoryWire, Plant]:
-    plant, buses = build_bus([Cable("body", tuple(Fitting(k + 1) for k in range(count)), baud=baud, faults=faults)])
+def wire_of(faults: FaultPlan = CALM, baud: int = 1_000_000, count: int = 3) -> tuple[MemoryWire, ShaftSimulation]:
+    plant, buses = build_bus(
+        [Cable("body", tuple(ServoFitting(k + 1) for k in range(count)), baud=baud, faults=faults)]
+    )
     return MemoryWire(buses["body"], name="/dev/ttyUSB0"), plant
 
 
-def refused(*mishaps: Mishap, ids: tuple[int, ...] = (1, 2, 3), host_baud: int | None = None) -> str:
+def refused(*mishaps: PlannedFault, ids: tuple[int, ...] = (1, 2, 3), host_baud: int | None = None) -> str:
     """What is said when a bus does not open; nothing is energised."""
     wire, plant = wire_of(FaultPlan(mishaps))
     if host_baud is not None:
@@ -64,32 +66,32 @@ def test_one_servo_missing():
 
 
 def test_a_wrong_model():
-    said = refused(Mishap("wrong_model", servos=(2,)))
+    said = refused(PlannedFault("wrong_model", servos=(2,)))
     assert said == "/dev/ttyUSB0: servo 2: is a xl430_w250, must be a xm430_w350; wrong id, or wrong robot?"
 
 
 def test_firmware_without_watchdog():
-    said = refused(Mishap("old_firmware", servos=(2,), value=36))
+    said = refused(PlannedFault("old_firmware", servos=(2,), value=36))
     assert "servo 2: firmware 36 has no bus watchdog, must be 38 or newer" in said
 
 
 def test_an_id_twice():
-    assert "servo 2:" in refused(Mishap("duplicate_id", servos=(2,)))
+    assert "servo 2:" in refused(PlannedFault("duplicate_id", servos=(2,)))
 
 
 def test_a_supply_that_is_too_low():
-    assert refused(Mishap("undervoltage", value=9.0)).splitlines() == [
+    assert refused(PlannedFault("undervoltage", value=9.0)).splitlines() == [
         f"/dev/ttyUSB0: servo {servo}: supply is 9.0 V, must be 9.5 V at least" for servo in (1, 2, 3)
     ]
 
 
 def test_every_problem_has_its_line():
-    said = refused(Mishap("wrong_model", servos=(1,)), Mishap("old_firmware", servos=(3,), value=36))
+    said = refused(PlannedFault("wrong_model", servos=(1,)), PlannedFault("old_firmware", servos=(3,), value=36))
     assert [line.split(":")[1] for line in said.splitlines()] == [" servo 1", " servo 3"]
 
 
 def test_firmware_that_does_not_answer_fast_reads_is_found_out():
-    wire, _ = wire_of(FaultPlan((Mishap("old_firmware", servos=(2,), value=41),)))
+    wire, _ = wire_of(FaultPlan((PlannedFault("old_firmware", servos=(2,), value=41),)))
     bus = open_bus(wire, [Servo(servo, MODEL) for servo in (1, 2, 3)])
     assert not bus.fast
     assert bus.cycle().fresh.all()

@@ -5,14 +5,14 @@ import pytest
 
 from kinesic.hardware.bus.cycle import Cycle
 from kinesic.hardware.protocol.registers import HardwareError, Register
-from kinesic.hardware.virtual.faults import FaultPlan, Mishap
+from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
 
 MID = 2048
 Make = Callable  # of a rig, see conftest
 
 
 def plan(kind: str, **changes: object) -> FaultPlan:
-    return FaultPlan((Mishap(kind, **changes),), seed=1)
+    return FaultPlan((PlannedFault(kind, **changes),), seed=1)
 
 
 def kinds(cycles: list[Cycle]) -> list[tuple[str, int | None]]:
@@ -121,7 +121,7 @@ def test_one_damaged_answer_in_a_hundred_is_made_good(rig: Make, kind: str, coun
 
 def test_many_faults_at_once_are_no_exception_and_no_lie(rig: Make):
     names = ("corrupt", "drop", "truncate", "duplicate", "noise", "lost", "late")
-    faults = FaultPlan(tuple(Mishap(name, rate=0.05, start=0.2) for name in names), seed=2)
+    faults = FaultPlan(tuple(PlannedFault(name, rate=0.05, start=0.2) for name in names), seed=2)
     made = rig(14, faults=faults)
     made.energise()
     cycles = made.run(300, np.full(14, MID))

@@ -2,7 +2,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from kinesic.hardware.bus.bus_group import Buses
+from kinesic.hardware.bus.bus_group import BusGroup
 from kinesic.hardware.protocol.registers import Register
 
 Make = Callable  # of a rig, see conftest
@@ -11,7 +11,7 @@ MID = 2048
 
 def test_all_buses_are_asked_before_one_is_heard(rig: Make):
     left, right = rig(7), rig(5, baud=4_000_000)
-    buses = Buses({"left": left.bus, "right": right.bus})
+    buses = BusGroup({"left": left.bus, "right": right.bus})
     said: list[str] = []
     for name, made in (("left", left), ("right", right)):
         begin, finish = made.bus.begin, made.bus.finish
@@ -29,7 +29,7 @@ def test_a_bus_that_is_lost_holds_up_no_other(rig: Make):
     left.wire.sleep(left.wire.now() + 0.1)
     for servo in left.plant.servos:
         servo.mute = True
-    buses = Buses({"left": left.bus, "right": right.bus})
+    buses = BusGroup({"left": left.bus, "right": right.bus})
     goals = {"left": np.full(3, MID), "right": np.array([MID, MID + 5, MID + 9])}
     for _ in range(10):
         cycles = buses.cycle(goals)

@@ -4,11 +4,11 @@ import pytest
 
 from kinesic.hardware.bus.health import BLOCK
 from kinesic.hardware.bus.listener import BURST, RESTLESS, Listener
-from kinesic.hardware.bus.query import FastQuestion, PlainQuestion
+from kinesic.hardware.bus.query import FastQuery, PlainQuery
 from kinesic.hardware.protocol.packet import BROADCAST, HEADER, Instruction, crc16, status
 
 SERVOS = tuple(range(1, 15))
-QUESTION = FastQuestion(SERVOS, (224,) * 14)
+QUESTION = FastQuery(SERVOS, (224,) * 14)
 END = 0.0095
 
 
@@ -144,7 +144,7 @@ def test_two_answers_at_once_are_heard_one_after_the_other():
 
 
 def test_an_answer_before_its_time_is_an_earlier_one():
-    single = PlainQuestion((1,), (224,))
+    single = PlainQuery((1,), (224,))
     made = Listener(Arrivals((1e-5, status(1, 0, bytes(18)))))
     made.say(single.data)
     made._restless = 1

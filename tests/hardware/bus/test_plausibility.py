@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from kinesic.hardware.bus.health import BLOCK, Records
-from kinesic.hardware.bus.plausibility import LEAP, LEEWAY, Gate
+from kinesic.hardware.bus.plausibility import LEAP, LEEWAY, PlausibilityFilter
 from kinesic.hardware.bus.query import ServoReplies
 from kinesic.hardware.protocol.models import MODELS
 
@@ -26,22 +26,22 @@ def answer(made: Records) -> ServoReplies:
 
 
 @pytest.fixture
-def gate() -> Gate:
-    opened = Gate((MODELS["xm430_w350"],) * 2, PERIOD)
+def gate() -> PlausibilityFilter:
+    opened = PlausibilityFilter((MODELS["xm430_w350"],) * 2, PERIOD)
     opened.begin()
     opened.admit(ALL, answer(blocks(1000)), 1.0)
     opened.begin()
     return opened
 
 
-def told(gate: Gate, made: Records, time: float = 1.01) -> list[bool]:
+def told(gate: PlausibilityFilter, made: Records, time: float = 1.01) -> list[bool]:
     gate.begin()
     gate.admit(ALL, answer(made), time)
     return [bool(fresh) for fresh in gate.fresh]
 
 
 def test_the_first_record_is_believed():
-    opened = Gate((MODELS["xm430_w350"],) * 2, PERIOD)
+    opened = PlausibilityFilter((MODELS["xm430_w350"],) * 2, PERIOD)
     opened.begin()
     assert opened.times.tolist() == [-inf, -inf]
     opened.admit(ALL, answer(blocks(1000, 17)), 1.0)
@@ -50,7 +50,7 @@ def test_the_first_record_is_believed():
     assert opened.times.tolist() == [1.0, 1.0]
 
 
-def test_what_a_servo_can_do_is_believed(gate: Gate):
+def test_what_a_servo_can_do_is_believed(gate: PlausibilityFilter):
     assert told(gate, blocks(1010, 2048 + LEEWAY)) == [True, True]
     assert told(gate, blocks(1020, temperature=40 + LEAP), 1.02) == [True, True]
     assert told(gate, blocks(1030, hardware_error=0x20, error=0x80, temperature=44), 1.03) == [True, True]
@@ -67,46 +67,46 @@ def test_what_a_servo_can_do_is_believed(gate: Gate):
         {"error": 0x80},
     ],
 )
-def test_what_surprises_must_be_said_twice(gate: Gate, lie: dict[str, int]):
+def test_what_surprises_must_be_said_twice(gate: PlausibilityFilter, lie: dict[str, int]):
     assert told(gate, blocks(1010, **lie)) == [True, False]
     assert gate.doubted == {1}
     assert gate.blocks["position"][1] == 2048
     assert told(gate, blocks(1020, **lie), 1.02) == [True, True]
 
 
-def test_a_lie_that_is_not_repeated_is_forgotten(gate: Gate):
+def test_a_lie_that_is_not_repeated_is_forgotten(gate: PlausibilityFilter):
     assert told(gate, blocks(1010, position=3000)) == [True, False]
     assert told(gate, blocks(1020), 1.02) == [True, True]
     assert told(gate, blocks(1030, position=3000), 1.03) == [True, False]
 
 
-def test_after_a_silence_a_joint_may_be_elsewhere(gate: Gate):
+def test_after_a_silence_a_joint_may_be_elsewhere(gate: PlausibilityFilter):
     assert told(gate, blocks(1500, position=3500), 1.5) == [True, True]
 
 
-def test_who_has_not_been_heard_for_long_may_have_warmed(gate: Gate):
+def test_who_has_not_been_heard_for_long_may_have_warmed(gate: PlausibilityFilter):
     assert told(gate, blocks(1200, temperature=40 + LEAP + 10), 1.2) == [True, True]
     assert told(gate, blocks(1210, temperature=40 + LEAP + 10 + LEAP + 2), 1.21) == [True, False]
 
 
 @pytest.mark.parametrize("tick", [1000, 990, 900])
-def test_a_record_from_the_past_is_none(gate: Gate, tick: int):
+def test_a_record_from_the_past_is_none(gate: PlausibilityFilter, tick: int):
     assert told(gate, blocks(tick, 2060)) == [False, False]
     assert gate.blocks["position"].tolist() == [2048, 2048]
 
 
-def test_the_clock_of_a_servo_starts_again_after_half_a_minute(gate: Gate):
+def test_the_clock_of_a_servo_starts_again_after_half_a_minute(gate: PlausibilityFilter):
     for k in range(1, 4000):
         assert all(told(gate, blocks((1000 + 10 * k) % 32768), 1.0 + 0.01 * k))
 
 
-def test_a_clock_that_stays_in_the_past_has_started_anew(gate: Gate):
+def test_a_clock_that_stays_in_the_past_has_started_anew(gate: PlausibilityFilter):
     heard = [told(gate, blocks(10 * k), 1.0 + 0.01 * k) for k in range(1, 8)]
     assert heard[0] == [False, False]
     assert heard[-1] == [True, True]
 
 
-def test_a_record_without_voltage_is_none(gate: Gate):
+def test_a_record_without_voltage_is_none(gate: PlausibilityFilter):
     empty = blocks(1010)
     empty[1] = np.zeros(1, BLOCK)[0]
     assert told(gate, empty) == [True, False]
@@ -114,12 +114,12 @@ def test_a_record_without_voltage_is_none(gate: Gate):
     assert gate.blocks["volts"][1] == 120
 
 
-def test_a_servo_that_was_forgotten_may_say_anything(gate: Gate):
+def test_a_servo_that_was_forgotten_may_say_anything(gate: PlausibilityFilter):
     gate.forget(1)
     assert told(gate, blocks(5, position=3000)) == [False, True]
 
 
-def test_a_late_record_counts_from_when_it_was_taken(gate: Gate):
+def test_a_late_record_counts_from_when_it_was_taken(gate: PlausibilityFilter):
     gate.admit_late(ALL, answer(blocks(1010, 2050)), 1.025)
     assert not gate.fresh.any()
     assert gate.late.all()
@@ -129,12 +129,12 @@ def test_a_late_record_counts_from_when_it_was_taken(gate: Gate):
     assert gate.blocks["position"].tolist() == [2050, 2050]
 
 
-def test_a_record_is_late_by_the_servos_clock(gate: Gate):
+def test_a_record_is_late_by_the_servos_clock(gate: PlausibilityFilter):
     assert gate.is_late(0, blocks(1005)[0], 1.02, leeway=0.004)
     assert not gate.is_late(0, blocks(1019)[0], 1.02, leeway=0.004)
 
 
-def test_a_clock_that_is_not_trusted_proves_nothing_until_the_next_record(gate: Gate):
+def test_a_clock_that_is_not_trusted_proves_nothing_until_the_next_record(gate: PlausibilityFilter):
     gate.distrust_clocks()
     assert not gate.is_late(0, blocks(1005)[0], 1.02, leeway=0.004)
     gate.admit(ALL, answer(blocks(1005)), 1.02)
@@ -142,7 +142,7 @@ def test_a_clock_that_is_not_trusted_proves_nothing_until_the_next_record(gate: 
     assert gate.is_late(0, blocks(1010)[0], 1.04, leeway=0.004)
 
 
-def test_who_did_not_answer_keeps_the_record(gate: Gate):
+def test_who_did_not_answer_keeps_the_record(gate: PlausibilityFilter):
     gate.begin()
     gate.admit(ALL, ServoReplies(blocks(1010, 2060), np.array([True, False]), False, 0), 1.01)
     assert gate.blocks["position"].tolist() == [2060, 2048]
@@ -150,7 +150,7 @@ def test_who_did_not_answer_keeps_the_record(gate: Gate):
     assert gate.fresh.tolist() == [True, False]
 
 
-def test_what_was_handed_out_does_not_change(gate: Gate):
+def test_what_was_handed_out_does_not_change(gate: PlausibilityFilter):
     before, times = gate.blocks, gate.times
     kept = before.copy()
     told(gate, blocks(1010, 2060))

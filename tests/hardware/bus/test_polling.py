@@ -1,6 +1,6 @@
 import numpy as np
 
-from kinesic.hardware.bus.polling import PATIENCE, REST, Roster
+from kinesic.hardware.bus.polling import PATIENCE, REST, PollingPlan
 
 
 def missing(count: int, *places: int) -> np.ndarray:
@@ -10,7 +10,7 @@ def missing(count: int, *places: int) -> np.ndarray:
 
 
 def test_all_are_asked_in_order_while_all_answer():
-    roster = Roster(4)
+    roster = PollingPlan(4)
     assert roster.heard(missing(4)) == ((), ())
     assert roster.order == (0, 1, 2, 3)
     assert roster.whole
@@ -18,7 +18,7 @@ def test_all_are_asked_in_order_while_all_answer():
 
 
 def test_who_missed_is_asked_last():
-    roster = Roster(4)
+    roster = PollingPlan(4)
     roster.heard(missing(4, 1))
     assert roster.order == (0, 2, 3, 1)
     assert not roster.whole
@@ -27,7 +27,7 @@ def test_who_missed_is_asked_last():
 
 
 def test_the_first_who_is_missing_is_asked_last_of_all():
-    roster = Roster(5)
+    roster = PollingPlan(5)
     roster.heard(missing(5, 1, 3, 4))
     assert roster.order == (0, 2, 3, 4, 1)
     roster.heard(missing(5, 4, 1))
@@ -35,7 +35,7 @@ def test_the_first_who_is_missing_is_asked_last_of_all():
 
 
 def test_who_misses_five_times_is_asked_alone():
-    roster = Roster(3)
+    roster = PollingPlan(3)
     told = [roster.heard(missing(3, 1)) for _ in range(PATIENCE)]
     assert told[-1] == ((1,), ())
     assert told[:-1] == [((), ())] * (PATIENCE - 1)
@@ -44,7 +44,7 @@ def test_who_misses_five_times_is_asked_alone():
 
 
 def test_one_answer_brings_back():
-    roster = Roster(3)
+    roster = PollingPlan(3)
     for _ in range(PATIENCE + 20):
         roster.heard(missing(3, 1))
     assert roster.heard(missing(3)) == ((), (1,))
@@ -52,7 +52,7 @@ def test_one_answer_brings_back():
 
 
 def test_the_silent_take_turns():
-    roster = Roster(4)
+    roster = PollingPlan(4)
     for _ in range(PATIENCE):
         roster.heard(missing(4, 0, 2))
     turns = []
@@ -68,7 +68,7 @@ def test_the_silent_take_turns():
 
 
 def test_nobody_is_silent_when_all_are():
-    roster = Roster(2)
+    roster = PollingPlan(2)
     for _ in range(3 * PATIENCE):
         assert roster.heard(missing(2, 0, 1)) == ((), ())
     assert sorted(roster.order) == [0, 1]

@@ -2,11 +2,11 @@ import numpy as np
 import pytest
 
 from kinesic.hardware.bus.health import ADDRESSES, BLOCK, CELLS, HEALTH, NAMES, REGISTERS, SIZE, signature
-from kinesic.hardware.bus.query import HEAD, FastQuestion, PlainQuestion
+from kinesic.hardware.bus.query import HEAD, FastQuery, PlainQuery
 from kinesic.hardware.protocol.packet import BROADCAST, HEADER, Instruction, Reader, crc16, status
 
 SERVOS = tuple(range(1, 15))
-FAST = FastQuestion(SERVOS, (224,) * 14)
+FAST = FastQuery(SERVOS, (224,) * 14)
 RECORDS = [bytes(np.random.default_rng(k).integers(0, 256, SIZE, dtype=np.uint8)) for k in SERVOS]
 BLOCK_SIZE = BLOCK.itemsize
 
@@ -46,20 +46,20 @@ def test_the_record_is_eighteen_bytes_of_the_registers_that_tell_health():
 def test_lengths_are_those_of_the_wire():
     assert len(FAST.data) == 14 + 14
     assert FAST.length == 8 + 14 * (18 + 4)
-    assert PlainQuestion(SERVOS, (224,) * 14).length == 14 * (11 + 18)
+    assert PlainQuery(SERVOS, (224,) * 14).length == 14 * (11 + 18)
 
 
 def test_models_with_other_cells_are_asked_in_one_packet():
-    mixed = FastQuestion((1, 2), (224, 208))
+    mixed = FastQuery((1, 2), (224, 208))
     (asked,) = Reader().feed(mixed.data)
     assert asked.instruction == Instruction.FAST_BULK_READ
     assert asked.parameters == bytes((1, 224, 0, 18, 0, 2, 208, 0, 18, 0))
-    (asked,) = Reader().feed(PlainQuestion((1, 2), (224, 208)).data)
+    (asked,) = Reader().feed(PlainQuery((1, 2), (224, 208)).data)
     assert asked.instruction == Instruction.BULK_READ
 
 
 def test_a_single_servo_is_read_plainly():
-    (asked,) = Reader().feed(PlainQuestion((5,), (224,)).data)
+    (asked,) = Reader().feed(PlainQuery((5,), (224,)).data)
     assert (asked.id, asked.instruction, asked.parameters) == (5, Instruction.READ, bytes((224, 0, 18, 0)))
 
 
@@ -143,7 +143,7 @@ def test_servos_that_were_not_asked_are_not_heard():
 
 
 def test_plain_statuses_with_another_length_or_of_others_are_passed_over():
-    question = PlainQuestion((1, 2, 3), (224,) * 3)
+    question = PlainQuery((1, 2, 3), (224,) * 3)
     raw = status(1, 0x80, RECORDS[0]) + status(2, 0, b"\x05") + status(9, 0, RECORDS[2])
     answer = question.answer(raw)
     assert answer.found.tolist() == [True, False, False]

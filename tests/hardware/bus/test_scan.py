@@ -3,15 +3,22 @@ import pytest
 from kinesic.hardware.bus.scan import Sighting, scan_bus
 from kinesic.hardware.protocol.device import Found
 from kinesic.hardware.protocol.wire import Wire
-from kinesic.hardware.virtual.faults import CALM, FaultPlan, Mishap
+from kinesic.hardware.virtual.faults import CALM, FaultPlan, PlannedFault
 from kinesic.hardware.virtual.memory_wire import MemoryWire
-from kinesic.hardware.virtual.wiring import Cable, Fitting, build_bus
+from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
 
 def port(baud: int = 1_000_000, faults: FaultPlan = CALM):
     """Opens a wire with three servos at any baud rate."""
     _, buses = build_bus(
-        [Cable("body", (Fitting(1), Fitting(7, model="xl430_w250"), Fitting(20)), baud=baud, faults=faults)]
+        [
+            Cable(
+                "body",
+                (ServoFitting(1), ServoFitting(7, model="xl430_w250"), ServoFitting(20)),
+                baud=baud,
+                faults=faults,
+            )
+        ]
     )
 
     def opened(rate: int) -> Wire:
@@ -40,6 +47,6 @@ def test_ids_that_are_given_are_asked_one_by_one():
 
 
 def test_an_id_that_two_servos_have_is_told():
-    faults = FaultPlan((Mishap("duplicate_id", servos=(20,)),))
+    faults = FaultPlan((PlannedFault("duplicate_id", servos=(20,)),))
     found = scan_bus(port(faults=faults), bauds=(1_000_000,), ids=(20,))
     assert [sighting.servo.id for sighting in found if not sighting.shared] == [1, 7]

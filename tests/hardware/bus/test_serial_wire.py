@@ -15,10 +15,10 @@ from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.models import MODELS
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BusError
-from kinesic.hardware.virtual.faults import FaultPlan, Mishap
+from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
 from kinesic.hardware.virtual.pty import PtyPort, serve_wires
-from kinesic.hardware.virtual.shaft_simulation import Plant
-from kinesic.hardware.virtual.wiring import Cable, Fitting, build_bus
+from kinesic.hardware.virtual.shaft_simulation import ShaftSimulation
+from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
 pytestmark = pytest.mark.realtime
 
@@ -35,8 +35,8 @@ def ends(tmp_path: Path) -> Iterator[tuple[int, Path]]:
         os.close(end)
 
 
-def serving(folder: Path, faults: FaultPlan) -> Iterator[tuple[Path, Plant]]:
-    plant, buses = build_bus([Cable("body", tuple(Fitting(servo.id) for servo in SERVOS), faults=faults)])
+def serving(folder: Path, faults: FaultPlan) -> Iterator[tuple[Path, ShaftSimulation]]:
+    plant, buses = build_bus([Cable("body", tuple(ServoFitting(servo.id) for servo in SERVOS), faults=faults)])
     link, running = folder / "port", threading.Event()
     running.set()
     thread = threading.Thread(target=serve_wires, args=([PtyPort(buses["body"], link)], running.is_set))
@@ -49,15 +49,15 @@ def serving(folder: Path, faults: FaultPlan) -> Iterator[tuple[Path, Plant]]:
 
 
 @pytest.fixture
-def port(tmp_path: Path) -> Iterator[tuple[Path, Plant]]:
+def port(tmp_path: Path) -> Iterator[tuple[Path, ShaftSimulation]]:
     """Virtual servos on a pseudo-terminal."""
     yield from serving(tmp_path, FaultPlan())
 
 
 @pytest.fixture
-def pulled(tmp_path: Path) -> Iterator[tuple[Path, Plant]]:
+def pulled(tmp_path: Path) -> Iterator[tuple[Path, ShaftSimulation]]:
     """The same, unplugged for a while after a second and a half."""
-    yield from serving(tmp_path, FaultPlan((Mishap("unplug", start=1.5, seconds=0.3),)))
+    yield from serving(tmp_path, FaultPlan((PlannedFault("unplug", start=1.5, seconds=0.3),)))
 
 
 def test_bytes_go_both_ways(ends: tuple[int, Path]):
@@ -126,7 +126,7 @@ def test_a_port_that_is_gone_is_told(tmp_path: Path):
         wire.write(b"a")
 
 
-def test_servos_on_a_pseudo_terminal(port: tuple[Path, Plant]):
+def test_servos_on_a_pseudo_terminal(port: tuple[Path, ShaftSimulation]):
     link, plant = port
     wire = SerialWire(link, 1_000_000)
     bus = open_bus(wire, SERVOS, period=0.02)
@@ -137,7 +137,7 @@ def test_servos_on_a_pseudo_terminal(port: tuple[Path, Plant]):
     wire.close()
 
 
-def test_a_port_that_comes_back_is_taken_again(pulled: tuple[Path, Plant]):
+def test_a_port_that_comes_back_is_taken_again(pulled: tuple[Path, ShaftSimulation]):
     wire = SerialWire(pulled[0], 1_000_000)
     bus = open_bus(wire, SERVOS, period=0.02)
     told: list[str] = []

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from kinesic.hardware.bus.timeout import LEAST, MOST, Slack
+from kinesic.hardware.bus.timeout import LEAST, MOST, TimeoutEstimate
 
 
-def after(excesses: list[float]) -> Slack:
-    slack = Slack()
+def after(excesses: list[float]) -> TimeoutEstimate:
+    slack = TimeoutEstimate()
     for excess in excesses:
         slack.took(excess)
     return slack

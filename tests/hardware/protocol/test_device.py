@@ -5,7 +5,7 @@ import pytest
 from kinesic.hardware.protocol.device import Change, Cold, Found
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BusError
-from kinesic.hardware.virtual.faults import FaultPlan, Mishap
+from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
 
 Make = Callable  # of a rig, see conftest
 
@@ -69,7 +69,7 @@ def test_a_reboot_forgets_ram(cold: Cold):
 
 
 def test_damaged_answers_are_asked_for_again(rig: Make):
-    made = rig(2, faults=FaultPlan((Mishap("corrupt", rate=0.3, start=0.2),), seed=3))
+    made = rig(2, faults=FaultPlan((PlannedFault("corrupt", rate=0.3, start=0.2),), seed=3))
     cold = Cold(made.wire)
     made.wire.sleep(0.3)
     for _ in range(30):

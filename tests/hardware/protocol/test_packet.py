@@ -2,7 +2,7 @@ import pytest
 from dynamixel_sdk import Protocol2PacketHandler
 
 from kinesic.hardware.protocol import packet
-from kinesic.hardware.protocol.packet import Fault, Instruction, Packet, Reader, crc16, stuffed, unstuffed
+from kinesic.hardware.protocol.packet import Fault, Instruction, Packet, Reader, crc16, stuff, unstuff
 
 MANUAL = {  # examples of the public manual (Protocol 2.0)
     "ping": (packet.ping(1), "ff ff fd 00 01 03 00 01 19 4e"),
@@ -66,8 +66,8 @@ def test_the_crc_of_a_joint_reply_covers_everything_before_it():
 
 def test_stuffing_is_undone():
     for body in (b"\xff\xff\xfd", b"\xff\xff\xfd\xfd", b"\xff\xff\xff\xfd\xff\xff\xfd", b"\xfd\xff\xff\xfd\xfd\xfd"):
-        assert unstuffed(stuffed(body)) == body
-    assert stuffed(b"\xff\xff\xfd\x01") == b"\xff\xff\xfd\xfd\x01"
+        assert unstuff(stuff(body)) == body
+    assert stuff(b"\xff\xff\xfd\x01") == b"\xff\xff\xfd\xfd\x01"
 
 
 def test_a_goal_current_of_minus_one_before_a_velocity_of_minus_three_arrives():

@@ -3,7 +3,7 @@ from collections.abc import Callable
 import pytest
 from dynamixel_sdk import COMM_RX_TIMEOUT, COMM_SUCCESS, GroupSyncRead, Protocol2PacketHandler
 
-from kinesic.hardware.protocol.packet import Instruction, packet, status, stuffed
+from kinesic.hardware.protocol.packet import Instruction, packet, status, stuff
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.sdk import Packets, WirePort
 from kinesic.hardware.protocol.wire import BusError
@@ -53,8 +53,8 @@ def test_stuffing_is_done_and_undone_in_place(body: bytes):
     packets = Packets()
     made = list(plain)
     packets.addStuffing(made)
-    assert bytes(made[7:-2]) == stuffed(body)
-    assert made[5] == len(stuffed(body)) + 2
+    assert bytes(made[7:-2]) == stuff(body)
+    assert made[5] == len(stuff(body)) + 2
     packets.removeStuffing(made)
     assert made == plain
 

@@ -21,9 +21,9 @@ from kinesic.hardware.supervisor.manifest import Manifest, Member
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.supervisor.supervisor import Supervisor
-from kinesic.hardware.virtual.faults import CALM, FaultPlan, Mishap
+from kinesic.hardware.virtual.faults import CALM, FaultPlan, PlannedFault
 from kinesic.hardware.virtual.memory_wire import MemoryWire
-from kinesic.hardware.virtual.wiring import Cable, Fitting, build_bus, cables
+from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus, cables
 
 PERIOD = 0.01
 BRISK = SupervisorSettings(pace=3.0)
@@ -120,7 +120,7 @@ class Desk:
             self.cycle()
         return self.supervisor.now() - began
 
-    def expose(self, *mishaps: Mishap, bus: str = "") -> None:
+    def expose(self, *mishaps: PlannedFault, bus: str = "") -> None:
         """Faults from now on, on the first wire or another."""
         self.buses[bus or next(iter(self.buses))].expose(FaultPlan(mishaps, seed=3))
 
@@ -178,7 +178,7 @@ def crowd(tmp_path: Path) -> Iterator[Callable[..., Desk]]:
     def made(
         count: int, *, baud: int = 1_000_000, faults: FaultPlan = CALM, settings: SupervisorSettings = BRISK
     ) -> Desk:
-        fittings = tuple(Fitting(k + 1, model=MODEL) for k in range(count))
+        fittings = tuple(ServoFitting(k + 1, model=MODEL) for k in range(count))
         wires = (Cable("body", fittings, baud=baud, faults=faults),)
         desks.append(Desk(manifest_of(count, baud), wires, tmp_path / "events.jsonl", settings=settings))
         return desks[-1]

@@ -8,7 +8,7 @@ import pytest
 from kinesic.hardware.protocol.registers import HardwareError, Register
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
-from kinesic.hardware.virtual.faults import Mishap
+from kinesic.hardware.virtual.faults import PlannedFault
 
 Make = Callable  # of a desk, see conftest
 PERIOD = 0.01
@@ -43,7 +43,7 @@ def test_release_forgets_nobody_because_of_a_servo_that_is_silent(desk: Make):
 def test_a_servo_that_reboots_rejoins_without_a_jump_and_the_performance_goes_on(desk: Make):
     made = desk().active(4.0)
     made.jumps.clear()
-    made.expose(Mishap("reboot", (3,)))
+    made.expose(PlannedFault("reboot", (3,)))
     made.run(0.3)
     assert made.stage in (Stage.DEGRADED, Stage.HOLD, Stage.ARM)
     made.until(Stage.ACTIVE, within=3.0)
@@ -60,8 +60,8 @@ def test_a_servo_that_reboots_rejoins_without_a_jump_and_the_performance_goes_on
 def test_all_servos_may_reboot_at_once(desk: Make):
     made = desk().active(4.0)
     made.jumps.clear()
-    made.expose(Mishap("reboot"))
-    made.expose(Mishap("reboot"), bus="right")
+    made.expose(PlannedFault("reboot"))
+    made.expose(PlannedFault("reboot"), bus="right")
     made.run(0.3)
     made.until(Stage.ACTIVE, within=5.0)
     assert len(made.jumps) == 5
@@ -70,7 +70,7 @@ def test_all_servos_may_reboot_at_once(desk: Make):
 
 def test_a_servo_that_shuts_down_ends_the_performance_its_chain_holds_the_others_fold(desk: Make):
     made = desk().active()
-    made.expose(Mishap("alert", (3,), value=HardwareError.OVERLOAD.value))
+    made.expose(PlannedFault("alert", (3,), value=HardwareError.OVERLOAD.value))
     made.cycle()
     made.cycle()
     assert made.stage is Stage.DEGRADED
@@ -99,7 +99,7 @@ def test_a_servo_that_cannot_move_is_not_pushed_until_it_shuts_down(desk: Make):
 def test_heat_slows_the_performance_before_the_servo_shuts_down(desk: Make):
     made = desk().active(10.0)
     made.plant.servos[2].electronics.celsius = 67.0
-    made.expose(Mishap("overheat", (3,), value=3.0))
+    made.expose(PlannedFault("overheat", (3,), value=3.0))
     scales = []
     while made.stage is Stage.ACTIVE:
         made.cycle()
@@ -114,7 +114,7 @@ def test_heat_slows_the_performance_before_the_servo_shuts_down(desk: Make):
 @pytest.mark.parametrize("seconds", [0.05, 0.4, 2.0])
 def test_a_port_that_goes_and_comes_is_held_within_250_ms_and_torque_stays(desk: Make, seconds: float):
     made = desk().active(4.0)
-    made.expose(Mishap("unplug", seconds=seconds))
+    made.expose(PlannedFault("unplug", seconds=seconds))
     made.until(Stage.LOST)
     lost = made.plant.time
     made.until(Stage.HOLD, Stage.APPROACH)
@@ -127,7 +127,7 @@ def test_a_port_that_goes_and_comes_is_held_within_250_ms_and_torque_stays(desk:
 
 def test_servos_whose_port_is_lost_stop_by_themselves(desk: Make):
     made = desk().active(4.0)
-    made.expose(Mishap("unplug", seconds=1.0))
+    made.expose(PlannedFault("unplug", seconds=1.0))
     made.run(0.16)
     here = made.here
     made.run(0.3)
@@ -138,7 +138,7 @@ def test_servos_whose_port_is_lost_stop_by_themselves(desk: Make):
 
 def test_a_port_that_stays_away_is_given_up(desk: Make):
     made = desk(settings=SupervisorSettings(hopeless=1.0)).active(4.0)
-    made.expose(Mishap("unplug", seconds=100.0))
+    made.expose(PlannedFault("unplug", seconds=100.0))
     made.until(Stage.CLOSED, within=5.0)
     assert made.true(TORQUE)[:4].all()
 

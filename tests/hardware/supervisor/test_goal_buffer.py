@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from kinesic.hardware.supervisor.goal_buffer import Score
+from kinesic.hardware.supervisor.goal_buffer import GoalBuffer
 
 
-def score_of(times, goals) -> Score:
-    score = Score()
+def score_of(times, goals) -> GoalBuffer:
+    score = GoalBuffer()
     for time, goal in zip(times, goals, strict=True):
         score.add(float(time), np.atleast_1d(np.asarray(goal, dtype=float)))
     return score
@@ -39,7 +39,7 @@ def test_outside_of_what_is_known_the_nearest_goals_stand():
     assert score.at(0.0) == 3.0
     assert score.at(9.0) == 5.0
     with pytest.raises(LookupError, match="no goals"):
-        Score().at(0.0)
+        GoalBuffer().at(0.0)
 
 
 def test_what_is_past_is_forgotten_and_the_curve_stays():

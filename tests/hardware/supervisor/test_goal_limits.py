@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from kinesic.hardware.supervisor.goal_limits import GoalBounds, GoalCourse, guarded
+from kinesic.hardware.supervisor.goal_limits import GoalBounds, GoalCourse, limit_goals
 
 STEP = 0.01
 LIMITS = (np.array([100.0]), np.array([4000.0]), np.array([2000.0]), np.array([300.0]))
@@ -12,7 +12,7 @@ UNKNOWN = np.array([np.nan])
 def follow(start: float, wanted: list[float]) -> tuple[list[float], list[bool]]:
     course, goals, refusals = GoalCourse.still(np.array([start])), [start], []
     for goal in wanted:
-        course, refused = guarded(course, np.array([goal]), UNKNOWN, STEP, BOUNDS)
+        course, refused = limit_goals(course, np.array([goal]), UNKNOWN, STEP, BOUNDS)
         goals.append(float(course.goals[0]))
         refusals.append(bool(refused[0]))
     return goals, refusals
@@ -44,12 +44,12 @@ def test_goals_stay_in_their_range():
 def test_a_goal_does_not_run_away_from_a_servo_that_stands():
     course = GoalCourse.still(np.array([2000.0]))
     for k in range(200):
-        course, _ = guarded(course, np.array([2000.0 + 10 * k]), np.array([2000.0]), STEP, BOUNDS)
+        course, _ = limit_goals(course, np.array([2000.0 + 10 * k]), np.array([2000.0]), STEP, BOUNDS)
     assert course.goals[0] <= 2300.0
 
 
 def test_a_servo_that_was_pushed_away_is_not_followed_by_a_jump():
-    course, _ = guarded(GoalCourse.still(np.array([2000.0])), np.array([2000.0]), np.array([1000.0]), STEP, BOUNDS)
+    course, _ = limit_goals(GoalCourse.still(np.array([2000.0])), np.array([2000.0]), np.array([1000.0]), STEP, BOUNDS)
     assert course.goals[0] == 2000.0
 
 
@@ -59,10 +59,10 @@ def test_what_others_do_changes_nothing_for_a_servo():
     for _ in range(300):
         goal, speed = rng.uniform(100, 4000), rng.uniform(-2000, 2000)
         wanted, present = goal + rng.normal(0, 60), goal + rng.normal(0, 200)
-        alone, refused = guarded(
+        alone, refused = limit_goals(
             GoalCourse(np.array([goal]), np.array([speed])), np.array([wanted]), np.array([present]), STEP, BOUNDS
         )
-        both, refusals = guarded(
+        both, refusals = limit_goals(
             GoalCourse(np.array([goal, 2000.0]), np.array([speed, 0.0])),
             np.array([wanted, 2000.0]),
             np.array([present, np.nan]),

@@ -5,7 +5,7 @@ from math import inf
 import numpy as np
 import pytest
 
-from kinesic.hardware.supervisor.goals import Steering
+from kinesic.hardware.supervisor.goals import GoalSteering
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.settings import USUAL
 from kinesic.hardware.virtual.profile import by_speed
@@ -20,9 +20,9 @@ def manifest(robot) -> Manifest:
 
 
 @pytest.fixture
-def steering(manifest) -> Steering:
+def steering(manifest) -> GoalSteering:
     """All joints at zero."""
-    made = Steering(manifest, USUAL)
+    made = GoalSteering(manifest, USUAL)
     made.put(range(len(manifest.members)), manifest.scale.nearest(np.zeros(len(manifest.members))))
     return made
 

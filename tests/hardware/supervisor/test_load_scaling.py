@@ -2,9 +2,11 @@ import numpy as np
 import pytest
 
 from kinesic.hardware.bus.health import BLOCK
-from kinesic.hardware.supervisor.load_scaling import STUCK, Strain, Strength, derating, strained
+from kinesic.hardware.supervisor.load_scaling import STUCK, LoadRatings, LoadState, derate, update_load
 
-STRENGTH = Strength(celsius=np.array([80.0, 80.0]), current=np.array([1000.0, 1000.0]), full=np.array([140.0, 140.0]))
+STRENGTH = LoadRatings(
+    celsius=np.array([80.0, 80.0]), current=np.array([1000.0, 1000.0]), full=np.array([140.0, 140.0])
+)
 STILL = np.zeros(2)
 
 
@@ -17,19 +19,19 @@ def records(*, current: int = 0, celsius: int = 30, position: int = 0, velocity:
     return blocks
 
 
-def after(seconds: float, **what: int) -> Strain:
-    strain = Strain.none(2)
+def after(seconds: float, **what: int) -> LoadState:
+    strain = LoadState.none(2)
     for _ in range(round(seconds * 100)):
-        strain = strained(strain, records(**what), STILL, 0.01, STRENGTH)
+        strain = update_load(strain, records(**what), STILL, 0.01, STRENGTH)
     return strain
 
 
 def test_a_servo_at_ease_slows_nothing():
-    assert derating(after(60.0, current=300), records(current=300), STRENGTH).tolist() == [1.0, 1.0]
+    assert derate(after(60.0, current=300), records(current=300), STRENGTH).tolist() == [1.0, 1.0]
 
 
 def test_full_current_for_seconds_slows_and_then_stops():
-    scales = [derating(after(seconds, current=-1000), records(), STRENGTH)[1] for seconds in (1.0, 9.0, 20.0)]
+    scales = [derate(after(seconds, current=-1000), records(), STRENGTH)[1] for seconds in (1.0, 9.0, 20.0)]
     assert scales[0] == 1.0
     assert 0.0 < scales[1] < 1.0
     assert scales[2] == 0.0
@@ -38,13 +40,13 @@ def test_full_current_for_seconds_slows_and_then_stops():
 def test_work_is_forgotten():
     tired = after(20.0, current=1000)
     for _ in range(1000):
-        tired = strained(tired, records(), STILL, 0.01, STRENGTH)
-    assert derating(tired, records(), STRENGTH)[1] == 1.0
+        tired = update_load(tired, records(), STILL, 0.01, STRENGTH)
+    assert derate(tired, records(), STRENGTH)[1] == 1.0
 
 
 @pytest.mark.parametrize(("celsius", "scale"), [(60, 1.0), (70, 1.0), (74, 3 / 7), (77, 0.0), (79, 0.0)])
 def test_heat_slows_before_the_servo_shuts_down(celsius: int, scale: float):
-    assert derating(Strain.none(2), records(celsius=celsius), STRENGTH) == pytest.approx([1.0, scale])
+    assert derate(LoadState.none(2), records(celsius=celsius), STRENGTH) == pytest.approx([1.0, scale])
 
 
 def test_a_servo_far_from_its_goal_that_does_not_move_is_stuck():

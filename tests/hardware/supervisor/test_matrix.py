@@ -7,7 +7,7 @@ import pytest
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
-from kinesic.hardware.virtual.faults import BUILD_KINDS, FaultPlan, Mishap
+from kinesic.hardware.virtual.faults import BUILD_KINDS, FaultPlan, PlannedFault
 from kinesic.hardware.virtual.matrix import STRIKE, FaultCase, cases
 
 Make = Callable  # of a desk, see conftest
@@ -74,7 +74,7 @@ def test_every_outage_is_adopted(crowd: Make, count: int):
     desk.perform(100.0)
     desk.until(Stage.ACTIVE)
     for k in range(count):
-        desk.expose(Mishap("unplug", seconds=0.02 * (k + 1)))
+        desk.expose(PlannedFault("unplug", seconds=0.02 * (k + 1)))
         desk.until(Stage.LOST)
         desk.until(Stage.ACTIVE)
         assert desk.true(Register.TORQUE_ENABLE).all()

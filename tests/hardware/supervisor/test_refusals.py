@@ -6,7 +6,7 @@ import pytest
 
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.supervisor.state_machine import Stage
-from kinesic.hardware.virtual.faults import FaultPlan, Mishap
+from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
 
 Make = Callable  # of a desk, see conftest
 PERIOD = 0.01
@@ -16,17 +16,19 @@ TORQUE, GOAL, WATCHDOG = Register.TORQUE_ENABLE, Register.GOAL_POSITION, Registe
 @pytest.mark.parametrize(
     ("mishap", "message"),
     [
-        (Mishap("wrong_model", (3,)), "is a xl430_w250, must be a xc430_w240"),
-        (Mishap("old_firmware", (3,), value=37), "firmware 37 has no bus watchdog"),
-        (Mishap("duplicate_id", (3,)), "several servos have this id"),
-        (Mishap("silent", (3,)), "no answer"),
-        (Mishap("undervoltage", (3,), value=5.0), "supply is 5.0 V"),
-        (Mishap("silent"), "no servo of ids"),
-        (Mishap("alert", (3,), value=32), "has shut down (overload)"),
+        (PlannedFault("wrong_model", (3,)), "is a xl430_w250, must be a xc430_w240"),
+        (PlannedFault("old_firmware", (3,), value=37), "firmware 37 has no bus watchdog"),
+        (PlannedFault("duplicate_id", (3,)), "several servos have this id"),
+        (PlannedFault("silent", (3,)), "no answer"),
+        (PlannedFault("undervoltage", (3,), value=5.0), "supply is 5.0 V"),
+        (PlannedFault("silent"), "no servo of ids"),
+        (PlannedFault("alert", (3,), value=32), "has shut down (overload)"),
     ],
-    ids=lambda value: value.kind if isinstance(value, Mishap) else None,
+    ids=lambda value: value.kind if isinstance(value, PlannedFault) else None,
 )
-def test_wrong_servos_are_refused_in_one_clear_line_and_nothing_is_energised(desk: Make, mishap: Mishap, message: str):
+def test_wrong_servos_are_refused_in_one_clear_line_and_nothing_is_energised(
+    desk: Make, mishap: PlannedFault, message: str
+):
     made = desk(faults=FaultPlan((mishap,)))
     made.open()
     assert made.stage is Stage.CLOSED

@@ -3,7 +3,7 @@ from pathlib import Path
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.tools.diagnosis import Finding, diagnose
-from kinesic.hardware.virtual.faults import FaultPlan, Mishap
+from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
 
 
 def found(table, system: Path = Path("/nowhere")) -> list[Finding]:
@@ -21,7 +21,7 @@ def test_all_is_well(bench):
 
 
 def test_each_fault_has_its_line_and_the_others_are_counted(bench):
-    table = bench(FaultPlan((Mishap("silent", (7,)),)))
+    table = bench(FaultPlan((PlannedFault("silent", (7,)),)))
     table.set(4, Register.MODEL_NUMBER, 1060)
     table.set(6, Register.FIRMWARE_VERSION, 37)
     table.servos[12].write(Register.TORQUE_ENABLE.field.address, b"\1")
@@ -43,13 +43,13 @@ def test_each_fault_has_its_line_and_the_others_are_counted(bench):
 
 
 def test_nobody_answers_is_one_line(bench):
-    table = bench(FaultPlan((Mishap("silent"),)))
+    table = bench(FaultPlan((PlannedFault("silent"),)))
     (line,) = to_mend(table)
     assert "no servo of ids" in line
 
 
 def test_a_low_supply_is_told(bench):
-    table = bench(FaultPlan((Mishap("undervoltage", start=0.0, value=5.0),)))
+    table = bench(FaultPlan((PlannedFault("undervoltage", start=0.0, value=5.0),)))
     table.wire.sleep(0.1)
     lines = to_mend(table)
     assert any("supply is 5.0 V" in line for line in lines)

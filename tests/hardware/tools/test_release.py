@@ -2,7 +2,7 @@ import pytest
 
 from kinesic.hardware.protocol.registers import HardwareError, Register
 from kinesic.hardware.tools.release import release_servos
-from kinesic.hardware.virtual.faults import FaultPlan, Kind, Mishap
+from kinesic.hardware.virtual.faults import FaultPlan, Kind, PlannedFault
 
 
 def energise(table) -> None:
@@ -26,7 +26,7 @@ def test_nobody_is_left_energised(bench):
 @pytest.mark.parametrize("kind", ["corrupt", "lost", "drop", "noise"])
 @pytest.mark.parametrize("way", ["reply", "request"])
 def test_faults_of_the_wire_leave_nobody_energised(bench, kind: Kind, seed: int, way):
-    table = bench(FaultPlan((Mishap(kind, rate=0.1, way=way),), seed))
+    table = bench(FaultPlan((PlannedFault(kind, rate=0.1, way=way),), seed))
     energise(table)
     doubts = released(table)
     held = table.energised
@@ -36,21 +36,21 @@ def test_faults_of_the_wire_leave_nobody_energised(bench, kind: Kind, seed: int,
 
 @pytest.mark.parametrize("error", list(HardwareError))
 def test_alerts_do_not_keep_the_others_energised(bench, error: HardwareError):
-    table = bench(FaultPlan((Mishap("alert", (3,), start=0.0, value=error.value),)))
+    table = bench(FaultPlan((PlannedFault("alert", (3,), start=0.0, value=error.value),)))
     energise(table)
     assert released(table) == ()
     assert table.energised == []
 
 
 def test_who_was_stopped_by_a_watchdog_is_released_too(bench):
-    table = bench(FaultPlan((Mishap("watchdog", (2,), start=0.0),)))
+    table = bench(FaultPlan((PlannedFault("watchdog", (2,), start=0.0),)))
     energise(table)
     assert released(table) == ()
     assert table.energised == []
 
 
 def test_a_silent_servo_is_told_and_doubted(bench):
-    table = bench(FaultPlan((Mishap("silent", (7,)),)))
+    table = bench(FaultPlan((PlannedFault("silent", (7,)),)))
     energise(table)
     assert released(table) == ("memory: servo 7: does not answer, and may still have torque; switch the power off",)
     assert table.energised == []
@@ -64,7 +64,7 @@ def test_a_stranger_is_released_too(bench):
 
 
 def test_a_lost_port_is_told(bench):
-    table = bench(FaultPlan((Mishap("unplug", start=0.01, seconds=100.0),)))
+    table = bench(FaultPlan((PlannedFault("unplug", start=0.01, seconds=100.0),)))
     energise(table)
     (line,) = released(table)
     assert "the port is gone" in line

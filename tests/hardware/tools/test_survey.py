@@ -2,7 +2,7 @@ import pytest
 
 from kinesic.hardware.protocol.registers import HardwareError, Register
 from kinesic.hardware.tools.survey import error_names, strangers, survey, talkative
-from kinesic.hardware.virtual.faults import FaultPlan, Mishap
+from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
 
 
 def test_everybody_is_seen_at_rest(bench):
@@ -17,7 +17,7 @@ def test_everybody_is_seen_at_rest(bench):
 
 
 def test_what_is_wrong_is_seen_and_hides_nobody(bench):
-    table = bench(FaultPlan((Mishap("silent", (7,)), Mishap("alert", (5,), start=0.001))))
+    table = bench(FaultPlan((PlannedFault("silent", (7,)), PlannedFault("alert", (5,), start=0.001))))
     table.set(4, Register.MODEL_NUMBER, 1060)
     table.set(6, Register.RETURN_DELAY_TIME, 250)
     table.servos[12].write(Register.TORQUE_ENABLE.field.address, b"\1")

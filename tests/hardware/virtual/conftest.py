@@ -7,7 +7,7 @@ from kinesic.hardware.protocol.packet import Packet, Reader
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.servo import VirtualServo
-from kinesic.hardware.virtual.wiring import Cable, Fitting, build_bus
+from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
 WAIT = 0.004
 
@@ -56,7 +56,7 @@ class Line:
 
 
 def line_of(*servos: int, **changes: object) -> Line:
-    fittings = [Fitting(servo, **changes) for servo in servos or (1,)]
+    fittings = [ServoFitting(servo, **changes) for servo in servos or (1,)]
     return Line(Cable("body", tuple(fittings)))
 
 

@@ -7,9 +7,9 @@ from kinesic.hardware.protocol.packet import BROADCAST, HEADER, Instruction, crc
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.virtual.bus import PIECE
-from kinesic.hardware.virtual.faults import FaultPlan, Mishap
+from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
 from kinesic.hardware.virtual.protocol import TURNAROUND
-from kinesic.hardware.virtual.wiring import Cable, Fitting
+from kinesic.hardware.virtual.wiring import Cable, ServoFitting
 
 from .conftest import Line
 
@@ -17,8 +17,8 @@ Lines = Callable[..., Line]
 IDS = tuple(range(1, 15))
 
 
-def troubled(*mishaps: Mishap, count: int = 3, **changes: object) -> Line:
-    fittings = tuple(Fitting(servo) for servo in range(1, count + 1))
+def troubled(*mishaps: PlannedFault, count: int = 3, **changes: object) -> Line:
+    fittings = tuple(ServoFitting(servo) for servo in range(1, count + 1))
     return Line(Cable("body", fittings, faults=FaultPlan(mishaps), **changes))
 
 
@@ -96,7 +96,7 @@ def test_bulk_reads_and_writes_concern_each_servo_differently(line: Lines):
 
 
 def test_a_silent_servo_ends_a_joint_reply_and_leaves_a_gap_in_a_plain_one():
-    line = troubled(Mishap("silent", servos=(2,)))
+    line = troubled(PlannedFault("silent", servos=(2,)))
     line.pass_time(0.01)
     assert len(line.bytes(packet.sync_read([1, 2, 3], 132, 4, fast=True))) == 8 + 8
     assert [status.id for status in line.ask(packet.sync_read([1, 2, 3], 132, 4, fast=False))] == [1, 3]
@@ -105,14 +105,14 @@ def test_a_silent_servo_ends_a_joint_reply_and_leaves_a_gap_in_a_plain_one():
 
 
 def test_old_firmware_does_not_know_fast_reads():
-    line = troubled(Mishap("old_firmware"))
+    line = troubled(PlannedFault("old_firmware"))
     assert line.bytes(packet.sync_read([1, 2], 132, 4, fast=True)) == b""
     assert len(line.ask(packet.sync_read([1, 2], 132, 4, fast=False))) == 2
     assert line.ask(packet.ping(1))[0].data[2] == 41
 
 
 def test_two_servos_with_one_id_spoil_their_answers():
-    twins, strangers = (troubled(Mishap("duplicate_id", servos=(2,), value=value)) for value in (None, 1060))
+    twins, strangers = (troubled(PlannedFault("duplicate_id", servos=(2,), value=value)) for value in (None, 1060))
     assert len(twins.ask(packet.ping(2))) == 1, "what two say alike is one answer"
     assert twins.ask(packet.read_packet(2, 132, 4)) == []
     assert len(twins.bytes(packet.read_packet(2, 132, 4))) == 15
@@ -121,7 +121,7 @@ def test_two_servos_with_one_id_spoil_their_answers():
 
 
 def test_another_model_than_the_file_says():
-    line = troubled(Mishap("wrong_model", servos=(3,), value=1020 + 100))
+    line = troubled(PlannedFault("wrong_model", servos=(3,), value=1020 + 100))
     assert [status.data[:2] for status in line.ask(packet.ping(BROADCAST))][2] == (1120).to_bytes(2, "little")
 
 
@@ -134,7 +134,7 @@ def test_servos_of_another_baud_rate_hear_nothing(line: Lines):
 
 
 def test_late_replies_come_late_and_nothing_overtakes():
-    line = troubled(Mishap("late", servos=(1,), value=0.012))
+    line = troubled(PlannedFault("late", servos=(1,), value=0.012))
     line.wire.write(packet.ping(1))
     assert line.wire.read(0.010) == b""
     line.wire.write(packet.ping(2))
@@ -144,7 +144,7 @@ def test_late_replies_come_late_and_nothing_overtakes():
 
 
 def test_an_unplugged_port_is_gone_until_it_is_opened_again():
-    line = troubled(Mishap("unplug", start=1.0, seconds=0.5))
+    line = troubled(PlannedFault("unplug", start=1.0, seconds=0.5))
     line.wire.write(packet.ping(1))
     assert line.wire.read(0.5)
     with pytest.raises(BusError, match="the port is gone"):

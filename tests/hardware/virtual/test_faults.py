@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.hardware.virtual.faults import DEFAULTS, KINDS, FaultPlan, Mishap
+from kinesic.hardware.virtual.faults import DEFAULTS, KINDS, FaultPlan, PlannedFault
 
 
 def test_a_file_is_a_plan(tmp_path: Path):
@@ -18,9 +18,9 @@ def test_a_file_is_a_plan(tmp_path: Path):
     plan = FaultPlan.read(path)
     assert plan.seed == 7
     assert plan.mishaps == (
-        Mishap("corrupt", rate=0.01),
-        Mishap("reboot", servos=(3,), start=2.0, value=0.4),
-        Mishap("unplug", start=1.0, seconds=0.2),
+        PlannedFault("corrupt", rate=0.01),
+        PlannedFault("reboot", servos=(3,), start=2.0, value=0.4),
+        PlannedFault("unplug", start=1.0, seconds=0.2),
     )
     assert plan.of(frozenset({"unplug"})) == plan.mishaps[2:]
 
@@ -44,13 +44,13 @@ def test_a_wrong_file_teaches(tmp_path: Path, text: str, message: str):
 
 
 def test_a_figure_is_the_usual_one_unless_given():
-    assert Mishap("late").figure == DEFAULTS["late"]
-    assert Mishap("late", value=0.1).figure == 0.1
+    assert PlannedFault("late").figure == DEFAULTS["late"]
+    assert PlannedFault("late", value=0.1).figure == 0.1
     assert set(DEFAULTS) < set(KINDS)
 
 
 def test_a_mishap_lasts_from_its_start_for_its_seconds():
-    mishap = Mishap("silent", servos=(2,), start=1.0, seconds=0.5)
+    mishap = PlannedFault("silent", servos=(2,), start=1.0, seconds=0.5)
     assert [mishap.strikes(2, time) for time in (0.9, 1.0, 1.4, 1.5)] == [False, True, True, False]
     assert not mishap.strikes(3, 1.2)
-    assert Mishap("silent").end == inf
+    assert PlannedFault("silent").end == inf

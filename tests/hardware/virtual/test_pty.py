@@ -12,9 +12,9 @@ import pytest
 
 from kinesic.hardware.protocol import packet
 from kinesic.hardware.protocol.packet import Reader
-from kinesic.hardware.virtual.faults import FaultPlan, Mishap
+from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
 from kinesic.hardware.virtual.pty import PtyPort, serve_wires
-from kinesic.hardware.virtual.wiring import Cable, Fitting, build_bus
+from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
 pytestmark = pytest.mark.realtime
 
@@ -68,8 +68,8 @@ class Host:
         termios.tcsetattr(self.end, termios.TCSANOW, settings)
 
 
-def wire(*mishaps: Mishap, count: int = 3, baud: int = 1_000_000) -> Cable:
-    fittings = tuple(Fitting(servo) for servo in range(1, count + 1))
+def wire(*mishaps: PlannedFault, count: int = 3, baud: int = 1_000_000) -> Cable:
+    fittings = tuple(ServoFitting(servo) for servo in range(1, count + 1))
     return Cable("body", fittings, baud=baud, faults=FaultPlan(mishaps))
 
 
@@ -98,7 +98,7 @@ def test_another_baud_rate_is_not_understood(opened: Opens):
 
 
 def test_an_adapter_that_is_pulled_comes_back_under_its_name(opened: Opens):
-    path = opened(wire(Mishap("unplug", start=0.2, seconds=0.1), count=1))
+    path = opened(wire(PlannedFault("unplug", start=0.2, seconds=0.1), count=1))
     first = Host(path)
     assert len(first.ask(packet.ping(1), 14)) == 14
     limit = time.monotonic() + PATIENCE

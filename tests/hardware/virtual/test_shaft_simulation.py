@@ -3,19 +3,19 @@ import pytest
 from kinesic.hardware.protocol import packet
 from kinesic.hardware.protocol.packet import ALERT
 from kinesic.hardware.protocol.registers import HardwareError, Register
-from kinesic.hardware.virtual.faults import FaultPlan, Mishap
+from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
 from kinesic.hardware.virtual.firmware import ROOM
-from kinesic.hardware.virtual.wiring import Cable, Fitting
+from kinesic.hardware.virtual.wiring import Cable, ServoFitting
 
 from .conftest import Line
 
 
-def struck(*mishaps: Mishap) -> Line:
-    return Line(Cable("body", (Fitting(1), Fitting(2)), faults=FaultPlan(mishaps)))
+def struck(*mishaps: PlannedFault) -> Line:
+    return Line(Cable("body", (ServoFitting(1), ServoFitting(2)), faults=FaultPlan(mishaps)))
 
 
 def test_an_alert_comes_at_its_time_and_takes_the_torque():
-    line = struck(Mishap("alert", servos=(2,), start=1.0))
+    line = struck(PlannedFault("alert", servos=(2,), start=1.0))
     line.set(Register.TORQUE_ENABLE, 1, servo=2)
     line.pass_time(0.9)
     assert line.error(packet.ping(2)) == 0
@@ -27,7 +27,7 @@ def test_an_alert_comes_at_its_time_and_takes_the_torque():
 
 
 def test_heat_rises_until_the_servo_shuts_down():
-    line = struck(Mishap("overheat", servos=(1,), start=1.0, seconds=20.0, value=5.0))
+    line = struck(PlannedFault("overheat", servos=(1,), start=1.0, seconds=20.0, value=5.0))
     line.set(Register.TORQUE_ENABLE, 1)
     line.pass_time(11.0)
     assert line.get(Register.PRESENT_TEMPERATURE) == pytest.approx(ROOM + 50, abs=1)
@@ -40,7 +40,7 @@ def test_heat_rises_until_the_servo_shuts_down():
 
 
 def test_voltage_sags_and_recovers_and_the_error_stays():
-    line = struck(Mishap("undervoltage", start=0.5, seconds=0.5, value=8.0))
+    line = struck(PlannedFault("undervoltage", start=0.5, seconds=0.5, value=8.0))
     line.pass_time(0.7)
     assert line.get(Register.PRESENT_INPUT_VOLTAGE) == 80
     line.pass_time(0.5)
@@ -50,9 +50,9 @@ def test_voltage_sags_and_recovers_and_the_error_stays():
 
 def test_a_reboot_a_trip_and_a_silence_happen_when_planned():
     line = struck(
-        Mishap("reboot", servos=(1,), start=1.0, value=0.5),
-        Mishap("watchdog", servos=(2,), start=1.0),
-        Mishap("silent", servos=(2,), start=2.0, seconds=0.5),
+        PlannedFault("reboot", servos=(1,), start=1.0, value=0.5),
+        PlannedFault("watchdog", servos=(2,), start=1.0),
+        PlannedFault("silent", servos=(2,), start=2.0, seconds=0.5),
     )
     line.pass_time(1.3)
     assert line.ask(packet.ping(1)) == []
@@ -66,7 +66,7 @@ def test_a_reboot_a_trip_and_a_silence_happen_when_planned():
 
 
 def test_a_rebooted_arm_keeps_its_goal_where_it_fell():
-    line = struck(Mishap("reboot", servos=(1,), start=0.5))
+    line = struck(PlannedFault("reboot", servos=(1,), start=0.5))
     line.set(Register.TORQUE_ENABLE, 1)
     line.set(Register.GOAL_POSITION, 2500)
     line.pass_time(0.55)

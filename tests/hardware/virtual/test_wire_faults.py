@@ -1,14 +1,14 @@
 import pytest
 
-from kinesic.hardware.virtual.faults import FaultPlan, Kind, Mishap
+from kinesic.hardware.virtual.faults import FaultPlan, Kind, PlannedFault
 from kinesic.hardware.virtual.protocol import Sent
-from kinesic.hardware.virtual.wire_faults import Weather
+from kinesic.hardware.virtual.wire_faults import WireFaults
 
 DATA = bytes(range(20))
 
 
 def struck(kind: Kind, *, seed: int = 1, **changes: object) -> list[bytes]:
-    weather = Weather(FaultPlan((Mishap(kind, **changes),), seed))
+    weather = WireFaults(FaultPlan((PlannedFault(kind, **changes),), seed))
     return [heard.data for heard in weather.replies([Sent(1, DATA)], 0.0)]
 
 
@@ -31,7 +31,7 @@ def test_only_the_servos_named_are_struck_and_only_in_time():
 
 
 def test_an_answer_of_several_servos_is_struck_at_one_place():
-    weather = Weather(FaultPlan((Mishap("corrupt", servos=(2, 3)),), 3))
+    weather = WireFaults(FaultPlan((PlannedFault("corrupt", servos=(2, 3)),), 3))
     places = set()
     for _ in range(40):
         answer = weather.replies([Sent(servo, DATA) for servo in (1, 2, 3, 4)], 0.0)
@@ -41,7 +41,7 @@ def test_an_answer_of_several_servos_is_struck_at_one_place():
 
 
 def test_a_lost_block_ends_a_chain():
-    weather = Weather(FaultPlan((Mishap("lost", servos=(2,)),)))
+    weather = WireFaults(FaultPlan((PlannedFault("lost", servos=(2,)),)))
     chain = [Sent(servo, DATA, chained=True) for servo in (1, 2, 3)]
     assert len(weather.replies(chain, 0.0)) == 1
     assert len(weather.replies([Sent(servo, DATA) for servo in (1, 2, 3)], 0.0)) == 2
@@ -49,7 +49,7 @@ def test_a_lost_block_ends_a_chain():
 
 def test_rates_are_rates_and_seeds_are_seeds():
     def lost(seed: int) -> list[int]:
-        weather = Weather(FaultPlan((Mishap("lost", rate=0.05),), seed))
+        weather = WireFaults(FaultPlan((PlannedFault("lost", rate=0.05),), seed))
         return [len(weather.replies([Sent(1, DATA)], 0.0)) for _ in range(4000)]
 
     assert sum(lost(1)) / 4000 == pytest.approx(0.95, abs=0.01)
@@ -58,7 +58,7 @@ def test_rates_are_rates_and_seeds_are_seeds():
 
 
 def test_late_is_a_time_and_requests_have_faults_of_their_own():
-    weather = Weather(FaultPlan((Mishap("late", value=0.02), Mishap("lost", way="request"))))
+    weather = WireFaults(FaultPlan((PlannedFault("late", value=0.02), PlannedFault("lost", way="request"))))
     (heard,) = weather.replies([Sent(1, DATA)], 0.0)
     assert (heard.data, heard.late) == (DATA, 0.02)
     assert weather.request(DATA, 0.0) == b""

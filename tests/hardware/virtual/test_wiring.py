@@ -5,7 +5,7 @@ from kinesic.hardware.protocol.packet import BROADCAST, Reader
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.servo_map import ServoMap
 from kinesic.hardware.virtual.memory_wire import MemoryWire
-from kinesic.hardware.virtual.wiring import Cable, Fitting, build_bus, cables
+from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus, cables
 
 
 def test_a_robot_is_its_buses_with_its_servos_at_rest():
@@ -37,7 +37,7 @@ def test_its_servos_answer_with_their_models_and_places():
 
 
 def test_two_wires_move_through_the_same_time():
-    plant, buses = build_bus([Cable("left", (Fitting(1),)), Cable("right", (Fitting(1), Fitting(2)))])
+    plant, buses = build_bus([Cable("left", (ServoFitting(1),)), Cable("right", (ServoFitting(1), ServoFitting(2)))])
     left, right = (MemoryWire(buses[name]) for name in ("left", "right"))
     left.write(packet.write_packet(1, 64, b"\1"))
     assert [servo.memory[Register.TORQUE_ENABLE] for servo in plant.servos] == [1, 0, 0]

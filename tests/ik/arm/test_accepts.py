@@ -10,7 +10,7 @@ from kinesic.body.config import ConfigError
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Hinge
-from kinesic.ik.arm.accepts import checked
+from kinesic.ik.arm.accepts import accept_chain
 from kinesic.ik.arm.linkage import linkage_of
 from kinesic.ik.solve import solve
 
@@ -42,12 +42,12 @@ def _with(chain: Chain, joint: int, **changes: object) -> Chain:
 @pytest.mark.parametrize("side", ["l", "r"])
 def test_the_arms_of_the_default_robot_are_solved_as_they_are(side):
     chain = Robot.load().arms[side]
-    assert linkage_of(checked(chain)).links == linkage_of(chain).links
+    assert linkage_of(accept_chain(chain)).links == linkage_of(chain).links
 
 
 def test_a_first_hinge_along_the_parents_bone_slides_down_it_and_nothing_moves_otherwise():
     chain = _arm("yx", "zy", "zyx")
-    taken = checked(chain)
+    taken = accept_chain(chain)
     assert [[hinge.name for hinge in joint.hinges] for joint in taken.joints] == [
         ["s0", "s1", "e0"],
         ["e1", "w0"],
@@ -63,7 +63,7 @@ def test_a_first_hinge_along_the_parents_bone_slides_down_it_and_nothing_moves_o
 
 @pytest.mark.parametrize("arm", [("yxz", "y", "yx"), ("xyz", "xz", "xy"), ("zxz", "yz", "yx"), ("yx", "yz", "yx")])
 def test_usual_arms_are_taken_and_solved(arm):
-    chain = checked(_arm(*arm))
+    chain = accept_chain(_arm(*arm))
     random = np.random.default_rng(72)
     for _ in range(15):
         position = chain.hand(random.uniform(chain.lower, chain.upper))
@@ -80,7 +80,7 @@ def test_axes_need_not_be_perpendicular():
                 for hinge in part.hinges
             )
             chain = _with(chain, joint, hinges=hinges)
-        chain = checked(chain)
+        chain = accept_chain(chain)
         for _ in range(15):
             position = chain.hand(random.uniform(chain.lower, chain.upper))
             assert solve(chain, Reach(position), start=chain.rest).residual < 1e-4
@@ -93,30 +93,30 @@ def _tilted(axis: Floats, random: np.random.Generator, by: float) -> Floats:
 
 def test_three_hinges_that_swing_one_bone_break_a_rule():
     with pytest.raises(ConfigError, match=r"chain arm: joint s: hinges s0, s1, s2 all swing .* at most two may"):
-        checked(_arm("xyx", "y", "zyx"))
+        accept_chain(_arm("xyx", "y", "zyx"))
     with pytest.raises(ConfigError, match=r"joint w: hinges w1, w2, w3 all swing"):
-        checked(_arm("yxz", "y", "zyxy"))
+        accept_chain(_arm("yxz", "y", "zyxy"))
 
 
 def test_two_hinges_on_one_line_break_a_rule():
     with pytest.raises(ConfigError, match=r"joint s: hinges s2 and e0 turn about the same line"):
-        checked(_arm("yxz", "zy", "yx"))
+        accept_chain(_arm("yxz", "zy", "yx"))
 
 
 def test_a_bone_without_length_leads_nowhere():
     with pytest.raises(ConfigError, match=r"chain l_arm: joint l_elbow: its bone is 0 m long; it must lead somewhere"):
-        checked(_with(LEFT, 2, bone=sealed([0.0, 0.0, 0.0])))
-    assert checked(_with(LEFT, 3, bone=sealed([0.0, 0.0, 0.0]))).lengths[-1] == 0.0
+        accept_chain(_with(LEFT, 2, bone=sealed([0.0, 0.0, 0.0])))
+    assert accept_chain(_with(LEFT, 3, bone=sealed([0.0, 0.0, 0.0]))).lengths[-1] == 0.0
 
 
 def test_numbers_that_make_no_sense_are_refused():
     with pytest.raises(ConfigError, match=r"has 2 joints; an arm has at least shoulder, elbow, wrist"):
-        checked(replace(LEFT, joints=LEFT.joints[:2]))
+        accept_chain(replace(LEFT, joints=LEFT.joints[:2]))
     with pytest.raises(ConfigError, match=r"bone of joint l_elbow is .*nan.*three finite numbers"):
-        checked(_with(LEFT, 2, bone=sealed([np.nan, 0.0, -0.2])))
+        accept_chain(_with(LEFT, 2, bone=sealed([np.nan, 0.0, -0.2])))
     with pytest.raises(ConfigError, match=r"hinge a: range \[1, -1\] rad is empty; write the smaller first"):
-        checked(_with(LEFT, 0, hinges=(_hinge("a", "x", 1.0, -1.0),)))
+        accept_chain(_with(LEFT, 0, hinges=(_hinge("a", "x", 1.0, -1.0),)))
     with pytest.raises(ConfigError, match=r"hinge a: range \[-inf, 1.0\].*must be finite"):
-        checked(_with(LEFT, 0, hinges=(_hinge("a", "x", -np.inf, 1.0),)))
+        accept_chain(_with(LEFT, 0, hinges=(_hinge("a", "x", -np.inf, 1.0),)))
     with pytest.raises(ConfigError, match=r"hinge a: axis \[2.0, 0.0, 0.0\] has length 2; divide"):
-        checked(_with(LEFT, 0, hinges=(replace(_hinge("a", "x"), axis=sealed([2.0, 0.0, 0.0])),)))
+        accept_chain(_with(LEFT, 0, hinges=(replace(_hinge("a", "x"), axis=sealed([2.0, 0.0, 0.0])),)))

@@ -6,7 +6,7 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
-from kinesic.ik.arm.refine import finished, true_arm
+from kinesic.ik.arm.refine import refine_posture, true_arm
 from kinesic.ik.solve import solve
 
 UPPER22 = Robot.load()
@@ -32,7 +32,7 @@ HAND = ROBOT.skeleton.segment("l_wrist")
 def test_an_ideal_arm_is_left_alone():
     assert true_arm(UPPER22, "l").exact
     rest = UPPER22.skeleton.rest
-    assert finished(UPPER22, "l", Reach(np.zeros(3)), rest, near=rest) is rest
+    assert refine_posture(UPPER22, "l", Reach(np.zeros(3)), rest, near=rest) is rest
 
 
 def test_the_packed_arm_is_the_skeletons():
@@ -67,7 +67,7 @@ def test_the_hand_comes_where_the_ideal_arm_misses():
         inside = frames.rotations[base].T @ (target - frames.origins[base])
         guess[list(chain.indices)] = solve(chain, Reach(inside), start=chain.rest).angles
         missed.append(np.linalg.norm(ROBOT.skeleton.frames(guess).origins[HAND] - target))
-        found = finished(ROBOT, "l", Reach(target), guess, near=rest)
+        found = refine_posture(ROBOT, "l", Reach(target), guess, near=rest)
         assert np.linalg.norm(ROBOT.skeleton.frames(found).origins[HAND] - target) < 1e-3
         assert np.all(found >= ROBOT.skeleton.lower - 1e-12)
         assert np.all(found <= ROBOT.skeleton.upper + 1e-12)
@@ -79,7 +79,7 @@ def test_the_hand_comes_where_the_ideal_arm_misses():
 def test_directions_are_served_as_far_as_they_can():
     rest = ROBOT.skeleton.rest
     target = ROBOT.gesture_origin + ROBOT.arm_length * np.array([0.6, 0.3, 0.3])
-    plain = finished(ROBOT, "l", Reach(target), rest, near=rest)
-    led = finished(ROBOT, "l", Reach(target, palm=np.array([0.0, 0.0, 1.0])), rest, near=rest)
+    plain = refine_posture(ROBOT, "l", Reach(target), rest, near=rest)
+    led = refine_posture(ROBOT, "l", Reach(target, palm=np.array([0.0, 0.0, 1.0])), rest, near=rest)
     facing = [ROBOT.skeleton.frames(a).rotations[HAND] @ ROBOT.sites["l_palm"].facing for a in (plain, led)]
     assert facing[1][2] > facing[0][2] + 0.3

@@ -3,7 +3,7 @@ from numpy.random import default_rng
 
 from kinesic.body.robot import Robot
 from kinesic.ik.arm.linkage import linkage_of
-from kinesic.ik.arm.shoulder_elbow import STRETCH, TAUT, bent, gap, place_of, place_shoulder
+from kinesic.ik.arm.shoulder_elbow import STRETCH, TAUT, bend_elbow, gap, place_of, place_shoulder
 from kinesic.ik.arm.swivel import swivel_of
 from kinesic.ik.scalar3 import cross, distance, minus, norm, unit, vector
 
@@ -54,14 +54,14 @@ def test_no_collar_bone_angle_brings_the_shoulder_nearer_than_the_gap() -> None:
 def test_the_wished_swivel_is_met_inside_the_ranges() -> None:
     place = place_shoulder(ARM, (0.25, 0.15, -0.05), near=REST, rest=REST)
     for wished in (0.0, 0.4, 0.9):
-        bend = bent(ARM, place, near=REST, swivel=wished)
+        bend = bend_elbow(ARM, place, near=REST, swivel=wished)
         assert bend.exact
         assert swivel_of(ARM, ARM.walk(bend.angles, 3)[1][-3:]) == pytest.approx(wished)
 
 
 def test_an_impossible_swivel_comes_as_near_as_the_ranges_allow() -> None:
     place = place_shoulder(ARM, (0.25, 0.15, -0.05), near=REST, rest=REST)
-    bend = bent(ARM, place, near=REST, swivel=2.5)
+    bend = bend_elbow(ARM, place, near=REST, swivel=2.5)
     found = swivel_of(ARM, ARM.walk(bend.angles, 3)[1][-3:])
     assert bend.exact
     assert found is not None

@@ -9,12 +9,12 @@ from numpy.random import default_rng
 from kinesic.body.arrays import Floats
 from kinesic.ik.arm.masses import settle_masses
 from kinesic.ik.thesis.chain import BallChain
-from kinesic.ik.thesis.direct import balanced
-from kinesic.ik.thesis.force import drawn
-from kinesic.ik.thesis.position import pinned
+from kinesic.ik.thesis.direct import balance_springs
+from kinesic.ik.thesis.force import draw_by_force
+from kinesic.ik.thesis.position import swing_pinned
 from kinesic.ik.thesis.task import Effort, Rest, Task
 
-WAYS = {"force": drawn, "position": pinned, "direct": balanced}
+WAYS = {"force": draw_by_force, "position": swing_pinned, "direct": balance_springs}
 REACHABLE, BEYOND = 60, 15
 
 
@@ -80,7 +80,7 @@ def test_undamped_masses_do_not_settle(way):
 
 
 def test_a_step_beyond_the_bound_explodes_and_is_stopped():
-    rest = pinned(_task(6, np.array([0.5, 0.2, 0.1]), effort=Effort(step=2.0)))
+    rest = swing_pinned(_task(6, np.array([0.5, 0.2, 0.1]), effort=Effort(step=2.0)))
     assert rest.iterations < Effort().iterations
     assert rest.energy > 1e6
 
@@ -93,7 +93,7 @@ def test_too_soft_springs_are_slow():
 
 def test_the_energy_threshold_ends_the_iteration():
     target = np.array([0.4, 0.3, 0.2])
-    coarse, fine = (pinned(_task(6, target, effort=Effort(tolerance=0.0, threshold=e))) for e in (1e-2, 1e-6))
+    coarse, fine = (swing_pinned(_task(6, target, effort=Effort(tolerance=0.0, threshold=e))) for e in (1e-2, 1e-6))
     assert 1e-6 < coarse.energy <= 1e-2
     assert fine.energy <= 1e-6
     assert coarse.iterations < fine.iterations
@@ -111,7 +111,7 @@ def test_at_rest_every_spring_has_its_length(way):
 def test_equal_masses_swing_as_in_the_production_solver():
     lengths, target = (0.25, 0.35, 0.4), (0.5, 0.2, 0.3)
     chain = BallChain.curved(lengths)
-    mine = pinned(
+    mine = swing_pinned(
         Task(
             chain.points,
             np.array(target),
@@ -133,7 +133,7 @@ def test_a_heavy_mass_is_moved_less_by_the_direct_correction():
     def moved(mass: float) -> float:
         masses = np.array([1.0, 1.0, mass, 1.0, 1.0])
         effort = Effort(tolerance=1e-4, iterations=3000)
-        rest = balanced(Task(chain.points, target, chain.lengths, chain.stiffness, masses, None, effort))
+        rest = balance_springs(Task(chain.points, target, chain.lengths, chain.stiffness, masses, None, effort))
         return float(np.linalg.norm(rest.points[2] - chain.points[2]))
 
     assert moved(20.0) < 0.8 * moved(1.0)
@@ -144,7 +144,7 @@ def test_a_soft_bone_gives_more_where_bones_cannot_all_keep_their_lengths():
     stiffness = np.array([1.0, 0.1, 1.0, 1.0])
     effort = Effort(tolerance=0.0, threshold=1e-7, iterations=3000)
     far = np.array([1.2, 0.1, 0.2])
-    rest = pinned(Task(chain.points, far, chain.lengths, stiffness, chain.masses, None, effort))
+    rest = swing_pinned(Task(chain.points, far, chain.lengths, stiffness, chain.masses, None, effort))
     stretches = np.linalg.norm(np.diff(rest.points, axis=0), axis=1) - 0.25
     assert stretches[1] / stretches[0] == pytest.approx(10.0, rel=0.05)
 

@@ -4,7 +4,7 @@ from numpy.random import default_rng
 from scipy.spatial.transform import Rotation
 
 from kinesic.ik.thesis.chain import BallChain
-from kinesic.ik.thesis.rotations import Carrier, aim_bones, stance_of, swivelled, transported
+from kinesic.ik.thesis.rotations import Carrier, aim_bones, stance_of, swivel_chain, transport_up
 
 CHAIN = BallChain.curved([0.2, 0.3, 0.25, 0.1])
 GROUND = Carrier.at_rest(CHAIN)
@@ -62,14 +62,14 @@ def test_masses_in_one_point_leave_the_bone_between_them_as_it_was():
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_an_up_vector_stays_across_its_bone(sign: float):
     up, bone = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
-    assert transported(up, bone, sign * bone).tolist() == up.tolist()
+    assert transport_up(up, bone, sign * bone).tolist() == up.tolist()
     steep = np.array([0.6, 0.0, 0.8])
-    assert transported(up, bone, steep) == pytest.approx([-0.8, 0.0, 0.6])
+    assert transport_up(up, bone, steep) == pytest.approx([-0.8, 0.0, 0.6])
 
 
 def test_a_swivel_keeps_both_ends_and_every_length_and_bends_where_it_is_told():
     points, up = CHAIN.points, np.array([0.1, 1.0, -0.2])
-    turned = swivelled(points, up)
+    turned = swivel_chain(points, up)
     assert turned[[0, -1]] == pytest.approx(points[[0, -1]])
     assert np.linalg.norm(np.diff(turned, axis=0), axis=1) == pytest.approx(CHAIN.lengths)
     axis = (points[-1] - points[0]) / np.linalg.norm(points[-1] - points[0])
@@ -87,4 +87,4 @@ def test_a_swivel_keeps_both_ends_and_every_length_and_bends_where_it_is_told():
 )
 def test_where_a_swivel_means_nothing_the_points_stay(points, up):
     given = np.array(points, dtype=float)
-    assert swivelled(given, np.array(up, dtype=float)) is given
+    assert swivel_chain(given, np.array(up, dtype=float)) is given

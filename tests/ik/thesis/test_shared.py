@@ -4,11 +4,11 @@ from scipy.spatial.transform import Rotation
 
 from kinesic.body.robot import Robot
 from kinesic.ik.thesis.limbs import Limbs
-from kinesic.ik.thesis.shared import Wishes, postured, standing
+from kinesic.ik.thesis.shared import Wishes, standing_limbs, turn_joints
 from kinesic.ik.thesis.task import Effort
 
 LIMBS = Limbs.of_robot(Robot.load("upper22"))
-REST = standing(LIMBS)
+REST = standing_limbs(LIMBS)
 
 
 def _yaw(angle: float):
@@ -21,7 +21,7 @@ def _postured(left: float, right: float, pulls, priority=()):
     points = {name: stance.points for name, stance in REST.items()}
     points["l_arm"] = centre + (points["l_arm"] - centre) @ _yaw(left).T
     points["r_arm"] = centre + (points["r_arm"] - centre) @ _yaw(right).T
-    return postured(LIMBS, REST, Wishes(points, {}, pulls, priority), method="position", effort=Effort())
+    return turn_joints(LIMBS, REST, Wishes(points, {}, pulls, priority), method="position", effort=Effort())
 
 
 def _turn(stances, name: str) -> float:

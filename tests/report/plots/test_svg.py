@@ -11,7 +11,7 @@ from kinesic.report.plots.hands import hands
 from kinesic.report.plots.joints import joints, still_hinges
 from kinesic.report.plots.margins import margins
 from kinesic.report.plots.score import score
-from kinesic.report.plots.svg import POINTS, fit_text, spaced_indices, thinned
+from kinesic.report.plots.svg import POINTS, fit_text, spaced_indices, thin_line
 
 
 def words_of(figure: str) -> set[str | None]:
@@ -59,7 +59,7 @@ def test_thinned_keeps_the_extremes() -> None:
     times = np.arange(120_000) / 100
     values = np.sin(times)
     values[77_777], values[4_321] = 5.0, -5.0
-    few_times, few = thinned(times, values)
+    few_times, few = thin_line(times, values)
     assert len(few) <= POINTS + 2
     assert (few.max(), few.min()) == (5.0, -5.0)
     assert few_times[0] == times[0]

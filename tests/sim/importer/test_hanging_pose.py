@@ -4,7 +4,7 @@ import pytest
 from kinesic.sim.importer.arm import Split, centres
 from kinesic.sim.importer.hanging_pose import elbow_sense
 from kinesic.sim.importer.hinge_row import HingeRow
-from kinesic.sim.importer.zero_pose import HANGING, hung
+from kinesic.sim.importer.zero_pose import HANGING, hang_arm
 
 SPLIT = Split(0, 3, 3)
 
@@ -16,7 +16,7 @@ def row(tee):
 
 
 def test_an_arm_of_a_t_pose_is_hung_up(tee, row):
-    posed = hung(tee, row, SPLIT, HANGING, strict=False)
+    posed = hang_arm(tee, row, SPLIT, HANGING, strict=False)
     assert np.degrees(posed.off) < 0.5
     assert np.degrees(posed.angles[1]) == pytest.approx(-90, abs=0.5)
     at = centres(HingeRow.of(tee, row).turned(posed.angles), SPLIT)
@@ -25,7 +25,7 @@ def test_an_arm_of_a_t_pose_is_hung_up(tee, row):
 
 def test_ranges_hold_where_they_must(tee, row):
     roll = tee.joints[row[1]]
-    posed = hung(tee, row, SPLIT, HANGING, strict=True)
+    posed = hang_arm(tee, row, SPLIT, HANGING, strict=True)
     assert roll.lower - 1e-6 <= posed.angles[1] <= roll.upper + 1e-6
 
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from kinesic.sim.importer.hinges import named_hinges, spelled
+from kinesic.sim.importer.hinges import named_hinges, spell_angle
 
 
 @pytest.fixture(scope="module")
@@ -65,5 +65,5 @@ def test_a_hinge_without_range_gets_a_humans(hanging_mapped):
 
 
 def test_the_way_back_is_spelled(hinges):
-    assert spelled(hinges["l_shoulder_abduct"], "l_roll").startswith("l_roll = angle -")
-    assert spelled(hinges["r_shoulder_abduct"], "r_roll").startswith("r_roll = -angle +")
+    assert spell_angle(hinges["l_shoulder_abduct"], "l_roll").startswith("l_roll = angle -")
+    assert spell_angle(hinges["r_shoulder_abduct"], "r_roll").startswith("r_roll = -angle +")

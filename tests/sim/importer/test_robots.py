@@ -10,7 +10,7 @@ import pytest
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
 from kinesic.body.robot_text import robot_text
-from kinesic.ik.arm.refine import finished
+from kinesic.ik.arm.refine import refine_posture
 from kinesic.sim.importer.convert import Mapped, import_humanoid
 
 # name: wheel, end of the path, hinges that kinesic moves, the elbow's hinge on the left
@@ -59,7 +59,7 @@ def check(name: str, found: Mapped, folder: Path) -> None:
         posture[joints_of_arm] = random.uniform(robot.skeleton.lower, robot.skeleton.upper)[joints_of_arm]
         target = robot.skeleton.frames(posture).origins[hand]
         rest = robot.skeleton.rest
-        solved = finished(robot, "l", Reach(target), rest, near=rest)
+        solved = refine_posture(robot, "l", Reach(target), rest, near=rest)
         assert np.linalg.norm(robot.skeleton.frames(solved).origins[hand] - target) < 2e-3
 
 

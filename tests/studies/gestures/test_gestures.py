@@ -9,7 +9,7 @@ from matplotlib.image import imread
 from kinesic.expressivity.lexicon.hand_shapes import SHAPES
 from kinesic.studies.gestures.isolated import STROKE, document, key_postures, plan_gesture, stroke_error
 from kinesic.studies.gestures.sheet import draw_gesture_sheet, draw_strip
-from kinesic.studies.gestures.silhouette import PALE, depth, hand_outline, pale, seen, silhouette
+from kinesic.studies.gestures.silhouette import PALE, depth, hand_outline, pale, project, silhouette
 from kinesic.studies.gestures.vocabulary import vocabulary
 
 
@@ -61,8 +61,8 @@ def test_the_nearer_is_drawn_later_and_darker(known):
 
 
 def test_left_is_seen_on_the_right_and_up_is_up():
-    assert seen(np.array([0.0, 1.0, 0.0])) == pytest.approx([1.0, 0.0])
-    assert seen(np.array([0.0, 0.0, 1.0]))[1] > 0.9
+    assert project(np.array([0.0, 1.0, 0.0])) == pytest.approx([1.0, 0.0])
+    assert project(np.array([0.0, 0.0, 1.0]))[1] > 0.9
     assert depth(np.array([1.0, 0.0, 0.0])) > 0.9
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from kinesic.body.robot import Robot
 from kinesic.hardware.protocol.registers import Register
-from kinesic.hardware.virtual.faults import FaultPlan, Mishap
+from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
 from kinesic.hardware.virtual.pty import PtyPort, serve_wires
 from kinesic.hardware.virtual.wiring import build_bus, cables
 
@@ -23,10 +23,10 @@ SHOWN = (Register.TORQUE_ENABLE, Register.GOAL_POSITION, Register.BUS_WATCHDOG)
 EVERY = 0.002  # [s] between lines
 
 
-def mishap(kind: str, *figures: float) -> Mishap:
+def mishap(kind: str, *figures: float) -> PlannedFault:
     if kind == "unplug":
-        return Mishap("unplug", seconds=figures[0])
-    return Mishap("reboot" if kind == "reboot" else "alert", (int(figures[0]),), value=figures[1])
+        return PlannedFault("unplug", seconds=figures[0])
+    return PlannedFault("reboot" if kind == "reboot" else "alert", (int(figures[0]),), value=figures[1])
 
 
 def main(robot: str, folder: Path) -> None:
