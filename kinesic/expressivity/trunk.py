@@ -142,9 +142,8 @@ def _managed(key: TurnKey, wished: Turn, moment: float, pace: Pace) -> Turn:
     """The part of the way to a rotation that the trunk manages by a moment [s]."""
     change = add_turns(wished, scale_turn(key.turn, -1.0))
     share = min(1.0, HASTE * (moment - key.time) / max(pace.least_turn_time("torso", change), MERGE))
-    return add_turns(
-        key.turn, scale_turn(change, share**3)
-    )  # least times shrink no slower than the cube root of the way
+    eased = share**3  # least times shrink no slower than the cube root of the way
+    return add_turns(key.turn, scale_turn(change, eased))
 
 
 def _return(key: TurnKey, times: Mapping[str, float], pace: Pace) -> tuple[TurnKey, ...]:

@@ -29,9 +29,7 @@ class SceneContext:
     """Other blocks, in global time [s]."""
 
     now: float = 0.0
-    states: Mapping[str, BlockState] = field(
-        default_factory=dict
-    )  # of blocks that are not over, in the order of their coming
+    states: Mapping[str, BlockState] = field(default_factory=dict)  # of blocks that are not over, in their order
     relaxes: Mapping[str, float] = field(default_factory=dict)  # id -> when it will have subsided
     ends: Mapping[str, float] = field(default_factory=dict)  # id -> when it will be over
     times: Mapping[Point, float] = field(default_factory=dict)  # sync points, of blocks that are over too

@@ -25,9 +25,8 @@ class Listener:
     def __init__(self, wire: Wire) -> None:
         """Knows nothing yet."""
         self.wire, self.slack = wire, TimeoutEstimate()
-        self._burst = TimeoutEstimate(
-            BURST * BITS_PER_BYTE / wire.baud, fall=HASTE
-        )  # until the first bytes of an answer come
+        # until the first bytes of an answer come
+        self._burst = TimeoutEstimate(BURST * BITS_PER_BYTE / wire.baud, fall=HASTE)
         self.heard = b""  # all bytes since `forget`
         self._byte = BITS_PER_BYTE / wire.baud
         self.asked = 0.0  # [s] when the last byte of what was said last is out

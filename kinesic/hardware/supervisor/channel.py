@@ -51,9 +51,7 @@ class Status:
     faulty: bool = False
     angles: Floats = field(default_factory=_nothing)  # (n,) [rad] measured; NaN for a servo that did not answer
     goals: Floats = field(default_factory=_nothing)  # (n,) [rad]
-    taken: Floats = field(
-        default_factory=_nothing
-    )  # (n,) [s] of that clock, when each angle was measured; NaN likewise
+    taken: Floats = field(default_factory=_nothing)  # (n,) [s] of that clock, of each angle; NaN likewise
 
     def time_at(self, clock: float) -> float:
         """[s] performance time at another time [s] of the machine's monotonic clock, a moment later."""
