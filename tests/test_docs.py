@@ -1,9 +1,11 @@
 """What the user's guide shows works, and what it points at exists."""
 
+import ast
 import re
 import runpy
 import tomllib
 from collections import Counter
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -26,6 +28,14 @@ def test_links_lead_somewhere(page: Path):
     links = re.findall(r"\]\(([^)#]+)[^)]*\)", page.read_text(encoding="utf-8"))
     local = [link for link in links if not link.startswith(("http://", "https://"))]
     assert [link for link in local if not (page.parent / link).exists()] == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_what_a_page_imports_is_there(page: Path):
+    snippets = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    imports = [node for text in snippets for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ImportFrom)]
+    names = [(str(node.module), name.name) for node in imports for name in node.names]
+    assert [name for name in names if not hasattr(import_module(name[0]), name[1])] == []
 
 
 def test_every_path_that_contributors_are_shown_exists():
