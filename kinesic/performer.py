@@ -20,8 +20,9 @@ from kinesic.controller.servo_performance import interrupted, perform_live
 from kinesic.controller.soundtrack import sound
 from kinesic.controller.speech_sync import SpeechPlayback
 from kinesic.expressivity.style.style import Style
-from kinesic.hardware.servos import Servos
+from kinesic.hardware.servos import Servos, check_ports
 from kinesic.hardware.supervisor.channel import Status
+from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.planning.bap import SUFFIX, read_bap
 from kinesic.planning.face_track import faces
 from kinesic.planning.imported_motion import plan_imported
@@ -137,6 +138,8 @@ class Performer:
         """
         _check_way(on, twin, sinks)
         planned = plan if isinstance(plan, Plan) else self.plan(plan)
+        if on == "servos":
+            check_ports(planned.facts.robot, Manifest.of(planned.facts.robot), ports or {})
         factors = (twin,) if isinstance(twin, Factors) else TWINS[twin]
         found, *beside = dry_runs(planned, factors, feedforward=feedforward, correction=correction)
         run = performance_of(found, beside=tuple(beside), seed=self.setup.idling.seed)

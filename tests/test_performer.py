@@ -184,9 +184,11 @@ def test_several_twins_are_told_side_by_side(performer, plan):
     assert {*run.data["twins"]} == {"nominal", "pessimistic"}
 
 
-def test_servos_without_ports_are_refused(performer, plan):
+def test_servos_without_ports_are_refused_before_anything_performs(performer, plan):
+    mine = Mine()
     with pytest.raises(kinesic.BusError, match=r"upper22 needs body=PATH"):
-        performer.perform(plan, on="servos")
+        performer.perform(plan, on="servos", sinks=[mine])
+    assert not mine.commands
 
 
 def test_options_are_those_of_the_command_line(tmp_path: Path):

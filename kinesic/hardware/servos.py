@@ -51,7 +51,7 @@ class Servos:
             BusError: a port or a servo is missing or wrong; one line each.
         """
         manifest = Manifest.of(robot)
-        _check_ports(robot, manifest, ports)
+        check_ports(robot, manifest, ports)
         self._joints = len(manifest.rest)
         octets = memory_size(self._joints)
         memory = memory_file(octets)
@@ -201,8 +201,12 @@ class Servos:
         return f"the supervisor has released the servos and ended{why}; open them anew"
 
 
-def _check_ports(robot: Robot, manifest: Manifest, ports: Mapping[str, str | Path]) -> None:
-    """Every bus has a port, and every port a bus."""
+def check_ports(robot: Robot, manifest: Manifest, ports: Mapping[str, str | Path]) -> None:
+    """Makes sure that every bus has a port, and every port a bus.
+
+    Raises:
+        BusError: names what is missing.
+    """
     wrong = sorted(set(manifest.bauds) ^ set(ports))
     if wrong:
         need = ", ".join(f"{name}=PATH" for name in manifest.bauds)
