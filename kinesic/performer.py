@@ -15,7 +15,7 @@ from kinesic.controller.feedforward import Terms, lead
 from kinesic.controller.options import Options, setup_of
 from kinesic.controller.perform import dry_runs
 from kinesic.controller.perform import perform as perform_text
-from kinesic.controller.play import command_times, commands, play
+from kinesic.controller.play import command_times, commands, play_together
 from kinesic.controller.servo_performance import interrupted, perform_live
 from kinesic.controller.soundtrack import sound
 from kinesic.controller.speech_sync import SpeechPlayback
@@ -143,12 +143,13 @@ class Performer:
         factors = (twin,) if isinstance(twin, Factors) else TWINS[twin]
         found, *beside = dry_runs(planned, factors, feedforward=feedforward, correction=correction)
         run = performance_of(found, beside=tuple(beside), seed=self.setup.idling.seed)
-        for sink in sinks:
-            _play(planned, sink, feedforward)
+        if sinks:
+            _play(planned, sinks, feedforward)
         if on == "servos" and run.ok:
-            with _speaking(planned) as said, interrupted() as stopped:
+            with _speaking(planned) as said:
                 servos = Servos(planned.facts.robot, ports or {})
-                live = perform_live(run, servos, wish=lambda: "end" if stopped() else "go on", shown=said)
+                with interrupted() as stopped:
+                    live = perform_live(run, servos, wish=lambda: "end" if stopped() else "go on", shown=said)
             run = performance_of(found, beside=tuple(beside), seed=self.setup.idling.seed, servos=live)
         return run
 
@@ -213,11 +214,12 @@ def _check_way(on: str, twin: object, sinks: Sequence[object]) -> None:
             raise TypeError(f"a sink needs write(command) and close(); {type(sink).__name__} lacks {missing[0]}")
 
 
-def _play(plan: Plan, sink: Sink, terms: Terms) -> None:
-    """Every command of a plan, with the face."""
+def _play(plan: Plan, sinks: Sequence[Sink], terms: Terms) -> None:
+    """Hands every command of a plan, with the face, to all sinks."""
     times, known = command_times(plan.duration), plan.facts
     setpoints = lead(plan.trajectory, times, known.robot, known.dynamics, period=1 / RATE, terms=terms)
-    play(commands(plan.trajectory, times, setpoints, faces(plan, times)), sink)
+    stream = commands(plan.trajectory, times, setpoints, faces(plan, times))
+    play_together(((command,) * len(sinks) for command in stream), sinks)
 
 
 @contextmanager
