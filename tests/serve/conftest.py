@@ -85,6 +85,13 @@ def server() -> Iterator[Running]:
 
 
 @pytest.fixture(scope="module")
+def abused() -> Iterator[Running]:
+    """For documents that make no sense, which may leave the robot in another stance."""
+    with running(Quotas(rate=1000.0, burst=1000)) as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
 def guarded() -> Iterator[Running]:
     """With a token and tight rules."""
     rules = Quotas(

@@ -33,16 +33,16 @@ def test_the_same_seed_makes_the_same_document():
     assert len(set(made)) > 40
 
 
-def test_a_sample_of_them_is_answered_while_the_robot_performs(server, monkeypatch):
+def test_a_sample_of_them_is_answered_while_the_robot_performs(abused, monkeypatch):
     where = folder()
     files = OWN if where is None else documents((where,))
     chance = random.Random(7)
     crowd = [mutate(chance.choice(files).read_bytes()[:6000], seed) for seed in range(COUNT)]
-    performer = server.open.desk.performer
-    patient = replace(server.open.desk.rules, planning=120.0)  # this machine may be busy with other tests
+    performer = abused.open.desk.performer
+    patient = replace(abused.open.desk.rules, planning=120.0)  # this machine may be busy with other tests
     monkeypatch.setattr(performer.planner, "_rules", patient)
-    deaths, before = performer.planner.deaths, len(server.witness.commands)
-    with server.client() as wild:
+    deaths, before = performer.planner.deaths, len(abused.witness.commands)
+    with abused.client() as wild:
         answered = 0
         for number, document in enumerate(crowd):
             wild.send_bytes(document.replace(b"\0", b" "))
@@ -52,9 +52,9 @@ def test_a_sample_of_them_is_answered_while_the_robot_performs(server, monkeypat
             while performer.status()["waiting"]:
                 wild.receive(0.01)
         wild.do("interrupt")
-        with server.client() as client:
+        with abused.client() as client:
             messages = list(client.perform('<bml id="sane"><head id="h" lexeme="NOD" start="0"/></bml>'))
     assert re.search(r'id="sane:end"', messages[-1])
     assert performer.planner.deaths == deaths
-    ticks = np.rint([RATE * command.time for _, command in server.witness.commands[before:]]).astype(int)
+    ticks = np.rint([RATE * command.time for _, command in abused.witness.commands[before:]]).astype(int)
     assert (np.diff(ticks) == 1).all()
