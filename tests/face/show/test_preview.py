@@ -188,17 +188,17 @@ def display() -> Iterator[str]:
 WINDOWED = """
 import threading, time
 import glfw
-from kinesic.face.show.shared_command import Shown
+from kinesic.face.show.shared_command import ShownFace
 from kinesic.face.show.controls import Controls
 from kinesic.face.show.process import follow, painter
-from kinesic.face.show.window import window
+from kinesic.face.show.window import open_window
 
 class Board:
     over = False
     def read(self):
-        return Shown(1, 0.0, (0.0, 0.0, 0.0), {"12": 0.7})
+        return ShownFace(1, 0.0, (0.0, 0.0, 0.0), {"12": 0.7})
 
-with window((64, 64), "t") as framed:
+with open_window((64, 64), "t") as framed:
     picture = painter(framed.context, (64, 64))
     def draw(shown, told):
         glfw.set_window_should_close(framed._handle, True)
