@@ -16,6 +16,6 @@ for name, extent in (("small and slow", -0.8), ("large and fast", 0.8)):
     style = Style.uniform(Expressivity(spatial=extent, temporal=extent), name)
     planned = Performer(style=style).plan(BML)
     times = np.arange(0.0, planned.trajectory.duration, 0.01)
-    hand = part_paths(planned.trajectory.sample(times)[0], planned.facts.robot)["l_hand"]
+    hand = part_paths(planned.trajectory.sample(times)[0], planned.setup.robot)["l_hand"]
     speed = np.linalg.norm(np.diff(hand, axis=0), axis=1) / 0.01
     print(f"{style.name}: {np.ptp(hand[:, 1]):.2f} m wide, at most {speed.max():.2f} m/s")

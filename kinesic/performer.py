@@ -139,7 +139,7 @@ class Performer:
         _check_way(on, twin, sinks)
         planned = plan if isinstance(plan, Plan) else self.plan(plan)
         if on == "servos":
-            check_ports(planned.facts.robot, Manifest.of(planned.facts.robot), ports or {})
+            check_ports(planned.setup.robot, Manifest.of(planned.setup.robot), ports or {})
         factors = (twin,) if isinstance(twin, Factors) else TWINS[twin]
         found, *beside = dry_runs(planned, factors, feedforward=feedforward, correction=correction)
         run = performance_of(found, beside=tuple(beside), seed=self.setup.idling.seed)
@@ -147,7 +147,7 @@ class Performer:
             _play(planned, sinks, feedforward)
         if on == "servos" and run.ok:
             with _speaking(planned) as said:
-                servos = Servos(planned.facts.robot, ports or {})
+                servos = Servos(planned.setup.robot, ports or {})
                 with interrupted() as stopped:
                     live = perform_live(run, servos, wish=lambda: "end" if stopped() else "go on", shown=said)
             run = performance_of(found, beside=tuple(beside), seed=self.setup.idling.seed, servos=live)
@@ -183,7 +183,7 @@ def perform(
         BmlError: the document is refused.
     """
     run = perform_text(text, known, source=source, twin=twin, feedforward=feedforward, correction=correction)
-    return performance_of(run, seed=run.plan.facts.idling.seed)
+    return performance_of(run, seed=run.plan.setup.idling.seed)
 
 
 def _read(document: Document) -> tuple[str | bytes | None, str]:
@@ -216,7 +216,7 @@ def _check_way(on: str, twin: object, sinks: Sequence[object]) -> None:
 
 def _play(plan: Plan, sinks: Sequence[Sink], terms: Terms) -> None:
     """Hands every command of a plan, with the face, to all sinks."""
-    times, known = command_times(plan.duration), plan.facts
+    times, known = command_times(plan.duration), plan.setup
     setpoints = lead(plan.trajectory, times, known.robot, known.dynamics, period=1 / RATE, terms=terms)
     stream = commands(plan.trajectory, times, setpoints, faces(plan, times))
     play_together(((command,) * len(sinks) for command in stream), sinks)

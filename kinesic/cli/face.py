@@ -105,7 +105,7 @@ def face(
         if out is None and (sheet or not has_display()):
             raise DisplayError("no display for a window; --out X.png, X.webp or X.mp4 writes a file")
         if bml is not None:
-            _perform(plan(read_input(bml), settings.facts(), source=bml), sight, out)
+            _perform(plan(read_input(bml), settings.setup(), source=bml), sight, out)
         elif out is None:
             _show(told, sight)
         else:
@@ -182,7 +182,7 @@ def _show(told: Mapping[str, float], sight: Sight) -> None:
 
 def _perform(planned: Plan, sight: Sight, out: Path | None) -> None:
     """The face of a document, in a window or a file."""
-    robot, times = planned.facts.robot, command_times(planned.duration)
+    robot, times = planned.setup.robot, command_times(planned.duration)
     if out is None:
         click.echo(KEYS, err=True)
         play_whole(planned, Preview(robot, look=sight.look, windowed=True))

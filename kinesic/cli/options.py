@@ -74,7 +74,7 @@ def read_twins(name: str) -> tuple[Factors, ...]:
 
 @dataclass(frozen=True)
 class PlanningOptions:
-    """What the shared options say; picklable, so that other processes can make the same facts."""
+    """What the shared options say; picklable, so that other processes can make the same setup."""
 
     robot: str
     style: str
@@ -87,7 +87,7 @@ class PlanningOptions:
     voice: VoiceName = "auto"
     pause: float = 0.0
 
-    def facts(self) -> Setup:
+    def setup(self) -> Setup:
         """Reads everything that the options name.
 
         Raises:

@@ -70,7 +70,7 @@ def perform(
     """
     source = "stdin" if file == "-" else file
     folder = free_folder(out, source, force=force)
-    known = settings.facts()
+    known = settings.setup()
     paths = all_ports(ports, Manifest.of(known.robot).bauds) if "servos" in sinks else {}
     performance, *beside = _performed(file, known, read_twins(twin), feedforward, correction)
     data = report(performance, source=source, seed=settings.idling.seed, beside=beside)

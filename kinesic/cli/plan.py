@@ -21,7 +21,7 @@ def plan(
     out: Path,
 ) -> int:
     """Plans FILE (BML, a .bap motion, or - for BML from standard input) and writes the motion."""
-    known = settings.facts()
+    known = settings.setup()
     if file.endswith(SUFFIX):
         planned = plan_imported(read_bap(Path(file), known.robot), known, source=file)
     else:

@@ -57,7 +57,7 @@ def serve(
     address, limits = read_address(listen, token), read_rules(rules)
     followers = _followers(settings, sinks, ports)
     server = open_serving(
-        settings.facts, followers, address=address, rules=limits, token=token, face="face" in sinks, sound=not why
+        settings.setup, followers, address=address, rules=limits, token=token, face="face" in sinks, sound=not why
     )
     return asyncio.run(_serve(server))
 
@@ -106,7 +106,7 @@ def _is_here(host: str) -> bool:
 
 def _followers(settings: PlanningOptions, sinks: frozenset[str], ports: tuple[str, ...]) -> list[ServoSink]:
     """Who performs, opened."""
-    robot = settings.facts().robot
+    robot = settings.setup().robot
     followers = [ServoSink(RealTwin(robot))] if "twin" in sinks else []
     if "servos" in sinks:
         servos = Servos(robot, all_ports(ports, Manifest.of(robot).bauds), log=Path("events.jsonl"))

@@ -47,7 +47,7 @@ def perform_on_servos(
     """
     plan = performance.plan
     with speak_along(plan) as said:
-        servos = Servos(plan.facts.robot, ports, log=folder / "events.jsonl")
+        servos = Servos(plan.setup.robot, ports, log=folder / "events.jsonl")
         if not quiet:
             click.echo(KEYS, err=True)
         with interrupted() as folding, pressed_keys() as keys, _display(quiet) as shown:
@@ -91,7 +91,7 @@ def write_live(live: ServoRun, data: dict[str, Json], written: Written) -> tuple
     told = with_live(data, live)
     rewrite(written, live.performance, told)
     log = written.report.with_name("servos.npz")
-    write_log(live_log(live), live.performance.plan.facts.robot, log)
+    write_log(live_log(live), live.performance.plan.setup.robot, log)
     return told, log
 
 

@@ -45,7 +45,7 @@ def sweep(
     if every == (parameter is not None):
         raise ConfigError("say --parameter NAME or --all; parameters are " + ", ".join(RANGES))
     folder = free_folder(out, f"sweep-{gesture}", force=force)
-    known = settings.facts()
+    known = settings.setup()
     names = list(MEASURE_OF) if parameter is None else [parameter]
     found = [play_series(gesture, name, known, values=_numbers(values)) for name in names]
     styles = presets(gesture, known) if every else {}

@@ -46,12 +46,12 @@ def validate(
     With --out, an interrupted run goes on where it stopped when the same command is given again.
     """
     twins = read_twins(twin)
-    settings.facts()  # a wrong option is one line here, not one in each process
+    settings.setup()  # a wrong option is one line here, not one in each process
     files = documents(paths)
     folder = _folder(out, force=force) if out else None
     found = validate_documents(
         files,
-        settings.facts,
+        settings.setup,
         jobs=jobs or os.cpu_count() or 1,
         twins=twins,
         folder=folder,

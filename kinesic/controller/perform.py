@@ -163,7 +163,7 @@ def dry_runs(
         delay: [s] of the bus, as feed-forward and correction believe it to be; the twins' own is in their factors.
         parse_seconds: for the report.
     """
-    known, trajectory = planned.facts, planned.trajectory
+    known, trajectory = planned.setup, planned.trajectory
     robot, dynamics, period = known.robot, known.dynamics, 1 / RATE
     began = perf_counter()
     times = command_times(planned.duration)

@@ -57,12 +57,12 @@ class Reference:
     @cached_property
     def peaks(self) -> Peaks:
         """The plan against its limits, at 1 kHz."""
-        return peaks(self.plan.trajectory, self.plan.facts.limits)
+        return peaks(self.plan.trajectory, self.plan.setup.limits)
 
     @cached_property
     def hands(self) -> Mapping[str, Floats]:
         """Side -> (m, 3) [m] the wrist's centre in the world."""
-        robot = self.plan.facts.robot
+        robot = self.plan.setup.robot
         origins = motion_frames(robot.skeleton, self.angles).origins
         wrists = {side: robot.skeleton.segment(robot.chains[f"{side}_arm"][-1]) for side in SIDES}
         return {side: sealed(origins[wrist].T) for side, wrist in wrists.items()}
@@ -79,7 +79,7 @@ class Reference:
     @cached_property
     def paths(self) -> Mapping[PartName, Floats]:
         """Where hands (m, 3) [m], head and torso (m, 3) [rad] are."""
-        return part_paths(self.angles, self.plan.facts.robot, self.hands)
+        return part_paths(self.angles, self.plan.setup.robot, self.hands)
 
     @cached_property
     def arrivals(self) -> Mapping[SyncTime, tuple[Arrival, ...]]:
@@ -89,13 +89,13 @@ class Reference:
     @cached_property
     def moving(self) -> Flags:
         """(m, n) where a hinge's speed is more than a small share of its limit."""
-        moving: Flags = np.abs(self.speeds) > MOVING * self.plan.facts.limits.speed
+        moving: Flags = np.abs(self.speeds) > MOVING * self.plan.setup.limits.speed
         return moving
 
     @cached_property
     def holding(self) -> tuple[Floats, Floats]:
         """Times (k,) [s] and share (k, n) of the stall torque that would hold the posture there."""
-        known = self.plan.facts
+        known = self.plan.setup
         times = np.arange(0.0, self.plan.trajectory.duration + 1 / HOLDING_RATE, 1 / HOLDING_RATE)
         angles = self.plan.trajectory.sample(times)[0]
         still = np.zeros_like(angles)
@@ -126,7 +126,7 @@ class Performance:
     @cached_property
     def robot(self) -> Robot:
         """The robot as the twin has it."""
-        return self.twin.applied(self.plan.facts.robot)
+        return self.twin.applied(self.plan.setup.robot)
 
     @cached_property
     def period(self) -> float:
@@ -137,7 +137,7 @@ class Performance:
     @cached_property
     def lags(self) -> dict[SyncTime, float | None]:
         """How much later than planned each sync point was met in the twin [s]; None: never."""
-        performed = part_paths(self.measured.angles, self.plan.facts.robot, self.measured.hands)
+        performed = part_paths(self.measured.angles, self.plan.setup.robot, self.measured.hands)
         return lags(self.reference.arrivals, self.measured.times, performed)
 
     @cached_property

@@ -93,7 +93,7 @@ class ServoRun:
         return self._table("goals")
 
     def _table(self, name: Literal["angles", "goals", "taken"]) -> Floats:
-        joints = len(self.performance.plan.facts.robot.skeleton.hinges)
+        joints = len(self.performance.plan.setup.robot.skeleton.hinges)
         return sealed(np.reshape([getattr(told, name) for told in self._rows], (len(self._rows), joints)))
 
     @cached_property
@@ -110,7 +110,7 @@ class ServoRun:
         for k, taken in enumerate(self.taken.T):
             found = trajectory.sample(np.interp(taken, self.clocks, self.times))
             planned[:, :, k] = found[0][:, k], found[1][:, k]
-        moving: Flags = np.abs(planned[1]) > MOVING * self.performance.plan.facts.limits.speed
+        moving: Flags = np.abs(planned[1]) > MOVING * self.performance.plan.setup.limits.speed
         whole = np.array([[told.scale > FULL] for told in self._rows], dtype=np.bool_).reshape(-1, 1)
         news: Flags = np.diff(self.taken, axis=0, prepend=-np.inf) > 0.0
         return np.where(moving & whole & news, self.angles - planned[0], np.nan)
@@ -128,7 +128,7 @@ class ServoRun:
         wanted = self.performance.reference.arrivals
         if len(self.times) < 2:
             return dict.fromkeys(wanted)
-        return lags(wanted, self.times, part_paths(self.followed, self.performance.plan.facts.robot))
+        return lags(wanted, self.times, part_paths(self.followed, self.performance.plan.setup.robot))
 
 
 def perform_live(
@@ -149,7 +149,7 @@ def perform_live(
     plan = performance.plan
     times = command_times(plan.duration)
     setpoints = lead(
-        plan.trajectory, times, plan.facts.robot, plan.facts.dynamics, period=1 / RATE, delay=DELAY, terms="full"
+        plan.trajectory, times, plan.setup.robot, plan.setup.dynamics, period=1 / RATE, delay=DELAY, terms="full"
     )
     history: list[Status] = []
     notes: list[Note] = []

@@ -19,7 +19,7 @@ ATTEMPTS = 6
 
 def certify(
     keys: tuple[KeyPosture, ...],
-    facts: Setup,
+    setup: Setup,
     bonds: tuple[Bond, ...] = (),
     *,
     ease: float = 1.0,
@@ -29,28 +29,28 @@ def certify(
 
     Args:
         keys: at least two, the first and the last keyed in all hinges.
-        facts: limits and dynamics.
+        setup: limits and dynamics.
         bonds: between sync points of different behaviours.
         ease: share of the limits with which key times are found.
         lead_in: [s] by which the first key may come earlier.
     """
-    motion = condition(keys, facts.limits, bonds=bonds, ease=ease, lead_in=lead_in)
-    share = np.ones(len(facts.limits.duty))
+    motion = condition(keys, setup.limits, bonds=bonds, ease=ease, lead_in=lead_in)
+    share = np.ones(len(setup.limits.duty))
     for attempt in range(ATTEMPTS):
-        peaks = duties(motion.trajectory, facts)
+        peaks = duties(motion.trajectory, setup)
         over = peaks > FULL
         if not over.any():
             break
         share[over] *= TIGHTER / peaks[over]
         if attempt >= ATTEMPTS // 2:  # the pull may come from any hinge
             share *= TIGHTER
-        motion = condition(keys, facts.limits.times(share), bonds=bonds, ease=ease, lead_in=lead_in)
+        motion = condition(keys, setup.limits.times(share), bonds=bonds, ease=ease, lead_in=lead_in)
     return motion
 
 
-def duties(trajectory: Trajectory, facts: Setup) -> Floats:
+def duties(trajectory: Trajectory, setup: Setup) -> Floats:
     """(n,) the largest duty of each drive at the knots of a motion."""
     angles, speeds, accelerations = trajectory.sample(np.arange(0.0, trajectory.duration, STEP))
-    stall = np.array([drive.stall for drive in facts.robot.drives])
-    torques = facts.dynamics.torques(angles, speeds, accelerations)
-    return np.asarray(np.abs(torques / stall + speeds * facts.limits.viscous).max(axis=0))
+    stall = np.array([drive.stall for drive in setup.robot.drives])
+    torques = setup.dynamics.torques(angles, speeds, accelerations)
+    return np.asarray(np.abs(torques / stall + speeds * setup.limits.viscous).max(axis=0))

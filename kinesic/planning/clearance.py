@@ -23,7 +23,7 @@ class Conditioner(Protocol):
     """Makes a motion through keys one that the servos can follow."""
 
     def __call__(
-        self, keys: tuple[KeyPosture, ...], facts: Setup, bonds: tuple[Bond, ...] = ..., /, *, ease: float = ...
+        self, keys: tuple[KeyPosture, ...], setup: Setup, bonds: tuple[Bond, ...] = ..., /, *, ease: float = ...
     ) -> Conditioned:
         """At `ease` below 1 the times are found with less than the limits, so that the path is nearer to the wish."""
 
@@ -35,7 +35,7 @@ REPAIR = 0.002  # [m] over what it then lacks
 
 
 def keep_clear(
-    solved: Postures, facts: Setup, bonds: tuple[Bond, ...] = (), *, conditioned: Conditioner = certify
+    solved: Postures, setup: Setup, bonds: tuple[Bond, ...] = (), *, conditioned: Conditioner = certify
 ) -> tuple[Postures, Conditioned, Floats, Clearance]:
     """Conditions the postures, and leads the motion around the body where it comes too near.
 
@@ -43,22 +43,22 @@ def keep_clear(
     it is conditioned again.
     """
     ease = 1.0
-    least = wanted = facts.robot.least_clearance + LAG_RESERVE
-    keys = _led_around(solved.postures, _times(solved.postures, facts), facts, wanted)
-    motion = _condition(keys, facts, bonds, conditioned, ease)
-    times, clearance = scan_clearance(motion.trajectory, facts.distances)
+    least = wanted = setup.robot.least_clearance + LAG_RESERVE
+    keys = _led_around(solved.postures, _times(solved.postures, setup), setup, wanted)
+    motion = _condition(keys, setup, bonds, conditioned, ease)
+    times, clearance = scan_clearance(motion.trajectory, setup.distances)
     for _ in range(REPAIRS):
         lacking = least - float(clearance.distances[clearance.worst])
         if lacking <= 0.0:
             break
-        around = _led_around(keys, motion.planned, facts, wanted)
+        around = _led_around(keys, motion.planned, setup, wanted)
         if around == keys:  # the wish is clear: with more time and more room the motion is, too
             wanted += min(lacking, LAG_RESERVE) + REPAIR
             ease *= EASIER
-            around = _led_around(keys, motion.planned, facts, wanted)
+            around = _led_around(keys, motion.planned, setup, wanted)
         keys = around
-        motion = _condition(keys, facts, bonds, conditioned, ease)
-        times, clearance = scan_clearance(motion.trajectory, facts.distances)
+        motion = _condition(keys, setup, bonds, conditioned, ease)
+        times, clearance = scan_clearance(motion.trajectory, setup.distances)
     return Postures(keys, solved.misses), motion, times, clearance
 
 
@@ -68,28 +68,28 @@ def scan_clearance(trajectory: Trajectory, distances: Distances) -> tuple[Floats
     return times, distances.clearance(trajectory.sample(times)[0])
 
 
-def _led_around(keys: tuple[KeyPosture, ...], planned: Floats, facts: Setup, least: float) -> tuple[KeyPosture, ...]:
+def _led_around(keys: tuple[KeyPosture, ...], planned: Floats, setup: Setup, least: float) -> tuple[KeyPosture, ...]:
     if len(keys) < 2:
         return keys
-    course = PostureCourse(keys, planned, facts.robot, facts.limits)
-    return lead_around(course, facts.distances, least=least).postures
+    course = PostureCourse(keys, planned, setup.robot, setup.limits)
+    return lead_around(course, setup.distances, least=least).postures
 
 
-def _times(postures: tuple[KeyPosture, ...], facts: Setup) -> Floats:
+def _times(postures: tuple[KeyPosture, ...], setup: Setup) -> Floats:
     """(k,) [s] the times of the keys as asked for, where none is too near to another."""
     if len(postures) < 2:
         return np.zeros(len(postures))
-    keys = Keys.of(postures, facts.limits)
+    keys = Keys.of(postures, setup.limits)
     return keys.asked if keys.spaced else relax_key_times(keys, keys.gaps, 0.0)
 
 
 def _condition(
-    keys: tuple[KeyPosture, ...], facts: Setup, bonds: tuple[Bond, ...], conditioned: Conditioner, ease: float
+    keys: tuple[KeyPosture, ...], setup: Setup, bonds: tuple[Bond, ...], conditioned: Conditioner, ease: float
 ) -> Conditioned:
     if len(keys) < 2:
-        still = stay(facts.robot.skeleton.rest)
-        return Conditioned(still, np.zeros(0), np.zeros(0), {}, np.zeros(len(facts.robot.skeleton.rest)))
-    return conditioned(keys, facts, bonds, ease=ease)
+        still = stay(setup.robot.skeleton.rest)
+        return Conditioned(still, np.zeros(0), np.zeros(0), {}, np.zeros(len(setup.robot.skeleton.rest)))
+    return conditioned(keys, setup, bonds, ease=ease)
 
 
 def culprits(

@@ -46,21 +46,21 @@ def shown_units(plan: Plan, times: Floats) -> Channels:
         plan: of the performance.
         times: (m,) [s] performance time, increasing.
     """
-    facts, timeline = plan.facts, _planned(plan)
+    setup, timeline = plan.setup, _planned(plan)
     return face_track(
         timeline,
         plan.utterances,
         times - plan.trajectory.zero,
-        style=facts.style,
-        habits=Habits(facts.idling.seed),
-        looks=looks(timeline, facts.robot, facts.targets),
+        style=setup.style,
+        habits=Habits(setup.idling.seed),
+        looks=looks(timeline, setup.robot, setup.targets),
         head=heads(plan, times),
     )
 
 
 def heads(plan: Plan, times: Floats) -> Floats:
     """(m, 2) [rad] left and up, where the head points in the world at (m,) performance times [s]."""
-    robot = plan.facts.robot
+    robot = plan.setup.robot
     if not robot.joints("neck"):
         return np.zeros((len(times), 2))
     angles, _, _ = plan.trajectory.sample(times)

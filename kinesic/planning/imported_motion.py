@@ -30,7 +30,7 @@ LEAST = 0.3  # [s] of these
 BEYOND = 1e-4  # [rad] outside a range, and it is worth telling
 
 
-def plan_imported(frames: BapFrames, facts: Setup, *, source: str) -> Plan:
+def plan_imported(frames: BapFrames, setup: Setup, *, source: str) -> Plan:
     """Plans a motion that was read from a file: from rest to its first frame, through it, and back to rest.
 
     Block time is the file's. The motion is passed at keys, every 0.1 s and where a hinge turns back, and smoothly
@@ -38,7 +38,7 @@ def plan_imported(frames: BapFrames, facts: Setup, *, source: str) -> Plan:
 
     Args:
         frames: of the motion.
-        facts: robot and physics.
+        setup: robot and physics.
         source: file name, for messages.
 
     Raises:
@@ -46,14 +46,14 @@ def plan_imported(frames: BapFrames, facts: Setup, *, source: str) -> Plan:
     """
     began = perf_counter()
     if not frames.given:
-        raise ConfigError(f"{source}: sets no parameter that {facts.robot.name} has a hinge for")
+        raise ConfigError(f"{source}: sets no parameter that {setup.robot.name} has a hinge for")
     block = Block(id="motion", behaviours=(), source=source)
     timeline = schedule(block, {}, {})
-    asked = Postures(_keys(frames, facts), {})
-    solved, motion, times, clearance = keep_clear(asked, facts)
-    keys = Keys.of(asked.postures, facts.limits)
+    asked = Postures(_keys(frames, setup), {})
+    solved, motion, times, clearance = keep_clear(asked, setup)
+    keys = Keys.of(asked.postures, setup.limits)
     return Plan(
-        facts=facts,
+        setup=setup,
         timeline=timeline,
         utterances={},
         keyframes=KeyFrames(timeline, (), {}),
@@ -63,12 +63,12 @@ def plan_imported(frames: BapFrames, facts: Setup, *, source: str) -> Plan:
         clearance=clearance,
         clearance_times=times,
         syncs=Syncs(),
-        notices=(*_left_out(frames), *_clipped(frames, facts), *_shifted(motion)),
+        notices=(*_left_out(frames), *_clipped(frames, setup), *_shifted(motion)),
         seconds=perf_counter() - began,
     )
 
 
-def _keys(frames: BapFrames, facts: Setup) -> tuple[KeyPosture, ...]:
+def _keys(frames: BapFrames, setup: Setup) -> tuple[KeyPosture, ...]:
     """Rest, samples of the motion, and rest again.
 
     Each hinge has keys where it turns back, and evenly elsewhere.
@@ -77,10 +77,10 @@ def _keys(frames: BapFrames, facts: Setup) -> tuple[KeyPosture, ...]:
     even = np.linspace(begin, end, max(1, round((end - begin) / EVERY)) + 1) if end > begin else np.array([begin])
     turns = [frames.times[_turns(column)] for column in frames.angles.T]
     times = np.unique(np.concatenate([even, *turns]))
-    angles = facts.robot.skeleton.clamp(_at(frames, times))
+    angles = setup.robot.skeleton.clamp(_at(frames, times))
     keyed = np.stack([_keyed(times, even, own) for own in turns], axis=1)
-    rest = facts.robot.skeleton.rest
-    there, back = (_way(facts, rest, posture) for posture in (angles[0], angles[-1]))
+    rest = setup.robot.skeleton.rest
+    there, back = (_way(setup, rest, posture) for posture in (angles[0], angles[-1]))
     whole = (True,) * len(rest)
     inner = [
         KeyPosture(time, sealed(posture), tuple(flags))
@@ -109,9 +109,9 @@ def _at(frames: BapFrames, times: Floats) -> Floats:
     return np.stack([np.interp(times, frames.times, column) for column in frames.angles.T], axis=1)
 
 
-def _way(facts: Setup, start: Floats, end: Floats) -> float:
+def _way(setup: Setup, start: Floats, end: Floats) -> float:
     """[s] from one posture to another, at ease."""
-    return max(LEAST, COMFORT * float(least_rest_times(end - start, facts.limits).max()))
+    return max(LEAST, COMFORT * float(least_rest_times(end - start, setup.limits).max()))
 
 
 def _left_out(frames: BapFrames) -> Sequence[Notice]:
@@ -120,9 +120,9 @@ def _left_out(frames: BapFrames) -> Sequence[Notice]:
     return [_notice(f"the robot has no hinge for the parameters {numbers}")] if numbers else []
 
 
-def _clipped(frames: BapFrames, facts: Setup) -> Sequence[Notice]:
+def _clipped(frames: BapFrames, setup: Setup) -> Sequence[Notice]:
     """A notice for each hinge that the motion wants beyond its range."""
-    skeleton = facts.robot.skeleton
+    skeleton = setup.robot.skeleton
     beyond = np.abs(frames.angles - skeleton.clamp(frames.angles)).max(axis=0)
     return [
         _notice(f"{name} is asked for {np.degrees(beyond[k]):.1f} deg beyond its range; it stops at the range's end")

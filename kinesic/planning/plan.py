@@ -41,7 +41,7 @@ ATTEMPTS = 3  # to say it with pauses that are as long as they must be
 class Plan:
     """Everything that is known before anything moves."""
 
-    facts: Setup
+    setup: Setup
     timeline: Timeline
     utterances: Mapping[str, Utterance]
     keyframes: KeyFrames
@@ -79,7 +79,7 @@ class Plan:
             ConfigError: the suffix is not known.
         """
         file = Path(path)
-        write_motion(self.trajectory, self.facts.robot, file)
+        write_motion(self.trajectory, self.setup.robot, file)
         return file
 
     def __str__(self) -> str:
@@ -89,7 +89,7 @@ class Plan:
         dropped = sum(outcome.kind == "dropped" for outcome in outcomes.values())
         counts = ((len(block.behaviours), "behaviour"), (dropped, "dropped behaviour"), (len(self.notices), "notice"))
         notes = ", ".join(f"{count} {noun}{'s' if count > 1 else ''}" for count, noun in counts if count)
-        where = f"{self.facts.robot.name} ({self.facts.style.name})"
+        where = f"{self.setup.robot.name} ({self.setup.style.name})"
         return f"plan of {what} on {where}: {self.duration:.2f} s{', ' if notes else ''}{notes}"
 
     def __repr__(self) -> str:
@@ -98,7 +98,7 @@ class Plan:
 
 def plan_block(
     block: Block,
-    facts: Setup,
+    setup: Setup,
     *,
     conditioned: Conditioner = certify,
     utterances: Mapping[str, Utterance] | None = None,
@@ -112,7 +112,7 @@ def plan_block(
 
     Args:
         block: what was asked.
-        facts: everything else.
+        setup: everything else.
         conditioned: makes a motion one that the servos can follow.
         utterances: each speech by its id, when that is decided; no further pause is made then.
         engaged: hands that other blocks need meanwhile: gestures that leave it open take the other one.
@@ -121,9 +121,9 @@ def plan_block(
         BmlError: something `required` cannot be performed.
     """
     began = perf_counter()
-    found = _planned(block, facts, utterances or synthesise_block(block, facts), conditioned, engaged)
+    found = _planned(block, setup, utterances or synthesise_block(block, setup), conditioned, engaged)
     waiting: tuple[SpeechPause, ...] = ()
-    if utterances is None and (most := allowed_pauses(block, facts.pause)):
+    if utterances is None and (most := allowed_pauses(block, setup.pause)):
         found, waiting = _unhurried(found, most, conditioned, engaged)
     notices = (*remarks(block, found.utterances), *pause_notices(block, waiting), *found.notices)
     return replace(found, notices=notices, seconds=perf_counter() - began)
@@ -133,16 +133,16 @@ def _unhurried(
     found: Plan, most: Mapping[str, float], conditioned: Conditioner, engaged: Sequence[Engaged]
 ) -> tuple[Plan, tuple[SpeechPause, ...]]:
     """A plan with pauses before the words that the body would miss, as long as that makes it better."""
-    block, facts = found.timeline.block, found.facts
+    block, setup = found.timeline.block, found.setup
     waiting: tuple[SpeechPause, ...] = ()
     for _ in range(ROUNDS):
         more, said = required_pauses(found.timeline, found.syncs, most, waiting), found.utterances
         for _ in range(ATTEMPTS):
             more = lengthen_pauses(more, said)
-            said = synthesise_block(block, facts, more)
+            said = synthesise_block(block, setup, more)
         if more == waiting:
             break
-        better = _planned(block, facts, said, conditioned, engaged)
+        better = _planned(block, setup, said, conditioned, engaged)
         if _worst(better) >= _worst(found):
             break
         found, waiting = better, more
@@ -156,63 +156,63 @@ def _worst(planned: Plan) -> float:
 
 def _planned(
     block: Block,
-    facts: Setup,
+    setup: Setup,
     utterances: Mapping[str, Utterance],
     conditioned: Conditioner,
     engaged: Sequence[Engaged],
 ) -> Plan:
     """Plans a block with what it says."""
-    natural = spans(block, style=facts.style, lexicon=facts.lexicon, pace=facts.pace, targets=facts.targets)
+    natural = spans(block, style=setup.style, lexicon=setup.lexicon, pace=setup.pace, targets=setup.targets)
     timeline = schedule(block, utterances, natural)
     without: dict[str, str] = {}
     while True:
-        frames = _frames(timeline, facts, without, engaged)
-        asked = postures(frames, facts.robot, facts.distances)
-        solved, motion, times, clearance = keep_clear(asked, facts, bonds(timeline), conditioned=conditioned)
-        dropped = culprits(frames, motion, times, clearance, facts.robot)
+        frames = _frames(timeline, setup, without, engaged)
+        asked = postures(frames, setup.robot, setup.distances)
+        solved, motion, times, clearance = keep_clear(asked, setup, bonds(timeline), conditioned=conditioned)
+        dropped = culprits(frames, motion, times, clearance, setup.robot)
         if not dropped:
             break
         without |= dropped
     syncs = sync_times(frames, motion)
     return Plan(
-        facts=facts,
+        setup=setup,
         timeline=timeline,
         utterances=utterances,
         keyframes=frames,
         postures=solved,
-        wished=_wished(asked, facts),
+        wished=_wished(asked, setup),
         motion=motion,
         clearance=clearance,
         clearance_times=times,
         syncs=syncs,
         notices=(
             *frames.notices,
-            *shifts(block, syncs, frames, motion, facts.robot),
-            *smaller(block, solved.postures, frames, motion, facts.robot),
+            *shifts(block, syncs, frames, motion, setup.robot),
+            *smaller(block, solved.postures, frames, motion, setup.robot),
         ),
         seconds=0.0,
     )
 
 
-def _frames(timeline: Timeline, facts: Setup, without: Mapping[str, str], engaged: Sequence[Engaged]) -> KeyFrames:
+def _frames(timeline: Timeline, setup: Setup, without: Mapping[str, str], engaged: Sequence[Engaged]) -> KeyFrames:
     return keyframes(
         timeline,
-        style=facts.style,
-        lexicon=facts.lexicon,
-        pace=facts.pace,
-        targets=facts.targets,
+        style=setup.style,
+        lexicon=setup.lexicon,
+        pace=setup.pace,
+        targets=setup.targets,
         without=without,
-        gathering=facts.gathering,
-        idling=facts.idling,
+        gathering=setup.gathering,
+        idling=setup.idling,
         engaged=engaged,
     )
 
 
-def _wished(asked: Postures, facts: Setup) -> DesiredMotion:
+def _wished(asked: Postures, setup: Setup) -> DesiredMotion:
     """The motion as asked: without limits and detours."""
-    rest = facts.robot.skeleton.rest
+    rest = setup.robot.skeleton.rest
     if len(asked.postures) < 2:
-        still = Waypoints.plain(np.stack([rest, rest]), np.ones((2, len(rest)), dtype=bool), facts.limits)
+        still = Waypoints.plain(np.stack([rest, rest]), np.ones((2, len(rest)), dtype=bool), setup.limits)
         return wish(np.array([0.0, STILL]), still)
-    keys = Keys.of(asked.postures, facts.limits)
+    keys = Keys.of(asked.postures, setup.limits)
     return wish(keys.asked, keys.waypoints)

@@ -32,27 +32,27 @@ LEAST_GAP = 0.06  # [s] of a gap in which something moves
 LONGER = 1.1  # on gaps that do not suffice after all
 
 
-def plan_quickly(block: Block, facts: Setup, *, engaged: Sequence[Engaged] = ()) -> Plan:
+def plan_quickly(block: Block, setup: Setup, *, engaged: Sequence[Engaged] = ()) -> Plan:
     """Plans a block so that it can begin at once; nothing of it is late in block zero.
 
     Raises:
         BmlError: something `required` cannot be performed.
     """
-    return plan_block(block, facts, conditioned=rest_at_keys, engaged=engaged)
+    return plan_block(block, setup, conditioned=rest_at_keys, engaged=engaged)
 
 
 def rest_at_keys(
-    postures: tuple[KeyPosture, ...], facts: Setup, bonds: tuple[Bond, ...] = (), *, ease: float = 1.0
+    postures: tuple[KeyPosture, ...], setup: Setup, bonds: tuple[Bond, ...] = (), *, ease: float = 1.0
 ) -> Conditioned:
     """The motion that rests at every key.
 
     Args:
         postures: at least two, the first and the last keyed in all hinges.
-        facts: limits.
+        setup: limits.
         bonds: between sync points of different behaviours.
         ease: share of the limits that is used.
     """
-    limits = facts.limits.times(ease)
+    limits = setup.limits.times(ease)
     keys = Keys.of(postures, limits, bonds)
     gaps = dict(keys.gaps)
     for hinge, own in enumerate(keys.own):

@@ -45,7 +45,7 @@ class Setup:
         return _pace(self.robot, self.limits)
 
 
-# Facts that differ in style or voice alone share what was worked out for the robot.
+# Setups that differ in style or voice alone share what was worked out for the robot.
 
 
 @lru_cache(maxsize=8)

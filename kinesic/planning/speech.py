@@ -12,18 +12,18 @@ FASTER = 1.25  # rate of temporal 1; its inverse at -1
 HIGHER = 1.5  # [semitones] of power 1, and of activation 1
 
 
-def synthesise_block(block: Block, facts: Setup, waiting: tuple[SpeechPause, ...] = ()) -> dict[str, Utterance]:
+def synthesise_block(block: Block, setup: Setup, waiting: tuple[SpeechPause, ...] = ()) -> dict[str, Utterance]:
     """Each speech of a block by its id, as it will be said.
 
     Args:
         block: what was asked.
-        facts: who speaks, in which style.
+        setup: who speaks, in which style.
         waiting: pauses that are made for the body.
     """
-    rate, pitch = delivery(facts.style)
+    rate, pitch = delivery(setup.style)
     scripts = {b.id: b.action.script for b in block.behaviours if isinstance(b.action, Speech)}
     return {
-        name: facts.voice.say(
+        name: setup.voice.say(
             insert_pauses(script, tuple(each for each in waiting if each.speech == name)), rate=rate, pitch=pitch
         )
         for name, script in scripts.items()

@@ -104,7 +104,7 @@ def change_manner(
     if style is not None:
         loaded = Style.load(style) if isinstance(style, str) else style
         if block is None:
-            scene = replace(scene, facts=replace(scene.facts, style=loaded))
+            scene = replace(scene, setup=replace(scene.setup, style=loaded))
         else:
             name = style_preset(loaded.name).name
 
@@ -154,7 +154,7 @@ def _wished(scene: Scene, change: Change, now: float, ids: Collection[str]) -> t
             wish = wishes.get(staged.id, staged.ready.wish)
             changed = replace(wish, block=_changed(wish.block, change), is_decided=staged.state.is_playing)
             try:
-                wishes = {**wishes, staged.id: again(changed, scene.facts)}
+                wishes = {**wishes, staged.id: again(changed, scene.setup)}
             except BmlError as error:
                 notice = Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, staged.id, f"it stays as it is: {error}")
                 told.append(staged.warning(notice, now))

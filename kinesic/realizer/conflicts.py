@@ -18,25 +18,25 @@ from kinesic.realizer.release import tail
 FULL = 1.0  # of a drive's duty
 
 
-def find_conflict(work: Overlay, found: Floats, facts: Setup) -> MergeFailure | None:
+def find_conflict(work: Overlay, found: Floats, setup: Setup) -> MergeFailure | None:
     """The behaviour of a block to blame, and why; None when nothing stands against it.
 
     Args:
         work: what was laid over what.
         found: (k + 3, n) [rad] control points of both together.
-        facts: distances and dynamics.
+        setup: distances and dynamics.
     """
     apart = [np.abs(found - lengthen(each, len(found))).max(axis=1) > SAME for each in (work.base, work.coming)]
     rows = np.flatnonzero(apart[0] & apart[1])
     if not len(rows) or rows[-1] < work.cut + LEAST:
         return None
     coming = tail(Trajectory(found[: rows[-1] + LEAST], 0.0), work.cut * STEP)
-    return _too_near(coming, work, facts) or _too_heavy(coming, work, facts)
+    return _too_near(coming, work, setup) or _too_heavy(coming, work, setup)
 
 
-def _too_near(coming: Trajectory, work: Overlay, facts: Setup) -> MergeFailure | None:
-    times, clearance = scan_clearance(coming, facts.distances)
-    worst, robot = clearance.worst, facts.robot
+def _too_near(coming: Trajectory, work: Overlay, setup: Setup) -> MergeFailure | None:
+    times, clearance = scan_clearance(coming, setup.distances)
+    worst, robot = clearance.worst, setup.robot
     distance = float(clearance.distances[worst])
     if distance >= robot.least_clearance + LAG_RESERVE:
         return None
@@ -49,16 +49,16 @@ def _too_near(coming: Trajectory, work: Overlay, facts: Setup) -> MergeFailure |
     return MergeFailure(name, f"brings {pair[0]} within {1000 * distance:.0f} mm of {pair[1]} beside what runs")
 
 
-def _too_heavy(coming: Trajectory, work: Overlay, facts: Setup) -> MergeFailure | None:
-    peaks = duties(coming, facts)
+def _too_heavy(coming: Trajectory, work: Overlay, setup: Setup) -> MergeFailure | None:
+    peaks = duties(coming, setup)
     if peaks.max() <= FULL:
         return None
-    before = duties(tail(Trajectory(work.base[: work.cut + len(coming.controls)], 0.0), work.cut * STEP), facts)
+    before = duties(tail(Trajectory(work.base[: work.cut + len(coming.controls)], 0.0), work.cut * STEP), setup)
     over = (peaks > FULL) & (peaks > before)
     if not over.any():
         return None
     worst = int(np.where(over, peaks, 0.0).argmax())
-    joint = facts.robot.skeleton.names[worst]
+    joint = setup.robot.skeleton.names[worst]
     name = _blamed(work, np.arange(len(peaks)) == worst, work.cut * STEP)
     return MergeFailure(name, f"asks {100 * peaks[worst]:.0f} % of the duty of {joint} beside what runs")
 

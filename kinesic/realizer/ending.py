@@ -69,10 +69,10 @@ def _taken_back(scene: Scene, staged: RunningBlock, gone: Sequence[Occupancy], m
         return scene.motion
     at, left = scene.first_change(now), [each for each in staged.busy if each not in gone]
     others = (*scene.busy_but(staged.id), *left)
-    free = freed_hinges(gone, moved, at, scene.facts.robot, others=others)
+    free = freed_hinges(gone, moved, at, scene.setup.robot, others=others)
     if not free.any():
         return scene.motion
-    return release_motion(scene.motion, at, free, scene.facts, layer=staged.merged.layer, others=others)
+    return release_motion(scene.motion, at, free, scene.setup, layer=staged.merged.layer, others=others)
 
 
 def _of(scene: Scene, staged: RunningBlock) -> Told:

@@ -81,8 +81,8 @@ def replace_motion(running: Trajectory, time: float, coming: Plan, *, begin: flo
         coming: the block.
         begin: [s] performance time at which the block's zero is wished; at once by default.
     """
-    every = np.ones(len(coming.facts.limits.lower), dtype=np.bool_)
-    leaving = release_motion(running, time, every, coming.facts)
+    every = np.ones(len(coming.setup.limits.lower), dtype=np.bool_)
+    leaving = release_motion(running, time, every, coming.setup)
     wished = time + coming.trajectory.zero if begin is None else begin
     return _laid_over(leaving, time, coming, wished, (), waits=True)
 
@@ -137,7 +137,7 @@ def _tried(
     """A block that begins at a knot, without what has no place there; whether anything has none, if `whole`."""
     every = [each.later(offset * STEP) for each in own]
     gone = _conflicts(every, others)
-    limits = roomy(coming.facts.limits)
+    limits = roomy(coming.setup.limits)
     begun = delay_controls(coming.trajectory.controls, offset)
     count = max(len(begun), len(running.controls), knot + LEAST)
     base, begun = lengthen(running.controls, count), lengthen(begun, count)
@@ -147,8 +147,8 @@ def _tried(
             return _Tried(offset, every, base, base, performed, gone)
         dropped = [each for each in every if each.behaviour in gone]
         work = Overlay(base, begun, knot, others, performed, dropped)
-        found = overlay(work, coming.facts, limits)
-        failed = found if isinstance(found, MergeFailure) else find_conflict(work, found, coming.facts)
+        found = overlay(work, coming.setup, limits)
+        failed = found if isinstance(found, MergeFailure) else find_conflict(work, found, coming.setup)
         if failed is None and not isinstance(found, MergeFailure):
             return _Tried(offset, every, base, found, performed, gone)
         if failed is not None:

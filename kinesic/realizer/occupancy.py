@@ -104,7 +104,7 @@ def _one(id: str, action: Action, at: Mapping[str, float], plan: Plan) -> Occupa
     begin, end = min(at.values()), max(at.values())
     relax = end if stays(action) else next((at[name] for name in BACK if name in at), end)
     ready = min(next((at[name] for name in FORTH if name in at), end), relax)
-    hinges = _hinges(parts, plan.facts.robot) & (np.ptp(controls, axis=0) > STILL)
+    hinges = _hinges(parts, plan.setup.robot) & (np.ptp(controls, axis=0) > STILL)
     offset = None
     if stays(action):
         last = min(round(end / STEP), len(controls) - 3) + 1

@@ -190,19 +190,19 @@ def _home(
     return MergeFailure(done.behaviour, "its hand has no way back to rest within its limits")
 
 
-def overlay(work: Overlay, facts: Setup, limits: Limits) -> Floats | MergeFailure:
+def overlay(work: Overlay, setup: Setup, limits: Limits) -> Floats | MergeFailure:
     """Both together, at rest in the end.
 
     Args:
         work: what is laid over what.
-        facts: the robot.
+        setup: the robot.
         limits: of its hinges.
 
     Returns:
         (k + 3, n) [rad] control points, the same as what runs until the cut; or a behaviour that has no way.
     """
-    arms = {hinge: role for role in ARMS for hinge in arm_hinges(role, facts.robot)}
-    names = facts.robot.skeleton.names
+    arms = {hinge: role for role in ARMS for hinge in arm_hinges(role, setup.robot)}
+    names = setup.robot.skeleton.names
     found = add_motions(work, np.isin(np.arange(len(names)), list(arms)), limits, names)
     if isinstance(found, MergeFailure):
         return found

@@ -81,7 +81,7 @@ def correct_pointing(
     stroke: float,
     busy: Occupancy,
     others: Sequence[Occupancy],
-    facts: Setup,
+    setup: Setup,
 ) -> Trajectory | None:
     """The motion with an arm that points again in its stroke, and from there until it relaxes, or as far as it can.
 
@@ -92,12 +92,12 @@ def correct_pointing(
         stroke: [s] performance time.
         busy: what its behaviour needs.
         others: what else the motion does; other works of the hand stay as they are.
-        facts: the robot.
+        setup: the robot.
 
     Returns:
         None where servos cannot, or the body would come too near to itself.
     """
-    robot, limits = facts.robot, roomy(facts.limits)
+    robot, limits = setup.robot, roomy(setup.limits)
     posture = motion.sample(np.array([stroke]))[0][0]
     change = one.arm(posture, robot) - posture
     same = [other for other in others if f"{one.side}_hand" in other.roles]
@@ -112,22 +112,22 @@ def correct_pointing(
         for hinge in np.flatnonzero(np.abs(change) > SAME).tolist():
             column = keep_limits(found[:, hinge] + part * share * change[hinge], first, last, limits, hinge)
             found[:, hinge] = found[:, hinge] if column is None else column
-        if _clear(found, motion, first, last, facts):
+        if _clear(found, motion, first, last, setup):
             return Trajectory(sealed(shorten(found)), motion.zero)
     return None
 
 
-def _clear(found: Floats, motion: Trajectory, first: int, last: int, facts: Setup) -> bool:
+def _clear(found: Floats, motion: Trajectory, first: int, last: int, setup: Setup) -> bool:
     """Whether nothing comes too near or is overloaded between two knots."""
     after, before = (
         tail(Trajectory(lengthen(controls, len(found))[: last + LEAST], 0.0), first * STEP)
         for controls in (found, motion.controls)
     )
-    peaks = duties(after, facts)
-    if (peaks > np.maximum(FULL, duties(before, facts))).any():
+    peaks = duties(after, setup)
+    if (peaks > np.maximum(FULL, duties(before, setup))).any():
         return False
-    least = facts.robot.least_clearance + LAG_RESERVE
-    return float(scan_clearance(after, facts.distances)[1].distances.min()) >= least
+    least = setup.robot.least_clearance + LAG_RESERVE
+    return float(scan_clearance(after, setup.distances)[1].distances.min()) >= least
 
 
 def aim_again(before: Scene, scene: Scene, now: float) -> tuple[Scene, tuple[ScheduledFeedback, ...]]:
@@ -163,7 +163,7 @@ def _one(
     if stroke <= change or _miss(scene.motion, stroke, one, scene) <= usual + ASTRAY:
         return scene, ()
     others = [*scene.busy_but(block), *(each for each in staged.busy if each is not busy)]
-    found = correct_pointing(scene.motion, change, one, stroke, busy, others, scene.facts)
+    found = correct_pointing(scene.motion, change, one, stroke, busy, others, scene.setup)
     if found is not None and _miss(found, stroke, one, scene) < _miss(scene.motion, stroke, one, scene):
         scene = _with(scene, staged, one.behaviour, found)
     left = _miss(scene.motion, stroke, one, scene)
@@ -184,7 +184,7 @@ def _usual(before: Scene, staged: RunningBlock, one: PointingHand, time: float) 
 
 
 def _miss(motion: Trajectory, time: float, one: PointingHand, scene: Scene) -> float:
-    return one.miss(motion.sample(np.array([time]))[0][0], scene.facts.robot)
+    return one.miss(motion.sample(np.array([time]))[0][0], scene.setup.robot)
 
 
 def _with(scene: Scene, staged: RunningBlock, behaviour: str, motion: Trajectory) -> Scene:

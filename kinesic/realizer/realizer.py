@@ -43,7 +43,7 @@ SMALL = 4  # moving behaviours of a block that is planned well as quickly as not
 BRIEF = 20.0  # [s] such a block may move
 
 
-def ready(asked: TimedRequest, facts: Setup) -> PreparedBlock:
+def ready(asked: TimedRequest, setup: Setup) -> PreparedBlock:
     """Plans a block so that it can begin at once: a small one well, a large one quickly, to be improved while it plays.
 
     Raises:
@@ -54,11 +54,11 @@ def ready(asked: TimedRequest, facts: Setup) -> PreparedBlock:
     block, engaged = asked.block, asked.engaged
     if asked.is_decided:
         return PreparedBlock(
-            asked, plan_block(block, facts, conditioned=AT_ONCE, utterances=asked.utterances, engaged=engaged)
+            asked, plan_block(block, setup, conditioned=AT_ONCE, utterances=asked.utterances, engaged=engaged)
         )
     if len(moving) <= SMALL and max(times, default=0.0) - min(times, default=0.0) <= BRIEF:
-        return PreparedBlock(asked, plan_block(block, facts, conditioned=AT_ONCE, engaged=engaged))
-    return PreparedBlock(asked, plan_quickly(block, facts, engaged=engaged), is_provisional=True)
+        return PreparedBlock(asked, plan_block(block, setup, conditioned=AT_ONCE, engaged=engaged))
+    return PreparedBlock(asked, plan_quickly(block, setup, engaged=engaged), is_provisional=True)
 
 
 def begin(scene: Scene, ready: PreparedBlock, now: float) -> tuple[Scene, tuple[ScheduledFeedback, ...]]:

@@ -39,7 +39,7 @@ def release_motion(
     running: Trajectory,
     time: float,
     hinges: Flags,
-    facts: Setup,
+    setup: Setup,
     *,
     layer: Trajectory | None = None,
     others: Sequence[Occupancy] = (),
@@ -50,7 +50,7 @@ def release_motion(
         running: the motion, within the limits and clear of the body.
         time: [s] performance time from which it may change, at the next knot.
         hinges: (n,) that are given free: see `occupancy.freed`.
-        facts: limits, rest pose and distances.
+        setup: limits, rest pose and distances.
         layer: what the block adds to the running motion; without it the hinges come to the rest pose.
         others: what else the running motion does.
 
@@ -61,20 +61,20 @@ def release_motion(
     knot = knot_at(time)
     remaining = len(running.controls) - 3 - knot
     waits = [0, *(WAIT * 2**k for k in range(MOST_WAITS) if WAIT * 2**k < remaining)]
-    tries = (_from(running, knot + wait, hinges, facts, layer, others) for wait in waits)
+    tries = (_from(running, knot + wait, hinges, setup, layer, others) for wait in waits)
     return next((found for found in tries if found is not None), running)
 
 
 def _from(
-    running: Trajectory, knot: int, hinges: Flags, facts: Setup, layer: Trajectory | None, others: Sequence[Occupancy]
+    running: Trajectory, knot: int, hinges: Flags, setup: Setup, layer: Trajectory | None, others: Sequence[Occupancy]
 ) -> Trajectory | None:
     """The way back from a knot on; None where it is not clear of the body."""
-    limits, free = roomy(facts.limits), np.flatnonzero(hinges).tolist()
+    limits, free = roomy(setup.limits), np.flatnonzero(hinges).tolist()
     if not free:
         return running
     own = lengthen(running.controls, knot + LEAST)
-    after = _without(own, layer, facts.robot)
-    pieces = max(LEAST, ceil(EASE * _least(own, after, knot, facts.limits)[free].max() / STEP))
+    after = _without(own, layer, setup.robot)
+    pieces = max(LEAST, ceil(EASE * _least(own, after, knot, setup.limits)[free].max() / STEP))
     while pieces <= LONGEST:
         count = max(len(after), knot + pieces + LEAST)
         whole, goal = np.array(lengthen(own, count)), lengthen(after, count)
@@ -83,8 +83,8 @@ def _from(
         if found is not None:
             back = np.array(whole)
             back[:, free] = found
-            _take_up(back, whole, land, [each for each in others if each.ready > knot * STEP], facts)
-            return _checked(back, running.zero, knot, facts)
+            _take_up(back, whole, land, [each for each in others if each.ready > knot * STEP], setup)
+            return _checked(back, running.zero, knot, setup)
         pieces = ceil(LONGER * pieces)
     return None
 
@@ -109,30 +109,30 @@ def _without(own: Floats, layer: Trajectory | None, robot: Robot) -> Floats:
     return found
 
 
-def _take_up(back: Floats, own: Floats, knot: int, others: Sequence[Occupancy], facts: Setup) -> None:
+def _take_up(back: Floats, own: Floats, knot: int, others: Sequence[Occupancy], setup: Setup) -> None:
     """Arms that came to rest take up again what else runs, when that begins; where it is too soon, all goes on."""
-    limits = roomy(facts.limits)
+    limits = roomy(setup.limits)
     for role in ARMS:
         stop = min((each for each in others if role in each.roles), key=lambda each: each.ready, default=None)
         if stop is None:
             continue
         leave, land = max(knot, int(stop.begin / STEP)), int(stop.ready / STEP)
-        hinges = arm_hinges(role, facts.robot)
+        hinges = arm_hinges(role, setup.robot)
         ways = together(cross_over(back[:, hinge], own[:, hinge], leave, land, limits, hinge) for hinge in hinges)
         back[:, hinges] = own[:, hinges] if ways is None else ways
 
 
-def _checked(found: Floats, zero: float, knot: int, facts: Setup) -> Trajectory | None:
+def _checked(found: Floats, zero: float, knot: int, setup: Setup) -> Trajectory | None:
     """A motion in which what is left keeps the limits and the distances after a knot."""
-    limits = roomy(facts.limits)
+    limits = roomy(setup.limits)
     for hinge in np.flatnonzero(excesses(found[knot:], limits) > 1.0).tolist():
         column = keep_limits(found[:, hinge], knot, len(found) - 3, limits, hinge)
         if column is None:
             return None
         found[:, hinge] = column
     motion = Trajectory(sealed(shorten(found)), zero)
-    _, clearance = scan_clearance(tail(motion, knot * STEP), facts.distances)
-    near = clearance.distances[clearance.worst] < facts.robot.least_clearance + LAG_RESERVE
+    _, clearance = scan_clearance(tail(motion, knot * STEP), setup.distances)
+    near = clearance.distances[clearance.worst] < setup.robot.least_clearance + LAG_RESERVE
     return None if near else motion
 
 

@@ -106,7 +106,7 @@ class _Change:
 
     def made(self, ending: Collection[str]) -> MergedMotion | MergeFailure:
         """The block by the other plan, but for behaviours that end as they run."""
-        gone, facts, count = {*self.playing.dropped, *ending}, self.better.facts, self._count
+        gone, setup, count = {*self.playing.dropped, *ending}, self.better.setup, self._count
         going_on = [each for each in self.playing.busy if each.behaviour in ending and each.relax > self.knot * STEP]
         work = Overlay(
             self._without_it(count),
@@ -116,14 +116,14 @@ class _Change:
             [each for each in self.own if each.behaviour not in gone],
             [each for each in self.own if each.behaviour in gone],
         )
-        goal = overlay(work, facts, roomy(facts.limits))
+        goal = overlay(work, setup, roomy(setup.limits))
         if isinstance(goal, MergeFailure):
             return goal
         count = max(len(goal), self.knot + SOON[-1] + LEAST)
         found = self._caught_up(lengthen(goal, count))
         if found is None:
             return MergeFailure("", "a hinge cannot catch up")
-        return find_conflict(work, found, facts) or self._told(found, gone, (*going_on, *work.performed))
+        return find_conflict(work, found, setup) or self._told(found, gone, (*going_on, *work.performed))
 
     @property
     def _count(self) -> int:
@@ -133,7 +133,7 @@ class _Change:
 
     def _without_it(self, count: int) -> Floats:
         """What goes on without the block on the trunk; hands leave and take up what runs in any case."""
-        robot, layer = self.better.facts.robot, lengthen(self.playing.layer.controls, count)
+        robot, layer = self.better.setup.robot, lengthen(self.playing.layer.controls, count)
         found = np.array(lengthen(self.running.controls, count))
         trunk = [hinge for chain in ("torso", "neck") for hinge in robot.joints(chain)]
         found[:, trunk] -= layer[:, trunk]
@@ -141,11 +141,11 @@ class _Change:
 
     def _caught_up(self, goal: Floats) -> Floats | None:
         """Control points (k + 3, n) that leave the running motion and are soon on another."""
-        facts, own = self.better.facts, lengthen(self.running.controls, len(goal))
+        setup, own = self.better.setup, lengthen(self.running.controls, len(goal))
         places = (self.better.motion.planned + self.zero) / STEP
-        keys = Keys.of(self.better.postures.postures, facts.limits).own
-        arms = {hinge for role in ARMS for hinge in arm_hinges(role, facts.robot)}
-        found, limits = np.array(goal), roomy(facts.limits)
+        keys = Keys.of(self.better.postures.postures, setup.limits).own
+        arms = {hinge for role in ARMS for hinge in arm_hinges(role, setup.robot)}
+        found, limits = np.array(goal), roomy(setup.limits)
         for hinge in np.flatnonzero((np.abs(own - goal)[self.knot :] > SAME).any(axis=0)).tolist():
             coming = places[keys[hinge]] if hinge in arms else NOWHERE
             coming = coming[coming >= self.knot + LEAST]

@@ -136,13 +136,13 @@ class TimedRequest:
 
 
 def read_request(
-    message: Message, facts: Setup, *, around: SceneContext = ALONE, bounds: Bounds = BOUNDS
+    message: Message, setup: Setup, *, around: SceneContext = ALONE, bounds: Bounds = BOUNDS
 ) -> TimedRequest:
     """Reads, says and times a block.
 
     Args:
         message: with one <bml>.
-        facts: of planning.
+        setup: of planning.
         around: what plays and waits; references to other blocks lead there.
         bounds: largest size and depth.
 
@@ -152,26 +152,26 @@ def read_request(
     block = parse(
         message.text,
         source=message.source,
-        dialect=facts.dialect,
+        dialect=setup.dialect,
         known_blocks=around.states,
         unnamed=around.free(UNNAMED),
         bounds=bounds,
     )
     zero, is_anchored = around.begin(block), refers_elsewhere(block)
     own = anchor_references(block, around, zero)
-    found = again(TimedRequest(message.sender, own, {}, Timeline(own, ()), zero, is_anchored), facts)
+    found = again(TimedRequest(message.sender, own, {}, Timeline(own, ()), zero, is_anchored), setup)
     return found if is_anchored else replace(found, zero=zero - found.timeline.start)
 
 
-def again(earlier: TimedRequest, facts: Setup) -> TimedRequest:
-    """Says and times a block anew, with other facts or after it was changed.
+def again(earlier: TimedRequest, setup: Setup) -> TimedRequest:
+    """Says and times a block anew, with another setup or after it was changed.
 
     Raises:
         BmlError: something `required` cannot be timed.
     """
     block = earlier.block
-    utterances = earlier.utterances if earlier.is_decided else synthesise_block(block, facts)
-    natural = spans(block, style=facts.style, lexicon=facts.lexicon, pace=facts.pace, targets=facts.targets)
+    utterances = earlier.utterances if earlier.is_decided else synthesise_block(block, setup)
+    natural = spans(block, style=setup.style, lexicon=setup.lexicon, pace=setup.pace, targets=setup.targets)
     timeline = schedule(block, utterances, natural)
     return replace(earlier, block=block, utterances=utterances, timeline=timeline)
 

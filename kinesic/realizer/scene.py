@@ -28,7 +28,7 @@ REMEMBERED = 32  # blocks that are over and can be referred to
 class Scene:
     """All blocks that are not over, the motion that performs them, and what will be told."""
 
-    facts: Setup
+    setup: Setup
     motion: Trajectory
     epoch: float  # [s] global time of the motion's time 0
     blocks: tuple[RunningBlock, ...] = ()  # in the order in which they came
@@ -40,16 +40,16 @@ class Scene:
     left: tuple[Occupancy, ...] = ()  # what stays of blocks that are over
 
     @classmethod
-    def of(cls, facts: Setup, now: float = 0.0, *, character: str | None = None, ahead: float = 0.0) -> "Scene":
+    def of(cls, setup: Setup, now: float = 0.0, *, character: str | None = None, ahead: float = 0.0) -> "Scene":
         """At rest, with nothing asked.
 
         Args:
-            facts: of planning.
+            setup: of planning.
             now: [s] global time.
             character: who performs here: blocks for others are refused. None: every block is performed.
             ahead: [s] by which the motion is handed over before it is performed.
         """
-        return cls(facts, stay(facts.robot.skeleton.rest), now, character=character, ahead=ahead)
+        return cls(setup, stay(setup.robot.skeleton.rest), now, character=character, ahead=ahead)
 
     @cached_property
     def _by_id(self) -> dict[str, RunningBlock]:
@@ -160,7 +160,7 @@ class Scene:
 
     def hinges(self, busy: Iterable[Occupancy]) -> Flags:
         """(n,) that some behaviours move."""
-        found = np.zeros(len(self.facts.limits.lower), dtype=np.bool_)
+        found = np.zeros(len(self.setup.limits.lower), dtype=np.bool_)
         for each in busy:
             found |= each.hinges
         return found

@@ -117,7 +117,7 @@ def documents(paths: tuple[Path, ...]) -> list[Path]:
 
 def validate_documents(
     files: Iterable[Path],
-    make_facts: Callable[[], Setup],
+    make_setup: Callable[[], Setup],
     *,
     jobs: int,
     twins: tuple[Factors, ...] = (NOMINAL,),
@@ -132,7 +132,7 @@ def validate_documents(
 
     Args:
         files: to be performed in the twin.
-        make_facts: called once in each process; picklable.
+        make_setup: called once in each process; picklable.
         jobs: number of processes.
         twins: who performs; the checks are of the first.
         folder: of the reports.
@@ -143,7 +143,7 @@ def validate_documents(
     known = _resumed(journal, tasks) if journal else {}
     yield from known.values()
     left = [file for file in tasks if file not in known]
-    prepare = partial(_prepare, make_facts, twins, folder, tasks)
+    prepare = partial(_prepare, make_setup, twins, folder, tasks)
     for file, result in run_pool(left, prepare, jobs=jobs, preload=__name__):
         verdict = _crashed(file, result, folder, tasks[file]) if isinstance(result, WorkerCrash) else result
         if journal:
@@ -183,9 +183,9 @@ def _crashed(file: Path, crash: WorkerCrash, folder: Path | None, key: str) -> D
 
 
 def _prepare(
-    make_facts: Callable[[], Setup], twins: tuple[Factors, ...], folder: Path | None, tasks: dict[Path, str]
+    make_setup: Callable[[], Setup], twins: tuple[Factors, ...], folder: Path | None, tasks: dict[Path, str]
 ) -> Callable[[Path], DocumentVerdict]:
-    known = make_facts()
+    known = make_setup()
 
     def do(file: Path) -> DocumentVerdict:
         verdict, data = judge(file, known, twins=twins)
@@ -232,5 +232,5 @@ def _nothing_left(file: Path, performance: Performance) -> str:
     reasons = "; ".join(
         f"{behaviour.id}: {plan.keyframes.outcomes[behaviour.id].why}" for behaviour in plan.timeline.block.behaviours
     )
-    robot = plan.facts.robot.name
+    robot = plan.setup.robot.name
     return f"{file}:{first.place.line}:{first.place.column}: {robot} can perform none of its behaviours ({reasons})"

@@ -93,7 +93,7 @@ def story(performance: Performance) -> tuple[Chapter, ...]:
 
 def strays(performance: Performance) -> tuple[Stray, ...]:
     """The hinges whose way differs most from the wished one."""
-    names, lost = performance.plan.facts.robot.skeleton.names, np.degrees(performance.plan.motion.lost)
+    names, lost = performance.plan.setup.robot.skeleton.names, np.degrees(performance.plan.motion.lost)
     order = np.argsort(-lost)[:MOST_STRAYS]
     return tuple(Stray(names[hinge], float(lost[hinge])) for hinge in order if lost[hinge] > STRAY_TO_TELL)
 
@@ -109,15 +109,15 @@ class _Wish:
 def _wish(performance: Performance) -> _Wish:
     wished = performance.plan.wished
     times = np.arange(int(np.ceil(wished.duration * RATE)) + 1) / RATE
-    return _Wish(times - wished.zero, part_paths(wished.sample(times)[0], performance.plan.facts.robot))
+    return _Wish(times - wished.zero, part_paths(wished.sample(times)[0], performance.plan.setup.robot))
 
 
 def _moved(sync: SyncTime, performance: Performance) -> Moved:
     plan = performance.plan
-    met = limit_met(sync, plan.keyframes, plan.motion, plan.facts.robot)
+    met = limit_met(sync, plan.keyframes, plan.motion, plan.setup.robot)
     if met is None:
         return Moved((sync.sync,), sync.asked, sync.planned, "", "", 0.0)
-    name = plan.facts.robot.skeleton.names[met.hinge]
+    name = plan.setup.robot.skeleton.names[met.hinge]
     return Moved((sync.sync,), sync.asked, sync.planned, name, met.quantity, met.ratio)
 
 

@@ -67,7 +67,7 @@ def write_report(performance: Performance, data: dict[str, Json], folder: Path, 
     picture, why = _filmed(performance, folder / "film.webp") if film else (None, NOT_ASKED)
     face, why_not = _face(plan, folder / "face.webp") if film else (None, NOT_ASKED)
     measured = folder / "measured.npz"
-    write_log(performance.measured, plan.facts.robot, measured)
+    write_log(performance.measured, plan.setup.robot, measured)
     voice, heard = folder / "speech.wav", sound(plan)
     if heard is not None:
         write_wav(heard, voice)
@@ -98,7 +98,7 @@ def _face(plan: Plan, path: Path) -> tuple[Path | None, str]:
         return None, "nothing is asked of it"
     times = command_times(plan.duration, rate=FACE_RATE)
     try:
-        play(commands_with_face(plan, times), FaceRecording(path, plan.facts.robot, rate=FACE_RATE, side=FACE_SIDE))
+        play(commands_with_face(plan, times), FaceRecording(path, plan.setup.robot, rate=FACE_RATE, side=FACE_SIDE))
     except DisplayError as error:
         return None, str(error)
     return path, ""
@@ -108,7 +108,7 @@ def _filmed(performance: Performance, path: Path) -> tuple[Path | None, str]:
     """The film's path, or why there is none."""
     measured = performance.measured
     try:
-        write_film(performance.plan.facts.robot, measured.times, measured.angles, path, rate=FILM_RATE)
+        write_film(performance.plan.setup.robot, measured.times, measured.angles, path, rate=FILM_RATE)
     except FilmError as error:
         return None, str(error)
     return path, ""

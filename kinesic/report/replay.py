@@ -30,7 +30,7 @@ def replay_data(performance: Performance) -> dict[str, Json]:
         performance: what was planned and performed.
     """
     plan, measured = performance.plan, performance.measured
-    robot, end = plan.facts.robot, float(measured.times[-1])
+    robot, end = plan.setup.robot, float(measured.times[-1])
     moments = np.linspace(0.0, end, min(int(np.ceil(end * RATE)) + 1, MOST_FRAMES))
     motions = {
         "twin": np.column_stack([np.interp(moments, measured.times, column) for column in measured.angles.T]),

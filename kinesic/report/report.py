@@ -46,9 +46,9 @@ def report(
     return {
         "schema": SCHEMA,
         "kinesic": __version__,
-        "robot": plan.facts.robot.name,
+        "robot": plan.setup.robot.name,
         "input": source,
-        "style": _style(plan.facts.style, plan.timeline.block),
+        "style": _style(plan.setup.style, plan.timeline.block),
         "seed": seed,
         "kernel": KERNEL,
         "ok": all(check.status != "fail" for check in verdicts),
@@ -88,7 +88,7 @@ def _manner(behaviour: Behaviour, plan: Plan) -> dict[str, Json] | None:
     modality = modality_of(behaviour.action)
     if modality is None:
         return None
-    found = resolve_numbers(plan.facts.style, modality, plan.timeline.block, behaviour)
+    found = resolve_numbers(plan.setup.style, modality, plan.timeline.block, behaviour)
     carried: dict[str, Json] = {"intensity": behaviour.manner.intensity}  # of Greta's signals
     return {"modality": modality, "values": asdict(found.expressivity), "sources": dict(found.sources), **carried}
 
@@ -152,7 +152,7 @@ def _syncs(performance: Performance) -> list[Json]:
 
 
 def _tracking(performance: Performance) -> dict[str, Json]:
-    names = performance.plan.facts.robot.skeleton.names
+    names = performance.plan.setup.robot.skeleton.names
     squares = np.degrees(np.nan_to_num(performance.errors)) ** 2
     means = squares.sum(axis=0) / np.maximum(performance.reference.moving.sum(axis=0), 1)
     found = tracking_errors(performance)
@@ -172,7 +172,7 @@ def _limits(performance: Performance) -> dict[str, Json]:
     return {
         "violations": int(sum((share.ratios > TOLERANCE).sum() for share in shares.values())),
         "worst": {
-            "joint": performance.plan.facts.robot.skeleton.names[peak.hinge],
+            "joint": performance.plan.setup.robot.skeleton.names[peak.hinge],
             "quantity": quantity,
             "ratio": float(peak.ratios[peak.hinge]),
             "time_s": peak.time,
@@ -183,7 +183,7 @@ def _limits(performance: Performance) -> dict[str, Json]:
 def _conditioning(performance: Performance) -> dict[str, Json]:
     """What had to give, behaviour by behaviour, and how far each hinge strays from the wish."""
     plan = performance.plan
-    strays = zip(plan.facts.robot.skeleton.names, np.degrees(plan.motion.lost), strict=True)
+    strays = zip(plan.setup.robot.skeleton.names, np.degrees(plan.motion.lost), strict=True)
     return {
         "gave": [asdict(chapter) for chapter in story(performance)],
         "lost_deg": {name: float(lost) for name, lost in strays},
@@ -220,7 +220,7 @@ def _smoothness(performance: Performance) -> dict[str, Json]:
 
 
 def _power(performance: Performance) -> dict[str, Json]:
-    power, supply = performance.measured.power, performance.plan.facts.robot.supply
+    power, supply = performance.measured.power, performance.plan.setup.robot.supply
     return {
         "peak_a": float(power.peak.max()),
         "mean_a": float(power.mean.mean()),

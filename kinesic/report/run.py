@@ -97,7 +97,7 @@ class Performance(DryRun):
             ConfigError: the suffix is not known.
         """
         file = Path(path)
-        write_motion(self.motion, self.plan.facts.robot, file)
+        write_motion(self.motion, self.plan.setup.robot, file)
         return file
 
     def report(self, folder: str | Path, *, film: bool = True) -> Written:
@@ -114,7 +114,7 @@ class Performance(DryRun):
         _check_free(place)
         written = write_report(self, dict(self.data), place, film=film)
         if self.servos is not None:
-            write_log(live_log(self.servos), self.plan.facts.robot, place / LOG)
+            write_log(live_log(self.servos), self.plan.setup.robot, place / LOG)
         return written
 
     def __str__(self) -> str:

@@ -70,7 +70,7 @@ class Draw:
 
 def draw_load(performance: Performance) -> Draw:
     """Current, energy and warming over the performance in the twin."""
-    measured, supply = performance.measured, performance.plan.facts.robot.supply
+    measured, supply = performance.measured, performance.plan.setup.robot.supply
     power = measured.power
     warming = {name: float(rise.max()) for name, rise in power.warming.items()}
     warmest = max(warming, key=lambda name: warming[name], default="")

@@ -22,7 +22,7 @@ def live_checks(live: ServoRun) -> list[Check]:
     counted = errors[np.isfinite(errors)]
     if not len(counted):
         return found
-    names = live.performance.plan.facts.robot.skeleton.names
+    names = live.performance.plan.setup.robot.skeleton.names
     row, hinge = np.unravel_index(int(np.nan_to_num(errors).argmax()), errors.shape)
     worst = f"{names[hinge]} at {live.times[row]:.2f} s"
     return [
@@ -36,7 +36,7 @@ def live_checks(live: ServoRun) -> list[Check]:
 def _most(live: ServoRun) -> str:
     """The hinge that strays most."""
     sums = (np.nan_to_num(live.errors) ** 2).sum(axis=0)
-    return live.performance.plan.facts.robot.skeleton.names[int(sums.argmax())]
+    return live.performance.plan.setup.robot.skeleton.names[int(sums.argmax())]
 
 
 def with_live(data: Mapping[str, Json], live: ServoRun) -> dict[str, Json]:
@@ -66,7 +66,7 @@ def _syncs(rows: list[Json], live: ServoRun) -> list[Json]:
 
 
 def _servos(live: ServoRun, figures: Mapping[str, float]) -> dict[str, Json]:
-    names = live.performance.plan.facts.robot.skeleton.names
+    names = live.performance.plan.setup.robot.skeleton.names
     squares = np.degrees(np.nan_to_num(live.errors)) ** 2
     means = squares.sum(axis=0) / np.maximum(np.isfinite(live.errors).sum(axis=0), 1)
     last = live.history[-1] if live.history else None

@@ -50,7 +50,7 @@ class Loop(Thread):
 
     def __init__(
         self,
-        facts: Setup,
+        setup: Setup,
         followers: Sequence[ServoSink],
         clock: Clock,
         *,
@@ -61,7 +61,7 @@ class Loop(Thread):
         """Not running yet.
 
         Args:
-            facts: robot, dynamics, limits.
+            setup: robot, dynamics, limits.
             followers: sinks; closed at the end.
             clock: set here alone.
             effects: what is seen and heard beside the motion.
@@ -69,7 +69,7 @@ class Loop(Thread):
             news: is given what the planner says to the server; None when it is gone.
         """
         super().__init__(name="loop")
-        self.playing = rest_from(facts.robot, clock.now())
+        self.playing = rest_from(setup.robot, clock.now())
         self.agenda: list[ScheduledFeedback] = []
         self.stops, self._done = 0, 0  # emergency stops that were asked for, and those that were made
         self.halted = False  # whether the last one still holds
@@ -77,7 +77,7 @@ class Loop(Thread):
         self.failed = False  # whether it ended by itself
         self.error: BusError | DisplayError | None = None  # why
         self._owed: frozenset[int] = frozenset()  # senders whose blocks are not over
-        self._facts, self._followers, self._clock = facts, followers, clock
+        self._setup, self._followers, self._clock = setup, followers, clock
         self._tell, self._news, self._effects = tell, news, effects
         self._told: set[ScheduledFeedback] = set()  # that the planner may propose again
         self._moving: Mapping[tuple[str, str], Flags] = {}
@@ -138,7 +138,7 @@ class Loop(Thread):
         now = self._now()
         self.late += now - self._out > 2 * PERIOD
         for follower in self._followers:
-            follower.follow(self.playing, now, self._facts, self._effects.face)
+            follower.follow(self.playing, now, self._setup, self._effects.face)
         self._out = max(self._out, now)
         if self._body is not None and (seen := self._body.seen()) is not None:
             self._gauge.add(*seen)
@@ -226,7 +226,7 @@ class Loop(Thread):
             return
         self._done, self.halted = self.stops, True
         time = self._out + GRACE
-        halt = _halt(self.playing, time, self._facts.limits)
+        halt = _halt(self.playing, time, self._setup.limits)
         self._play(halt, time)
         self.agenda, self._told = [], set()
         self._effects.clear()

@@ -62,7 +62,7 @@ Change = Callable[[Scene, float], tuple[Scene, tuple[ScheduledFeedback, ...]]]
 
 
 def run_planner(
-    facts_of: Callable[[], Setup],
+    make_setup: Callable[[], Setup],
     wishes: Connection,
     loop: Connection,
     improver: Connection,
@@ -73,7 +73,7 @@ def run_planner(
     """Plans until the server is gone.
 
     Args:
-        facts_of: makes what planning needs.
+        make_setup: makes what planning needs.
         wishes: what clients want comes here, one after the other.
         loop: proposals go there, verdicts and stops come back.
         improver: plans again what has begun.
@@ -83,7 +83,7 @@ def run_planner(
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which then folds the robot
     try:
-        planning = PlannerState(facts_of(), loop, improver, clock, beginning, rules)
+        planning = PlannerState(make_setup(), loop, improver, clock, beginning, rules)
         loop.send(PlannerReady())
         while True:
             heard = wait([wishes, loop, improver], planning.pause)
@@ -106,7 +106,7 @@ class PlannerState:
 
     def __init__(
         self,
-        facts: Setup,
+        setup: Setup,
         loop: Connection,
         improver: Connection,
         clock: Clock,
@@ -119,11 +119,11 @@ class PlannerState:
         self._stops, self._took = beginning.stops, 0.0
         self._senses, self._versions = beginning.senses, dict[str, Version]()  # of the tracks that the loop has
         self._improving = False  # whether the improver is at work
-        begin, _ = begun(Scene.of(facts), _ready(WARMING.encode(), Scene.of(facts)), 0.0)
+        begin, _ = begun(Scene.of(setup), _ready(WARMING.encode(), Scene.of(setup)), 0.0)
         for staged in begin.playing:
             track(staged, beginning.senses)
         advance(begin, 0.1)
-        self._scene = replace(_moved(Scene.of(facts), beginning.motion), agenda=beginning.agenda)
+        self._scene = replace(_moved(Scene.of(setup), beginning.motion), agenda=beginning.agenda)
 
     @property
     def pause(self) -> float | None:
@@ -155,13 +155,13 @@ class PlannerState:
             return
         first, *others = self._scene.wishes
         self._scene = replace(self._scene, wishes=tuple(others))
-        self._improver.send_bytes(pack(RefinementJob(first, self._scene.facts.style)))
+        self._improver.send_bytes(pack(RefinementJob(first, self._scene.setup.style)))
         self._improving = True
 
     def improve(self, data: bytes) -> None:
         """Goes over into what the improver has found, where that is still possible."""
         self._improving = False
-        better = unpack(data, self._scene.facts)
+        better = unpack(data, self._scene.setup)
         if not isinstance(better, RefinedPlan) or (found := better.plan) is None:
             return
 
@@ -190,7 +190,7 @@ class PlannerState:
         message = Message(document.text, document.sender, document.source)
         try:
             around = self._scene.around(self._clock.now())
-            known = among(self._scene, read_request(message, self._scene.facts, around=around, bounds=self._bounds))
+            known = among(self._scene, read_request(message, self._scene.setup, around=around, bounds=self._bounds))
             if known.timeline.end - known.timeline.start > self._rules.duration:
                 what = (
                     f"{known.block.id} lasts {known.timeline.end:.0f} s, at most {self._rules.duration:g} s are taken"
@@ -200,7 +200,7 @@ class PlannerState:
                 )
                 return
             self._loop.send(FeedbackNotice(known.prediction, document.sender))
-            coming = ready(known, self._scene.facts)
+            coming = ready(known, self._scene.setup)
         except BmlError as error:
             self._loop.send(FeedbackNotice(refusal_feedback(message, error), document.sender))
             return
@@ -212,7 +212,7 @@ class PlannerState:
         try:
             style: Style | str | None = wanted.style
             if wanted.block is None and (wanted.style or wanted.changes):
-                manner = Style.load(wanted.style) if wanted.style else self._scene.facts.style
+                manner = Style.load(wanted.style) if wanted.style else self._scene.setup.style
                 style = manner.changed(wanted.changes)
             self._propose(
                 lambda scene, now: change_manner(scene, now, style=style, amount=wanted.amount, block=wanted.block)
@@ -272,7 +272,7 @@ class PlannerState:
 
 
 def _ready(text: bytes, scene: Scene) -> PreparedBlock:
-    return ready(read_request(Message(text), scene.facts), scene.facts)
+    return ready(read_request(Message(text), scene.setup), scene.setup)
 
 
 def _moved(scene: Scene, motion: ClockedTrajectory) -> Scene:
@@ -281,6 +281,6 @@ def _moved(scene: Scene, motion: ClockedTrajectory) -> Scene:
 
 def _resumed(scene: Scene, now: float) -> tuple[Scene, tuple[ScheduledFeedback, ...]]:
     """Back to rest, all hinges together."""
-    everything = scene.facts.limits.lower < scene.facts.limits.upper
-    motion = release_motion(scene.motion, scene.first_change(now), everything, scene.facts)
+    everything = scene.setup.limits.lower < scene.setup.limits.upper
+    motion = release_motion(scene.motion, scene.first_change(now), everything, scene.setup)
     return replace(scene, motion=Trajectory(motion.controls, motion.zero)), ()

@@ -19,7 +19,7 @@ class Planner:
 
     def __init__(
         self,
-        facts_of: Callable[[], Setup],
+        make_setup: Callable[[], Setup],
         loop: Loop,
         clock: Clock,
         *,
@@ -30,14 +30,14 @@ class Planner:
         """Not started yet.
 
         Args:
-            facts_of: makes what planning needs, in the other process.
+            make_setup: makes what planning needs, in the other process.
             loop: gets what is planned.
             clock: of everybody.
             rules: how large a document may be, and how long one wish may take.
             idle: called whenever it can take a wish.
             lost: called with what it was doing, when it has died; it is then started again, unless it failed.
         """
-        self._facts_of, self._loop, self._clock, self._rules = facts_of, loop, clock, rules
+        self._make_setup, self._loop, self._clock, self._rules = make_setup, loop, clock, rules
         self._idle, self._lost = idle, lost
         self._processes: list[BaseProcess] = []
         self._wishes: Connection | None = None
@@ -58,17 +58,17 @@ class Planner:
 
     def start(self) -> None:
         """Begins a process, which tells when it is warm."""
-        context = child_context(planner.__name__, self._facts_of.__module__)  # nothing of the server's threads
+        context = child_context(planner.__name__, self._make_setup.__module__)  # nothing of the server's threads
         there, self._wishes = context.Pipe(duplex=False)
         loop_end, planner_end = context.Pipe()
         improver_end, leisure_end = context.Pipe()
         ends = (there, planner_end, leisure_end)
         beginning = self._loop.beginning()
-        arguments = (self._facts_of, *ends, self._clock, beginning, self._rules)
+        arguments = (self._make_setup, *ends, self._clock, beginning, self._rules)
         self._processes = [
             context.Process(target=planner.run_planner, args=arguments, name="planner", daemon=True),
             context.Process(
-                target=refiner.run_refiner, args=(self._facts_of, improver_end), name="improver", daemon=True
+                target=refiner.run_refiner, args=(self._make_setup, improver_end), name="improver", daemon=True
             ),
         ]
         for process in self._processes:

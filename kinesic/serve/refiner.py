@@ -16,7 +16,7 @@ from kinesic.realizer.realizer import ready
 from kinesic.realizer.request import TimedRequest
 
 NICE = 5  # behind loop and planner
-FACTS = "facts"  # stands for them where a plan is sent: either side has its own
+SETUP = "setup"  # stands for it where a plan is sent: either side has its own
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,30 +37,30 @@ class RefinedPlan:
 
 class _Pickler(pickle.Pickler):
     def persistent_id(self, thing: object) -> str | None:
-        return FACTS if isinstance(thing, Setup) else None
+        return SETUP if isinstance(thing, Setup) else None
 
 
 class _Unpickler(pickle.Unpickler):
-    def __init__(self, data: bytes, facts: Setup) -> None:
+    def __init__(self, data: bytes, setup: Setup) -> None:
         super().__init__(io.BytesIO(data))
-        self._facts = facts
+        self._setup = setup
 
     def persistent_load(self, name: object) -> Setup:
-        if name != FACTS:
-            raise pickle.UnpicklingError(f"{name!r} stands for nothing; {FACTS!r} does")
-        return self._facts
+        if name != SETUP:
+            raise pickle.UnpicklingError(f"{name!r} stands for nothing; {SETUP!r} does")
+        return self._setup
 
 
 def pack(thing: RefinementJob | RefinedPlan) -> bytes:
-    """As bytes, without the facts."""
+    """As bytes, without the setup."""
     stream = io.BytesIO()
     _Pickler(stream, pickle.HIGHEST_PROTOCOL).dump(thing)
     return stream.getvalue()
 
 
-def unpack(data: bytes, facts: Setup) -> RefinementJob | RefinedPlan:
-    """From bytes, with the facts of this side."""
-    found = _Unpickler(data, facts).load()
+def unpack(data: bytes, setup: Setup) -> RefinementJob | RefinedPlan:
+    """From bytes, with the setup of this side."""
+    found = _Unpickler(data, setup).load()
     if not isinstance(found, RefinementJob | RefinedPlan):
         raise pickle.UnpicklingError(
             f"a {type(found).__name__} came, only {RefinementJob.__name__} and {RefinedPlan.__name__} do"
@@ -68,23 +68,23 @@ def unpack(data: bytes, facts: Setup) -> RefinementJob | RefinedPlan:
     return found
 
 
-def run_refiner(facts_of: Callable[[], Setup], planner: Connection) -> None:
+def run_refiner(make_setup: Callable[[], Setup], planner: Connection) -> None:
     """Plans whatever the planner sends, one after the other, until it is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         os.nice(NICE)
-        facts = facts_of()
+        setup = make_setup()
         while True:
-            leisure = unpack(planner.recv_bytes(), facts)
+            leisure = unpack(planner.recv_bytes(), setup)
             if isinstance(leisure, RefinementJob):
-                known = facts if leisure.style == facts.style else replace(facts, style=leisure.style)
+                known = setup if leisure.style == setup.style else replace(setup, style=leisure.style)
                 planner.send_bytes(pack(_better(leisure.asked, known)))
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return
 
 
-def _better(asked: TimedRequest, facts: Setup) -> RefinedPlan:
+def _better(asked: TimedRequest, setup: Setup) -> RefinedPlan:
     try:
-        return RefinedPlan(asked.block.id, ready(asked, facts).plan)
+        return RefinedPlan(asked.block.id, ready(asked, setup).plan)
     except BmlError:
         return RefinedPlan(asked.block.id, None)

@@ -166,7 +166,7 @@ class Serving:
 
 @asynccontextmanager
 async def open_serving(
-    facts_of: Callable[[], Setup],
+    make_setup: Callable[[], Setup],
     followers: Sequence[ServoSink],
     *,
     address: Address | None,
@@ -178,7 +178,7 @@ async def open_serving(
     """Opens a server once its planner is warm, and folds the robot to rest at the end.
 
     Args:
-        facts_of: makes what planning needs; picklable, because another process calls it too.
+        make_setup: makes what planning needs; picklable, because another process calls it too.
         followers: sinks, closed at the end.
         address: to listen at; None: nowhere.
         rules: what clients may do.
@@ -190,7 +190,7 @@ async def open_serving(
         ConfigError: the address cannot be had.
     """
     desk = ClientRegistry(
-        rules, token, lambda own: Session(facts_of, followers, rules, own.tell, face=face, sound=sound)
+        rules, token, lambda own: Session(make_setup, followers, rules, own.tell, face=face, sound=sound)
     )
     listener = None
     try:

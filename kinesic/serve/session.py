@@ -32,7 +32,7 @@ class Session:
 
     def __init__(
         self,
-        facts_of: Callable[[], Setup],
+        make_setup: Callable[[], Setup],
         followers: Sequence[ServoSink],
         rules: Quotas,
         tell: Callable[[str, int], None],
@@ -43,7 +43,7 @@ class Session:
         """Nothing moves yet.
 
         Args:
-            facts_of: makes what planning needs, here and in the planner's process.
+            make_setup: makes what planning needs, here and in the planner's process.
             followers: sinks.
             rules: how many blocks may wait, and how long planning may take.
             tell: is given a message and the number of its sender, in the asyncio loop.
@@ -57,8 +57,8 @@ class Session:
         self._warm = Event()
         self.clock = Clock()
         effects = Effects(Speaker(self.clock.now) if sound else None, face=face)
-        self.loop = Loop(facts_of(), followers, self.clock, effects=effects, tell=self._pass_on, news=self._hear)
-        self.planner = Planner(facts_of, self.loop, self.clock, rules=rules, idle=self._feed, lost=self._apologise)
+        self.loop = Loop(make_setup(), followers, self.clock, effects=effects, tell=self._pass_on, news=self._hear)
+        self.planner = Planner(make_setup, self.loop, self.clock, rules=rules, idle=self._feed, lost=self._apologise)
 
     async def start(self) -> None:
         """Lets the loop run, and waits until the planner is warm.

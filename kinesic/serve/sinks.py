@@ -120,7 +120,7 @@ class ServoSink:
         self.sink, self.ahead, self.delay = sink, ahead, delay
         self._next = 0  # tick
 
-    def follow(self, playing: Playing, now: float, facts: Setup, face: Face) -> None:
+    def follow(self, playing: Playing, now: float, setup: Setup, face: Face) -> None:
         """Hands on all commands that it wants at a time [s]."""
         last = floor((now + self.ahead) * RATE + SAME)
         if last < self._next:
@@ -128,7 +128,7 @@ class ServoSink:
         times = np.arange(self._next, last + 1) / RATE
         local = times - playing.epoch
         setpoints = lead(
-            playing.trajectory, local, facts.robot, facts.dynamics, period=1 / RATE, delay=self.delay, terms="full"
+            playing.trajectory, local, setup.robot, setup.dynamics, period=1 / RATE, delay=self.delay, terms="full"
         )
         for time, command in zip(times.tolist(), commands(playing.trajectory, local, setpoints), strict=True):
             self.sink.write(replace(command, time=time, face=face(time)))

@@ -56,7 +56,7 @@ def followed(planned: Plan, clocks: Floats, times: Floats, angles: Floats) -> No
     calm = ~((begins <= clocks[:, None]) & (clocks[:, None] < ends + AFTER)).any(axis=1)
     sampled = [planned.trajectory.sample(column) for column in times.T]
     wanted, speeds = (np.transpose([each[k][:, hinge] for hinge, each in enumerate(sampled)]) for k in range(2))
-    moving = (np.abs(speeds) > 0.05 * planned.facts.robot.speed_limits) & calm[:, None]
+    moving = (np.abs(speeds) > 0.05 * planned.setup.robot.speed_limits) & calm[:, None]
     if moving.sum() < 500:
         pytest.skip("the machine was too busy for real time")
     off = np.degrees(np.abs(angles - wanted))[moving]
@@ -65,8 +65,8 @@ def followed(planned: Plan, clocks: Floats, times: Floats, angles: Floats) -> No
 
 
 def test_kinesic_moves_the_twin_through_the_port(planned: Plan, port: Path):
-    robot, times = planned.facts.robot, command_times(planned.duration)[:SEEN]
-    setpoints = lead(planned.trajectory, times, robot, planned.facts.dynamics, period=1 / RATE, delay=DELAY)
+    robot, times = planned.setup.robot, command_times(planned.duration)[:SEEN]
+    setpoints = lead(planned.trajectory, times, robot, planned.setup.dynamics, period=1 / RATE, delay=DELAY)
     servos = Servos(robot, {"body": port}, settings=SupervisorSettings(pace=2.0, patience=0.1))
     for command in commands(planned.trajectory, times, setpoints):
         servos.write(command)
@@ -79,9 +79,9 @@ def test_kinesic_moves_the_twin_through_the_port(planned: Plan, port: Path):
 
 
 def test_the_sdk_moves_the_twin_through_the_port(planned: Plan, port: Path):
-    robot, times = planned.facts.robot, command_times(planned.duration)[:SEEN]
+    robot, times = planned.setup.robot, command_times(planned.duration)[:SEEN]
     wiring = ServoMap.of(robot)
-    setpoints = lead(planned.trajectory, times, robot, planned.facts.dynamics, period=1 / RATE, delay=DELAY)
+    setpoints = lead(planned.trajectory, times, robot, planned.setup.dynamics, period=1 / RATE, delay=DELAY)
     hinges = {servo: k for k, servos in enumerate(wiring.servos) for servo in servos.ids}
     handler, protocol = PortHandler(str(port)), PacketHandler(2.0)
     assert handler.openPort()

@@ -31,7 +31,7 @@ def planned() -> Plan:
 
 @pytest.mark.parametrize(("opens", "rmse"), [(KinesicDriver, 0.2), (SdkDriver, 1.0)])
 def test_it_follows_the_plan(planned: Plan, opens: Callable[..., Driver], rmse: float):
-    robot = planned.facts.robot
+    robot = planned.setup.robot
     wiring = ServoMap.of(robot)
     wires = cables(robot)
     physics = TwinPhysics(robot, wires)
@@ -44,7 +44,7 @@ def test_it_follows_the_plan(planned: Plan, opens: Callable[..., Driver], rmse: 
         servo.write(Register.TORQUE_ENABLE.field.address, b"\1")
     driver = opens(wire, servos, PERIOD)
     times = command_times(planned.duration)[:SEEN]
-    setpoints = lead(planned.trajectory, times, robot, planned.facts.dynamics, period=PERIOD, delay=0.002)
+    setpoints = lead(planned.trajectory, times, robot, planned.setup.dynamics, period=PERIOD, delay=0.002)
     began = wire.now() + 1.0
     errors, moving = [], []
     for command in commands(planned.trajectory, times, setpoints):

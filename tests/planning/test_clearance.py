@@ -13,8 +13,8 @@ from kinesic.expressivity.style.style import Expressivity, Style
 from kinesic.planning.clearance import LAG_RESERVE
 from kinesic.planning.plan import plan_block
 
-FACTS = set_up()
-ROBOT = FACTS.robot
+SETUP = set_up()
+ROBOT = SETUP.robot
 LEAST = ROBOT.least_clearance + LAG_RESERVE
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 WILD = Style.uniform(
@@ -31,11 +31,11 @@ TOUCHES = {
 
 
 def planned(body, **changes):
-    return plan_block(parse(ROOT.format(body)), replace(FACTS, **changes))
+    return plan_block(parse(ROOT.format(body)), replace(SETUP, **changes))
 
 
 def gaps(posture):
-    return dict(zip(ROBOT.counted_pairs, FACTS.distances.gaps(posture[None])[0], strict=True))
+    return dict(zip(ROBOT.counted_pairs, SETUP.distances.gaps(posture[None])[0], strict=True))
 
 
 def at_sync(made, sync):
@@ -71,11 +71,11 @@ def test_a_touch_is_held(lexeme):
 
 @pytest.mark.parametrize("lexeme", TOUCHES)
 def test_left_and_right_are_mirror_images(lexeme):
-    forms = FACTS.lexicon.forms
+    forms = SETUP.lexicon.forms
     turned = tuple(mirror_form(form) if form.id == lexeme else form for form in forms)
     body = f'<gesture id="g" lexeme="{lexeme}" start="0"/>'
     one = at_sync(planned(body), "stroke")
-    other = at_sync(planned(body, lexicon=replace(FACTS.lexicon, forms=turned)), "stroke")
+    other = at_sync(planned(body, lexicon=replace(SETUP.lexicon, forms=turned)), "stroke")
     for side, across in (("l", "r"), ("r", "l")):
         np.testing.assert_allclose(
             one[list(ROBOT.joints(f"{side}_arm"))], other[list(ROBOT.joints(f"{across}_arm"))], atol=1e-6

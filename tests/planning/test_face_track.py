@@ -44,8 +44,8 @@ def test_faces_follow_block_time_on_the_clock_of_the_performance(smiling: Plan):
 
 def test_commands_carry_their_face(smiling: Plan):
     times = command_times(smiling.duration)
-    facts = smiling.facts
-    setpoints = lead(smiling.trajectory, times, facts.robot, facts.dynamics, period=1 / RATE, delay=0.0, terms="none")
+    setup = smiling.setup
+    setpoints = lead(smiling.trajectory, times, setup.robot, setup.dynamics, period=1 / RATE, delay=0.0, terms="none")
     rows = faces(smiling, times)
     told = list(commands(smiling.trajectory, times, setpoints, rows))
     assert [command.face for command in told] == list(rows)
@@ -104,7 +104,7 @@ def test_a_robot_without_a_neck_looks_ahead(known: Setup):
     robot = known.robot
     stiff = replace(robot, chains={name: parts for name, parts in robot.chains.items() if name != "neck"})
     found = planned(SMILE, known)
-    np.testing.assert_array_equal(heads(replace(found, facts=replace(known, robot=stiff)), command_times(1.0)), 0.0)
+    np.testing.assert_array_equal(heads(replace(found, setup=replace(known, robot=stiff)), command_times(1.0)), 0.0)
 
 
 @pytest.mark.parametrize(

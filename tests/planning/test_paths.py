@@ -42,11 +42,11 @@ Planner = Callable[..., Plan]
 def planned(known: Setup, tmp_path_factory: pytest.TempPathFactory) -> Planner:
     path: Path = tmp_path_factory.mktemp("own") / "own.toml"
     path.write_text(LEXICON)
-    facts = replace(known, lexicon=Lexicon.load(path))
+    setup = replace(known, lexicon=Lexicon.load(path))
 
     def of(inside: str, *settings: str) -> Plan:
         block = parse(f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{inside}</bml>')
-        return plan_block(block, replace(facts, style=facts.style.changed(settings)))
+        return plan_block(block, replace(setup, style=setup.style.changed(settings)))
 
     return of
 
@@ -56,8 +56,8 @@ def times_of(made: Plan, behaviour: str) -> dict[str, float]:
 
 
 def hand_in_world(made: Plan, times: np.ndarray) -> np.ndarray:
-    skeleton = made.facts.robot.skeleton
-    wrist = skeleton.segment(made.facts.robot.chains["r_arm"][-1])
+    skeleton = made.setup.robot.skeleton
+    wrist = skeleton.segment(made.setup.robot.chains["r_arm"][-1])
     angles = made.trajectory.sample(times + made.trajectory.zero)[0]
     return np.array([skeleton.frames(row).origins[wrist] for row in angles])
 
@@ -67,7 +67,7 @@ def test_the_planned_hand_follows_the_path_that_was_asked(planned, lexeme, setti
     made = planned(f'<gesture id="g" lexeme="{lexeme}" mode="RIGHT_HAND" stroke="4"/>', *settings)
     syncs = times_of(made, "g")
     assert syncs["stroke"] == pytest.approx(4.0, abs=0.01)
-    work = poses(made.facts.lexicon.find(lexeme).form, made.facts.robot, made.facts.style.gesture)
+    work = poses(made.setup.lexicon.find(lexeme).form, made.setup.robot, made.setup.style.gesture)
     start, end = (hand.reach.position for hand in work.hands["r"])
     asked = work.path("r", 1).at(start, end, np.linspace(0, 1, 400))
     hand = hand_in_world(made, np.linspace(syncs["strokeStart"], syncs["stroke"], 400))

@@ -12,7 +12,7 @@ from kinesic.planning.syncs import SHIFT_TO_WARN, SMALLER_TO_WARN, limit_met, sh
 def test_every_shift_is_warned_and_nothing_else(hurried: Performance, calm: Performance) -> None:
     for performance in (hurried, calm):
         plan = performance.plan
-        robot = plan.facts.robot
+        robot = plan.setup.robot
         notices = shifts(plan.timeline.block, plan.syncs, plan.keyframes, plan.motion, robot)
         moved = [sync for sync in plan.syncs if abs(sync.planned - sync.asked) > SHIFT_TO_WARN]
         assert [notice.text.split()[0] for notice in notices] == [sync.sync for sync in moved]
@@ -21,7 +21,7 @@ def test_every_shift_is_warned_and_nothing_else(hurried: Performance, calm: Perf
 
 def test_of_two_limits_as_near_that_of_the_own_hinge_counts(calm: Performance) -> None:
     plan = calm.plan
-    robot = plan.facts.robot
+    robot = plan.setup.robot
     own, other = robot.joints("r_arm")[2], robot.joints("neck")[0]
     last = len(plan.motion.asked) - 1
     met = {(0, last): Bottleneck(other, "jerk", 2.0), (0, last - 1): Bottleneck(own, "duty", 1.5)}
@@ -34,13 +34,13 @@ def test_of_two_limits_as_near_that_of_the_own_hinge_counts(calm: Performance) -
     assert limit_met(late, plan.keyframes, motion, robot) == met[0, last], "the nearer one comes first"
 
 
-FACTS = set_up()
+SETUP = set_up()
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 
 
 def planned(lexeme: str, seconds: float):
     gesture = f'<gesture id="g" lexeme="{lexeme}" strokeStart="1" stroke="{1 + seconds}"/>'
-    return plan(ROOT.format(gesture), FACTS)
+    return plan(ROOT.format(gesture), SETUP)
 
 
 def said(made) -> list[str]:
@@ -57,9 +57,9 @@ def test_a_hurried_circle_shrinks_before_its_stroke_is_late(lexeme):
 def test_a_path_at_ease_is_followed():
     made = planned("stir", 2.0)
     assert not said(made)
-    hand = FACTS.robot.skeleton.segment("r_wrist")
+    hand = SETUP.robot.skeleton.segment("r_wrist")
     asked, found = (
-        FACTS.robot.skeleton.frames(angles).origins[:, hand]
+        SETUP.robot.skeleton.frames(angles).origins[:, hand]
         for angles in (
             np.array([posture.angles for posture in made.postures.postures]),
             made.trajectory.sample(made.motion.planned + made.trajectory.zero)[0],
@@ -79,7 +79,7 @@ def test_how_much_smaller_is_the_share_of_the_length():
             posture if posture.firm else replace(posture, angles=middle + (posture.angles - middle) * share)
             for posture in made.postures.postures
         )
-        return smaller(made.timeline.block, postures, made.keyframes, made.motion, FACTS.robot)
+        return smaller(made.timeline.block, postures, made.keyframes, made.motion, SETUP.robot)
 
     assert not wider(1.0 + SMALLER_TO_WARN / 2)
     assert wider(2.0)

@@ -29,8 +29,8 @@ class Play:
 
     def ready(self, id: str, inside: str = "", attributes: str = "", sender: int = 0) -> PreparedBlock:
         text = f'<bml {NAMESPACES} id="{id}" {attributes}>{inside}</bml>'
-        known = read_request(Message(text, sender), self.scene.facts, around=self.scene.around(self.now))
-        return ready(among(self.scene, known), self.scene.facts)
+        known = read_request(Message(text, sender), self.scene.setup, around=self.scene.around(self.now))
+        return ready(among(self.scene, known), self.scene.setup)
 
     def send(self, id: str, inside: str = "", attributes: str = "", sender: int = 0) -> "Play":
         return self.take(begin(self.scene, self.ready(id, inside, attributes, sender), self.now))

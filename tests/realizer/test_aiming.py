@@ -22,11 +22,11 @@ def missed(play, block: str, *, motion=None) -> float:
     staged = play.scene.find(block)
     (one,) = pointing_hands(staged.ready.plan)
     stroke = play.scene.performance(staged.zero + staged.times[one.behaviour]["stroke"])
-    return one.miss((motion or play.scene.motion).sample(np.array([stroke]))[0][0], play.scene.facts.robot)
+    return one.miss((motion or play.scene.motion).sample(np.array([stroke]))[0][0], play.scene.setup.robot)
 
 
 def check(play) -> None:
-    known = play.scene.facts
+    known = play.scene.setup
     for name, peak in peaks(play.scene.motion, known.limits).shares.items():
         assert peak.ratios.max() <= 1.001, name
     nearest = scan_clearance(play.scene.motion, known.distances)[1].distances.min()
@@ -40,7 +40,7 @@ def test_a_hand_that_comes_to_point_allows_for_the_trunk(play, other):
     check(play)
     play.until(6.0)
     assert play.warnings() == []
-    assert play.scene.motion.controls[-1] == pytest.approx(play.scene.facts.robot.skeleton.rest, abs=1e-6)
+    assert play.scene.motion.controls[-1] == pytest.approx(play.scene.setup.robot.skeleton.rest, abs=1e-6)
 
 
 @pytest.mark.parametrize("other", [LEAN, GAZE])
@@ -68,7 +68,7 @@ def test_a_hand_that_is_interrupted_rests_while_the_trunk_goes_on(play):
     play.take(interrupt(play.scene, play.now, "b"))
     check(play)
     play.until(6.0)
-    assert play.scene.motion.controls[-1] == pytest.approx(play.scene.facts.robot.skeleton.rest, abs=1e-6)
+    assert play.scene.motion.controls[-1] == pytest.approx(play.scene.setup.robot.skeleton.rest, abs=1e-6)
     assert play.was_told("a:t:end")
 
 
@@ -80,7 +80,7 @@ def test_other_works_of_the_hand_stay_as_they_are(play):
     play.until(0.2).send("a", LEAN.replace('end="3"', 'end="2"'))
     assert missed(play, "b") < SLIGHT
     times = np.arange(beat["ready"], beat["relax"], 0.01)
-    arm = list(play.scene.facts.robot.joints("r_arm"))
+    arm = list(play.scene.setup.robot.joints("r_arm"))
     np.testing.assert_allclose(play.scene.motion.sample(times)[0][:, arm], before.sample(times)[0][:, arm], atol=1e-6)
 
 
@@ -106,7 +106,7 @@ def test_a_trunk_that_leans_when_it_is_too_late_is_told(play):
 def test_a_hand_beside_an_arm_stays_as_planned(play):
     play.send("a", LEFT).until(0.3).send("b", POINT)
     alone = play.ready("c", POINT).plan.trajectory.controls
-    arm = list(play.scene.facts.robot.joints("r_arm"))
+    arm = list(play.scene.setup.robot.joints("r_arm"))
     own = play.scene.find("b").merged.layer.controls[:, arm]
     assert np.ptp(own, axis=0) == pytest.approx(np.ptp(alone[:, arm], axis=0), abs=1e-6)
 
@@ -119,7 +119,7 @@ def test_a_better_plan_points_as_well(play):
     play.take(begin(play.scene, coming, play.now))
     assert missed(play, "b") < SLIGHT
     play.scene, (wish,) = take_replans(play.scene)
-    after = improve_block(play.scene, "b", ready(wish, play.scene.facts).plan, play.now)
+    after = improve_block(play.scene, "b", ready(wish, play.scene.setup).plan, play.now)
     assert after is not None
     play.scene = after
     assert missed(play, "b") < SLIGHT

@@ -14,7 +14,7 @@ def test_a_large_block_is_improved_while_it_plays(play):
     play.send("a", HURRIED)
     assert play.warnings() == []
     play.scene, (wish,) = take_replans(play.scene)
-    better = ready(wish, play.scene.facts).plan
+    better = ready(wish, play.scene.setup).plan
     play.until(0.2)
     after = improve_block(play.scene, "a", better, play.now)
     assert after is not None
@@ -33,7 +33,7 @@ def test_a_better_plan_keeps_to_the_hand_that_others_leave_free(play):
     open_ = "".join(f'<gesture id="g{k}" lexeme="BEAT" stroke="{0.8 + 1.2 * k}"/>' for k in range(5))
     play.send("b", open_)
     play.scene, (wish,) = take_replans(play.scene)
-    better = ready(wish, play.scene.facts).plan
+    better = ready(wish, play.scene.setup).plan
     before = play.scene.find("b").ready.plan
     assert better.keyframes.uses == before.keyframes.uses
     assert before.keyframes.uses["g0"] == {"l_hand"}
@@ -50,7 +50,7 @@ def test_what_no_better_plan_mends_is_warned(play):
 def test_a_block_that_waits_gets_a_better_plan(play):
     play.send("w", '<wait id="w" duration="1"/>').send("a", HURRIED, 'composition="APPEND"')
     play.scene, (wish,) = take_replans(play.scene)
-    after = improve_block(play.scene, "a", ready(wish, play.scene.facts).plan, play.now)
+    after = improve_block(play.scene, "a", ready(wish, play.scene.setup).plan, play.now)
     assert after is not None
     play.scene = after
     play.until(9.0)

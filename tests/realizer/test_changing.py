@@ -21,7 +21,7 @@ SPEECH = '<speech id="s"><text>One two three four five six seven</text></speech>
 
 
 def sent(scene: Scene, id: str, inside: str, now: float) -> Scene:
-    coming = ready(read_request(Message(BML.format(id, inside)), scene.facts, around=scene.around(now)), scene.facts)
+    coming = ready(read_request(Message(BML.format(id, inside)), scene.setup, around=scene.around(now)), scene.setup)
     return begun(scene, coming, now)[0]
 
 
@@ -29,14 +29,14 @@ def granted(scene: Scene, now: float) -> tuple[Scene, tuple[TimedRequest, ...]]:
     """The scene with all its wishes planned, as far as that can be."""
     scene, wishes = take_replans(scene)
     for wish in wishes:
-        scene = improve_block(scene, wish.block.id, ready(wish, scene.facts).plan, now) or scene
+        scene = improve_block(scene, wish.block.id, ready(wish, scene.setup).plan, now) or scene
     return scene, wishes
 
 
 def swing(scene: Scene, begin: float, end: float) -> float:
     """[rad] how far the head goes up and down."""
     times = np.arange(begin, end, 0.01) - scene.epoch
-    neck = list(scene.facts.robot.joints("neck"))
+    neck = list(scene.setup.robot.joints("neck"))
     return float(np.ptp(scene.motion.sample(times)[0][:, neck], axis=0).max())
 
 
@@ -56,14 +56,14 @@ def test_amount_changes_what_is_still_to_come(nodding: Scene) -> None:
     assert swing(scene, 1.8, 2.6) == pytest.approx(before * 0.3 / 0.8, rel=0.1)
     past = np.arange(0.0, 1.0, 0.01)
     np.testing.assert_allclose(scene.motion.sample(past)[0], nodding.motion.sample(past)[0], atol=1e-12)
-    assert max(peak.ratios.max() for peak in peaks(scene.motion, scene.facts.limits).shares.values()) <= 1.001
+    assert max(peak.ratios.max() for peak in peaks(scene.motion, scene.setup.limits).shares.values()) <= 1.001
     assert take_replans(scene)[1] == ()
 
 
 def test_a_style_for_all_is_that_of_what_comes_too(nodding: Scene) -> None:
     tense = Style.load("neutral").changed(["spatial=-0.8"])
     scene, _ = change_manner(nodding, 0.2, style=tense)
-    assert scene.facts.style is tense
+    assert scene.setup.style is tense
     assert [wish.block.id for wish in scene.wishes] == ["a"]
 
 
@@ -72,7 +72,7 @@ def test_a_style_for_one_block_leaves_the_others(nodding: Scene) -> None:
     scene, _ = change_manner(scene, 0.3, style="neutral", block="b")
     (wish,) = scene.wishes
     assert (wish.block.id, wish.block.behaviours[0].manner.style) == ("b", "neutral")
-    assert scene.facts.style is nodding.facts.style
+    assert scene.setup.style is nodding.setup.style
 
 
 def test_changes_add_up(nodding: Scene) -> None:
@@ -116,7 +116,7 @@ def test_a_block_changes_another(nodding: Scene, target: str, parameter: str, va
     (wish,) = scene.wishes
     changed_ = wish.block.behaviours[0]
     assert changed_ != nodding.blocks[0].block.behaviours[0]
-    assert improve_block(scene, "a", ready(wish, scene.facts).plan, 0.25) is not None
+    assert improve_block(scene, "a", ready(wish, scene.setup).plan, 0.25) is not None
 
 
 @pytest.mark.parametrize(

@@ -26,12 +26,12 @@ def test_replace_stops_everything(play):
     assert 'kinesic:state="INTERRUPTED"' in next(due.xml for due in play.told if 'id="a:end"' in due.xml)
     assert play.was_told("b:h:stroke")
     assert not play.was_told("w:start")
-    assert play.scene.motion.controls[-1] == pytest.approx(play.scene.facts.robot.skeleton.rest, abs=1e-6)
+    assert play.scene.motion.controls[-1] == pytest.approx(play.scene.setup.robot.skeleton.rest, abs=1e-6)
 
 
 def test_replacing_in_mid_stroke_keeps_the_limits(play):
     play.send("a", BEAT).until(0.7).send("b", LEFT, 'composition="REPLACE"')
-    for name, peak in peaks(play.scene.motion, play.scene.facts.limits).shares.items():
+    for name, peak in peaks(play.scene.motion, play.scene.setup.limits).shares.items():
         assert peak.ratios.max() <= 1.001, name
 
 
@@ -41,7 +41,7 @@ def test_interrupting_one_block_lets_others_go_on(play):
     assert play.at("a:end") == pytest.approx(0.7)
     assert not play.was_told("a:g:strokeEnd")
     assert play.was_told("b:h:end")
-    assert play.scene.motion.controls[-1] == pytest.approx(play.scene.facts.robot.skeleton.rest, abs=1e-6)
+    assert play.scene.motion.controls[-1] == pytest.approx(play.scene.setup.robot.skeleton.rest, abs=1e-6)
 
 
 def test_interrupting_all(play):
@@ -49,7 +49,7 @@ def test_interrupting_all(play):
     play.take(interrupt(play.scene, play.now)).until(3.0)
     assert [play.state(id) for id in "abc"] == [BlockState.INTERRUPTED, BlockState.INTERRUPTED, BlockState.REVOKED]
     assert play.scene.agenda == ()
-    assert play.scene.motion.controls[-1] == pytest.approx(play.scene.facts.robot.skeleton.rest, abs=1e-6)
+    assert play.scene.motion.controls[-1] == pytest.approx(play.scene.setup.robot.skeleton.rest, abs=1e-6)
 
 
 def test_a_block_interrupts_another_when_it_begins(play):

@@ -34,7 +34,7 @@ def playing(known, block):
 @pytest.fixture(scope="module")
 def others(known, block):
     styles = {name: replace(known, style=Style.load(name)) for name in ("neutral", "joyful", "sad")}
-    return {name: plan_block(block, facts) for name, facts in styles.items()}
+    return {name: plan_block(block, setup) for name, setup in styles.items()}
 
 
 def reached(motion, zero, plan, sync, hinges) -> float:

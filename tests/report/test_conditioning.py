@@ -18,7 +18,7 @@ def with_plan(performance: Performance, **changes: object) -> Performance:
 def test_a_stroke_that_came_too_soon_is_told_with_its_limit_and_its_loss(hurried: Performance) -> None:
     chapters = {chapter.behaviour: chapter for chapter in story(hurried)}
     rushed = chapters["rushed"]
-    hinges = hurried.plan.facts.robot.skeleton.names
+    hinges = hurried.plan.setup.robot.skeleton.names
     told = {sync for moved in rushed.moved for sync in moved.syncs}
     syncs = [sync for sync in hurried.plan.syncs if sync.behaviour == "rushed"]
     assert told == {sync.sync for sync in syncs if abs(sync.planned - sync.asked) > SHIFT_TO_WARN}
@@ -41,7 +41,7 @@ def test_sync_points_that_moved_together_are_one_line(calm: Performance) -> None
 
 
 def test_hinges_that_stray_are_named_the_worst_first(calm: Performance) -> None:
-    names = calm.plan.facts.robot.skeleton.names
+    names = calm.plan.setup.robot.skeleton.names
     lost = np.radians(np.r_[0.5, 3.0, 1.5, np.zeros(len(names) - 3)])
     motion = replace(calm.plan.motion, lost=lost)
     found = strays(with_plan(calm, motion=motion))

@@ -91,7 +91,7 @@ def test_the_prediction_tells_planned_times_not_asked_ones(plans, name):
 def test_a_warning_names_both_times_and_the_limit(plans, name):
     planned = plans[name]
     texts = [m.text for m in told(planned) if local(m) == "warningFeedback" and " is planned at " in m.text]
-    hinges = planned.facts.robot.skeleton.names
+    hinges = planned.setup.robot.skeleton.names
     for text in texts:
         assert " asked at " in text
         assert any(hinge in text for hinge in hinges), text

@@ -46,7 +46,7 @@ def test_motions_are_those_of_plan_and_twin(hurried: Performance) -> None:
 
 
 def test_shapes_stand_where_the_skeleton_puts_them(hurried: Performance) -> None:
-    data, skeleton = replay_data(hurried), hurried.plan.facts.robot.skeleton
+    data, skeleton = replay_data(hurried), hurried.plan.setup.robot.skeleton
     angles = hurried.measured.angles[60]
     assert origins(data, angles) == pytest.approx(skeleton.frames(angles).origins, abs=1e-3)
     assert sum(len(segment["capsules"]) for segment in data["segments"]) == sum(

@@ -13,13 +13,13 @@ from kinesic.report.servo_load import draw_load, loads
 
 def test_the_most_strained_comes_first(hurried: Performance) -> None:
     found = loads(hurried)
-    assert sorted(load.hinge for load in found) == sorted(hurried.plan.facts.robot.skeleton.names)
+    assert sorted(load.hinge for load in found) == sorted(hurried.plan.setup.robot.skeleton.names)
     assert [load.strain for load in found] == sorted((load.strain for load in found), reverse=True)
     assert all(0.0 <= load.rms <= load.torque for load in found)
 
 
 def test_figures_are_those_of_the_samples(hurried: Performance) -> None:
-    measured, robot = hurried.measured, hurried.plan.facts.robot
+    measured, robot = hurried.measured, hurried.plan.setup.robot
     stall = np.array([drive.stall for drive in robot.drives])
     duties = np.zeros_like(measured.duties)
     duties[10:15, 3], torques = -1.5, np.tile(0.6 * stall, (len(duties), 1))

@@ -25,26 +25,26 @@ APART = 0.1  # [m] from one to the next
 Check = Callable[[Step, Feedback], str]
 
 
-def play_suite(suite: str, where: Path, expected: Scenarios, facts: Setup) -> Iterator[ExpectationVerdict]:
+def play_suite(suite: str, where: Path, expected: Scenarios, setup: Setup) -> Iterator[ExpectationVerdict]:
     """Plays every scenario; its suite's name says which dialect it is in, and the draft's is read strictly.
 
     Args:
         suite: name of all of them.
         where: folder of the documents.
         expected: scenarios and what is expected.
-        facts: of the robot that performs.
+        setup: of the robot that performs.
     """
     texts = [(where / name).read_bytes() for name, users in expected.documents.items() if users]
-    known = replace(facts, targets={**facts.targets, **place_targets(texts, facts)})
+    known = replace(setup, targets={**setup.targets, **place_targets(texts, setup)})
     for name, scenario in expected.scenarios.items():
         dialect, _, test = name.partition("/")
         reads = replace(known, dialect="draft") if dialect.startswith(DRAFT) else known
         yield ExpectationVerdict(suite, f"{dialect}.{test}", _play(scenario, where, expected, reads))
 
 
-def place_targets(texts: list[bytes], facts: Setup) -> Mapping[str, Floats]:
+def place_targets(texts: list[bytes], setup: Setup) -> Mapping[str, Floats]:
     """(3,) [m] places in the world for targets that documents name and the robot has not, by way of a targets file."""
-    names = sorted({name for text in texts for name in _targets(text)} - facts.robot.targets.keys())
+    names = sorted({name for text in texts for name in _targets(text)} - setup.robot.targets.keys())
     x, y, z = NEAR
     lines = [f'"{name}" = [{x}, {y - APART * k}, {z}]' for k, name in enumerate(names)]
     with tempfile.TemporaryDirectory() as folder:
@@ -65,9 +65,9 @@ def _targets(text: bytes) -> Iterator[str]:
             yield action.target
 
 
-def _play(scenario: Scenario, where: Path, expected: Scenarios, facts: Setup) -> str:
+def _play(scenario: Scenario, where: Path, expected: Scenarios, setup: Setup) -> str:
     """Why a scenario fails; empty when it passes."""
-    realizer = Realizer(facts)
+    realizer = Realizer(setup)
     for step in scenario.steps:
         why = _check(step, realizer.feedback) if step.check else _do(step, realizer, where, expected.timeout)
         if why:

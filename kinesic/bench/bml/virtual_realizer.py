@@ -80,17 +80,17 @@ class Feedback:
 class Realizer:
     """One performer, from its rest at time 0."""
 
-    def __init__(self, facts: Setup) -> None:
+    def __init__(self, setup: Setup) -> None:
         self.feedback = Feedback()
         self.now = 0.0  # [s]
-        self._facts, self._scene = facts, Scene.of(facts)
+        self._setup, self._scene = setup, Scene.of(setup)
 
     def send(self, text: bytes | str, *, source: str = "<text>") -> None:
         """Sends a document now; one that is refused is answered by a warning."""
         message = Message(text, source=source)
         try:
-            known = read_request(message, self._facts, around=self._scene.around(self.now))
-            coming = ready(among(self._scene, known), self._facts)
+            known = read_request(message, self._setup, around=self._scene.around(self.now))
+            coming = ready(among(self._scene, known), self._setup)
         except BmlError as error:
             self.feedback.messages.append(read_message(refusal_feedback(message, error)))
             return

@@ -116,8 +116,8 @@ def _late(performance: Performance) -> float:
     return float(max(found, default=np.inf))
 
 
-def _prepare(make_facts: Callable[[], Setup]) -> Callable[[Task], GestureResult]:
-    known = make_facts()
+def _prepare(make_setup: Callable[[], Setup]) -> Callable[[Task], GestureResult]:
+    known = make_setup()
     return lambda task: judge_gesture(*task, known)
 
 

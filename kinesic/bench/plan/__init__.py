@@ -71,14 +71,14 @@ def _timed(text_of: Callable[[int], str], known: Setup) -> tuple[list[float], li
 
 def violations(planned: Plan) -> int:
     """Limits of hinges that a motion exceeds at 1 kHz, those of the drives' true duty included."""
-    known = planned.facts
+    known = planned.setup
     shares = peaks(planned.trajectory, known.limits).shares.values()
     return sum(int((peak.ratios > TOLERANCE).sum()) for peak in shares) + int((duty(planned) > TOLERANCE).sum())
 
 
 def duty(planned: Plan) -> Floats:
     """(n,) the largest share of full duty that inverse dynamics finds for each drive at 1 kHz."""
-    known = planned.facts
+    known = planned.setup
     times = np.arange(0.0, planned.trajectory.duration, 1.0 / RATE)
     angles, speeds, accelerations = planned.trajectory.sample(times)
     stall = np.array([drive.stall for drive in known.robot.drives])
@@ -111,7 +111,7 @@ def stretch(crowded: Iterable[Plan]) -> list[Figure]:
     """The weighted sum of all shifts over that of the nonlinear program, in all, at the median and at worst."""
     ours, best = [], []
     for planned in crowded:
-        known, ties = planned.facts, bonds(planned.timeline)
+        known, ties = planned.setup, bonds(planned.timeline)
         keys = Keys.of(planned.postures.postures, known.limits, ties)
         motion = condition(planned.postures.postures, known.limits, bonds=ties)
         if (moved := strain(keys, motion.planned)) < STRAINED:

@@ -15,7 +15,7 @@ HOLDING_LIMIT = 0.8  # above which the servo overheats or gives way
 
 def limit_checks(performance: Performance) -> list[Check]:
     """Ratios to limits and margin to the stops at 1 kHz, duty by inverse dynamics, torque to stand still."""
-    names = performance.plan.facts.robot.skeleton.names
+    names = performance.plan.setup.robot.skeleton.names
     slack = TOLERANCE - 1.0
     found = [_margin(performance)]
     for quantity, peak in performance.reference.peaks.shares.items():
@@ -29,7 +29,7 @@ def limit_checks(performance: Performance) -> list[Check]:
 
 def _margin(performance: Performance) -> Check:
     """Degrees to the nearest stop; a motion may lie on it."""
-    skeleton = performance.plan.facts.robot.skeleton
+    skeleton = performance.plan.setup.robot.skeleton
     position = performance.reference.peaks.shares["position"]
     half = (skeleton.upper - skeleton.lower) / 2
     margins = np.degrees(half * (1.0 - position.ratios))
@@ -41,7 +41,7 @@ def _margin(performance: Performance) -> Check:
 def _duty(performance: Performance) -> Check:
     duty = np.abs(performance.reference.duties)
     row, hinge = np.unravel_index(int(duty.argmax()), duty.shape)
-    where = f"{performance.plan.facts.robot.skeleton.names[hinge]} {format_time(performance.measured.times[row])}"
+    where = f"{performance.plan.setup.robot.skeleton.names[hinge]} {format_time(performance.measured.times[row])}"
     return bound("limits.duty", float(duty[row, hinge]), DUTY, "ratio", where, slack=TOLERANCE - 1.0)
 
 
@@ -49,7 +49,7 @@ def _holding(performance: Performance) -> Check:
     times, shares = performance.reference.holding
     row, hinge = np.unravel_index(int(shares.argmax()), shares.shape)
     value = float(shares[row, hinge])
-    where = f"{performance.plan.facts.robot.skeleton.names[hinge]} {format_time(times[row])}"
+    where = f"{performance.plan.setup.robot.skeleton.names[hinge]} {format_time(times[row])}"
     judge, limit = (bound, HOLDING_LIMIT) if value > HOLDING_LIMIT else (goal, HOLDING_GOAL)
     return judge("limits.holding", value, limit, "of stall", where)
 
@@ -57,7 +57,7 @@ def _holding(performance: Performance) -> Check:
 def distance_checks(performance: Performance) -> list[Check]:
     """Smallest distance on plan and twin, with pair and time, and how often segments overlap."""
     plan, measured = performance.plan, performance.measured
-    required = plan.facts.robot.least_clearance
+    required = plan.setup.robot.least_clearance
     found = []
     for name, clearance, times in (
         ("plan", plan.clearance, plan.clearance_times),

@@ -15,7 +15,7 @@ WARMING = 40.0  # [K] from a warm housing of 40 C to the 80 C at which servos sw
 
 def servo_checks(performance: Performance) -> list[Check]:
     """Time at full duty, and the torque that heats."""
-    names = performance.plan.facts.robot.skeleton.names
+    names = performance.plan.setup.robot.skeleton.names
     measured = performance.measured
     over = np.abs(measured.duties) > 1.0
     saturated = over.sum(axis=0) * performance.period
@@ -32,7 +32,7 @@ def servo_checks(performance: Performance) -> list[Check]:
 
 def power_checks(performance: Performance) -> list[Check]:
     """Current against the supply, none for a robot without one; warming of the servos whose figures are known."""
-    measured, supply = performance.measured, performance.plan.facts.robot.supply
+    measured, supply = performance.measured, performance.plan.setup.robot.supply
     power, found = measured.power, []
     if supply is not None:
         highest = int(power.peak.argmax())

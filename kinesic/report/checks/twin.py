@@ -96,7 +96,7 @@ def tracking_checks(performance: Performance) -> list[Check]:
     """Error and lateness; none when nothing moves."""
     if not performance.reference.moving.any():
         return []
-    names = performance.plan.facts.robot.skeleton.names
+    names = performance.plan.setup.robot.skeleton.names
     errors = np.nan_to_num(np.abs(performance.errors))
     row, hinge = np.unravel_index(int(errors.argmax()), errors.shape)
     squares = (errors**2).sum(axis=0)

@@ -54,7 +54,7 @@ VIEWS = (
 
 def hands(performance: Performance) -> Markup:
     """Planned and performed paths of both hands, keys as dots, over the robot at rest."""
-    robot = performance.plan.facts.robot
+    robot = performance.plan.setup.robot
     planned = part_paths(performance.reference.angles, robot)
     reference = {side: planned[HANDS[side]] for side in SIDES}
     keys = {side: _keys(performance, side) for side in SIDES}
@@ -97,11 +97,11 @@ def _path(axes: "Axes", view: View, planned: Floats, performed: Floats, keys: Fl
 def _keys(performance: Performance, side: Side) -> Floats:
     """(k, 3) [m] the hand at the keys of its arm."""
     plan = performance.plan
-    arm = plan.facts.robot.joints(f"{side}_arm")
+    arm = plan.setup.robot.joints(f"{side}_arm")
     keyed = [posture.angles for posture in plan.postures.postures if any(posture.keyed[joint] for joint in arm)]
     if not keyed:
         return np.zeros((0, 3))
-    return part_paths(np.stack(keyed), plan.facts.robot)[HANDS[side]]
+    return part_paths(np.stack(keyed), plan.setup.robot)[HANDS[side]]
 
 
 def _bones(robot: Robot) -> list[Floats]:

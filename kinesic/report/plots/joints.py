@@ -47,7 +47,7 @@ LABEL = 0.62  # [in] of a sync point
 
 def joints(performance: Performance) -> Iterator[Markup]:
     """One figure for torso and neck, one for the arms, one for hinges outside any chain, if they move."""
-    robot = performance.plan.facts.robot
+    robot = performance.plan.setup.robot
     curves = _curves(performance)
     moving = _moving(curves)
     columns = {name: robot.joints(name) for pair in PAIRS for name in pair}
@@ -64,7 +64,7 @@ def joints(performance: Performance) -> Iterator[Markup]:
 def still_hinges(performance: Performance) -> list[str]:
     """Names of the hinges that are not drawn."""
     moving = _moving(_curves(performance))
-    return [name for name, moves in zip(performance.plan.facts.robot.skeleton.names, moving, strict=True) if not moves]
+    return [name for name, moves in zip(performance.plan.setup.robot.skeleton.names, moving, strict=True) if not moves]
 
 
 def _moving(curves: tuple[Floats, Floats, Floats]) -> Flags:
@@ -112,7 +112,7 @@ def _panel(
     syncs: list[SyncTime],
 ) -> None:
     """One hinge."""
-    times, robot = performance.measured.times, performance.plan.facts.robot
+    times, robot = performance.measured.times, performance.plan.setup.robot
     time_axes(axes, end=float(times[-1]))
     _mark(axes, performance, syncs)
     styles = ((ASKED, 2.6, "-"), (PLANNED, 1.2, "-"), (PERFORMED, 1.0, (0, (4, 2))))

@@ -49,7 +49,7 @@ def margins(performance: Performance) -> Markup:
 def _clearance(axes: "Axes", performance: Performance) -> None:
     """Distance of the closest pair of segments, with the least that is required."""
     plan, measured = performance.plan, performance.measured
-    least = 1000 * plan.facts.robot.least_clearance
+    least = 1000 * plan.setup.robot.least_clearance
     curves = (
         (plan.clearance_times, plan.clearance, PLANNED, "-"),
         (measured.times, measured.clearance, PERFORMED, (0, (4, 2))),
@@ -67,7 +67,7 @@ def _clearance(axes: "Axes", performance: Performance) -> None:
 
 def _shares(axes: "Axes", performance: Performance) -> None:
     """The hinge that is nearest to its limit, of speed, acceleration, jerk and duty."""
-    limits, times = performance.plan.facts.limits, performance.measured.times
+    limits, times = performance.plan.setup.limits, performance.measured.times
     speeds, accelerations = performance.reference.speeds, performance.reference.accelerations
     shares = (
         ("speed", np.abs(speeds) / limits.speed, PLANNED),
@@ -98,7 +98,7 @@ def _tracking(axes: "Axes", performance: Performance) -> None:
 
 
 def _peak(name: str, values: Floats, performance: Performance) -> str:
-    hinge = performance.plan.facts.robot.skeleton.names[int(values.max(axis=0).argmax())]
+    hinge = performance.plan.setup.robot.skeleton.names[int(values.max(axis=0).argmax())]
     return f"{name}: {values.max():.2f}, {hinge}"
 
 

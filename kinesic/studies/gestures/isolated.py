@@ -62,14 +62,14 @@ def key_postures(form: GestureForm, planned: Plan, most: int) -> Show:
     """
     outcome = planned.keyframes.outcomes[BEHAVIOUR]
     if outcome.kind == "dropped":
-        raise BmlError(f"{form.id} cannot be drawn, {planned.facts.robot.name} cannot play it: {outcome.why}")
+        raise BmlError(f"{form.id} cannot be drawn, {planned.setup.robot.name} cannot play it: {outcome.why}")
     times = {sync.sync: sync for sync in planned.syncs if sync.behaviour == BEHAVIOUR}
     first, stroke, last = (times[name] for name in ("strokeStart", "stroke", "strokeEnd"))
     inside = [posture for posture in planned.postures.postures if first.asked <= posture.time <= last.asked]
     middle = int(np.argmin([abs(posture.time - stroke.asked) for posture in inside]))
     chosen = _thinned(len(inside), middle, most)
     spanned = planned.trajectory.zero + np.linspace(first.planned, last.planned, _PATH_POINTS)
-    frames = planned.facts.robot.skeleton.frames(planned.trajectory.sample(spanned)[0])
+    frames = planned.setup.robot.skeleton.frames(planned.trajectory.sample(spanned)[0])
     paths = {side: _palm(planned, side, frames.rotations, frames.origins) for side in SIDES if side in form.sides}
     return Show(form, tuple(inside[k].angles for k in chosen), chosen.index(middle), paths)
 
@@ -87,7 +87,7 @@ def _thinned(count: int, middle: int, most: int) -> list[int]:
 
 def _palm(planned: Plan, side: Side, rotations: Floats, origins: Floats) -> Floats:
     """(m, 3) [m] of one palm."""
-    robot = planned.facts.robot
+    robot = planned.setup.robot
     palm = robot.sites[f"{side}_palm"]
     k = robot.skeleton.segment(palm.segment)
     return sealed(origins[:, k] + rotations[:, k] @ palm.position)

@@ -124,7 +124,7 @@ def measures(performance: Performance, behaviour: str) -> Measures:
     if not sides:
         raise ValueError(f"{behaviour} moves no hand; nothing to measure")
     window = _Window(performance, syncs)
-    measured, robot, period = performance.measured, performance.plan.facts.robot, performance.period
+    measured, robot, period = performance.measured, performance.plan.setup.robot, performance.period
     whole, stroke = window.samples("start", "end"), window.samples("strokeStart", "strokeEnd")
     hands = [measured.hands[side] for side in sides]
     angles, speeds = measured.angles[whole], measured.speeds[whole]
@@ -145,7 +145,7 @@ def measures(performance: Performance, behaviour: str) -> Measures:
         preparation=window.time("ready") - window.time("start"),
         elbow_offset=_elbow_offset(window, sides),
         strokes=max(_strokes(window, hand) for hand in hands),
-        energy=float(kinetic_energy(performance.plan.facts.dynamics, angles, speeds).mean()),
+        energy=float(kinetic_energy(performance.plan.setup.dynamics, angles, speeds).mean()),
     )
 
 
@@ -165,7 +165,7 @@ def _allowed(window: _Window, side: Side) -> float:
 
     A motion from rest to rest that uses its limits well peaks at no more than twice its mean speed.
     """
-    known = window.performance.plan.facts
+    known = window.performance.plan.setup
     begin, end = (window.syncs[sync].asked for sync in ("strokeStart", "stroke"))
     keys = [posture.angles for posture in window.performance.plan.postures.postures if begin <= posture.time <= end]
     if len(keys) < 2:
@@ -198,7 +198,7 @@ def _elbow_offset(window: _Window, sides: list[Side]) -> float | None:
     Only samples of stroke and hold count in which the hand is within a share of the reach.
     """
     performance = window.performance
-    robot = performance.plan.facts.robot
+    robot = performance.plan.setup.robot
     frames = motion_frames(robot.skeleton, performance.measured.angles[window.samples("strokeStart", "relax")])
     offsets = []
     for side in sides:

@@ -49,8 +49,8 @@ def with_measured(performance, **changes):
     return replace(performance, measured=replace(performance.measured, **changes))
 
 
-def with_facts(performance, **changes):
-    plan = replace(performance.plan, facts=replace(performance.plan.facts, **changes))
+def with_setup(performance, **changes):
+    plan = replace(performance.plan, setup=replace(performance.plan.setup, **changes))
     return replace(performance, reference=replace(performance.reference, plan=plan))
 
 
@@ -67,31 +67,31 @@ def test_a_gesture_with_time_passes_every_check(done):
 def test_limits_name_the_hinge_and_the_time_of_the_peak(done, name):
     check = found(done)[name]
     hinge, _, time = check.where.partition(" at ")
-    assert hinge in done.plan.facts.robot.skeleton.names
+    assert hinge in done.plan.setup.robot.skeleton.names
     assert 0.0 <= float(time.removesuffix(" s")) <= done.plan.trajectory.duration
 
 
 @pytest.mark.parametrize("quantity", ["speed", "acceleration", "jerk"])
 def test_a_limit_that_is_exceeded_fails(done, quantity):
-    limits = done.plan.facts.limits
+    limits = done.plan.setup.limits
     peak = done.reference.peaks.shares[quantity]
     for share, status in ((1.0, "pass"), (0.9985, "fail")):
         tight = replace(limits, **{quantity: sealed(getattr(limits, quantity) * peak.ratios.max() * share)})
-        narrow = with_facts(done)
-        narrow.plan.facts.__dict__["limits"] = tight  # what the cached property would work out
+        narrow = with_setup(done)
+        narrow.plan.setup.__dict__["limits"] = tight  # what the cached property would work out
         check = found(narrow)[f"limits.{quantity}"]
         assert (check.status, check.value) == (status, pytest.approx(1 / share))
 
 
 def test_a_stop_that_is_passed_fails_in_degrees(done):
     angles = done.plan.trajectory.sample(np.linspace(0.0, done.plan.trajectory.duration, 5000))[0]
-    limits = done.plan.facts.limits
+    limits = done.plan.setup.limits
     highest = angles[:, 5].max()
     upper = limits.upper.copy()
     upper[5] = highest - np.radians(2.0)
-    skeleton = done.plan.facts.robot.skeleton
+    skeleton = done.plan.setup.robot.skeleton
     hinges = tuple(replace(h, upper=float(upper[k])) if k == 5 else h for k, h in enumerate(skeleton.hinges))
-    narrow = with_facts(done, robot=replace(done.plan.facts.robot, skeleton=replace(skeleton, hinges=hinges)))
+    narrow = with_setup(done, robot=replace(done.plan.setup.robot, skeleton=replace(skeleton, hinges=hinges)))
     verdicts = found(narrow)
     assert verdicts["limits.margin"].status == "fail"
     assert verdicts["limits.margin"].value == pytest.approx(-2.0, abs=0.01)
@@ -104,7 +104,7 @@ def test_a_duty_above_one_fails_where_it_is(done):
     duties[120, 7] = -1.2
     check = found(replace(done, reference=replace(done.reference, duties=duties)))["limits.duty"]
     assert (check.status, check.value) == ("fail", 1.2)
-    assert check.where == f"{done.plan.facts.robot.skeleton.names[7]} at 1.20 s"
+    assert check.where == f"{done.plan.setup.robot.skeleton.names[7]} at 1.20 s"
 
 
 @pytest.mark.parametrize(("share", "status", "limit"), [(0.39, "pass", 0.4), (0.5, "warn", 0.4), (0.81, "fail", 0.8)])
@@ -121,7 +121,7 @@ def test_torque_to_stand_still(done, known, share, status, limit):
             torques[40, 3] = -share * known.robot.drives[3].stall
             return torques
 
-    check = found(with_facts(done, dynamics=Loaded()))["limits.holding"]
+    check = found(with_setup(done, dynamics=Loaded()))["limits.holding"]
     assert (check.status, check.limit) == (status, limit)
     assert check.value == pytest.approx(share)
     assert check.where == f"{known.robot.skeleton.names[3]} at 2.00 s"
@@ -171,7 +171,7 @@ def test_full_duty_and_torque_that_heats_are_warned(done):
     duties[50:60, 4] = 1.5
     torques = np.zeros_like(duties)
     torques[:, 9] = 0.31 * done.robot.drives[9].stall
-    names = done.plan.facts.robot.skeleton.names
+    names = done.plan.setup.robot.skeleton.names
     verdicts = found(with_measured(done, duties=duties, torques=torques))
     assert verdicts["servo.saturation"].status == "warn"
     assert verdicts["servo.saturation"].value == pytest.approx(0.1)
@@ -188,15 +188,15 @@ def test_current_is_compared_with_the_supply_where_there_is_one(done):
     power = Power(
         sealed(np.full(count, 1.5)), sealed(peak), 90.0, {"l_elbow_flexion": sealed(np.linspace(0, 50, count))}
     )
-    robot = done.plan.facts.robot
-    fed = with_measured(with_facts(done, robot=replace(robot, supply=Supply(12.0, 5.0))), power=power)
+    robot = done.plan.setup.robot
+    fed = with_measured(with_setup(done, robot=replace(robot, supply=Supply(12.0, 5.0))), power=power)
     verdicts = found(fed)
     assert (verdicts["power.peak"].status, verdicts["power.peak"].value) == ("warn", 6.0)
     assert verdicts["power.peak"].where == "at 0.30 s"
     assert (verdicts["power.mean"].status, verdicts["power.mean"].value) == ("pass", 1.5)
     assert verdicts["power.warming"].status == "warn"
     assert verdicts["power.warming"].where.startswith("l_elbow_flexion at ")
-    without = found(with_facts(done, robot=replace(robot, supply=None)))
+    without = found(with_setup(done, robot=replace(robot, supply=None)))
     assert set(without) == NAMES - {"power.peak", "power.mean"}
 
 

@@ -38,7 +38,7 @@ def test_figures_are_well_formed_and_show_the_hinges_that_move(
     hurried: Performance, moves: list[str], acts: str, ways: str
 ) -> None:
     drawn = set().union(*(words_of(figure) for figure in moves))
-    names = set(hurried.plan.facts.robot.skeleton.names)
+    names = set(hurried.plan.setup.robot.skeleton.names)
     assert "skullbase_tilt" in drawn
     assert drawn & names == names - set(still_hinges(hurried))
     assert {"rushed", "nod", "Hello there,"} <= words_of(acts)
