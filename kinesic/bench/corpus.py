@@ -9,7 +9,6 @@ from kinesic.controller.perform import plan
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.report.batch import documents
-from kinesic.report.checks.twin import is_stroke
 
 SEED = 50
 LONGEST = 60.0  # [s] of a block
@@ -37,7 +36,7 @@ def blocks(where: Path, known: Setup, count: int) -> tuple[Plan, ...]:
             found = plan(file.read_bytes(), known, source=str(file))
         except BmlError:
             continue
-        if found.duration <= LONGEST and any(is_stroke(sync) for sync in found.syncs):
+        if found.duration <= LONGEST and any(sync.is_stroke for sync in found.syncs):
             chosen.append(found)
         if len(chosen) == count:
             break

@@ -21,7 +21,6 @@ from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.report.checks import checks
-from kinesic.report.checks.twin import is_stroke
 from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors
 
 BLOCKS = 50
@@ -53,7 +52,7 @@ class Errors:
         lost = 0
         for performance in performances:
             angles.append(np.abs(performance.errors[performance.reference.moving]))
-            lags = [(sync, lag) for sync, lag in performance.lags.items() if is_stroke(sync)]
+            lags = [(sync, lag) for sync, lag in performance.lags.items() if sync.is_stroke]
             lost += sum(lag is None for _, lag in lags)
             strokes += [
                 abs(sync.planned + lag - sync.asked)

@@ -24,7 +24,7 @@ from kinesic.planning.bap import SUFFIX, read_bap
 from kinesic.planning.imported_motion import plan_imported
 from kinesic.planning.setup import Setup
 from kinesic.report.checks import Check, checks
-from kinesic.report.comparison import measure_tracking
+from kinesic.report.checks.twin import measure_tracking
 from kinesic.report.output import Written, free_folder, write_report
 from kinesic.report.page import verdict
 from kinesic.report.report import Json, report

@@ -35,6 +35,11 @@ class SyncTime:
         """Behaviour and sync point: `nod:stroke`."""
         return f"{self.behaviour}:{self.sync}"
 
+    @property
+    def is_stroke(self) -> bool:
+        """Whether it is the stroke, the first or a repeated one."""
+        return self.sync == "stroke" or self.sync.startswith("stroke:")
+
 
 T_co = TypeVar("T_co", bound=SyncTime, covariant=True)
 

@@ -14,7 +14,7 @@ from kinesic.face.display import DisplayError
 from kinesic.face.show.recording import FaceRecording
 from kinesic.planning.face_track import asks_face, commands_with_face
 from kinesic.planning.plan import Plan
-from kinesic.report.page import write_page
+from kinesic.report.page import Recordings, write_page
 from kinesic.report.report import Json
 from kinesic.sim.film import FilmError
 from kinesic.sim.film import film as write_film
@@ -46,33 +46,36 @@ def empty_folder(folder: Path) -> Path:
     return folder
 
 
-@dataclass(frozen=True)
-class Written:
+@dataclass(frozen=True, kw_only=True)
+class Written(Recordings):
     """Paths of what was written."""
 
     report: Path
     page: Path
     measured: Path  # what the twin did, as `kinesic twin fit` reads it
-    film: Path | None
-    why_no_film: str = ""
-    face: Path | None = None  # a film of it
-    why_no_face: str = ""
-    voice: Path | None = None  # what is heard
 
 
 def write_report(performance: Performance, data: dict[str, Json], folder: Path, *, film: bool = True) -> Written:
     """Writes report.json, report.html, measured.npz, speech.wav and, where OpenGL works, films of twin and face."""
     plan = performance.plan
     report = empty_folder(folder) / "report.json"
-    picture, why = _filmed(performance, folder / "film.webp") if film else (None, NOT_ASKED)
-    face, why_not = _face(plan, folder / "face.webp") if film else (None, NOT_ASKED)
+    twin, why_no_film = _filmed(performance, folder / "film.webp") if film else (None, NOT_ASKED)
+    face, why_no_face = _face(plan, folder / "face.webp") if film else (None, NOT_ASKED)
     measured = folder / "measured.npz"
     write_log(performance.measured, plan.setup.robot, measured)
     voice, heard = folder / "speech.wav", sound(plan)
     if heard is not None:
         write_wav(heard, voice)
-    page = folder / "report.html"
-    written = Written(report, page, measured, picture, why, face, why_not, None if heard is None else voice)
+    written = Written(
+        report=report,
+        page=folder / "report.html",
+        measured=measured,
+        film=twin,
+        why_no_film=why_no_film,
+        face=face,
+        why_no_face=why_no_face,
+        voice=None if heard is None else voice,
+    )
     rewrite(written, performance, data)
     return written
 
@@ -80,16 +83,7 @@ def write_report(performance: Performance, data: dict[str, Json], folder: Path, 
 def rewrite(written: Written, performance: Performance, data: dict[str, Json]) -> None:
     """Writes the report and its page, over older ones."""
     written.report.write_text(json.dumps(data, indent=1), encoding="utf-8")
-    write_page(
-        performance,
-        data,
-        film=written.film,
-        path=written.page,
-        no_film=written.why_no_film,
-        face=written.face,
-        no_face=written.why_no_face,
-        voice=written.voice,
-    )
+    write_page(performance, data, written, path=written.page)
 
 
 def _face(plan: Plan, path: Path) -> tuple[Path | None, str]:

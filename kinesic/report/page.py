@@ -1,7 +1,8 @@
-"""The dry-run report as one page that needs nothing beside itself."""
+"""Writes the dry-run report as one page that needs nothing beside itself."""
 
 import base64
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -10,7 +11,7 @@ from markupsafe import Markup, escape
 
 from kinesic.controller.performance import Performance
 from kinesic.expressivity.style.style import MODALITIES, RANGES
-from kinesic.report.checks.servos import CONTINUOUS
+from kinesic.report.checks.servos import CONTINUOUS, draw_load, loads
 from kinesic.report.conditioning import story, strays
 from kinesic.report.plots.hands import hands
 from kinesic.report.plots.joints import joints, still_hinges
@@ -19,8 +20,6 @@ from kinesic.report.plots.score import score
 from kinesic.report.plots.svg import spark
 from kinesic.report.replay import replay_data
 from kinesic.report.report import Json
-from kinesic.report.servo_load import draw_load, loads
-from kinesic.report.tiles import SEVERITY, format_number, tiles
 
 FILM_TYPES = {".webp": "image/webp", ".png": "image/png", ".gif": "image/gif"}
 SOUND_TYPES = {".wav": "audio/wav"}
@@ -30,30 +29,44 @@ FIRST_CHAPTERS = 6  # behaviours likewise
 OUTCOMES = {"dropped": 0, "substituted": 1, "realised": 2}
 HERE = Path(__file__).parent / "templates"
 SCRIPTS = ("shapes.js", "scene.js", "film.js", "replay.js")
+SEVERITY = {"fail": 0, "warn": 1, "pass": 2}
+TITLES = {
+    "limits": "Limits",
+    "collision": "Clearance",
+    "timing": "Timing",
+    "tracking": "Tracking",
+    "measured": "On the robot",
+    "servo": "Servos",
+}  # else the word itself
+SMALLER = {"s": ("ms", 1000.0), "m": ("mm", 1000.0)}  # for values below 1
+SYMBOLS = {"deg": "\u00b0", "times": "\u00d7"}
+TIGHT = {"\u00b0"}  # units that stand at the figure
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recordings:
+    """What was recorded of a performance, on performance time."""
+
+    film: Path | None = None  # animated picture of the twin: .webp, .png or .gif
+    why_no_film: str = "not recorded"
+    face: Path | None = None  # animated picture of the face, .webp, which the replay shows in step
+    why_no_face: str = "not recorded"
+    voice: Path | None = None  # what is heard, .wav, whose clock the replay then follows
+
+
+NOTHING = Recordings()
 
 
 def write_page(
-    performance: Performance,
-    data: Mapping[str, Json],
-    *,
-    film: Path | None,
-    path: Path,
-    no_film: str = "not recorded",
-    face: Path | None = None,
-    no_face: str = "not recorded",
-    voice: Path | None = None,
+    performance: Performance, data: Mapping[str, Json], recordings: Recordings = NOTHING, *, path: Path
 ) -> None:
     """Writes the report for people.
 
     Args:
         performance: what was planned and performed, for the figures.
         data: what `report` says of it, for the words and tables.
-        film: animated picture of the performance (.webp, .png or .gif), which becomes a part of the page.
+        recordings: become parts of the page.
         path: of the page.
-        no_film: why there is none.
-        face: animated picture of the face (.webp), on performance time, which the replay shows in step.
-        no_face: why there is none.
-        voice: what is heard (.wav), on performance time, whose clock the replay then follows.
 
     Raises:
         ValueError: a film or the sound is of another type.
@@ -76,11 +89,11 @@ def write_page(
         loads=(strained[:FIRST_LOADS], strained[FIRST_LOADS:]),
         continuous=CONTINUOUS,
         draw=draw_load(performance),
-        film=None if film is None else _embedded(film, FILM_TYPES),
-        no_film=no_film,
-        face=None if face is None else _embedded(face, {".webp": FILM_TYPES[".webp"]}),
-        no_face=no_face,
-        voice=None if voice is None else _embedded(voice, SOUND_TYPES),
+        film=_embedded(recordings.film, FILM_TYPES),
+        no_film=recordings.why_no_film,
+        face=_embedded(recordings.face, {".webp": FILM_TYPES[".webp"]}),
+        no_face=recordings.why_no_face,
+        voice=_embedded(recordings.voice, SOUND_TYPES),
         zero=performance.plan.trajectory.zero,
         score=score(performance),
         joints=list(joints(performance)),
@@ -151,6 +164,80 @@ def style_departures(row: Mapping[str, Json], style: Mapping[str, Json]) -> str:
     return "; ".join(f"{', '.join(numbers)} ({source})" for source, numbers in said.items())
 
 
+@dataclass(frozen=True)
+class Tile:
+    """One group of checks."""
+
+    title: str
+    status: str
+    name: str  # of the check that matters most
+    value: str
+    unit: str
+    limit: str  # with its unit and the side it is on
+    where: str
+    others: int  # checks in the group beside it
+
+
+def tiles(checks: Sequence[Mapping[str, Json]]) -> list[Tile]:
+    """One tile for each group of checks, by the part of their names before the dot, as they come.
+
+    Args:
+        checks: rows of the report.
+    """
+    groups: dict[str, list[Mapping[str, Json]]] = {}
+    for row in checks:
+        groups.setdefault(str(row["name"]).split(".")[0], []).append(row)
+    return [_tile(TITLES.get(name, name.capitalize()), rows) for name, rows in groups.items()]
+
+
+def _tile(title: str, rows: list[Mapping[str, Json]]) -> Tile:
+    worst = min(rows, key=lambda row: (SEVERITY[str(row["status"])], -_nearness(row)))
+    unit = str(worst["unit"])
+    value, shown = quantity(worst["value"], unit)
+    limit, beside = quantity(worst["limit"], unit)
+    if value == limit and worst["status"] != "pass":
+        value = f"{worst['value']:.7g}"  # so that it shows on which side it is
+    side = "at least" if worst["at_least"] else "at most"
+    return Tile(
+        title=title,
+        status=str(worst["status"]),
+        name=str(worst["name"]).split(".", 1)[-1].replace("_", " "),
+        value=value,
+        unit=shown,
+        limit=f"{side} {limit}{'' if beside in TIGHT else ' '}{beside}".rstrip(),
+        where=str(worst["where"]),
+        others=len(rows) - 1,
+    )
+
+
+def _nearness(row: Mapping[str, Json]) -> float:
+    """Share of a limit that is used up: 1 is the limit."""
+    value, limit = row["value"], row["limit"]
+    if not isinstance(value, int | float) or not isinstance(limit, int | float) or not value or not limit:
+        return 0.0
+    return limit / value if row["at_least"] else value / limit
+
+
+def quantity(value: Json, unit: str) -> tuple[str, str]:
+    """A value and its unit as people write them."""
+    if isinstance(value, int | float) and unit in SMALLER and abs(value) < 1.0:
+        unit, scale = SMALLER[unit]
+        value = scale * value
+    if isinstance(value, float) and unit == "ratio":
+        return f"{value:.2f}", ""
+    brief = f"{value:.2g}" if isinstance(value, float) and abs(value) < 0.1 else format_number(value)
+    return brief.replace("-", "\u2212"), SYMBOLS.get(unit, unit)
+
+
+def format_number(value: Json) -> str:
+    """A number with three digits that count; other values as they are, none as a dash."""
+    if value is None:
+        return "\u2013"
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return str(value)
+    return f"{value:.0f}" if abs(value) >= 100 else f"{value + 0.0:.3g}"
+
+
 def breakable(name: str) -> Markup:
     """A name that a narrow column may break after its underscores."""
     return Markup(escape(name).replace("_", Markup("_<wbr>")))
@@ -162,8 +249,10 @@ def _rows(data: Mapping[str, Json], name: str) -> list[dict[str, Json]]:
     return [row for row in table if isinstance(row, dict)] if isinstance(table, list) else []
 
 
-def _embedded(file: Path, types: Mapping[str, str]) -> str:
-    """A file as a data URI."""
+def _embedded(file: Path | None, types: Mapping[str, str]) -> str | None:
+    """A file as a data URI, if there is one."""
+    if file is None:
+        return None
     if file.suffix not in types:
         raise ValueError(f"{file} cannot be shown in a page; known: {', '.join(types)}")
     return f"data:{types[file.suffix]};base64,{base64.b64encode(file.read_bytes()).decode()}"

@@ -9,8 +9,7 @@ from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Capsule, Hinge
 from kinesic.controller.performance import Performance
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
-from kinesic.report.captions import captions
-from kinesic.report.plots.svg import is_stroke
+from kinesic.report.plots.score import captions
 from kinesic.report.report import Json
 from kinesic.sim.scene_style import VIEW_FROM, VIEW_HEIGHT, VIEW_RISE, eyeballs, parts
 
@@ -121,7 +120,7 @@ def _marks(performance: Performance) -> list[Json]:
     """Sync points of moving behaviours in performance time."""
     syncs = list(performance.plan.syncs)
     if len(syncs) > MOST_MARKS:
-        syncs = [sync for sync in syncs if is_stroke(sync)][:MOST_MARKS]
+        syncs = [sync for sync in syncs if sync.is_stroke][:MOST_MARKS]
     return [_mark(sync, performance) for sync in syncs]
 
 
@@ -133,6 +132,6 @@ def _mark(sync: SyncTime, performance: Performance) -> dict[str, Json]:
         "at": round(zero + sync.planned, 4),
         "behaviour": sync.behaviour,
         "sync": sync.sync,
-        "kind": " ".join(name for name, yes in (("stroke", is_stroke(sync)), ("moved", moved)) if yes),
+        "kind": " ".join(name for name, yes in (("stroke", sync.is_stroke), ("moved", moved)) if yes),
         "words": f"{sync.behaviour}:{sync.sync} asked {sync.asked:.3f} s, planned {sync.planned:.3f} s, {twin}",
     }

@@ -1,12 +1,14 @@
 """The dry-run report as data: `report.json`, whose keys may grow but are never renamed."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from time import perf_counter
+from types import MappingProxyType
 
 import numpy as np
 
 from kinesic.bml.block import Behaviour, Block
+from kinesic.bml.feedback import prediction, warning
 from kinesic.bml.reading.manner import modality_of
 from kinesic.controller.performance import Performance
 from kinesic.controller.smoothness import dimensionless_jerk, spectral_arc_length
@@ -14,18 +16,19 @@ from kinesic.expressivity.style.resolve import resolve_numbers
 from kinesic.expressivity.style.style import Style
 from kinesic.ik import KERNEL
 from kinesic.planning.plan import Plan
-from kinesic.report.checks import TOLERANCE, Check, checks
+from kinesic.planning.syncs import SyncTime
+from kinesic.realizer.feedback import Progress, agenda, span, times_of
+from kinesic.report.checks import TOLERANCE, checks
 from kinesic.report.checks.plan import penetrations
-from kinesic.report.checks.twin import tracking_errors
-from kinesic.report.comparison import measure_tracking
+from kinesic.report.checks.twin import measure_tracking, tracking_errors
 from kinesic.report.conditioning import story
-from kinesic.report.feedback import feedback
 from kinesic.version import __version__
 
 Json = None | bool | int | float | str | list["Json"] | dict[str, "Json"]
 
 SCHEMA = 1
 MISS_TO_NAME = 0.02  # [m] a hand that stays further from its target is named
+UNSEEN: Mapping[SyncTime, float | None] = MappingProxyType({})  # nobody measured
 
 
 def report(
@@ -52,7 +55,7 @@ def report(
         "seed": seed,
         "kernel": KERNEL,
         "ok": all(check.status != "fail" for check in verdicts),
-        "checks": [_check(check) for check in verdicts],
+        "checks": [asdict(check) for check in verdicts],
         "behaviours": _behaviours(performance),
         "speech": _speech(plan),
         "sync": _syncs(performance),
@@ -91,18 +94,6 @@ def _manner(behaviour: Behaviour, plan: Plan) -> dict[str, Json] | None:
     found = resolve_numbers(plan.setup.style, modality, plan.timeline.block, behaviour)
     carried: dict[str, Json] = {"intensity": behaviour.manner.intensity}  # of Greta's signals
     return {"modality": modality, "values": asdict(found.expressivity), "sources": dict(found.sources), **carried}
-
-
-def _check(check: Check) -> dict[str, Json]:
-    return {
-        "name": check.name,
-        "status": check.status,
-        "value": check.value,
-        "limit": check.limit,
-        "unit": check.unit,
-        "where": check.where,
-        "at_least": check.at_least,
-    }
 
 
 def _behaviours(performance: Performance) -> list[Json]:
@@ -228,6 +219,26 @@ def _power(performance: Performance) -> dict[str, Json]:
         "energy_j": power.energy,
         "warming_k": {name: float(rise.max()) for name, rise in power.warming.items()},
     }
+
+
+def feedback(plan: Plan, lags: Mapping[SyncTime, float | None] = UNSEEN) -> Iterator[str]:
+    """Yields the BML feedback of a performed block as it is sent: prediction, warnings, then the progress.
+
+    Args:
+        plan: of the block, whose time 0 is that of the messages.
+        lags: how much later than planned the body was seen at sync points [s]; None: it never came.
+    """
+    block, times = plan.timeline.block, times_of(plan.syncs)
+    start, _, end = span(times)
+    types = {behaviour.id: behaviour.type for behaviour in block.behaviours}
+    yield prediction(block.id, start, end, times, types=types, character=block.character)
+    for notice in plan.notices:
+        yield warning(notice, character=block.character)
+    seen_at = {(s.behaviour, s.sync): s.planned + lag for s, lag in lags.items() if lag is not None}
+    for due in agenda(block.id, times, 0.0, sender=0, character=block.character):
+        point = due.told
+        measured = seen_at.get((point.behaviour or "", point.point)) if isinstance(point, Progress) else None
+        yield due.xml if measured is None else due.seen(measured).xml
 
 
 def _timing(performance: Performance, checking: float) -> dict[str, Json]:

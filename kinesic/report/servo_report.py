@@ -6,7 +6,6 @@ import numpy as np
 
 from kinesic.controller.servo_performance import ServoRun
 from kinesic.report.checks import Check
-from kinesic.report.checks.check import goal, least
 from kinesic.report.checks.twin import MAX, P95
 from kinesic.report.report import Json
 from kinesic.sim.log import Log
@@ -17,7 +16,7 @@ WHOLE = 0.999  # share of a plan that is all of it
 
 def live_checks(live: ServoRun) -> list[Check]:
     """How near the robot stayed to the plan, and whether it came to its end."""
-    found = [least("measured.performed", live.performed, WHOLE, "ratio", live.why or live.ending)]
+    found = [Check.of("measured.performed", live.performed, WHOLE, live.why or live.ending)]
     errors = np.degrees(np.abs(live.errors))
     counted = errors[np.isfinite(errors)]
     if not len(counted):
@@ -27,9 +26,9 @@ def live_checks(live: ServoRun) -> list[Check]:
     worst = f"{names[hinge]} at {live.times[row]:.2f} s"
     return [
         *found,
-        goal("measured.rmse", float(np.sqrt(np.mean(counted**2))), RMSE, "deg", f"most {_most(live)}"),
-        goal("measured.p95", float(np.percentile(counted, 95)), P95, "deg"),
-        goal("measured.max", float(counted.max()), MAX, "deg", worst),
+        Check.of("measured.rmse", float(np.sqrt(np.mean(counted**2))), RMSE, f"most {_most(live)}"),
+        Check.of("measured.p95", float(np.percentile(counted, 95)), P95),
+        Check.of("measured.max", float(counted.max()), MAX, worst),
     ]
 
 

@@ -11,7 +11,7 @@ from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
 from kinesic.planning.speech_pauses import SpeechPause, insert_pauses
 from kinesic.planning.syncs import SHIFT_TO_WARN
-from kinesic.report.feedback import feedback
+from kinesic.report.report import feedback
 from kinesic.speech.espeak_pool import espeak_fault
 
 HURRIED = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:kinesic="urn:kinesic" id="b" {block}>

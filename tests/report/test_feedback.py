@@ -7,7 +7,7 @@ import pytest
 
 from kinesic.controller.perform import plan, set_up
 from kinesic.planning.syncs import SHIFT_TO_WARN
-from kinesic.report.feedback import feedback
+from kinesic.report.report import feedback
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 BLOCKS = {
@@ -36,7 +36,7 @@ def local(element):
     return element.tag.rpartition("}")[2]
 
 
-def told(planned):
+def messages_of(planned):
     return [ElementTree.fromstring(message) for message in feedback(planned)]
 
 
@@ -51,7 +51,7 @@ def shifts_told(messages):
 
 @pytest.mark.parametrize("name", BLOCKS)
 def test_the_prediction_comes_first_and_warnings_before_anything_moves(plans, name):
-    names = [local(message) for message in told(plans[name])]
+    names = [local(message) for message in messages_of(plans[name])]
     moves = names.index("blockProgress")
     assert names[0] == "predictionFeedback"
     assert names.count("predictionFeedback") == 1
@@ -65,20 +65,20 @@ def test_each_shift_above_10_ms_is_warned_and_no_other(plans, name):
     moved = Counter(
         (f"b:{sync.behaviour}", sync.sync) for sync in planned.syncs if abs(sync.planned - sync.asked) > SHIFT_TO_WARN
     )
-    assert shifts_told(told(planned)) == moved
+    assert shifts_told(messages_of(planned)) == moved
 
 
 def test_the_blocks_have_shifts_and_none(plans):
     for name in MOVED:
-        assert shifts_told(told(plans[name])), name
+        assert shifts_told(messages_of(plans[name])), name
     for name in KEPT:
-        assert not shifts_told(told(plans[name])), name
+        assert not shifts_told(messages_of(plans[name])), name
 
 
 @pytest.mark.parametrize("name", BLOCKS)
 def test_the_prediction_tells_planned_times_not_asked_ones(plans, name):
     planned = plans[name]
-    prediction = told(planned)[0]
+    prediction = messages_of(planned)[0]
     times = {}
     for element in list(prediction)[1:]:
         behaviour = element.get("id").removeprefix("b:")
@@ -90,7 +90,7 @@ def test_the_prediction_tells_planned_times_not_asked_ones(plans, name):
 @pytest.mark.parametrize("name", MOVED)
 def test_a_warning_names_both_times_and_the_limit(plans, name):
     planned = plans[name]
-    texts = [m.text for m in told(planned) if local(m) == "warningFeedback" and " is planned at " in m.text]
+    texts = [m.text for m in messages_of(planned) if local(m) == "warningFeedback" and " is planned at " in m.text]
     hinges = planned.setup.robot.skeleton.names
     for text in texts:
         assert " asked at " in text

@@ -12,9 +12,18 @@ import pytest
 from kinesic.controller.perform import perform
 from kinesic.controller.performance import Performance
 from kinesic.planning.setup import Setup
-from kinesic.report.page import HERE, SCRIPTS, breakable, shift, style_departures, verdict, write_page
+from kinesic.report.page import (
+    HERE,
+    SCRIPTS,
+    Recordings,
+    breakable,
+    format_number,
+    shift,
+    style_departures,
+    verdict,
+    write_page,
+)
 from kinesic.report.report import Json, report
-from kinesic.report.tiles import format_number
 
 HOSTILE = '<script>alert("$x_1^$")</script>&--> \u6b22\u8fce'
 FETCHED = re.compile(r'(?:src|href)="(?!data:|#)|url\((?!#)|@import|fetch\(|XMLHttpRequest|import\(')
@@ -49,7 +58,7 @@ def text(hurried: Performance, data: dict[str, Json], tmp_path_factory: pytest.T
 
 def page(performance: Performance, data: dict[str, Json], folder: Path, film: Path | None = None) -> str:
     path = folder / "report.html"
-    write_page(performance, data, film=film, path=path)
+    write_page(performance, data, Recordings(film=film), path=path)
     return path.read_text(encoding="utf-8")
 
 
@@ -124,8 +133,9 @@ def media(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def sources(hurried: Performance, data: dict[str, Json], media: Path) -> list[tuple[str, str | None]]:
     """Tags and sources of the pictures and the sound of a page that has them all."""
-    path, films = media / "x.html", {"film": media / "film.webp", "face": media / "face.webp"}
-    write_page(hurried, data, path=path, **films, voice=media / "speech.wav")
+    path = media / "x.html"
+    everything = Recordings(film=media / "film.webp", face=media / "face.webp", voice=media / "speech.wav")
+    write_page(hurried, data, everything, path=path)
     tags = Outline(path.read_text(encoding="utf-8")).tags
     return [(tag, attributes["src"]) for tag, attributes in tags if tag in ("img", "audio")]
 
@@ -149,7 +159,7 @@ def test_voice_and_face_become_part_of_the_page(
     assert ("audio", embedded(media / "speech.wav", "audio/wav")) in sources
     assert len(sources) == len(set(sources)) == 3
     with pytest.raises(ValueError, match=r"speech\.mp3 cannot be shown"):
-        write_page(hurried, data, film=None, path=media / "y.html", voice=media / "speech.mp3")
+        write_page(hurried, data, Recordings(voice=media / "speech.mp3"), path=media / "y.html")
 
 
 def test_the_page_says_who_speaks_and_why_no_face_is_seen(text: str, data: dict[str, Json]) -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from kinesic.controller.performance import Performance
 from kinesic.face.show.files import save_film
-from kinesic.report.page import write_page
+from kinesic.report.page import Recordings, write_page
 from kinesic.report.report import report
 
 from ..chromium import Page, binary, opened
@@ -40,7 +40,7 @@ def url(hurried: Performance, tmp_path_factory: pytest.TempPathFactory) -> str:
         sound.setparams((1, 2, 8000, 0, "NONE", ""))
         sound.writeframes(bytes(round(2 * 8000 * SECONDS)))
     data, path = report(hurried, source="x.bml"), folder / "report.html"
-    write_page(hurried, data, film=None, path=path, face=folder / "face.webp", voice=folder / "speech.wav")
+    write_page(hurried, data, Recordings(face=folder / "face.webp", voice=folder / "speech.wav"), path=path)
     return path.as_uri()
 
 
@@ -98,7 +98,7 @@ def look(page: Page, name: str, condition: str) -> None:
 
 def test_a_page_without_them_has_neither(hurried: Performance, tmp_path: Path):
     path = tmp_path / "plain.html"
-    write_page(hurried, report(hurried, source="x.bml"), film=None, path=path)
+    write_page(hurried, report(hurried, source="x.bml"), path=path)
     with opened(path.as_uri(), tmp_path / "profile") as page:
         page.until("document.querySelector('#stage')?.hidden === false")
         assert page.value("document.querySelector('[data-part=face]').hidden")

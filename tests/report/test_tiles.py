@@ -2,8 +2,8 @@
 
 import pytest
 
+from kinesic.report.page import format_number, quantity, tiles
 from kinesic.report.report import Json
-from kinesic.report.tiles import format_number, quantity, tiles
 
 
 def row(name: str, status: str, value: float, limit: float, unit: str = "ratio") -> dict[str, Json]:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from kinesic.controller.perform import plan, set_up
 from kinesic.planning.syncs import SHIFT_TO_WARN
-from kinesic.report.feedback import feedback
+from kinesic.report.report import feedback
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 

@@ -5,12 +5,11 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Clearance
 from kinesic.controller.performance import Performance
-from kinesic.report.checks.check import Check, bound, format_time, goal, least
+from kinesic.report.checks.check import Check, format_time
 
 TOLERANCE = 1.001  # on ratios to limits
 DUTY = 1.0  # of full PWM
-HOLDING_GOAL = 0.4  # share of the stall torque that a posture should need
-HOLDING_LIMIT = 0.8  # above which the servo overheats or gives way
+HOLDING = 0.4  # share of the stall torque that a posture should need
 
 
 def limit_checks(performance: Performance) -> list[Check]:
@@ -21,10 +20,12 @@ def limit_checks(performance: Performance) -> list[Check]:
     for quantity, peak in performance.reference.peaks.shares.items():
         where = f"{names[peak.hinge]} {format_time(peak.time)}"
         name = "limits.reserve" if quantity == "duty" else f"limits.{quantity}"
-        found.append(bound(name, float(peak.ratios[peak.hinge]), 1.0, "ratio", where, slack=slack))
-    found.append(_duty(performance))
-    found.append(_holding(performance))
-    return found
+        found.append(Check.of(name, float(peak.ratios[peak.hinge]), 1.0, where, slack=slack))
+    duty, where = _highest(np.abs(performance.reference.duties), performance.measured.times, names)
+    found.append(Check.of("limits.duty", duty, DUTY, where, slack=slack))
+    times, shares = performance.reference.holding
+    share, where = _highest(shares, times, names)
+    return [*found, Check.of("limits.holding", share, HOLDING, where)]
 
 
 def _margin(performance: Performance) -> Check:
@@ -35,41 +36,29 @@ def _margin(performance: Performance) -> Check:
     margins = np.degrees(half * (1.0 - position.ratios))
     hinge = int(margins.argmin())
     slack = float(np.degrees(half[hinge])) * (TOLERANCE - 1.0)
-    return least("limits.margin", float(margins[hinge]), 0.0, "deg", skeleton.names[hinge], slack=slack)
+    return Check.of("limits.margin", float(margins[hinge]), 0.0, skeleton.names[hinge], slack=slack)
 
 
-def _duty(performance: Performance) -> Check:
-    duty = np.abs(performance.reference.duties)
-    row, hinge = np.unravel_index(int(duty.argmax()), duty.shape)
-    where = f"{performance.plan.setup.robot.skeleton.names[hinge]} {format_time(performance.measured.times[row])}"
-    return bound("limits.duty", float(duty[row, hinge]), DUTY, "ratio", where, slack=TOLERANCE - 1.0)
-
-
-def _holding(performance: Performance) -> Check:
-    times, shares = performance.reference.holding
-    row, hinge = np.unravel_index(int(shares.argmax()), shares.shape)
-    value = float(shares[row, hinge])
-    where = f"{performance.plan.setup.robot.skeleton.names[hinge]} {format_time(times[row])}"
-    judge, limit = (bound, HOLDING_LIMIT) if value > HOLDING_LIMIT else (goal, HOLDING_GOAL)
-    return judge("limits.holding", value, limit, "of stall", where)
+def _highest(values: Floats, times: Floats, names: tuple[str, ...]) -> tuple[float, str]:
+    """The largest of (m, n) values at (m,) times [s], and its hinge and time."""
+    row, hinge = np.unravel_index(int(values.argmax()), values.shape)
+    return float(values[row, hinge]), f"{names[hinge]} {format_time(times[row])}"
 
 
 def distance_checks(performance: Performance) -> list[Check]:
     """Smallest distance on plan and twin, with pair and time, and how often segments overlap."""
     plan, measured = performance.plan, performance.measured
     required = plan.setup.robot.least_clearance
-    found = []
-    for name, clearance, times in (
-        ("plan", plan.clearance, plan.clearance_times),
-        ("twin", measured.clearance, measured.times),
-    ):
-        distance, where = smallest_distance(clearance, times)
-        found.append(least(f"collision.{name}", distance, required, "m", where))
+    found = [
+        Check.of(name, distance, required, where)
+        for name, (distance, where) in (
+            ("collision.plan", smallest_distance(plan.clearance, plan.clearance_times)),
+            ("collision.twin", smallest_distance(measured.clearance, measured.times)),
+        )
+    ]
     overlaps = penetrations(performance)
-    deepest = min(found, key=lambda check: check.value)
-    where = deepest.where if overlaps else ""
-    found.append(bound("collision.penetrations", float(overlaps), 0.0, "samples", where))
-    return found
+    where = min(found, key=lambda check: check.value).where if overlaps else ""
+    return [*found, Check.of("collision.penetrations", float(overlaps), 0.0, where)]
 
 
 def smallest_distance(clearance: Clearance, times: Floats) -> tuple[float, str]:

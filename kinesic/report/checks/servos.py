@@ -1,15 +1,19 @@
-"""Checks of the servos: load, what they take from the supply, and how warm their windings get.
+"""Measures and checks the servos: load, what they take from the supply, and how warm their windings get.
 
 Supply and windings are checked where the robot's file tells enough of them.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
+from kinesic.body.arrays import Floats
 from kinesic.controller.performance import Performance
-from kinesic.report.checks.check import Check, format_time, goal
+from kinesic.report.checks.check import Check, format_time
 
 SATURATION = 0.0  # [s]
 CONTINUOUS = 0.3  # share of the stall torque that a servo gives for long
+FULL = 1.0  # duty, above which the servo gives all it has
 WARMING = 40.0  # [K] from a warm housing of 40 C to the 80 C at which servos switch off
 
 
@@ -17,7 +21,7 @@ def servo_checks(performance: Performance) -> list[Check]:
     """Time at full duty, and the torque that heats."""
     names = performance.plan.setup.robot.skeleton.names
     measured = performance.measured
-    over = np.abs(measured.duties) > 1.0
+    over = np.abs(measured.duties) > FULL
     saturated = over.sum(axis=0) * performance.period
     longest = int(saturated.argmax())
     where = f"{names[longest]} from {measured.times[over[:, longest].argmax()]:.2f} s" if over.any() else ""
@@ -25,8 +29,8 @@ def servo_checks(performance: Performance) -> list[Check]:
     loads = np.sqrt((measured.torques**2).mean(axis=0)) / stall
     heaviest = int(loads.argmax())
     return [
-        goal("servo.saturation", float(saturated[longest]), SATURATION, "s", where),
-        goal("servo.load", float(loads[heaviest]), CONTINUOUS, "of stall", names[heaviest]),
+        Check.of("servo.saturation", float(saturated[longest]), SATURATION, where),
+        Check.of("servo.load", float(loads[heaviest]), CONTINUOUS, names[heaviest]),
     ]
 
 
@@ -37,11 +41,85 @@ def power_checks(performance: Performance) -> list[Check]:
     if supply is not None:
         highest = int(power.peak.argmax())
         where = format_time(measured.times[highest])
-        found.append(goal("power.peak", float(power.peak[highest]), supply.amps, "A", where))
-        found.append(goal("power.mean", float(power.mean.mean()), supply.amps, "A", f"{power.energy:.0f} J in all"))
+        found.append(Check.of("power.peak", float(power.peak[highest]), supply.amps, where))
+        found.append(Check.of("power.mean", float(power.mean.mean()), supply.amps, f"{power.energy:.0f} J in all"))
     if power.warming:
         hottest = max(power.warming, key=lambda name: float(power.warming[name].max()))
         rise = power.warming[hottest]
         where = f"{hottest} {format_time(measured.times[rise.argmax()])}"
-        found.append(goal("power.warming", float(rise.max()), WARMING, "K", where))
+        found.append(Check.of("power.warming", float(rise.max()), WARMING, where))
     return found
+
+
+@dataclass(frozen=True, eq=False)
+class DriveLoad:
+    """One hinge's drive over a performance in the twin."""
+
+    hinge: str
+    servo: str
+    planned: float  # largest duty that the plan needs
+    duty: float  # largest duty demanded in the twin, may exceed 1
+    duty_at: float  # [s]
+    torque: float  # largest torque over stall
+    torque_at: float  # [s]
+    rms: float  # root mean square of torque over stall
+    saturated: float  # [s] at full duty
+    duties: Floats  # (m,) magnitude over the measured times
+
+    @property
+    def strain(self) -> float:
+        """How near the drive comes to what it can give, in its peak or in the long run; 1 is the limit."""
+        return max(self.duty / FULL, self.rms / CONTINUOUS)
+
+
+def loads(performance: Performance) -> tuple[DriveLoad, ...]:
+    """Every drive, the most strained first."""
+    measured, robot = performance.measured, performance.robot
+    duties = np.abs(measured.duties)
+    shares = np.abs(measured.torques) / np.array([drive.stall for drive in robot.drives])
+    found = [
+        DriveLoad(
+            hinge=name,
+            servo=drive.servo.name if drive.count == 1 else f"{drive.count} x {drive.servo.name}",
+            planned=float(np.abs(performance.reference.duties[:, k]).max()),
+            duty=float(duties[:, k].max()),
+            duty_at=float(measured.times[duties[:, k].argmax()]),
+            torque=float(shares[:, k].max()),
+            torque_at=float(measured.times[shares[:, k].argmax()]),
+            rms=float(np.sqrt(np.mean(shares[:, k] ** 2))),
+            saturated=float((duties[:, k] > FULL).sum() * performance.period),
+            duties=duties[:, k],
+        )
+        for k, (name, drive) in enumerate(zip(robot.skeleton.names, robot.drives, strict=True))
+    ]
+    return tuple(sorted(found, key=lambda load: -load.strain))
+
+
+@dataclass(frozen=True)
+class Draw:
+    """What all servos together took from the supply."""
+
+    mean: float  # [A]
+    peak: float  # [A]
+    peak_at: float  # [s]
+    energy: float  # [J]
+    allowed: float | None  # [A] that the supply gives for long; None: not described
+    warmest: str  # hinge; empty where no servo's thermal figures are known
+    warming: float  # [K] of its winding
+
+
+def draw_load(performance: Performance) -> Draw:
+    """Current, energy and warming over the performance in the twin."""
+    measured, supply = performance.measured, performance.plan.setup.robot.supply
+    power = measured.power
+    warming = {name: float(rise.max()) for name, rise in power.warming.items()}
+    warmest = max(warming, key=lambda name: warming[name], default="")
+    return Draw(
+        mean=float(power.mean.mean()),
+        peak=float(power.peak.max()),
+        peak_at=float(measured.times[power.peak.argmax()]),
+        energy=power.energy,
+        allowed=None if supply is None else supply.amps,
+        warmest=warmest,
+        warming=warming.get(warmest, 0.0),
+    )

@@ -1,4 +1,4 @@
-"""Checks of the twin: when it meets sync points, how near it stays to the plan, and how smoothly its hands move."""
+"""Measures and checks the twin: when it meets sync points, how near to the plan and how smoothly it moves."""
 
 from dataclasses import dataclass
 
@@ -6,8 +6,8 @@ import numpy as np
 
 from kinesic.controller.performance import Performance
 from kinesic.controller.smoothness import dimensionless_jerk
-from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
-from kinesic.report.checks.check import Check, format_time, goal
+from kinesic.planning.syncs import SHIFT_TO_WARN
+from kinesic.report.checks.check import Check, format_time
 from kinesic.sim.servo_factors import NOMINAL
 
 STROKE_MEDIAN = 0.015  # [s]
@@ -25,17 +25,12 @@ def timing_checks(performance: Performance) -> list[Check]:
     return [_shift(performance), *_arrival(performance), *_strokes(performance)]
 
 
-def is_stroke(sync: SyncTime) -> bool:
-    """Whether a sync point is a stroke, or one of several."""
-    return sync.sync == "stroke" or sync.sync.startswith("stroke:")
-
-
 def stroke_errors(performance: Performance) -> list[tuple[float | None, str]]:
     """(error [s] to the asked time in the twin, name) of each stroke; None: never arrived."""
     return [
-        (None if lag is None else sync.planned + lag - sync.asked, _name(sync))
+        (None if lag is None else sync.planned + lag - sync.asked, sync.name)
         for sync, lag in performance.lags.items()
-        if is_stroke(sync)
+        if sync.is_stroke
     ]
 
 
@@ -43,17 +38,17 @@ def _shift(performance: Performance) -> Check:
     moved = [sync for sync in performance.plan.syncs if abs(sync.planned - sync.asked) > SHIFT_TO_WARN]
     worst = max(moved, key=lambda sync: abs(sync.planned - sync.asked), default=None)
     if worst is None:
-        return goal("timing.shift", 0.0, SHIFT_TO_WARN, "s")
-    where = f"{len(moved)} moved, most {_name(worst)}"
-    return goal("timing.shift", abs(worst.planned - worst.asked), SHIFT_TO_WARN, "s", where)
+        return Check.of("timing.shift", 0.0, SHIFT_TO_WARN)
+    where = f"{len(moved)} moved, most {worst.name}"
+    return Check.of("timing.shift", abs(worst.planned - worst.asked), SHIFT_TO_WARN, where)
 
 
 def _arrival(performance: Performance) -> list[Check]:
-    late = {sync: abs(lag) for sync, lag in performance.lags.items() if lag is not None and is_stroke(sync)}
+    late = {sync: abs(lag) for sync, lag in performance.lags.items() if lag is not None and sync.is_stroke}
     if not late:
         return []
     worst = max(late, key=lambda sync: late[sync])
-    return [goal("timing.twin", late[worst], ARRIVAL, "s", f"{_name(worst)} {format_time(worst.planned)}")]
+    return [Check.of("timing.twin", late[worst], ARRIVAL, f"{worst.name} {format_time(worst.planned)}")]
 
 
 def _strokes(performance: Performance) -> list[Check]:
@@ -62,17 +57,13 @@ def _strokes(performance: Performance) -> list[Check]:
     lost = [name for error, name in strokes if error is None]
     found = []
     if strokes:
-        found.append(goal("timing.arrival", float(len(lost)), 0.0, "strokes", ", ".join(lost)))
+        found.append(Check.of("timing.arrival", float(len(lost)), 0.0, ", ".join(lost)))
     if arrived:
         errors = np.array([error for error, _ in arrived])
         median, of = float(np.median(errors)), f"of {len(errors)} stroke{'s' if len(errors) > 1 else ''}"
-        found.append(goal("timing.stroke_median", median, STROKE_MEDIAN, "s", of))
-        found.append(goal("timing.stroke_p95", float(np.percentile(errors, 95)), STROKE_P95, "s", max(arrived)[1]))
+        found.append(Check.of("timing.stroke_median", median, STROKE_MEDIAN, of))
+        found.append(Check.of("timing.stroke_p95", float(np.percentile(errors, 95)), STROKE_P95, max(arrived)[1]))
     return found
-
-
-def _name(sync: SyncTime) -> str:
-    return f"{sync.behaviour}:{sync.sync}"
 
 
 @dataclass(frozen=True)
@@ -92,6 +83,36 @@ def tracking_errors(performance: Performance) -> Tracking:
     return Tracking(float(np.sqrt(np.mean(errors**2))), float(np.percentile(errors, 95)), float(errors.max()))
 
 
+@dataclass(frozen=True)
+class Following:
+    """How well one twin followed a plan, in few figures to put beside another's; None: there is nothing to measure."""
+
+    rmse_deg: float
+    p95_deg: float
+    max_deg: float
+    strokes: int
+    strokes_lost: int  # never reached
+    stroke_median_s: float | None  # of the magnitude of the error to the asked time
+    stroke_p95_s: float | None
+    min_distance_m: float
+
+
+def measure_tracking(performance: Performance) -> Following:
+    """Measures how well the twin of a performance followed its plan."""
+    found, strokes = tracking_errors(performance), stroke_errors(performance)
+    errors = [abs(error) for error, _ in strokes if error is not None]
+    return Following(
+        rmse_deg=found.rmse,
+        p95_deg=found.p95,
+        max_deg=found.max,
+        strokes=len(strokes),
+        strokes_lost=len(strokes) - len(errors),
+        stroke_median_s=float(np.median(errors)) if errors else None,
+        stroke_p95_s=float(np.percentile(errors, 95)) if errors else None,
+        min_distance_m=float(performance.measured.clearance.distances.min()),
+    )
+
+
 def tracking_checks(performance: Performance) -> list[Check]:
     """Error and lateness; none when nothing moves."""
     if not performance.reference.moving.any():
@@ -105,10 +126,10 @@ def tracking_checks(performance: Performance) -> list[Check]:
     late = np.nan_to_num(np.abs(performance.lateness))
     last = int(late.argmax())
     return [
-        goal("tracking.rmse", found.rmse, RMSE[performance.twin == NOMINAL], "deg", f"most {names[squares.argmax()]}"),
-        goal("tracking.p95", found.p95, P95, "deg", f"of {moving} moving hinge{'s' if moving > 1 else ''}"),
-        goal("tracking.max", found.max, MAX, "deg", f"{names[hinge]} {format_time(performance.measured.times[row])}"),
-        goal("tracking.lateness", float(late[last]), LATENESS, "s", names[last]),
+        Check.of("tracking.rmse", found.rmse, RMSE[performance.twin == NOMINAL], f"most {names[squares.argmax()]}"),
+        Check.of("tracking.p95", found.p95, P95, f"of {moving} moving hinge{'s' if moving > 1 else ''}"),
+        Check.of("tracking.max", found.max, MAX, f"{names[hinge]} {format_time(performance.measured.times[row])}"),
+        Check.of("tracking.lateness", float(late[last]), LATENESS, names[last]),
     ]
 
 
@@ -128,4 +149,4 @@ def motion_checks(performance: Performance) -> list[Check]:
     if not jerkier:
         return []
     worst = max(jerkier, key=lambda side: jerkier[side])
-    return [goal("smoothness.hands", jerkier[worst], JERKIER, "times", f"{worst}_hand")]
+    return [Check.of("smoothness.hands", jerkier[worst], JERKIER, f"{worst}_hand")]

@@ -22,7 +22,6 @@ from kinesic.report.plots.svg import (
     WIDTH,
     empty_figure,
     fit_text,
-    is_stroke,
     spaced_indices,
     svg,
     thin_line,
@@ -150,7 +149,7 @@ def _mark(axes: "Axes", performance: Performance, syncs: list[SyncTime]) -> None
     """Sync points as lines, strokes stronger; of many only the strokes."""
     zero = performance.plan.trajectory.zero
     for strong in (False, True) if len(syncs) <= MOST_LINES else (True,):
-        times = [zero + sync.planned for sync in syncs if is_stroke(sync) == strong]
+        times = [zero + sync.planned for sync in syncs if sync.is_stroke == strong]
         colour, width = (FAINT, 0.9) if strong else (GRID, 0.7)
         axes.vlines(times, 0, 1, transform=axes.get_xaxis_transform(), colors=colour, linewidth=width)
 
@@ -158,7 +157,7 @@ def _mark(axes: "Axes", performance: Performance, syncs: list[SyncTime]) -> None
 def _label(axes: "Axes", performance: Performance, syncs: list[SyncTime], width: float) -> None:
     """Names of behaviours over their strokes, as many as fit."""
     zero = performance.plan.trajectory.zero
-    strokes = [sync for sync in syncs if is_stroke(sync)]
+    strokes = [sync for sync in syncs if sync.is_stroke]
     per_second = width / float(performance.measured.times[-1])
     for k in spaced_indices([sync.planned for sync in strokes], LABEL / per_second):
         label = fit_text(strokes[k].behaviour, LABEL)

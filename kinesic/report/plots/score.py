@@ -1,13 +1,15 @@
 """The block as a score: one row per behaviour over performance time, with its strokes and its words."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from markupsafe import Markup
 
 from kinesic.bml.block import Speech
 from kinesic.controller.performance import Performance
-from kinesic.report.captions import Said, captions
+from kinesic.planning.plan import Plan
 from kinesic.report.plots.svg import (
     ASKED,
     FAINT,
@@ -17,7 +19,6 @@ from kinesic.report.plots.svg import (
     WIDTH,
     empty_figure,
     fit_text,
-    is_stroke,
     svg,
     time_axes,
     write_text,
@@ -30,6 +31,30 @@ ROW, TOP, BOTTOM = 0.21, 0.06, 0.3  # [in]
 LEFT, RIGHT = 1.6, 0.1  # [in]
 CORES = (("strokeStart", "strokeEnd"), ("ready", "relax"), ("attackPeak", "relax"))  # of gestures, gaze, faces
 ROWS = 50  # a longer score is cut, and says so
+
+
+@dataclass(frozen=True)
+class Said:
+    """A piece of speech between two marks."""
+
+    behaviour: str
+    begin: float  # [s] performance time
+    end: float  # [s] performance time
+    text: str
+
+
+def captions(plan: Plan) -> Iterator[Said]:
+    """Every text between its marks, each piece when it is said."""
+    for timed in plan.timeline.timed:
+        name, action = timed.behaviour.id, timed.behaviour.action
+        if not isinstance(action, Speech) or name not in plan.utterances:
+            continue
+        script, utterance = action.script, plan.utterances[name]
+        begin = plan.trajectory.zero + timed.times["start"]
+        marks = sorted((m.position, utterance.marks[m.name]) for m in script.marks if m.name in utterance.marks)
+        cuts = [(0, 0.0), *marks, (len(script.text), utterance.duration)]
+        for (first, start), (last, stop) in pairwise(cuts):
+            yield Said(name, begin + start, begin + stop, " ".join(script.text[first:last].split()))
 
 
 def score(performance: Performance) -> Markup | None:
@@ -74,7 +99,7 @@ def _phases(axes: "Axes", row: int, name: str, performance: Performance) -> None
         if first in at and last in at:
             axes.broken_barh([(at[first], at[last] - at[first])], (row + 0.2, 0.5), color=PLANNED, linewidth=0)
             break
-    strokes = [sync for sync in syncs if is_stroke(sync)]
+    strokes = [sync for sync in syncs if sync.is_stroke]
     axes.vlines([zero + sync.planned for sync in strokes], row + 0.08, row + 0.82, colors=INK, linewidth=1.2)
     asked = [zero + sync.asked for sync in syncs]
     axes.hlines(row + 0.86, min(asked), max(asked), colors=ASKED, linewidth=1.8)

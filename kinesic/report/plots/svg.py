@@ -10,8 +10,7 @@ import numpy as np
 from markupsafe import Markup
 
 from kinesic.body.arrays import Floats
-from kinesic.planning.syncs import SyncTime
-from kinesic.report.servo_load import FULL, DriveLoad
+from kinesic.report.checks.servos import FULL, DriveLoad
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -118,11 +117,6 @@ def fit_text(words: str, width: float) -> str:
     """What of a text fits into a width [in]."""
     letters = int(width / _LETTER)
     return words if len(words) <= letters else words[: letters - 1] + "\u2026" if letters > 1 else ""
-
-
-def is_stroke(sync: SyncTime) -> bool:
-    """Whether a sync point is a stroke, the first or a repeated one."""
-    return sync.sync == "stroke" or sync.sync.startswith("stroke:")
 
 
 def spaced_indices(times: Iterable[float], least: float) -> list[int]:

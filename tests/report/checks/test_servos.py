@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from kinesic.controller.performance import Performance
-from kinesic.report.checks.servos import CONTINUOUS
+from kinesic.report.checks.servos import CONTINUOUS, draw_load, loads
 from kinesic.report.plots.svg import BINS, spark
-from kinesic.report.servo_load import draw_load, loads
 
 
 def test_the_most_strained_comes_first(hurried: Performance) -> None:

@@ -1,11 +1,11 @@
-"""What is said when."""
+"""What is said when, in the score of a block."""
 
 from itertools import pairwise
 
 import pytest
 
 from kinesic.controller.performance import Performance
-from kinesic.report.captions import captions
+from kinesic.report.plots.score import captions
 
 
 def test_pieces_join_between_the_marks(hurried: Performance, calm: Performance) -> None:
