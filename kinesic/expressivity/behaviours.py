@@ -5,55 +5,30 @@ from dataclasses import dataclass
 from itertools import zip_longest
 
 from kinesic.bml.block import (
-    Block,
     Gaze,
     Gesture,
     Head,
     HeadDirectionShift,
-    Modality,
     NoticeType,
     Pointing,
     Posture,
     TimedBehaviour,
     Torso,
 )
-from kinesic.body.arrays import Floats
-from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.body.robot import SIDES, Side
 from kinesic.expressivity import gaze, trunk
+from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.gather import TOGETHER
 from kinesic.expressivity.hands.poses import REST, Poses, pointing_poses, poses
 from kinesic.expressivity.hands.strokes import Stroke
 from kinesic.expressivity.head import head_form, head_layer
 from kinesic.expressivity.keyframes import Outcome
 from kinesic.expressivity.lexicon.form import GestureForm
-from kinesic.expressivity.lexicon.lexicon import Lexicon, mirror_form
-from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.style.resolve import manner_of
-from kinesic.expressivity.style.style import Expressivity, Style
+from kinesic.expressivity.lexicon.lexicon import mirror_form
 from kinesic.expressivity.targets import find_target, unknown
 from kinesic.expressivity.turns import UPRIGHT, Layer, exclusive, pass_layer
 
 REALISED = Outcome("realised")
-
-
-@dataclass(frozen=True, eq=False)
-class BehaviourScene:
-    """What behaviours are performed with."""
-
-    block: Block
-    style: Style
-    lexicon: Lexicon
-    pace: Pace
-    targets: Mapping[str, Floats]  # (3,) [m] in the world
-
-    @property
-    def robot(self) -> Robot:
-        """Who performs."""
-        return self.pace.robot
-
-    def manner(self, timed: TimedBehaviour, modality: Modality | None = None) -> Expressivity:
-        """The manner of one behaviour, in its own modality or in another."""
-        return manner_of(self.style, self.block, timed.behaviour, modality)
 
 
 @dataclass(frozen=True)
@@ -80,12 +55,12 @@ def drop_behaviour(why: str, type: NoticeType = NoticeType.CANNOT_CREATE_BEHAVIO
     return Move(Outcome("dropped", why), warnings=(Warned(type, f"left out: {why}"),))
 
 
-def gesture_move(timed: TimedBehaviour, action: Gesture, scene: BehaviourScene) -> Move:
+def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) -> Move:
     """A gesture of the lexicon; a one-handed one whose mode is open may take either hand.
 
     A deictic one with a target points at it.
     """
-    match = scene.lexicon.find(action.lexeme, action.mode)
+    match = context.lexicon.find(action.lexeme, action.mode)
     if match is None:
         return drop_behaviour(
             f"the lexicon has no gesture for {action.lexeme}; `kinesic gestures list` shows what it has"
@@ -93,79 +68,79 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, scene: BehaviourScene) 
     form = match.form
     if not form.keys and not form.rest:
         return drop_behaviour(f"gesture {form.id} has no stroke")
-    unmet = _unmet(action, form, scene)
+    unmet = _unmet(action, form, context)
     if action.target is not None and not unmet:
-        return pointing_move(timed, Pointing(action.target, action.mode), scene)
-    manner = scene.manner(timed)
+        return pointing_move(timed, Pointing(action.target, action.mode), context)
+    manner = context.manner(timed.behaviour)
     options = [form]
     if action.mode == "unspecified" and len(form.sides) == 1 and not form.rest:
         options.append(mirror_form(form))
-    works = tuple(poses(option, scene.robot, manner) if option.keys else hanging_arms(SIDES) for option in options)
+    works = tuple(poses(option, context.robot, manner) if option.keys else hanging_arms(SIDES) for option in options)
     outcome, warnings = substitution_outcome(match.substitute)
     halves = action.mode == "unspecified"
     stroke = Stroke(timed.behaviour.id, timed.times, works, form.rest, manner, halves=halves)
     return Move(outcome, strokes=(stroke,), warnings=(*warnings, *unmet))
 
 
-def _unmet(action: Gesture, form: GestureForm, scene: BehaviourScene) -> tuple[Warned, ...]:
+def _unmet(action: Gesture, form: GestureForm, context: BlockContext) -> tuple[Warned, ...]:
     """Why a gesture does not meet its target; empty when it does, or has none."""
     if action.target is None:
         return ()
-    if find_target(action.target, scene.targets) is None:
-        return (Warned(NoticeType.NO_SUCH_TARGET, unknown(action.target, scene.targets)),)
+    if find_target(action.target, context.targets) is None:
+        return (Warned(NoticeType.NO_SUCH_TARGET, unknown(action.target, context.targets)),)
     if form.category != "deictic":
         text = f"gesture {form.id} is no deictic one and leaves its target out"
         return (Warned(NoticeType.CANNOT_CREATE_BEHAVIOR, text),)
     return ()
 
 
-def pointing_move(timed: TimedBehaviour, action: Pointing, scene: BehaviourScene) -> Move:
+def pointing_move(timed: TimedBehaviour, action: Pointing, context: BlockContext) -> Move:
     """Pointing at a place, with the hand on its side unless the mode says which."""
-    place = find_target(action.target, scene.targets)
+    place = find_target(action.target, context.targets)
     if place is None:
-        return drop_behaviour(unknown(action.target, scene.targets), NoticeType.NO_SUCH_TARGET)
-    work: dict[Side, Poses] = {side: pointing_poses(place, side, scene.robot) for side in SIDES}
+        return drop_behaviour(unknown(action.target, context.targets), NoticeType.NO_SUCH_TARGET)
+    work: dict[Side, Poses] = {side: pointing_poses(place, side, context.robot) for side in SIDES}
     both = Poses({side: work[side].hands[side] for side in SIDES}, work["l"].stroke)
     nearer = (work["l"], work["r"]) if place[1] > 0 else (work["r"], work["l"])
     options = {"left": (work["l"],), "right": (work["r"],), "both": (both,), "unspecified": nearer}
-    return Move(
-        strokes=(Stroke(timed.behaviour.id, timed.times, options[action.mode], manner=scene.manner(timed, "gesture")),)
-    )
+    manner = context.manner(timed.behaviour, "gesture")
+    return Move(strokes=(Stroke(timed.behaviour.id, timed.times, options[action.mode], manner=manner),))
 
 
-def head_move(timed: TimedBehaviour, action: Head, scene: BehaviourScene) -> Move:
+def head_move(timed: TimedBehaviour, action: Head, context: BlockContext) -> Move:
     """A nod, a shake or a direction."""
-    if not scene.robot.joints("neck"):
-        return _lacking("neck", scene)
-    form = head_form(action, scene.robot, scene.manner(timed))
+    if not context.robot.joints("neck"):
+        return _lacking("neck", context)
+    manner = context.manner(timed.behaviour)
+    form = head_form(action, context.robot, manner)
     outcome, warnings = substitution_outcome(form.substitute, form.clipped)
-    return Move(outcome, head=(head_layer(form, timed.times, scene.pace, scene.manner(timed)),), warnings=warnings)
+    return Move(outcome, head=(head_layer(form, timed.times, context.pace, manner),), warnings=warnings)
 
 
-def torso_move(timed: TimedBehaviour, action: Torso, scene: BehaviourScene) -> Move:
+def torso_move(timed: TimedBehaviour, action: Torso, context: BlockContext) -> Move:
     """A lean or a turn of the trunk that returns."""
-    if not scene.robot.joints("torso"):
-        return _lacking("torso", scene)
-    lean = trunk.named_lean(action, scene.robot, scene.manner(timed).spatial)
+    if not context.robot.joints("torso"):
+        return _lacking("torso", context)
+    lean = trunk.named_lean(action, context.robot, context.manner(timed.behaviour).spatial)
     if lean is None:
         return drop_behaviour(
             f"torso movement {action.lexeme} is unknown; lean, recline, turn, left and right are known"
         )
     if lean.clipped and lean.turn == UPRIGHT:
         return drop_behaviour(f"the trunk cannot: {lean.clipped}")
-    (layer,) = exclusive([trunk.hold_trunk(lean.turn, timed.times, stays=False, pace=scene.pace)])
-    return Move(torso=(pass_layer(layer, scene.manner(timed)),), warnings=_clipped(lean.clipped))
+    (layer,) = exclusive([trunk.hold_trunk(lean.turn, timed.times, stays=False, pace=context.pace)])
+    return Move(torso=(pass_layer(layer, context.manner(timed.behaviour)),), warnings=_clipped(lean.clipped))
 
 
-def look_moves(looks: Sequence[TimedBehaviour], scene: BehaviourScene) -> Mapping[str, Move]:
+def look_moves(looks: Sequence[TimedBehaviour], context: BlockContext) -> Mapping[str, Move]:
     """Gazes and head directions, of which the later wins from its start; what stays is where others return to.
 
     Args:
         looks: behaviours with a Gaze or HeadDirectionShift, in any order.
-        scene: what they are performed with.
+        context: of their block.
     """
-    if not scene.robot.joints("neck"):
-        return {timed.behaviour.id: _lacking("neck", scene) for timed in looks}
+    if not context.robot.joints("neck"):
+        return {timed.behaviour.id: _lacking("neck", context) for timed in looks}
     moves: dict[str, Move] = {}
     aims: list[gaze.Aim] = []
     performed: list[TimedBehaviour] = []
@@ -178,15 +153,15 @@ def look_moves(looks: Sequence[TimedBehaviour], scene: BehaviourScene) -> Mappin
             continue
         if not isinstance(action, Gaze | HeadDirectionShift):
             raise TypeError(f"{timed.behaviour.id} is a {type(action).__name__}, no gaze and no head direction")
-        aim = gaze.aim(action, block=scene.block, robot=scene.robot, targets=scene.targets, base=base)
+        aim = gaze.aim(action, context, base)
         if aim is None:
-            why = unknown(action.target or "", scene.targets)
+            why = unknown(action.target or "", context.targets)
             moves[timed.behaviour.id] = drop_behaviour(why, NoticeType.NO_SUCH_TARGET)
             continue
         base = aim if stays(action) else base
         aims.append(aim)
         performed.append(timed)
-    return moves | _looked(performed, aims, scene)
+    return moves | _looked(performed, aims, context)
 
 
 def _in_turn(looks: Sequence[TimedBehaviour]) -> Iterator[tuple[TimedBehaviour, TimedBehaviour | None]]:
@@ -204,11 +179,11 @@ def stays(action: object) -> bool:
     return isinstance(action, HeadDirectionShift) or (isinstance(action, Gaze | Posture) and action.shift)
 
 
-def _looked(looks: Sequence[TimedBehaviour], aims: Sequence[gaze.Aim], scene: BehaviourScene) -> dict[str, Move]:
+def _looked(looks: Sequence[TimedBehaviour], aims: Sequence[gaze.Aim], context: BlockContext) -> dict[str, Move]:
     """Looks with their layers, in the order of their starts."""
     heads, trunks = (
         [
-            gaze.hold_gaze(aim, timed.times, part=part, stays=stays(timed.behaviour.action), pace=scene.pace)
+            gaze.hold_gaze(aim, timed.times, part=part, stays=stays(timed.behaviour.action), pace=context.pace)
             for aim, timed in zip(aims, looks, strict=True)
         ]
         for part in gaze.PARTS
@@ -220,7 +195,7 @@ def _looked(looks: Sequence[TimedBehaviour], aims: Sequence[gaze.Aim], scene: Be
         if k + 1 < len(heads) and (leave := heads[k].leave) is not None and heads[k + 1].start < leave:
             text = f"gives way to {looks[k + 1].behaviour.id} at {heads[k + 1].start:.2f} s"
             warnings += (Warned(NoticeType.IMPOSSIBLE_TO_SCHEDULE, text),)
-        manner = scene.manner(timed)
+        manner = context.manner(timed.behaviour)
         here, below = pass_layer(head[k], manner), without_upright(pass_layer(lower[k], manner))
         moves[timed.behaviour.id] = Move(outcome, head=(here,), torso=below, warnings=warnings)
     return moves
@@ -236,8 +211,8 @@ def without_upright(layer: Layer) -> tuple[Layer, ...]:
     return (layer,) if any(key.turn != UPRIGHT for key in layer) else ()
 
 
-def _lacking(part: str, scene: BehaviourScene) -> Move:
-    return drop_behaviour(f"robot {scene.robot.name} has no {part}", NoticeType.BEHAVIOR_TYPE_NOT_SUPPORTED)
+def _lacking(part: str, context: BlockContext) -> Move:
+    return drop_behaviour(f"robot {context.robot.name} has no {part}", NoticeType.BEHAVIOR_TYPE_NOT_SUPPORTED)
 
 
 def _clipped(text: str) -> tuple[Warned, ...]:

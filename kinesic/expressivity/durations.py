@@ -6,7 +6,6 @@ from itertools import pairwise
 
 from kinesic.bml.block import (
     Behaviour,
-    Block,
     Face,
     Gaze,
     Gesture,
@@ -16,19 +15,17 @@ from kinesic.bml.block import (
     Posture,
     Torso,
 )
-from kinesic.body.arrays import Floats
 from kinesic.body.robot import Side
+from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.gaze import aim, look_time
 from kinesic.expressivity.hands.poses import REST, Poses, pointing_poses, pose_distance, poses, resting_hands
 from kinesic.expressivity.hands.strokes import natural_times
 from kinesic.expressivity.head import head_form, swing_time
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.posture import pose
 from kinesic.expressivity.style.pace import HASTE, Pace
-from kinesic.expressivity.style.resolve import manner_of
-from kinesic.expressivity.style.style import Expressivity, Style
-from kinesic.expressivity.targets import NO_TARGETS, find_target
+from kinesic.expressivity.style.style import Expressivity
+from kinesic.expressivity.targets import find_target
 from kinesic.expressivity.trunk import named_lean
 
 LEAST_LEAN = 0.3  # [s] at ease
@@ -38,9 +35,7 @@ ATTACK, DECAY = 0.3, 0.4  # [s] in which an expression of the face comes and goe
 FACE_SHIFT = 0.8  # [s] in which one that stays comes
 
 
-def spans(
-    block: Block, *, style: Style, lexicon: Lexicon, pace: Pace, targets: Mapping[str, Floats] = NO_TARGETS
-) -> Mapping[str, Mapping[str, float]]:
+def spans(context: BlockContext) -> Mapping[str, Mapping[str, float]]:
     """Natural seconds after the previous sync point of its type, for the behaviours that move something.
 
     Ways of the hands take Fitts' time, no less than servos do at ease; a post-stroke hold takes half the stroke
@@ -48,17 +43,12 @@ def spans(
     the servos need. Sync points that a mapping leaves out take no time.
 
     Args:
-        block: whose behaviours are asked.
-        style: of the performance; the document goes over it, and the style's settings over that.
-        lexicon: of gestures.
-        pace: of the robot that moves.
-        targets: (3,) [m] in the world, over those of the robot.
+        context: of the block whose behaviours are timed.
 
     Returns:
         Behaviour id -> sync point -> [s].
     """
-    places = {**pace.robot.targets, **targets}
-    found = {behaviour.id: _spans(behaviour, block, style, lexicon, pace, places) for behaviour in block.behaviours}
+    found = {behaviour.id: _spans(behaviour, context) for behaviour in context.block.behaviours}
     return {id: natural for id, natural in found.items() if natural}
 
 
@@ -95,20 +85,18 @@ def _way(work: Poses, key: int, pace: Pace, manner: Expressivity) -> float:
     return pace.way_time(farthest, manner)
 
 
-def _spans(
-    behaviour: Behaviour, block: Block, style: Style, lexicon: Lexicon, pace: Pace, places: Mapping[str, Floats]
-) -> Mapping[str, float]:
+def _spans(behaviour: Behaviour, context: BlockContext) -> Mapping[str, float]:
     """Natural seconds of one behaviour; empty when it moves nothing."""
-    robot, manner = pace.robot, manner_of(style, block, behaviour)
+    robot, pace, manner = context.robot, context.pace, context.manner(behaviour)
     match behaviour.action:
         case Gesture(lexeme, mode):
-            match = lexicon.find(lexeme, mode)
+            match = context.lexicon.find(lexeme, mode)
             if match is None or not match.form.keys:
                 return {}
             work = poses(match.form, robot, manner)
             return stroke_spans(work, pace, manner, held=not match.form.rest)
         case Pointing(target):
-            place = find_target(target, places)
+            place = find_target(target, context.targets)
             if place is None:
                 return {}
             side: Side = "l" if place[1] > 0 else "r"
@@ -116,7 +104,7 @@ def _spans(
         case Head() as head:
             return _head_spans(head, pace, manner)
         case Gaze() | HeadDirectionShift() as look:
-            aimed = aim(look, block=block, robot=robot, targets=places) if robot.joints("neck") else None
+            aimed = aim(look, context) if robot.joints("neck") else None
             return {} if aimed is None else _look_spans(look, look_time(aimed, pace, manner.temporal))
         case Torso() as torso:
             leaned = named_lean(torso, robot, manner.spatial)
@@ -125,7 +113,7 @@ def _spans(
             haste = HASTE**manner.temporal
             return {"end": FACE_SHIFT / haste} if shift else {"attackPeak": ATTACK / haste, "end": DECAY / haste}
         case Posture() as posture:
-            return _posture_spans(posture, lexicon, pace, manner, manner_of(style, block, behaviour, "torso"))
+            return _posture_spans(posture, context, manner, context.manner(behaviour, "torso"))
     return {}
 
 
@@ -151,9 +139,9 @@ def _lean_spans(turn: Turn, pace: Pace, manner: Expressivity) -> dict[str, float
 
 
 def _posture_spans(
-    posture: Posture, lexicon: Lexicon, pace: Pace, manner: Expressivity, trunk: Expressivity
+    posture: Posture, context: BlockContext, manner: Expressivity, trunk: Expressivity
 ) -> dict[str, float]:
-    posed = pose(posture, lexicon, pace.robot)
+    pace, posed = context.pace, pose(posture, context.lexicon, context.robot)
     if posed is None:
         return {}
     works = [poses(form, pace.robot, manner) for form in posed.arms if not isinstance(form, str)]

@@ -11,6 +11,7 @@ from kinesic.bml.block import Block, Gaze, HeadDirectionShift
 from kinesic.body.action_units import ASIDE, DOWNWARD, UPWARD
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
+from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.head import direction, names_stem, words
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.style.pace import Pace
@@ -51,14 +52,7 @@ class Aim:
 STRAIGHT = Aim(UPRIGHT)
 
 
-def aim(
-    action: Gaze | HeadDirectionShift,
-    *,
-    block: Block,
-    robot: Robot,
-    targets: Mapping[str, Floats],
-    base: Aim = STRAIGHT,
-) -> Aim | None:
+def aim(action: Gaze | HeadDirectionShift, context: BlockContext, base: Aim = STRAIGHT) -> Aim | None:
     """Where a gaze or a head direction shift looks.
 
     An unknown target is substituted by the audience. The head goes all the way, as far as its range allows, and eyes
@@ -66,25 +60,29 @@ def aim(
 
     Args:
         action: the behaviour.
-        block: whose dialect says how offsets are written.
-        robot: whose eyes look; it has a neck.
-        targets: (3,) [m] in the world, by name.
+        context: of its block, whose dialect says how offsets are written; its robot has a neck.
         base: what is looked at for good: an offset without a target starts from there, eyes alone leave head and trunk
             as they are there, and neck or head alone the trunk.
 
     Returns:
         None when neither the target nor an audience is known.
     """
-    if isinstance(action, HeadDirectionShift):
-        found = words(action.target)
-        place = find_target(action.target, targets)
-        if place is None and names_stem(found, "up", "down", "left", "right", "aside", "neutral", "tilt"):
-            return _limited(scale_turn(direction(found), 0.5), influence=None, robot=robot, base=base)
-        return _looking(action.target, place, UPRIGHT, None, robot, targets, base)
-    offset = _offset(action, block)
+    robot, targets = context.robot, context.targets
+    influence = action.influence if isinstance(action, Gaze) else None
+    offset = _offset(action, context.block) if isinstance(action, Gaze) else UPRIGHT
     if action.target is None:
-        return _limited(add_turns(base.head, offset), influence=action.influence, robot=robot, base=base)
-    return _looking(action.target, find_target(action.target, targets), offset, action.influence, robot, targets, base)
+        return _limited(add_turns(base.head, offset), influence=influence, robot=robot, base=base)
+    place, missing = find_target(action.target, targets), ""
+    if place is None and isinstance(action, HeadDirectionShift):
+        found = words(action.target)
+        if names_stem(found, "up", "down", "left", "right", "aside", "neutral", "tilt"):
+            return _limited(scale_turn(direction(found), 0.5), influence=None, robot=robot, base=base)
+    if place is None:
+        place, missing = targets.get(AUDIENCE), unknown(action.target, targets)
+    if place is None:
+        return None
+    turn = add_turns(_towards(place, robot), offset)
+    return _limited(turn, influence=influence, robot=robot, base=base, missing=missing)
 
 
 def hold_gaze(look: Aim, times: Mapping[str, float], *, part: Part, stays: bool, pace: Pace) -> Hold:
@@ -110,24 +108,6 @@ def _usual(turn: Turn, speed: float) -> float:
     """What people take to look somewhere [s]: wide turns are faster, with Greta's peak speed of 4/3 a + `speed`."""
     angle = max(map(abs, axes(turn)))
     return _PEAK * angle / (4 / 3 * angle + speed)
-
-
-def _looking(
-    name: str,
-    place: Floats | None,
-    offset: Turn,
-    influence: str | None,
-    robot: Robot,
-    targets: Mapping[str, Floats],
-    base: Aim,
-) -> Aim | None:
-    """Towards a named target, or the audience in its place."""
-    if place is not None:
-        return _limited(add_turns(_towards(place, robot), offset), influence=influence, robot=robot, base=base)
-    if AUDIENCE not in targets:
-        return None
-    turn = add_turns(_towards(targets[AUDIENCE], robot), offset)
-    return _limited(turn, influence=influence, robot=robot, base=base, missing=unknown(name, targets))
 
 
 def _towards(place: Floats, robot: Robot) -> Turn:

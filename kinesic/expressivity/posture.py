@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from kinesic.bml.block import Mode, Posture, TimedBehaviour
 from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.behaviours import (
-    BehaviourScene,
     Move,
     drop_behaviour,
     hanging_arms,
@@ -17,6 +16,7 @@ from kinesic.expressivity.behaviours import (
     substitution_outcome,
     without_upright,
 )
+from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.hands.poses import poses
 from kinesic.expressivity.hands.strokes import Stroke
 from kinesic.expressivity.head import direction, names_stem, words
@@ -144,7 +144,7 @@ def _arms(lexeme: str, mode: Mode, lexicon: Lexicon) -> Arms | None:
     return match.form if match is not None and match.form.rest and match.form.keys else None
 
 
-def posture_moves(postures: Sequence[TimedBehaviour], scene: BehaviourScene) -> Mapping[str, Move]:
+def posture_moves(postures: Sequence[TimedBehaviour], context: BlockContext) -> Mapping[str, Move]:
     """Postures, of which the later wins from its start: trunk and head lean, the arms take rest poses."""
     moves: dict[str, Move] = {}
     found: list[tuple[TimedBehaviour, Pose]] = []
@@ -152,7 +152,7 @@ def posture_moves(postures: Sequence[TimedBehaviour], scene: BehaviourScene) -> 
         action = timed.behaviour.action
         if not isinstance(action, Posture):
             raise TypeError(f"{timed.behaviour.id} is a {type(action).__name__}, no posture")
-        posed = pose(action, scene.lexicon, scene.robot)
+        posed = pose(action, context.lexicon, context.robot)
         if posed is None:
             asked = [f"stance {action.stance}"] if action.stance else []
             names = ", ".join((*asked, *(f"{lexeme} of {part}" for part, lexeme in action.poses)))
@@ -163,7 +163,7 @@ def posture_moves(postures: Sequence[TimedBehaviour], scene: BehaviourScene) -> 
         else:
             found.append((timed, posed))
     trunks, heads = (
-        exclusive([_posture_hold(timed, turn, part, scene) for timed, turn in turns])
+        exclusive([_posture_hold(timed, turn, part, context) for timed, turn in turns])
         for part, turns in (
             ("torso", [(timed, posed.lean.turn) for timed, posed in found]),
             ("neck", [(timed, posed.head) for timed, posed in found]),
@@ -171,28 +171,28 @@ def posture_moves(postures: Sequence[TimedBehaviour], scene: BehaviourScene) -> 
     )
     for (timed, posed), trunk, head in zip(found, trunks, heads, strict=True):
         outcome, warnings = substitution_outcome(posed.left_out, posed.lean.clipped)
+        bowed = pass_layer(head, context.manner(timed.behaviour, "head")) if context.robot.joints("neck") else ()
+        leaned = pass_layer(trunk, context.manner(timed.behaviour, "torso"))
         moves[timed.behaviour.id] = Move(
             outcome,
-            head=without_upright(pass_layer(head, scene.manner(timed, "head"))) if scene.robot.joints("neck") else (),
-            torso=without_upright(pass_layer(trunk, scene.manner(timed, "torso"))),
-            strokes=tuple(stroke for arms in posed.arms for stroke in _posed(timed, arms, scene)),
+            head=without_upright(bowed),
+            torso=without_upright(leaned),
+            strokes=tuple(stroke for arms in posed.arms for stroke in _posed(timed, arms, context)),
             warnings=warnings,
         )
     return moves
 
 
-def _posture_hold(timed: TimedBehaviour, turn: Turn, chain: str, scene: BehaviourScene) -> Hold:
+def _posture_hold(timed: TimedBehaviour, turn: Turn, chain: str, context: BlockContext) -> Hold:
     """When a part goes into a posture and, unless it stays, back."""
-    natural = max(LEAST_HOLD, scene.pace.turn_time(chain, turn))
+    natural = max(LEAST_HOLD, context.pace.turn_time(chain, turn))
     return hold_turn(turn, timed.times, natural=natural, stays=stays(timed.behaviour.action))
 
 
-def _posed(timed: TimedBehaviour, arms: Arms, scene: BehaviourScene) -> tuple[Stroke, ...]:
+def _posed(timed: TimedBehaviour, arms: Arms, context: BlockContext) -> tuple[Stroke, ...]:
     """Work that brings the arms into a rest pose, and back unless the posture stays."""
-    times, shift = timed.times, stays(timed.behaviour.action)
-    work = (
-        poses(arms, scene.robot, scene.manner(timed)) if isinstance(arms, GestureForm) else hanging_arms(_SIDES[arms])
-    )
+    times, shift, manner = timed.times, stays(timed.behaviour.action), context.manner(timed.behaviour)
+    work = poses(arms, context.robot, manner) if isinstance(arms, GestureForm) else hanging_arms(_SIDES[arms])
     there = times["end"] if shift else times["ready"]
     back = times["end"] if shift else times["relax"]
     taken = Stroke(timed.behaviour.id, _at_once(times["start"], there), (work,), rest=True)

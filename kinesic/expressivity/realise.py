@@ -1,6 +1,6 @@
 """The stage: from behaviours with times to key frames of the whole upper body."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -28,9 +28,7 @@ from kinesic.bml.block import (
     Wait,
 )
 from kinesic.bml.timing.constraints import placed_points
-from kinesic.body.arrays import Floats
 from kinesic.expressivity.behaviours import (
-    BehaviourScene,
     Move,
     Warned,
     drop_behaviour,
@@ -40,56 +38,34 @@ from kinesic.expressivity.behaviours import (
     pointing_move,
     torso_move,
 )
+from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.face.tracks import outcome
-from kinesic.expressivity.gather import GATHER, HANDS, Gathering, Sequences, SyncPoint
-from kinesic.expressivity.hands.coarticulation import Engaged
+from kinesic.expressivity.gather import GATHER, HANDS, Sequences, SyncPoint
 from kinesic.expressivity.hands.phases import Arranged, arrange_hands
-from kinesic.expressivity.idle import OFF, Idling, add_idle_motion
+from kinesic.expressivity.idle import add_idle_motion
 from kinesic.expressivity.keyframes import KeyFrames, Outcome, PartName
-from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.posture import posture_moves
-from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.style.style import Style
-from kinesic.expressivity.targets import NO_TARGETS
 from kinesic.expressivity.trunk import taking_part
 
 ALL: Mapping[str, str] = MappingProxyType({})  # nothing is left out
 
 
-def keyframes(
-    timeline: Timeline,
-    *,
-    style: Style,
-    lexicon: Lexicon,
-    pace: Pace,
-    targets: Mapping[str, Floats] = NO_TARGETS,
-    without: Mapping[str, str] = ALL,
-    gathering: Gathering = "complex",
-    idling: Idling = OFF,
-    engaged: Sequence[Engaged] = (),
-) -> KeyFrames:
+def keyframes(timeline: Timeline, context: BlockContext, *, without: Mapping[str, str] = ALL) -> KeyFrames:
     """Key frames of a block, and what became of each of its behaviours.
 
     Args:
         timeline: behaviours with times.
-        style: of the performance; the document goes over it, and the style's settings over that.
-        lexicon: of gestures.
-        pace: of the robot that performs.
-        targets: (3,) [m] in the world, over those of the robot.
+        context: of their block.
         without: ids of behaviours to leave out, and why.
-        gathering: how frames are filled, in which some parts have no key.
-        idling: what fills pauses.
-        engaged: hands that other blocks need meanwhile.
 
     Raises:
         BmlError: a behaviour inside `required` cannot be performed.
     """
-    robot = pace.robot
-    scene = BehaviourScene(timeline.block, style, lexicon, pace, {**robot.targets, **targets})
-    moves = _moves([timed for timed in timeline.timed if timed.behaviour.id not in without], scene)
+    robot, shared = context.robot, context.shared
+    moves = _moves([timed for timed in timeline.timed if timed.behaviour.id not in without], context)
     moves |= {id: drop_behaviour(why) for id, why in without.items()}
     strokes = [stroke for move in moves.values() for stroke in move.strokes]
-    hands = arrange_hands(strokes, pace, placed_points(timeline.block), engaged=engaged)
+    hands = arrange_hands(strokes, context.pace, placed_points(timeline.block), engaged=context.engaged)
     moves = {id: _with_hands(id, move, hands) for id, move in moves.items()}
     outcomes = {drop.behaviour.id: Outcome("dropped", drop.why) for drop in timeline.dropped}
     outcomes |= {id: move.outcome for id, move in moves.items()}
@@ -103,7 +79,7 @@ def keyframes(
         for sync, time in timed.times.items()
     ]
     trunk = [
-        taking_part(work, scene.manner(timed, "torso"), pace)
+        taking_part(work, context.manner(timed.behaviour, "torso"), context.pace)
         for timed in timeline.timed
         if isinstance(timed.behaviour.action, Gesture)
         for work in hands.works
@@ -114,13 +90,13 @@ def keyframes(
         head=tuple(layer for move in moves.values() for layer in move.head),
         hands=hands.hands,
     )
-    sequences = add_idle_motion(sequences, (timeline.start, timeline.end), idling, robot)
+    sequences = add_idle_motion(sequences, (timeline.start, timeline.end), shared.idling, robot)
     return KeyFrames(
         timeline,
-        GATHER[gathering](sequences, syncs, robot),
+        GATHER[shared.gathering](sequences, syncs, robot),
         outcomes,
         uses,
-        (*timeline.notices, *(notice for id, move in moves.items() for notice in _notices(scene.block, id, move))),
+        (*timeline.notices, *(notice for id, move in moves.items() for notice in _notices(timeline.block, id, move))),
     )
 
 
@@ -130,32 +106,32 @@ def _moved(timed: TimedBehaviour, times: Mapping[str, Mapping[str, float]]) -> T
     return replace(timed, times={**timed.times, **moved}) if moved else timed
 
 
-def _moves(timed: list[TimedBehaviour], scene: BehaviourScene) -> dict[str, Move]:
+def _moves(timed: list[TimedBehaviour], context: BlockContext) -> dict[str, Move]:
     """What each behaviour makes of itself, by id in the order of the document."""
     looks = [one for one in timed if isinstance(one.behaviour.action, Gaze | HeadDirectionShift)]
     postures = [one for one in timed if isinstance(one.behaviour.action, Posture)]
-    together = {**look_moves(looks, scene), **posture_moves(postures, scene)}
-    return {one.behaviour.id: together.get(one.behaviour.id) or _move(one, scene) for one in timed}
+    together = {**look_moves(looks, context), **posture_moves(postures, context)}
+    return {one.behaviour.id: together.get(one.behaviour.id) or _move(one, context) for one in timed}
 
 
-def _move(timed: TimedBehaviour, scene: BehaviourScene) -> Move:
+def _move(timed: TimedBehaviour, context: BlockContext) -> Move:
     """What a behaviour makes of itself that does not depend on others of its kind."""
     match timed.behaviour.action:
         case Gesture() as action:
-            return gesture_move(timed, action, scene)
+            return gesture_move(timed, action, context)
         case Pointing() as action:
-            return pointing_move(timed, action, scene)
+            return pointing_move(timed, action, context)
         case Head() as action:
-            return head_move(timed, action, scene)
+            return head_move(timed, action, context)
         case Torso() as action:
-            return torso_move(timed, action, scene)
+            return torso_move(timed, action, context)
         case Face() as action:
             return _face_move(action)
         case Speech() | Wait() | Interrupt() | Activate() | ParameterChange():
             return Move()
         case Custom(name):
             return drop_behaviour(f"nothing is known of {name}", NoticeType.CUSTOM_BEHAVIOUR_NOT_SUPPORTED)
-    why = f"no part of robot {scene.robot.name} does {timed.behaviour.type}"
+    why = f"no part of robot {context.robot.name} does {timed.behaviour.type}"
     return drop_behaviour(why, NoticeType.BEHAVIOR_TYPE_NOT_SUPPORTED)
 
 

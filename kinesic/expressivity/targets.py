@@ -6,12 +6,9 @@ The user's names come from a file, `name = [x, y, z]` in metres, x forward, y le
 from collections.abc import Mapping
 from math import isfinite
 from pathlib import Path
-from types import MappingProxyType
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import read_toml, suggestion
-
-NO_TARGETS: Mapping[str, Floats] = MappingProxyType({})
 
 
 def read_targets(path: Path) -> Mapping[str, Floats]:

@@ -9,7 +9,8 @@ from kinesic.bml.block import Face, Gaze, Speech, TimedBehaviour, Timeline
 from kinesic.bml.timing.constraints import point_of, ties
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import Command
-from kinesic.expressivity.face.eyes import Habits
+from kinesic.expressivity.context import BlockContext
+from kinesic.expressivity.face.eyes import Eyes, Habits
 from kinesic.expressivity.face.gaze import headings, looks
 from kinesic.expressivity.face.tracks import Channels, face_at_ticks, face_track
 from kinesic.planning.plan import Plan
@@ -46,16 +47,10 @@ def shown_units(plan: Plan, times: Floats) -> Channels:
         plan: of the performance.
         times: (m,) [s] performance time, increasing.
     """
-    setup, timeline = plan.setup, _planned(plan)
-    return face_track(
-        timeline,
-        plan.utterances,
-        times - plan.trajectory.zero,
-        style=setup.style,
-        habits=Habits(setup.idling.seed),
-        looks=looks(timeline, setup.robot, setup.targets),
-        head=heads(plan, times),
-    )
+    timeline = _planned(plan)
+    context = BlockContext(timeline.block, plan.setup.context)
+    eyes = Eyes(Habits(plan.setup.idling.seed), looks(timeline, context), heads(plan, times))
+    return face_track(timeline, plan.utterances, times - plan.trajectory.zero, styles=context.styles, eyes=eyes)
 
 
 def heads(plan: Plan, times: Floats) -> Floats:

@@ -13,6 +13,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.command import State
 from kinesic.body.dynamics import Clearance
 from kinesic.body.utterance import Utterance
+from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.durations import spans
 from kinesic.expressivity.hands.coarticulation import Engaged
 from kinesic.expressivity.keyframes import KeyFrames
@@ -121,19 +122,20 @@ def plan_block(
         BmlError: something `required` cannot be performed.
     """
     began = perf_counter()
-    found = _planned(block, setup, utterances or synthesise_block(block, setup), conditioned, engaged)
+    context = BlockContext(block, setup.context, engaged)
+    found = _planned(context, setup, utterances or synthesise_block(block, setup), conditioned)
     waiting: tuple[SpeechPause, ...] = ()
     if utterances is None and (most := allowed_pauses(block, setup.pause)):
-        found, waiting = _unhurried(found, most, conditioned, engaged)
+        found, waiting = _unhurried(found, most, context, conditioned)
     notices = (*remarks(block, found.utterances), *pause_notices(block, waiting), *found.notices)
     return replace(found, notices=notices, seconds=perf_counter() - began)
 
 
 def _unhurried(
-    found: Plan, most: Mapping[str, float], conditioned: Conditioner, engaged: Sequence[Engaged]
+    found: Plan, most: Mapping[str, float], context: BlockContext, conditioned: Conditioner
 ) -> tuple[Plan, tuple[SpeechPause, ...]]:
     """A plan with pauses before the words that the body would miss, as long as that makes it better."""
-    block, setup = found.timeline.block, found.setup
+    block, setup = context.block, found.setup
     waiting: tuple[SpeechPause, ...] = ()
     for _ in range(ROUNDS):
         more, said = required_pauses(found.timeline, found.syncs, most, waiting), found.utterances
@@ -142,7 +144,7 @@ def _unhurried(
             said = synthesise_block(block, setup, more)
         if more == waiting:
             break
-        better = _planned(block, setup, said, conditioned, engaged)
+        better = _planned(context, setup, said, conditioned)
         if _worst(better) >= _worst(found):
             break
         found, waiting = better, more
@@ -155,18 +157,13 @@ def _worst(planned: Plan) -> float:
 
 
 def _planned(
-    block: Block,
-    setup: Setup,
-    utterances: Mapping[str, Utterance],
-    conditioned: Conditioner,
-    engaged: Sequence[Engaged],
+    context: BlockContext, setup: Setup, utterances: Mapping[str, Utterance], conditioned: Conditioner
 ) -> Plan:
     """Plans a block with what it says."""
-    natural = spans(block, style=setup.style, lexicon=setup.lexicon, pace=setup.pace, targets=setup.targets)
-    timeline = schedule(block, utterances, natural)
+    timeline = schedule(context.block, utterances, spans(context))
     without: dict[str, str] = {}
     while True:
-        frames = _frames(timeline, setup, without, engaged)
+        frames = keyframes(timeline, context, without=without)
         asked = postures(frames, setup.robot, setup.distances)
         solved, motion, times, clearance = keep_clear(asked, setup, bonds(timeline), conditioned=conditioned)
         dropped = culprits(frames, motion, times, clearance, setup.robot)
@@ -187,24 +184,10 @@ def _planned(
         syncs=syncs,
         notices=(
             *frames.notices,
-            *shifts(block, syncs, frames, motion, setup.robot),
-            *smaller(block, solved.postures, frames, motion, setup.robot),
+            *shifts(context.block, syncs, frames, motion, setup.robot),
+            *smaller(context.block, solved.postures, frames, motion, setup.robot),
         ),
         seconds=0.0,
-    )
-
-
-def _frames(timeline: Timeline, setup: Setup, without: Mapping[str, str], engaged: Sequence[Engaged]) -> KeyFrames:
-    return keyframes(
-        timeline,
-        style=setup.style,
-        lexicon=setup.lexicon,
-        pace=setup.pace,
-        targets=setup.targets,
-        without=without,
-        gathering=setup.gathering,
-        idling=setup.idling,
-        engaged=engaged,
     )
 
 

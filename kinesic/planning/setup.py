@@ -11,6 +11,7 @@ from kinesic.body.dynamics import Distances, Dynamics, Load
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
 from kinesic.body.utterance import Voice
+from kinesic.expressivity.context import Context
 from kinesic.expressivity.gather import Gathering
 from kinesic.expressivity.idle import OFF, Idling
 from kinesic.expressivity.lexicon.lexicon import Lexicon
@@ -43,6 +44,11 @@ class Setup:
     def pace(self) -> Pace:
         """How fast the robot moves, at ease and at best."""
         return _pace(self.robot, self.limits)
+
+    @cached_property
+    def context(self) -> Context:
+        """What every block is performed with."""
+        return Context(self.style, self.lexicon, self.pace, self.targets, self.gathering, self.idling)
 
 
 # Setups that differ in style or voice alone share what was worked out for the robot.

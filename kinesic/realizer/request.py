@@ -15,6 +15,7 @@ from kinesic.bml.reading.tree import BOUNDS, Bounds
 from kinesic.bml.schedule import schedule
 from kinesic.bml.timing.constraints import Point, point_of
 from kinesic.body.utterance import Utterance
+from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.durations import spans
 from kinesic.expressivity.hands.coarticulation import Engaged
 from kinesic.planning.setup import Setup
@@ -171,8 +172,7 @@ def again(earlier: TimedRequest, setup: Setup) -> TimedRequest:
     """
     block = earlier.block
     utterances = earlier.utterances if earlier.is_decided else synthesise_block(block, setup)
-    natural = spans(block, style=setup.style, lexicon=setup.lexicon, pace=setup.pace, targets=setup.targets)
-    timeline = schedule(block, utterances, natural)
+    timeline = schedule(block, utterances, spans(BlockContext(block, setup.context)))
     return replace(earlier, block=block, utterances=utterances, timeline=timeline)
 
 

@@ -9,6 +9,7 @@ from kinesic.bml.block import GESTURE_SYNCS, Action, Behaviour, Block, Place, Ti
 from kinesic.body.dynamics import Load
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
+from kinesic.expressivity.context import BlockContext, Context
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.realise import keyframes
@@ -65,12 +66,23 @@ def timeline() -> Callable[..., Timeline]:
 
 
 @pytest.fixture(scope="session")
-def perform(timeline, pace, lexicon) -> Callable[..., KeyFrames]:
+def context(pace, lexicon) -> Callable[..., BlockContext]:
+    """The context of a block, plain where nothing else is asked."""
+    usual = pace
+
+    def of(block: Block, style: Style | None = None, *, pace: Pace = usual, **options) -> BlockContext:
+        return BlockContext(block, Context(style or Style(), lexicon, pace, **options))
+
+    return of
+
+
+@pytest.fixture(scope="session")
+def perform(timeline, context) -> Callable[..., KeyFrames]:
     """Key frames of a timeline from (id, action, times)."""
 
     def run(*asked: Asked, style: Style | None = None, **options) -> KeyFrames:
         without = options.pop("without", {})
         built = timeline(*asked, **options)
-        return keyframes(built, style=style or Style(), lexicon=lexicon, pace=pace, without=without)
+        return keyframes(built, context(built.block, style), without=without)
 
     return run

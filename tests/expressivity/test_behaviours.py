@@ -3,7 +3,7 @@ from dataclasses import replace
 import pytest
 
 from kinesic.bml.block import Gesture, Head, Manner, Posture, Torso
-from kinesic.expressivity.behaviours import BehaviourScene, head_move, torso_move
+from kinesic.expressivity.behaviours import head_move, torso_move
 from kinesic.expressivity.posture import posture_moves
 from kinesic.expressivity.style.passage import passage_of
 from kinesic.expressivity.style.style import Expressivity, Style
@@ -12,13 +12,13 @@ STYLE = Style("mine", Expressivity(power=0.1), Expressivity(power=0.2), Expressi
 
 
 @pytest.fixture
-def scene(timeline, pace, lexicon, robot):
-    """A scene and its only behaviour."""
+def scene(timeline, context):
+    """The context of a block, and its only behaviour."""
 
     def of(action, times, manner=None, manners=None):
         built = timeline(("b", action, times))
         timed = replace(built.timed[0], behaviour=replace(built.timed[0].behaviour, manner=manner or Manner()))
-        return BehaviourScene(replace(built.block, manners=manners or {}), STYLE, lexicon, pace, robot.targets), timed
+        return context(replace(built.block, behaviours=(timed.behaviour,), manners=manners or {}), STYLE), timed
 
     return of
 
@@ -26,14 +26,14 @@ def scene(timeline, pace, lexicon, robot):
 @pytest.mark.parametrize(("action", "power"), [(Gesture("beat"), 0.1), (Head("NOD"), 0.2), (Torso("BodyLean"), 0.3)])
 def test_a_behaviour_has_the_manner_of_its_modality(scene, phases, action, power):
     here, timed = scene(action, phases(0, 1, 1, 2, 2, 2, 3))
-    assert here.manner(timed).power == power
-    assert here.manner(timed, "torso").power == 0.3
+    assert here.manner(timed.behaviour).power == power
+    assert here.manner(timed.behaviour, "torso").power == 0.3
 
 
 def test_the_document_goes_over_the_style(scene, phases):
     manners = {"head": Manner(power=0.6, spatial=0.4)}
     here, timed = scene(Head("NOD"), phases(0, 1, 1, 2, 2, 2, 3), Manner(power=0.7), manners)
-    assert here.manner(timed) == Expressivity(power=0.7, spatial=0.4)
+    assert here.manner(timed.behaviour) == Expressivity(power=0.7, spatial=0.4)
 
 
 def test_head_torso_and_postures_pass_their_keys_in_their_manner(scene, phases):

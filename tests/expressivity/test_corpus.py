@@ -13,12 +13,12 @@ from kinesic.bml.reading.manner import modality_of
 from kinesic.bml.schedule import schedule
 from kinesic.body.arrays import sealed
 from kinesic.body.utterance import Utterance
+from kinesic.expressivity.context import BlockContext, Context
 from kinesic.expressivity.durations import spans
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.expressivity.realise import keyframes
 from kinesic.expressivity.style.resolve import resolve_numbers
 from kinesic.expressivity.style.style import RANGES, Style, style_preset
-from kinesic.expressivity.targets import NO_TARGETS
 
 CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
 LETTER = 0.06  # [s] that a letter takes to say
@@ -38,7 +38,7 @@ def performed(path: Path, pace, lexicon) -> Counter:
     )
 
 
-def played(block: Block, pace, lexicon, targets=NO_TARGETS) -> KeyFrames:
+def played(block: Block, pace, lexicon, targets=None) -> KeyFrames:
     """The key frames of a block."""
     utterances = {
         behaviour.id: Utterance(
@@ -48,9 +48,9 @@ def played(block: Block, pace, lexicon, targets=NO_TARGETS) -> KeyFrames:
         for behaviour in block.behaviours
         if isinstance(behaviour.action, Speech)
     }
-    natural = spans(block, style=Style(), lexicon=lexicon, pace=pace, targets=targets)
-    timeline = schedule(block, utterances, natural)
-    frames = keyframes(timeline, style=Style(), lexicon=lexicon, pace=pace, targets=targets)
+    context = BlockContext(block, Context(Style(), lexicon, pace, targets or {}))
+    timeline = schedule(block, utterances, spans(context))
+    frames = keyframes(timeline, context)
     assert set(frames.outcomes) == {behaviour.id for behaviour in block.behaviours}
     return frames
 

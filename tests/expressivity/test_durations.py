@@ -26,10 +26,10 @@ EXTENTS = np.linspace(-1.0, 1.0, 9)
 
 
 @pytest.fixture
-def natural(pace, lexicon):
+def natural(context):
     def of(action, manner=None, style=None):
         behaviour = Behaviour("b", "x", action, Place(1, 1), manner=manner or Manner())
-        return spans(Block("bml1", (behaviour,)), style=style or Style(), lexicon=lexicon, pace=pace).get("b", {})
+        return spans(context(Block("bml1", (behaviour,)), style)).get("b", {})
 
     return of
 

@@ -7,6 +7,7 @@ from kinesic.bml.block import GAZE_SYNCS, SHIFT_SYNCS, Block, Gaze, Head, HeadDi
 from kinesic.body.action_units import ASIDE
 from kinesic.expressivity.gaze import aim
 from kinesic.expressivity.head import MORE, SWING, head_form, head_layer, swing_time
+from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.passage import passage_of
 from kinesic.expressivity.style.style import Expressivity
 from kinesic.expressivity.turns import UPRIGHT, room, turn_at
@@ -18,10 +19,10 @@ def nod_times(phases):
 
 
 @pytest.fixture
-def looks(robot):
-    def of(action, dialect="bml-1.0", targets=None):
-        places = robot.targets if targets is None else targets
-        return aim(action, block=Block("bml1", (), dialect=dialect), robot=robot, targets=places)
+def looks(robot, pace, context):
+    def of(action, dialect="bml-1.0", **changes):
+        changed = Pace(replace(robot, **changes), pace.limits)
+        return aim(action, context(Block("bml1", (), dialect=dialect), pace=changed))
 
     return of
 
@@ -165,9 +166,9 @@ def test_eyes_go_on_where_the_neck_ends(looks):
     assert not look.clipped
 
 
-def test_a_robot_without_eyes_looks_with_its_head(robot):
-    blind = replace(robot, sites={name: site for name, site in robot.sites.items() if name != "eyes"})
-    found = aim(Gaze("left", influence="EYES"), block=Block("b", ()), robot=blind, targets=blind.targets)
+def test_a_robot_without_eyes_looks_with_its_head(robot, looks):
+    blind = {name: site for name, site in robot.sites.items() if name != "eyes"}
+    found = looks(Gaze("left", influence="EYES"), sites=blind)
     assert found.eyes == UPRIGHT
     assert found.head.torsion > 0.5
     assert "no eyes" in found.substitute

@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 from kinesic.bml.block import Gaze, Gesture, Wait
 from kinesic.expressivity.idle import LEAST_PAUSE, MARGIN, Idling, idle, pauses
 from kinesic.expressivity.realise import keyframes
-from kinesic.expressivity.style.style import Style
 from kinesic.expressivity.turns import UPRIGHT, axes, total
 
 LIVELY = Idling("lively", 7)
@@ -62,13 +61,11 @@ def test_a_short_pause_is_left_still():
     assert idle([(0.0, LEAST_PAUSE + 2 * MARGIN + 0.01)], LIVELY)[0]
 
 
-def test_what_is_asked_stays_as_it_is(timeline, pace, lexicon, phases):
+def test_what_is_asked_stays_as_it_is(timeline, context, phases):
     gesture = ("g", Gesture("offer", "left"), phases(8, 9, 9, 9.6, 9.6, 10, 11))
     gaze = ("z", Gaze(target="left"), {"start": 15.0, "ready": 15.5, "relax": 17.0, "end": 17.5})
     built = timeline(gesture, gaze, ("w", Wait(), {"start": 0.0, "end": 30.0}))
-    still, moving = (
-        keyframes(built, style=Style(), lexicon=lexicon, pace=pace, idling=idling) for idling in (Idling(), LIVELY)
-    )
+    still, moving = (keyframes(built, context(built.block, idling=idling)) for idling in (Idling(), LIVELY))
     asked = {(id, sync): frame for frame in still.frames for id, sync in frame.syncs}
     met = {(id, sync): frame for frame in moving.frames for id, sync in frame.syncs}
     assert len(moving.frames) > len(still.frames) + 10

@@ -23,7 +23,6 @@ from kinesic.body.utterance import Script
 from kinesic.expressivity.durations import spans
 from kinesic.expressivity.realise import keyframes
 from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.style.style import Style
 
 
 @pytest.fixture
@@ -106,10 +105,10 @@ def test_pointing_nowhere_is_dropped(perform, beat):
     assert "did you mean right?" in frames.outcomes["p"].why
 
 
-def test_targets_of_the_user_go_over_those_of_the_pace(timeline, pace, lexicon, beat):
+def test_targets_of_the_user_go_over_those_of_the_pace(timeline, context, beat):
     built = timeline(("p", Pointing("left"), beat))
     targets = {"left": np.array([1.0, -1.0, 1.0])}
-    frames = keyframes(built, style=Style(), lexicon=lexicon, pace=pace, targets=targets)
+    frames = keyframes(built, context(built.block, targets=targets))
     assert frames.uses["p"] == {"r_hand"}
 
 
@@ -157,10 +156,10 @@ def test_speech_is_realised_and_moves_nothing(perform):
     assert frames.frames == ()
 
 
-def test_every_behaviour_has_an_outcome(timeline, pace, lexicon, beat):
+def test_every_behaviour_has_an_outcome(timeline, context, beat):
     built = timeline(("g", Gesture("beat"), beat), ("h", Head("NOD"), beat))
     late = replace(built, timed=built.timed[:1], dropped=(Drop(built.timed[1].behaviour, "no time"),))
-    frames = keyframes(late, style=Style(), lexicon=lexicon, pace=pace)
+    frames = keyframes(late, context(built.block))
     assert frames.outcomes["h"].kind == "dropped"
     assert frames.outcomes["h"].why == "no time"
     assert set(frames.outcomes) == {"g", "h"}
@@ -174,11 +173,14 @@ def test_behaviours_can_be_left_out(perform, beat):
     assert any("touch the head" in notice.text for notice in frames.notices)
 
 
-def test_a_documents_manner_goes_over_the_style(timeline, pace, lexicon, beat):
+def test_a_documents_manner_goes_over_the_style(timeline, context, beat):
     built = timeline(("g", Gesture("large"), beat))
-    wide = replace(built.timed[0], behaviour=replace(built.timed[0].behaviour, manner=Manner(spatial=1.0)))
-    usual = keyframes(built, style=Style(), lexicon=lexicon, pace=pace)
-    widened = keyframes(replace(built, timed=(wide,)), style=Style(), lexicon=lexicon, pace=pace)
+    wide = replace(built.timed[0].behaviour, manner=Manner(spatial=1.0))
+    usual = keyframes(built, context(built.block))
+    widened = keyframes(
+        replace(built, timed=(replace(built.timed[0], behaviour=wide),)),
+        context(replace(built.block, behaviours=(wide,))),
+    )
     stroke = [at(frames, 1.0).hands["l"].reach.position[1] for frames in (usual, widened)]
     assert stroke[1] > stroke[0] + 0.05
 
@@ -195,7 +197,7 @@ def test_all_parts_at_once(perform, beat):
     assert at(frames, 1.0).given == {"head", "l_hand", "r_hand"}
 
 
-def test_a_robot_without_neck_and_torso_says_so(timeline, robot, lexicon, limits, beat):
+def test_a_robot_without_neck_and_torso_says_so(timeline, robot, context, limits, beat):
     arms = replace(robot, chains={name: robot.chains[name] for name in ("l_arm", "r_arm")})
     built = timeline(
         ("g", Gesture("beat"), beat),
@@ -203,8 +205,9 @@ def test_a_robot_without_neck_and_torso_says_so(timeline, robot, lexicon, limits
         ("t", Torso("BodyLean"), beat),
         ("z", Gaze("left"), {"start": 0.0, "ready": 0.5, "relax": 1.5, "end": 2.0}),
     )
-    assert set(spans(built.block, style=Style(), lexicon=lexicon, pace=Pace(arms, limits(arms)))) >= {"g"}
-    frames = keyframes(built, style=Style(), lexicon=lexicon, pace=Pace(arms, limits(arms)))
+    here = context(built.block, pace=Pace(arms, limits(arms)))
+    assert set(spans(here)) >= {"g"}
+    frames = keyframes(built, here)
     assert {id: outcome.kind for id, outcome in frames.outcomes.items()} == {
         "g": "realised",
         "h": "dropped",

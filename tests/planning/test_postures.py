@@ -14,6 +14,7 @@ from kinesic.bml.block import (
 )
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
+from kinesic.expressivity.context import BlockContext, Context
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.realise import keyframes
 from kinesic.expressivity.style.pace import Pace
@@ -35,7 +36,8 @@ def solved(*actions, start: float = 1.0):
         TimedBehaviour(Behaviour(f"b{k}", "x", action, Place(1, 1)), times) for k, action in enumerate(actions)
     )
     timeline = Timeline(Block("b", tuple(one.behaviour for one in timed)), timed)
-    return postures(keyframes(timeline, style=Style(), lexicon=LEXICON, pace=PACE), ROBOT, DISTANCES)
+    context = BlockContext(timeline.block, Context(Style(), LEXICON, PACE))
+    return postures(keyframes(timeline, context), ROBOT, DISTANCES)
 
 
 def at_sync(found, sync: str):

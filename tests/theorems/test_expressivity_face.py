@@ -6,9 +6,12 @@ from hypothesis import strategies as st
 
 from kinesic.bml.block import FACE_SYNCS, Behaviour, Block, Face, Place, Speech, TimedBehaviour, Timeline
 from kinesic.body.action_units import CHANNELS
+from kinesic.body.arrays import Floats
 from kinesic.body.utterance import Phoneme, Script, Utterance
-from kinesic.expressivity.face.eyes import GazeDirection, Habits
-from kinesic.expressivity.face.tracks import face_track
+from kinesic.expressivity.face.eyes import Eyes, GazeDirection, Habits
+from kinesic.expressivity.face.tracks import Channels, face_track
+from kinesic.expressivity.style.resolve import resolve_styles
+from kinesic.expressivity.style.style import Style
 
 TIMES = np.arange(0.0, 6.0, 0.02)
 LEXEMES = ("joy", "anger", "surprise", "RAISE_LEFT_BROW", "CLOSE_EYES", "REPEATED_BLINK", "Qwrtz")
@@ -57,12 +60,16 @@ def utterances(draw: st.DrawFn) -> Utterance:
     return Utterance(now, {}, tuple(found))
 
 
+def show(timeline: Timeline, said: Utterance, times: Floats = TIMES, **eyes) -> Channels:
+    return face_track(timeline, {"s": said}, times, styles=resolve_styles(Style(), timeline.block), eyes=Eyes(**eyes))
+
+
 @settings(max_examples=80, deadline=None)
 @given(timelines(), utterances(), gazes, st.integers(0, 9))
 def test_intensities_are_shares_of_known_units(
     timeline: Timeline, said: Utterance, looks: list[GazeDirection], seed: int
 ):
-    found = face_track(timeline, {"s": said}, TIMES, habits=Habits(seed), looks=looks)
+    found = show(timeline, said, TIMES, habits=Habits(seed), looks=looks)
     assert found.keys() <= set(CHANNELS)
     for values in found.values():
         assert values.shape == TIMES.shape
@@ -75,12 +82,12 @@ def test_intensities_are_shares_of_known_units(
 @settings(max_examples=40, deadline=None)
 @given(timelines(), utterances(), st.integers(0, 9))
 def test_a_face_is_a_function_of_time(timeline: Timeline, said: Utterance, seed: int):
-    whole = face_track(timeline, {"s": said}, TIMES, habits=Habits(seed))
-    again = face_track(timeline, {"s": said}, TIMES, habits=Habits(seed))
+    whole = show(timeline, said, TIMES, habits=Habits(seed))
+    again = show(timeline, said, TIMES, habits=Habits(seed))
     assert whole.keys() == again.keys()
     assert all(np.array_equal(whole[channel], again[channel]) for channel in whole)
-    half = face_track(timeline, {"s": said}, TIMES[::2])
-    every = face_track(timeline, {"s": said}, TIMES)
+    half = show(timeline, said, TIMES[::2])
+    every = show(timeline, said, TIMES)
     for channel, values in half.items():
         np.testing.assert_allclose(values, every[channel][::2], atol=1e-12)
 
@@ -89,7 +96,7 @@ def test_a_face_is_a_function_of_time(timeline: Timeline, said: Utterance, seed:
 @given(timelines(), utterances())
 def test_lips_close_on_p_b_and_m_whatever_is_felt(timeline: Timeline, said: Utterance):
     begin = timeline.timed[-1].times["start"]
-    found = face_track(timeline, {"s": said}, TIMES)
+    found = show(timeline, said, TIMES)
     for sound in said.phonemes:
         since = TIMES - begin - sound.start
         during = (since >= 0.0) & (since <= sound.duration)

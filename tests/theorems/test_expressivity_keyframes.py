@@ -27,6 +27,7 @@ from kinesic.bml.block import (
 )
 from kinesic.body.limits import Limits
 from kinesic.body.robot import SIDES, Robot
+from kinesic.expressivity.context import BlockContext, Context
 from kinesic.expressivity.gather import TOGETHER
 from kinesic.expressivity.hands.poses import poses, resting_hands
 from kinesic.expressivity.keyframes import Hand, KeyFrames
@@ -91,7 +92,7 @@ def stays(behaviour: Behaviour) -> bool:
 
 
 def performed(timeline: Timeline, style: Style) -> KeyFrames:
-    return keyframes(timeline, style=style, lexicon=LEXICON, pace=PACE)
+    return keyframes(timeline, BlockContext(timeline.block, Context(style, LEXICON, PACE)))
 
 
 def same(a: Hand, b: Hand) -> bool:

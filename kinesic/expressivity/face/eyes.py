@@ -50,6 +50,15 @@ class Habits:
     saccades: bool = True
 
 
+@dataclass(frozen=True, eq=False)
+class Eyes:
+    """What moves the eyes: habit, the gaze, and the head that carries them."""
+
+    habits: Habits | None = None  # None: they do nothing unasked
+    looks: Sequence[GazeDirection] = ()  # directions of the gaze
+    head: Floats | None = None  # (m, 2) [rad] left and up, where the head points in the world; None: straight ahead
+
+
 def blink_times(
     span: tuple[float, float], looks: Sequence[GazeDirection], seed: int, *, also: Sequence[float] = ()
 ) -> tuple[float, ...]:

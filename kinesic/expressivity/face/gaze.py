@@ -1,37 +1,32 @@
 """Where the gaze goes, as directions that eyes can take."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from kinesic.bml.block import Gaze, HeadDirectionShift, Timeline
 from kinesic.body.arrays import Floats
-from kinesic.body.robot import Robot
 from kinesic.expressivity.behaviours import stays
+from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.face.eyes import GazeDirection
 from kinesic.expressivity.gaze import STRAIGHT, aim
-from kinesic.expressivity.targets import NO_TARGETS
 from kinesic.expressivity.turns import add_turns
 
 
-def looks(timeline: Timeline, robot: Robot, targets: Mapping[str, Floats] = NO_TARGETS) -> tuple[GazeDirection, ...]:
+def looks(timeline: Timeline, context: BlockContext) -> tuple[GazeDirection, ...]:
     """The gazes of a block, in order; a direction that stays lasts until the next look.
 
     Args:
         timeline: behaviours with times.
-        robot: whose eyes look; without a neck they look straight ahead.
-        targets: (3,) [m] in the world, over those of the robot.
+        context: of their block; the eyes of a robot without a neck look straight ahead.
     """
-    if not robot.joints("neck"):
+    if not context.robot.joints("neck"):
         return ()
-    places = {**robot.targets, **targets}
     found: list[GazeDirection] = []
     base = STRAIGHT
     for timed in sorted(timeline.timed, key=lambda each: each.times["start"]):
         action = timed.behaviour.action
         if not isinstance(action, Gaze | HeadDirectionShift):
             continue
-        aimed = aim(action, block=timeline.block, robot=robot, targets=places, base=base)
+        aimed = aim(action, context, base)
         if aimed is not None:
             base = aimed if stays(action) else base
             end = np.inf if stays(action) else timed.times["relax"]

@@ -17,8 +17,7 @@ from kinesic.body.utterance import Utterance
 from kinesic.expressivity.face.envelope import BRIDGED, Envelope
 from kinesic.expressivity.face.eyes import (
     AHEAD,
-    GazeDirection,
-    Habits,
+    Eyes,
     blink_times,
     blinking,
     flitting,
@@ -28,7 +27,6 @@ from kinesic.expressivity.face.eyes import (
 from kinesic.expressivity.face.lexemes import Expression, expression
 from kinesic.expressivity.face.visemes import SEAL, visemes
 from kinesic.expressivity.keyframes import Outcome
-from kinesic.expressivity.style.resolve import manner_of
 from kinesic.expressivity.style.style import Expressivity, Style
 
 LEAST = 1e-3  # intensity below which an action unit is not told
@@ -36,7 +34,7 @@ LEAST = 1e-3  # intensity below which an action unit is not told
 SPEAKING = 0.3  # intensity at which speech has the mouth for itself
 PRESSED = (SEAL, "23", "28")  # action units that would keep it closed
 BEFORE = 0.15  # [s] a speech, when a blink begins
-PLAIN = Style()
+UNMOVED = Eyes()
 
 Channels = Mapping[str, Floats]  # key of Command.face -> (m,) 0..1
 
@@ -46,10 +44,8 @@ def face_track(
     utterances: Mapping[str, Utterance],
     times: Floats,
     *,
-    style: Style = PLAIN,
-    habits: Habits | None = None,
-    looks: Sequence[GazeDirection] = (),
-    head: Floats | None = None,
+    styles: Mapping[str, Style],
+    eyes: Eyes = UNMOVED,
 ) -> Channels:
     """What the face shows during a block.
 
@@ -61,19 +57,15 @@ def face_track(
         timeline: behaviours with times.
         utterances: id of a speech -> how it is said.
         times: (m,) [s] block time, increasing.
-        style: of the performance, whose manner of the face the expressions are shown in; documents go over it.
-        habits: of the eyes; None: they do nothing unasked.
-        looks: directions of the gaze, in order.
-        head: (m, 2) [rad] left and up, where the head points in the world; None: straight ahead.
+        styles: behaviour id -> style, in whose manner of the face an expression is shown.
+        eyes: what moves them, at the same times.
 
     Returns:
         Action units that are ever shown.
     """
     spoken = strongest(_mouths(timeline, utterances, times))
-    asked = _opened(strongest(_expressions(timeline, times, style)), spoken)
-    ahead = np.zeros((len(times), 2))
-    eyes = strongest(_eyes(times, habits, looks, ahead if head is None else head, _onsets(timeline, utterances)))
-    found = strongest((asked, spoken, eyes))
+    asked = _opened(strongest(_expressions(timeline, times, styles)), spoken)
+    found = strongest((asked, spoken, strongest(_eyes(times, eyes, _onsets(timeline, utterances)))))
     shares = {channel: sealed(np.clip(values, 0.0, 1.0)) for channel, values in found.items()}
     return {channel: values for channel, values in shares.items() if values.max(initial=0.0) >= LEAST}
 
@@ -132,9 +124,9 @@ class _Showing:
         return self.envelope.at(times, self.manner)
 
 
-def _expressions(timeline: Timeline, times: Floats, style: Style) -> Iterator[Channels]:
+def _expressions(timeline: Timeline, times: Floats, styles: Mapping[str, Style]) -> Iterator[Channels]:
     """Of the behaviours that return, and of those that stay."""
-    going, staying = (_showings(timeline, style, shift=shift) for shift in (False, True))
+    going, staying = (_showings(timeline, styles, shift=shift) for shift in (False, True))
     for each in _bridged(going):
         course = each.at(times) * _flutter(each.shown, times - each.envelope.start)
         yield {channel: intensity * course for channel, intensity in each.shown.units.items()}
@@ -145,12 +137,12 @@ def _expressions(timeline: Timeline, times: Floats, style: Style) -> Iterator[Ch
         left = left * (1.0 - each.envelope.at(times))
 
 
-def _showings(timeline: Timeline, style: Style, *, shift: bool) -> list[_Showing]:
+def _showings(timeline: Timeline, styles: Mapping[str, Style], *, shift: bool) -> list[_Showing]:
     """The expressions that stay, or those that do not, in order of their starts."""
     found = [
-        _Showing(Envelope.of(timed.times, stays=shift), expression(action), manner_of(style, timeline.block, behaviour))
+        _Showing(Envelope.of(timed.times, stays=shift), expression(action), styles[timed.behaviour.id].face)
         for timed in timeline.timed
-        if isinstance(action := (behaviour := timed.behaviour).action, Face) and action.shift == shift
+        if isinstance(action := timed.behaviour.action, Face) and action.shift == shift
     ]
     return sorted(found, key=lambda each: each.envelope.start)
 
@@ -186,12 +178,10 @@ def _said(timed: TimedBehaviour, utterances: Mapping[str, Utterance]) -> Utteran
     return utterances.get(timed.behaviour.id) if isinstance(timed.behaviour.action, Speech) else None
 
 
-def _eyes(
-    times: Floats, habits: Habits | None, looks: Sequence[GazeDirection], head: Floats, onsets: Sequence[float]
-) -> Iterator[Channels]:
+def _eyes(times: Floats, eyes: Eyes, onsets: Sequence[float]) -> Iterator[Channels]:
     """Where the eyes look, and their blinks."""
-    ordered = [AHEAD, *sorted(looks, key=lambda look: look.start)]
-    angles = looking(ordered, times, head)
+    habits, ordered = eyes.habits, [AHEAD, *sorted(eyes.looks, key=lambda look: look.start)]
+    angles = looking(ordered, times, np.zeros((len(times), 2)) if eyes.head is None else eyes.head)
     if habits is not None and len(times):
         span = (float(times[0]), float(times[-1]))
         if habits.saccades:

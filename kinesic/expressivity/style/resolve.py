@@ -8,8 +8,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Literal
 
 from kinesic.bml.block import Behaviour, Block, Manner, Modality
-from kinesic.bml.reading.manner import modality_of
-from kinesic.expressivity.style.style import RANGES, Expressivity, Style, style_preset
+from kinesic.expressivity.style.style import MODALITIES, RANGES, Expressivity, Style, style_preset
 
 # How far full activation goes from a parameter's value to the end of its range. An animated speaker moves wider,
 # faster, with more force and away from the body; how a movement flows and how often it is repeated stay his own.
@@ -76,15 +75,25 @@ def resolve_numbers(style: Style, modality: Modality, block: Block, behaviour: B
     return Told(Expressivity(**numbers), sources)
 
 
-def manner_of(style: Style, block: Block, behaviour: Behaviour, modality: Modality | None = None) -> Expressivity:
-    """The manner of a behaviour, with activation folded into the other numbers.
+def resolve_styles(style: Style, block: Block) -> Mapping[str, Style]:
+    """Resolves the style of each behaviour of a block, with activation folded into the other numbers.
 
     Args:
-        style: of the performance.
-        block: of the behaviour.
-        behaviour: that is moved.
-        modality: that moves; None is that of the behaviour.
+        style: of the performance; the documents go over it, and its settings over them.
+        block: whose behaviours are moved.
+
+    Returns:
+        Behaviour id -> style, whose settings are in force already.
+
+    Raises:
+        ConfigError: a manner names a preset that does not exist.
     """
-    return fold_activation(
-        resolve_numbers(style, modality or modality_of(behaviour.action) or "gesture", block, behaviour).expressivity
-    )
+    return {behaviour.id: _resolve_style(style, block, behaviour) for behaviour in block.behaviours}
+
+
+def _resolve_style(style: Style, block: Block, behaviour: Behaviour) -> Style:
+    manners = {
+        modality: fold_activation(resolve_numbers(style, modality, block, behaviour).expressivity)
+        for modality in MODALITIES
+    }
+    return Style(style.name, settings=(), **manners)

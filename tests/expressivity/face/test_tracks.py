@@ -7,8 +7,9 @@ from kinesic.bml.schedule import schedule
 from kinesic.body.action_units import CHANNELS, UPWARD
 from kinesic.body.command import NO_FACE
 from kinesic.body.utterance import Utterance
-from kinesic.expressivity.face.eyes import GazeDirection, Habits
-from kinesic.expressivity.face.tracks import face_at_ticks, face_track, outcome
+from kinesic.expressivity.face.eyes import Eyes, GazeDirection, Habits
+from kinesic.expressivity.face.tracks import Channels, face_at_ticks, face_track, outcome
+from kinesic.expressivity.style.resolve import resolve_styles
 from kinesic.expressivity.style.style import Expressivity, Style
 from kinesic.speech.durations import DurationModel
 
@@ -25,6 +26,11 @@ def scheduled(inside: str) -> tuple[Timeline, dict[str, Utterance]]:
     return schedule(block, said, {}), said
 
 
+def show(timeline: Timeline, said: dict[str, Utterance], times=TIMES, style=None, **eyes) -> Channels:
+    styles = resolve_styles(style or Style(), timeline.block)
+    return face_track(timeline, said, times, styles=styles, eyes=Eyes(**eyes))
+
+
 def at(values: np.ndarray, time: float) -> float:
     return float(np.interp(time, TIMES, values))
 
@@ -33,7 +39,7 @@ def test_a_lexeme_follows_its_sync_points():
     timeline, said = scheduled(
         '<faceLexeme id="f" lexeme="RAISE_BROWS" amount="0.6" start="1" attackPeak="1.5" relax="3" end="4"/>'
     )
-    found = face_track(timeline, said, TIMES)
+    found = show(timeline, said, TIMES)
     assert found.keys() == {"L1", "R1", "L2", "R2"}
     for time, share in ((0.9, 0.0), (1.25, 0.5), (1.5, 1.0), (3.0, 1.0), (3.5, 0.5), (4.01, 0.0)):
         assert at(found["L1"], time) == pytest.approx(0.6 * share, abs=1e-3)
@@ -42,14 +48,14 @@ def test_a_lexeme_follows_its_sync_points():
 def test_the_stronger_wins():
     weak = '<faceLexeme id="f" lexeme="RAISE_BROWS" amount="0.3" start="0" attackPeak="0.5" relax="5" end="6"/>'
     strong = '<faceLexeme id="g" lexeme="RAISE_LEFT_BROW" amount="0.8" start="2" attackPeak="2.5" relax="3" end="4"/>'
-    found = face_track(*scheduled(weak + strong), TIMES)
+    found = show(*scheduled(weak + strong), TIMES)
     assert at(found["L1"], 2.7) == pytest.approx(0.8)
     assert at(found["R1"], 2.7) == pytest.approx(0.3)
     assert at(found["L1"], 4.5) == pytest.approx(0.3)
 
 
 def test_an_expression_that_stays_gives_way_to_the_next():
-    found = face_track(
+    found = show(
         *scheduled(
             '<faceShift id="f" lexeme="joy" amount="1" start="0" end="1"/>'
             '<faceShift id="g" lexeme="sadness" amount="1" start="3" end="4"/>'
@@ -66,7 +72,7 @@ def test_the_style_of_the_face_and_no_other_is_used():
     asked = scheduled('<faceLexeme id="f" lexeme="smile" start="1" attackPeak="1.5" relax="3" end="4"/>')
     wide = Expressivity(spatial=0.5)
     plain, own, other = (
-        face_track(*asked, TIMES, style=style)["L12"] for style in (Style(), Style(face=wide), Style(head=wide))
+        show(*asked, TIMES, style=style)["L12"] for style in (Style(), Style(face=wide), Style(head=wide))
     )
     np.testing.assert_array_equal(other, plain)
     assert own.max() == pytest.approx(1.25 * plain.max())
@@ -77,17 +83,17 @@ def test_a_flowing_face_goes_from_one_expression_into_the_next():
         '<faceLexeme id="f" lexeme="smile" start="1" attackPeak="1.3" relax="2" end="2.4"/>'
         '<faceLexeme id="g" lexeme="RAISE_BROWS" start="2.7" attackPeak="3" relax="4" end="4.4"/>'
     )
-    plain, flowing = (face_track(*asked, TIMES, style=Style(face=Expressivity(fluidity=f)))["L12"] for f in (0.0, 0.5))
+    plain, flowing = (show(*asked, TIMES, style=Style(face=Expressivity(fluidity=f)))["L12"] for f in (0.0, 0.5))
     assert at(plain, 2.6) == 0.0
     assert at(flowing, 2.6) > 0.05
     assert at(flowing, 3.01) == 0.0
     assert at(flowing, 2.0) == at(plain, 2.0)
-    far = face_track(*asked, TIMES, style=Style(face=Expressivity(fluidity=0.2)))["L12"]
+    far = show(*asked, TIMES, style=Style(face=Expressivity(fluidity=0.2)))["L12"]
     np.testing.assert_array_equal(far, plain)
 
 
 def test_repeated_blinks_are_several():
-    found = face_track(
+    found = show(
         *scheduled('<faceLexeme id="f" lexeme="REPEATED_BLINK" start="1" attackPeak="1.1" relax="2.4" end="2.5"/>'),
         TIMES,
     )
@@ -99,7 +105,7 @@ def test_speech_moves_the_mouth_and_opens_pressed_lips():
     speech = '<speech id="s" start="1"><text>Mama, papa, hello everybody</text></speech>'
     angry = '<faceLexeme id="f" lexeme="anger" amount="1" start="0" attackPeak="0.5" relax="6" end="7"/>'
     timeline, said = scheduled(speech + angry)
-    found = face_track(timeline, said, TIMES)
+    found = show(timeline, said, TIMES)
     for sound in said["s"].phonemes:
         middle = 1.0 + sound.start + sound.duration / 2
         if sound.symbol in "pbm":
@@ -113,21 +119,21 @@ def test_speech_moves_the_mouth_and_opens_pressed_lips():
 
 def test_eyes_blink_and_flit_only_by_habit():
     timeline, said = scheduled('<wait id="w" duration="1"/>')
-    assert face_track(timeline, said, TIMES) == {}
-    lively = face_track(timeline, said, TIMES, habits=Habits(seed=3))
+    assert show(timeline, said, TIMES) == {}
+    lively = show(timeline, said, TIMES, habits=Habits(seed=3))
     assert {"L45", "R45"} <= lively.keys() <= set(CHANNELS)
-    still = face_track(timeline, said, TIMES, habits=Habits(seed=3, saccades=False))
+    still = show(timeline, said, TIMES, habits=Habits(seed=3, saccades=False))
     assert still.keys() == {"L45", "R45"}
 
 
 def test_eyes_blink_before_a_speech():
-    found = face_track(*scheduled('<speech id="s" start="2"><text>Hello</text></speech>'), TIMES, habits=Habits(seed=0))
+    found = show(*scheduled('<speech id="s" start="2"><text>Hello</text></speech>'), TIMES, habits=Habits(seed=0))
     assert at(found["L45"], 1.92) == pytest.approx(1.0)
 
 
 def test_the_gaze_turns_the_eyes():
     timeline, said = scheduled('<wait id="w" duration="1"/>')
-    found = face_track(timeline, said, TIMES, looks=[GazeDirection(1.0, -0.4, 0.0, 3.0)])
+    found = show(timeline, said, TIMES, looks=[GazeDirection(1.0, -0.4, 0.0, 3.0)])
     assert found.keys() == {"62"}
     assert at(found["62"], 2.0) > 0.5
 
@@ -136,14 +142,14 @@ def test_eyes_stay_ahead_while_the_head_nods():
     timeline, said = scheduled('<wait id="w" duration="1"/>')
     nod = np.zeros((len(TIMES), 2))
     nod[:, 1] = -0.3 * np.exp(-((TIMES - 2.0) ** 2) / 0.02)
-    found = face_track(timeline, said, TIMES, head=nod)
+    found = show(timeline, said, TIMES, head=nod)
     assert found.keys() == {"63"}
     np.testing.assert_allclose(found["63"] * UPWARD, -nod[:, 1], atol=1e-12)
 
 
 def test_commands_hold_what_is_shown_at_their_tick():
     timeline, said = scheduled('<faceLexeme id="f" lexeme="smile" start="1" attackPeak="1.5" relax="3" end="4"/>')
-    found = face_track(timeline, said, TIMES)
+    found = show(timeline, said, TIMES)
     rows = list(face_at_ticks(found, len(TIMES)))
     assert len(rows) == len(TIMES)
     assert rows[0] is NO_FACE
@@ -154,7 +160,7 @@ def test_commands_hold_what_is_shown_at_their_tick():
 
 def test_asking_for_no_time_is_nothing():
     timeline, said = scheduled('<faceLexeme id="f" lexeme="smile"/>')
-    assert face_track(timeline, said, np.zeros(0), habits=Habits()) == {}
+    assert show(timeline, said, np.zeros(0), habits=Habits()) == {}
 
 
 @pytest.mark.parametrize(

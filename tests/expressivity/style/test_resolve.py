@@ -2,10 +2,10 @@ from dataclasses import replace
 
 import pytest
 
-from kinesic.bml.block import Behaviour, Block, Gesture, Head, Manner, Place, Torso
+from kinesic.bml.block import Behaviour, Block, Gesture, Manner, Place
 from kinesic.body.config import ConfigError
-from kinesic.expressivity.style.resolve import SHARES, fold_activation, manner_of, resolve_numbers
-from kinesic.expressivity.style.style import RANGES, Expressivity, Style, style_preset
+from kinesic.expressivity.style.resolve import SHARES, fold_activation, resolve_numbers, resolve_styles
+from kinesic.expressivity.style.style import MODALITIES, RANGES, Expressivity, Style, style_preset
 
 
 def test_full_activation_of_a_neutral_manner():
@@ -69,14 +69,14 @@ def test_a_preset_that_does_not_exist_is_an_error():
         resolve_numbers(Style(), "head", Block("b", ()), behaviour(manner=Manner(style="joyfull")))
 
 
-@pytest.mark.parametrize(("action", "power"), [(Gesture("beat"), 0.1), (Head("NOD"), 0.2), (Torso("BodyLean"), 0.3)])
-def test_a_behaviour_is_moved_in_the_manner_of_its_modality(action, power):
-    numbers = (Expressivity(power=power) for power in (0.1, 0.2, 0.3, 0.4))
-    style = Style("mine", *numbers)
-    assert manner_of(style, Block("b", ()), behaviour(action)).power == power
-    assert manner_of(style, Block("b", ()), behaviour(action), "face").power == 0.4
+def test_each_behaviour_has_a_style_of_its_own():
+    said = replace(behaviour(manner=Manner(power=0.9)), id="c")
+    block = Block("b", (behaviour(), said), manners={"head": Manner(power=-0.5)})
+    found = resolve_styles(Style("mine", *(Expressivity(power=power) for power in (0.1, 0.2, 0.3, 0.4))), block)
+    assert [found["b"].of(modality).power for modality in MODALITIES] == [0.1, -0.5, 0.3, 0.4]
+    assert [found["c"].of(modality).power for modality in MODALITIES] == [0.9] * 4
 
 
 def test_activation_is_folded_in():
-    found = manner_of(Style(), Block("b", ()), behaviour(manner=Manner(activation=0.5)))
-    assert found == fold_activation(Expressivity(activation=0.5))
+    block = Block("b", (behaviour(manner=Manner(activation=0.5)),))
+    assert resolve_styles(Style(), block)["b"].head == fold_activation(Expressivity(activation=0.5))
