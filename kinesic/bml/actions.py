@@ -6,6 +6,7 @@ from typing import Literal
 from kinesic.body.utterance import Script
 
 Mode = Literal["left", "right", "both", "unspecified"]
+Modality = Literal["gesture", "head", "torso", "face"]  # each is moved in a manner of its own
 
 
 @dataclass(frozen=True)
@@ -153,3 +154,17 @@ Action = (
     | Custom
 )
 Command = Interrupt | Activate | ParameterChange  # what a block does to others
+
+
+def modality_of(action: Action) -> Modality | None:
+    """Names the modality that performs; of a posture that of its arms; None when nothing of the body moves."""
+    match action:
+        case Gesture() | Pointing() | Posture():
+            return "gesture"
+        case Head() | HeadDirectionShift() | Gaze():
+            return "head"
+        case Torso():
+            return "torso"
+        case Face():
+            return "face"
+    return None

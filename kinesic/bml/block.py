@@ -17,6 +17,7 @@ from kinesic.bml.actions import (
     HeadDirectionShift,
     Interrupt,
     Locomotion,
+    Modality,
     Mode,
     ParameterChange,
     Pointing,
@@ -24,9 +25,11 @@ from kinesic.bml.actions import (
     Speech,
     Torso,
     Wait,
+    modality_of,
 )
 
 __all__ = [
+    "BOUNDS",
     "FACE_SYNCS",
     "GAZE_SYNCS",
     "GESTURE_SYNCS",
@@ -37,6 +40,7 @@ __all__ = [
     "Behaviour",
     "Block",
     "BmlError",
+    "Bounds",
     "Command",
     "Composition",
     "Custom",
@@ -67,6 +71,8 @@ __all__ = [
     "Timeline",
     "Torso",
     "Wait",
+    "modality_of",
+    "refusal",
 ]
 
 Dialect = Literal["bml-1.0", "draft", "none", "fml-apml", "smartbody", "json"]
@@ -75,8 +81,6 @@ GESTURE_SYNCS = ("start", "ready", "strokeStart", "stroke", "strokeEnd", "relax"
 GAZE_SYNCS = ("start", "ready", "relax", "end")
 FACE_SYNCS = ("start", "attackPeak", "relax", "end")
 SHIFT_SYNCS = ("start", "end")
-
-Modality = Literal["gesture", "head", "torso", "face"]  # each is moved in a manner of its own
 
 RANGES: Mapping[str, tuple[float, float]] = {  # of the parameters of expressivity (thesis 8.7)
     "spatial": (-1.0, 1.0),
@@ -100,6 +104,30 @@ class Place:
 
     line: int
     column: int
+
+
+def refusal(source: str, place: Place, what: str, remedy: str) -> BmlError:
+    """Builds the error of a document that is refused.
+
+    Args:
+        source: name of the document.
+        place: line and column, from 1.
+        what: what is wrong, with the value.
+        remedy: what would have worked.
+    """
+    return BmlError(f"{source}:{place.line}:{place.column}: {what}; {remedy}")
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """How large a document may be."""
+
+    size: int = 4_000_000  # [bytes]
+    depth: int = 64  # elements inside one another
+    elements: int = 20_000
+
+
+BOUNDS = Bounds()
 
 
 class Composition(Enum):

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Iterator
 from typing import Literal
 
-from kinesic.bml.block import Action, Behaviour, Block, Custom, Dialect, NoticeType, Speech
+from kinesic.bml.block import BOUNDS, Action, Behaviour, Block, Bounds, Custom, Dialect, NoticeType, Speech
 from kinesic.bml.composition import composition_of
 from kinesic.bml.reading.block_commands import command_of, is_command
 from kinesic.bml.reading.descriptions import richest
@@ -16,7 +16,7 @@ from kinesic.bml.reading.recording import pause_of
 from kinesic.bml.reading.references import SYNC_ATTRIBUTES, Constraint, ReferenceReader, check_references
 from kinesic.bml.reading.script import PROSODY
 from kinesic.bml.reading.syncref import Names
-from kinesic.bml.reading.tree import BOUNDS, Bounds, Element
+from kinesic.bml.reading.tree import Element
 
 UNNAMED = "block"  # id of a block that has none
 MOST_BEHAVIOURS = 1000  # in one block

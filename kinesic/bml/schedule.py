@@ -15,8 +15,8 @@ from kinesic.bml.block import (
     SyncRef,
     TimedBehaviour,
     Timeline,
+    refusal,
 )
-from kinesic.bml.reading.errors import refusal
 from kinesic.bml.reading.syncref import LONGEST
 from kinesic.bml.timing.constraints import Tie, own_ties
 from kinesic.bml.timing.negative_cycles import Edge, contradictions

@@ -4,8 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from kinesic.bml.block import Behaviour, Block, Modality
-from kinesic.bml.reading.manner import modality_of
+from kinesic.bml.block import Behaviour, Block, Modality, modality_of
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.expressivity.gather import Gathering

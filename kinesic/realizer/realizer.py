@@ -7,9 +7,8 @@ plan of a block wherever there is time, hands it to `begin`, and calls `advance`
 from dataclasses import replace
 from functools import partial
 
-from kinesic.bml.block import Activate, Command, Interrupt, Notice, NoticeType, ParameterChange
+from kinesic.bml.block import Activate, Command, Interrupt, Notice, NoticeType, ParameterChange, modality_of
 from kinesic.bml.composition import BlockState, awaited, goes_round, waiting_blocks
-from kinesic.bml.reading.manner import modality_of
 from kinesic.planning.certify import certify
 from kinesic.planning.plan import plan_block
 from kinesic.planning.quick_plan import plan_quickly

@@ -7,11 +7,22 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from kinesic.bml.block import Behaviour, Block, BmlError, Notice, NoticeType, Precedence, Synchronize, SyncRef, Timeline
+from kinesic.bml.block import (
+    BOUNDS,
+    Behaviour,
+    Block,
+    BmlError,
+    Bounds,
+    Notice,
+    NoticeType,
+    Precedence,
+    Synchronize,
+    SyncRef,
+    Timeline,
+)
 from kinesic.bml.composition import BlockState, awaited
 from kinesic.bml.feedback import prediction, warning
 from kinesic.bml.parse import UNNAMED, parse
-from kinesic.bml.reading.tree import BOUNDS, Bounds
 from kinesic.bml.schedule import schedule
 from kinesic.bml.timing.constraints import Point, point_of
 from kinesic.body.utterance import Utterance

@@ -7,9 +7,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from kinesic.bml.block import Behaviour, Block
+from kinesic.bml.block import Behaviour, Block, modality_of
 from kinesic.bml.feedback import prediction, warning
-from kinesic.bml.reading.manner import modality_of
 from kinesic.controller.performance import Performance
 from kinesic.controller.smoothness import dimensionless_jerk, spectral_arc_length
 from kinesic.expressivity.style.resolve import resolve_numbers

@@ -6,8 +6,7 @@ from dataclasses import replace
 from math import isfinite
 from multiprocessing.connection import Connection, wait
 
-from kinesic.bml.block import BmlError
-from kinesic.bml.reading.tree import Bounds
+from kinesic.bml.block import BmlError, Bounds
 from kinesic.body.config import ConfigError
 from kinesic.expressivity.style.style import Style
 from kinesic.motion.trajectory import Trajectory

@@ -3,9 +3,8 @@
 from dataclasses import dataclass, fields
 from time import monotonic
 
-from kinesic.bml.block import Notice, NoticeType
+from kinesic.bml.block import BOUNDS, Notice, NoticeType
 from kinesic.bml.feedback import warning
-from kinesic.bml.reading.tree import BOUNDS
 
 NOBODY = "message"  # id of a warning about a message whose own id nobody has read
 

@@ -7,9 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from kinesic.bml.block import Action, Block, BmlError, Gaze, Gesture, Head, Manner, Pointing, Speech
+from kinesic.bml.block import Action, Block, BmlError, Gaze, Gesture, Head, Manner, Pointing, Speech, modality_of
 from kinesic.bml.parse import parse
-from kinesic.bml.reading.manner import modality_of
 from kinesic.bml.schedule import schedule
 from kinesic.body.arrays import sealed
 from kinesic.body.utterance import Utterance

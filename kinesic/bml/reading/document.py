@@ -3,13 +3,12 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from kinesic.bml.block import Dialect
+from kinesic.bml.block import BOUNDS, Bounds, Dialect, refusal
 from kinesic.bml.reading.elements import ACTIONS
-from kinesic.bml.reading.errors import refusal
 from kinesic.bml.reading.fragments import is_fragment, read_fragments
 from kinesic.bml.reading.json_notation import is_json, read_json
 from kinesic.bml.reading.namespaces import BML_1_0, DRAFTS, namespace
-from kinesic.bml.reading.tree import BOUNDS, Bounds, Element, read_tree
+from kinesic.bml.reading.tree import Element, read_tree
 
 _MARKED = (b"\xef\xbb\xbf", b"\xff\xfe", b"\xfe\xff")  # byte order marks
 

@@ -9,7 +9,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
-from kinesic.bml.reading.tree import BOUNDS, Bounds, Element, read_tree
+from kinesic.bml.block import BOUNDS, Bounds
+from kinesic.bml.reading.tree import Element, read_tree
 
 _TAG = re.compile(r"<([A-Za-z_][\w.:-]*)")
 _ROOT = re.compile(r"<(?:[\w.-]+:)?(?:bml|fml-apml)[\s/>]")

@@ -13,10 +13,9 @@ from json import JSONDecodeError
 from json.decoder import JSONDecoder
 from types import MappingProxyType
 
-from kinesic.bml.block import BmlError, Place
-from kinesic.bml.reading.errors import refusal
+from kinesic.bml.block import BOUNDS, BmlError, Bounds, Place, refusal
 from kinesic.bml.reading.json_words import rewritten
-from kinesic.bml.reading.tree import BOUNDS, Bounds, Element
+from kinesic.bml.reading.tree import Element
 
 _BLANK = " \t\r\n"
 _NAME = re.compile(r"[A-Za-z_][\w.-]*(?::[A-Za-z_][\w.-]*)?")

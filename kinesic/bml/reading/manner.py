@@ -9,22 +9,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import get_args
 
-from kinesic.bml.block import (
-    RANGES,
-    Action,
-    Face,
-    Gaze,
-    Gesture,
-    Head,
-    HeadDirectionShift,
-    Manner,
-    Modality,
-    NoticeType,
-    Place,
-    Pointing,
-    Posture,
-    Torso,
-)
+from kinesic.bml.block import RANGES, Action, Manner, Modality, NoticeType, Place, modality_of
 from kinesic.bml.reading.namespaces import own_attributes
 from kinesic.bml.reading.reader import BehaviourElement, DocumentReading, read_finite
 from kinesic.bml.reading.recording import PAUSE
@@ -44,20 +29,6 @@ _FIELDS = {
     "intensity": "intensity",
 }
 _GRETA_RANGES = {**dict.fromkeys(_FIELDS.values(), (-1.0, 1.0)), "openness": GRETA_OPENNESS, "intensity": (0.0, 1.0)}
-
-
-def modality_of(action: Action) -> Modality | None:
-    """The modality that performs; of a posture that of its arms; None when nothing of the body moves."""
-    match action:
-        case Gesture() | Pointing() | Posture():
-            return "gesture"
-        case Head() | HeadDirectionShift() | Gaze():
-            return "head"
-        case Torso():
-            return "torso"
-        case Face():
-            return "face"
-    return None
 
 
 def read_manner(named: BehaviourElement, action: Action, reading: DocumentReading) -> Manner:

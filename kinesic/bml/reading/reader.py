@@ -4,8 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from kinesic.bml.block import BmlError, Dialect, Notice, NoticeType, Place
-from kinesic.bml.reading.errors import refusal
+from kinesic.bml.block import BmlError, Dialect, Notice, NoticeType, Place, refusal
 from kinesic.bml.reading.tree import Element
 
 LARGEST = 1e4  # no number of BML but a time, which has its own limit, is larger

@@ -9,20 +9,7 @@ from types import MappingProxyType
 from typing import NoReturn
 from xml.parsers import expat
 
-from kinesic.bml.block import BmlError, Place
-from kinesic.bml.reading.errors import refusal
-
-
-@dataclass(frozen=True)
-class Bounds:
-    """How large a document may be."""
-
-    size: int = 4_000_000  # [bytes]
-    depth: int = 64  # elements inside one another
-    elements: int = 20_000
-
-
-BOUNDS = Bounds()
+from kinesic.bml.block import BOUNDS, BmlError, Bounds, Place, refusal
 
 
 @dataclass(frozen=True)

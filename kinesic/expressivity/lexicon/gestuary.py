@@ -8,9 +8,9 @@ from typing import NoReturn, TypeVar
 import numpy as np
 import scipy
 
-from kinesic.bml.block import BmlError
+from kinesic.bml.block import BmlError, Bounds
 from kinesic.bml.reading.manner import openness_of
-from kinesic.bml.reading.tree import Bounds, Element, read_tree
+from kinesic.bml.reading.tree import Element, read_tree
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError, suggestion
 from kinesic.body.robot import Side

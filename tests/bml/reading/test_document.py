@@ -2,9 +2,8 @@
 
 import pytest
 
-from kinesic.bml.block import BmlError
+from kinesic.bml.block import BmlError, Bounds
 from kinesic.bml.reading.document import read_document
-from kinesic.bml.reading.tree import Bounds
 
 INSIDE = '<head id="h" lexeme="NOD"/>'
 

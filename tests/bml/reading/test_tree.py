@@ -2,8 +2,8 @@
 
 import pytest
 
-from kinesic.bml.block import BmlError, Place
-from kinesic.bml.reading.tree import Bounds, read_tree
+from kinesic.bml.block import BmlError, Bounds, Place
+from kinesic.bml.reading.tree import read_tree
 
 
 def test_places_are_those_of_the_start_tags() -> None:
