@@ -77,10 +77,8 @@ class Limits:
     @classmethod
     def of(cls, robot: Robot, load: Load) -> "Limits":
         """The limits of a robot whose hinges bear a load."""
-        stall = np.array([drive.stall for drive in robot.drives])
-        no_load = np.array([drive.no_load for drive in robot.drives])
-        friction = np.array([drive.frictionloss for drive in robot.drives])
-        still = (load.holding + friction) / stall
+        stall = robot.drives.stall
+        still = (load.holding + robot.drives.frictionloss) / stall
         acceleration = np.maximum((STALL_SHARE - still) * stall / load.inertia, LEAST_ACCELERATION)
         return cls(
             lower=robot.skeleton.lower,
@@ -89,6 +87,6 @@ class Limits:
             acceleration=sealed(acceleration),
             jerk=sealed(acceleration / RISE),
             inertial=sealed(load.inertia / stall),
-            viscous=sealed(1.0 / no_load),
+            viscous=sealed(1.0 / robot.drives.no_load),
             duty=sealed(np.maximum(DUTY - still, LEAST_DUTY)),
         )

@@ -9,14 +9,33 @@ from typing import Literal
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
 from kinesic.body.config import locate
-from kinesic.body.description import Description
+from kinesic.body.description import Description, Site
 from kinesic.body.ideal import ideal
 from kinesic.body.robot_file import read_description
-from kinesic.body.servo import Drive
+from kinesic.body.servo import Drives
 
 Side = Literal["l", "r"]
 SIDES: tuple[Side, Side] = ("l", "r")
 SPEED_SHARE = 0.8  # of the no-load speed that a plan may use
+
+
+@dataclass(frozen=True, eq=False)
+class RobotArm:
+    """One arm in the skeleton of a robot."""
+
+    segments: tuple[str, ...]  # from the base outward; the last three are upper arm, forearm and hand
+    joints: tuple[int, ...]  # its hinges, in joint order
+    shoulder: int  # index of the upper arm's segment, whose origin is the shoulder's centre
+    elbow: int  # index of the forearm's segment
+    wrist: int  # index of the hand's segment
+    palm: Site
+
+    @classmethod
+    def of(cls, robot: Description, side: Side) -> "RobotArm":
+        """The arm of one side."""
+        skeleton, segments = robot.skeleton, robot.chains[f"{side}_arm"]
+        centres = (skeleton.segment(name) for name in segments[-3:])
+        return cls(segments, skeleton.joints_of(segments), *centres, palm=robot.sites[f"{side}_palm"])
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,24 +57,32 @@ class Robot(Description):
         return cls(**{field.name: getattr(found, field.name) for field in fields(found)})
 
     @cached_property
-    def drives(self) -> tuple[Drive, ...]:
+    def drives(self) -> Drives:
         """In joint order."""
-        return tuple(mount.drive for mount in self.mounts)
+        return Drives(mount.drive for mount in self.mounts)
 
     @cached_property
     def speed_limits(self) -> Floats:
         """(n,) [rad/s] that a plan may use."""
-        return sealed([SPEED_SHARE * drive.no_load for drive in self.drives])
+        return sealed(SPEED_SHARE * self.drives.no_load)
 
     @cached_property
     def arms(self) -> Mapping[Side, Chain]:
         """Chains from the collar bone to the hand, as closed forms want them."""
-        return {side: self._arm(side) for side in SIDES}
+        return {side: self._chain(side) for side in SIDES}
 
-    def _arm(self, side: Side) -> Chain:
-        palm = self.sites[f"{side}_palm"]
-        segments = self.chains[f"{side}_arm"]
-        return ideal(Chain.of(self.skeleton, f"{side}_arm", segments, along=palm.position, palm=palm.facing))
+    def _chain(self, side: Side) -> Chain:
+        arm = self.arm(side)
+        chain = Chain.of(self.skeleton, f"{side}_arm", arm.segments, along=arm.palm.position, palm=arm.palm.facing)
+        return ideal(chain)
+
+    def arm(self, side: Side) -> RobotArm:
+        """Where an arm is in the skeleton; `arms` has its chain."""
+        return self._robot_arms[side]
+
+    @cached_property
+    def _robot_arms(self) -> Mapping[Side, RobotArm]:
+        return {side: RobotArm.of(self, side) for side in SIDES}
 
     def joints(self, chain: str) -> tuple[int, ...]:
         """Indices of a chain's hinges in joint order; empty for a chain that the robot lacks."""
@@ -74,10 +101,8 @@ class Robot(Description):
     def gesture_origin(self) -> Floats:
         """(3,) [m] in the world: body midline, depth of the shoulders, height of the elbows, arms hanging."""
         origins = self.skeleton.straight.origins
-        shoulder, elbow = self.chains["l_arm"][-3:-1]
-        x = origins[self.skeleton.segment(shoulder)][0]
-        z = origins[self.skeleton.segment(elbow)][2]
-        return sealed([x, 0.0, z])
+        arm = self.arm("l")
+        return sealed([origins[arm.shoulder][0], 0.0, origins[arm.elbow][2]])
 
     @cached_property
     def counted_pairs(self) -> tuple[tuple[str, str], ...]:

@@ -1,7 +1,11 @@
-"""Servos as data: a model's figures at 12 V, and a drive, the servo as its hinge feels it."""
+"""Servos as data: a model's figures at 12 V, a drive, the servo as its hinge feels it, and all drives of a robot."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from math import pi
+
+from kinesic.body.arrays import Floats, sealed
 
 TICKS_PER_TURN = 4096
 DUTY_FULL = 885  # PWM register value of full duty
@@ -82,3 +86,25 @@ class Drive:
     def tick(self) -> float:
         """Smallest step of the hinge's goal [rad]."""
         return 2 * pi / TICKS_PER_TURN / self.reduction
+
+
+def _row(figure: Callable[[Drive], float]) -> "cached_property[Floats]":
+    """A read-only array (n,) of one figure, made when it is first asked for."""
+    return cached_property(lambda drives: sealed([figure(drive) for drive in drives]))
+
+
+class Drives(tuple[Drive, ...]):
+    """The drives of a robot in joint order, and each of their figures as a read-only array (n,)."""
+
+    stall = _row(lambda drive: drive.stall)  # [Nm]
+    no_load = _row(lambda drive: drive.no_load)  # [rad/s]
+    gain = _row(lambda drive: drive.gain)  # [1/rad]
+    rate_gain = _row(lambda drive: drive.rate_gain)  # [Nm s/rad]
+    armature = _row(lambda drive: drive.armature)  # [kg m^2]
+    frictionloss = _row(lambda drive: drive.frictionloss)  # [Nm]
+    damping = _row(lambda drive: drive.damping)  # [Nm s/rad]
+    tick = _row(lambda drive: drive.tick)  # [rad]
+    count = _row(lambda drive: drive.count)  # servos in tandem
+    volt = _row(lambda drive: drive.servo.volt)  # [V]
+    stall_current = _row(lambda drive: drive.servo.stall_a)  # [A] of one servo
+    idle_current = _row(lambda drive: drive.count * drive.servo.idle_a)  # [A] of all servos of the drive

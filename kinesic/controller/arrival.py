@@ -39,7 +39,7 @@ def part_paths(angles: Floats, robot: Robot, hands: Mapping[str, Floats] | None 
 
 def _hands(angles: Floats, robot: Robot) -> dict[str, Floats]:
     origins = robot.skeleton.frames(angles).origins
-    return {side: origins[:, robot.skeleton.segment(robot.chains[f"{side}_arm"][-1])] for side in SIDES}
+    return {side: origins[:, robot.arm(side).wrist] for side in SIDES}
 
 
 @dataclass(frozen=True, eq=False)

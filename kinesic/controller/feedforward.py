@@ -49,10 +49,8 @@ def lead(
     """
     angles, speeds, accelerations = trajectory.sample(times + period / 2 + delay)
     torques = dynamics.torques(angles, speeds, accelerations)
-    stall = np.array([drive.stall for drive in robot.drives])
-    no_load = np.array([drive.no_load for drive in robot.drives])
-    gain = np.array([drive.gain for drive in robot.drives])
-    rate = np.array([drive.rate_gain for drive in robot.drives])
+    drives = robot.drives
+    stall, no_load, gain, rate = drives.stall, drives.no_load, drives.gain, drives.rate_gain
     duties = torques / stall + speeds / no_load
     if terms == "none":
         sent = trajectory.sample(times)[0]

@@ -115,12 +115,12 @@ class Observer:
             bodies: how many such robots are observed, their hinges one after another: numpy takes as long for many.
         """
         drives = robot.drives
-        inertia = np.maximum(dynamics.load.inertia, [drive.armature for drive in drives])
-        stiffness = np.array([drive.stall * drive.gain for drive in drives]) / inertia
-        drag = np.array([drive.stall / drive.no_load + drive.rate_gain + drive.damping for drive in drives]) / inertia
+        inertia = np.maximum(dynamics.load.inertia, drives.armature)
+        stiffness = drives.stall * drives.gain / inertia
+        drag = (drives.stall / drives.no_load + drives.rate_gain + drives.damping) / inertia
         forecast = _forecast(stiffness, drag, period)
         gain = _gains(forecast, np.exp(-BANDWIDTH * period))
-        step = [(1.0 - SPEED_SHARE) * drive.no_load * period for drive in drives]
+        step = (1.0 - SPEED_SHARE) * drives.no_load * period
         late = int(delay / period)
         arrival = np.zeros(late + 2)
         arrival[late:] = late + 1 - delay / period, delay / period - late
@@ -132,7 +132,7 @@ class Observer:
             lower=sealed(np.tile(robot.skeleton.lower, bodies)),
             upper=sealed(np.tile(robot.skeleton.upper, bodies)),
             step=sealed(np.tile(step, bodies)),
-            full=sealed(np.tile([1.0 / drive.gain for drive in drives], bodies)),
+            full=sealed(np.tile(1.0 / drives.gain, bodies)),
         )
 
     @cached_property

@@ -64,8 +64,7 @@ class Reference:
         """Side -> (m, 3) [m] the wrist's centre in the world."""
         robot = self.plan.setup.robot
         origins = motion_frames(robot.skeleton, self.angles).origins
-        wrists = {side: robot.skeleton.segment(robot.chains[f"{side}_arm"][-1]) for side in SIDES}
-        return {side: sealed(origins[wrist].T) for side, wrist in wrists.items()}
+        return {side: sealed(origins[robot.arm(side).wrist].T) for side in SIDES}
 
     @cached_property
     def smoothness(self) -> Mapping[str, float | None]:
@@ -99,8 +98,7 @@ class Reference:
         times = np.arange(0.0, self.plan.trajectory.duration + 1 / HOLDING_RATE, 1 / HOLDING_RATE)
         angles = self.plan.trajectory.sample(times)[0]
         still = np.zeros_like(angles)
-        stall = np.array([drive.stall for drive in known.robot.drives])
-        return times, np.abs(known.dynamics.torques(angles, still, still)) / stall
+        return times, np.abs(known.dynamics.torques(angles, still, still)) / known.robot.drives.stall
 
 
 @dataclass(frozen=True, eq=False)

@@ -48,7 +48,7 @@ def with_arms(
     for side, hand in hands.items():
         reach, chain = reaches[side], robot.arms[side]
         if reach is None:
-            joints = list(robot.joints(f"{side}_arm"))
+            joints = list(robot.arm(side).joints)
             solved[joints] = robot.skeleton.rest[joints]
             continue
         base, indices = robot.skeleton.segment(chain.base), list(chain.indices)

@@ -51,6 +51,5 @@ def certify(
 def duties(trajectory: Trajectory, setup: Setup) -> Floats:
     """(n,) the largest duty of each drive at the knots of a motion."""
     angles, speeds, accelerations = trajectory.sample(np.arange(0.0, trajectory.duration, STEP))
-    stall = np.array([drive.stall for drive in setup.robot.drives])
     torques = setup.dynamics.torques(angles, speeds, accelerations)
-    return np.asarray(np.abs(torques / stall + speeds * setup.limits.viscous).max(axis=0))
+    return np.asarray(np.abs(torques / setup.robot.drives.stall + speeds * setup.limits.viscous).max(axis=0))

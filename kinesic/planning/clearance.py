@@ -6,7 +6,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Clearance, Distances
-from kinesic.body.robot import Robot
+from kinesic.body.robot import SIDES, Robot
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.condition import Conditioned
 from kinesic.motion.key_time_lp import relax_key_times
@@ -102,7 +102,7 @@ def culprits(
         return {}
     at = float(times[worst] - motion.trajectory.zero)
     pair = clearance.pairs[worst]
-    parts = {f"{side}_hand" for side in ("l", "r") if set(pair) & set(robot.chains[f"{side}_arm"])} or {"torso", "head"}
+    parts = {f"{side}_hand" for side in SIDES if set(pair) & set(robot.arm(side).segments)} or {"torso", "head"}
     why = f"brings {pair[0]} within {1000 * distance:.0f} mm of {pair[1]} at {at:.2f} s"
     spans_of = _planned_spans(frames, motion)
     near = {

@@ -85,7 +85,7 @@ def _metric(probes: Floats, robot: Robot) -> Floats:
     frames = robot.skeleton.frames(probes)
     points = []
     for side in SIDES:
-        palm = robot.sites[f"{side}_palm"]
+        palm = robot.arm(side).palm
         k = robot.skeleton.segment(palm.segment)
         points += [frames.origins[:, k], frames.origins[:, k] + frames.rotations[:, k] @ palm.position]
     where = np.concatenate(points, axis=1)
@@ -125,7 +125,7 @@ def clear_hands(angles: Floats, hands: Mapping[Side, Hand], robot: Robot, distan
         (n,) [rad]; the posture as it was when none near it keeps the distance.
     """
     moving = {side: hand for side, hand in hands.items() if hand.reach is not None}
-    joints = [joint for side in moving for joint in robot.joints(f"{side}_arm")]
+    joints = [joint for side in moving for joint in robot.arm(side).joints]
     if not moving:
         return angles
     gaps = distances.gaps(angles[None])[0]
@@ -141,14 +141,14 @@ def clear_hands(angles: Floats, hands: Mapping[Side, Hand], robot: Robot, distan
 
 def touched_pair(side: Side, touch: Touch, robot: Robot) -> int | None:
     """Index among the counted pairs of a hand and what it touches; None when this pair does not count."""
-    hand, part = robot.chains[f"{side}_arm"][-1], _segment(side, touch, robot)
+    hand, part = robot.arm(side).segments[-1], _segment(side, touch, robot)
     found = [k for k, pair in enumerate(robot.counted_pairs) if set(pair) == {hand, part}]
     return found[0] if found else None
 
 
 def _segment(side: Side, touch: Touch, robot: Robot) -> str | None:
     """The segment that a word names, for a hand; None when the robot lacks it."""
-    arm, torso, neck = robot.chains[f"{OTHER[side]}_arm"], robot.chains.get("torso"), robot.chains.get("neck")
+    arm, torso, neck = robot.arm(OTHER[side]).segments, robot.chains.get("torso"), robot.chains.get("neck")
     match touch:
         case "hand":
             return arm[-1]

@@ -140,7 +140,7 @@ def _changes(course: PostureCourse, time: float, distances: Distances, least: fl
     """Ways to change the motion at a block time where it comes too near."""
     gaps = distances.gaps(course.at(time)[None])[0]
     close = {segment for k in np.flatnonzero(gaps < least) for segment in course.robot.counted_pairs[k]}
-    arms = [course.robot.joints(f"{side}_arm") for side in SIDES if close & set(course.robot.chains[f"{side}_arm"])]
+    arms = [arm.joints for side in SIDES if close & set((arm := course.robot.arm(side)).segments)]
     near = [course.near(arm, time) for arm in arms]
     free = [arm for arm, key in zip(arms, near, strict=True) if key is None]
     if free:

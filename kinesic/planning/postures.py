@@ -46,12 +46,12 @@ def postures(keyframes: KeyFrames, robot: Robot, distances: Distances) -> Postur
         keyed = _keyed(frame, robot, leaning, ends=k in (0, len(leans) - 1))
         angles = angles.copy()
         _set_torso(angles, frame, leans[k], robot)
-        hands = {side: hand for side, hand in frame.hands.items() if keyed[robot.joints(f"{side}_arm")[0]]}
+        hands = {side: hand for side, hand in frame.hands.items() if keyed[robot.arm(side).joints[0]]}
         wanted = {side: _in_world(hand, side, frame, angles, robot) for side, hand in hands.items()}
         torso = angles[list(robot.joints("torso"))]
         for side in hands.keys() & held.keys():
             if held[side].still(hands[side], torso):
-                angles[list(robot.joints(f"{side}_arm"))] = held[side].arm
+                angles[list(robot.arm(side).joints)] = held[side].arm
         moved = {side for side in hands if side not in held or not held[side].still(hands[side], torso)}
         before = {side: held[side].began for side in held}
         angles = with_arms(angles, {side: hands[side] for side in hands if side in moved}, wanted, robot, before)
@@ -75,7 +75,7 @@ class _Held:
     @classmethod
     def of(cls, side: Side, hand: Hand, angles: Floats, robot: Robot, before: "_Held | None") -> "_Held":
         """One hand of a posture (n,) [rad], after what it held before."""
-        torso, arm = (angles[list(robot.joints(chain))] for chain in ("torso", f"{side}_arm"))
+        torso, arm = angles[list(robot.joints("torso"))], angles[list(robot.arm(side).joints)]
         began = before.began if hand.passing and before else angles[list(robot.arms[side].indices)]
         return cls(hand, torso, arm, began)
 
@@ -128,7 +128,7 @@ def _keyed(frame: KeyFrame, robot: Robot, leaning: bool, *, ends: bool) -> list[
         hand = frame.hands[side]
         held = hand.reach is not None and (leaning or (torso and hand.aim is not None))
         if ends or f"{side}_hand" in frame.given or (held and f"{side}_hand" in frame.told):
-            keyed[list(robot.joints(f"{side}_arm"))] = True
+            keyed[list(robot.arm(side).joints)] = True
     return [bool(key) for key in keyed]
 
 
@@ -179,7 +179,7 @@ def aim_from_shoulder(reach: Reach, aim: Floats, side: Side, angles: Floats, rob
         angles: (n,) [rad] of the whole robot.
         robot: whose hand it is.
     """
-    shoulder = robot.skeleton.segment(robot.chains[f"{side}_arm"][-3])
+    shoulder = robot.arm(side).shoulder
     resting = robot.skeleton.resting.origins[shoulder]
     centre = robot.skeleton.frames(angles).origins[shoulder]
     rotation = scipy.spatial.transform.Rotation.align_vectors((aim - centre)[None], (aim - resting)[None])[
@@ -202,8 +202,7 @@ def _note_misses(
         return
     origins = robot.skeleton.frames(angles).origins
     for side, reach in reaches.items():
-        wrist = robot.skeleton.segment(robot.chains[f"{side}_arm"][-1])
-        miss = float(np.linalg.norm(origins[wrist] - reach.position))
+        miss = float(np.linalg.norm(origins[robot.arm(side).wrist] - reach.position))
         for behaviour, _ in keyframes.frames[k].syncs:
             if f"{side}_hand" in keyframes.uses[behaviour]:
                 misses[behaviour] = max(miss, misses.get(behaviour, 0.0))

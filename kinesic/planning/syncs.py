@@ -146,7 +146,7 @@ def smaller(
         for side in SIDES:
             if f"{side}_hand" in frames.uses.get(name, ()):
                 rows = _on_path(postures, timed, robot, side)
-                hand = robot.skeleton.segment(robot.chains[f"{side}_arm"][-1])
+                hand = robot.arm(side).wrist
                 whole = _length(asked[rows, hand])
                 cut = max(cut, 1.0 - _length(planned[rows, hand]) / whole) if whole else cut
         if cut > SMALLER_TO_WARN:
@@ -158,7 +158,7 @@ def smaller(
 def _on_path(postures: Sequence[KeyPosture], timed: TimedBehaviour, robot: Robot, side: Side) -> list[int]:
     """The keys of a hand on a path in a stroke, with those at its ends; none without a path."""
     start, end = (timed.times.get(sync, inf) for sync in ("strokeStart", "strokeEnd"))
-    arm = robot.joints(f"{side}_arm")[0]
+    arm = robot.arm(side).joints[0]
     rows = [k for k, posture in enumerate(postures) if posture.keyed[arm] and start <= posture.time <= end]
     return [] if all(postures[k].firm for k in rows) else rows
 

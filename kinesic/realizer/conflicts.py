@@ -7,12 +7,13 @@ gravity couple the hinges, so that the load of a drive is known only from both t
 import numpy as np
 
 from kinesic.body.arrays import Flags, Floats
+from kinesic.body.robot import SIDES
 from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.motion.transition import LEAST, SAME, lengthen
 from kinesic.planning.certify import duties
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.setup import Setup
-from kinesic.realizer.occupancy import ARMS, MergeFailure, Occupancy, Overlay, arm_hinges
+from kinesic.realizer.occupancy import MergeFailure, Occupancy, Overlay
 from kinesic.realizer.release import tail
 
 FULL = 1.0  # of a drive's duty
@@ -41,10 +42,10 @@ def _too_near(coming: Trajectory, work: Overlay, setup: Setup) -> MergeFailure |
     if distance >= robot.least_clearance + LAG_RESERVE:
         return None
     pair, at = clearance.pairs[worst], float(times[worst]) + work.cut * STEP
-    roles = {role for role in ARMS if set(pair) & set(robot.chains.get(f"{role[0]}_arm", ()))}
     hinges = np.zeros(len(robot.skeleton.hinges), dtype=np.bool_)
-    for role in roles:
-        hinges[list(arm_hinges(role, robot))] = True
+    for side in SIDES:
+        if set(pair) & set(robot.arm(side).segments):
+            hinges[list(robot.arm(side).joints)] = True
     name = _blamed(work, hinges, at)
     return MergeFailure(name, f"brings {pair[0]} within {1000 * distance:.0f} mm of {pair[1]} beside what runs")
 

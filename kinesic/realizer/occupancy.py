@@ -147,7 +147,7 @@ def _roles(action: Action, parts: frozenset[PartName]) -> frozenset[Role]:
 
 def arm_hinges(role: Role, robot: Robot) -> tuple[int, ...]:
     """Hinges of a hand's arm, in joint order."""
-    sides = {f"{side}_hand": robot.joints(f"{side}_arm") for side in SIDES}
+    sides = {f"{side}_hand": robot.arm(side).joints for side in SIDES}
     return sides[role]
 
 

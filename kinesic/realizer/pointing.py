@@ -49,9 +49,8 @@ class PointingHand:
             angles: (n,) [rad] of the whole robot.
             robot: whose hand it is.
         """
-        frames, palm = robot.skeleton.frames(angles), robot.sites[f"{self.side}_palm"]
-        wrist = robot.skeleton.segment(robot.chains[f"{self.side}_arm"][-1])
-        line, wanted = frames.rotations[wrist] @ palm.position, self.aim - frames.origins[wrist]
+        frames, arm = robot.skeleton.frames(angles), robot.arm(self.side)
+        line, wanted = frames.rotations[arm.wrist] @ arm.palm.position, self.aim - frames.origins[arm.wrist]
         return float(np.arctan2(np.linalg.norm(np.cross(line, wanted)), line @ wanted))
 
     def arm(self, angles: Floats, robot: Robot) -> Floats:

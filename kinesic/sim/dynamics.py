@@ -30,10 +30,6 @@ class MujocoDynamics:
         self._data = mujoco.MjData(self._model)
         self._order = joint_order(robot, self._model)
         self._hinges = np.argsort(self._order)  # MuJoCo's order, as positions of the skeleton's hinges
-        self._armature = np.array([drive.armature for drive in robot.drives])
-        self._damping = np.array([drive.damping for drive in robot.drives])
-        self._friction = np.array([drive.frictionloss for drive in robot.drives])
-        self._stall = np.array([drive.stall for drive in robot.drives])
 
     def torques(self, angles: Floats, speeds: Floats, accelerations: Floats) -> Floats:
         """Torque that each motion needs: gravity, inertia, armature, damping and friction.
@@ -57,8 +53,9 @@ class MujocoDynamics:
             mujoco.mj_comPos(model, data)
             mujoco.mj_comVel(model, data)
             mujoco.mj_rne(model, data, 1, row)
-        torques: Floats = rigid[:, self._order] + self._armature * accelerations + self._damping * speeds
-        torques += self._friction * np.tanh(speeds / FRICTION_SPEED)
+        drives = self._robot.drives
+        torques: Floats = rigid[:, self._order] + drives.armature * accelerations + drives.damping * speeds
+        torques += drives.frictionloss * np.tanh(speeds / FRICTION_SPEED)
         return torques
 
     def holding(self, angles: Floats) -> Floats:
@@ -77,7 +74,7 @@ class MujocoDynamics:
 
     def static_ratios(self, angles: Floats) -> Floats:
         """Share (m, n) of the stall torque that holds each hinge in postures (m, n) [rad]."""
-        ratios: Floats = np.abs(self.holding(angles)) / self._stall
+        ratios: Floats = np.abs(self.holding(angles)) / self._robot.drives.stall
         return ratios
 
     def inertias(self, angles: Floats) -> Floats:
@@ -102,7 +99,7 @@ class MujocoDynamics:
     def load(self) -> Load:
         """What each hinge bears at worst: gravity and inertia, each the largest found in any posture."""
         return Load(
-            holding=sealed(self._of_both_sides(self.worst_static.values * self._stall)),
+            holding=sealed(self._of_both_sides(self.worst_static.values * self._robot.drives.stall)),
             inertia=sealed(self._of_both_sides(self._worst_inertia.values)),
         )
 

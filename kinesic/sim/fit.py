@@ -62,7 +62,7 @@ def fit_factors(log: Log, robot: Robot, *, free: tuple[Figure, ...] = DEFAULT) -
         ValueError: both stall and mass are free.
     """
     asked = unknowns(robot, free)
-    noise = np.array([drive.tick for drive in robot.drives]) / 2  # of a rounded angle; neighbours are rounded alike
+    noise = robot.drives.tick / 2  # of a rounded angle; neighbours are rounded alike
 
     @lru_cache(maxsize=LATEST)
     def errors_at(*values: float) -> Floats:

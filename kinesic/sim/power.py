@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.measurements import Power
-from kinesic.body.servo import Drive
+from kinesic.body.servo import Drives
 
 Indices = NDArray[np.intp]
 
@@ -26,7 +26,7 @@ class DriveEffort:
     loads: Floats  # (s, n) torque over stall torque, which is motor current over stall current
 
 
-def effort(drives: tuple[Drive, ...], errors: Floats, speeds: Floats) -> DriveEffort:
+def effort(drives: Drives, errors: Floats, speeds: Floats) -> DriveEffort:
     """The law of the servos.
 
     Args:
@@ -34,16 +34,13 @@ def effort(drives: tuple[Drive, ...], errors: Floats, speeds: Floats) -> DriveEf
         errors: (s, n) [rad] goals minus angles.
         speeds: (s, n) [rad/s].
     """
-    gain = np.array([drive.gain for drive in drives])
-    rate = np.array([drive.rate_gain / drive.stall for drive in drives])
-    no_load = np.array([drive.no_load for drive in drives])
-    duties = gain * errors - rate * speeds
+    duties = drives.gain * errors - drives.rate_gain / drives.stall * speeds
     applied = np.clip(duties, -1.0, 1.0)
-    return DriveEffort(duties, applied, applied - speeds / no_load)
+    return DriveEffort(duties, applied, applied - speeds / drives.no_load)
 
 
 def power(
-    names: tuple[str, ...], drives: tuple[Drive, ...], given: DriveEffort, *, spans: Floats, counts: list[int]
+    names: tuple[str, ...], drives: Drives, given: DriveEffort, *, spans: Floats, counts: list[int]
 ) -> Power:
     """What the servos took from the supply.
 
@@ -54,23 +51,21 @@ def power(
         spans: (s,) [s] how long each step was.
         counts: (m,) steps so far at each command.
     """
-    single = np.array([drive.servo.stall_a for drive in drives])
-    stall = single * [drive.count for drive in drives]
-    volts = np.array([drive.servo.volt for drive in drives])
-    idle = np.array([drive.count * drive.servo.idle_a for drive in drives])
-    drawn = np.maximum(given.applied * given.loads, 0.0) * stall + idle  # (s, n) [A]
+    stall = drives.stall_current * drives.count
+    drawn = np.maximum(given.applied * given.loads, 0.0) * stall + drives.idle_current  # (s, n) [A]
     current = drawn.sum(axis=1)
     edges = _edges(counts)
     lasting = np.add.reduceat(np.append(spans, 0.0), edges)[::2]
     mean = current[edges[1::2] - 1]  # of an interval without length, as on the step before
     np.divide(np.add.reduceat(np.append(current * spans, 0.0), edges)[::2], lasting, out=mean, where=lasting > 0.0)
+    lost = given.loads**2 * drives.volt * drives.stall_current  # (s, n) [W] of one servo
     return Power(
         mean=sealed(mean),
         peak=sealed(np.maximum.reduceat(np.append(current, 0.0), edges)[::2]),
-        energy=float(spans @ drawn @ volts),
+        energy=float(spans @ drawn @ drives.volt),
         warming={
             name: sealed(_warming(drive.servo.thermal, losses, spans)[edges[1::2] - 1])
-            for name, drive, losses in zip(names, drives, (given.loads**2 * volts * single).T, strict=True)
+            for name, drive, losses in zip(names, drives, lost.T, strict=True)
             if drive.servo.thermal is not None
         },
     )

@@ -62,10 +62,10 @@ class Eyeball:
 
 def parts(robot: Robot) -> dict[str, Part]:
     """What each segment is painted as."""
-    limbs = {segment for side in SIDES for segment in robot.chains[f"{side}_arm"]}
+    limbs = {segment for side in SIDES for segment in robot.arm(side).segments}
     limbs |= set(robot.chains.get("neck", ()))
     painted: dict[str, Part] = {s.name: "limb" if s.name in limbs else "trunk" for s in robot.skeleton.segments}
-    return painted | {robot.chains["l_arm"][-1]: "l_hand", robot.chains["r_arm"][-1]: "r_hand"}
+    return painted | {robot.arm("l").segments[-1]: "l_hand", robot.arm("r").segments[-1]: "r_hand"}
 
 
 def eyeballs(robot: Robot) -> tuple[Eyeball, ...]:

@@ -35,7 +35,6 @@ class Shafts:
         self._joints: NDArray[np.intp] = joint_order(robot, self._model)
         self._actuators: NDArray[np.intp] = actuator_order(robot, self._model)
         self._model.actuator_group[self._actuators] = np.arange(len(self._actuators))
-        self._stalls = np.array([drive.stall for drive in self._drives])
         self._goals = np.array(robot.skeleton.rest if start is None else start)
         self._shares = np.zeros(len(self._goals))
         self._data.qpos[self._joints] = self._goals
@@ -55,13 +54,12 @@ class Shafts:
     @property
     def duties(self) -> Floats:
         """(n,) -1..1 of the servos' law."""
-        gains = np.array([drive.gain for drive in self._drives])
-        return sealed(np.clip(gains * (self._goals - self.angles), -self._shares, self._shares))
+        return sealed(np.clip(self._drives.gain * (self._goals - self.angles), -self._shares, self._shares))
 
     @property
     def loads(self) -> Floats:
         """(n,) torque over stall torque."""
-        return sealed(self._data.actuator_force[self._actuators] / self._stalls)
+        return sealed(self._data.actuator_force[self._actuators] / self._drives.stall)
 
     def advance(self, seconds: float, goals: Floats, shares: Floats) -> None:
         """Moves time on, in steps no longer than the twin's.
@@ -78,7 +76,7 @@ class Shafts:
         self._data.ctrl[self._actuators] = self._goals
         self._model.opt.disableactuator = int(np.sum(1 << np.flatnonzero(limp)))
         self._model.actuator_forcelimited[self._actuators] = self._shares < 1.0
-        limits = (self._stalls * self._shares)[:, None] * [-1.0, 1.0]
+        limits = (self._drives.stall * self._shares)[:, None] * [-1.0, 1.0]
         self._model.actuator_forcerange[self._actuators] = limits
         count = int(np.ceil(seconds / STEP - 1e-9))
         self._model.opt.timestep = seconds / count

@@ -68,7 +68,7 @@ class Twin:
         self._data = mujoco.MjData(self._model)
         self._order = _place(joint_order(robot, self._model))
         self._actuators = _place(actuator_order(robot, self._model))
-        self._ticks = np.array([drive.tick for drive in robot.drives]) if rounds else None
+        self._ticks = robot.drives.tick if rounds else None
         posture = robot.skeleton.rest if start is None else start
         self._data.qpos[self._order] = posture
         self._control, self._options = self._data.ctrl, self._model.opt  # looked up once: each costs as much as a sum
@@ -141,7 +141,7 @@ class Twin:
             times=sealed(tape.times),
             angles=sealed(angles),
             speeds=sealed(speeds[at]),
-            torques=sealed(given.loads[at] * [drive.stall for drive in drives]),
+            torques=sealed(given.loads[at] * drives.stall),
             duties=sealed(given.duties[at]),
             goals=sealed(tape.sent),
             hands=self._hands(frames),
@@ -172,10 +172,7 @@ class Twin:
 
     def _hands(self, frames: MotionFrames) -> dict[str, Floats]:
         """Side -> (m, 3) [m] the wrist's centre in the world."""
-        skeleton = self._robot.skeleton
-        return {
-            side: sealed(frames.origins[skeleton.segment(self._robot.chains[f"{side}_arm"][-1])].T) for side in SIDES
-        }
+        return {side: sealed(frames.origins[self._robot.arm(side).wrist].T) for side in SIDES}
 
 
 def _place(order: NDArray[np.intp]) -> NDArray[np.intp] | slice:

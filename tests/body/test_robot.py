@@ -3,8 +3,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from kinesic.body.arrays import Floats
 from kinesic.body.config import ConfigError
-from kinesic.body.robot import Robot
+from kinesic.body.robot import SIDES, Robot, Side
 
 
 @pytest.fixture(scope="module")
@@ -72,3 +73,23 @@ def test_targets_lie_in_front(robot: Robot):
 def test_arrays_are_sealed(robot: Robot):
     for array in (robot.speed_limits, robot.gesture_origin, robot.sites["eyes"].facing, *robot.targets.values()):
         assert not array.flags.writeable
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_an_arm_is_asked_by_its_side(robot: Robot, side: Side):
+    arm, names = robot.arm(side), [segment.name for segment in robot.skeleton.segments]
+    assert arm.segments == robot.chains[f"{side}_arm"]
+    assert arm.joints == robot.joints(f"{side}_arm")
+    assert [names[k] for k in (arm.shoulder, arm.elbow, arm.wrist)] == [f"{side}_{x}" for x in ("shoulder", "elbow", "wrist")]
+    assert arm.palm is robot.sites[f"{side}_palm"]
+
+
+def test_figures_of_all_drives_are_arrays(robot: Robot):
+    drives = robot.drives
+    assert drives == tuple(mount.drive for mount in robot.mounts)
+    for name in ("stall", "no_load", "gain", "rate_gain", "armature", "frictionloss", "damping", "tick", "count"):
+        figures: Floats = getattr(drives, name)
+        assert figures.tolist() == [getattr(drive, name) for drive in drives]
+        assert figures is getattr(drives, name)
+        assert not figures.flags.writeable
+    assert drives.idle_current.tolist() == [drive.count * drive.servo.idle_a for drive in drives]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.robot import Robot
+from kinesic.body.servo import Drives
 from kinesic.sim.power import DriveEffort, effort, power
 
 ROBOT = Robot.load()
@@ -80,7 +81,7 @@ def test_a_winding_warms_with_its_copper_losses_to_first_order():
     first = DRIVES[0]
     warm = replace(first, servo=replace(first.servo, thermal=(resistance, capacity)))
     given = steady(0.5, load, steps=2001)
-    drawn = taken(given, counts=(1, 501, 2001), drives=(warm, *DRIVES[1:]), span=0.1)
+    drawn = taken(given, counts=(1, 501, 2001), drives=Drives((warm, *DRIVES[1:])), span=0.1)
     loss = load**2 * first.servo.volt * first.servo.stall_a  # I^2 R with R = volt / stall current
     expected = loss * resistance * (1 - np.exp(-np.array([0.0, 50.0, 200.0]) / (resistance * capacity)))
     assert list(drawn.warming) == [NAMES[0]]
@@ -90,7 +91,7 @@ def test_a_winding_warms_with_its_copper_losses_to_first_order():
 def test_each_servo_of_a_tandem_warms_by_its_own_losses():
     pair = next(k for k, drive in enumerate(DRIVES) if drive.count == 2)
     warm = replace(DRIVES[pair], servo=replace(DRIVES[pair].servo, thermal=(1.0, 1e-6)))
-    drives = tuple(warm if k == pair else drive for k, drive in enumerate(DRIVES))
+    drives = Drives(warm if k == pair else drive for k, drive in enumerate(DRIVES))
     servo = warm.servo
     rise = taken(steady(0.5, 0.5), drives=drives).warming[NAMES[pair]][-1]
     assert rise == pytest.approx(0.25 * servo.volt * servo.stall_a)

@@ -6,7 +6,7 @@ from numpy.random import default_rng
 from kinesic.bench.figure import Figure
 from kinesic.bench.ik.best_posture import best_posture
 from kinesic.body.reach import Reach
-from kinesic.body.robot import Robot
+from kinesic.body.robot import SIDES, Robot
 from kinesic.ik.pose import solve_pose
 from kinesic.ik.solve import solve
 from kinesic.ik.two_hands import reach_both
@@ -32,11 +32,10 @@ def _poses(robot: Robot) -> Figure:
 
 def _pairs(robot: Robot) -> list[Figure]:
     skeleton, chance = robot.skeleton, default_rng(12)
-    wrists = {side: skeleton.segment(robot.chains[f"{side}_arm"][-1]) for side in robot.arms}
     solved = []
     for _ in range(PAIRS):
         origins = skeleton.frames(chance.uniform(skeleton.lower, skeleton.upper)).origins
-        solved.append(reach_both(robot, {side: origins[k] for side, k in wrists.items()}, start=skeleton.rest))
+        solved.append(reach_both(robot, {side: origins[robot.arm(side).wrist] for side in SIDES}, start=skeleton.rest))
     share = float(np.mean([found.reached for found in solved]))
     travel = float(np.mean([found.torso_travel for found in solved]))
     return [

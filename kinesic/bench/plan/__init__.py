@@ -81,9 +81,8 @@ def duty(planned: Plan) -> Floats:
     known = planned.setup
     times = np.arange(0.0, planned.trajectory.duration, 1.0 / RATE)
     angles, speeds, accelerations = planned.trajectory.sample(times)
-    stall = np.array([drive.stall for drive in known.robot.drives])
     torques = known.dynamics.torques(angles, speeds, accelerations)
-    return np.asarray(np.abs(torques / stall + speeds * known.limits.viscous).max(axis=0))
+    return np.asarray(np.abs(torques / known.robot.drives.stall + speeds * known.limits.viscous).max(axis=0))
 
 
 def unsaid(planned: Plan) -> tuple[int, int]:

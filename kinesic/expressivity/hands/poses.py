@@ -67,7 +67,7 @@ def resting_hands(robot: Robot) -> Mapping[Side, Reach]:
     frames = robot.skeleton.resting
     reaches: dict[Side, Reach] = {}
     for side in SIDES:
-        palm = robot.sites[f"{side}_palm"]
+        palm = robot.arm(side).palm
         k = robot.skeleton.segment(palm.segment)
         rotation = frames.rotations[k]
         along = rotation @ palm.position
@@ -81,8 +81,7 @@ def resting_hands(robot: Robot) -> Mapping[Side, Reach]:
 
 def shoulder(robot: Robot, side: Side) -> Floats:
     """(3,) [m] centre of a shoulder in the world, at rest."""
-    frames = robot.skeleton.resting
-    return sealed(frames.origins[robot.skeleton.segment(robot.chains[f"{side}_arm"][-3])])
+    return sealed(robot.skeleton.resting.origins[robot.arm(side).shoulder])
 
 
 def poses(form: GestureForm, robot: Robot, manner: Expressivity) -> Poses:

@@ -117,7 +117,7 @@ def widen_key(key: StrokeKey, spatial: float, robot: Robot) -> StrokeKey:
 
 def _shoulder(robot: Robot) -> Floats:
     """(3,) forward, outward, up of a shoulder's centre [arm lengths]."""
-    centre = robot.skeleton.straight.origins[robot.skeleton.segment(robot.chains["l_arm"][-3])]
+    centre = robot.skeleton.straight.origins[robot.arm("l").shoulder]
     return sealed((centre - robot.gesture_origin) / robot.arm_length)
 
 

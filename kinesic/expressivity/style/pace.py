@@ -114,12 +114,12 @@ class Pace:
     @cached_property
     def _least_hand_times(self) -> Floats:
         """[s] for each of `_WAYS`, of the slower hand."""
-        times = [self._times_of(side) for side in SIDES if self.robot.joints(f"{side}_arm")]
+        times = [self._times_of(side) for side in SIDES if self.robot.arm(side).joints]
         return sealed(np.max(times, axis=0) if times else np.zeros(len(_WAYS)))
 
     def _times_of(self, side: Side) -> Floats:
         """[s] for each of `_WAYS`: along the easiest axis, from the quicker postures."""
-        arm = np.array(self.robot.joints(f"{side}_arm"), dtype=np.intp)
+        arm = np.array(self.robot.arm(side).joints, dtype=np.intp)
         limits = self.limits.part(arm)
         slopes, ease = self._slopes(side), limits.acceleration
         within = slopes * ease @ slopes.transpose(0, 2, 1) + _DAMPING * np.eye(3)
@@ -130,13 +130,13 @@ class Pace:
 
     def _slopes(self, side: Side) -> Floats:
         """(c, 3, k) [m/rad] how a hand moves with the hinges of its arm, from postures near the middle."""
-        skeleton, arm = self.robot.skeleton, list(self.robot.joints(f"{side}_arm"))
+        skeleton, arm = self.robot.skeleton, list(self.robot.arm(side).joints)
         lower, upper = skeleton.lower[arm], skeleton.upper[arm]
         spread = _MIDDLE * (np.random.default_rng(0).random((_POSTURES, len(arm))) - 0.5)
         postures = np.tile(skeleton.rest, (_POSTURES, len(arm) + 1, 1))
         postures[..., arm] = ((lower + upper) / 2 + spread * (upper - lower))[:, None]
         postures[:, np.arange(1, len(arm) + 1), arm] += _PROBE
-        hands = skeleton.frames(postures).origins[:, :, skeleton.segment(self.robot.chains[f"{side}_arm"][-1])]
+        hands = skeleton.frames(postures).origins[:, :, self.robot.arm(side).wrist]
         slopes: Floats = ((hands[:, 1:] - hands[:, :1]) / _PROBE).transpose(0, 2, 1)
         return slopes
 

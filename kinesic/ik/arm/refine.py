@@ -61,22 +61,19 @@ class TrueArm:
 @lru_cache(maxsize=8)
 def true_arm(robot: Robot, side: Side) -> TrueArm:
     """The arm of a robot, packed once."""
-    skeleton, chain = robot.skeleton, robot.arms[side]
-    joints = robot.joints(f"{side}_arm")
-    names = robot.chains[f"{side}_arm"]
+    skeleton, chain, arm = robot.skeleton, robot.arms[side], robot.arm(side)
     origins = skeleton.straight.origins
     base = origins[skeleton.segment(chain.base)]
-    hinges = [skeleton.hinges[k] for k in joints]
-    places = np.array([origins[skeleton.segment(name)] - base for name in names[-2:]])
-    palm = robot.sites[f"{side}_palm"]
+    hinges = [skeleton.hinges[k] for k in arm.joints]
+    places = np.array([origins[arm.elbow] - base, origins[arm.wrist] - base])
     solved = [hinge for joint in chain.joints for hinge in joint.hinges]
     return TrueArm(
-        joints=joints,
+        joints=arm.joints,
         anchors=sealed([origins[skeleton.segment(h.segment)] + h.at - base for h in hinges]),
         axes=sealed([h.axis for h in hinges]),
-        elbow=sum(h.segment != names[-1] for h in hinges),
+        elbow=sum(h.segment != arm.segments[-1] for h in hinges),
         places=sealed(places),
-        directions=sealed([palm.position / np.linalg.norm(palm.position), palm.facing]),
+        directions=sealed([arm.palm.position / np.linalg.norm(arm.palm.position), arm.palm.facing]),
         exact=len(solved) == len(hinges)
         and all(a is b and not a.at.any() for a, b in zip(solved, hinges, strict=True)),
     )

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.body.robot import Robot
+from kinesic.body.robot import SIDES, Robot
 from kinesic.ik.thesis.chain import BallChain
 
 
@@ -51,7 +51,7 @@ class Limbs:
         spine = [robot.arms["l"].base]
         while spine[0] != robot.chains["torso"][0]:
             spine.insert(0, skeleton.segments[skeleton.segment(spine[0])].parent or robot.chains["torso"][0])
-        rows = {"torso": spine} | {f"{s}_arm": [spine[-1], *robot.chains[f"{s}_arm"]] for s in robot.arms}
+        rows = {"torso": spine} | {f"{s}_arm": [spine[-1], *robot.arm(s).segments] for s in SIDES}
         chains = {name: BallChain.of([origins[skeleton.segment(s)] for s in row]) for name, row in rows.items()}
         arms = tuple(Limb(name, chain, "torso") for name, chain in chains.items() if name != "torso")
         return cls((Limb("torso", chains["torso"]), *arms))

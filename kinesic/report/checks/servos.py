@@ -25,8 +25,7 @@ def servo_checks(performance: Performance) -> list[Check]:
     saturated = over.sum(axis=0) * performance.period
     longest = int(saturated.argmax())
     where = f"{names[longest]} from {measured.times[over[:, longest].argmax()]:.2f} s" if over.any() else ""
-    stall = np.array([drive.stall for drive in performance.robot.drives])
-    loads = np.sqrt((measured.torques**2).mean(axis=0)) / stall
+    loads = np.sqrt((measured.torques**2).mean(axis=0)) / performance.robot.drives.stall
     heaviest = int(loads.argmax())
     return [
         Check.of("servo.saturation", float(saturated[longest]), SATURATION, where),
@@ -76,7 +75,7 @@ def loads(performance: Performance) -> tuple[DriveLoad, ...]:
     """Every drive, the most strained first."""
     measured, robot = performance.measured, performance.robot
     duties = np.abs(measured.duties)
-    shares = np.abs(measured.torques) / np.array([drive.stall for drive in robot.drives])
+    shares = np.abs(measured.torques) / robot.drives.stall
     found = [
         DriveLoad(
             hinge=name,

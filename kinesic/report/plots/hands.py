@@ -97,7 +97,7 @@ def _path(axes: "Axes", view: View, planned: Floats, performed: Floats, keys: Fl
 def _keys(performance: Performance, side: Side) -> Floats:
     """(k, 3) [m] the hand at the keys of its arm."""
     plan = performance.plan
-    arm = plan.setup.robot.joints(f"{side}_arm")
+    arm = plan.setup.robot.arm(side).joints
     keyed = [posture.angles for posture in plan.postures.postures if any(posture.keyed[joint] for joint in arm)]
     if not keyed:
         return np.zeros((0, 3))

@@ -88,6 +88,6 @@ def _thinned(count: int, middle: int, most: int) -> list[int]:
 def _palm(planned: Plan, side: Side, rotations: Floats, origins: Floats) -> Floats:
     """(m, 3) [m] of one palm."""
     robot = planned.setup.robot
-    palm = robot.sites[f"{side}_palm"]
+    palm = robot.arm(side).palm
     k = robot.skeleton.segment(palm.segment)
     return sealed(origins[:, k] + rotations[:, k] @ palm.position)

@@ -63,7 +63,7 @@ def silhouette(robot: Robot, angles: Floats, shapes: Mapping[Side, str | None]) 
         shapes: of the hands; one that is not known is drawn relaxed.
     """
     frames = robot.skeleton.frames(angles)
-    hands = {robot.chains[f"{side}_arm"][-1] for side in SIDES}
+    hands = {robot.arm(side).segments[-1] for side in SIDES}
     lines: list[PenStroke] = []
     for k, segment in enumerate(robot.skeleton.segments):
         if segment.name in hands or segment.parent is None:
@@ -72,7 +72,7 @@ def silhouette(robot: Robot, angles: Floats, shapes: Mapping[Side, str | None]) 
             ends = frames.origins[k] + np.stack([capsule.start, capsule.end]) @ frames.rotations[k].T
             lines.append(_line(ends, 2 * capsule.radius, _owner(robot, segment.name)))
     for side in SIDES:
-        k = robot.skeleton.segment(robot.chains[f"{side}_arm"][-1])
+        k = robot.arm(side).wrist
         lines += [
             _line(frames.origins[k] + points @ frames.rotations[k].T, width, side)
             for points, width in hand_outline(robot, side, SHAPES.get(shapes.get(side) or "", SHAPES["relaxed"]))
@@ -95,7 +95,7 @@ def _eyes(robot: Robot, frames: Frames) -> list[PenStroke]:
 
 def hand_outline(robot: Robot, side: Side, shape: Shape) -> list[tuple[Floats, float]]:
     """Palm and fingers as (m, 3) points [m] in the hand's segment, and widths [m]."""
-    site = robot.sites[f"{side}_palm"]
+    site = robot.arm(side).palm
     along = site.position / np.linalg.norm(site.position)
     facing = site.facing
     inward = np.cross(along, facing) * (1 if side == "r" else -1)  # towards the thumb
@@ -143,4 +143,4 @@ def _line(points: Floats, width: float, owner: str) -> PenStroke:
 
 
 def _owner(robot: Robot, segment: str) -> str:
-    return next((side for side in SIDES if segment in robot.chains[f"{side}_arm"]), "trunk")
+    return next((side for side in SIDES if segment in robot.arm(side).segments), "trunk")

@@ -128,7 +128,7 @@ def measures(performance: Performance, behaviour: str) -> Measures:
     whole, stroke = window.samples("start", "end"), window.samples("strokeStart", "strokeEnd")
     hands = [measured.hands[side] for side in sides]
     angles, speeds = measured.angles[whole], measured.speeds[whole]
-    collars = [joint for side in SIDES for joint in robot.skeleton.joints_of(robot.chains[f"{side}_arm"][:-3])]
+    collars = [joint for side in SIDES for joint in robot.skeleton.joints_of(robot.arm(side).segments[:-3])]
     lag = performance.lags.get(syncs["stroke"])
     return Measures(
         peak_speed=max(peak_speed(hand[whole], period=period) for hand in hands),
@@ -170,11 +170,11 @@ def _allowed(window: _Window, side: Side) -> float:
     keys = [posture.angles for posture in window.performance.plan.postures.postures if begin <= posture.time <= end]
     if len(keys) < 2:
         return 0.0
-    arm = list(known.robot.joints(f"{side}_arm"))
+    arm = list(known.robot.arm(side).joints)
     turns = np.zeros(len(known.robot.skeleton.hinges))
     turns[arm] = np.abs(np.diff(np.stack(keys), axis=0)).sum(axis=0)[arm]
     seconds = float(least_rest_times(turns, known.limits).max())
-    wrist = known.robot.skeleton.segment(known.robot.chains[f"{side}_arm"][-1])
+    wrist = known.robot.arm(side).wrist
     return (
         2.0 * length(motion_frames(known.robot.skeleton, np.stack(keys)).origins[wrist].T) / seconds if seconds else 0.0
     )
@@ -202,8 +202,8 @@ def _elbow_offset(window: _Window, sides: list[Side]) -> float | None:
     frames = motion_frames(robot.skeleton, performance.measured.angles[window.samples("strokeStart", "relax")])
     offsets = []
     for side in sides:
-        chain = robot.chains[f"{side}_arm"]
-        shoulder, elbow, wrist = (frames.origins[robot.skeleton.segment(name)] for name in chain[-3:])
+        arm = robot.arm(side)
+        shoulder, elbow, wrist = (frames.origins[k] for k in (arm.shoulder, arm.elbow, arm.wrist))
         chest = frames.rotations[robot.skeleton.segment(robot.arms[side].base)]
         outward = chest[:, 1] * (1.0 if side == "l" else -1.0)
         near = np.linalg.norm(wrist - shoulder, axis=0) <= WITHIN_REACH * robot.arm_length
