@@ -16,6 +16,8 @@ from kinesic.body.servo import Drives
 
 Side = Literal["l", "r"]
 SIDES: tuple[Side, Side] = ("l", "r")
+PartName = Literal["torso", "head", "l_hand", "r_hand"]  # what a behaviour moves
+CHAINS: Mapping[PartName, str] = {"torso": "torso", "l_hand": "l_arm", "r_hand": "r_arm", "head": "neck"}
 SPEED_SHARE = 0.8  # of the no-load speed that a plan may use
 
 
@@ -34,8 +36,8 @@ class RobotArm:
     def of(cls, robot: Description, side: Side) -> "RobotArm":
         """The arm of one side."""
         skeleton, segments = robot.skeleton, robot.chains[f"{side}_arm"]
-        centres = (skeleton.segment(name) for name in segments[-3:])
-        return cls(segments, skeleton.joints_of(segments), *centres, palm=robot.sites[f"{side}_palm"])
+        shoulder, elbow, wrist = (skeleton.segment(name) for name in segments[-3:])
+        return cls(segments, skeleton.joints_of(segments), shoulder, elbow, wrist, robot.sites[f"{side}_palm"])
 
 
 @dataclass(frozen=True, eq=False)

@@ -104,7 +104,7 @@ class Drives(tuple[Drive, ...]):
     frictionloss = _row(lambda drive: drive.frictionloss)  # [Nm]
     damping = _row(lambda drive: drive.damping)  # [Nm s/rad]
     tick = _row(lambda drive: drive.tick)  # [rad]
-    count = _row(lambda drive: drive.count)  # servos in tandem
     volt = _row(lambda drive: drive.servo.volt)  # [V]
-    stall_current = _row(lambda drive: drive.servo.stall_a)  # [A] of one servo
+    servo_current = _row(lambda drive: drive.servo.stall_a)  # [A] at stall, of one servo
+    stall_current = _row(lambda drive: drive.servo.stall_a * drive.count)  # [A] of all servos of the drive
     idle_current = _row(lambda drive: drive.count * drive.servo.idle_a)  # [A] of all servos of the drive

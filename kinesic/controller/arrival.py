@@ -8,8 +8,7 @@ from functools import cache
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.body.robot import SIDES, Robot
-from kinesic.expressivity.keyframes import PartName
+from kinesic.body.robot import SIDES, PartName, Robot
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SyncTime
 

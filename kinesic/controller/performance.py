@@ -11,11 +11,10 @@ import numpy as np
 
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.measurements import Measurements
-from kinesic.body.robot import SIDES, Robot
+from kinesic.body.robot import SIDES, PartName, Robot
 from kinesic.controller.arrival import Arrival, arrivals, lags, part_paths
 from kinesic.controller.smoothness import dimensionless_jerk
 from kinesic.controller.tracking_delay import tracking_delay
-from kinesic.expressivity.keyframes import PartName
 from kinesic.motion.limit_check import Peaks, peaks
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SyncTime

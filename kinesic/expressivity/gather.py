@@ -13,10 +13,10 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.body.robot import SIDES, PartName, Robot, Side
 from kinesic.expressivity.hands.keys import HandKey, hand_at
 from kinesic.expressivity.hands.poses import resting_hands
-from kinesic.expressivity.keyframes import KeyFrame, PartName, Turn
+from kinesic.expressivity.keyframes import KeyFrame, Turn
 from kinesic.expressivity.turns import Layer, TurnKey, add_turns, clip_turn, room, scale_turn, total
 from kinesic.motion.passage import Passage
 

@@ -7,10 +7,9 @@ from typing import Literal
 from kinesic.bml.block import Notice, Timeline
 from kinesic.body.arrays import Floats
 from kinesic.body.reach import Reach
-from kinesic.body.robot import Side
+from kinesic.body.robot import PartName, Side
 from kinesic.motion.passage import Passage
 
-PartName = Literal["torso", "head", "l_hand", "r_hand"]
 Touch = Literal["hand", "forearm", "upper_arm", "head", "chest", "lap"]  # arm and hand: those of the other side
 
 

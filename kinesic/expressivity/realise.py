@@ -28,6 +28,7 @@ from kinesic.bml.block import (
     Wait,
 )
 from kinesic.bml.timing.constraints import placed_points
+from kinesic.body.robot import PartName
 from kinesic.expressivity.behaviours import (
     Move,
     Warned,
@@ -43,7 +44,7 @@ from kinesic.expressivity.face.tracks import outcome
 from kinesic.expressivity.gather import GATHER, HANDS, Sequences, SyncPoint
 from kinesic.expressivity.hands.phases import Arranged, arrange_hands
 from kinesic.expressivity.idle import add_idle_motion
-from kinesic.expressivity.keyframes import KeyFrames, Outcome, PartName
+from kinesic.expressivity.keyframes import KeyFrames, Outcome
 from kinesic.expressivity.posture import posture_moves
 from kinesic.expressivity.trunk import taking_part
 

@@ -9,8 +9,8 @@ import scipy
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.dynamics import Distances
 from kinesic.body.reach import Reach
-from kinesic.body.robot import SIDES, Robot, Side
-from kinesic.expressivity.keyframes import Hand, KeyFrame, KeyFrames, PartName
+from kinesic.body.robot import CHAINS, SIDES, Robot, Side
+from kinesic.expressivity.keyframes import Hand, KeyFrame, KeyFrames
 from kinesic.expressivity.turns import axes
 from kinesic.ik.torso import lean_torso
 from kinesic.motion.keys import LEAST_GAP, KeyPosture
@@ -18,8 +18,6 @@ from kinesic.motion.passage import PLAIN, Passage
 from kinesic.planning.arm_postures import turn_reach, with_arms
 from kinesic.planning.collision import clear_hands
 from kinesic.planning.torso import set_turn, torso_turn, volume
-
-PARTS: Mapping[PartName, str] = {"torso": "torso", "l_hand": "l_arm", "r_hand": "r_arm", "head": "neck"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,9 +138,9 @@ def _firm(frame: KeyFrame) -> bool:
 
 def _passages(frame: KeyFrame, robot: Robot) -> tuple[Passage, ...]:
     """How each hinge passes a frame: as its part does, and what follows another part as that does."""
-    others = next((frame.passages[part] for part in PARTS if part in frame.passages), PLAIN)
+    others = next((frame.passages[part] for part in CHAINS if part in frame.passages), PLAIN)
     found = [others] * len(robot.skeleton.hinges)
-    for part, chain in PARTS.items():
+    for part, chain in CHAINS.items():
         for hinge in robot.joints(chain):
             found[hinge] = frame.passages.get(part, others)
     return tuple(found)

@@ -10,14 +10,13 @@ import numpy as np
 from kinesic.bml.block import Block, Notice, NoticeType, TimedBehaviour
 from kinesic.body.arrays import Floats
 from kinesic.body.config import suggestion
-from kinesic.body.robot import SIDES, Robot, Side
-from kinesic.expressivity.keyframes import KeyFrames, PartName
+from kinesic.body.robot import CHAINS, SIDES, Robot, Side
+from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.condition import Conditioned
 from kinesic.motion.key_times import Bottleneck
 from kinesic.motion.keys import KeyPosture, Pair
 
 SHIFT_TO_WARN = 0.010  # [s]
-CHAINS: dict[PartName, str] = {"torso": "torso", "head": "neck", "l_hand": "l_arm", "r_hand": "r_arm"}
 SMALLER_TO_WARN = 0.1  # share of the length of a path
 
 

@@ -8,12 +8,10 @@ import numpy as np
 
 from kinesic.bml.block import Action, Gaze, Gesture, Head, HeadDirectionShift, Pointing
 from kinesic.body.arrays import Flags, Floats, sealed
-from kinesic.body.robot import SIDES, Robot
+from kinesic.body.robot import CHAINS, SIDES, PartName, Robot
 from kinesic.expressivity.behaviours import stays
-from kinesic.expressivity.keyframes import PartName
 from kinesic.motion.trajectory import STEP
 from kinesic.planning.plan import Plan
-from kinesic.planning.syncs import CHAINS
 
 Role = Literal["l_hand", "r_hand", "sign", "look", "trunk"]  # what only one behaviour at a time can do
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from kinesic.body.arrays import Floats
+from kinesic.body.robot import PartName
 from kinesic.controller.arrival import HANDS, part_paths
 from kinesic.controller.performance import Performance
-from kinesic.expressivity.keyframes import PartName
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime, limit_met
 
 STROKE = ("strokeStart", "strokeEnd")

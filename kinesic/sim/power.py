@@ -39,9 +39,7 @@ def effort(drives: Drives, errors: Floats, speeds: Floats) -> DriveEffort:
     return DriveEffort(duties, applied, applied - speeds / drives.no_load)
 
 
-def power(
-    names: tuple[str, ...], drives: Drives, given: DriveEffort, *, spans: Floats, counts: list[int]
-) -> Power:
+def power(names: tuple[str, ...], drives: Drives, given: DriveEffort, *, spans: Floats, counts: list[int]) -> Power:
     """What the servos took from the supply.
 
     Args:
@@ -51,14 +49,13 @@ def power(
         spans: (s,) [s] how long each step was.
         counts: (m,) steps so far at each command.
     """
-    stall = drives.stall_current * drives.count
-    drawn = np.maximum(given.applied * given.loads, 0.0) * stall + drives.idle_current  # (s, n) [A]
+    drawn = np.maximum(given.applied * given.loads, 0.0) * drives.stall_current + drives.idle_current  # (s, n) [A]
     current = drawn.sum(axis=1)
     edges = _edges(counts)
     lasting = np.add.reduceat(np.append(spans, 0.0), edges)[::2]
     mean = current[edges[1::2] - 1]  # of an interval without length, as on the step before
     np.divide(np.add.reduceat(np.append(current * spans, 0.0), edges)[::2], lasting, out=mean, where=lasting > 0.0)
-    lost = given.loads**2 * drives.volt * drives.stall_current  # (s, n) [W] of one servo
+    lost = given.loads**2 * drives.volt * drives.servo_current  # (s, n) [W] of one servo
     return Power(
         mean=sealed(mean),
         peak=sealed(np.maximum.reduceat(np.append(current, 0.0), edges)[::2]),

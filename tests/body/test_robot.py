@@ -80,14 +80,15 @@ def test_an_arm_is_asked_by_its_side(robot: Robot, side: Side):
     arm, names = robot.arm(side), [segment.name for segment in robot.skeleton.segments]
     assert arm.segments == robot.chains[f"{side}_arm"]
     assert arm.joints == robot.joints(f"{side}_arm")
-    assert [names[k] for k in (arm.shoulder, arm.elbow, arm.wrist)] == [f"{side}_{x}" for x in ("shoulder", "elbow", "wrist")]
+    parts = [names[k] for k in (arm.shoulder, arm.elbow, arm.wrist)]
+    assert parts == [f"{side}_shoulder", f"{side}_elbow", f"{side}_wrist"]
     assert arm.palm is robot.sites[f"{side}_palm"]
 
 
 def test_figures_of_all_drives_are_arrays(robot: Robot):
     drives = robot.drives
     assert drives == tuple(mount.drive for mount in robot.mounts)
-    for name in ("stall", "no_load", "gain", "rate_gain", "armature", "frictionloss", "damping", "tick", "count"):
+    for name in ("stall", "no_load", "gain", "rate_gain", "armature", "frictionloss", "damping", "tick"):
         figures: Floats = getattr(drives, name)
         assert figures.tolist() == [getattr(drive, name) for drive in drives]
         assert figures is getattr(drives, name)

@@ -7,10 +7,9 @@ import numpy as np
 from markupsafe import Markup
 
 from kinesic.body.arrays import Floats
-from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.body.robot import SIDES, PartName, Robot, Side
 from kinesic.controller.arrival import part_paths
 from kinesic.controller.performance import Performance
-from kinesic.expressivity.keyframes import PartName
 from kinesic.report.plots.svg import (
     ASKED,
     FAINT,

@@ -8,9 +8,9 @@ import numpy as np
 from markupsafe import Markup
 
 from kinesic.body.arrays import Flags, Floats
-from kinesic.body.robot import Robot
+from kinesic.body.robot import CHAINS, Robot
 from kinesic.controller.performance import Performance
-from kinesic.planning.syncs import CHAINS, SyncTime
+from kinesic.planning.syncs import SyncTime
 from kinesic.report.plots.svg import (
     ASKED,
     FAINT,
