@@ -4,43 +4,35 @@ Elements and attributes: facts, BML 1.0 section 2.7. Times in seconds, to the mi
 """
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from xml.etree.ElementTree import Element, SubElement, tostring
 
-from kinesic.bml.block import FACE_SYNCS, GESTURE_SYNCS, Notice
+from kinesic.bml.block import FACE_SYNCS, GESTURE_SYNCS, Block, Notice
 from kinesic.bml.reading.namespaces import BML_1_0, KINESIC, OWN_PREFIX
+from kinesic.bml.timing.constraints import Point
 
 _NAMED = frozenset({*GESTURE_SYNCS, *FACE_SYNCS})
 
 
 def prediction(
-    block: str,
-    start: float,
-    end: float,
-    times: Mapping[str, Mapping[str, float]],
-    *,
-    types: Mapping[str, str] = MappingProxyType({}),
-    zero: float = 0.0,
-    character: str | None = None,
+    block: Block, start: float, end: float, times: Mapping[str, Mapping[str, float]], *, zero: float = 0.0
 ) -> str:
     """Writes a predictionFeedback: the block, and each behaviour with its predicted sync points.
 
     Sync points that BML names are attributes; marks of a speech and repeated strokes are <sync> elements inside.
 
     Args:
-        block: id of the block.
+        block: that is to be performed; its behaviours have the names of their elements.
         start: of the block [s], block time.
         end: of the block [s], block time.
         times: behaviour id -> {sync point: time [s], block time}.
-        types: behaviour id -> name of its element.
         zero: global time of the block's time 0 [s].
-        character: id of the character, if there are several.
     """
-    root = _root("predictionFeedback", character)
-    SubElement(root, "bml", id=block, globalStart=_seconds(zero + start), globalEnd=_seconds(zero + end))
+    root = _root("predictionFeedback", block.character)
+    SubElement(root, "bml", id=block.id, globalStart=_seconds(zero + start), globalEnd=_seconds(zero + end))
+    types = {behaviour.id: behaviour.type for behaviour in block.behaviours}
     for behaviour, points in times.items():
         name = types.get(behaviour, "behavior").rpartition(":")[2]  # prefixes are declared nowhere here
-        element = SubElement(root, name, id=f"{block}:{behaviour}")
+        element = SubElement(root, name, id=f"{block.id}:{behaviour}")
         for sync, time in points.items():
             if sync in _NAMED:
                 element.set(sync, _seconds(time))
@@ -78,28 +70,19 @@ def block_progress(
 
 
 def sync_point_progress(
-    block: str,
-    behaviour: str,
-    sync: str,
-    time: float,
-    global_time: float,
-    *,
-    character: str | None = None,
-    measured: float | None = None,
+    point: Point, time: float, global_time: float, *, character: str | None = None, measured: float | None = None
 ) -> str:
     """Writes a syncPointProgress: a sync point was reached.
 
     Args:
-        block: id of the block.
-        behaviour: id of the behaviour.
-        sync: sync point.
+        point: that was reached.
         time: since the start of the block [s].
         global_time: [s].
         character: id of the character, if there are several.
         measured: global time [s] at which the body was seen to be there, in our namespace with its lag.
     """
     root = _root("syncPointProgress", character)
-    root.attrib.update(id=f"{block}:{behaviour}:{sync}", time=_seconds(time), globalTime=_seconds(global_time))
+    root.attrib.update(id=":".join(point), time=_seconds(time), globalTime=_seconds(global_time))
     if measured is not None:
         _own(root, "measuredGlobalTime", _seconds(measured))
         _own(root, "lag", _seconds(measured - global_time))

@@ -1,5 +1,6 @@
 """BML text to a Block: BML 1.0, the mindmakers draft, Greta's dialect, SmartBody's fragments, and BML as JSON."""
 
+import itertools
 from collections.abc import Collection, Iterator
 from typing import Literal
 
@@ -31,7 +32,6 @@ def parse(
     dialect: Dialect | Literal["auto"] = "auto",
     strict: bool = False,
     known_blocks: Collection[str] = (),
-    unnamed: str = UNNAMED,
     bounds: Bounds = BOUNDS,
 ) -> Block:
     """Reads one <bml>.
@@ -41,8 +41,7 @@ def parse(
         source: its name, for messages.
         dialect: `auto` takes it from root and namespace.
         strict: refuse behaviours of unknown types, which are `Custom` otherwise.
-        known_blocks: ids of other blocks, which then may have hyphens in references.
-        unnamed: id of a block that has none.
+        known_blocks: ids of other blocks: they may have hyphens in references, and a block without an id gets another.
         bounds: largest size and depth.
 
     Raises:
@@ -52,11 +51,12 @@ def parse(
     document = read_document(text, source=source, bounds=bounds)
     bml, home = document.bml, namespace(document.bml)
     found = document.dialect if dialect == "auto" else dialect
-    about = BehaviourElement(bml.attributes.get("id", "").strip() or unnamed, bml, core_attributes(bml, home=home))
+    written = bml.attributes.get("id", "").strip()
+    about = BehaviourElement(written or _unused_id(known_blocks), bml, core_attributes(bml, home=home))
     reading = DocumentReading(source, about.id, found, home)
     needs_id = found == "bml-1.0" or dialect == "draft"  # Greta's blocks have the draft's namespace, but seldom an id
-    if needs_id and not bml.attributes.get("id", "").strip():
-        reading.note(NoticeType.PARSING_FAILURE, f"<bml> has no id: it is called '{unnamed}'")
+    if needs_id and not written:
+        reading.note(NoticeType.PARSING_FAILURE, f"<bml> has no id: it is called '{about.id}'")
     named = _named(bml, reading)
     _note_foreign(bml, named, reading)
     if strict:
@@ -83,6 +83,12 @@ def parse(
         succession=succession,
         pause=pause_of(bml, reading),
     )
+
+
+def _unused_id(known_blocks: Collection[str]) -> str:
+    """`UNNAMED`, with a number from 2 where another block is called so."""
+    numbered = (f"{UNNAMED}.{count}" for count in itertools.count(2))
+    return next(id for id in itertools.chain((UNNAMED,), numbered) if id not in known_blocks)
 
 
 def _elements(bml: Element, home: str | None, *, required: bool = False) -> Iterator[tuple[Element, bool]]:

@@ -6,6 +6,7 @@ from functools import cached_property
 
 from kinesic.bml.composition import BlockState
 from kinesic.bml.feedback import block_progress, sync_point_progress
+from kinesic.bml.timing.constraints import Point
 from kinesic.planning.syncs import SyncTime
 
 Times = Mapping[str, Mapping[str, float]]  # behaviour -> sync point -> [s] block time, each behaviour's in their order
@@ -49,15 +50,8 @@ class ScheduledFeedback:
             return block_progress(
                 point.block, point.point, self.time, character=point.character, state=state, measured=self.measured
             )
-        return sync_point_progress(
-            point.block,
-            point.behaviour,
-            point.point,
-            point.time,
-            self.time,
-            character=point.character,
-            measured=self.measured,
-        )
+        passed = Point(point.block, point.behaviour, point.point)
+        return sync_point_progress(passed, point.time, self.time, character=point.character, measured=self.measured)
 
     def seen(self, time: float) -> "ScheduledFeedback":
         """The same with the global time [s] at which servos or twin were there."""

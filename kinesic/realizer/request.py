@@ -54,14 +54,6 @@ class SceneContext:
         ]
         return max([self.now + (LEAD if refers_elsewhere(block) else 0.0), *turns])
 
-    def free(self, name: str) -> str:
-        """A block's id that is not in use: the name, or the name with a number."""
-        count, found = 1, name
-        while found in self.states:
-            count += 1
-            found = f"{name}.{count}"
-        return found
-
 
 def refers_elsewhere(block: Block) -> bool:
     """Whether a block refers to sync points of others."""
@@ -141,10 +133,7 @@ class TimedRequest:
     @property
     def prediction(self) -> str:
         """The predictionFeedback as XML."""
-        types = {behaviour.id: behaviour.type for behaviour in self.block.behaviours}
-        start, end = self.timeline.start, self.timeline.end
-        character = self.block.character
-        return prediction(self.block.id, start, end, self.times, types=types, zero=self.zero, character=character)
+        return prediction(self.block, self.timeline.start, self.timeline.end, self.times, zero=self.zero)
 
 
 def read_request(
@@ -166,7 +155,6 @@ def read_request(
         source=message.source,
         dialect=setup.dialect,
         known_blocks=around.states,
-        unnamed=around.free(UNNAMED),
         bounds=bounds,
     )
     zero, is_anchored = around.begin(block), refers_elsewhere(block)

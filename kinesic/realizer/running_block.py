@@ -136,10 +136,8 @@ class RunningBlock:
 
     def prediction(self, now: float) -> ScheduledFeedback:
         """The predictionFeedback."""
-        types = {behaviour.id: behaviour.type for behaviour in self.block.behaviours}
         start, _, end = span(self.times)
-        character = self.block.character
-        text = prediction(self.id, start, end, self.times, types=types, zero=self.zero, character=character)
+        text = prediction(self.block, start, end, self.times, zero=self.zero)
         return ScheduledFeedback(now, text, self.sender)
 
     def warning(self, notice: Notice, now: float) -> ScheduledFeedback:

@@ -229,8 +229,7 @@ def feedback(plan: Plan, lags: Mapping[SyncTime, float | None] = UNSEEN) -> Iter
     """
     block, times = plan.timeline.block, times_of(plan.syncs)
     start, _, end = span(times)
-    types = {behaviour.id: behaviour.type for behaviour in block.behaviours}
-    yield prediction(block.id, start, end, times, types=types, character=block.character)
+    yield prediction(block, start, end, times)
     for notice in plan.notices:
         yield warning(notice, character=block.character)
     seen_at = {(s.behaviour, s.sync): s.planned + lag for s, lag in lags.items() if lag is not None}

@@ -2,15 +2,19 @@
 
 from xml.etree import ElementTree
 
-from kinesic.bml.block import Notice, NoticeType
+from kinesic.bml.block import Behaviour, Block, Head, Notice, NoticeType, Place, Speech
 from kinesic.bml.feedback import block_progress, prediction, sync_point_progress, warning
+from kinesic.bml.timing.constraints import Point
+from kinesic.body.utterance import Script
 
 NAMESPACE = "{http://www.bml-initiative.org/bml/bml-1.0}"
 
 
 def test_prediction() -> None:
     times = {"g": {"start": -0.5, "stroke": 0.1 + 0.2, "stroke:2": 1.0}, "s": {"start": 0.0, "m": 1.0, "end": 2.0}}
-    text = prediction("b", -0.5, 2.0, times, types={"g": "head", "s": "speech"}, zero=10.0, character="c")
+    named = (("g", "head", Head("NOD")), ("s", "speech", Speech(Script("m"))))
+    behaviours = tuple(Behaviour(id, type, action, Place(1, 1)) for id, type, action in named)
+    text = prediction(Block("b", behaviours, character="c"), -0.5, 2.0, times, zero=10.0)
     root = ElementTree.fromstring(text)
     block, head, speech = root
     assert (root.tag, root.attrib) == (f"{NAMESPACE}predictionFeedback", {"characterId": "c"})
@@ -23,7 +27,7 @@ def test_prediction() -> None:
 def test_progress() -> None:
     root = ElementTree.fromstring(block_progress("b", "start", -0.0))
     assert (root.tag, root.attrib) == (f"{NAMESPACE}blockProgress", {"id": "b:start", "globalTime": "0.0"})
-    root = ElementTree.fromstring(sync_point_progress("b", "h", "stroke:2", 1.25, 7.5))
+    root = ElementTree.fromstring(sync_point_progress(Point("b", "h", "stroke:2"), 1.25, 7.5))
     assert root.attrib == {"id": "b:h:stroke:2", "time": "1.25", "globalTime": "7.5"}
 
 

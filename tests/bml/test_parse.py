@@ -263,3 +263,12 @@ def test_strict_refuses_unknown_behaviours() -> None:
 def test_other_blocks_are_not_looked_into() -> None:
     found = block('<head id="h" lexeme="NOD" start="other:x:end"/>')
     assert found.behaviours[0].syncs["start"] == SyncRef("other", "x", "end")
+
+
+def test_a_block_without_an_id_gets_one_that_no_other_block_has():
+    text = f"<bml {BML}/>"
+    assert [parse(text, known_blocks=known).id for known in ((), ("block",), ("block", "block.2"))] == [
+        "block",
+        "block.2",
+        "block.3",
+    ]

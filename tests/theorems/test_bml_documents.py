@@ -61,8 +61,7 @@ def told(text: str) -> str:
     except BmlError as error:
         return str(error)
     times = {timed.behaviour.id: timed.times for timed in timeline.timed}
-    types = {each.id: each.type for each in block.behaviours}
-    fromstring(prediction(block.id, timeline.start, timeline.end, times, types=types))
+    fromstring(prediction(block, timeline.start, timeline.end, times))
     for notice in timeline.notices:
         fromstring(warning(notice))
     return ""

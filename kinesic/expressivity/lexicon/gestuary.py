@@ -223,8 +223,10 @@ def _path(reader: _Reader, trajectory: Element) -> HandPath:
             amplitude=size,
             frequency=three("frequency"),
             shift=three("shift"),
-            amplitude_variation=reader.listed(moving, "spatialVariation", _VARIATIONS, "none"),
-            frequency_variation=reader.listed(moving, "temporalVariation", _VARIATIONS, "none"),
+            variations=(
+                reader.listed(moving, "spatialVariation", _VARIATIONS, "none"),
+                reader.listed(moving, "temporalVariation", _VARIATIONS, "none"),
+            ),
         )
     except ValueError as error:
         reader.fail(trajectory, str(error))

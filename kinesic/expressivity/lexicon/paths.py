@@ -169,8 +169,7 @@ def shape_path(
     amplitude: float | Three | None = None,
     frequency: float | Three | None = None,
     shift: float | Three | None = None,
-    amplitude_variation: Variation | None = None,
-    frequency_variation: Variation = "none",
+    variations: tuple[Variation | None, Variation] = (None, "none"),
     points: tuple[Floats, ...] = (),
 ) -> HandPath:
     """A path of gesture space; what is left out is as usual for its kind.
@@ -180,8 +179,7 @@ def shape_path(
         amplitude: outward, up, forward [arm lengths], or one number for the axes that are usual.
         frequency: turns on the whole way, of each axis or of all.
         shift: turns, of each axis or of all.
-        amplitude_variation: along the way.
-        frequency_variation: along the way.
+        variations: of amplitude and of frequency along the way.
         points: each (3,) forward, outward, up [arm lengths].
 
     Raises:
@@ -206,8 +204,8 @@ def shape_path(
         _own(size),
         _own(turns),
         _own(ahead),
-        amplitude_variation or shape.variation,
-        frequency_variation,
+        variations[0] or shape.variation,
+        variations[1],
         sealed(np.array(points).reshape(-1, 3)),
     )
 

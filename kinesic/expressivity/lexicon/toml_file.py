@@ -154,8 +154,7 @@ def _path(table: PathTable | None) -> HandPath | None:
         amplitude=table.amplitude,
         frequency=table.frequency,
         shift=table.shift,
-        amplitude_variation=table.amplitude_variation,
-        frequency_variation=table.frequency_variation,
+        variations=(table.amplitude_variation, table.frequency_variation),
         points=tuple(position(*point) for point in table.points),
     )
 

@@ -61,7 +61,7 @@ def test_a_spiral_grows():
 
 @pytest.mark.parametrize("variation", ["grows", "shrinks"])
 def test_frequency_varies_along_the_way_and_is_never_more_than_twice_as_high(variation):
-    wave = path("wave", frequency=4.0, frequency_variation=variation)
+    wave = path("wave", frequency=4.0, variations=(None, variation))
     times = np.linspace(0, 1, 4001)
     out = wave.at(START, START, times)[:, 1] - START[1]
     swings = [int(np.sum(np.diff(np.sign(half[np.abs(half) > 1e-6])) != 0)) for half in (out[:2000], out[2000:])]
