@@ -20,14 +20,13 @@ from kinesic.body.config import ConfigError
 from kinesic.expressivity.style.style import Style, style_preset
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SHIFT_TO_WARN
-from kinesic.realizer.feedback import ScheduledFeedback, order_feedback, retime_feedback, times_of
+from kinesic.realizer.feedback import order_feedback, retime_feedback, times_of
 from kinesic.realizer.pointing import aim_again
 from kinesic.realizer.replan import replan
 from kinesic.realizer.request import TimedRequest, again
 from kinesic.realizer.running_block import PreparedBlock, RunningBlock
 from kinesic.realizer.scene import Scene
 
-Told = tuple[ScheduledFeedback, ...]
 Change = Callable[[Behaviour], Behaviour]
 
 
@@ -61,8 +60,9 @@ def improve_block(scene: Scene, block_id: str, better: Plan, now: float) -> Scen
     left = replace(staged, ready=PreparedBlock(staged.ready.asked, better), merged=over, times=kept)
     agenda = retime_feedback(scene.agenda, block_id, left.agenda(), now)
     after = _told(replace(scene, motion=over.trajectory, agenda=agenda), staged, left, now)
-    after, astray = aim_again(scene, after, now)
-    return replace(after, agenda=order_feedback(astray, after.agenda))
+    after = aim_again(scene, after, now)
+    astray = after.said[len(scene.said) :]
+    return replace(after, said=scene.said, agenda=order_feedback(astray, after.agenda))
 
 
 def _says_the_same(better: Plan, plan: Plan) -> bool:
@@ -81,8 +81,10 @@ def change_manner(
     style: Style | str | None = None,
     amount: float | None = None,
     block: str | None = None,
-) -> tuple[Scene, Told]:
+) -> Scene:
     """Asks for another manner, of one block or of all; `take_replans` says what is to be planned for it.
+
+    What was said before is taken away.
 
     Args:
         scene: at some time before.
@@ -92,7 +94,7 @@ def change_manner(
         block: its id; None: every block, and the style is that of all to come.
 
     Returns:
-        The scene with wishes, and what is to be sent now.
+        The scene with wishes, in which is said what is to be sent now.
 
     Raises:
         ConfigError: there is no style of this name.
@@ -100,7 +102,7 @@ def change_manner(
     """
     if amount is not None and not 0.0 <= amount <= 1.0:
         raise ValueError(f"amount is {amount:g}, outside [0, 1]")
-    name = None
+    scene, name = replace(scene, said=()), None
     if style is not None:
         loaded = Style.load(style) if isinstance(style, str) else style
         if block is None:
@@ -115,9 +117,7 @@ def change_manner(
     return _wished(scene, change, now, [each.id for each in scene.blocks if block in (None, each.id)])
 
 
-def change_parameter(
-    scene: Scene, by: RunningBlock, behaviour: str, action: ParameterChange, now: float
-) -> tuple[Scene, Told]:
+def change_parameter(scene: Scene, by: RunningBlock, behaviour: str, action: ParameterChange, now: float) -> Scene:
     """Does what a `parameterValueChange` asks for.
 
     Args:
@@ -132,7 +132,7 @@ def change_parameter(
         change = _change_of(action.parameter, action.value)
     except (ValueError, ConfigError) as error:
         notice = Notice(NoticeType.CUSTOM_BEHAVIOUR_NOT_SUPPORTED, f"{by.id}:{behaviour}", str(error))
-        return scene, (by.warning(notice, now),)
+        return scene.say(by.warning(notice, now))
 
     def only(each: Behaviour) -> Behaviour:
         return change(each) if one in ("", each.id) else each
@@ -145,10 +145,9 @@ def take_replans(scene: Scene) -> tuple[Scene, tuple[TimedRequest, ...]]:
     return replace(scene, wishes=()), scene.wishes
 
 
-def _wished(scene: Scene, change: Change, now: float, ids: Collection[str]) -> tuple[Scene, Told]:
+def _wished(scene: Scene, change: Change, now: float, ids: Collection[str]) -> Scene:
     """Blocks with changed behaviours, as wishes; one that cannot be timed so stays as it is."""
     wishes: Mapping[str, TimedRequest] = {wish.block.id: wish for wish in scene.wishes}
-    told: list[ScheduledFeedback] = []
     for staged in scene.blocks:
         if staged.id in ids:
             wish = wishes.get(staged.id, staged.ready.wish)
@@ -157,8 +156,8 @@ def _wished(scene: Scene, change: Change, now: float, ids: Collection[str]) -> t
                 wishes = {**wishes, staged.id: again(changed, scene.setup)}
             except BmlError as error:
                 notice = Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, staged.id, f"it stays as it is: {error}")
-                told.append(staged.warning(notice, now))
-    return replace(scene, wishes=tuple(wishes.values())), tuple(told)
+                scene = scene.say(staged.warning(notice, now))
+    return replace(scene, wishes=tuple(wishes.values()))
 
 
 def _changed(block: Block, change: Change) -> Block:

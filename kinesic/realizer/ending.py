@@ -15,10 +15,8 @@ from kinesic.realizer.release import release_motion
 from kinesic.realizer.running_block import RunningBlock
 from kinesic.realizer.scene import Scene
 
-Told = tuple[ScheduledFeedback, ...]
 
-
-def stop_block(scene: Scene, staged: RunningBlock, now: float, why: str) -> tuple[Scene, Told]:
+def stop_block(scene: Scene, staged: RunningBlock, now: float, why: str) -> Scene:
     """A block ends now: what it does is taken back while all others go on; one that waits is revoked.
 
     Args:
@@ -27,31 +25,32 @@ def stop_block(scene: Scene, staged: RunningBlock, now: float, why: str) -> tupl
         now: [s] global time.
         why: for the sender.
     """
-    after, dues = end_block(scene, staged, now, why)
+    after = end_block(scene, staged, now, why)
     merged = staged.merged
     if merged is None or not merged.busy:
-        return after, dues
+        return after
     moved = np.ptp(merged.layer.controls, axis=0) > 0.0
-    return replace(after, motion=_taken_back(scene, staged, staged.busy, moved, now)), dues
+    return replace(after, motion=_taken_back(scene, staged, staged.busy, moved, now))
 
 
-def end_block(scene: Scene, staged: RunningBlock, now: float, why: str) -> tuple[Scene, Told]:
+def end_block(scene: Scene, staged: RunningBlock, now: float, why: str) -> Scene:
     """The same, while its motion is somebody else's matter."""
     agenda = tuple(due for due in without(scene.agenda, staged.id) if due.unless_improved != staged.id)
     waits_for_start = any(
-        isinstance(due.told, Progress) and due.told.key == (None, "start") for due in _of(scene, staged)
+        isinstance(due.told, Progress) and due.told.key == (None, "start")
+        for due in scene.agenda
+        if due.block == staged.id
     )
     if not staged.state.is_playing or waits_for_start:
         notice = Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, staged.id, f"revoked before it began: {why}")
-        return replace(scene.gone(staged, BlockState.REVOKED), agenda=agenda), (staged.warning(notice, now),)
+        return replace(scene.gone(staged, BlockState.REVOKED), agenda=agenda).say(staged.warning(notice, now))
     point = Progress(staged.id, None, "end", now - staged.zero, staged.block.character, BlockState.INTERRUPTED)
     cut = replace(staged, times=_until(staged, now))
-    return replace(scene.gone(cut, BlockState.INTERRUPTED), agenda=agenda), (
-        ScheduledFeedback(now, point, staged.sender),
-    )
+    after = replace(scene.gone(cut, BlockState.INTERRUPTED), agenda=agenda)
+    return after.say(ScheduledFeedback(now, point, staged.sender))
 
 
-def leave_out(scene: Scene, staged: RunningBlock, behaviours: frozenset[str], now: float) -> tuple[Scene, Told]:
+def leave_out(scene: Scene, staged: RunningBlock, behaviours: frozenset[str], now: float) -> Scene:
     """Some behaviours of a block end now; what nobody else moves goes back."""
     left = staged.without(behaviours)
     if not left.times:
@@ -60,7 +59,7 @@ def leave_out(scene: Scene, staged: RunningBlock, behaviours: frozenset[str], no
     gone = [each for each in staged.busy if each.behaviour in behaviours]
     motion = _taken_back(scene, staged, gone, scene.hinges(gone) & ~scene.hinges(left.busy), now)
     agenda = retime_feedback(without(scene.agenda, staged.id, behaviours), staged.id, left.agenda(), now)
-    return replace(after, motion=motion, agenda=agenda), (left.prediction(now),)
+    return replace(after, motion=motion, agenda=agenda).say(left.prediction(now))
 
 
 def _taken_back(scene: Scene, staged: RunningBlock, gone: Sequence[Occupancy], moved: Flags, now: float) -> Trajectory:
@@ -73,11 +72,6 @@ def _taken_back(scene: Scene, staged: RunningBlock, gone: Sequence[Occupancy], m
     if not free.any():
         return scene.motion
     return release_motion(scene.motion, at, free, scene.setup, layer=staged.merged.layer, others=others)
-
-
-def _of(scene: Scene, staged: RunningBlock) -> Told:
-    """What a block has still to tell."""
-    return tuple(due for due in scene.agenda if due.block == staged.id)
 
 
 def _until(staged: RunningBlock, now: float) -> dict[str, dict[str, float]]:

@@ -18,8 +18,7 @@ from kinesic.motion.transition import EARLY, LEAST, delay_controls, knot_at, len
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
 from kinesic.realizer.conflicts import find_conflict
-from kinesic.realizer.occupancy import MergeFailure, Occupancy, Overlay, still_occupied
-from kinesic.realizer.occupancy import occupancy_of as needs
+from kinesic.realizer.occupancy import MergeFailure, Occupancy, Overlay, occupancy_of, still_occupied
 from kinesic.realizer.overlay import overlay
 from kinesic.realizer.release import release_motion, tail
 
@@ -93,7 +92,7 @@ def _laid_over(
     """A block over what runs, later where it may wait and then has a place for everything."""
     knot = knot_at(time)
     soonest = max(ceil((begin - coming.trajectory.zero) / STEP - EARLY), knot)
-    own, others = needs(coming), still_occupied(busy, knot * STEP)
+    own, others = occupancy_of(coming), still_occupied(busy, knot * STEP)
     first = found = _tried(running, coming, knot, soonest, own, others)
     if first.gone and waits:
         tries = (

@@ -21,7 +21,6 @@ from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.plan import Plan
 from kinesic.planning.postures import aim_from_shoulder
 from kinesic.planning.setup import Setup
-from kinesic.realizer.feedback import ScheduledFeedback
 from kinesic.realizer.occupancy import STILL, Occupancy
 from kinesic.realizer.overlay import rise
 from kinesic.realizer.release import tail
@@ -129,7 +128,7 @@ def _clear(found: Floats, motion: Trajectory, first: int, last: int, setup: Setu
     return float(scan_clearance(after, setup.distances)[1].distances.min()) >= least
 
 
-def aim_again(before: Scene, scene: Scene, now: float) -> tuple[Scene, tuple[ScheduledFeedback, ...]]:
+def aim_again(before: Scene, scene: Scene, now: float) -> Scene:
     """Has hands that point keep to it, where the motion was so changed that they miss by more than `ASTRAY`.
 
     Args:
@@ -138,39 +137,35 @@ def aim_again(before: Scene, scene: Scene, now: float) -> tuple[Scene, tuple[Sch
         now: [s] global time.
 
     Returns:
-        The scene in which arms are turned back to what they point at in strokes to come, and a warning for each that
-        servos cannot turn so far, or not without coming too near to the body.
+        The scene in which arms are turned back to what they point at in strokes to come; it says a warning for each
+        that servos cannot turn so far, or not without coming too near to the body.
     """
-    told: list[ScheduledFeedback] = []
     for staged in scene.playing if scene.motion is not before.motion else ():
         for one in pointing_hands(staged.ready.plan):
-            scene, dues = _one(before, scene, staged.id, one, now)
-            told += dues
-    return scene, tuple(told)
+            scene = _one(before, scene, staged.id, one, now)
+    return scene
 
 
-def _one(
-    before: Scene, scene: Scene, block: str, one: PointingHand, now: float
-) -> tuple[Scene, tuple[ScheduledFeedback, ...]]:
+def _one(before: Scene, scene: Scene, block: str, one: PointingHand, now: float) -> Scene:
     staged = scene.find(block)
     busy = next((each for each in staged.busy if each.behaviour == one.behaviour), None) if staged else None
     if staged is None or staged.merged is None or busy is None:
-        return scene, ()
+        return scene
     time = staged.zero + staged.times[one.behaviour]["stroke"]
     stroke, change = scene.performance(time), scene.first_change(now)
     usual = _usual(before, staged, one, time)
     if stroke <= change or _miss(scene.motion, stroke, one, scene) <= usual + ASTRAY:
-        return scene, ()
+        return scene
     others = [*scene.busy_but(block), *(each for each in staged.busy if each is not busy)]
     found = correct_pointing(scene.motion, change, one, stroke, busy, others, scene.setup)
     if found is not None and _miss(found, stroke, one, scene) < _miss(scene.motion, stroke, one, scene):
         scene = _with(scene, staged, one.behaviour, found)
     left = _miss(scene.motion, stroke, one, scene)
     if left <= usual + ASTRAY:
-        return scene, ()
+        return scene
     text = f"its hand points {np.degrees(left):.0f} deg past its target: other blocks move the trunk meanwhile"
     notice = Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, f"{block}:{one.behaviour}", text)
-    return scene, (staged.warning(notice, now),)
+    return scene.say(staged.warning(notice, now))
 
 
 def _usual(before: Scene, staged: RunningBlock, one: PointingHand, time: float) -> float:

@@ -9,6 +9,7 @@ from functools import partial
 
 from kinesic.bml.block import Activate, Command, Interrupt, Notice, NoticeType, ParameterChange, modality_of
 from kinesic.bml.composition import BlockState, awaited, goes_round, waiting_blocks
+from kinesic.bml.feedback import warning
 from kinesic.planning.certify import certify
 from kinesic.planning.plan import plan_block
 from kinesic.planning.quick_plan import plan_quickly
@@ -60,7 +61,7 @@ def ready(asked: TimedRequest, setup: Setup) -> PreparedBlock:
     return PreparedBlock(asked, plan_quickly(block, setup, engaged=engaged), is_provisional=True)
 
 
-def begin(scene: Scene, ready: PreparedBlock, now: float) -> tuple[Scene, tuple[ScheduledFeedback, ...]]:
+def begin(scene: Scene, ready: PreparedBlock, now: float) -> Scene:
     """Takes a block into the scene: it begins now, or waits for its turn.
 
     Args:
@@ -69,14 +70,15 @@ def begin(scene: Scene, ready: PreparedBlock, now: float) -> tuple[Scene, tuple[
         now: [s] global time.
 
     Returns:
-        The scene with the block, and what is to be sent now. A block that is refused changes nothing that plays.
+        The scene with the block, in which is said what is to be sent now. A block that is refused changes nothing
+        that plays.
     """
-    scene, dues = advance(scene, now)
-    block, sender = ready.plan.timeline.block, ready.asked.sender
+    scene = advance(scene, now)
+    block = ready.plan.timeline.block
     refusal = _refusal(scene, ready)
     if refusal is not None:
-        notice = Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, block.id, refusal)
-        return scene, (*dues, scene.warned(notice, now, sender, block.character))
+        text = warning(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, block.id, refusal), character=block.character)
+        return scene.say(ScheduledFeedback(now, text, ready.asked.sender))
     waits = awaited(block, scene.states)
     staged = RunningBlock.of(ready, BlockState.PENDING if block.succession.preplanned else BlockState.LURKING, waits)
     staged = replace(staged, zero=max(now + scene.ahead, scene.turn(staged)) + staged.lead)
@@ -87,35 +89,34 @@ def begin(scene: Scene, ready: PreparedBlock, now: float) -> tuple[Scene, tuple[
         )
     notices = tuple(staged.warning(notice, now) for notice in staged.certain)
     if scene.has_turn(staged, now):
-        scene, told = start_block(scene, staged, now)
+        scene = start_block(scene, staged, now)
     else:
-        scene = scene.put(replace(staged, told=(staged.zero, staged.times)))
-        told = (staged.prediction(now),)
-    return scene, (*dues, *told, *notices)
+        scene = scene.put(replace(staged, told=(staged.zero, staged.times))).say(staged.prediction(now))
+    return scene.say(*notices)
 
 
-def advance(scene: Scene, now: float) -> tuple[Scene, tuple[ScheduledFeedback, ...]]:
-    """Lets time pass: blocks whose turn has come begin, what has become due is handed out, what is over is forgotten.
+def advance(scene: Scene, now: float) -> Scene:
+    """Lets time pass: blocks whose turn has come begin, feedback that is due is said, what is over is forgotten.
+
+    What was said before is taken away.
 
     Args:
         scene: at some time before.
         now: [s] global time.
     """
-    told: list[ScheduledFeedback] = []
+    scene = replace(scene, said=())
     while True:
         coming = next((each for each in scene.blocks if scene.has_turn(each, now)), None)
         if coming is not None:
-            scene, dues = start_block(scene, coming, now)
+            scene = start_block(scene, coming, now)
         elif scene.agenda and scene.agenda[0].time <= now:
             due = scene.agenda[0]
-            told.append(due)
-            scene, dues = _happened(replace(scene, agenda=scene.agenda[1:]), due, now)
+            scene = _happened(replace(scene, agenda=scene.agenda[1:]).say(due), due, now)
         else:
-            return forgotten(scene, now), tuple(told)
-        told += dues
+            return forgotten(scene, now)
 
 
-def interrupt(scene: Scene, now: float, block: str | None = None) -> tuple[Scene, tuple[ScheduledFeedback, ...]]:
+def interrupt(scene: Scene, now: float, block: str | None = None) -> Scene:
     """Ends one block or all of them; what others do goes on.
 
     Args:
@@ -123,37 +124,32 @@ def interrupt(scene: Scene, now: float, block: str | None = None) -> tuple[Scene
         now: [s] global time.
         block: its id; None: all, those that wait too.
     """
-    before, told = advance(scene, now)
-    scene = before
+    before = scene = advance(scene, now)
     for staged in before.blocks:
         if block in (None, staged.id):
-            scene, dues = stop_block(scene, staged, now, "it was interrupted")
-            told += dues
-    scene, astray = aim_again(before, scene, now)
-    return scene, (*told, *astray)
+            scene = stop_block(scene, staged, now, "it was interrupted")
+    return aim_again(before, scene, now)
 
 
-def _happened(scene: Scene, due: ScheduledFeedback, now: float) -> tuple[Scene, tuple[ScheduledFeedback, ...]]:
+def _happened(scene: Scene, due: ScheduledFeedback, now: float) -> Scene:
     """What follows from a point that a block has passed."""
     point = due.told
     staged = None if isinstance(point, str) else scene.find(point.block)
     if isinstance(point, str) or staged is None:
-        return scene, ()
+        return scene
     match point.key:
         case (None, "relax"):
-            return scene.put(replace(staged, state=BlockState.SUBSIDING)), ()
+            return scene.put(replace(staged, state=BlockState.SUBSIDING))
         case (None, "end"):
-            return scene.gone(staged, BlockState.DONE), ()
+            return scene.gone(staged, BlockState.DONE)
         case (str(id), "start"):
             action = next(behaviour.action for behaviour in staged.block.behaviours if behaviour.id == id)
             if isinstance(action, Interrupt | Activate | ParameterChange):
                 return _commanded(scene, staged, id, action, now)
-    return scene, ()
+    return scene
 
 
-def _commanded(
-    scene: Scene, staged: RunningBlock, behaviour: str, action: Command, now: float
-) -> tuple[Scene, tuple[ScheduledFeedback, ...]]:
+def _commanded(scene: Scene, staged: RunningBlock, behaviour: str, action: Command, now: float) -> Scene:
     """What a block does to another one."""
     name = action.target.partition(":")[0]
     other = scene.find(name)
@@ -161,18 +157,17 @@ def _commanded(
         notice = Notice(
             NoticeType.IMPOSSIBLE_TO_SCHEDULE, f"{staged.id}:{behaviour}", f"no block {name} plays or waits"
         )
-        return scene, (staged.warning(notice, now),)
+        return scene.say(staged.warning(notice, now))
     if isinstance(action, Activate):
         return activate_block(scene, name, now)
     if isinstance(action, ParameterChange):
         return change_parameter(scene, staged, behaviour, action, now)
     chosen = interrupted_by(action, other)
     if chosen == other.times.keys():
-        after, told = stop_block(scene, other, now, f"{staged.id} interrupts it")
+        after = stop_block(scene, other, now, f"{staged.id} interrupts it")
     else:
-        after, told = leave_out(scene, other, chosen, now)
-    after, astray = aim_again(scene, after, now)
-    return after, (*told, *astray)
+        after = leave_out(scene, other, chosen, now)
+    return aim_again(scene, after, now)
 
 
 def _held_back(scene: Scene, staged: RunningBlock) -> Scene:

@@ -6,9 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from kinesic.bml.block import Notice
 from kinesic.bml.composition import BlockState
-from kinesic.bml.feedback import warning
 from kinesic.bml.timing.constraints import Point
 from kinesic.body.arrays import Flags
 from kinesic.motion.trajectory import STEP, Trajectory, stay
@@ -32,7 +30,8 @@ class Scene:
     motion: Trajectory
     epoch: float  # [s] global time of the motion's time 0
     blocks: tuple[RunningBlock, ...] = ()  # in the order in which they came
-    agenda: tuple[ScheduledFeedback, ...] = ()  # in time
+    agenda: tuple[ScheduledFeedback, ...] = ()  # feedback to come, in order of time
+    said: tuple[ScheduledFeedback, ...] = ()  # feedback to be sent now; the next `advance` takes it away
     past: tuple[EndedBlocks, ...] = ()  # the last blocks that are over
     wishes: tuple[TimedRequest, ...] = ()  # blocks that are to be planned anew, and handed to `improved`
     character: str | None = None  # who performs here; None: whoever is asked
@@ -141,6 +140,10 @@ class Scene:
         """Performance time [s] from which the motion may change."""
         return max(0.0, self.performance(now + self.ahead))
 
+    def say(self, *messages: ScheduledFeedback) -> "Scene":
+        """Adds feedback that is to be sent now."""
+        return replace(self, said=(*self.said, *messages))
+
     def put(self, staged: RunningBlock) -> "Scene":
         """With a block in the place of its earlier version, or as the last one."""
         if self.find(staged.id) is None:
@@ -164,10 +167,6 @@ class Scene:
         for each in busy:
             found |= each.hinges
         return found
-
-    def warned(self, notice: Notice, now: float, sender: int, character: str | None = None) -> ScheduledFeedback:
-        """A warning about a block that is not here."""
-        return ScheduledFeedback(now, warning(notice, character=character), sender)
 
 
 def forgotten(scene: Scene, now: float) -> Scene:

@@ -6,15 +6,15 @@ from kinesic.bml.block import Composition, Notice, NoticeType
 from kinesic.bml.composition import BlockState
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.realizer.contention import occupancy_of_others, silence_overlap
-from kinesic.realizer.ending import Told, end_block, stop_block
-from kinesic.realizer.feedback import ScheduledFeedback, order_feedback, times_of, without
+from kinesic.realizer.ending import end_block, stop_block
+from kinesic.realizer.feedback import order_feedback, times_of, without
 from kinesic.realizer.merge import MergedMotion, merge, replace_motion
 from kinesic.realizer.pointing import aim_again
 from kinesic.realizer.running_block import RunningBlock
 from kinesic.realizer.scene import Scene
 
 
-def start_block(scene: Scene, staged: RunningBlock, now: float) -> tuple[Scene, Told]:
+def start_block(scene: Scene, staged: RunningBlock, now: float) -> Scene:
     """Begins a block now, or as soon as its turn has come.
 
     Args:
@@ -22,19 +22,16 @@ def start_block(scene: Scene, staged: RunningBlock, now: float) -> tuple[Scene, 
         staged: the block, which has not begun.
         now: [s] global time.
     """
-    dues: list[ScheduledFeedback] = []
     wished = _wished(scene, staged, now)
     before = scene = scene.put(staged)
     for id in staged.block.succession.interrupts:
         if (other := scene.find(id)) is not None and id != staged.id:
-            scene, told = stop_block(scene, other, now, f"{staged.id} interrupts it")
-            dues += told
+            scene = stop_block(scene, other, now, f"{staged.id} interrupts it")
     if staged.block.composition is Composition.REPLACE:
         for other in scene.blocks:
             if other.id != staged.id and other.state is not BlockState.PENDING:
                 ends = end_block if staged.ready.moves else stop_block  # where it moves, it moves all that did
-                scene, told = ends(scene, other, now, f"{staged.id} replaces it")
-                dues += told
+                scene = ends(scene, other, now, f"{staged.id} replaces it")
     if staged.block.composition is Composition.REPLACE and staged.ready.moves:
         scene, staged, notices = _in_place(scene, staged, wished, now)
     else:
@@ -47,43 +44,34 @@ def start_block(scene: Scene, staged: RunningBlock, now: float) -> tuple[Scene, 
         return _failed(before, staged, missing, notices, now)
     staged = replace(staged, state=BlockState.IN_EXEC)
     if staged.differs(SHIFT_TO_WARN):
-        dues.append(staged.prediction(now))
-    dues += [staged.warning(notice, now) for notice in notices]
+        scene = scene.say(staged.prediction(now))
+    scene = scene.say(*(staged.warning(notice, now) for notice in notices))
     staged = replace(staged, told=(staged.zero, staged.times))
     own = (replace(due, time=max(due.time, now)) for due in staged.agenda())  # what lies in the past is told at once
     scene = replace(scene.put(staged), agenda=order_feedback(scene.agenda, tuple(own)))
-    scene, astray = aim_again(before, scene, now)
-    dues += astray
-    return _activated(scene, staged.block.succession.activates, now, dues)
+    scene = aim_again(before, scene, now)
+    for id in staged.block.succession.activates:
+        scene = activate_block(scene, id, now)
+    return scene
 
 
-def _failed(
-    scene: Scene, staged: RunningBlock, missing: list[str], notices: tuple[Notice, ...], now: float
-) -> tuple[Scene, Told]:
+def _failed(scene: Scene, staged: RunningBlock, missing: list[str], notices: tuple[Notice, ...], now: float) -> Scene:
     """Nothing of a block is performed when something that it requires meets what plays."""
     text = f"not performed, because it requires {', '.join(missing)}"
     every = (*notices, Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, staged.id, text))
     agenda = tuple(due for due in without(scene.agenda, staged.id) if due.unless_improved != staged.id)
-    return replace(scene.gone(staged, BlockState.FAILED), agenda=agenda), tuple(
-        staged.warning(each, now) for each in every
-    )
+    after = replace(scene.gone(staged, BlockState.FAILED), agenda=agenda)
+    return after.say(*(staged.warning(each, now) for each in every))
 
 
-def activate_block(scene: Scene, id: str, now: float) -> tuple[Scene, Told]:
+def activate_block(scene: Scene, id: str, now: float) -> Scene:
     """Begins a block that was sent early, or lets it wait for its turn; others stay as they are."""
     staged = scene.find(id)
     if staged is None or staged.state is not BlockState.PENDING:
-        return scene, ()
+        return scene
     waiting = replace(staged, state=BlockState.LURKING)
     scene = scene.put(waiting)
-    return start_block(scene, waiting, now) if scene.has_turn(waiting, now) else (scene, ())
-
-
-def _activated(scene: Scene, ids: tuple[str, ...], now: float, dues: list[ScheduledFeedback]) -> tuple[Scene, Told]:
-    for id in ids:
-        scene, told = activate_block(scene, id, now)
-        dues += told
-    return scene, tuple(dues)
+    return start_block(scene, waiting, now) if scene.has_turn(waiting, now) else scene
 
 
 def _wished(scene: Scene, staged: RunningBlock, now: float) -> float:

@@ -13,16 +13,14 @@ from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.setup import Setup
 from kinesic.realizer.contention import among
 from kinesic.realizer.realizer import (
-    PreparedBlock,
     Scene,
-    ScheduledFeedback,
     advance,
+    begin,
     change_manner,
     improve_block,
     interrupt,
     ready,
 )
-from kinesic.realizer.realizer import begin as begun
 from kinesic.realizer.release import release_motion
 from kinesic.realizer.request import Message, read_request, refusal_feedback
 from kinesic.serve.clock import Clock
@@ -42,8 +40,7 @@ from kinesic.serve.messages import (
     Wanted,
 )
 from kinesic.serve.protocol import json_answer
-from kinesic.serve.quotas import Quotas
-from kinesic.serve.quotas import quota_feedback as refused_by
+from kinesic.serve.quotas import Quotas, quota_feedback
 from kinesic.serve.refiner import RefinedPlan, RefinementJob, pack, unpack
 from kinesic.serve.tracks import Track, Version, track, version
 
@@ -57,7 +54,7 @@ WARMING = (
     '<faceLexeme id="brows" lexeme="RAISE_BROWS" start="0"/><speech id="yes"><text>Yes.</text></speech></bml>'
 )
 
-Change = Callable[[Scene, float], tuple[Scene, tuple[ScheduledFeedback, ...]]]
+Change = Callable[[Scene, float], Scene]
 
 
 def run_planner(
@@ -118,10 +115,10 @@ class PlannerState:
         self._stops, self._took = beginning.stops, 0.0
         self._senses, self._versions = beginning.senses, dict[str, Version]()  # of the tracks that the loop has
         self._improving = False  # whether the improver is at work
-        begin, _ = begun(Scene.of(setup), _ready(WARMING.encode(), Scene.of(setup)), 0.0)
-        for staged in begin.playing:
+        warming = begin(Scene.of(setup), ready(read_request(Message(WARMING), setup), setup), 0.0)
+        for staged in warming.playing:
             track(staged, beginning.senses)
-        advance(begin, 0.1)
+        advance(warming, 0.1)
         self._scene = replace(_moved(Scene.of(setup), beginning.motion), agenda=beginning.agenda)
 
     @property
@@ -164,9 +161,9 @@ class PlannerState:
         if not isinstance(better, RefinedPlan) or (found := better.plan) is None:
             return
 
-        def change(scene: Scene, now: float) -> tuple[Scene, tuple[ScheduledFeedback, ...]]:
-            after, dues = advance(scene, now)
-            return improve_block(after, better.block, found, now) or after, dues
+        def change(scene: Scene, now: float) -> Scene:
+            after = advance(scene, now)
+            return improve_block(after, better.block, found, now) or after
 
         self._propose(change)
 
@@ -174,11 +171,7 @@ class PlannerState:
         """Takes over what the loop has made of an emergency stop: every block is interrupted, and stays where it is."""
         self._stops = halted.stops
 
-        def stopped(scene: Scene, _now: float) -> tuple[Scene, tuple[ScheduledFeedback, ...]]:
-            after, dues = interrupt(scene, halted.time)
-            return _moved(after, halted.motion), dues
-
-        self._propose(stopped, moves=False)
+        self._propose(lambda scene, _now: _moved(interrupt(scene, halted.time), halted.motion), moves=False)
 
     def _catch_up(self, stops: int) -> None:
         """Waits for the loop to say what became of the motion at so many stops, which it does in its next tick."""
@@ -195,7 +188,9 @@ class PlannerState:
                     f"{known.block.id} lasts {known.timeline.end:.0f} s, at most {self._rules.duration:g} s are taken"
                 )
                 self._loop.send(
-                    FeedbackNotice(refused_by("duration", f"{what}: split it", name=known.block.id), document.sender)
+                    FeedbackNotice(
+                        quota_feedback("duration", f"{what}: split it", name=known.block.id), document.sender
+                    )
                 )
                 return
             self._loop.send(FeedbackNotice(known.prediction, document.sender))
@@ -203,8 +198,8 @@ class PlannerState:
         except BmlError as error:
             self._loop.send(FeedbackNotice(refusal_feedback(message, error), document.sender))
             return
-        if document.stops != self._stops or not self._propose(lambda scene, now: begun(scene, coming, now)):
-            text = refused_by("stopped", "an emergency stop came; resume first", name=known.block.id)
+        if document.stops != self._stops or not self._propose(lambda scene, now: begin(scene, coming, now)):
+            text = quota_feedback("stopped", "an emergency stop came; resume first", name=known.block.id)
             self._loop.send(FeedbackNotice(text, document.sender))
 
     def _restyle(self, wanted: Restyling) -> None:
@@ -229,7 +224,7 @@ class PlannerState:
         for _ in range(ATTEMPTS):
             now = self._clock.now()
             ahead = self._took + MARGIN
-            scene, due = change(replace(self._scene, ahead=ahead), now)
+            scene = change(replace(self._scene, ahead=ahead, said=()), now)
             self._took = min(LONGEST, max(self._clock.now() - now, SLOWER * self._took))
             motion = None
             if moves and scene.motion is not self._scene.motion:
@@ -238,7 +233,7 @@ class PlannerState:
             owed = frozenset(staged.sender for staged in scene.blocks)
             moving = {(staged.id, busy.behaviour): busy.hinges for staged in scene.blocks for busy in staged.busy}
             self._loop.send(
-                Proposal(self._stops, now, now + ahead, motion, (*due, *scene.agenda), owed, moving, tracks)
+                Proposal(self._stops, now, now + ahead, motion, (*scene.said, *scene.agenda), owed, moving, tracks)
             )
             halted, verdict = self._answer()
             if verdict.taken:
@@ -270,16 +265,12 @@ class PlannerState:
         return halted, heard
 
 
-def _ready(text: bytes, scene: Scene) -> PreparedBlock:
-    return ready(read_request(Message(text), scene.setup), scene.setup)
-
-
 def _moved(scene: Scene, motion: ClockedTrajectory) -> Scene:
     return replace(scene, motion=Trajectory(motion.controls, motion.zero), epoch=motion.epoch)
 
 
-def _resumed(scene: Scene, now: float) -> tuple[Scene, tuple[ScheduledFeedback, ...]]:
+def _resumed(scene: Scene, now: float) -> Scene:
     """Back to rest, all hinges together."""
     everything = scene.setup.limits.lower < scene.setup.limits.upper
     motion = release_motion(scene.motion, scene.first_change(now), everything, scene.setup)
-    return replace(scene, motion=Trajectory(motion.controls, motion.zero)), ()
+    return replace(scene, motion=Trajectory(motion.controls, motion.zero))

@@ -6,7 +6,7 @@ import pytest
 from kinesic.bench import corpus, plan, twin
 from kinesic.bench.blocks import crowd
 from kinesic.bench.figure import Figure
-from kinesic.bench.plan import first_command as first
+from kinesic.bench.plan import first_command
 from kinesic.cli.bench import PARTS, bench
 from kinesic.controller.perform import set_up
 
@@ -19,7 +19,7 @@ def brief(monkeypatch):
     monkeypatch.setattr(plan, "REPETITIONS", 1)
     monkeypatch.setattr(plan, "CROWDS", 1)
     monkeypatch.setattr(plan, "crowd", lambda seed, lexemes: crowd(SMALL + seed, lexemes))
-    monkeypatch.setattr(first, "REPETITIONS", 2)
+    monkeypatch.setattr(first_command, "REPETITIONS", 2)
     monkeypatch.setattr(twin, "REPETITIONS", 2)
     monkeypatch.setattr(twin, "BLOCKS", 2)
 
@@ -73,7 +73,7 @@ def test_the_choice_of_documents_is_the_same_each_time():
 
 
 def test_the_first_command_has_its_figures(brief):
-    figures = {figure.name: figure for figure in first.bench()}
+    figures = {figure.name: figure for figure in first_command.bench()}
     assert 0 < figures["plan.first_command_median"].value <= figures["plan.first_command_p95"].value
     assert np.isfinite(figures["plan.taken_over"].value)
 

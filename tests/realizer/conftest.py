@@ -41,9 +41,9 @@ class Play:
         plan = replace(made.plan, timeline=replace(made.plan.timeline, block=block))
         return replace(made, plan=plan, asked=replace(made.asked, block=block))
 
-    def take(self, after: tuple[Scene, tuple[ScheduledFeedback, ...]]) -> "Play":
-        self.scene, dues = after
-        self.told += dues
+    def take(self, after: Scene) -> "Play":
+        self.scene = after
+        self.told += after.said
         return self
 
     def until(self, time: float) -> "Play":

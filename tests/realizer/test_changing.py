@@ -8,8 +8,7 @@ from kinesic.body.config import ConfigError
 from kinesic.expressivity.style.style import Style
 from kinesic.motion.limit_check import peaks
 from kinesic.planning.setup import Setup
-from kinesic.realizer.realizer import Scene, advance, change_manner, improve_block, ready, take_replans
-from kinesic.realizer.realizer import begin as begun
+from kinesic.realizer.realizer import Scene, advance, begin, change_manner, improve_block, ready, take_replans
 from kinesic.realizer.request import Message, TimedRequest, read_request
 
 BML = (
@@ -22,7 +21,7 @@ SPEECH = '<speech id="s"><text>One two three four five six seven</text></speech>
 
 def sent(scene: Scene, id: str, inside: str, now: float) -> Scene:
     coming = ready(read_request(Message(BML.format(id, inside)), scene.setup, around=scene.around(now)), scene.setup)
-    return begun(scene, coming, now)[0]
+    return begin(scene, coming, now)
 
 
 def granted(scene: Scene, now: float) -> tuple[Scene, tuple[TimedRequest, ...]]:
@@ -33,9 +32,9 @@ def granted(scene: Scene, now: float) -> tuple[Scene, tuple[TimedRequest, ...]]:
     return scene, wishes
 
 
-def swing(scene: Scene, begin: float, end: float) -> float:
+def swing(scene: Scene, first: float, last: float) -> float:
     """[rad] how far the head goes up and down."""
-    times = np.arange(begin, end, 0.01) - scene.epoch
+    times = np.arange(first, last, 0.01) - scene.epoch
     neck = list(scene.setup.robot.joints("neck"))
     return float(np.ptp(scene.motion.sample(times)[0][:, neck], axis=0).max())
 
@@ -47,8 +46,8 @@ def nodding(known: Setup) -> Scene:
 
 def test_amount_changes_what_is_still_to_come(nodding: Scene) -> None:
     before = swing(nodding, 1.8, 2.6)
-    scene, dues = change_manner(advance(nodding, 1.0)[0], 1.0, amount=0.3)
-    assert dues == ()
+    scene = change_manner(advance(nodding, 1.0), 1.0, amount=0.3)
+    assert scene.said == ()
     scene, (wish,) = granted(scene, 1.0)
     action = wish.block.behaviours[0].action
     assert isinstance(action, Head)
@@ -62,22 +61,22 @@ def test_amount_changes_what_is_still_to_come(nodding: Scene) -> None:
 
 def test_a_style_for_all_is_that_of_what_comes_too(nodding: Scene) -> None:
     tense = Style.load("neutral").changed(["spatial=-0.8"])
-    scene, _ = change_manner(nodding, 0.2, style=tense)
+    scene = change_manner(nodding, 0.2, style=tense)
     assert scene.setup.style is tense
     assert [wish.block.id for wish in scene.wishes] == ["a"]
 
 
 def test_a_style_for_one_block_leaves_the_others(nodding: Scene) -> None:
     scene = sent(nodding, "b", '<gesture id="g" lexeme="BEAT"/>', 0.2)
-    scene, _ = change_manner(scene, 0.3, style="neutral", block="b")
+    scene = change_manner(scene, 0.3, style="neutral", block="b")
     (wish,) = scene.wishes
     assert (wish.block.id, wish.block.behaviours[0].manner.style) == ("b", "neutral")
     assert scene.setup.style is nodding.setup.style
 
 
 def test_changes_add_up(nodding: Scene) -> None:
-    scene, _ = change_manner(nodding, 0.2, amount=0.4)
-    scene, _ = change_manner(scene, 0.2, style="neutral", block="a")
+    scene = change_manner(nodding, 0.2, amount=0.4)
+    scene = change_manner(scene, 0.2, style="neutral", block="a")
     (wish,) = scene.wishes
     behaviour = wish.block.behaviours[0]
     assert isinstance(behaviour.action, Head)
@@ -87,7 +86,7 @@ def test_changes_add_up(nodding: Scene) -> None:
 def test_what_is_said_already_stays(known: Setup) -> None:
     scene = sent(Scene.of(known), "a", SPEECH + NODS, 0.0)
     before = scene.speeches
-    scene, _ = change_manner(scene, 0.5, style=Style.load("neutral").changed(["temporal=0.9"]))
+    scene = change_manner(scene, 0.5, style=Style.load("neutral").changed(["temporal=0.9"]))
     scene, (wish,) = granted(scene, 0.5)
     assert wish.is_decided
     assert scene.speeches == before
@@ -111,8 +110,8 @@ CHANGE = (
 )
 def test_a_block_changes_another(nodding: Scene, target: str, parameter: str, value: str) -> None:
     scene = sent(nodding, "b", CHANGE.format(target, parameter, value), 0.2)
-    scene, dues = advance(scene, 0.21)
-    assert not [due for due in dues if "<warning" in due.xml]
+    scene = advance(scene, 0.21)
+    assert not [due for due in scene.said if "<warning" in due.xml]
     (wish,) = scene.wishes
     changed_ = wish.block.behaviours[0]
     assert changed_ != nodding.blocks[0].block.behaviours[0]
@@ -129,8 +128,8 @@ def test_a_block_changes_another(nodding: Scene, target: str, parameter: str, va
     ],
 )
 def test_what_cannot_be_changed_is_warned(nodding: Scene, parameter: str, value: str, said: str) -> None:
-    scene, dues = advance(sent(nodding, "b", CHANGE.format("a", parameter, value), 0.2), 0.21)
-    warnings = [due.xml for due in dues if 'id="b:p"' in due.xml]
+    scene = advance(sent(nodding, "b", CHANGE.format("a", parameter, value), 0.2), 0.21)
+    warnings = [due.xml for due in scene.said if 'id="b:p"' in due.xml]
     assert len(warnings) == 1
     assert said in warnings[0]
     assert scene.wishes == ()

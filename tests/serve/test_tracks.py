@@ -2,8 +2,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.utterance import Sound
-from kinesic.realizer.realizer import Scene, ready
-from kinesic.realizer.realizer import begin as begun
+from kinesic.realizer.realizer import Scene, begin, ready
 from kinesic.realizer.request import Message, read_request
 from kinesic.serve.tracks import Effects, SoundAndFace, Track, track, version
 from kinesic.speech.loudspeaker import SpeakerError
@@ -39,9 +38,8 @@ def shows(begin, **units):
 
 @pytest.fixture(scope="module")
 def staged(known):
-    scene = Scene.of(known)
-    scene, _ = begun(scene, ready(read_request(Message(BLOCK.encode()), known), known), 10.0)
-    return scene.playing[0]
+    coming = ready(read_request(Message(BLOCK.encode()), known), known)
+    return begin(Scene.of(known), coming, 10.0).playing[0]
 
 
 def test_a_block_s_face_is_on_the_clock(staged):

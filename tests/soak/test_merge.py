@@ -9,7 +9,7 @@ from kinesic.bench.bml.merging import CUTS, replace_at_random
 from kinesic.bml.parse import parse
 from kinesic.controller.perform import set_up
 from kinesic.motion.limit_check import peaks
-from kinesic.motion.trajectory import stay as resting
+from kinesic.motion.trajectory import stay
 from kinesic.motion.transition import knot_at, lengthen
 from kinesic.planning.certify import duties
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
@@ -59,7 +59,7 @@ def test_an_endless_stream_of_blocks(seed, known):
     lexemes = [form.id for form in known.lexicon.forms]
     planner = plan_quickly if seed % 2 else plan_block
     pool = [planner(parse(random_block(chance, lexemes)), known) for _ in range(BLOCKS)]
-    motion, now, playing = resting(known.robot.skeleton.rest), 0.0, []
+    motion, now, playing = stay(known.robot.skeleton.rest), 0.0, []
     least = known.robot.least_clearance + LAG_RESERVE
     for step in range(STEPS):
         now += chance.expovariate(1 / 0.6)

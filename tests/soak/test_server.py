@@ -9,8 +9,8 @@ import sys
 
 import pytest
 
-from kinesic.bench.bml import server as live
 from kinesic.bench.bml.mutations import mutate
+from kinesic.bench.bml.server import FLAT, endurance, open_server
 from kinesic.bench.corpus import folder
 from kinesic.body.config import CONFIGS
 from kinesic.client import Client
@@ -24,10 +24,10 @@ pytestmark = pytest.mark.soak
 
 
 def test_ten_blocks_a_second_for_ten_minutes_lose_nothing_and_memory_stays():
-    with live.open_server() as server:
-        lasting = live.endurance(server, 60.0 * MINUTES)
+    with open_server() as server:
+        lasting = endurance(server, 60.0 * MINUTES)
     assert lasting.lost == 0, lasting
-    assert lasting.growth is None or lasting.growth <= live.FLAT, lasting
+    assert lasting.growth is None or lasting.growth <= FLAT, lasting
 
 
 def test_mutated_documents_neither_crash_nor_stall_it():
@@ -36,7 +36,7 @@ def test_mutated_documents_neither_crash_nor_stall_it():
     chance = random.Random(7)
     texts = [file.read_bytes()[:6000] for file in files]
     patient = ("--rule", "planning=120", "--rule", "rate=1000", "--rule", "burst=1000")
-    with live.open_server(*patient) as server, Client(port=server.port) as client:
+    with open_server(*patient) as server, Client(port=server.port) as client:
         for seed in range(DOCUMENTS):
             text = mutate(chance.choice(texts), seed).replace(b"\0", b" ")
             if len(text) > USUAL.message:
@@ -60,7 +60,7 @@ def test_servos_on_a_wire_perform_stop_and_fold(tmp_path):
     with subprocess.Popen(simulate, stdout=subprocess.PIPE, text=True) as servos:
         try:
             assert "body" in servos.stdout.readline()
-            with live.open_server("--on", "servos", "--port", str(tmp_path / "body"), cwd=tmp_path) as server:
+            with open_server("--on", "servos", "--port", str(tmp_path / "body"), cwd=tmp_path) as server:
                 _performed(server.port)
                 server.process.send_signal(signal.SIGINT)
                 assert server.process.wait(60.0) == 0

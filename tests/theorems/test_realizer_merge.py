@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from kinesic.bml.parse import parse
 from kinesic.controller.perform import set_up
 from kinesic.motion.limit_check import peaks
-from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.motion.trajectory import stay as resting
+from kinesic.motion.trajectory import STEP, Trajectory, stay
 from kinesic.motion.transition import knot_at, lengthen
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.plan import Plan, plan_block
@@ -67,7 +66,7 @@ def check(before: Trajectory, after: Trajectory, time: float) -> None:
 @settings(max_examples=12, deadline=None)
 @given(st.lists(DEEDS, min_size=2, max_size=5), st.booleans())
 def test_whatever_comes_over_whatever(deeds, quickly):
-    motion, time, playing = resting(known().robot.skeleton.rest), 0.0, []
+    motion, time, playing = stay(known().robot.skeleton.rest), 0.0, []
     for what, index, later in deeds:
         time += later
         needs = [need for _, each in playing for need in each.busy]
@@ -98,7 +97,7 @@ def test_whatever_comes_over_whatever(deeds, quickly):
 @given(st.integers(0, len(BLOCKS) - 1), st.integers(0, len(BLOCKS) - 1), st.floats(0.0, 3.0), st.integers(0, 200))
 def test_the_past_that_is_forgotten_changes_nothing_to_come(first, second, time, pieces):
     pieces = min(pieces, knot_at(time))
-    one = merge(resting(known().robot.skeleton.rest), 0.0, planned(first, quickly=True), begin=0.0)
+    one = merge(stay(known().robot.skeleton.rest), 0.0, planned(first, quickly=True), begin=0.0)
     shift = round(one.trajectory.zero - tail(one.trajectory, pieces * STEP).zero, 9)
     other = one.earlier(shift)
     over = merge(one.trajectory, time, planned(second, quickly=True), begin=time, busy=one.busy)

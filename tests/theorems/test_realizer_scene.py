@@ -78,9 +78,9 @@ class Watched:
         self.scene = Scene.of(known(), ahead=ahead)
         self.told: list[ScheduledFeedback] = []
 
-    def take(self, after: tuple[Scene, tuple[ScheduledFeedback, ...]], now: float) -> None:
-        before, (self.scene, dues) = self.scene, after
-        self.told += dues
+    def take(self, after: Scene, now: float) -> None:
+        before, self.scene = self.scene, after
+        self.told += after.said
         if self.scene.motion is not before.motion:
             self._look(before, now + before.ahead)
 
@@ -160,7 +160,7 @@ def test_the_same_script_gives_the_same_motion() -> None:
     def played() -> np.ndarray:
         scene = Scene.of(known())
         for number, inside in enumerate(INSIDES):
-            scene, _ = begin(scene, named(f"b{number}", inside, Composition.MERGE, Succession()), 0.3 * number)
+            scene = begin(scene, named(f"b{number}", inside, Composition.MERGE, Succession()), 0.3 * number)
         return scene.motion.controls
 
     np.testing.assert_array_equal(played(), played())

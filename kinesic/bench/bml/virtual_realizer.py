@@ -10,7 +10,7 @@ from kinesic.bml.block import BmlError
 from kinesic.bml.reading.tree import read_tree
 from kinesic.planning.setup import Setup
 from kinesic.realizer.contention import among
-from kinesic.realizer.realizer import Scene, ScheduledFeedback, advance, begin, ready
+from kinesic.realizer.realizer import Scene, advance, begin, ready
 from kinesic.realizer.request import Message, read_request, refusal_feedback
 
 
@@ -94,8 +94,7 @@ class Realizer:
         except BmlError as error:
             self.feedback.messages.append(read_message(refusal_feedback(message, error)))
             return
-        self._scene, due = begin(self._scene, coming, self.now)
-        self._hear(due)
+        self._hear(begin(self._scene, coming, self.now))
 
     def wait(self, seconds: float) -> None:
         """Lets time pass [s]."""
@@ -114,8 +113,8 @@ class Realizer:
 
     def _pass(self, time: float) -> None:
         self.now = time
-        self._scene, due = advance(self._scene, time)
-        self._hear(due)
+        self._hear(advance(self._scene, time))
 
-    def _hear(self, due: tuple[ScheduledFeedback, ...]) -> None:
-        self.feedback.messages += [read_message(each.xml) for each in due]
+    def _hear(self, scene: Scene) -> None:
+        self._scene = scene
+        self.feedback.messages += [read_message(each.xml) for each in scene.said]
