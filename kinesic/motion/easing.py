@@ -19,6 +19,12 @@ OVERSHOOT = 0.1  # of OutBack, as a share of the way
 _BOUNCES = ((1.0, 0.0, 0.0), (2.0, 1.5, 0.75), (2.5, 2.25, 0.9375), (2.75, 2.625, 0.984375))  # end, middle, bottom
 
 
+def minimum_jerk(shares: Floats) -> Floats:
+    """Shares of a way, as smoothly as can be, at shares of its time (Flash and Hogan, 1985); clipped to 0..1."""
+    x = np.clip(shares, 0.0, 1.0)
+    return np.asarray(x**3 * (10.0 - 15.0 * x + 6.0 * x**2))
+
+
 def ease(easing: Easing, shares: Floats, *, steepness: float = 4.0, overshoot: float = OVERSHOOT) -> Floats:
     """Shares of a way at shares of its time, both from 0 to 1; before 0 and after 1 nothing moves.
 
@@ -31,7 +37,7 @@ def ease(easing: Easing, shares: Floats, *, steepness: float = 4.0, overshoot: f
     x = np.clip(shares, 0.0, 1.0)
     match easing:
         case "minimum_jerk":
-            return np.asarray(x**3 * (10.0 - 15.0 * x + 6.0 * x**2))
+            return minimum_jerk(x)
         case "linear":
             return x
         case "out_quart":

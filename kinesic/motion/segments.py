@@ -7,11 +7,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from kinesic.body.arrays import Flags, Floats
+from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.bspline import Grid, grid
 from kinesic.motion.keys import HOLD, Keys, Pair
-from kinesic.motion.trajectory import spline_weights
+from kinesic.motion.trajectory import STEP, spline_weights
 
 SWING = 0.1  # of a way, beyond which a hinge may not swing
 LEAST_SWING = 0.05  # [rad] that it may swing in any case
@@ -19,11 +19,14 @@ NEAR = 2  # steps about a key in which both its gaps count
 LEAST_HOLD = 40  # steps of a hold in whose middle the hinge rests: in shorter ones it may swing back for what follows
 LEAST = 4  # pieces of a motion
 SAME = 0.02  # steps: a hinge that comes to rest moves by less than 1e-7 rad in them
+NOWHERE = sealed([])
+
+Cut = tuple[int, int]  # knot at which a hinge rests, and the last of its own keys before it; -1: none
 
 
 @dataclass(frozen=True, eq=False)
 class SplineSegment:
-    """A hinge through keys, from rest or from a running motion, to rest."""
+    """The motion of one hinge through its keys, from rest or from a running motion, to rest or into another motion."""
 
     hinge: int
     first: int  # knot at which it begins to move
@@ -32,12 +35,69 @@ class SplineSegment:
     end: float  # [rad] at rest; only about, if it `halts`
     places: Floats  # (m,) of its keys, in steps from its first knot
     angles: Floats  # (m,) [rad] of its keys
-    pairs: tuple[Pair, ...]  # (m + 1,) the keys about each gap: start, keys, end
     marks: tuple[tuple[int, ...], ...] = ()  # (m + 2,) keys in whose middle start, keys and end are
     entry: tuple[float, ...] | None = None  # [rad] first three control points, where it does not begin at rest
     exit: tuple[float, ...] | None = None  # [rad] last three control points, where it does not end at rest
     halts: bool = False  # whether it may come to rest anywhere
     led: bool = False  # whether a path leads it from one key to the next
+
+    @classmethod
+    def through(cls, keys: Keys, hinge: int, places: Floats, begin: Cut, end: Cut, step: float) -> "SplineSegment":
+        """From rest to rest through those keys of a hinge that lie between two cuts.
+
+        Args:
+            keys: of the whole motion.
+            hinge: whose segment it is.
+            places: (k,) of the hinge's own keys, in steps from the first knot of the motion.
+            begin: where it rests before.
+            end: where it rests after.
+            step: [s] of the grid.
+        """
+        own, angles, led = keys.own[hinge], keys.angles[keys.own[hinge], hinge], keys.led(hinge)
+        (first, before), (last, after) = begin, end
+        inner = [k for k in range(before + 1, after + 1) if first + SAME < places[k] < last - SAME]
+        start = max(before, 0)
+        return cls(
+            hinge,
+            first,
+            grid(last - first, step),
+            float(angles[start]),
+            float(angles[after]),
+            places[inner] - first,
+            angles[inner],
+            (tuple(own[start : before + 2]), *((own[k],) for k in inner), tuple(own[after : after + 2])),
+            led=bool(led[start:after].any()),
+        )
+
+    @classmethod
+    def between(
+        cls,
+        hinge: int,
+        pieces: int,
+        entry: Floats,
+        exit: Floats | None = None,
+        *,
+        places: Floats = NOWHERE,
+        angles: Floats = NOWHERE,
+    ) -> "SplineSegment":
+        """From a running motion into another one, or to rest wherever it can.
+
+        Args:
+            hinge: whose segment it is.
+            pieces: of the segment.
+            entry: (3,) [rad] control points of the motion that is left.
+            exit: (3,) [rad] control points of the motion that is entered; None: rest.
+            places: (m,) of keys in between, in steps from the first knot.
+            angles: (m,) [rad] of these keys.
+        """
+        ends = (tuple(map(float, entry)), None if exit is None else tuple(map(float, exit)))
+        start, end = float(entry[1]), float(entry[1] if exit is None else exit[1])
+        return cls(hinge, 0, grid(pieces, STEP), start, end, places, angles, (), *ends, halts=exit is None)
+
+    @property
+    def pairs(self) -> tuple[Pair, ...]:
+        """(m + 1,) the keys about each gap: start, keys, end."""
+        return tuple(pairwise([*(mark[0] for mark in self.marks[:-1]), self.marks[-1][-1]]))
 
     @property
     def still(self) -> bool:
@@ -56,27 +116,25 @@ class SplineSegment:
 
     @property
     def knots(self) -> slice:
-        """Of the whole motion."""
+        """Its knots among those of the whole motion."""
         return slice(self.first, self.first + self.grid.pieces + 1)
 
     @property
     def controls(self) -> slice:
-        """Of the whole motion."""
+        """Its control points among those of the whole motion."""
         return slice(self.first, self.first + self.grid.size)
 
-    @property
-    def gaps(self) -> Floats:
-        """(m + 1,) [s] between start, keys and end."""
-        return np.asarray(self.grid.step * np.diff([0.0, *self.places, float(self.grid.pieces)]))
-
-    def corridor(self, limits: Limits, wish: Floats | None = None) -> tuple[Floats, Floats]:
-        """(k + 3,) [rad] between which the control points lie: never far from the keys on both sides, nor from a wish.
+    def corridor(self, limits: Limits, desired: Floats | None = None) -> tuple[Floats, Floats]:
+        """Bounds the control points: they stay near the keys on both sides, or near a desired motion.
 
         Without it a hinge that has little time would run up from behind its keys, and swing out after them.
 
         Args:
             limits: whose ranges are kept in any case.
-            wish: (k + 1,) [rad] at the knots.
+            desired: (k + 1,) [rad] at the knots.
+
+        Returns:
+            (k + 3,) [rad] lowest and highest.
         """
         lowest, highest = limits.lower[self.hinge], limits.upper[self.hinge]
         if self.entry or self.exit:  # what is under way swings out as far as it must
@@ -91,8 +149,8 @@ class SplineSegment:
             np.minimum((low - swing)[first], (low - swing)[last]),
             np.maximum((high + swing)[first], (high + swing)[last]),
         )
-        if wish is not None:
-            padded = np.pad(wish, 1, mode="edge")
+        if desired is not None:
+            padded = np.pad(desired, 1, mode="edge")
             lower, upper = np.minimum(lower, padded - LEAST_SWING), np.maximum(upper, padded + LEAST_SWING)
         return np.maximum(lower, lowest), np.minimum(upper, highest)
 
@@ -122,46 +180,27 @@ class SplineSegment:
 
 
 def segments(times: Floats, keys: Keys, step: float) -> Iterator[SplineSegment]:
-    """The segments of all hinges, in order.
+    """Yields the segments of all hinges, in order.
 
     Args:
         times: (m,) [s] of the keys.
         keys: of the motion.
         step: [s] of the grid, which begins at the first key.
     """
-    places = (times - times[0]) / step
-    last = pieces(times, step)
+    places, last = (times - times[0]) / step, pieces(times, step)
     for hinge, own in enumerate(keys.own):
-        at, angles, led = places[own], keys.angles[own, hinge], keys.led(hinge)
-        cuts = [(0, -1), *_cuts(at, angles, led), (last, len(own) - 1)]
-        for (begin, before), (end, after) in pairwise(cuts):
-            inner = [k for k in range(before + 1, after + 1) if begin + SAME < at[k] < end - SAME]
-            around = [own[max(before, 0)], *(own[k] for k in inner), own[min(after + 1, len(own) - 1)]]
-            yield SplineSegment(
-                hinge,
-                begin,
-                grid(end - begin, step),
-                float(angles[max(before, 0)]),
-                float(angles[after]),
-                at[inner] - begin,
-                angles[inner],
-                tuple(pairwise(around)),
-                (
-                    tuple(own[max(before, 0) : before + 2]),
-                    *((own[k],) for k in inner),
-                    tuple(own[after : after + 2]),
-                ),
-                led=bool(led[max(before, 0) : after].any()),
-            )
+        cuts = [(0, -1), *_cuts(places[own], keys.angles[own, hinge], keys.led(hinge)), (last, len(own) - 1)]
+        for begin, end in pairwise(cuts):
+            yield SplineSegment.through(keys, hinge, places[own], begin, end, step)
 
 
 def pieces(times: Floats, step: float) -> int:
-    """Of a grid that spans the keys."""
+    """Counts the pieces of a grid that spans the keys at (m,) times [s]."""
     return max(LEAST, int(np.ceil((times[-1] - times[0]) / step - SAME)))
 
 
-def _cuts(places: Floats, angles: Floats, led: Flags) -> Iterator[tuple[int, int]]:
-    """(knot, key before it) in the middle of each hold."""
+def _cuts(places: Floats, angles: Floats, led: Flags) -> Iterator[Cut]:
+    """In the middle of each hold."""
     for k in np.flatnonzero((np.abs(np.diff(angles)) < HOLD) & ~led):
         if places[k + 1] - places[k] >= LEAST_HOLD:
             yield round((places[k] + places[k + 1]) / 2), int(k)

@@ -10,7 +10,6 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.bspline import grid
 from kinesic.motion.double_s import least_stop
 from kinesic.motion.qp import nearest_motion
 from kinesic.motion.segments import SplineSegment
@@ -48,12 +47,11 @@ def _halt(hinge: int, own: Floats, least: int, limits: Limits) -> Floats:
     """Control points of the shortest way to rest, of at least so many pieces; at worst its own way (k + 3,)."""
     if np.ptp(own[:3]) == 0.0:
         return own[:3]
-    about, none, entry = float(own[1]), np.empty(0), tuple(map(float, own[:3]))
 
     def way(more: int) -> Floats | None:
-        whole = grid(max(LEAST, least) + more, STEP)
-        halt = SplineSegment(hinge, 0, whole, about, about, none, none, (), entry=entry, halts=True)
-        return nearest_motion(halt, np.full(whole.pieces + 1, about), limits)
+        pieces = max(LEAST, least) + more
+        halt = SplineSegment.between(hinge, pieces, own[:3])
+        return nearest_motion(halt, np.full(pieces + 1, float(own[1])), limits)
 
     found = _first(way, len(own) - 3 - max(LEAST, least))
     return own if found is None else found[1]

@@ -10,7 +10,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.bspline import grid
 from kinesic.motion.qp import nearest_motion
-from kinesic.motion.segments import SplineSegment
+from kinesic.motion.segments import NOWHERE, SplineSegment
 from kinesic.motion.trajectory import STEP, spline_weights
 
 LEAST = 3  # pieces in which three control points give way to three others
@@ -18,7 +18,6 @@ ROOM = 1.0008  # on limits: where a motion is at one, there may be just one way 
 SAME = 1e-9  # [rad]
 EARLY = 1e-6  # steps
 MARGINS = (15, 40, 10000)  # knots about what exceeds the limits, in which a motion may differ
-NOWHERE = sealed([])
 
 
 def knot_at(time: float) -> int:
@@ -38,45 +37,33 @@ def roomy(limits: Limits) -> Limits:
 
 
 def cross_over(
-    own: Floats, after: Floats, leave: int, land: int, limits: Limits, hinge: int, *, passing: Floats = NOWHERE
+    own: Floats, after: Floats, knots: tuple[int, int], limits: Limits, hinge: int, *, passing: Floats = NOWHERE
 ) -> Floats | None:
-    """Control points of a hinge that leaves one motion at a knot and is on another from a later knot on.
+    """Leads a hinge out of one motion at a knot, into another that it is on from a later knot on.
 
     What lies between the two at the beginning fades as calmly as can be.
 
     Args:
         own: (k + 3,) [rad] of the motion that is left.
         after: (k + 3,) [rad] of the other.
-        leave: knot.
-        land: knot; as the same as the other from there on.
+        knots: where it leaves the one, and from where on it is as the other.
         limits: of all hinges.
         hinge: whose motions they are.
         passing: (m,) places in between, in steps, where it is as the other already.
 
     Returns:
-        (k + 3,) [rad]; None when the hinge cannot do so in this time.
+        (k + 3,) [rad] control points; None when the hinge cannot do so in this time.
     """
+    leave, land = knots
     begin, end = own[leave : leave + 3], after[land : land + 3]
     if np.abs(begin - after[leave : leave + 3]).max() <= SAME:
         return np.concatenate([own[:leave], after[leave:]])
     pieces = land - leave
     if pieces < LEAST:
         return None
-    whole = grid(pieces, STEP)
-    way = SplineSegment(
-        hinge,
-        leave,
-        whole,
-        float(begin[1]),
-        float(end[1]),
-        passing - leave,
-        _angles(after, passing),
-        (),
-        entry=tuple(map(float, begin)),
-        exit=tuple(map(float, end)),
-    )
-    wish = whole.at_knots @ after[leave : land + 3] + _fading(begin - after[leave : leave + 3], pieces)
-    found = nearest_motion(way, wish, limits)
+    way = SplineSegment.between(hinge, pieces, begin, end, places=passing - leave, angles=_angles(after, passing))
+    desired = way.grid.at_knots @ after[leave : land + 3] + _fading(begin - after[leave : leave + 3], pieces)
+    found = nearest_motion(way, desired, limits)
     return None if found is None else np.concatenate([own[: leave + 3], found[3:-3], after[land:]])
 
 
@@ -124,20 +111,9 @@ def _beyond(wish: Floats, first: int, last: int, limits: Limits, hinge: int) -> 
 
 def _between(wish: Floats, first: int, last: int, limits: Limits, hinge: int) -> Floats | None:
     """Control points within the limits that are the same as the wish before a knot and after another."""
-    whole, part = grid(last - first, STEP), wish[first : last + LEAST]
-    way = SplineSegment(
-        hinge,
-        first,
-        whole,
-        float(part[1]),
-        float(part[-2]),
-        NOWHERE,
-        NOWHERE,
-        (),
-        entry=tuple(map(float, part[:LEAST])),
-        exit=tuple(map(float, part[-LEAST:])),
-    )
-    found = nearest_motion(way, whole.at_knots @ part, limits)
+    part = wish[first : last + LEAST]
+    way = SplineSegment.between(hinge, last - first, part[:LEAST], part[-LEAST:])
+    found = nearest_motion(way, way.grid.at_knots @ part, limits)
     return None if found is None else np.concatenate([wish[: first + LEAST], found[LEAST:-LEAST], wish[last:]])
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from kinesic.body.arrays import Flags, Floats
 from kinesic.body.limits import Limits
+from kinesic.motion.easing import minimum_jerk
 from kinesic.motion.trajectory import STEP
 from kinesic.motion.transition import EARLY, LEAST, SAME, cross_over, excesses, keep_limits, lengthen
 from kinesic.planning.quick_plan import duration
@@ -71,7 +72,7 @@ def _flatten(change: Floats, gone: Occupancy, work: Overlay, limits: Limits) -> 
     own = gone.hinges & ~np.any([each.hinges for each in beside], axis=0) if beside else np.ones_like(gone.hinges)
     for hinge in np.flatnonzero(own).tolist() if begin < end else ():
         column = change[:, hinge]
-        way = cross_over(column, np.full(len(column), column[end + 1]), begin, end, limits, hinge)
+        way = cross_over(column, np.full(len(column), column[end + 1]), (begin, end), limits, hinge)
         if way is not None:
             change[begin : end + 1, hinge] = way[begin : end + 1]
 
@@ -109,8 +110,7 @@ def _turns(each: Occupancy, work: Overlay, limits: Limits) -> Iterator[_Turn]:
 
 def rise(times: Floats, begin: float, end: float) -> Floats:
     """From 0 to 1 between two times [s], smooth up to the acceleration, at some times (m,) [s]."""
-    u = np.clip((times - begin) / max(end - begin, STEP), 0.0, 1.0)
-    return np.asarray(u**3 * (10 - 15 * u + 6 * u**2))
+    return minimum_jerk((times - begin) / max(end - begin, STEP))
 
 
 def hand_over(work: Overlay, role: Role, hinge: int, limits: Limits) -> Floats | MergeFailure:
@@ -164,7 +164,7 @@ def _led(own: Floats, after: Floats, left: float, stop: Occupancy, limits: Limit
     leaves = (
         [soonest + int(together[-1])] if len(together) else [max(soonest, floor(stop.begin / STEP + EARLY)), soonest]
     )
-    ways = (cross_over(own, after, leave, land, limits, hinge) for leave in leaves)
+    ways = (cross_over(own, after, (leave, land), limits, hinge) for leave in leaves)
     return next((way for way in ways if way is not None), None)
 
 
@@ -183,7 +183,7 @@ def _home(
     while pieces <= LONGEST:
         short = max(0, leave + pieces + LEAST - len(column))
         own, after = (np.pad(each, (0, short), mode="edge") for each in (column, rest))
-        way = cross_over(own, after, leave, leave + pieces, limits, hinge)
+        way = cross_over(own, after, (leave, leave + pieces), limits, hinge)
         if way is not None:
             return way
         pieces = ceil(AGAIN * pieces)

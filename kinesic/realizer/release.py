@@ -79,7 +79,7 @@ def _from(
         count = max(len(after), knot + pieces + LEAST)
         whole, goal = np.array(lengthen(own, count)), lengthen(after, count)
         land = knot + pieces
-        found = together(cross_over(whole[:, hinge], goal[:, hinge], knot, land, limits, hinge) for hinge in free)
+        found = together(cross_over(whole[:, hinge], goal[:, hinge], (knot, land), limits, hinge) for hinge in free)
         if found is not None:
             back = np.array(whole)
             back[:, free] = found
@@ -118,7 +118,7 @@ def _take_up(back: Floats, own: Floats, knot: int, others: Sequence[Occupancy], 
             continue
         leave, land = max(knot, int(stop.begin / STEP)), int(stop.ready / STEP)
         hinges = arm_hinges(role, setup.robot)
-        ways = together(cross_over(back[:, hinge], own[:, hinge], leave, land, limits, hinge) for hinge in hinges)
+        ways = together(cross_over(back[:, hinge], own[:, hinge], (leave, land), limits, hinge) for hinge in hinges)
         back[:, hinges] = own[:, hinges] if ways is None else ways
 
 

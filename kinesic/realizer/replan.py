@@ -10,10 +10,10 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.keys import Keys
+from kinesic.motion.segments import NOWHERE
 from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.motion.transition import (
     LEAST,
-    NOWHERE,
     SAME,
     cross_over,
     delay_controls,
@@ -184,7 +184,7 @@ def _on_its_way(own: Floats, goal: Floats, knot: int, coming: Floats, limits: Li
     lands = [(int(place), coming[:k]) for k, place in enumerate(coming[:AHEAD])]
     lands += [(knot + pieces, NOWHERE) for pieces in SOON if not len(coming)]
     for land, passing in lands:
-        way = cross_over(own, goal, knot, land, limits, hinge, passing=passing)
+        way = cross_over(own, goal, (knot, land), limits, hinge, passing=passing)
         if way is not None:
             first = ceil(passing[0]) if len(passing) else land
             return way if np.abs(way - goal)[first + LEAST :].max() < SWING else None

@@ -12,12 +12,11 @@ from kinesic.motion.segments import SplineSegment
 from kinesic.motion.trajectory import STEP
 
 LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
-PAIRS = ((0, 1), (1, 2))
 
 
 def way(pieces: int, place: float) -> SplineSegment:
     """From 0 over 0.8 to 1.6 rad."""
-    return SplineSegment(0, 0, grid(pieces, STEP), 0.0, 1.6, np.array([place]), np.array([0.8]), PAIRS)
+    return SplineSegment(0, 0, grid(pieces, STEP), 0.0, 1.6, np.array([place]), np.array([0.8]))
 
 
 def passes(found: SplineSegment) -> bool:
@@ -34,7 +33,7 @@ def test_what_lacks_nothing_can_be_passed(pieces):
 @pytest.mark.parametrize("before", [0.9, 0.3, 0.1, 0.03, 0.021])
 def test_a_last_key_just_before_the_last_knot_is_solved_as_any_other(before):
     places, angles = np.array([20.0, 40.0 - before]), np.array([0.8, 1.6])
-    late = SplineSegment(0, 0, grid(40, STEP), 0.0, 1.6, places, angles, (*PAIRS, (2, 2)))
+    late = SplineSegment(0, 0, grid(40, STEP), 0.0, 1.6, places, angles)
     found = shortage(late, LIMITS)
     assert found is not None
     assert found.amount == pytest.approx(shortage(way(39, 20.0), LIMITS).amount, abs=1e-4)
@@ -58,7 +57,7 @@ def test_slopes_are_those_of_the_amount():
 
 def test_an_end_between_two_knots_counts():
     """The last key holds the hinge from the knot before it, so that the rest begins there."""
-    off = SplineSegment(0, 0, grid(41, STEP), 0.0, 1.6, np.array([25.3, 40.4]), np.array([0.8, 1.6]), (*PAIRS, (2, 2)))
+    off = SplineSegment(0, 0, grid(41, STEP), 0.0, 1.6, np.array([25.3, 40.4]), np.array([0.8, 1.6]))
     found = shortage(off, LIMITS)
     assert found.slopes[3] < -1.0
     assert found.slopes[1] == pytest.approx(-found.slopes[3], rel=1e-6)

@@ -14,8 +14,7 @@ LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0
 def segment(pieces: int, start: float, end: float, **keys: float) -> SplineSegment:
     """From rest to rest; keys by their place, as p15=0.3."""
     places, angles = np.array([float(name[1:]) for name in keys]), np.array([*keys.values()])
-    pairs = tuple((k, k + 1) for k in range(len(keys) + 1))
-    return SplineSegment(0, 0, grid(pieces, STEP), start, end, places, angles, pairs)
+    return SplineSegment(0, 0, grid(pieces, STEP), start, end, places, angles)
 
 
 def largest(found: SplineSegment, controls) -> float:

@@ -35,10 +35,6 @@ def test_a_hinge_at_rest_is_still():
     assert [found.still for found in cut(1)] == [True, True, False]
 
 
-def test_gaps_are_seconds():
-    assert cut(0)[0].gaps == pytest.approx([0.5, 0.4])
-
-
 def test_control_points_pass_keys_and_rest_at_the_ends():
     way = cut(0)[1]
     matrix, values = way.fixed

@@ -31,7 +31,7 @@ def share(column: np.ndarray) -> float:
 @pytest.mark.parametrize("leave", [3, 20, 41])
 def test_a_way_goes_on_as_one_motion_and_ends_as_the_other(leave):
     own, after = wave(150, 0.4, 1.6), 0.5 + wave(150, 0.3, 2.0)
-    way = cross_over(own, after, leave, leave + 60, roomy(LIMITS), 0)
+    way = cross_over(own, after, (leave, leave + 60), roomy(LIMITS), 0)
     np.testing.assert_array_equal(way[: leave + 3], own[: leave + 3])
     np.testing.assert_array_equal(way[leave + 60 :], after[leave + 60 :])
     assert share(way) <= 1.001
@@ -39,22 +39,22 @@ def test_a_way_goes_on_as_one_motion_and_ends_as_the_other(leave):
 
 def test_a_way_that_is_too_short_is_none():
     own, after = wave(150, 0.4, 1.6), np.full(153, 1.0)
-    assert cross_over(own, after, 20, 22, roomy(LIMITS), 0) is None
-    assert cross_over(own, after, 20, 30, roomy(LIMITS), 0) is None
-    assert cross_over(own, after, 20, 80, roomy(LIMITS), 0) is not None
+    assert cross_over(own, after, (20, 22), roomy(LIMITS), 0) is None
+    assert cross_over(own, after, (20, 30), roomy(LIMITS), 0) is None
+    assert cross_over(own, after, (20, 80), roomy(LIMITS), 0) is not None
 
 
 def test_a_way_to_where_it_is_already_is_none_at_all():
     own = wave(150, 0.4, 1.6)
     after = own.copy()
     after[100:] = after[99]
-    np.testing.assert_array_equal(cross_over(own, after, 40, 41, roomy(LIMITS), 0), after)
+    np.testing.assert_array_equal(cross_over(own, after, (40, 41), roomy(LIMITS), 0), after)
 
 
 def test_a_way_passes_the_keys_of_the_other_motion():
     own, after = np.zeros(153), 0.5 + wave(150, 0.3, 2.0)
     places = np.array([62.4, 80.0])
-    way = cross_over(own, after, 10, 100, roomy(LIMITS), 0, passing=places)
+    way = cross_over(own, after, (10, 100), roomy(LIMITS), 0, passing=places)
     reached, wanted = (Trajectory(sealed(each[:, None]), 0.0).sample(places * STEP)[0] for each in (way, after))
     np.testing.assert_allclose(reached, wanted, atol=1e-9)
 
