@@ -18,7 +18,7 @@ from kinesic.expressivity.hands.keys import HandKey, hand_at
 from kinesic.expressivity.hands.poses import resting_hands
 from kinesic.expressivity.keyframes import KeyFrame, Turn
 from kinesic.expressivity.turns import Layer, TurnKey, add_turns, clip_turn, room, scale_turn, total
-from kinesic.motion.passage import Passage
+from kinesic.motion.keys import Passage
 
 Gathering = Literal["complex", "lazy"]
 Priorities = Mapping[PartName, float]

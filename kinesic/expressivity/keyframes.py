@@ -8,7 +8,7 @@ from kinesic.bml.block import Notice, Timeline
 from kinesic.body.arrays import Floats
 from kinesic.body.reach import Reach
 from kinesic.body.robot import PartName, Side
-from kinesic.motion.passage import Passage
+from kinesic.motion.keys import Passage
 
 Touch = Literal["hand", "forearm", "upper_arm", "head", "chest", "lap"]  # arm and hand: those of the other side
 

@@ -12,7 +12,7 @@ from kinesic.body.robot import Robot
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.style.passage import Phase, passage_of
 from kinesic.expressivity.style.style import Expressivity
-from kinesic.motion.passage import PLAIN, Passage
+from kinesic.motion.keys import PLAIN, Passage
 
 AXES = ("torsion", "tilt", "roll")  # in the order of Turn; hinges of neck and torso are named after them
 UPRIGHT = Turn()

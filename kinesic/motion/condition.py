@@ -15,9 +15,9 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.bspline import grid
-from kinesic.motion.desired import wish
+from kinesic.motion.desired import join_keys
 from kinesic.motion.key_times import Bottleneck, Search
-from kinesic.motion.keys import Bond, KeyPosture, Keys, Pair, Waypoints
+from kinesic.motion.keys import Bond, KeyPosture, Keys, Pair
 from kinesic.motion.qp import WITHIN, nearest_within_limits, nearest_without_limits
 from kinesic.motion.segments import SplineSegment, pieces, segments
 from kinesic.motion.trajectory import STEP, Trajectory
@@ -25,14 +25,14 @@ from kinesic.motion.trajectory import STEP, Trajectory
 LEAD_IN = 0.6  # [s] by which the motion may begin before it is asked to
 
 
-class MakeDesired(Protocol):
-    """What is wished for, as a function of performance time."""
+class Desired(Protocol):
+    """A desired motion, as a function of performance time."""
 
-    def sample(self, times: Floats) -> tuple[Floats, Floats, Floats]:
-        """Angles, speeds and accelerations, each (m, n), at (m,) performance times; only the angles are asked for."""
+    def angles(self, times: Floats) -> Floats:
+        """(m, n) [rad] at (m,) performance times."""
 
 
-Wishes = Callable[[Floats, Waypoints], MakeDesired]
+MakeDesired = Callable[[Floats, Keys], Desired]
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class Conditioned:
     asked: Floats  # (m,) [s] block time of the keys as wished
     planned: Floats  # (m,) [s] block time of the keys as they will be
     bottlenecks: Mapping[Pair, Bottleneck]  # what was too fast as asked, between which keys
-    lost: Floats  # (n,) [rad] root mean square distance from the wish at the planned times
+    lost: Floats  # (n,) [rad] root mean square distance from the desired motion at the planned times
 
 
 def condition(
@@ -53,7 +53,7 @@ def condition(
     bonds: tuple[Bond, ...] = (),
     lead_in: float = LEAD_IN,
     ease: float = 1.0,
-    wishes: Wishes = wish,
+    make_desired: MakeDesired = join_keys,
 ) -> Conditioned:
     """Fits the keys into the limits.
 
@@ -63,7 +63,7 @@ def condition(
         bonds: between sync points of different behaviours.
         lead_in: [s] by which the first key may come earlier.
         ease: share of the limits with which key times are found; below 1 there is time to stay nearer to the wish.
-        wishes: the motion that is wished for, from (m,) [s] times and what is passed at them.
+        make_desired: the desired motion, from (m,) [s] times and the keys that are passed at them.
 
     Raises:
         ArithmeticError: a hinge cannot move within its limits, however slowly.
@@ -71,37 +71,39 @@ def condition(
     keys = Keys.of(postures, limits, bonds)
     eased = limits.times(ease)
     search = Search(keys, eased, lead_in)
-    found = _nearest(search.times, keys, eased, wishes)
+    found = _nearest(search.times, keys, eased, make_desired)
     while isinstance(found, SplineSegment):
         search.avoid(found)
-        found = _nearest(search.times, keys, eased, wishes)
+        found = _nearest(search.times, keys, eased, make_desired)
     if ease < 1.0:
-        nearer = _nearest(search.times, keys, limits, wishes)
+        nearer = _nearest(search.times, keys, limits, make_desired)
         found = found if isinstance(nearer, SplineSegment) else nearer
-    wished, controls = found
+    desired, controls = found
     motion = Trajectory(sealed(controls), -float(search.times[0]))
-    away = motion.sample(grid(len(wished) - 1, STEP).knots)[0] - wished
+    away = motion.sample(grid(len(desired) - 1, STEP).knots)[0] - desired
     lost = sealed(np.sqrt(np.mean(away**2, axis=0)))
     return Conditioned(motion, keys.asked, sealed(search.times), search.met, lost)
 
 
-def _nearest(times: Floats, keys: Keys, limits: Limits, wishes: Wishes) -> tuple[Floats, Floats] | SplineSegment:
-    """The wish (k + 1, n) [rad] at the knots, and the control points (k + 3, n) [rad] of the motion nearest to it.
+def _nearest(
+    times: Floats, keys: Keys, limits: Limits, make_desired: MakeDesired
+) -> tuple[Floats, Floats] | SplineSegment:
+    """The desired motion (k + 1, n) [rad] at the knots, and the nearest one's control points (k + 3, n) [rad].
 
-    Or else the first segment that has none. The farther a wish is from the limits, the earlier its turn.
+    Or else the first segment that has none. The farther a segment is beyond the limits, the earlier its turn.
     """
     count = pieces(times, STEP)
-    wished = wishes(times, keys.waypoints).sample(grid(count, STEP).knots)[0]
+    desired = make_desired(times, keys).angles(grid(count, STEP).knots)
     controls, beyond = np.empty((count + 3, keys.angles.shape[1])), []
     for segment in segments(times, keys, STEP):
-        own = nearest_without_limits(segment, wished[segment.knots, segment.hinge])
+        own = nearest_without_limits(segment, desired[segment.knots, segment.hinge])
         controls[segment.controls, segment.hinge] = own
         share = segment.grid.largest(own, limits, segment.hinge)
         if share > WITHIN:
             beyond.append((share, segment))
     for _, segment in sorted(beyond, key=lambda pair: -pair[0]):
-        found = nearest_within_limits(segment, wished[segment.knots, segment.hinge], limits)
+        found = nearest_within_limits(segment, desired[segment.knots, segment.hinge], limits)
         if found is None:
             return segment
         controls[segment.controls, segment.hinge] = found
-    return wished, controls
+    return desired, controls

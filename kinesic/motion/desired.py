@@ -19,8 +19,7 @@ import scipy
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.easing import OVERSHOOT, PARTS, Easing, soften_easing
-from kinesic.motion.keys import EASINGS, HOLD, SMOOTHEST, Waypoints
-from kinesic.motion.passage import EVEN, SOFTEST
+from kinesic.motion.keys import EASINGS, EVEN, HOLD, SMOOTHEST, SOFTEST, Keys
 
 Hinges = tuple[int, ...]  # in joint order
 
@@ -39,7 +38,7 @@ ROOM = 3.0  # times the limits that an eased way may take: what is beyond them i
 SHARES = np.arange(PARTS) / PARTS  # of a way, where an easing is told
 
 
-def speeds(times: Floats, keys: Waypoints) -> Floats:
+def speeds(times: Floats, keys: Keys) -> Floats:
     """(k, h) [rad/s] at the keys of some hinges, at (k,) times that all of them have.
 
     Zero at the ends and beside holds. A speed that would carry the hinge beyond its keys by more than `SWING` is cut,
@@ -48,7 +47,7 @@ def speeds(times: Floats, keys: Waypoints) -> Floats:
     found = np.zeros_like(keys.angles)
     steps = np.diff(times)[:, None]
     ways = np.diff(keys.angles, axis=0)
-    tension, bias = keys.tension[1:-1], keys.bias[1:-1]
+    tension, _, bias = keys.manner[:3, 1:-1]
     before, after = ways[:-1], ways[1:]
     earlier, later = before / steps[:-1] * steps[1:], after / steps[1:] * steps[:-1]
     free = _flow(keys) * ((1 + bias) * earlier + (1 - bias) * later) / (steps[:-1] + steps[1:])
@@ -66,7 +65,7 @@ def speeds(times: Floats, keys: Waypoints) -> Floats:
     return found
 
 
-def accelerations(times: Floats, keys: Waypoints, passed: Floats) -> Floats:
+def accelerations(times: Floats, keys: Keys, passed: Floats) -> Floats:
     """(k, h) [rad/s^2] at the keys: the middle of what cubics of these speeds would have before and after the key.
 
     So keys that lie on a smooth curve are passed along it. Zero at the ends, beside holds, and where a hinge stops.
@@ -84,9 +83,10 @@ def accelerations(times: Floats, keys: Waypoints, passed: Floats) -> Floats:
     return found
 
 
-def _flow(keys: Waypoints) -> Floats:
+def _flow(keys: Keys) -> Floats:
     """(k - 2, h) how much of its speed a hinge keeps at each inner key: 0 stops, 1 runs through."""
-    return (1 - keys.tension[1:-1]) * (1 + keys.continuity[1:-1])
+    tension, continuity = keys.manner[:2, 1:-1]
+    return np.asarray((1 - tension) * (1 + continuity))
 
 
 def _held(ways: Floats) -> Flags:
@@ -95,7 +95,7 @@ def _held(ways: Floats) -> Flags:
     return np.asarray(still[:-1] | still[1:])
 
 
-def changes(left: Floats, states: Floats, steps: Floats, keys: Waypoints) -> Floats:
+def changes(left: Floats, states: Floats, steps: Floats, keys: Keys) -> Floats:
     """(3, k, h, p) what easings add to angles, speeds and accelerations along k ways of h hinges.
 
     Args:
@@ -107,12 +107,13 @@ def changes(left: Floats, states: Floats, steps: Floats, keys: Waypoints) -> Flo
     found = np.zeros_like(states)
     room = np.where(left > 0.0, keys.limits.upper - keys.angles[1:], keys.angles[1:] - keys.limits.lower)
     shares = np.minimum(OVERSHOOT, room / np.maximum(np.abs(left), 1e-9))
-    moved = (keys.easing[1:] != SMOOTHEST) & (left != 0.0)
+    steepness, easings = keys.manner[3:, 1:]
+    moved = (easings != SMOOTHEST) & (left != 0.0)
     for k in np.flatnonzero(moved.any(axis=1)):
         hinges = np.flatnonzero(moved[k])
         scales = left[k, hinges] / (steps[k] ** np.arange(3))[:, None]
         asked = [
-            (*_easing(EASINGS[keys.easing[k + 1, hinge]], shares[k, hinge]), float(keys.steepness[k + 1, hinge]))
+            (*_easing(EASINGS[int(easings[k, hinge])], shares[k, hinge]), float(steepness[k, hinge]))
             for hinge in hinges
         ]
         limits = keys.limits.part(hinges)
@@ -192,7 +193,7 @@ class DesiredMotion:
         return values
 
 
-def wish(times: Floats, keys: Waypoints, *, zero: float = 0.0) -> DesiredMotion:
+def join_keys(times: Floats, keys: Keys, *, zero: float = 0.0) -> DesiredMotion:
     """Joins the keys of each hinge by quintics that are smooth up to the acceleration.
 
     Speeds at keys are the tangents of a non-uniform Kochanek-Bartels spline, each key with its own tension, continuity
@@ -217,11 +218,11 @@ def wish(times: Floats, keys: Waypoints, *, zero: float = 0.0) -> DesiredMotion:
     return DesiredMotion(curves, zero - float(times[0]))
 
 
-def _curve(times: Floats, keys: Waypoints) -> "scipy.interpolate.PPoly":
+def _curve(times: Floats, keys: Keys) -> "scipy.interpolate.PPoly":
     """Of hinges that all have the same keys, at (k,) times."""
     steps, passed = np.diff(times), speeds(times, keys)
     plain = scipy.interpolate.PPoly(_quintics(steps, keys.angles, passed, accelerations(times, keys, passed)), times)
-    if np.all(keys.easing[1:] == SMOOTHEST):
+    if np.all(keys.manner[4, 1:] == SMOOTHEST):
         return plain
     ways, carried = np.diff(keys.angles, axis=0), steps[:, None] * (passed[:-1] + passed[1:]) / 2
     left = np.where((ways - carried) * ways > 0.0, ways - carried, 0.0)

@@ -1,32 +1,35 @@
 """Key times at which every hinge can pass its keys, as near to the asked ones as can be.
 
-The least time of a hinge from one key to the next is that of its full speed; the time with a rest at both is always
-enough. Times that are too short for some hinge are cut off by a plane, its shortage linearised, and the linear program
-is solved again (Kelley, The cutting-plane method, 1960). What a hinge lacks is nearly convex in the logarithm of its
-time, so that a few planes suffice; where they do not, the hinge rests at each of its keys, which is always possible.
+A linear program moves key times as little as needed, strokes least of all. The least time of a hinge from one key to
+the next is that of its full speed; the time with a rest at both is always enough. Times that are too short for some
+hinge are cut off by a plane, its shortage linearised, and the program is solved again (Kelley, The cutting-plane
+method, 1960). What a hinge lacks is nearly convex in the logarithm of its time, so that a few planes suffice; where
+they do not, the hinge rests at each of its keys, which is always possible.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
+import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
 from kinesic.motion.double_s import least_rest_times
 from kinesic.motion.infeasibility import Infeasibility, Quantity, roughly, shortage
-from kinesic.motion.key_time_lp import CuttingPlane, relax_key_times, strain
 from kinesic.motion.keys import SAME, Keys, Pair
 from kinesic.motion.segments import SplineSegment, segments
 from kinesic.motion.trajectory import STEP
 
 Gaps = Mapping[tuple[int, Pair], float]  # hinge, two of its keys -> [s]
 
+LATENESS = 3.0  # weight of being late over being early
+BROKEN = 50.0  # weight of a bond that cannot be kept, per second
+UNMOVED = 1e-7  # [s]
 RESERVE = 1.02  # on durations from rest to rest
 GRID = 0.04  # [s] that the grid may cost
-
 PLANES = 40  # of a hinge before it rests at its keys
 MARGIN = 0.002  # of the time, kept so that a motion is found quickly
 LONGER = 1.1  # on rests that do not suffice after all
@@ -34,6 +37,65 @@ LONGEST = 100.0  # times as long as a rest should suffice, before nothing does
 ROUGH = 1.3  # share of a limit on a smooth way that makes a segment suspect
 FLAT = 0.1  # [1/s] slopes that lead nowhere
 NEAR = 0.02  # share of the time within which a segment is looked at again
+
+
+@dataclass(frozen=True, eq=False)
+class CuttingPlane:
+    """Times t with slopes @ t > bound are too short for some hinge."""
+
+    slopes: Floats  # (m,) [1/s]
+    bound: float
+
+
+def relax_key_times(
+    keys: Keys, gaps: Mapping[Pair, float], lead_in: float, cuts: Sequence[CuttingPlane] = ()
+) -> Floats:
+    """Key times as near to the asked ones as gaps, cuts and bonds allow.
+
+    Variables are t (m,), lateness e+ and earliness e- (m,) with t - asked = e+ - e-, and what each bond lacks.
+
+    Args:
+        keys: what was asked, with its bonds.
+        gaps: least time [s] from one key to another.
+        lead_in: [s] by which the first key may come earlier.
+        cuts: that exclude other times; gaps alone can always be kept.
+
+    Returns:
+        (m,) [s] block time.
+
+    Raises:
+        ArithmeticError: the cuts leave no times.
+    """
+    count, ties = len(keys.asked), len(keys.bonds)
+    pairs = [*gaps, *keys.bonds]
+    rows = np.zeros((len(pairs) + len(cuts), 3 * count + ties))
+    for row, (i, j) in enumerate(pairs):
+        rows[row, i], rows[row, j] = 1.0, -1.0
+    for row, cut in enumerate(cuts, len(pairs)):
+        rows[row, :count] = cut.slopes
+    rows[len(gaps) : len(pairs), 3 * count :] = -np.eye(ties)
+    least = np.array([*gaps.values(), *keys.bonds.values()])
+    one = np.eye(count)
+    result = scipy.optimize.linprog(
+        np.concatenate([np.zeros(count), LATENESS * keys.weights, keys.weights, np.full(ties, BROKEN)]),
+        A_ub=rows,
+        b_ub=np.append(-least, [cut.bound for cut in cuts]),
+        A_eq=np.hstack([one, -one, one, np.zeros((count, ties))]),
+        b_eq=keys.asked,
+        bounds=[(keys.asked[0] - lead_in, None)] * count + [(0.0, None)] * (2 * count + ties),
+        method="highs",
+    )
+    if result.x is None:
+        raise ArithmeticError(f"no key times: {result.message}")
+    times = np.array(result.x[:count])
+    return keys.spread(np.where(np.abs(times - keys.asked) < UNMOVED, keys.asked, times))
+
+
+def strain(keys: Keys, times: Floats) -> float:
+    """What moving the keys to times (m,) [s] costs: the weighted sum that `relax_key_times` makes least."""
+    late = times - keys.asked
+    lacking = sum(max(least - float(times[j] - times[i]), 0.0) for (i, j), least in keys.bonds.items())
+    return float(keys.weights @ np.where(late > 0.0, LATENESS * late, -late)) + BROKEN * lacking
 
 
 def rest_to_rest(keys: Keys, limits: Limits) -> Gaps:

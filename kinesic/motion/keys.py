@@ -1,7 +1,7 @@
-"""Key postures, and the same as arrays: what each hinge passes, how, and what it costs to move a key in time."""
+"""Key postures, how each is passed, and the same as arrays, with what it costs to move a key in time."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import get_args
@@ -12,14 +12,21 @@ from numpy.typing import NDArray
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.easing import Easing
-from kinesic.motion.passage import PLAIN, Passage
 
 Choices = NDArray[np.intp]
 Sync = tuple[str, str]  # behaviour id, sync point
 Pair = tuple[int, int]  # two keys, the earlier first
 
 EASINGS: tuple[Easing, ...] = get_args(Easing)
-SMOOTHEST = EASINGS.index(PLAIN.easing)
+SMOOTHEST = EASINGS.index("minimum_jerk")
+SOFTEST, STEEPEST = 1.0, 8.0
+RANGES: Mapping[str, tuple[float, float]] = {
+    "tension": (-1.0, 1.0),
+    "continuity": (-1.0, 0.0),
+    "bias": (-1.0, 1.0),
+    "steepness": (SOFTEST, STEEPEST),
+}
+EVEN = 3.3  # steepness with which the linear easing has the peak speed of minimum jerk
 
 LEAST_GAP = 0.02  # [s] between keys
 TURNING_ROOM = 1e-3  # [rad] so that control points may lie beyond a key at the end of a range
@@ -30,6 +37,30 @@ WEIGHT_AGAIN = 0.3  # of strokes after the first, which keeps its time before al
 WEIGHT_ELSE = 0.05
 
 
+@dataclass(frozen=True)
+class Passage:
+    """How one key is passed (Kochanek and Bartels 1984), and how the way to it is moved.
+
+    Raises:
+        ValueError: a number outside its range, which is named.
+    """
+
+    tension: float = 0.0  # -1 swings out .. 1 stops at the key
+    continuity: float = 0.0  # -1 stops at the key .. 0 runs through; above 0 speeds would jump, which no servo can
+    bias: float = 0.0  # -1 turns to the next key already .. 1 follows the way it came
+    easing: Easing = "minimum_jerk"  # of the way to the key
+    steepness: float = 4.0  # of that easing: 1 begins as softly as minimum jerk .. 8 nearly at once
+
+    def __post_init__(self) -> None:
+        for name, (least, most) in RANGES.items():
+            value = getattr(self, name)
+            if not least <= value <= most:
+                raise ValueError(f"{name} is {value:g}, outside [{least:g}, {most:g}]")
+
+
+PLAIN = Passage()
+
+
 @dataclass(frozen=True, eq=False)
 class KeyPosture:
     """Joint angles at one key time; only `keyed` hinges have a key here, the others pass through."""
@@ -37,7 +68,7 @@ class KeyPosture:
     time: float  # [s] block time
     angles: Floats  # (n,) [rad]
     keyed: tuple[bool, ...]  # (n,)
-    syncs: tuple[tuple[str, str], ...] = ()  # (behaviour id, sync point)
+    syncs: tuple[Sync, ...] = ()
     passages: tuple[Passage, ...] = ()  # (n,) how each hinge passes, and comes to, this key; all plainly where empty
     firm: bool = True  # passed exactly; else on a path, which the motion only follows as far as it can
 
@@ -57,98 +88,80 @@ class Bond:
 
 
 @dataclass(frozen=True, eq=False)
-class Waypoints:
-    """Keys of all hinges, without their times."""
+class Keys:
+    """Key postures as arrays, in their order."""
 
+    asked: Floats  # (m,) [s] block time
     angles: Floats  # (m, n) [rad]
     keyed: Flags  # (m, n) which hinges have a key where
-    tension: Floats  # (m, n) -1..1
-    continuity: Floats  # (m, n) -1..0
-    bias: Floats  # (m, n) -1..1
-    easing: Choices  # (m, n) of `EASINGS`, on the way to the key
-    steepness: Floats  # (m, n) 1..8
+    manner: Floats  # (5, m, n) tension, continuity, bias, steepness and place in `EASINGS`: of each `Passage`
+    firm: Flags  # (m,) which are passed exactly; the others lie between them in time
+    syncs: tuple[tuple[Sync, ...], ...]  # (m,) sync points that fall on each
     limits: Limits  # of the hinges
+    bonds: Mapping[Pair, float] = field(default_factory=dict)  # [s] least time between two keys, that BML asks for
 
     @classmethod
-    def of(cls, postures: Sequence[KeyPosture], limits: Limits, *, room: Floats | float = 0.0) -> "Waypoints":
-        """Keys of postures, those at the ends of the ranges moved in by some room (n,) [rad]."""
-        angles = np.clip([posture.angles for posture in postures], limits.lower + room, limits.upper - room)
-        keyed = np.array([posture.keyed for posture in postures], dtype=np.bool_)
-        manners = np.array([_manners(posture.passages, keyed.shape[1]) for posture in postures])
-        tension, continuity, bias, steepness, easing = manners.transpose(1, 0, 2)
-        return cls(sealed(angles), keyed, tension, continuity, bias, easing.astype(np.intp), steepness, limits)
+    def of(
+        cls,
+        postures: Sequence[KeyPosture],
+        limits: Limits,
+        bonds: Sequence[Bond] = (),
+        *,
+        room: float = TURNING_ROOM,
+    ) -> "Keys":
+        """Puts postures together.
 
-    def part(self, rows: Choices, hinges: Choices) -> "Waypoints":
-        """Some keys of some hinges."""
-        part = rows[:, None], hinges
-        return Waypoints(
-            self.angles[part],
-            self.keyed[part],
-            self.tension[part],
-            self.continuity[part],
-            self.bias[part],
-            self.easing[part],
-            self.steepness[part],
+        Args:
+            postures: in the order of their times.
+            limits: of the hinges, into whose ranges the postures are clipped.
+            bonds: between sync points; those without a key are left out.
+            room: [rad] that keys keep from the ends of a range.
+        """
+        inward = np.minimum(room, (limits.upper - limits.lower) / 2)
+        angles = np.clip([posture.angles for posture in postures], limits.lower + inward, limits.upper - inward)
+        row_of = {sync: row for row, posture in enumerate(postures) for sync in posture.syncs}
+        return cls(
+            asked=sealed([posture.time for posture in postures]),
+            angles=sealed(angles),
+            keyed=np.array([posture.keyed for posture in postures], dtype=np.bool_),
+            manner=np.stack([_manner(posture.passages, len(limits.lower)) for posture in postures], axis=1),
+            firm=np.array([posture.firm for posture in postures], dtype=np.bool_),
+            syncs=tuple(posture.syncs for posture in postures),
+            limits=limits,
+            bonds={
+                (row_of[bond.earlier], row_of[bond.later]): bond.least
+                for bond in bonds
+                if bond.earlier in row_of and bond.later in row_of and row_of[bond.earlier] != row_of[bond.later]
+            },
+        )
+
+    def part(self, rows: Choices, hinges: Choices) -> "Keys":
+        """Some keys of some hinges, without their bonds."""
+        here = rows[:, None], hinges
+        return Keys(
+            self.asked[rows],
+            self.angles[here],
+            self.keyed[here],
+            self.manner[:, *here],
+            self.firm[rows],
+            tuple(self.syncs[row] for row in rows),
             self.limits.part(hinges),
         )
 
-    @classmethod
-    def plain(cls, angles: Floats, keyed: Flags, limits: Limits, *, tension: float = 0.0) -> "Waypoints":
-        """Keys that are all passed in one way."""
-        none = np.zeros(angles.shape)
-        easing = np.full(angles.shape, SMOOTHEST)
-        return cls(angles, keyed, none + tension, none, none, easing, none + PLAIN.steepness, limits)
+    def passed(self, passage: Passage) -> "Keys":
+        """The firm keys alone, all of them passed in one way."""
+        manner = np.broadcast_to(_manner((passage,), 1)[:, :, None], self.manner.shape)
+        return replace(self, keyed=self.keyed & self.firm[:, None], manner=manner)
 
+    @cached_property
+    def weights(self) -> Floats:
+        """(m,) what it costs to move each key, per second: that of its heaviest sync point, none on a path."""
+        return sealed([_weight(syncs) if firm else 0.0 for syncs, firm in zip(self.syncs, self.firm, strict=True)])
 
-@lru_cache(maxsize=256)
-def _manners(passages: tuple[Passage, ...], count: int) -> Floats:
-    """(5, count) tension, continuity, bias, steepness and easing of each hinge; plain where none are told."""
-    told = passages or (PLAIN,) * count
-    rows = [[p.tension, p.continuity, p.bias, p.steepness, EASINGS.index(p.easing)] for p in told]
-    return sealed(np.transpose(rows))
-
-
-@dataclass(frozen=True, eq=False)
-class Keys:
-    """Postures as arrays."""
-
-    asked: Floats  # (m,) [s] block time
-    waypoints: Waypoints  # what is passed, and how
-    firm: Flags  # (m,) which are passed exactly; the others lie between them in time
-    weights: Floats  # (m,) of moving a key, per second
-    gaps: Mapping[Pair, float]  # [s] least time between keys that follow one another in a hinge or a behaviour
-    bonds: Mapping[Pair, float]  # [s] least time from one key to another, either order, that BML asks for
-
-    @classmethod
-    def of(cls, postures: tuple[KeyPosture, ...], limits: Limits, bonds: tuple[Bond, ...] = ()) -> "Keys":
-        """Keys weigh as their heaviest sync point, and keep room to turn back at the ends of a hinge's range."""
-        room = np.minimum(TURNING_ROOM, (limits.upper - limits.lower) / 2)
-        waypoints = Waypoints.of(postures, limits, room=room)
-        firm = np.array([posture.firm for posture in postures], dtype=np.bool_)
-        row_of = {sync: row for row, posture in enumerate(postures) for sync in posture.syncs}
-        ties = {
-            (row_of[bond.earlier], row_of[bond.later]): bond.least
-            for bond in bonds
-            if bond.earlier in row_of and bond.later in row_of and row_of[bond.earlier] != row_of[bond.later]
-        }
-        return cls(
-            sealed([posture.time for posture in postures]),
-            waypoints,
-            firm,
-            sealed([_weight(posture) for posture in postures]),
-            dict.fromkeys(_followers(postures, waypoints.keyed, firm), LEAST_GAP),
-            ties,
-        )
-
-    @property
-    def angles(self) -> Floats:
-        """(m, n) [rad]."""
-        return self.waypoints.angles
-
-    @property
-    def keyed(self) -> Flags:
-        """(m, n)."""
-        return self.waypoints.keyed
+    @cached_property
+    def gaps(self) -> Mapping[Pair, float]:
+        """[s] least time between keys that follow one another in a hinge or a behaviour."""
+        return dict.fromkeys(_followers(self), LEAST_GAP)
 
     @property
     def spaced(self) -> bool:
@@ -168,22 +181,28 @@ class Keys:
         """(m,) [s] times with those of keys on a path in between the firm ones, as evenly as asked."""
         return np.where(self.firm, times, np.interp(self.asked, self.asked[self.firm], times[self.firm]))
 
-    def holds(self, pair: Pair, hinge: int) -> bool:
-        """Whether a hinge stays where it is between two keys, or the two are one."""
-        return bool(abs(self.angles[pair[0], hinge] - self.angles[pair[1], hinge]) < HOLD)
+
+@lru_cache(maxsize=256)
+def _manner(passages: tuple[Passage, ...], count: int) -> Floats:
+    """(5, count) the manner in which each hinge passes one key."""
+    rows = [
+        (passage.tension, passage.continuity, passage.bias, passage.steepness, EASINGS.index(passage.easing))
+        for passage in passages or (PLAIN,) * count
+    ]
+    return sealed(np.transpose(rows))
 
 
-def _followers(postures: tuple[KeyPosture, ...], keyed: Flags, firm: Flags) -> set[Pair]:
+def _followers(keys: Keys) -> set[Pair]:
     """Firm keys that follow one another in some hinge or in some behaviour; and all in whose time a hinge is on a path.
 
     So the times of keys on paths can lie in between.
     """
-    columns = np.unique(keyed, axis=1).T
-    chains = [np.flatnonzero(column & firm).tolist() for column in columns]
-    chains += [_with_paths(column, firm) for column in columns]
+    columns = np.unique(keys.keyed, axis=1).T
+    chains = [np.flatnonzero(column & keys.firm).tolist() for column in columns]
+    chains += [_with_paths(column, keys.firm) for column in columns]
     behaviours: dict[str, list[int]] = {}
-    for row, posture in enumerate(postures):
-        for behaviour in sorted({behaviour for behaviour, _ in posture.syncs}):
+    for row, syncs in enumerate(keys.syncs):
+        for behaviour in sorted({behaviour for behaviour, _ in syncs}):
             behaviours.setdefault(behaviour, []).append(row)
     return {pair for chain in [*chains, *behaviours.values()] for pair in pairwise(chain)}
 
@@ -197,8 +216,6 @@ def _with_paths(column: Flags, firm: Flags) -> list[int]:
     return sorted(chain)
 
 
-def _weight(posture: KeyPosture) -> float:
-    if not posture.firm:
-        return 0.0
-    again = {sync: WEIGHT_AGAIN for _, sync in posture.syncs if sync.startswith("stroke:")}
-    return max([WEIGHT_ELSE, *((WEIGHTS | again).get(sync, WEIGHT_ELSE) for _, sync in posture.syncs)])
+def _weight(syncs: tuple[Sync, ...]) -> float:
+    again = {sync: WEIGHT_AGAIN for _, sync in syncs if sync.startswith("stroke:")}
+    return max([WEIGHT_ELSE, *((WEIGHTS | again).get(sync, WEIGHT_ELSE) for _, sync in syncs)])

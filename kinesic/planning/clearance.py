@@ -9,7 +9,7 @@ from kinesic.body.dynamics import Clearance, Distances
 from kinesic.body.robot import SIDES, Robot
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.condition import Conditioned
-from kinesic.motion.key_time_lp import relax_key_times
+from kinesic.motion.key_times import relax_key_times
 from kinesic.motion.keys import Bond, KeyPosture, Keys
 from kinesic.motion.trajectory import Trajectory, stay
 from kinesic.planning.certify import certify

@@ -10,8 +10,8 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.dynamics import Distances
 from kinesic.body.limits import Limits
 from kinesic.body.robot import SIDES, Robot
-from kinesic.motion.desired import DesiredMotion, wish
-from kinesic.motion.keys import KeyPosture, Waypoints
+from kinesic.motion.desired import DesiredMotion, join_keys
+from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.planning.collision import separate
 
 Arm = tuple[int, ...]  # joints of an arm
@@ -38,7 +38,7 @@ class PostureCourse:
     @cached_property
     def motion(self) -> DesiredMotion:
         """Through the keys; performance time begins with the first."""
-        return wish(self.planned, Waypoints.of(self.postures, self.limits))
+        return join_keys(self.planned, Keys.of(self.postures, self.limits, room=0.0))
 
     def at(self, time: float) -> Floats:
         """(n,) [rad] at a block time."""

@@ -12,7 +12,7 @@ from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.config import ConfigError
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.condition import Conditioned
-from kinesic.motion.desired import wish
+from kinesic.motion.desired import join_keys
 from kinesic.motion.double_s import least_rest_times
 from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.planning.bap import BapFrames
@@ -58,7 +58,7 @@ def plan_imported(frames: BapFrames, setup: Setup, *, source: str) -> Plan:
         utterances={},
         keyframes=KeyFrames(timeline, (), {}),
         postures=solved,
-        wished=wish(keys.asked, keys.waypoints),
+        desired=join_keys(keys.asked, keys),
         motion=motion,
         clearance=clearance,
         clearance_times=times,

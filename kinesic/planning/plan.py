@@ -5,8 +5,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 
-import numpy as np
-
 from kinesic.bml.block import Block, Notice, Timeline
 from kinesic.bml.schedule import schedule
 from kinesic.body.arrays import Floats
@@ -19,8 +17,8 @@ from kinesic.expressivity.hands.coarticulation import Engaged
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.expressivity.realise import keyframes
 from kinesic.motion.condition import Conditioned
-from kinesic.motion.desired import DesiredMotion, wish
-from kinesic.motion.keys import Keys, Waypoints
+from kinesic.motion.desired import DesiredMotion, join_keys
+from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.certify import certify
 from kinesic.planning.clearance import Conditioner, culprits, keep_clear
@@ -47,7 +45,7 @@ class Plan:
     utterances: Mapping[str, Utterance]
     keyframes: KeyFrames
     postures: Postures
-    wished: DesiredMotion
+    desired: DesiredMotion
     motion: Conditioned
     clearance: Clearance  # of the reference, at 100 Hz
     clearance_times: Floats  # (m,) [s] performance time
@@ -177,7 +175,7 @@ def _planned(
         utterances=utterances,
         keyframes=frames,
         postures=solved,
-        wished=_wished(asked, setup),
+        desired=_desired(asked, setup),
         motion=motion,
         clearance=clearance,
         clearance_times=times,
@@ -191,11 +189,12 @@ def _planned(
     )
 
 
-def _wished(asked: Postures, setup: Setup) -> DesiredMotion:
+def _desired(asked: Postures, setup: Setup) -> DesiredMotion:
     """The motion as asked: without limits and detours."""
     rest = setup.robot.skeleton.rest
     if len(asked.postures) < 2:
-        still = Waypoints.plain(np.stack([rest, rest]), np.ones((2, len(rest)), dtype=bool), setup.limits)
-        return wish(np.array([0.0, STILL]), still)
-    keys = Keys.of(asked.postures, setup.limits)
-    return wish(keys.asked, keys.waypoints)
+        still = (KeyPosture.whole(0.0, rest), KeyPosture.whole(STILL, rest))
+        keys = Keys.of(still, setup.limits, room=0.0)
+    else:
+        keys = Keys.of(asked.postures, setup.limits)
+    return join_keys(keys.asked, keys)

@@ -13,8 +13,7 @@ from kinesic.body.robot import CHAINS, SIDES, Robot, Side
 from kinesic.expressivity.keyframes import Hand, KeyFrame, KeyFrames
 from kinesic.expressivity.turns import axes
 from kinesic.ik.torso import lean_torso
-from kinesic.motion.keys import LEAST_GAP, KeyPosture
-from kinesic.motion.passage import PLAIN, Passage
+from kinesic.motion.keys import LEAST_GAP, PLAIN, KeyPosture, Passage
 from kinesic.planning.arm_postures import turn_reach, with_arms
 from kinesic.planning.collision import clear_hands
 from kinesic.planning.torso import set_turn, torso_turn, volume

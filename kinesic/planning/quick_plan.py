@@ -15,9 +15,9 @@ from kinesic.body.limits import Limits
 from kinesic.expressivity.hands.coarticulation import Engaged
 from kinesic.motion.bspline import grid
 from kinesic.motion.condition import Conditioned
-from kinesic.motion.desired import wish
-from kinesic.motion.key_time_lp import relax_key_times
-from kinesic.motion.keys import Bond, KeyPosture, Keys, Waypoints
+from kinesic.motion.desired import join_keys
+from kinesic.motion.key_times import relax_key_times
+from kinesic.motion.keys import Bond, KeyPosture, Keys, Passage
 from kinesic.motion.qp import nearest_motion
 from kinesic.motion.segments import pieces, segments
 from kinesic.motion.trajectory import STEP, Trajectory
@@ -30,6 +30,7 @@ PEAK_JERK = 60.0  # in distance / duration^3
 RESERVE = 1.03  # on its duration, for what the grid makes of it
 LEAST_GAP = 0.06  # [s] of a gap in which something moves
 LONGER = 1.1  # on gaps that do not suffice after all
+STOPPING = Passage(tension=1.0)  # of every key
 
 
 def plan_quickly(block: Block, setup: Setup, *, engaged: Sequence[Engaged] = ()) -> Plan:
@@ -86,8 +87,7 @@ def duration(way: float, limits: Limits, hinge: int) -> float:
 def _stepwise(times: Floats, keys: Keys, limits: Limits) -> Trajectory | None:
     """Quintics on the grid; None where one exceeds a limit after all."""
     count = pieces(times, STEP)
-    passed = Waypoints.plain(keys.angles, keys.keyed & keys.firm[:, None], limits, tension=1.0)
-    wished = wish(times, passed).angles(grid(count, STEP).knots)
+    wished = join_keys(times, keys.passed(STOPPING)).angles(grid(count, STEP).knots)
     controls = np.empty((count + 3, keys.angles.shape[1]))
     for segment in segments(times, keys, STEP):
         found = nearest_motion(segment, wished[segment.knots, segment.hinge], limits)

@@ -107,7 +107,7 @@ class _Wish:
 
 
 def _wish(performance: Performance) -> _Wish:
-    wished = performance.plan.wished
+    wished = performance.plan.desired
     times = np.arange(int(np.ceil(wished.duration * RATE)) + 1) / RATE
     return _Wish(times - wished.zero, part_paths(wished.sample(times)[0], performance.plan.setup.robot))
 

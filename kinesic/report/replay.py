@@ -34,7 +34,7 @@ def replay_data(performance: Performance) -> dict[str, Json]:
     motions = {
         "twin": np.column_stack([np.interp(moments, measured.times, column) for column in measured.angles.T]),
         "plan": plan.trajectory.sample(moments)[0],
-        "asked": plan.wished.sample(moments - plan.trajectory.zero + plan.wished.zero)[0],
+        "asked": plan.desired.sample(moments - plan.trajectory.zero + plan.desired.zero)[0],
     }
     duties = np.column_stack([np.interp(moments, measured.times, np.abs(column)) for column in measured.duties.T])
     step = max(float(np.abs(angles).max()) for angles in motions.values()) / np.iinfo(np.int16).max or 1.0

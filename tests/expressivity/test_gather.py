@@ -11,7 +11,7 @@ from kinesic.expressivity.hands.keys import HandKey
 from kinesic.expressivity.hands.poses import REST
 from kinesic.expressivity.keyframes import Hand, Turn
 from kinesic.expressivity.turns import TurnKey
-from kinesic.motion.passage import Passage
+from kinesic.motion.keys import Passage
 
 A, B = Hand(Reach(sealed([0.2, 0.2, 0.8]))), Hand(Reach(sealed([0.4, 0.2, 0.8])))
 HANDS = {"l": (HandKey(0.0, REST), HandKey(1.0, A), HandKey(2.0, B), HandKey(3.0, REST))}

@@ -6,9 +6,8 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.condition import LEAD_IN, condition
-from kinesic.motion.keys import Bond, KeyPosture
+from kinesic.motion.keys import Bond, KeyPosture, Passage
 from kinesic.motion.limit_check import peaks
-from kinesic.motion.passage import Passage
 
 BOXES = ([-2] * 2, [2] * 2, [4, 6], [40, 60], [1e3, 1.5e3])
 DUTY = ([0.01] * 2, [0.15] * 2, [0.7] * 2)

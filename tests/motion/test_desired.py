@@ -5,9 +5,8 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.desired import DesiredMotion, wish
-from kinesic.motion.keys import KeyPosture, Waypoints
-from kinesic.motion.passage import PLAIN, Passage
+from kinesic.motion.desired import DesiredMotion, join_keys
+from kinesic.motion.keys import PLAIN, KeyPosture, Keys, Passage
 
 TIMES = np.array([0.0, 0.5, 1.2, 1.5, 2.4])
 ANGLES = np.array([[0.0, 1.0], [0.4, 1.0], [0.9, 0.2], [0.9, -0.4], [0.1, -0.4]])
@@ -22,7 +21,7 @@ def keys(passed: Passage = PLAIN, keyed=ALL, angles=ANGLES, times=TIMES):
 
 def joined(passed: Passage = PLAIN, keyed=ALL, zero: float = 0.0, angles=ANGLES, times=TIMES):
     limits = LIMITS.part(np.arange(angles.shape[1]))
-    return wish(times, Waypoints.of(keys(passed, keyed, angles, times), limits), zero=zero)
+    return join_keys(times, Keys.of(keys(passed, keyed, angles, times), limits, room=0.0), zero=zero)
 
 
 def state(motion, time: float):
@@ -139,7 +138,7 @@ def test_an_easing_goes_only_as_far_as_the_limits_of_all_hinges_allow():
     slow = replace(LIMITS, acceleration=sealed([100.0, 0.01]))
     angles, times = np.array([[0.0, 0.0], [0.9, 0.9]]), np.array([0.0, 1.0])
     rows = keys(Passage(easing="out_back"), ALL[:2], angles, times)
-    found = wish(times, Waypoints.of(rows, slow)).angles(GRID)
+    found = join_keys(times, Keys.of(rows, slow, room=0.0)).angles(GRID)
     np.testing.assert_allclose(found, eased("minimum_jerk").angles(GRID) @ np.ones((1, 2)), atol=1e-12)
 
 
@@ -177,7 +176,7 @@ def test_every_hinge_and_key_has_a_manner_of_its_own():
     stiff, plain = Passage(tension=1.0), PLAIN
     rows = [replace(key, passages=(plain, stiff)) for key in keys()]
     rows[1] = replace(rows[1], passages=(stiff, plain))
-    speeds = wish(TIMES, Waypoints.of(rows, LIMITS)).sample(TIMES)[1]
+    speeds = join_keys(TIMES, Keys.of(rows, LIMITS, room=0.0)).sample(TIMES)[1]
     assert speeds[1, 0] == pytest.approx(0.0, abs=1e-9)
     assert abs(speeds[2, 1]) < 1e-9
     plainly = joined().sample(TIMES)[1]

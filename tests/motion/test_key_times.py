@@ -8,7 +8,7 @@ from kinesic.body.limits import Limits
 from kinesic.motion import key_times
 from kinesic.motion.condition import condition
 from kinesic.motion.infeasibility import shortage
-from kinesic.motion.key_times import Search, full_speed, rest_to_rest
+from kinesic.motion.key_times import CuttingPlane, Search, full_speed, relax_key_times, rest_to_rest, strain
 from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.motion.segments import segments
 from kinesic.motion.trajectory import STEP
@@ -102,3 +102,36 @@ def test_a_hinge_that_can_hardly_move_takes_long():
     motion = condition(KEYS, weak)
     assert motion.planned[-1] > 10.0
     assert {met.quantity for met in motion.bottlenecks.values()} == {"duty"}
+
+
+def test_gaps_push_the_cheapest_key():
+    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), LIMITS)
+    times = relax_key_times(keys, keys.gaps | {(1, 2): 0.5}, lead_in=0.6)
+    assert times == pytest.approx([0.0, 0.7, 1.2, 2.0])
+
+
+def test_the_lead_in_lets_the_start_come_earlier_and_no_more():
+    keys = Keys.of(keys_of((0, 0, "start"), (0.5, 1, "stroke"), (2, 0, "end")), LIMITS)
+    assert relax_key_times(keys, keys.gaps | {(0, 1): 0.9}, lead_in=0.6) == pytest.approx([-0.4, 0.5, 2.0])
+    assert relax_key_times(keys, keys.gaps | {(0, 1): 1.5}, lead_in=0.6) == pytest.approx([-0.6, 0.9, 2.0])
+
+
+def test_cuts_are_kept_as_gaps_are():
+    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), LIMITS)
+    slopes = sealed([0.0, 2.0, -2.0, 0.0])
+    times = relax_key_times(keys, keys.gaps, 0.6, [CuttingPlane(slopes, -1.0)])
+    assert times == pytest.approx(relax_key_times(keys, keys.gaps | {(1, 2): 0.5}, 0.6))
+
+
+def test_cuts_that_leave_nothing_are_told():
+    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "stroke")), LIMITS)
+    with pytest.raises(ArithmeticError, match="no key times"):
+        relax_key_times(
+            keys, keys.gaps, 0.6, [CuttingPlane(sealed([0.0, 1.0]), 0.5), CuttingPlane(sealed([0.0, -1.0]), -0.7)]
+        )
+
+
+def test_the_strain_is_what_is_made_least():
+    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), LIMITS)
+    assert strain(keys, keys.asked) == 0.0
+    assert strain(keys, np.add(keys.asked, [0.0, -0.3, 0.1, 0.0])) == pytest.approx(0.3 * 0.3 + 3.0 * 5.0 * 0.1)

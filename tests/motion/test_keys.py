@@ -1,9 +1,10 @@
 import numpy as np
+import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.key_time_lp import relax_key_times
-from kinesic.motion.keys import LEAST_GAP, KeyPosture, Keys
+from kinesic.motion.key_times import relax_key_times
+from kinesic.motion.keys import LEAST_GAP, KeyPosture, Keys, Passage
 
 LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 BOTH, FIRST, SECOND = (True, True), (True, False), (False, True)
@@ -36,3 +37,28 @@ def test_keys_on_a_path_keep_their_order_when_others_move():
 
 def test_a_key_on_a_path_costs_nothing():
     assert keys((BOTH, True), (BOTH, False), (BOTH, True)).weights[1] == 0.0
+
+
+def test_a_part_has_its_keys_of_its_hinges():
+    whole = keys(*PATH)
+    rows, hinges = np.array([0, 2, 6]), np.array([1])
+    part = whole.part(rows, hinges)
+    np.testing.assert_array_equal(part.asked, whole.asked[rows])
+    np.testing.assert_array_equal(part.angles, whole.angles[rows][:, hinges])
+    np.testing.assert_array_equal(part.keyed, whole.keyed[rows][:, hinges])
+    np.testing.assert_array_equal(part.manner, whole.manner[:, rows][:, :, hinges])
+    assert part.limits.lower.shape == (1,)
+
+
+def test_keys_may_all_be_passed_in_one_way():
+    found = keys(*PATH).passed(Passage(tension=1.0))
+    assert np.all(found.manner[0] == 1.0)
+    assert not found.keyed[[2, 4]].any()
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("tension", 1.2), ("continuity", 0.1), ("continuity", -1.1), ("bias", -2.0), ("steepness", 9.0)]
+)
+def test_numbers_out_of_range_are_refused_with_the_range(name, value):
+    with pytest.raises(ValueError, match=rf"{name} is {value:g}, outside \[.*\]"):
+        Passage(**{name: value})

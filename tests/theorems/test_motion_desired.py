@@ -80,14 +80,13 @@ class Tcb:
 @dataclass(frozen=True, eq=False)
 class Sampled:
     times: np.ndarray
-    angles: np.ndarray
+    places: np.ndarray
     keyed: np.ndarray
     hinge: object
 
-    def sample(self, at):
-        columns = [self.hinge(at, self.times[own], self.angles[own, n]) for n, own in enumerate(self.keyed.T)]
-        angles = np.stack(columns, axis=1)
-        return angles, np.zeros_like(angles), np.zeros_like(angles)
+    def angles(self, at):
+        columns = [self.hinge(at, self.times[own], self.places[own, n]) for n, own in enumerate(self.keyed.T)]
+        return np.stack(columns, axis=1)
 
 
 extreme = st.sampled_from([-1.0, 0.0, 1.0])
@@ -112,7 +111,7 @@ def check(rows, wishes):
         )
         for k, (time, (_, share, mask, sync)) in enumerate(zip(times, rows, strict=True))
     )
-    motion = condition(keys, LIMITS, wishes=wishes)
+    motion = condition(keys, LIMITS, make_desired=wishes)
     for name, peak in peaks(motion.trajectory, LIMITS).shares.items():
         assert peak.ratios.max() <= 1.001, name
     met = motion.trajectory.sample(motion.planned + motion.trajectory.zero)[0]

@@ -10,9 +10,8 @@ from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.condition import condition
 from kinesic.motion.easing import Easing
-from kinesic.motion.keys import KeyPosture
+from kinesic.motion.keys import KeyPosture, Passage
 from kinesic.motion.limit_check import peaks
-from kinesic.motion.passage import Passage
 
 BOXES = ([-1.5] * 3, [1.5] * 3, [1.0, 4.0, 6.0], [10.0, 59.0, 350.0], [250.0, 1500.0, 8750.0])
 DUTY = ([0.05, 0.01, 0.002], [0.8, 0.18, 0.134], [0.58, 0.65, 0.79])

@@ -14,7 +14,7 @@ from kinesic.body.arrays import Floats
 from kinesic.controller.perform import plan, set_up
 from kinesic.ik import KERNEL
 from kinesic.motion.condition import LEAD_IN, condition
-from kinesic.motion.key_time_lp import strain
+from kinesic.motion.key_times import strain
 from kinesic.motion.keys import Keys
 from kinesic.motion.limit_check import RATE, peaks
 from kinesic.planning.coupling import bonds

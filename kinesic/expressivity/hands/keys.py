@@ -13,7 +13,7 @@ from kinesic.expressivity.hands.poses import REST, between
 from kinesic.expressivity.hands.rotation_spline import Turning, facing_rotations
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.turns import MERGE
-from kinesic.motion.passage import PLAIN, Passage
+from kinesic.motion.keys import PLAIN, Passage
 
 PARALLEL = 0.99  # cosine of pointing and palm from which on they say no rotation
 

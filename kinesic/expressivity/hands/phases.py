@@ -16,7 +16,7 @@ from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.passage import passage_of
 from kinesic.expressivity.style.style import Expressivity
 from kinesic.expressivity.turns import MERGE, arrival, departure_time
-from kinesic.motion.passage import PLAIN
+from kinesic.motion.keys import PLAIN
 
 NEIGHBOUR = 0.5  # [s] gestures nearer than this do not pass through rest
 ALL_TIED: Tied = MappingProxyType({})  # every sync point stays where it is

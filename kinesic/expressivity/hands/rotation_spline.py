@@ -12,7 +12,7 @@ import numpy as np
 import scipy
 
 from kinesic.body.arrays import Floats
-from kinesic.motion.passage import Passage
+from kinesic.motion.keys import Passage
 
 SMALL = 1e-6  # [rad] turns that are none
 

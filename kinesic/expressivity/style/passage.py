@@ -4,7 +4,7 @@ from typing import Literal
 
 from kinesic.expressivity.style.style import Expressivity
 from kinesic.motion.easing import Easing
-from kinesic.motion.passage import EVEN, SOFTEST, STEEPEST, Passage
+from kinesic.motion.keys import EVEN, SOFTEST, STEEPEST, Passage
 
 Phase = Literal["preparation", "stroke", "hold", "retraction"]
 

@@ -74,7 +74,7 @@ def _moving(curves: tuple[Floats, Floats, Floats]) -> Flags:
 def _curves(performance: Performance) -> tuple[Floats, Floats, Floats]:
     """Asked, planned and performed angles [deg], each (m, n), at the measured times."""
     plan = performance.plan
-    asked = plan.wished.sample(performance.measured.times - plan.trajectory.zero + plan.wished.zero)[0]
+    asked = plan.desired.sample(performance.measured.times - plan.trajectory.zero + plan.desired.zero)[0]
     return np.degrees(asked), np.degrees(performance.reference.angles), np.degrees(performance.measured.angles)
 
 

@@ -4,7 +4,7 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation, Slerp
 
 from kinesic.expressivity.hands.rotation_spline import Turning, facing_rotations
-from kinesic.motion.passage import PLAIN, Passage
+from kinesic.motion.keys import PLAIN, Passage
 
 TIMES = (0.0, 0.4, 1.1, 1.5, 2.3)
 KEYS = Rotation.random(5, random_state=7)

@@ -5,7 +5,7 @@ from scipy.interpolate import BPoly
 from kinesic.expressivity.style.passage import passage_of
 from kinesic.expressivity.style.style import Expressivity
 from kinesic.motion.easing import PARTS, soften_easing
-from kinesic.motion.passage import PLAIN, Passage
+from kinesic.motion.keys import PLAIN, Passage
 
 PHASES = ("preparation", "stroke", "hold", "retraction")
 
