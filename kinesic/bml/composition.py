@@ -1,15 +1,25 @@
-"""How a block meets others: what it waits for, whom it stops, and the states of its life.
+"""How a block meets others: what it waits for, whom it stops, begins or changes, and the states of its life.
 
-Values and states: facts, BML 1.0 sections 2.6 and 2.7; the extension attributes are ASAP's and its predecessor's.
+Values and states: facts, BML 1.0 sections 2.6 and 2.7; attributes and behaviours of extensions are ASAP's and its
+predecessor's, the behaviours in any case of their letters.
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from enum import Enum
 from typing import Literal
 
-from kinesic.bml.block import Block, Composition, NoticeType, Succession
-from kinesic.bml.reading.namespaces import extension_attributes
+from kinesic.bml.block import (
+    Activate,
+    Block,
+    Command,
+    Composition,
+    Interrupt,
+    NoticeType,
+    ParameterChange,
+    Succession,
+)
+from kinesic.bml.reading.namespaces import extension_attributes, is_composing
 from kinesic.bml.reading.reader import BehaviourElement, DocumentReading
 from kinesic.bml.reading.tree import Element
 
@@ -26,6 +36,7 @@ _KINDS = {
 }
 _WRITTEN = re.compile(r"\s*([\w-]*)\s*(?:\((.*)\))?\s*", re.DOTALL)
 _SEPARATOR = re.compile(r"[\s,]+")
+_VALUES = ("targetValue", "finalValue", "value")  # of a change, where it ends
 
 
 class BlockState(Enum):
@@ -116,6 +127,47 @@ def goes_round(waits: Mapping[str, Mapping[str, Until]], start: str) -> bool:
             seen.add(name)
             fringe += waits.get(name, ())
     return False
+
+
+def command_of(named: BehaviourElement, reading: DocumentReading) -> Command | None:
+    """What an element does to other blocks; None when it is no such element.
+
+    Raises:
+        BmlError: it does not say to which block.
+    """
+    reads = _COMMANDS.get(named.element.local.lower())
+    if reads is None or not is_composing(named.element.name, named.element):
+        return None
+    if not named.word("target"):
+        what = f"<{named.element.name}> has no target"
+        raise reading.refuse(named.element.place, what, "the id of a block is expected, such as target='bml1'")
+    return reads(named)
+
+
+def is_command(element: Element) -> bool:
+    """Whether an element does something to other blocks."""
+    return element.local.lower() in _COMMANDS and is_composing(element.name, element)
+
+
+def _interrupt(named: BehaviourElement) -> Command:
+    return Interrupt(named.word("target"), _ids(named.word("include")), _ids(named.word("exclude")))
+
+
+def _activate(named: BehaviourElement) -> Command:
+    return Activate(named.word("target"))
+
+
+def _parameter_change(named: BehaviourElement) -> Command:
+    inside = [named] + [BehaviourElement(named.id, child, child.attributes) for child in named.element.children]
+    value = next((word for part in inside if (word := part.word(*_VALUES))), "")
+    return ParameterChange(named.word("target"), named.word("paramId", "parameter", "name"), value)
+
+
+_COMMANDS: dict[str, Callable[[BehaviourElement], Command]] = {
+    "interrupt": _interrupt,
+    "activate": _activate,
+    "parametervaluechange": _parameter_change,
+}
 
 
 def _ids(text: str | None) -> tuple[str, ...]:

@@ -5,18 +5,14 @@ from collections.abc import Collection, Iterator
 from typing import Literal
 
 from kinesic.bml.block import BOUNDS, Action, Behaviour, Block, Bounds, Custom, Dialect, NoticeType, Speech
-from kinesic.bml.composition import composition_of
-from kinesic.bml.reading.block_commands import command_of, is_command
-from kinesic.bml.reading.descriptions import richest
+from kinesic.bml.composition import command_of, composition_of, is_command
 from kinesic.bml.reading.document import read_document
-from kinesic.bml.reading.elements import ACTIONS, unknown_attributes
+from kinesic.bml.reading.elements import ACTIONS, richest, unknown_attributes
 from kinesic.bml.reading.manner import manners_of, read_manner
 from kinesic.bml.reading.namespaces import core_attributes, foreign_attributes, is_core, namespace
 from kinesic.bml.reading.reader import BehaviourElement, DocumentReading
-from kinesic.bml.reading.recording import pause_of
-from kinesic.bml.reading.references import SYNC_ATTRIBUTES, Constraint, ReferenceReader, check_references
-from kinesic.bml.reading.script import PROSODY
-from kinesic.bml.reading.syncref import Names
+from kinesic.bml.reading.references import Constraint, Names, ReferenceReader, check_references
+from kinesic.bml.reading.script import PROSODY, pause_of
 from kinesic.bml.reading.tree import Element
 
 UNNAMED = "block"  # id of a block that has none
@@ -98,7 +94,7 @@ def _elements(bml: Element, home: str | None, *, required: bool = False) -> Iter
         if is_known and child.local == "required":
             yield from _elements(child, home, required=True)
         elif not is_known or child.local not in _SILENT:
-            yield richest(child, known=ACTIONS, times=SYNC_ATTRIBUTES, home=home), required
+            yield richest(child, home=home), required
         if is_known and child.local == "speech":
             inner = (part for part in child.children if part.local in ACTIONS and is_core(part, home=home))
             yield from ((part, required) for part in inner)

@@ -17,7 +17,7 @@ from kinesic.bml.block import (
     Timeline,
     refusal,
 )
-from kinesic.bml.reading.syncref import LONGEST
+from kinesic.bml.reading.references import LONGEST
 from kinesic.bml.timing.constraints import Tie, own_ties
 from kinesic.bml.timing.negative_cycles import Edge, contradictions
 from kinesic.bml.timing.network import SHORTEST, Elsewhere, Network, Surroundings

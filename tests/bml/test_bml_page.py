@@ -12,7 +12,7 @@ from kinesic.bml.reading.elements import ACTIONS, ATTRIBUTES, INSIDE
 from kinesic.bml.reading.fragments import REWRITTEN, WORDS
 from kinesic.bml.reading.json_words import REWRITES
 from kinesic.bml.reading.namespaces import COMPOSING_ATTRIBUTES
-from kinesic.bml.reading.recording import PAUSE
+from kinesic.bml.reading.script import PAUSE
 from kinesic.bml.timing.points import sync_points
 
 PAGE = (Path(__file__).parents[2] / "docs" / "bml.md").read_text(encoding="utf-8")

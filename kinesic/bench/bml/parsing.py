@@ -16,7 +16,7 @@ from kinesic.bench.bml.expectations import (
 from kinesic.bench.bml.verdict import ExpectationVerdict
 from kinesic.bml.block import Block, BmlError, SyncRef
 from kinesic.bml.parse import parse
-from kinesic.bml.reading.syncref import Names, parse_ref, write_reference
+from kinesic.bml.reading.references import Names, parse_ref, write_reference
 from kinesic.bml.timing.constraints import After, Constraints, Equals, Point, constraints_of
 
 _DIGITS = 6  # of offsets that are compared [s]

@@ -1,10 +1,12 @@
-"""From the element of a behaviour to what it asks the body to do.
+"""From the element of a behaviour, in the richest form that is understood, to what it asks the body to do.
 
 Elements and attributes: facts, BML 1.0 section 2.3; `type`, `hand`, `rotation` and `modality` are the draft's.
 What an element fails to say (a gesture without lexeme) stays empty: who performs it knows what to do about it.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
+from types import MappingProxyType
 from typing import Literal
 
 from kinesic.bml.block import (
@@ -24,14 +26,15 @@ from kinesic.bml.block import (
     Wait,
 )
 from kinesic.bml.reading.manner import lexeme, reference_of
+from kinesic.bml.reading.namespaces import is_core
 from kinesic.bml.reading.reader import BehaviourElement, DocumentReading, read_number, read_whole
-from kinesic.bml.reading.recording import pause_of
-from kinesic.bml.reading.references import SYNC_ATTRIBUTES
-from kinesic.bml.reading.script import script_of
-from kinesic.bml.reading.syncref import LONGEST
+from kinesic.bml.reading.references import LONGEST, SYNC_ATTRIBUTES
+from kinesic.bml.reading.script import pause_of, script_of
+from kinesic.bml.reading.tree import Element
 
 MOST_STROKES = 100  # of one head movement
 LAST_ACTION_UNIT = 99
+WITH_THE_CORE = frozenset({"gretabml", "kinesic", "application/ssml+xml", "audio/x-wav", "audio/wav"})  # descriptions
 
 INFLUENCES = ("EYES", "HEAD", "NECK", "SHOULDER", "CHEST", "TORSO", "WAIST", "WHOLE", "AUTO")
 DIRECTIONS = ("NONE", "RIGHT", "LEFT", "UP", "DOWN", "UPRIGHT", "UPLEFT", "DOWNLEFT", "DOWNRIGHT")
@@ -193,6 +196,40 @@ def unknown_attributes(named: BehaviourElement) -> list[str]:
     if read is None:
         return []
     return [name for name in named.attributes if name not in read and name.lower() not in _ALWAYS]
+
+
+def richest(element: Element, *, home: str | None) -> Element:
+    """Picks the form of a behaviour that is performed: of its <description>s the most important that is understood.
+
+    What is understood: a behaviour of BML inside, which takes the place of the core form at the same times;
+    expressivity, and speech in a markup of its own, which go with the core form. Without one the core form stays.
+
+    Args:
+        element: the behaviour, descriptions inside.
+        home: namespace of the <bml>.
+    """
+    described = [child for child in element.children if child.local == "description" and is_core(child, home=home)]
+    for description in sorted(described, key=_priority, reverse=True):
+        if description.attributes.get("type", "").strip().lower() in WITH_THE_CORE:
+            return element
+        inside = [child for child in description.children if child.local in ACTIONS and is_core(child, home=home)]
+        if len(inside) == 1:
+            return _in_place(inside[0], element)
+    return element
+
+
+def _priority(description: Element) -> float:
+    try:
+        return float(description.attributes.get("priority", "0"))
+    except ValueError:
+        return 0.0
+
+
+def _in_place(richer: Element, element: Element) -> Element:
+    """The richer form with the id of the core form, and with its times unless the richer one has its own."""
+    kept = {name: value for name, value in element.attributes.items() if name in ("id", *SYNC_ATTRIBUTES)}
+    own = {name: value for name, value in richer.attributes.items() if name != "id"}
+    return replace(richer, attributes=MappingProxyType({**kept, **own}))
 
 
 def _lexeme(named: BehaviourElement, *names: str) -> str:

@@ -12,7 +12,7 @@ from typing import get_args
 from kinesic.bml.block import RANGES, Action, Manner, Modality, NoticeType, Place, modality_of
 from kinesic.bml.reading.namespaces import own_attributes
 from kinesic.bml.reading.reader import BehaviourElement, DocumentReading, read_finite
-from kinesic.bml.reading.recording import PAUSE
+from kinesic.bml.reading.script import PAUSE
 from kinesic.bml.reading.tree import Element
 from kinesic.body.config import names_of, suggestion
 

@@ -1,29 +1,35 @@
-"""The text of a speech with its marks: plain, with `sync`, with Greta's `tm`, or as SSML.
+"""What a speech says: its text with marks, or a recording, and how long it may wait for the body.
 
-Of SSML, marks, breaks, prosody, emphasis, say-as, sub and changes of language are passed on to the voice, wherever
-they stand; other elements are read through.
+The text is plain, with `sync`, with Greta's `tm`, or SSML. Of SSML, marks, breaks, prosody, emphasis, say-as, sub and
+changes of language are passed on to the voice, wherever they stand; other elements are read through.
 """
 
 import re
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from kinesic.bml.block import NoticeType
-from kinesic.bml.reading.reader import BehaviourElement, DocumentReading
-from kinesic.bml.reading.recording import recording_of
+from kinesic.bml.reading.namespaces import own_attributes
+from kinesic.bml.reading.reader import BehaviourElement, DocumentReading, read_finite
 from kinesic.bml.reading.tree import Element
-from kinesic.body.utterance import Emphasis, Mark, Pause, Script, Stress
+from kinesic.body.utterance import Emphasis, Mark, Pause, Recording, Script, Stress
 
 MARKS = frozenset({"sync", "tm", "mark"})
 PROSODY = frozenset({"pitchaccent", "boundary"})
 SSML = "application/ssml+xml"
 STRENGTHS = {"none": 0.0, "x-weak": 0.05, "weak": 0.1, "medium": 0.25, "strong": 0.5, "x-strong": 1.0}  # [s] of a break
 LONGEST_BREAK = 60.0  # [s]
+WAV = frozenset({"audio/wav", "audio/x-wav", "audio/wave", "audio/vnd.wave"})
+PAUSE = "pause"  # attribute of our namespace
+LONGEST_PAUSE = 2.0  # [s] of `kinesic:pause="true"`
 
 _STRESSES: dict[Stress, tuple[str, ...]] = {  # elements that are passed on -> their attributes that are
     "prosody": ("rate", "pitch", "range", "volume", "contour", "duration"),
     "emphasis": ("level",),
     "say-as": ("interpret-as", "format", "detail"),
 }
+_FILES = ("ref", "src", "href", "file")
+_TIMED = frozenset({"sync", "tm", "mark"})
 _SPEAKERS = frozenset({"lang", "voice", "p", "s"})  # elements that may change the language
 _TIME = re.compile(r"\+?(\d+\.?\d*|\.\d+)(ms|s)")
 _LANGUAGES = {
@@ -68,6 +74,43 @@ def script_of(named: BehaviourElement, reading: DocumentReading) -> Script:
         tuple(Emphasis(e.begin, min(e.end, end), e.element, e.attributes) for e in written.emphases if e.begin < end),
         recording_of(named, reading),
     )
+
+
+def recording_of(named: BehaviourElement, reading: DocumentReading) -> Recording | None:
+    """The recording of a <speech>, or None.
+
+    It is named by the description's text, by a <reference> in it, or by an attribute `ref`, `src`, `href` or `file`
+    of the description or of an element in it; relative to the folder of the document. One with a negative priority is
+    passed over.
+
+    Raises:
+        BmlError: the time of a mark is no number.
+    """
+    for child in named.element.children:
+        is_wav = child.local == "description" and child.attributes.get("type", "").strip().lower() in WAV
+        if is_wav and not child.attributes.get("priority", "").strip().startswith("-"):
+            return _recording(child, named, reading)
+    return None
+
+
+def pause_of(element: Element, reading: DocumentReading) -> float | None:
+    """Longest pause [s] that may be put before a word, so that the body is in time; None where nothing is said.
+
+    `kinesic:pause` is a number of seconds, `true` (as long as is needed, at most `LONGEST_PAUSE`) or `false`.
+
+    Raises:
+        BmlError: it is none of these.
+    """
+    for name, value in own_attributes(element).items():
+        if name.rpartition(":")[2] == PAUSE:
+            word = value.strip().lower()
+            if word in ("true", "false"):
+                return LONGEST_PAUSE if word == "true" else 0.0
+            seconds = read_finite(word, name, element.place, reading)
+            if seconds < 0.0:
+                raise reading.refuse(element.place, f"{name}='{value}' is negative", "write true, false or seconds")
+            return seconds
+    return None
 
 
 def _body(speech: Element) -> Element:
@@ -161,3 +204,31 @@ def _duration(element: Element) -> float | None:
 def _language(named: BehaviourElement) -> str:
     written = (named.attributes.get("language") or named.element.attributes.get("xml:lang") or "en").strip().lower()
     return _LANGUAGES.get(written, written)
+
+
+def _recording(description: Element, named: BehaviourElement, reading: DocumentReading) -> Recording | None:
+    name = _file(description)
+    if not name:
+        what = f"the description in line {description.place.line} names no file: it is passed over"
+        reading.note(NoticeType.PARSING_FAILURE, what, behaviour=named.id)
+        return None
+    if reading.source.startswith("<"):
+        what = f"the recording '{name}' is not played: a document that is no file has no folder to find it in"
+        reading.note(NoticeType.CANNOT_CREATE_BEHAVIOR, what, behaviour=named.id)
+        return None
+    marks = tuple(
+        (mark, read_finite(child.attributes["time"].strip(), "time", child.place, reading))
+        for child in description.children
+        if child.local in _TIMED and "time" in child.attributes
+        if (mark := (child.attributes.get("id") or child.attributes.get("name") or "").strip())
+    )
+    return Recording(Path(reading.source).parent / name, marks)
+
+
+def _file(description: Element) -> str:
+    for element in (description, *description.children):
+        for name in _FILES:
+            if element.local not in _TIMED and element.attributes.get(name, "").strip():
+                return element.attributes[name].strip()
+    named = next((child.text.strip() for child in description.children if child.local == "reference"), "")
+    return named or description.text.strip()

@@ -1,11 +1,15 @@
-"""What attributes mean: words of the draft, words that stand for nothing, and attributes that nobody reads."""
+"""What attributes and descriptions mean: words of the draft, words for nothing, attributes that nobody reads."""
 
 import pytest
 
-from kinesic.bml.block import Action, Gaze, Head, NoticeType, SyncRef
+from kinesic.bml.block import Action, Gaze, Gesture, Head, NoticeType, Pointing, Speech, SyncRef
 from kinesic.bml.parse import parse
 
 BML_1_0 = "http://www.bml-initiative.org/bml/bml-1.0"
+OURS = '<description priority="{}" type="application/bml"><pointing target="user"/></description>'
+NOT_OURS = '<description priority="{}" type="RobotLights"><lights colour="red"/></description>'
+NOD = '<description priority="{}" type="x"><head lexeme="NOD"/></description>'
+GRETA = '<description priority="{}" type="gretabml"><PWR.value>0.5</PWR.value></description>'
 
 
 @pytest.mark.parametrize(
@@ -62,3 +66,40 @@ def test_both_are_not_one() -> None:
     block = parse(f'<bml xmlns="{BML_1_0}" id="b"><gazeShift id="x" target="t" ready="2" end="3"/></bml>')
     assert block.behaviours[0].syncs == {"end": SyncRef("b", "bml", "start", offset=3.0)}
     assert "ready is no sync point" in block.notices[0].text
+
+
+@pytest.mark.parametrize(
+    ("inside", "action"),
+    [
+        ("", Gesture("beat")),
+        (OURS.format(1), Pointing("user")),
+        (NOT_OURS.format(9), Gesture("beat")),
+        (OURS.format(1) + NOT_OURS.format(9), Pointing("user")),
+        (OURS.format(1) + NOD.format(2), Head("NOD")),
+        (NOD.format(3) + OURS.format(1), Head("NOD")),
+        (OURS.format("high"), Pointing("user")),
+        (GRETA.format(2) + OURS.format(1), Gesture("beat")),
+        (GRETA.format(1) + OURS.format(2), Pointing("user")),
+    ],
+)
+def test_the_highest_priority_that_is_understood_counts(inside: str, action: Action) -> None:
+    (behaviour,) = parse(f'<bml id="b"><gesture id="g" lexeme="beat">{inside}</gesture></bml>').behaviours
+    assert (behaviour.id, behaviour.action) == ("g", action)
+
+
+def test_a_richer_form_keeps_the_times_unless_it_has_its_own() -> None:
+    richer = '<description priority="1" type="x"><gaze id="z" target="user" end="4"/></description>'
+    text = f'<bml id="b"><head id="h" lexeme="NOD" start="1" end="2">{richer}</head></bml>'
+    (behaviour,) = parse(text).behaviours
+    assert (behaviour.id, behaviour.action) == ("h", Gaze("user"))
+    assert behaviour.syncs == {
+        "start": SyncRef("b", "bml", "start", offset=1.0),
+        "end": SyncRef("b", "bml", "start", offset=4.0),
+    }
+
+
+def test_a_speech_keeps_its_text_beside_its_markup() -> None:
+    ssml = '<description priority="1" type="application/ssml+xml"><speak>hi <mark name="m"/>you</speak></description>'
+    (behaviour,) = parse(f'<bml id="b"><speech id="s"><text>hello</text>{ssml}</speech></bml>').behaviours
+    assert isinstance(behaviour.action, Speech)
+    assert behaviour.action.script.text == "hi you"

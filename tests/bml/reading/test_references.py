@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from kinesic.bml.block import BmlError, SyncRef
-from kinesic.bml.reading.syncref import Names, parse_ref, relation, write_reference
+from kinesic.bml.reading.references import Names, parse_ref, relation, write_reference
 
 CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[4] / "shared" / "corpus"))
 EXPECTED = CORPUS / "expectations" / "syncref.json"
