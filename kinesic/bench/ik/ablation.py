@@ -14,11 +14,9 @@ from typing import Literal
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure as Picture
 from numpy.random import default_rng
 
-from kinesic.bench.figure import Figure
+from kinesic.bench.figure import ALARM, INK, OTHERS, OURS, SECOND, SMALL, Figure, name_rows, picture
 from kinesic.bench.ik.arms import targets
 from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
@@ -52,9 +50,7 @@ Row = Literal[
 ENTRIES: tuple[Row, ...] = ("polish_seeds", "whole")  # one call for one target, as a user makes it
 TARGET = (0.075, -0.064, 0.164)  # [m] of the hand, in the frame of the chain's base
 SWIVELS = 73
-SPRINGS, STOPPED, FOUND, RED, PALE, INK = "#2b7a78", "#d98e2b", "#5b6fb5", "#b3261e", "#bbbbbb", "#333333"
-SMALL = 8.5  # [pt]
-
+PALE = "#bbbbbb"
 
 Answer = Callable[["AblationArm", Floats], Sequence[float] | Floats]
 
@@ -208,13 +204,11 @@ def draw(values: Mapping[str, float], path: Path) -> Path:
     """
     chain = Robot.load().arms["l"]
     arm = AblationArm(chain, linkage_of(chain), tuple(chain.rest.tolist()))
-    figure = Picture(figsize=(12.5, 4.8), layout="constrained")
-    FigureCanvasAgg(figure)
-    first, second, third = figure.subplots(1, 3, width_ratios=[1.0, 1.0, 1.1])
-    _masses(first, arm)
-    _draw_circle(second, arm)
-    _bars(third, values)
-    figure.savefig(path, dpi=110, metadata={"Software": None})
+    with picture(path, 12.5, 4.8) as drawn:
+        first, second, third = drawn.subplots(1, 3, width_ratios=[1.0, 1.0, 1.1])
+        _masses(first, arm)
+        _draw_circle(second, arm)
+        _bars(third, values)
     return path
 
 
@@ -223,8 +217,8 @@ def _masses(axes: Axes, arm: AblationArm) -> None:
     ends = masses(arm, TARGET)
     held = extract(arm.linkage, ends, arm.rest).angles
     _line(axes, _posture(arm, arm.rest), PALE, "at rest")
-    _line(axes, (arm.linkage.origin, *ends), SPRINGS, "masses and springs")
-    _line(axes, _posture(arm, held), STOPPED, "their hinges, inside the ranges")
+    _line(axes, (arm.linkage.origin, *ends), OURS, "masses and springs")
+    _line(axes, _posture(arm, held), SECOND, "their hinges, inside the ranges")
     _dressed(axes, "masses know no ranges")
 
 
@@ -240,9 +234,9 @@ def _draw_circle(axes: Axes, arm: AblationArm) -> None:
         if extract(arm.linkage, (*place.girdle, elbow, place.target), arm.rest).miss <= EXACT * arm.linkage.farthest
     ]
     axes.plot([y for _, y, _ in circle], [z for _, _, z in circle], color=PALE, label="elbow's circle")
-    axes.plot([y for _, y, _ in allowed], [z for _, _, z in allowed], ".", color=SPRINGS, label="inside the ranges")
+    axes.plot([y for _, y, _ in allowed], [z for _, _, z in allowed], ".", color=OURS, label="inside the ranges")
     found = solve(arm.chain, Reach(np.array(TARGET)), start=arm.chain.rest)
-    _line(axes, _posture(arm, found.angles.tolist()), FOUND, "the answer")
+    _line(axes, _posture(arm, found.angles.tolist()), OTHERS, "the answer")
     _dressed(axes, "the nearest elbow that the ranges allow")
 
 
@@ -250,14 +244,11 @@ def _bars(axes: Axes, values: Mapping[str, float]) -> None:
     """Shares of targets below 1 mm."""
     for row, key in enumerate(ROWS):
         share = 100.0 * values[ablation_name(key, "mm")]
-        axes.barh(-row, share, height=0.66, color=FOUND if key == "whole" else SPRINGS, zorder=2)
+        axes.barh(-row, share, height=0.66, color=OTHERS if key == "whole" else OURS, zorder=2)
         axes.text(share - 1.0, -row, f"{share:.1f}", ha="right", va="center", fontsize=SMALL, color="white")
-    axes.set_yticks([-row for row in range(len(ROWS))], [WORDS[key] for key in ROWS])
+    name_rows(axes, [WORDS[key] for key in ROWS])
     axes.set_xlim(0.0, 100.0)
     axes.set_title("targets below 1 mm [%]", fontsize=10, color=INK)
-    axes.tick_params(labelsize=SMALL, length=2)
-    for side in ("top", "right", "left"):
-        axes.spines[side].set_visible(False)
 
 
 def _posture(arm: AblationArm, angles: Sequence[float]) -> list[Vector]:
@@ -270,7 +261,7 @@ def _line(axes: Axes, points: Sequence[Vector], colour: str, label: str) -> None
 
 
 def _dressed(axes: Axes, title: str) -> None:
-    axes.plot(TARGET[1], TARGET[2], "+", color=RED, markersize=14, zorder=5, label="target")
+    axes.plot(TARGET[1], TARGET[2], "+", color=ALARM, markersize=14, zorder=5, label="target")
     axes.set_title(title, fontsize=10, color=INK)
     axes.set_aspect("equal", adjustable="datalim")
     axes.invert_xaxis()

@@ -13,11 +13,9 @@ from pathlib import Path
 from time import perf_counter
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure as Picture
 from numpy.random import default_rng
 
-from kinesic.bench.figure import Figure
+from kinesic.bench.figure import INK, OTHERS, OURS, SMALL, Figure, label_axes, picture
 from kinesic.bench.ik.arms import targets
 from kinesic.bench.ik.peer_solvers import PEERS, Peer, Solver
 from kinesic.body.arrays import Floats
@@ -33,10 +31,7 @@ MM = 1e-3  # [m] where the hand counts as there
 SLACK = 1e-6  # [rad] outside a limit that is forgiven to a peer's rounding
 SOLVE, REACH = "kinesic_solve", "kinesic_reach"  # our entries
 GOALS = {("roboticstoolbox", SOLVE): 5.0, ("roboticstoolbox", REACH): 7.0}
-OURS = {"kinesic_reach": "kinesic, Arm.reach", "kinesic_solve": "kinesic, solve"}
-COLOURS = {True: "#2b7a78", False: "#5b6fb5"}
-INK = "#333333"
-SMALL = 8.5  # [pt]
+NAMES = {"kinesic_reach": "kinesic, Arm.reach", "kinesic_solve": "kinesic, solve"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,25 +165,23 @@ def draw(values: Mapping[str, float], path: Path) -> Path:
     Returns:
         The path.
     """
-    known = (*OURS, *(peer.name for peer in PEERS))
+    known = (*NAMES, *(peer.name for peer in PEERS))
     names = [name for name in known if f"ik.peer_{name}_us" in values]
-    labels = [OURS.get(name, name) for name in names]
-    colours = [COLOURS[name in OURS] for name in names]
-    figure = Picture(figsize=(11.0, 1.2 + 0.34 * len(names)), layout="constrained")
-    FigureCanvasAgg(figure)
-    time, share = figure.subplots(1, 2, sharey=True)
+    labels = [NAMES.get(name, name) for name in names]
+    colours = [OURS if name in NAMES else OTHERS for name in names]
     medians = [values[f"ik.peer_{name}_us"] for name in names]
     shares = [100 * values[f"ik.peer_{name}_success"] for name in names]
-    time.barh(labels, medians, color=colours)
-    time.set_xscale("log")
-    time.set_xlabel("median of one call [µs]", fontsize=SMALL, color=INK)
-    share.barh(labels, shares, color=colours)
-    share.set_xlim(90, 100.5)
-    share.set_xlabel("targets below 1 mm [%]", fontsize=SMALL, color=INK)
-    for row, (median, reached) in enumerate(zip(medians, shares, strict=True)):
-        time.text(median, row, f" {median:.3g}", va="center", fontsize=SMALL, color=INK)
-        share.text(reached, row, f" {reached:.1f}", va="center", fontsize=SMALL, color=INK)
-    time.invert_yaxis()
-    time.margins(x=0.15)
-    figure.savefig(path, dpi=110, metadata={"Software": None})
+    with picture(path, 11.0, 1.2 + 0.34 * len(names)) as drawn:
+        time, share = drawn.subplots(1, 2, sharey=True)
+        time.barh(labels, medians, color=colours)
+        time.set_xscale("log")
+        label_axes(time, "median of one call [µs]")
+        share.barh(labels, shares, color=colours)
+        share.set_xlim(90, 100.5)
+        label_axes(share, "targets below 1 mm [%]")
+        for row, (median, reached) in enumerate(zip(medians, shares, strict=True)):
+            time.text(median, row, f" {median:.3g}", va="center", fontsize=SMALL, color=INK)
+            share.text(reached, row, f" {reached:.1f}", va="center", fontsize=SMALL, color=INK)
+        time.invert_yaxis()
+        time.margins(x=0.15)
     return path

@@ -9,11 +9,9 @@ from time import perf_counter
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure as Picture
 from numpy.random import default_rng
 
-from kinesic.bench.figure import Figure
+from kinesic.bench.figure import ALARM, INK, OURS, SMALL, Figure, label_axes, picture
 from kinesic.bench.ik.arms import targets
 from kinesic.bench.ik.tracking import LAP, RATE, damped_least_squares, ellipse
 from kinesic.body.arrays import Floats, sealed
@@ -31,8 +29,6 @@ TRAVELLED = 100  # targets
 TENTH_MM = 1e-4
 RATES = (50, 200, 1000)  # [Hz]
 DRAWN_TARGETS = 1500
-OURS, PLAIN, INK = "#2b7a78", "#b3261e", "#333333"
-SMALL = 8.5  # [pt]
 FLOOR = 1e-17  # [m] what a miss of nothing is drawn as
 
 
@@ -125,15 +121,13 @@ def _swivel(chain: Chain) -> list[Figure]:
 def draw(path: Path) -> Path:
     """Measures and draws; returns the path of the PNG."""
     chain = Robot.load().arms["l"]
-    figure = Picture(figsize=(11.0, 6.4), layout="constrained")
-    FigureCanvasAgg(figure)
-    axes = figure.subplots(2, 2)
     misses, seconds, travel = _solved(chain)
-    _shares(axes[0, 0], 1000 * misses + FLOOR, "miss of the hand [mm]", "P1: 0.1 mm is the goal", goal=0.1)
-    _shares(axes[0, 1], 1e6 * seconds, "time of one solve from Python [us]", "P1")
-    _shares(axes[1, 0], travel, "turning from rest, sum over hinges [rad]", "P3", logarithmic=False)
-    _lap(axes[1, 1], chain)
-    figure.savefig(path, dpi=110, metadata={"Software": None})
+    with picture(path, 11.0, 6.4) as drawn:
+        axes = drawn.subplots(2, 2)
+        _shares(axes[0, 0], 1000 * misses + FLOOR, "miss of the hand [mm]", "P1: 0.1 mm is the goal", goal=0.1)
+        _shares(axes[0, 1], 1e6 * seconds, "time of one solve from Python [us]", "P1")
+        _shares(axes[1, 0], travel, "turning from rest, sum over hinges [rad]", "P3", logarithmic=False)
+        _lap(axes[1, 1], chain)
     return path
 
 
@@ -157,10 +151,8 @@ def _shares(
     if logarithmic:
         axes.set_xscale("log")
     if goal is not None:
-        axes.axvline(goal, color=PLAIN, linewidth=0.8)
-    axes.set_xlabel(label, fontsize=SMALL, color=INK)
-    axes.set_ylabel("share of targets", fontsize=SMALL, color=INK)
-    axes.set_title(title, fontsize=10, color=INK)
+        axes.axvline(goal, color=ALARM, linewidth=0.8)
+    label_axes(axes, label, "share of targets", title=title)
     axes.grid(alpha=0.3)
 
 
@@ -172,11 +164,10 @@ def _lap(axes: Axes, chain: Chain) -> None:
     plain = np.concatenate(damped_least_squares(chain, ellipse, steps, 2))
     times = np.arange(2 * steps) / RATE
     for hinge in range(1, 4):
-        axes.plot(times, np.degrees(plain[:, hinge]), color=PLAIN, linewidth=0.8, label="damped least squares")
+        axes.plot(times, np.degrees(plain[:, hinge]), color=ALARM, linewidth=0.8, label="damped least squares")
         axes.plot(times, np.degrees(ours[:, hinge]), color=OURS, linewidth=1.2, label="tracker")
     axes.axvline(LAP, color=INK, linewidth=0.5)
     axes.legend(*(entries[:2] for entries in axes.get_legend_handles_labels()), fontsize=SMALL, frameon=False)
-    axes.set_xlabel("time on the ellipse, two laps [s]", fontsize=SMALL, color=INK)
-    axes.set_ylabel("shoulder hinges [deg]", fontsize=SMALL, color=INK)
-    axes.set_title("P4, P5: the second lap is the first again", fontsize=10, color=INK)
+    title = "P4, P5: the second lap is the first again"
+    label_axes(axes, "time on the ellipse, two laps [s]", "shoulder hinges [deg]", title=title)
     axes.grid(alpha=0.3)

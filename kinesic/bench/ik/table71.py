@@ -13,11 +13,9 @@ from typing import Literal
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure as Picture
 from matplotlib.ticker import FuncFormatter
 
-from kinesic.bench.figure import Figure
+from kinesic.bench.figure import ALARM, INK, OTHERS, OURS, SECOND, SMALL, Figure, name_rows, picture
 from kinesic.bench.ik.baselines import METHODS, TOLERANCE, Method, Runs, curved, run_chain
 from kinesic.body.arrays import Floats
 from kinesic.ik import KERNEL
@@ -52,9 +50,7 @@ WORDS: dict[Method, str] = {
     "dls_dense": "DLS, 3n x 3n",
     "sdls": "SDLS",
 }
-SPRINGS, HEURISTICS, JACOBIANS, THESIS_COLOUR, INK = "#2b7a78", "#d98e2b", "#5b6fb5", "#b3261e", "#333333"
 FIRST_HEURISTIC, FIRST_JACOBIAN = METHODS.index("fabrik"), METHODS.index("transpose")
-SMALL = 8.5  # [pt]
 
 
 @dataclass(frozen=True)
@@ -164,19 +160,17 @@ def draw(values: Mapping[str, float], path: Path) -> Path:
     Raises:
         KeyError: a figure of the table is missing.
     """
-    figure = Picture(figsize=(11.0, 7.6), layout="constrained")
-    FigureCanvasAgg(figure)
-    axes = figure.subplots(2, 2, sharey=True)
-    for column, bones in enumerate(SIZES):
-        _bars(axes[0, column], values, bones, "iterations")
-        _bars(axes[1, column], values, bones, "ratio")
-        axes[0, column].set_title(f"{bones} ball joints", fontsize=11, color=INK)
-    figure.suptitle(
-        "Reach without limits: residual below 1/1000 of the chain's length, at most 300 iterations", fontsize=11
-    )
-    diamond = axes[0, 0].plot([], [], "D", markerfacecolor="white", markeredgecolor=THESIS_COLOUR, linestyle="none")
-    figure.legend(diamond, ["printed in the thesis"], loc="outside lower right", fontsize=SMALL, frameon=False)
-    figure.savefig(path, dpi=110, metadata={"Software": None})
+    with picture(path, 11.0, 7.6) as drawn:
+        axes = drawn.subplots(2, 2, sharey=True)
+        for column, bones in enumerate(SIZES):
+            _bars(axes[0, column], values, bones, "iterations")
+            _bars(axes[1, column], values, bones, "ratio")
+            axes[0, column].set_title(f"{bones} ball joints", fontsize=11, color=INK)
+        drawn.suptitle(
+            "Reach without limits: residual below 1/1000 of the chain's length, at most 300 iterations", fontsize=11
+        )
+        diamond = axes[0, 0].plot([], [], "D", markerfacecolor="white", markeredgecolor=ALARM, linestyle="none")
+        drawn.legend(diamond, ["printed in the thesis"], loc="outside lower right", fontsize=SMALL, frameon=False)
     return path
 
 
@@ -188,7 +182,7 @@ def _bars(axes: Axes, values: Mapping[str, float], bones: int, quantity: Quantit
         value, thesis = values[table_name(method, bones, quantity)], printed(method, bones, quantity)
         axes.barh(-row, value - begin, left=begin, height=0.66, color=_colour(method), zorder=2)
         if thesis is not None:
-            axes.plot(thesis, -row, "D", markersize=6, markerfacecolor="white", markeredgecolor=THESIS_COLOUR, zorder=4)
+            axes.plot(thesis, -row, "D", markersize=6, markerfacecolor="white", markeredgecolor=ALARM, zorder=4)
         figure = f"{value:.1f}" if counted else f"{value:.2f}"
         axes.text(1.01, -row, figure, transform=axes.get_yaxis_transform(), va="center", fontsize=SMALL, color=INK)
         success = values[table_name(method, bones, "success")]
@@ -199,14 +193,11 @@ def _bars(axes: Axes, values: Mapping[str, float], bones: int, quantity: Quantit
     axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
     unit = f"median time, in those of thesis method 2 ({values[table_name(REFERENCE, bones, 'us')]:.1f} \u00b5s)"
     axes.set_xlabel("iterations, mean" if counted else unit, fontsize=SMALL)
-    axes.set_yticks([-row for row in range(len(METHODS))], [WORDS[method] for method in METHODS])
-    axes.tick_params(labelsize=SMALL, length=2)
+    name_rows(axes, [WORDS[method] for method in METHODS])
     axes.tick_params(axis="y", length=0)
     axes.grid(visible=True, axis="x", color="#e4e4e4", linewidth=0.6)
-    for side in ("top", "right", "left"):
-        axes.spines[side].set_visible(False)
 
 
 def _colour(method: Method) -> str:
     row = METHODS.index(method)
-    return SPRINGS if row < FIRST_HEURISTIC else HEURISTICS if row < FIRST_JACOBIAN else JACOBIANS
+    return OURS if row < FIRST_HEURISTIC else SECOND if row < FIRST_JACOBIAN else OTHERS
