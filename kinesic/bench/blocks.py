@@ -1,11 +1,19 @@
-"""Blocks that benches perform: a passage of about five seconds, and crowds of gestures that no servo can follow.
+"""Blocks that benches perform: a passage, crowds of gestures that no servo can follow, and documents of a corpus.
 
-The passage moves both hands, head and torso and is perturbed at each repetition; a crowd is the same for the same
-seed.
+The passage takes about five seconds, moves both hands, head and torso and is perturbed at each repetition; a crowd is
+the same for the same seed, and so is the choice of documents. Others wrote these; they are not part of the project.
 """
 
+import os
 import random
 from collections.abc import Sequence
+from pathlib import Path
+
+from kinesic.bml.block import BmlError
+from kinesic.controller.perform import plan
+from kinesic.planning.plan import Plan
+from kinesic.planning.setup import Setup
+from kinesic.report.batch import documents
 
 PASSAGE = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="passage">
   <gesture id="g1" lexeme="offer" mode="BOTH_HANDS" start="{0:.3f}" stroke="{1:.3f}" end="{2:.3f}"/>
@@ -19,6 +27,8 @@ PASSAGE = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="passage"
 TIMES = (0.2, 1.0, 2.2, 2.7, 3.9, 5.0, 0.4, 2.0, 3.4, 4.7)  # [s]
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="crowd">{}</bml>'
 MODES = ("LEFT_HAND", "RIGHT_HAND", "BOTH_HANDS")
+SEED = 50
+LONGEST = 60.0  # [s] of a block
 
 
 def passage_text(repetition: int) -> str:
@@ -49,3 +59,32 @@ def crowd(seed: int, lexemes: Sequence[str]) -> str:
         for k in range(chance.randint(0, 2))
     ]
     return ROOT.format("".join(lines))
+
+
+def corpus_folder() -> Path | None:
+    """KINESIC_CORPUS, or `shared/corpus` beside the project; None where there is none."""
+    path = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
+    return path if path.is_dir() else None
+
+
+def plan_corpus(where: Path, known: Setup, count: int) -> tuple[Plan, ...]:
+    """The first so many documents, in a seeded order, that perform a stroke.
+
+    Args:
+        where: the folder.
+        known: what planning needs.
+        count: of documents.
+    """
+    files = documents((where,))
+    random.Random(SEED).shuffle(files)
+    chosen: list[Plan] = []
+    for file in files:
+        try:
+            found = plan(file.read_bytes(), known, source=str(file))
+        except BmlError:
+            continue
+        if found.duration <= LONGEST and any(sync.is_stroke for sync in found.syncs):
+            chosen.append(found)
+        if len(chosen) == count:
+            break
+    return tuple(chosen)

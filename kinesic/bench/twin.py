@@ -10,8 +10,7 @@ from time import process_time
 
 import numpy as np
 
-from kinesic.bench import corpus
-from kinesic.bench.blocks import passage_text
+from kinesic.bench.blocks import corpus_folder, passage_text, plan_corpus
 from kinesic.bench.figure import Figure
 from kinesic.body.arrays import Floats
 from kinesic.controller.feedforward import Terms
@@ -80,8 +79,8 @@ def tracking_figures(known: Setup, blocks: int = BLOCKS) -> list[Figure]:
 
     Only the first has goals; the others stand beside it.
     """
-    where = corpus.folder()
-    plans = corpus.blocks(where, known, blocks) if where else ()
+    where = corpus_folder()
+    plans = plan_corpus(where, known, blocks) if where else ()
     why = "" if plans else "no corpus of BML documents (KINESIC_CORPUS)"
     return [
         Figure(f"twin.{name}_{twin}{kind}", value, UNITS[name], _goal(name, twin, kind), "lower", why)

@@ -3,8 +3,8 @@ import json
 import numpy as np
 import pytest
 
-from kinesic.bench import corpus, plan, twin
-from kinesic.bench.blocks import crowd
+from kinesic.bench import plan, twin
+from kinesic.bench.blocks import corpus_folder, crowd, plan_corpus
 from kinesic.bench.figure import Figure
 from kinesic.bench.plan import first_command
 from kinesic.cli.bench import PARTS, bench
@@ -44,7 +44,7 @@ def test_twin_measures_speed_and_clearance(brief):
     assert figures["twin.clearance"].ok
 
 
-@pytest.mark.skipif(corpus.folder() is None, reason="no corpus of BML documents (KINESIC_CORPUS)")
+@pytest.mark.skipif(corpus_folder() is None, reason="no corpus of BML documents (KINESIC_CORPUS)")
 def test_feed_forward_and_correction_each_bring_servos_nearer_to_the_plan():
     figures = {figure.name: figure for figure in twin.tracking_figures(set_up(), 3)}
     for twin_name in ("nominal", "pessimistic"):
@@ -64,11 +64,11 @@ def test_without_a_corpus_the_table_is_null_and_says_why(monkeypatch):
 
 
 def test_the_choice_of_documents_is_the_same_each_time():
-    where = corpus.folder()
+    where = corpus_folder()
     if where is None:
         pytest.skip("no corpus of BML documents (KINESIC_CORPUS)")
     known = set_up()
-    first, again = (corpus.blocks(where, known, 2) for _ in range(2))
+    first, again = (plan_corpus(where, known, 2) for _ in range(2))
     assert [plan.timeline.block.id for plan in first] == [plan.timeline.block.id for plan in again]
 
 

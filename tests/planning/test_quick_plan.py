@@ -1,12 +1,13 @@
 import numpy as np
 import pytest
 
-from kinesic.bench.blocks import passage_text
 from kinesic.bml.parse import parse
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.limit_check import peaks
 from kinesic.planning.quick_plan import duration, plan_quickly
+
+from ..passage import passage_text
 
 LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 

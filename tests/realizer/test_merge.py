@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinesic.bench.blocks import passage_text
 from kinesic.bench.bml import merging
 from kinesic.bml.block import NoticeType
 from kinesic.bml.parse import parse
@@ -16,6 +15,8 @@ from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.quick_plan import plan_quickly
 from kinesic.realizer.merge import merge, replace_motion
 from kinesic.realizer.occupancy import arm_hinges
+
+from ..passage import passage_text
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 NOD = '<head id="n" lexeme="NOD"/>'

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from kinesic.bench.blocks import passage_text
 from kinesic.bml.parse import parse
 from kinesic.motion.trajectory import STEP, stay
 from kinesic.planning.quick_plan import plan_quickly
@@ -11,6 +10,7 @@ from kinesic.realizer.merge import merge
 from kinesic.realizer.occupancy import arm_hinges, freed_hinges
 from kinesic.realizer.release import release_motion, tail
 
+from ..passage import passage_text
 from .certified import certified
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinesic.bench.blocks import passage_text
 from kinesic.bml.parse import parse
 from kinesic.expressivity.style.style import Style
 from kinesic.motion.trajectory import stay
@@ -16,6 +15,7 @@ from kinesic.realizer.occupancy import arm_hinges
 from kinesic.realizer.release import release_motion
 from kinesic.realizer.replan import replan
 
+from ..passage import passage_text
 from .certified import certified
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="c">{}</bml>'

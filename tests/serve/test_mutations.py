@@ -7,11 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kinesic.bench.bml.mutations import MUTATIONS, mutate
-from kinesic.bench.corpus import folder
+from kinesic.bench.blocks import corpus_folder
 from kinesic.body.command import RATE
 from kinesic.body.config import CONFIGS
 from kinesic.report.batch import documents
+
+from .mutations import MUTATIONS, mutate
 
 pytestmark = pytest.mark.realtime
 
@@ -34,7 +35,7 @@ def test_the_same_seed_makes_the_same_document():
 
 
 def test_a_sample_of_them_is_answered_while_the_robot_performs(abused, monkeypatch):
-    where = folder()
+    where = corpus_folder()
     files = OWN if where is None else documents((where,))
     chance = random.Random(7)
     crowd = [mutate(chance.choice(files).read_bytes()[:6000], seed) for seed in range(COUNT)]

@@ -9,13 +9,14 @@ import sys
 
 import pytest
 
-from kinesic.bench.bml.mutations import mutate
+from kinesic.bench.blocks import corpus_folder
 from kinesic.bench.bml.server import FLAT, endurance, open_server
-from kinesic.bench.corpus import folder
 from kinesic.body.config import CONFIGS
 from kinesic.client import Client
 from kinesic.report.batch import documents
 from kinesic.serve.quotas import USUAL
+
+from ..serve.mutations import mutate
 
 DOCUMENTS = 10_000
 MINUTES = 10
@@ -31,7 +32,7 @@ def test_ten_blocks_a_second_for_ten_minutes_lose_nothing_and_memory_stays():
 
 
 def test_mutated_documents_neither_crash_nor_stall_it():
-    where = folder()
+    where = corpus_folder()
     files = sorted((CONFIGS / "bml").glob("*.bml")) if where is None else documents((where,))
     chance = random.Random(7)
     texts = [file.read_bytes()[:6000] for file in files]

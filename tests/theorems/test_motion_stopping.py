@@ -6,12 +6,13 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinesic.bench.blocks import passage_text
 from kinesic.controller.perform import plan, set_up
 from kinesic.motion.limit_check import peaks
 from kinesic.motion.stopping import cut_knot, stop
 from kinesic.motion.trajectory import STEP
 from kinesic.planning.plan import Plan
+
+from ..passage import passage_text
 
 
 @lru_cache(maxsize=2)

@@ -3,9 +3,15 @@
 from collections.abc import Iterator
 
 from kinesic.bench.bml.conformance import play_suite
-from kinesic.bench.bml.expectations import Parsing, ReferenceSuite, Scenarios, expected
+from kinesic.bench.bml.expectations import (
+    ExpectationVerdict,
+    Parsing,
+    ReferenceSuite,
+    Scenarios,
+    expected,
+    verdict_figures,
+)
 from kinesic.bench.bml.parsing import judge_parsing, judge_references
-from kinesic.bench.bml.verdict import ExpectationVerdict, verdict_figures
 from kinesic.bench.figure import Figure
 from kinesic.controller.perform import set_up
 

@@ -9,8 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from xml.etree.ElementTree import Element, tostring
 
-from kinesic.bench.bml.expectations import Scenario, Scenarios, Step
-from kinesic.bench.bml.verdict import ExpectationVerdict
+from kinesic.bench.bml.expectations import ExpectationVerdict, Scenario, Scenarios, Step
 from kinesic.bench.bml.virtual_realizer import Feedback, Realizer, ReceivedMessage
 from kinesic.bml.block import BmlError, Gaze, Gesture, HeadDirectionShift, Pointing
 from kinesic.bml.parse import parse

@@ -1,18 +1,22 @@
-"""Files of expectations: what the tests of others state about documents, as typed data.
+"""Reads what the tests of others state about documents, as typed data, and says what became of each expectation.
 
-Their schemas stand in a page beside them; `null` means that nothing is stated.
+The schemas of the files stand in a page beside them; `null` means that nothing is stated.
 """
 
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
 import msgspec
 
-from kinesic.bench.corpus import folder
+from kinesic.bench.blocks import corpus_folder
+from kinesic.bench.figure import Figure
 
 EXPECTATIONS = "expectations"
 
 Shape = TypeVar("Shape")
+GOAL = 0.97  # share of a suite that must pass
 
 
 class Step(msgspec.Struct, frozen=True):
@@ -151,7 +155,37 @@ def expected(name: str, shape: type[Shape]) -> tuple[Path, Shape] | None:
     Returns:
         The folder of the documents that the file is about, and what it states.
     """
-    where = folder()
+    where = corpus_folder()
     if where is None or not (file := where / EXPECTATIONS / f"{name}.json").is_file():
         return None
     return where / name, msgspec.json.decode(file.read_bytes(), type=shape)
+
+
+@dataclass(frozen=True)
+class ExpectationVerdict:
+    """One expectation."""
+
+    suite: str
+    name: str
+    why: str = ""  # it failed; empty: passed
+
+    @property
+    def passed(self) -> bool:
+        """Whether it holds."""
+        return not self.why
+
+
+def verdict_figures(verdicts: Sequence[ExpectationVerdict]) -> Iterator[Figure]:
+    """For each suite how many pass and how many fail, and for each that fails why.
+
+    Args:
+        verdicts: of any suites.
+    """
+    for suite in dict.fromkeys(verdict.suite for verdict in verdicts):
+        own = [verdict for verdict in verdicts if verdict.suite == suite]
+        failed = [verdict for verdict in own if not verdict.passed]
+        name = f"bml.{suite}"
+        yield Figure(f"{name}.passed", len(own) - len(failed), f"of {len(own)}", GOAL * len(own), "higher")
+        yield Figure(f"{name}.failed", len(failed), f"of {len(own)}", (1.0 - GOAL) * len(own), "lower")
+        for verdict in failed:
+            yield Figure(f"{name}.{verdict.name}", 0.0, "passed", 1.0, "higher", verdict.why)

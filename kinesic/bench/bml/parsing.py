@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from kinesic.bench.bml.expectations import (
+    ExpectationVerdict,
     Fact,
     Inline,
     Later,
@@ -13,7 +14,6 @@ from kinesic.bench.bml.expectations import (
     Stated,
     Time,
 )
-from kinesic.bench.bml.verdict import ExpectationVerdict
 from kinesic.bml.block import Block, BmlError, SyncRef
 from kinesic.bml.parse import parse
 from kinesic.bml.reading.references import Names, parse_ref, write_reference

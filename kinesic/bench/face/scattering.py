@@ -4,8 +4,7 @@ from dataclasses import replace
 from functools import partial
 from statistics import median
 
-from kinesic.bench.face.colour_difference import difference
-from kinesic.bench.face.occlusion import milliseconds
+from kinesic.bench.face.occlusion import difference, milliseconds
 from kinesic.body.arrays import Flags
 from kinesic.face.assets.action_units import intensities
 from kinesic.face.render.camera import FRONT

@@ -8,12 +8,19 @@ import pytest
 from msgspec import structs
 
 from kinesic.bench import bml
+from kinesic.bench.blocks import corpus_folder
 from kinesic.bench.bml.conformance import CHECKS, place_targets, play_suite
-from kinesic.bench.bml.expectations import Parsing, ReferenceSuite, Scenarios, Step, expected
+from kinesic.bench.bml.expectations import (
+    ExpectationVerdict,
+    Parsing,
+    ReferenceSuite,
+    Scenarios,
+    Step,
+    expected,
+    verdict_figures,
+)
 from kinesic.bench.bml.parsing import judge_parsing, judge_references
-from kinesic.bench.bml.verdict import ExpectationVerdict, verdict_figures
 from kinesic.bench.bml.virtual_realizer import Feedback, Realizer, ReceivedMessage, read_message
-from kinesic.bench.corpus import folder
 from kinesic.controller.perform import set_up
 
 NOD = (
@@ -171,7 +178,7 @@ def test_without_a_corpus_figures_have_a_reason(corpus: Path) -> None:
     found = bml.bench()
     assert [figure.value for figure in found] == [None, None, None]
     assert all("KINESIC_CORPUS" in figure.why for figure in found)
-    assert folder() == corpus
+    assert corpus_folder() == corpus
 
 
 def test_every_shown_expectation_passes() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kinesic.bench import face
-from kinesic.bench.face import colour_difference
+from kinesic.bench.face.occlusion import difference, lab
 from kinesic.cli.bench import PARTS
 from kinesic.face.display import available
 
@@ -76,8 +76,8 @@ def test_frames_are_counted_for_every_preset(monkeypatch: pytest.MonkeyPatch):
 
 def test_colours_are_apart_as_people_see_them():
     grey, white = np.full((1, 1, 3), 119, np.uint8), np.full((1, 1, 3), 255, np.uint8)
-    np.testing.assert_allclose(colour_difference.lab(white)[0, 0], (100.0, 0.0, 0.0), atol=1e-2)
-    np.testing.assert_allclose(colour_difference.lab(grey)[0, 0], (50.0, 0.0, 0.0), atol=0.3)
+    np.testing.assert_allclose(lab(white)[0, 0], (100.0, 0.0, 0.0), atol=1e-2)
+    np.testing.assert_allclose(lab(grey)[0, 0], (50.0, 0.0, 0.0), atol=0.3)
     red = np.array([[[255, 0, 0]]], np.uint8)
-    np.testing.assert_allclose(colour_difference.lab(red)[0, 0], (53.24, 80.09, 67.20), atol=0.05)
-    assert colour_difference.difference(grey, grey)[0, 0] == 0.0
+    np.testing.assert_allclose(lab(red)[0, 0], (53.24, 80.09, 67.20), atol=0.05)
+    assert difference(grey, grey)[0, 0] == 0.0

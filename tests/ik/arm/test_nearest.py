@@ -1,7 +1,7 @@
 import numpy as np
 from numpy.random import default_rng
 
-from kinesic.bench.ik.best_posture import best_posture
+from kinesic.bench.ik.tasks import best_posture
 from kinesic.body.arrays import Floats
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot

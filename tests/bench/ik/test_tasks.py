@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from numpy.random import default_rng
 
-from kinesic.bench.ik.best_posture import best_posture
+from kinesic.bench.ik.tasks import best_posture
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
 
@@ -43,5 +43,5 @@ def test_beyond_reach_more_beginnings_are_never_worse_and_the_seed_decides():
 
 
 def test_the_room_is_imported_without_casadi():
-    code = "import sys, kinesic.bench.ik.best_posture; sys.exit('casadi' in sys.modules)"
+    code = "import sys, kinesic.bench.ik.tasks; sys.exit('casadi' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
