@@ -7,10 +7,9 @@ from pathlib import Path
 from typing import Literal
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.chain import Chain
+from kinesic.body.chain import Chain, idealise
 from kinesic.body.config import locate
 from kinesic.body.description import Description, Site
-from kinesic.body.ideal import ideal
 from kinesic.body.robot_file import read_description
 from kinesic.body.servo import Drives
 
@@ -55,8 +54,12 @@ class Robot(Description):
         Raises:
             ConfigError: there is no such robot, or its file is wrong.
         """
-        found = read_description(locate("robot", name), calibrated=calibrated)
-        return cls(**{field.name: getattr(found, field.name) for field in fields(found)})
+        return cls.of(read_description(locate("robot", name), calibrated=calibrated))
+
+    @classmethod
+    def of(cls, description: Description) -> "Robot":
+        """The robot that a description describes."""
+        return cls(**{field.name: getattr(description, field.name) for field in fields(description)})
 
     @cached_property
     def drives(self) -> Drives:
@@ -76,7 +79,7 @@ class Robot(Description):
     def _chain(self, side: Side) -> Chain:
         arm = self.arm(side)
         chain = Chain.of(self.skeleton, f"{side}_arm", arm.segments, along=arm.palm.position, palm=arm.palm.facing)
-        return ideal(chain)
+        return idealise(chain)
 
     def arm(self, side: Side) -> RobotArm:
         """Where an arm is in the skeleton; `arms` has its chain."""

@@ -1,4 +1,7 @@
-"""The tables of a robot's TOML and of `configs/servos.toml`."""
+"""The tables of a robot's TOML and of `configs/servos.toml`, and how they are written; `robot_file` reads them."""
+
+import json
+from collections.abc import Mapping, Sequence
 
 import msgspec
 
@@ -135,3 +138,73 @@ class RobotFile(Strict):
     servos: dict[str, ServoTable] = {}
     supply: SupplyTable | None = None
     bus: list[object] = []
+
+
+def robot_text(file: RobotFile, *, heading: Sequence[str], remarks: Mapping[str, str]) -> str:
+    """The TOML of a robot without mirror and without buses.
+
+    Args:
+        file: the tables.
+        heading: lines of the comment at its top.
+        remarks: hinge or servo -> comment.
+    """
+    parts = [
+        [f"# {line}".rstrip() for line in heading],
+        _table("[robot]", {"name": file.robot.name}),
+        [] if file.robot.imported is None else _table("[robot.imported]", _plain(file.robot.imported)),
+        *(_body(body) for body in file.body),
+        *(_hinge(hinge, remarks.get(hinge.name, "")) for hinge in file.hinge),
+        _table("[chains]", file.chains),
+        _table("[sites]", {name: _plain(site) for name, site in file.sites.items()}),
+        _table("[rest]", file.rest),
+        [
+            *_table("[collision]", {"clearance": file.collision.clearance}),
+            "exclude = [",
+            *(f"  {_value(_plain(entry))}," for entry in file.collision.exclude),
+            "]",
+        ],
+        _table("[targets]", file.targets),
+        *(_table(f"[servos.{name}]", _plain(servo), remarks.get(name, "")) for name, servo in file.servos.items()),
+    ]
+    return "\n\n".join("\n".join(part) for part in parts if part) + "\n"
+
+
+def _table(header: str, rows: Mapping[str, object], remark: str = "") -> list[str]:
+    return [f"{header}  # {remark}" if remark else header, *(f"{key} = {_value(value)}" for key, value in rows.items())]
+
+
+def _body(body: BodyTable) -> list[str]:
+    rows = {key: value for key, value in _plain(body).items() if key != "capsules"}
+    capsules = [f"  {_value(_plain(capsule))}," for capsule in body.capsules]
+    return [*_table("[[body]]", rows), "capsules = [", *capsules, "]"]
+
+
+def _hinge(hinge: HingeTable, remark: str) -> list[str]:
+    rows = _plain(hinge)
+    name, *rest = _table("[[hinge]]", rows)[1:]
+    return ["[[hinge]]", f"{name}  # {remark}" if remark else name, *rest]
+
+
+def _plain(table: msgspec.Struct) -> dict[str, object]:
+    """Its keys as the file writes them, without what is the default."""
+    found: dict[str, object] = {}
+    for field in msgspec.structs.fields(table):
+        value = getattr(table, field.name)
+        if value != field.default and value is not None:
+            found[field.encode_name] = value
+    return found
+
+
+def _value(value: object) -> str:
+    """A value of TOML on one line."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, msgspec.Struct):
+        return _value(_plain(value))
+    if isinstance(value, Mapping):
+        return f"{{ {', '.join(f'{key} = {_value(inner)}' for key, inner in value.items())} }}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(_value(inner) for inner in value)}]"
+    return repr(value)

@@ -7,7 +7,7 @@ import numpy as np
 from rich.table import Table
 
 from kinesic.body.config import CONFIGS, ConfigError
-from kinesic.body.robot_text import robot_text
+from kinesic.body.robot_schema import robot_text
 from kinesic.cli.terminal import console
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.planning.workspace import workspace

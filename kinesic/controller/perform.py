@@ -10,8 +10,7 @@ from typing import Literal, TypedDict, Unpack
 from kinesic.bml.block import Dialect
 from kinesic.bml.parse import parse
 from kinesic.body.arrays import Floats
-from kinesic.body.command import RATE
-from kinesic.body.measurements import Measurements
+from kinesic.body.command import RATE, Measurements
 from kinesic.body.robot import Robot
 from kinesic.controller.feedforward import Terms, lead
 from kinesic.controller.observer import Observer, correct_goals

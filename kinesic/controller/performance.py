@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from kinesic.body.arrays import Flags, Floats, sealed
-from kinesic.body.measurements import Measurements
+from kinesic.body.command import Measurements
 from kinesic.body.robot import SIDES, PartName, Robot
 from kinesic.controller.arrival import Arrival, arrivals, lags, part_paths
 from kinesic.controller.smoothness import dimensionless_jerk

@@ -1,7 +1,7 @@
 """Finds joint angles for a reach: `solve`, `pose`, `two_hands` and `track`."""
 
 from kinesic.body.reach import Reach
-from kinesic.ik.kernel_choice import KERNEL, Kernel
+from kinesic.ik.arm.compiled import KERNEL, Kernel
 from kinesic.ik.pose import PoseSolution
 from kinesic.ik.pose import solve_pose as pose
 from kinesic.ik.solve import Solution, solve

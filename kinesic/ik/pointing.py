@@ -10,13 +10,12 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
 from kinesic.ik.angles import arccosine
-from kinesic.ik.arm.compiled import arm_of
+from kinesic.ik.arm.compiled import KERNEL, Kernel, arm_of
 from kinesic.ik.arm.linkage import Link, Linkage, linkage_of
 from kinesic.ik.arm.mirror import is_right, mirror_chain, mirror_reach
 from kinesic.ik.arm.shoulder_elbow import place_of
 from kinesic.ik.arm.swivel_search import Cell, cell_at, present_swivel
 from kinesic.ik.arm.wrist import HandDirection, orient
-from kinesic.ik.kernel_choice import KERNEL, Kernel
 from kinesic.ik.scalar3 import Rotation, after, dot, rotated, vector
 from kinesic.ik.solve import Solution, solve, wishes_of
 

@@ -14,13 +14,12 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
+from kinesic.ik.arm.hinges import first_of_two, turn_towards
 from kinesic.ik.arm.linkage import Link, Linkage, linkage_of
 from kinesic.ik.arm.mirror import ACROSS, is_right, mirror_chain
-from kinesic.ik.arm.subproblems import first_of_two, turn_towards
 from kinesic.ik.arm.swivel_search import Cell, cells
 from kinesic.ik.arm.wrist import HandDirection, orient
 from kinesic.ik.box_lm import Box, Errors, descend
-from kinesic.ik.checks import as_floats
 from kinesic.ik.scalar3 import (
     IDENTITY,
     Rotation,
@@ -35,6 +34,7 @@ from kinesic.ik.scalar3 import (
     unit,
     vector,
 )
+from kinesic.ik.solve import as_floats
 
 NEAR_ENOUGH = 1e-4  # [m] residual and ...
 LIKE_ENOUGH = 1e-3  # ... [rad] turn at which the pose is held

@@ -14,14 +14,13 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
 from kinesic.ik.angles import arccosine
-from kinesic.ik.arm.compiled import arm_of
+from kinesic.ik.arm.compiled import KERNEL, Kernel, arm_of
 from kinesic.ik.arm.linkage import Linkage, linkage_of
 from kinesic.ik.arm.mirror import is_right, mirror_chain, mirror_place, mirror_reach
 from kinesic.ik.arm.multistart import STALLED, approach
 from kinesic.ik.arm.nearest import finish
 from kinesic.ik.arm.shoulder_elbow import Bend, ShoulderPlace, bend_elbow, place_of, place_shoulder
 from kinesic.ik.arm.wrist import HandDirection, orient
-from kinesic.ik.kernel_choice import KERNEL, Kernel
 from kinesic.ik.scalar3 import Vector, distance, dot, rotated, unit, vector
 
 REACHED = 1e-3  # [m] residual at which the hand is there
@@ -84,9 +83,9 @@ def _examined(
 ) -> Solution:
     """The answer to a question that is refused in words, or first brought to its form."""
     reach = _checked(reach)
-    start = _finite("start", start, len(chain.rest))
-    rest = chain.rest if rest is None else _finite("rest", rest, len(chain.rest))
-    mobility = None if mobility is None else _finite("mobility", mobility, len(chain.rest))
+    start = as_floats("start", start, (len(chain.rest),))
+    rest = chain.rest if rest is None else as_floats("rest", rest, (len(chain.rest),))
+    mobility = None if mobility is None else as_floats("mobility", mobility, (len(chain.rest),))
     if kernel == "compiled":
         answer = _compiled(chain, reach, start, rest, mobility)
         if answer is not None:
@@ -173,26 +172,34 @@ def _checked(reach: Reach) -> Reach:
     Raises:
         ValueError: it is none.
     """
-    position = _finite("reach.position", reach.position, 3)
+    position = as_floats("reach.position", reach.position, (3,))
     pointing, palm = (
         None if direction is None else _direction(name, direction)
         for name, direction in (("reach.pointing", reach.pointing), ("reach.palm", reach.palm))
     )
-    swivel = None if reach.swivel is None else float(_finite("reach.swivel", np.array([reach.swivel]), 1)[0])
+    swivel = None if reach.swivel is None else float(as_floats("reach.swivel", np.array([reach.swivel]), (1,))[0])
     return Reach(position, pointing, palm, swivel)
 
 
 def _direction(name: str, values: Floats) -> Floats:
-    direction = _finite(name, values, 3)
+    direction = as_floats(name, values, (3,))
     if not np.linalg.norm(direction) > 0.0:
         raise ValueError(f"{name} is the null vector; give a direction such as [1, 0, 0], or None")
     return direction
 
 
-def _finite(name: str, values: Floats, size: int) -> Floats:
+def as_floats(name: str, values: Floats, shape: tuple[int, ...]) -> Floats:
+    """Checks an array that was asked with.
+
+    Returns:
+        The values as contiguous float64.
+
+    Raises:
+        ValueError: the shape is wrong or a number is not finite.
+    """
     array = np.asarray(values, dtype=np.float64)
-    if array.shape != (size,):
-        raise ValueError(f"{name} has shape {array.shape}; it needs {size} numbers, shape ({size},)")
+    if array.shape != shape:
+        raise ValueError(f"{name} has shape {array.shape}; it needs shape {shape}")
     if not np.isfinite(array).all():
         raise ValueError(f"{name} is {array.tolist()}; every number must be finite")
     return np.ascontiguousarray(array)

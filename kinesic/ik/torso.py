@@ -15,10 +15,9 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot, Side
 from kinesic.body.skeleton import Hinge
-from kinesic.ik.arm.compiled import arm_of
+from kinesic.ik.arm.compiled import KERNEL, Kernel, arm_of
 from kinesic.ik.arm.linkage import Linkage, linkage_of
 from kinesic.ik.arm.shoulder_elbow import gap
-from kinesic.ik.kernel_choice import KERNEL, Kernel
 from kinesic.ik.scalar3 import Vector, cross, dot, minus, plus, turned, unit, vector
 
 EASY = 0.96  # of the arm's reach, within which no hand asks the torso

@@ -4,8 +4,9 @@ The arms are independent but for the torso. So each attempt takes a torso postur
 all hinges together remove what is left; the first attempt begins with the present torso, so that it moves little.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product
 
 import numpy as np
@@ -13,17 +14,73 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.body.skeleton import Skeleton
 from kinesic.ik.arm.linkage import linkage_of
 from kinesic.ik.box_lm import Box, Descent, Errors, descend
-from kinesic.ik.checks import as_floats
-from kinesic.ik.hinge_chain import strand_to
-from kinesic.ik.solve import solve
+from kinesic.ik.scalar3 import IDENTITY, Vector, after, cross, minus, plus, rotated, vector
+from kinesic.ik.solve import as_floats, solve
 
 REACHED = 1e-3  # [m]
 TOLERANCE = 1e-6  # of the arm's length, at which an attempt ends
 TORSO_WEIGHT = 0.15
 SPREAD = (0.25, 0.75)  # of each torso hinge's range: where attempts begin beside the present posture
 YIELDING = (0.1, 0.01, 0.001)  # weights of the hand that yields, one after another
+
+
+@dataclass(frozen=True)
+class ChainLink:
+    """One part on the way: where it sits on the one before, and what turns it."""
+
+    offset: Vector  # [m] of its centre in the part before
+    hinges: tuple[tuple[int, Vector, Vector], ...]  # index in the robot's joint order, axis, where it passes [m]
+
+
+@dataclass(frozen=True)
+class Strand:
+    """From the root to a segment; its own hinges are left out where they pass its centre and do not move it."""
+
+    segments: tuple[ChainLink, ...]
+
+    @property
+    def joints(self) -> tuple[int, ...]:
+        """Indices of its hinges in the robot's joint order."""
+        return tuple(joint for segment in self.segments for joint, _, _ in segment.hinges)
+
+    def end(self, angles: Sequence[float]) -> tuple[Vector, Floats]:
+        """Where the end is, and how it moves.
+
+        Args:
+            angles: (n,) [rad] of the whole robot.
+
+        Returns:
+            The end's centre [m] in the world, and (h, 3) [m/rad] its motion with each hinge of `joints`.
+        """
+        rotation, centre = IDENTITY, (0.0, 0.0, 0.0)
+        axes: list[tuple[Vector, Vector]] = []
+        for segment in self.segments:
+            centre = plus(centre, rotated(rotation, segment.offset))
+            for joint, axis, at in segment.hinges:
+                pole = plus(centre, rotated(rotation, at))
+                axes.append((rotated(rotation, axis), pole))
+                rotation = after(rotation, axis, angles[joint])
+                centre = minus(pole, rotated(rotation, at))
+        return centre, np.array([cross(axis, minus(centre, pole)) for axis, pole in axes])
+
+
+@lru_cache(maxsize=32)
+def strand_to(skeleton: Skeleton, name: str) -> Strand:
+    """The strand that carries a segment's centre."""
+    segments: list[ChainLink] = []
+    at: str | None = name
+    while at is not None:
+        part = skeleton.segments[skeleton.segment(at)]
+        joints = [joint for joint in skeleton.joints_of((at,)) if at != name or skeleton.hinges[joint].at.any()]
+        hinges = tuple(
+            (joint, vector(skeleton.hinges[joint].axis), vector(skeleton.hinges[joint].at)) for joint in joints
+        )
+        segments.append(ChainLink(vector(part.origin_in_parent), hinges))
+        at = part.parent
+    return Strand(tuple(reversed(segments)))
 
 
 @dataclass(frozen=True, eq=False)

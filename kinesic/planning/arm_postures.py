@@ -12,7 +12,7 @@ from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.keyframes import Hand
 from kinesic.ik.arm.refine import refine_posture
-from kinesic.ik.arm.shoulder import carry_shoulder
+from kinesic.ik.arm.shoulder_elbow import carry_shoulder
 from kinesic.ik.arm.swivel import swivel
 from kinesic.ik.pointing import best_swivel
 from kinesic.ik.solve import solve

@@ -7,8 +7,8 @@ from zipfile import BadZipFile
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
+from kinesic.body.command import Measurements
 from kinesic.body.config import ConfigError
-from kinesic.body.measurements import Measurements
 from kinesic.body.robot import Robot
 
 FORMAT = (

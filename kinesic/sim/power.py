@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.measurements import Power
+from kinesic.body.command import Power
 from kinesic.body.servo import Drives
 
 Indices = NDArray[np.intp]

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.command import Command, State
-from kinesic.body.measurements import Measurements
+from kinesic.body.command import Command, Measurements, State
 from kinesic.body.robot import SIDES, Robot
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.kinematics import MotionFrames, motion_frames

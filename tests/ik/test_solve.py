@@ -7,7 +7,7 @@ from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
 from kinesic.ik import KERNEL
 from kinesic.ik.arm.swivel import swivel
-from kinesic.ik.solve import Solution, solve
+from kinesic.ik.solve import Solution, as_floats, solve
 
 ROBOT = Robot.load()
 LEFT, RIGHT = ROBOT.arms["l"], ROBOT.arms["r"]
@@ -196,3 +196,14 @@ def test_a_start_outside_the_ranges_is_pulled_in_and_said(kernel) -> None:
     assert outside.pulled_in == pytest.approx(0.3)
     assert np.all((chain.lower <= outside.angles) & (outside.angles <= chain.upper))
     assert solve(chain, Reach(chain.hand(chain.rest)), start=chain.rest, kernel=kernel).pulled_in == 0.0
+
+
+def test_good_numbers_pass_as_floats():
+    assert as_floats("place", [1, 2, 3], (3,)).dtype == np.float64
+
+
+def test_others_are_refused_and_explained():
+    with pytest.raises(ValueError, match=r"place has shape \(2,\); it needs shape \(3,\)"):
+        as_floats("place", np.zeros(2), (3,))
+    with pytest.raises(ValueError, match=r"place is \[inf, 0.0\]; every number must be finite"):
+        as_floats("place", np.array([np.inf, 0.0]), (2,))

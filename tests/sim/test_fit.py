@@ -4,7 +4,7 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
-from kinesic.sim.fit import fit_factors
+from kinesic.sim.fit import REPLAY_STEP, _sums, fit_factors, replay_log
 from kinesic.sim.fit_parameters import DEFAULT
 from kinesic.sim.log import Log
 from kinesic.sim.servo_factors import NOMINAL, DriveFactors, Factors
@@ -13,7 +13,7 @@ from kinesic.sim.twin import STEP, Twin
 ROBOT = Robot.load()
 SKELETON = ROBOT.skeleton
 MOVING = tuple(figure for figure in DEFAULT if figure != "gain")
-TICKS = np.array([drive.tick for drive in ROBOT.drives])
+TICKS = ROBOT.drives.tick
 WORN = Factors(
     latency=0.006,
     servos={
@@ -24,6 +24,10 @@ WORN = Factors(
         "xc330_t288": DriveFactors(stall=0.75, no_load=0.9, friction=1.5, armature=1.4),
     },
 )
+TIMES = 0.01 * np.arange(60)
+GOALS = SKELETON.rest + 0.1 * np.outer(np.sin(9.0 * TIMES), np.ones(22))
+for side in "lr":
+    GOALS[:, SKELETON.joint(f"{side}_shoulder_abduct")] += np.minimum(TIMES, 0.3)  # away from the body
 
 
 def recorded(factors, *, seconds, quick=1.0, seed=0, step=STEP):
@@ -31,7 +35,7 @@ def recorded(factors, *, seconds, quick=1.0, seed=0, step=STEP):
     random = np.random.default_rng(seed)
     times = 0.01 * np.arange(round(seconds / 0.01) + 1)
     half = np.minimum(SKELETON.upper - SKELETON.rest, SKELETON.rest - SKELETON.lower) / 2
-    speeds = np.array([drive.no_load for drive in ROBOT.drives])
+    speeds = ROBOT.drives.no_load
     swings = 2 * np.pi * quick * random.uniform(0.6, 1.4, len(half))  # [rad/s] of the rhythm
     width = np.minimum(np.minimum(half, 0.35), 0.4 * speeds / swings)
     fade = np.minimum(times / 0.3, 1.0)[:, None]
@@ -112,3 +116,36 @@ def test_mass_may_be_fitted_when_stall_is_known_and_not_beside_it():
     assert found.factors.mass == pytest.approx(1.15, rel=0.05)
     with pytest.raises(ValueError, match="stall and mass cannot both be free"):
         fit_factors(recorded(NOMINAL, seconds=0.1), ROBOT, free=(*DEFAULT, "mass"))
+
+
+def performed(factors, *, step=0.004):
+    twin, still = Twin(ROBOT, factors=factors, step=step), np.zeros(22)
+    for time, goals in zip(TIMES, GOALS, strict=True):
+        twin.write(Command(time, goals, still, still, goals))
+    seen = twin.measurements()
+    return Log(seen.times, seen.goals, seen.angles)
+
+
+def test_what_a_twin_did_is_repeated():
+    log = performed(NOMINAL, step=REPLAY_STEP)
+    assert replay_log(log, ROBOT, NOMINAL) == pytest.approx(log.angles, abs=1e-9)
+
+
+def test_a_latency_is_repeated():
+    late = Factors(latency=0.0065)
+    log = performed(late, step=0.001)
+    assert np.abs(replay_log(log, ROBOT, late) - log.angles).max() < np.radians(0.1)
+    assert np.abs(replay_log(log, ROBOT, NOMINAL) - log.angles).max() > np.radians(0.4)
+
+
+def test_angles_change_smoothly_with_the_latency():
+    log = performed(NOMINAL)
+    path = np.array([replay_log(log, ROBOT, Factors(latency=1e-4 * k)) for k in range(35, 46)])
+    bends = np.abs(np.diff(path, n=2, axis=0)).max()
+    assert bends < 0.2 * np.abs(np.diff(path, axis=0)).max()
+
+
+def test_goals_before_the_first_are_where_the_log_begins():
+    log = Log(sealed([0.0, 1.0, 3.0]), sealed([[1.0], [2.0], [4.0]]), sealed([[0.5], [0.0], [0.0]]))
+    sums = _sums(log, np.array([-2.0, 0.0, 0.5, 1.0, 2.0, 3.0, 4.0]))[:, 0]
+    assert np.diff(sums) == pytest.approx([1.0, 0.5, 0.5, 2.0, 2.0, 4.0])

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from kinesic.body.robot import Robot
-from kinesic.body.robot_text import robot_text
+from kinesic.body.robot_schema import robot_text
 from kinesic.controller.perform import perform, set_up
 from kinesic.report.checks import checks
 from kinesic.sim.importer.convert import import_humanoid

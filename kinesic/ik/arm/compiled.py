@@ -1,4 +1,4 @@
-"""An arm as the compiled kernel holds it: packed once per chain."""
+"""The compiled kernel: whether it is there, and an arm as it holds it, packed once per chain."""
 
 from functools import lru_cache
 from typing import TYPE_CHECKING
@@ -11,6 +11,25 @@ from kinesic.ik.scalar3 import vector
 
 if TYPE_CHECKING:
     from kinesic.ik import _kernel
+from importlib import import_module
+from os import environ
+from typing import Literal
+
+Kernel = Literal["compiled", "numpy"]
+
+
+def _present() -> Kernel:
+    """Compiled, unless set-up found no compiler or KINESIC_KERNEL=numpy asks for the specification."""
+    if environ.get("KINESIC_KERNEL") == "numpy":
+        return "numpy"
+    try:
+        import_module("kinesic.ik._kernel")
+    except ImportError:
+        return "numpy"
+    return "compiled"
+
+
+KERNEL: Kernel = _present()  # which implementation runs
 
 
 @lru_cache(maxsize=32)

@@ -1,14 +1,25 @@
-"""Where shoulder and elbow go for a target, before any limit but the collar bone's is known."""
+"""Where shoulder and elbow go for a target, before any limit but the collar bone's is known.
+
+The passive shoulder (thesis 8.6): the arm pulls the collar bone along, the harder the more effort it is moved with. The
+arm is a spring from shoulder to hand, the collar bone a spring that draws the shoulder back to its rest. The arm's
+force grows with its length and with the effort (the target's energy, Fig. 8.6); where both balance, the shoulder has
+gone the share effort x length / reach of its way to where it helps most.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import pi, remainder, tau
 
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.chain import Chain
 from kinesic.ik.arm.hinges import Extraction, extract
-from kinesic.ik.arm.linkage import Linkage
+from kinesic.ik.arm.linkage import Linkage, linkage_of
 from kinesic.ik.arm.masses import clamp, settle_masses
+from kinesic.ik.arm.mirror import ACROSS, is_right, mirror_chain
 from kinesic.ik.arm.swivel import elbow_at, swivel_of
-from kinesic.ik.scalar3 import Vector, distance, minus, plus, scaled, unit
+from kinesic.ik.scalar3 import Vector, distance, minus, plus, scaled, unit, vector
 
 STRETCH = 0.9999  # of the reach, to which targets beyond it come: the elbow keeps a side to bend to
 TAUT = 0.97  # of the reach, at which the arm begins to pull the shoulder along
@@ -68,11 +79,16 @@ def gap(linkage: Linkage, target: Vector) -> float:
 
 def helpful(linkage: Linkage, target: Vector, near: Sequence[float]) -> list[Vector]:
     """The girdle's joints [m] when the shoulder comes as near to a target as it can."""
+    return linkage.walk(_helpful_angles(linkage, target, near), len(linkage.girdle))[1]
+
+
+def _helpful_angles(linkage: Linkage, target: Vector, near: Sequence[float]) -> tuple[float, ...]:
+    """The girdle's angles [rad] when the shoulder comes as near to a target as it can."""
     line = unit(minus(target, linkage.origin))
     ends = [linkage.origin]
     for link in linkage.girdle:
         ends.append(plus(ends[-1], scaled(line, link.length)))
-    return _girdle(linkage, ends[1:], near)
+    return extract(linkage, ends[1:], near).angles
 
 
 def _place(points: Sequence[Vector], target: Vector, iterations: int) -> ShoulderPlace:
@@ -148,3 +164,32 @@ def _edge(
         else:
             outside = middle
     return found
+
+
+def carry_shoulder(chain: Chain, target: Floats, effort: float) -> Floats:
+    """The posture that the collar bone rests in while its hand is at a target.
+
+    Args:
+        chain: the arm.
+        target: (3,) [m] of the hand, in the frame of the chain's base.
+        effort: 0 the shoulder stays .. 1 an outstretched arm takes it along as far as it helps.
+
+    Returns:
+        (k,) [rad] inside the ranges: the chain's rest, but for the collar bone.
+    """
+    if effort <= 0.0:
+        return chain.rest
+    if is_right(chain):
+        return _carried(mirror_chain(chain), vector(target * ACROSS), effort)
+    return _carried(chain, vector(target), effort)
+
+
+def _carried(chain: Chain, target: Vector, effort: float) -> Floats:
+    """`carry_shoulder` for an arm on the left or in the middle."""
+    linkage, rest = linkage_of(chain), chain.rest.tolist()
+    shoulder = linkage.walk(rest, len(linkage.girdle))[1][-1]
+    share = effort * min(1.0, distance(shoulder, target) / linkage.farthest)
+    posture = np.array(chain.rest)
+    angles = np.array(_helpful_angles(linkage, target, rest))
+    posture[: len(angles)] += share * (angles - posture[: len(angles)])
+    return sealed(posture)

@@ -1,4 +1,4 @@
-// From points to hinge angles in closed form, every branch looked at (kinesic/ik/arm/hinges.py, subproblems.py).
+// From points to hinge angles in closed form, every branch looked at (kinesic/ik/arm/hinges.py).
 
 #pragma once
 

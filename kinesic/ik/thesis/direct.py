@@ -9,7 +9,7 @@ import numpy as np
 from scipy.linalg import solveh_banded
 
 from kinesic.body.arrays import Floats
-from kinesic.ik.thesis.springs import NO_LENGTH, Springs
+from kinesic.ik.thesis.springs import NO_LENGTH
 from kinesic.ik.thesis.task import Rest, Task
 
 COMPLIANCE = 1e-3  # per stiffness: keeps the system regular where all bones lie on one line
@@ -22,16 +22,9 @@ def balance_springs(task: Task) -> Rest:
     (w_j + w_j+1 + a / k_j) l_j - w_j u_j.u_j-1 l_j-1 - w_j+1 u_j.u_j+1 l_j+1 = c_j
     for the pulls l and moves mass i by w_i (l_i u_i - l_i-1 u_i-1).
     """
-    bones = len(task.rests)
     weights = 1.0 / task.masses
     weights[0] = weights[-1] = 0.0
-    springs = Springs.between(
-        [(k, k + 1) for k in range(bones)],
-        rests=task.rests,
-        stiffness=task.stiffness,
-        masses=task.masses,
-        pinned={0, bones},
-    )
+    springs = task.springs
     points = np.vstack([task.points[:-1], task.target])
     energy, done = springs.energy(springs.forces(points)), 0
     while energy > task.effort.threshold and done < task.effort.iterations and not task.arrived(points):

@@ -15,11 +15,10 @@ from kinesic.ik.arm.masses import clamp
 from kinesic.ik.scalar3 import vector
 from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.direct import balance_springs
-from kinesic.ik.thesis.force import draw_by_force
 from kinesic.ik.thesis.limits import within_limits
-from kinesic.ik.thesis.position import swing_pinned
 from kinesic.ik.thesis.rotations import Carrier, Stance, aim_bones, stance_of, swivel_chain
 from kinesic.ik.thesis.task import Effort, Relaxation, Rest, Task
+from kinesic.ik.thesis.verlet import draw_by_force, swing_pinned
 
 Method = Literal["force", "position", "direct"]
 RELAXATIONS: Mapping[Method, Relaxation] = {"force": draw_by_force, "position": swing_pinned, "direct": balance_springs}

@@ -2,11 +2,12 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.ik.thesis.springs import NO_LENGTH
+from kinesic.ik.thesis.springs import NO_LENGTH, Springs
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,18 @@ class Task:
     masses: Floats  # (n + 1,)
     damping: float | None  # see `BallChain.damping`
     effort: Effort
+
+    @cached_property
+    def springs(self) -> Springs:
+        """A spring per bone; base and hand are pinned."""
+        bones = len(self.rests)
+        return Springs.between(
+            [(k, k + 1) for k in range(bones)],
+            rests=self.rests,
+            stiffness=self.stiffness,
+            masses=self.masses,
+            pinned={0, bones},
+        )
 
     def arrived(self, points: Floats) -> bool:
         """Whether rigid bones along the springs put the hand on the target."""

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import msgspec
 
+from kinesic.body.robot import Robot
+from kinesic.body.robot_file import robot_from_tables
 from kinesic.body.robot_schema import ImportTable, RobotFile, ServoTable
 from kinesic.sim.dynamics import MujocoDynamics
-from kinesic.sim.importer.draft import robot_of
-from kinesic.sim.importer.exclusions import with_exclusions
 from kinesic.sim.importer.hinges import MappedHinge, named_hinges, spell_angle
 from kinesic.sim.importer.load import load_model
-from kinesic.sim.importer.rest_pose import nearest_to_zero, rest_pose
+from kinesic.sim.importer.rest_pose import nearest_to_zero, rest_pose, with_exclusions
 from kinesic.sim.importer.segments import lay_out_segments
 from kinesic.sim.importer.servos import servo
 from kinesic.sim.importer.tables import robot_tables, servo_of
@@ -68,7 +68,7 @@ def _servos(
     figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...], draft: RobotFile, path: Path
 ) -> tuple[dict[str, ServoTable], dict[str, str]]:
     """A servo model for each pair of hinges, strong enough for the worse side, and where its figures come from."""
-    robot = robot_of(draft, path)
+    robot = Robot.of(robot_from_tables(draft, path))
     load = MujocoDynamics(robot).load
     found: dict[str, tuple[ServoTable, str]] = {}
     for hinge in hinges:

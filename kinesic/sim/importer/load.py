@@ -1,6 +1,7 @@
 """Loads an MJCF or URDF file without its meshes: kinematics, weights, primitive shapes and what its motors can do."""
 
 import warnings
+from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -11,7 +12,6 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError
 from kinesic.body.skeleton import Capsule
 from kinesic.sim.importer.model_tree import BASE, Joint, Part, Tree
-from kinesic.sim.importer.urdf import UrdfJoint, urdf_joints
 
 MESHES = (mujoco.mjtGeom.mjGEOM_MESH, mujoco.mjtGeom.mjGEOM_HFIELD, mujoco.mjtGeom.mjGEOM_SDF)
 NOT_NEEDED = ("keys", "sensors", "tendons", "equalities", "pairs", "excludes", "skins", "flexes", "meshes", "hfields")
@@ -19,6 +19,32 @@ LOOKS = ("materials", "textures", "cameras", "lights")
 GHOST_MASS = 1e-3  # [kg] of a body of which nothing is known
 GHOST_INERTIA = 1e-6  # [kg m^2]
 LEAST_SHAPE = 0.005  # [m] radius of a shape that counts
+
+
+@dataclass(frozen=True)
+class UrdfJoint:
+    """What MuJoCo drops of a joint when it reads a URDF."""
+
+    speed: float | None  # [rad/s]
+    mimics: bool
+
+
+def urdf_joints(path: Path) -> dict[str, UrdfJoint]:
+    """Reads a URDF's joints by name; empty for an MJCF.
+
+    Raises:
+        xml.etree.ElementTree.ParseError: the file is no XML.
+        ValueError: a speed is no number.
+    """
+    root = ElementTree.parse(path).getroot()
+    if root.tag != "robot":
+        return {}
+    found = {}
+    for joint in root.findall("joint"):
+        limit = joint.find("limit")
+        speed = 0.0 if limit is None else float(limit.get("velocity", 0.0))
+        found[joint.get("name", "")] = UrdfJoint(speed if speed > 0 else None, joint.find("mimic") is not None)
+    return found
 
 
 def load_model(path: Path) -> Tree:

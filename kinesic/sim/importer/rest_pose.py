@@ -1,4 +1,4 @@
-"""How an imported robot rests: arms hanging, as near to its body as their shapes allow."""
+"""How an imported robot rests, arms hanging as near to its body as their shapes allow, and what is then too near."""
 
 from math import degrees
 from pathlib import Path
@@ -8,17 +8,21 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Robot
-from kinesic.body.robot_schema import RobotFile
+from kinesic.body.robot_file import robot_from_tables
+from kinesic.body.robot_schema import CollisionTable, ExclusionTable, RobotFile
 from kinesic.sim.distances import CapsuleDistances
-from kinesic.sim.importer.draft import robot_of
 from kinesic.sim.importer.hanging_pose import HangingPose
 from kinesic.sim.importer.hinges import MappedHinge
 from kinesic.sim.importer.zero_pose import HumanoidGeometry, hang_arm, mirror_angles
+from kinesic.sim.worst_postures import random_postures
 
 TILTS = (10.0, 15.0, 20.0, 27.0, 35.0)  # [deg] away from the body, tried in turn
 BENT = 25.0  # [deg] of the elbow
 AHEAD = 5.0  # [deg] of the upper arm, forward
 AIR = 0.025  # [m] between forearms or hands and everything else
+POSTURES = 300
+NEARLY_ALWAYS = 0.9  # of random postures
+ROOM = 0.008  # [m] beyond the clearance that a pair must have at rest
 
 
 def nearest_to_zero(hinges: tuple[MappedHinge, ...]) -> dict[str, float]:
@@ -33,7 +37,7 @@ def rest_pose(
     rest: dict[str, float] = {}
     for tilt in TILTS:
         rest = nearest_to_zero(hinges) | _resting_arms(figure, hinges, np.radians(tilt))
-        robot = robot_of(msgspec.structs.replace(file, rest=rest), path)
+        robot = Robot.of(robot_from_tables(msgspec.structs.replace(file, rest=rest), path))
         if _arm_air(robot) >= AIR:
             break
     return {name: angle for name, angle in rest.items() if angle}
@@ -80,3 +84,21 @@ def _inside(hinge: MappedHinge, angle: float) -> float:
     """[deg] of an angle [rad] as a file holds it, inside the range as that file holds it."""
     low, high = round(degrees(hinge.lower), 3), round(degrees(hinge.upper), 3)
     return min(max(round(degrees(angle), 2), low), high)
+
+
+def with_exclusions(file: RobotFile, path: Path) -> RobotFile:
+    """Lists the pairs of segments that are too near at rest, or overlap in nearly all postures.
+
+    Their distance says nothing: their shapes are rough.
+    """
+    robot = Robot.of(robot_from_tables(file, path))
+    gaps = CapsuleDistances(robot).gaps(random_postures(robot.skeleton, POSTURES))
+    least = file.collision.clearance + ROOM
+    overlaps = np.mean(gaps < 0.0, axis=0)
+    listed = []
+    for pair, rest, share in zip(robot.counted_pairs, gaps[0], overlaps, strict=True):
+        if rest < least:
+            listed.append(ExclusionTable(pair, f"{1000 * rest:.0f} mm apart at rest: their shapes are rough"))
+        elif share > NEARLY_ALWAYS:
+            listed.append(ExclusionTable(pair, f"overlap in {100 * share:.0f} % of random postures"))
+    return msgspec.structs.replace(file, collision=CollisionTable(file.collision.clearance, listed))

@@ -1,6 +1,6 @@
 """The segments of a foreign robot: where each begins, what it weighs and what shape it has."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,12 +8,17 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Side
 from kinesic.body.robot_schema import BodyTable, CapsuleTable
-from kinesic.sim.importer import shapes
+from kinesic.body.skeleton import Capsule
 from kinesic.sim.importer.hinge_row import common_point
 from kinesic.sim.importer.hinges import MappedHinge
 from kinesic.sim.importer.model_tree import BASE, Part
 from kinesic.sim.importer.zero_pose import HumanoidGeometry
 
+# radius, as a share of the length: of the upper arm, of the forearm, again of the forearm, of the arm
+UPPER_GIRTH, FORE_GIRTH, HAND_GIRTH, HEAD_GIRTH = 0.15, 0.14, 0.12, 0.17
+HAND_LENGTH = 0.45  # of the forearm
+BETWEEN = 0.035  # [m] air between the trunk and a hanging arm
+LEAST_GIRTH = 0.01  # [m]
 ROOT, TRUNK, HEAD = "humanoid_root", "vl5", "skullbase"
 FIXED_HEAD = (0.15, 0.45, 0.14)  # arm lengths above the shoulders from and to, and radius, of a head without neck
 WAIST = 0.9  # arm lengths below the shoulders where the trunk has no hinge
@@ -80,7 +85,7 @@ def bodies(figure: HumanoidGeometry, where: SegmentLayout, hinges: tuple[MappedH
     for name, parent in where.parents.items():
         part = figure.tree.lump(carried.get(name, ())) if carried.get(name) else Part(0.0, where.origins[name], ())
         origin = where.origins[name] - (where.origins[parent] if parent != "world" else np.zeros(3))
-        made = shapes.own(part.shapes, where.origins[name]) or _made(figure, where, name, part)
+        made = own_capsules(part.shapes, where.origins[name]) or _made(figure, where, name, part)
         tables.append(
             BodyTable(
                 name=name,
@@ -120,21 +125,21 @@ def _made(figure: HumanoidGeometry, where: SegmentLayout, name: str, part: Part)
     zero = np.zeros(3)
     if kind == "shoulder":
         end = where.origins[f"{side}_elbow"] - where.origins[name]
-        return [shapes.bone(zero, end, shapes.UPPER * upper, spared=0.2)]
+        return [bone_capsule(zero, end, UPPER_GIRTH * upper, spared=0.2)]
     if kind == "elbow":
-        return [shapes.bone(zero, where.origins[f"{side}_wrist"] - where.origins[name], shapes.FORE * fore)]
+        return [bone_capsule(zero, where.origins[f"{side}_wrist"] - where.origins[name], FORE_GIRTH * fore)]
     if kind == "wrist":
         return [
-            shapes.bone(zero, hand_vector(figure, where, "l" if side == "l" else "r"), shapes.HAND * fore, spared=0.3)
+            bone_capsule(zero, hand_vector(figure, where, "l" if side == "l" else "r"), HAND_GIRTH * fore, spared=0.3)
         ]
     if kind in ("acromioclavicular", "sternoclavicular"):
-        return [shapes.bone(zero, where.origins[f"{side}_shoulder"] - where.origins[name], shapes.UPPER * upper)]
+        return [bone_capsule(zero, where.origins[f"{side}_shoulder"] - where.origins[name], UPPER_GIRTH * upper)]
     if name == HEAD:
-        centre, radius = part.centre - where.origins[name], shapes.HEAD * figure.arm_length
-        return [shapes.bone(centre - np.array([0, 0, 0.2 * radius]), centre + np.array([0, 0, 0.2 * radius]), radius)]
+        centre, radius = part.centre - where.origins[name], HEAD_GIRTH * figure.arm_length
+        return [bone_capsule(centre - np.array([0, 0, 0.2 * radius]), centre + np.array([0, 0, 0.2 * radius]), radius)]
     if name == ROOT and where.carrier == TRUNK:
         return [
-            shapes.bone(-0.1 * arm.shoulder * [0, 1, 0], 0.1 * arm.shoulder * [0, 1, 0], 0.4 * float(arm.shoulder[1]))
+            bone_capsule(-0.1 * arm.shoulder * [0, 1, 0], 0.1 * arm.shoulder * [0, 1, 0], 0.4 * float(arm.shoulder[1]))
         ]
     return _trunk(figure, where, name)
 
@@ -142,18 +147,48 @@ def _made(figure: HumanoidGeometry, where: SegmentLayout, name: str, part: Part)
 def _trunk(figure: HumanoidGeometry, where: SegmentLayout, name: str) -> list[CapsuleTable]:
     arm = figure.arms["l"].centres
     shoulders = where.inside(name, np.array([arm.shoulder[0], 0.0, arm.shoulder[2]]))
-    made = shapes.trunk(np.zeros(3), shoulders, float(arm.shoulder[1]), shapes.UPPER * arm.lengths[0])
+    made = trunk_capsules(np.zeros(3), shoulders, float(arm.shoulder[1]), UPPER_GIRTH * arm.lengths[0])
     if not figure.neck:
         low, high, radius = (share * figure.arm_length for share in FIXED_HEAD)
         up = np.array([0.0, 0.0, 1.0])
-        made.append(shapes.bone(shoulders + low * up, shoulders + high * up, radius))
+        made.append(bone_capsule(shoulders + low * up, shoulders + high * up, radius))
     return made
 
 
 def hand_vector(figure: HumanoidGeometry, where: SegmentLayout, side: Side) -> Floats:
     """(3,) [m] from the wrist along the hand, in the last segment."""
     at = figure.arms[side].centres
-    return sealed(at.fore * shapes.HAND_LENGTH * at.lengths[1])
+    return sealed(at.fore * HAND_LENGTH * at.lengths[1])
+
+
+def bone_capsule(start: Floats, end: Floats, radius: float, *, spared: float = 0.0) -> CapsuleTable:
+    """A capsule along a bone that keeps a share of it free at its start."""
+    begin = start + spared * (end - start)
+    return CapsuleTable(_triple(begin), _triple(end), round(max(radius, LEAST_GIRTH), DIGITS))
+
+
+def own_capsules(shapes: Sequence[Capsule], origin: Floats) -> list[CapsuleTable]:
+    """The model's shapes in the frame of a segment."""
+    return [CapsuleTable(_triple(s.start - origin), _triple(s.end - origin), round(s.radius, DIGITS)) for s in shapes]
+
+
+def trunk_capsules(waist: Floats, shoulders: Floats, half_width: float, arm_radius: float) -> list[CapsuleTable]:
+    """Chest and belly between the shoulders and the waist.
+
+    Args:
+        waist: (3,) [m] in the segment.
+        shoulders: (3,) [m] the point between both, in the segment.
+        half_width: [m] from the midline to a shoulder.
+        arm_radius: [m] of an upper arm.
+    """
+    reach = max(half_width - arm_radius - BETWEEN, LEAST_GIRTH)
+    radius = 0.62 * reach
+    side = np.array([0.0, reach - radius, 0.0])
+    chest = shoulders - np.array([0.0, 0.0, 0.8 * radius])
+    belly = waist + np.array([0.0, 0.0, radius])
+    if belly[2] > chest[2] - 0.5 * radius:
+        return [bone_capsule(chest - side, chest + side, radius)]
+    return [bone_capsule(chest - side, chest + side, radius), bone_capsule(belly, (belly + chest) / 2, 0.9 * radius)]
 
 
 def _triple(point: Floats) -> tuple[float, float, float]:

@@ -17,10 +17,9 @@ from kinesic.body.robot_schema import (
     SiteTable,
     Triple,
 )
-from kinesic.sim.importer import shapes
 from kinesic.sim.importer.hinge_row import foot
 from kinesic.sim.importer.hinges import MappedHinge
-from kinesic.sim.importer.segments import HEAD, TRUNK, SegmentLayout, bodies, hand_vector
+from kinesic.sim.importer.segments import HEAD, HEAD_GIRTH, TRUNK, SegmentLayout, bodies, hand_vector
 from kinesic.sim.importer.zero_pose import HumanoidGeometry
 
 CLEARANCE = 0.010  # [m]
@@ -109,10 +108,10 @@ def _eyes(figure: HumanoidGeometry, where: SegmentLayout) -> SiteTable:
     size = figure.arm_length
     if figure.neck:
         centre = figure.tree.lump(figure.tree.below(figure.neck[0])).centre - where.origins[HEAD]
-        return SiteTable(HEAD, _triple(centre + shapes.HEAD * size * np.array([1.0, 0.0, 0.2]), 6), (1.0, 0.0, 0.0))
+        return SiteTable(HEAD, _triple(centre + HEAD_GIRTH * size * np.array([1.0, 0.0, 0.2]), 6), (1.0, 0.0, 0.0))
     shoulder = figure.arms["l"].centres.shoulder
     between = np.array([shoulder[0], 0.0, shoulder[2]])
-    place = where.inside(where.carrier, between + size * np.array([shapes.HEAD, 0.0, 0.35]))
+    place = where.inside(where.carrier, between + size * np.array([HEAD_GIRTH, 0.0, 0.35]))
     return SiteTable(where.carrier, _triple(place, 6), (1.0, 0.0, 0.0))
 
 

@@ -1,16 +1,21 @@
+import numpy as np
 import pytest
 from numpy.random import default_rng
 
+from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
 from kinesic.ik.arm.linkage import linkage_of
-from kinesic.ik.arm.shoulder_elbow import STRETCH, TAUT, bend_elbow, gap, place_of, place_shoulder
+from kinesic.ik.arm.shoulder_elbow import STRETCH, TAUT, bend_elbow, carry_shoulder, gap, place_of, place_shoulder
 from kinesic.ik.arm.swivel import swivel_of
 from kinesic.ik.scalar3 import cross, distance, minus, norm, unit, vector
+from kinesic.ik.solve import solve
 
-CHAIN = Robot.load().arms["l"]
+ROBOT = Robot.load()
+CHAIN = ROBOT.arms["l"]
 ARM = linkage_of(CHAIN)
 REST = CHAIN.rest.tolist()
 SHOULDER = ARM.walk(REST, 1)[1][-1]
+HIGH, LOW = np.array([0.25, 0.2, 0.2]), np.array([0.25, 0.2, -0.2])
 
 
 def test_the_shoulder_rests_for_a_target_in_easy_reach() -> None:
@@ -75,3 +80,35 @@ def test_a_posture_gives_its_own_place() -> None:
     place = place_of(ARM, REST, hand)
     assert place.shoulder == SHOULDER
     assert place.target == hand
+
+
+def test_without_effort_the_shoulder_stays():
+    assert carry_shoulder(CHAIN, HIGH, 0.0) is CHAIN.rest
+
+
+@pytest.mark.parametrize(("target", "sign"), [(HIGH, 1.0), (LOW, -1.0)])
+def test_more_effort_takes_the_shoulder_further_towards_the_hand(target, sign):
+    followed = [sign * (carry_shoulder(CHAIN, target, effort)[0] - CHAIN.rest[0]) for effort in (0.0, 0.3, 0.6, 1.0)]
+    assert followed == sorted(followed)
+    assert followed[-1] > np.radians(5)
+    np.testing.assert_array_equal(carry_shoulder(CHAIN, target, 1.0)[1:], CHAIN.rest[1:])
+
+
+def test_an_arm_that_is_stretched_pulls_harder():
+    shoulder = CHAIN.frames(CHAIN.rest)[1][1]
+    near, far = (carry_shoulder(CHAIN, shoulder + share * (HIGH - shoulder), 0.5)[0] for share in (0.5, 0.9))
+    assert far > near > 0.0
+
+
+def test_the_ranges_hold_and_the_hand_stays():
+    for target in (HIGH, LOW, np.array([0.0, 0.9, 2.0])):
+        rest = carry_shoulder(CHAIN, target, 1.0)
+        assert np.all((CHAIN.lower <= rest) & (rest <= CHAIN.upper))
+    pulled = solve(CHAIN, Reach(HIGH), start=CHAIN.rest, rest=carry_shoulder(CHAIN, HIGH, 1.0))
+    assert pulled.residual < 1e-6
+    assert pulled.angles[0] == pytest.approx(carry_shoulder(CHAIN, HIGH, 1.0)[0])
+
+
+def test_the_right_shoulder_mirrors_the_left():
+    flip = np.array([1.0, -1.0, 1.0])
+    np.testing.assert_array_equal(carry_shoulder(ROBOT.arms["r"], HIGH * flip, 0.7), carry_shoulder(CHAIN, HIGH, 0.7))

@@ -10,9 +10,8 @@ from kinesic.body.arrays import Floats
 from kinesic.ik.arm.masses import settle_masses
 from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.direct import balance_springs
-from kinesic.ik.thesis.force import draw_by_force
-from kinesic.ik.thesis.position import swing_pinned
 from kinesic.ik.thesis.task import Effort, Rest, Task
+from kinesic.ik.thesis.verlet import draw_by_force, swing_pinned
 
 WAYS = {"force": draw_by_force, "position": swing_pinned, "direct": balance_springs}
 REACHABLE, BEYOND = 60, 15

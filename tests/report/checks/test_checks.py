@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from kinesic.body.arrays import sealed
+from kinesic.body.command import Power
 from kinesic.body.description import Supply
 from kinesic.body.dynamics import Clearance
-from kinesic.body.measurements import Power
 from kinesic.controller.perform import dry_run, perform, set_up
 from kinesic.controller.performance import Performance
 from kinesic.report.checks import checks

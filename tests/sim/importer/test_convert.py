@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.robot import Robot
-from kinesic.body.robot_text import robot_text
+from kinesic.body.robot_schema import robot_text
 from kinesic.sim.dynamics import MujocoDynamics
 from kinesic.sim.importer.convert import import_humanoid
 from kinesic.sim.importer.hinges import named_hinges

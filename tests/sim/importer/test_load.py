@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.sim.importer.load import load_model
+from kinesic.sim.importer.load import load_model, urdf_joints
 from kinesic.sim.importer.model_tree import BASE
 
 
@@ -72,3 +72,14 @@ def test_a_broken_file_teaches(written, text, message):
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(ConfigError, match=r"nowhere\.xml: no such file"):
         load_model(tmp_path / "nowhere.xml")
+
+
+def test_speeds_and_mimics_that_mujoco_drops(hanging_path):
+    joints = urdf_joints(hanging_path)
+    assert joints["left_elbow_joint"].speed == 3.5
+    assert joints["left_mimic_joint"].mimics
+    assert not joints["left_grip_joint"].mimics
+
+
+def test_an_mjcf_has_none(tee_path):
+    assert urdf_joints(tee_path) == {}

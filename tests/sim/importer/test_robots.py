@@ -9,7 +9,7 @@ import pytest
 
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
-from kinesic.body.robot_text import robot_text
+from kinesic.body.robot_schema import robot_text
 from kinesic.ik.arm.refine import refine_posture
 from kinesic.sim.importer.convert import Mapped, import_humanoid
 

@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 
+from kinesic.body.skeleton import Capsule
 from kinesic.sim.importer.hinges import named_hinges
-from kinesic.sim.importer.segments import lay_out_segments
+from kinesic.sim.importer.segments import BETWEEN, bone_capsule, lay_out_segments, own_capsules, trunk_capsules
 
 
 def test_segments_begin_at_the_centres(tee_figure):
@@ -28,3 +29,22 @@ def test_own_shapes_are_taken_and_missing_ones_made(tee_mapped, hanging_mapped):
     own, made = ({body.name: body.capsules for body in found.file.body} for found in (tee_mapped, hanging_mapped))
     assert own["l_shoulder"][0].radius == 0.035
     assert made["l_shoulder"][0].radius == pytest.approx(0.15 * 0.28, rel=0.01)
+
+
+def test_a_bone_spares_its_start():
+    capsule = bone_capsule(np.zeros(3), np.array([0.0, 0, -1]), 0.1, spared=0.2)
+    assert capsule.start == pytest.approx((0, 0, -0.2))
+    assert capsule.end == (0, 0, -1)
+
+
+def test_own_shapes_move_into_the_segment():
+    (capsule,) = own_capsules([Capsule(np.array([1.0, 0, 0]), np.array([1.0, 0, 1]), 0.1)], np.array([1.0, 0, 0.5]))
+    assert (capsule.start, capsule.end, capsule.radius) == ((0, 0, -0.5), (0, 0, 0.5), 0.1)
+
+
+@pytest.mark.parametrize("tall", [0.1, 0.3, 0.6])
+def test_a_trunk_leaves_room_for_hanging_arms(tall):
+    capsules = trunk_capsules(np.zeros(3), np.array([0.0, 0, tall]), 0.2, 0.04)
+    widest = max(abs(capsule.end[1]) + capsule.radius for capsule in capsules)
+    assert widest <= 0.2 - 0.04 - BETWEEN + 1e-6
+    assert all(capsule.end[2] < tall for capsule in capsules)

@@ -1,7 +1,11 @@
 import numpy as np
 import pytest
 
+from kinesic.body.config import ConfigError
 from kinesic.sim.importer.arm import Split
+from kinesic.sim.importer.load import load_model
+from kinesic.sim.importer.mirror import sides
+from kinesic.sim.importer.zero_pose import branches
 
 
 def test_both_arms_hang_as_mirror_images(tee_figure):
@@ -19,3 +23,32 @@ def test_the_midline_is_at_zero(tee_figure):
 
 def test_the_arm_length_is_shoulder_to_wrist(tee_figure):
     assert tee_figure.arm_length == pytest.approx(0.52, abs=0.005)
+
+
+def names(tree, row):
+    return [tree.joints[k].name for k in row]
+
+
+def test_arms_trunk_and_head(tee):
+    found = branches(tee, sides(tee))
+    assert names(tee, found.trunk) == ["waist", "bow"]
+    assert names(tee, found.neck) == ["pan", "nod"]
+    assert names(tee, found.left) == [f"l_{part}" for part in ("pitch", "roll", "twist", "bend", "turn", "nod", "wag")]
+    assert names(tee, found.right) == [name.replace("l_", "r_", 1) for name in names(tee, found.left)]
+
+
+def test_a_gripper_is_no_wrist(hanging):
+    assert names(hanging, branches(hanging, sides(hanging)).left)[-1] == "left_turn_joint"
+
+
+def test_a_robot_without_neck_and_trunk(written, puppets):
+    tree = load_model(written("plain.xml", puppets.puppet(neck=False, trunk=False)))
+    found = branches(tree, sides(tree))
+    assert (found.trunk, found.neck) == ((), ())
+
+
+def test_a_robot_without_arms_is_refused(written):
+    one = '<mujoco model="one"><worldbody><body><joint/><geom size="0.1"/></body></worldbody></mujoco>'
+    tree = load_model(written("one.xml", one))
+    with pytest.raises(ConfigError, match="robot one: no arms found: among 1 hinges there are 0 mirror pairs"):
+        branches(tree, sides(tree))

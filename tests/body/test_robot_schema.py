@@ -6,8 +6,7 @@ import pytest
 from kinesic.body.config import read_toml
 from kinesic.body.robot import Robot
 from kinesic.body.robot_file import robot_from_tables
-from kinesic.body.robot_schema import RobotFile, ServoTable
-from kinesic.body.robot_text import robot_text
+from kinesic.body.robot_schema import RobotFile, ServoTable, robot_text
 
 
 @pytest.fixture(scope="module")
