@@ -4,6 +4,7 @@ The nearest posture is found by least squares with linear rows, a few times over
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import scipy
@@ -27,17 +28,19 @@ NEAR_ENOUGH = 0.12  # [m] a hand that is farther from what it touches stays wher
 OTHER: Mapping[Side, Side] = {"l": "r", "r": "l"}
 
 
+@dataclass(frozen=True)
+class Spacing:
+    """How far apart segments are kept."""
+
+    least: float  # [m] between those of every counted pair
+    room: float | None = None  # [m] to which pairs go apart that are nearer, and within which no others come nearer
+    touching: tuple[int, ...] = ()  # counted pairs that come as near as `least`
+
+
 def separate(
-    angles: Floats,
-    joints: Sequence[int],
-    robot: Robot,
-    distances: Distances,
-    *,
-    least: float,
-    room: float | None = None,
-    touching: Sequence[int] = (),
+    angles: Floats, joints: Sequence[int], robot: Robot, distances: Distances, spacing: Spacing
 ) -> Floats | None:
-    """The posture near another one in which every counted pair that some joints move keeps a distance.
+    """Finds the posture near another one in which every counted pair that some joints move keeps a distance.
 
     Each round takes the smallest step for which all gaps suffice to first order. Small means: little turning of
     hinges, and above all little displacement of wrists and palms, so that elbows swing aside before hands move.
@@ -47,17 +50,15 @@ def separate(
         joints: that may turn.
         robot: whose posture it is.
         distances: its self-distance.
-        least: [m] that is kept.
-        room: [m] to which pairs go apart that do not keep it, and within which others come no nearer; the same if
-            not given.
-        touching: indices of counted pairs that come as near as `least`.
+        spacing: what is kept.
 
     Returns:
         (n,) [rad]; None when no such posture was found.
     """
-    posture, moving, met = np.array(angles), np.array(joints, dtype=int), list(touching)
+    posture, moving = np.array(angles), np.array(joints, dtype=int)
+    least, room, met = spacing.least, spacing.room or spacing.least, list(spacing.touching)
     begun = distances.gaps(posture[None])[0]
-    asked = np.where(begun < least, room or least, np.minimum(begun, room or least)) + EXACT
+    asked = np.where(begun < least, room, np.minimum(begun, room)) + EXACT
     for _ in range(ROUNDS):
         probes = np.repeat(posture[None, :], len(moving) + 1, axis=0)
         probes[np.arange(1, len(moving) + 1), moving] += PROBE
@@ -130,12 +131,12 @@ def clear_hands(angles: Floats, hands: Mapping[Side, Hand], robot: Robot, distan
         return angles
     gaps = distances.gaps(angles[None])[0]
     asked = {touched_pair(side, hand.touch, robot) for side, hand in moving.items() if hand.touch is not None}
-    touching = sorted(pair for pair in asked if pair is not None and gaps[pair] <= NEAR_ENOUGH)
+    touching = tuple(sorted(pair for pair in asked if pair is not None and gaps[pair] <= NEAR_ENOUGH))
     if gaps.min(initial=HOVER) >= HOVER and not touching:
         return angles
-    found = separate(angles, joints, robot, distances, least=HOVER, touching=touching)
+    found = separate(angles, joints, robot, distances, Spacing(HOVER, touching=touching))
     if found is None and touching:
-        found = separate(angles, joints, robot, distances, least=HOVER)
+        found = separate(angles, joints, robot, distances, Spacing(HOVER))
     return angles if found is None else found
 
 

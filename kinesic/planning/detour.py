@@ -12,7 +12,7 @@ from kinesic.body.limits import Limits
 from kinesic.body.robot import SIDES, Robot
 from kinesic.motion.desired import DesiredMotion, join_keys
 from kinesic.motion.keys import KeyPosture, Keys
-from kinesic.planning.collision import separate
+from kinesic.planning.collision import Spacing, separate
 
 Arm = tuple[int, ...]  # joints of an arm
 
@@ -157,7 +157,7 @@ def _with_a_key(
     for share in WITHDRAWALS:
         start = angles.copy()
         start[joints] += share * (course.robot.skeleton.rest[joints] - angles[joints])
-        clear = separate(start, joints, course.robot, distances, least=least, room=least + ROOM)
+        clear = separate(start, joints, course.robot, distances, Spacing(least, least + ROOM))
         if clear is not None:
             change = course
             for together in course.keyed_alike(arms):
@@ -174,7 +174,7 @@ def _with_a_key_away(
     keyed = [arm for arm in arms if posture.keyed[arm[0]] and np.any(posture.angles[list(arm)] != rest[list(arm)])]
     gap = float(distances.gaps(angles[None])[0].min())
     for more in AWAY if keyed else ():
-        clear = separate(angles, _joined(keyed), course.robot, distances, least=max(gap, least) + more)
+        clear = separate(angles, _joined(keyed), course.robot, distances, Spacing(max(gap, least) + more))
         if clear is not None:
             change = course
             for arm in keyed:

@@ -4,7 +4,7 @@ import pytest
 from kinesic.body.robot import Robot
 from kinesic.expressivity.hands.poses import resting_hands
 from kinesic.expressivity.keyframes import Hand
-from kinesic.planning.collision import EXACT, HOVER, NEAR_ENOUGH, SLACK, clear_hands, separate, touched_pair
+from kinesic.planning.collision import EXACT, HOVER, NEAR_ENOUGH, SLACK, Spacing, clear_hands, separate, touched_pair
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.worst_postures import random_postures
 
@@ -26,7 +26,7 @@ def gaps(posture):
 
 
 def test_nearly_every_posture_finds_room_in_its_ranges():
-    found = [separate(posture, ARMS, ROBOT, DISTANCES, least=LEAST) for posture in near_ones(25)]
+    found = [separate(posture, ARMS, ROBOT, DISTANCES, Spacing(LEAST)) for posture in near_ones(25)]
     clear = [posture for posture in found if posture is not None]
     assert len(clear) >= 23
     for posture in clear:
@@ -37,7 +37,7 @@ def test_nearly_every_posture_finds_room_in_its_ranges():
 
 def test_it_goes_no_farther_than_needed():
     for posture in near_ones(10):
-        clear = separate(posture, ARMS, ROBOT, DISTANCES, least=LEAST)
+        clear = separate(posture, ARMS, ROBOT, DISTANCES, Spacing(LEAST))
         if clear is not None:
             assert gaps(clear).min() <= LEAST + 5 * EXACT
             assert np.array_equal(np.delete(clear, ARMS), np.delete(posture, ARMS))
@@ -45,7 +45,7 @@ def test_it_goes_no_farther_than_needed():
 
 def test_a_clear_posture_stays_as_it_is():
     rest = ROBOT.skeleton.rest
-    assert np.array_equal(separate(rest, ARMS, ROBOT, DISTANCES, least=LEAST), rest)
+    assert np.array_equal(separate(rest, ARMS, ROBOT, DISTANCES, Spacing(LEAST)), rest)
 
 
 def test_elbows_swing_before_hands_move():
@@ -54,7 +54,7 @@ def test_elbows_swing_before_hands_move():
     elbow = ROBOT.skeleton.segment("r_elbow")
     posture = ROBOT.skeleton.rest.copy()
     posture[list(ROBOT.joints("r_arm"))] = np.radians([0, 50, -16, -45, 120, 0, 0, 0])
-    clear = separate(posture, ROBOT.joints("r_arm"), ROBOT, DISTANCES, least=LEAST + 0.01)
+    clear = separate(posture, ROBOT.joints("r_arm"), ROBOT, DISTANCES, Spacing(LEAST + 0.01))
     before, after = (ROBOT.skeleton.frames(angles).origins for angles in (posture, clear))
     ways = np.linalg.norm(after - before, axis=1)
     assert 0 < ways[wrist] < 0.5 * ways[elbow]
@@ -67,7 +67,7 @@ def test_a_pair_that_touches_comes_near():
         posture[list(ROBOT.joints(f"{side}_arm"))] = bent
     pair = next(k for k, pair in enumerate(ROBOT.counted_pairs) if set(pair) == {"l_wrist", "r_wrist"})
     assert gaps(posture)[pair] > 0.05
-    laid = separate(posture, ARMS, ROBOT, DISTANCES, least=LEAST, touching=[pair])
+    laid = separate(posture, ARMS, ROBOT, DISTANCES, Spacing(LEAST, touching=(pair,)))
     assert LEAST <= gaps(laid)[pair] <= LEAST + SLACK
     left, right = (laid[list(ROBOT.joints(f"{side}_arm"))] for side in ("l", "r"))
     np.testing.assert_allclose(left, right, atol=1e-9)
@@ -77,13 +77,13 @@ def test_what_no_joint_moves_is_left_alone():
     posture = ROBOT.skeleton.rest.copy()
     posture[ROBOT.skeleton.joint("l_shoulder_abduct")] = np.radians(-10)
     assert gaps(posture).min() < LEAST
-    assert np.array_equal(separate(posture, ROBOT.joints("r_arm"), ROBOT, DISTANCES, least=LEAST), posture)
+    assert np.array_equal(separate(posture, ROBOT.joints("r_arm"), ROBOT, DISTANCES, Spacing(LEAST)), posture)
 
 
 @pytest.mark.parametrize("room", [0.02, 0.03])
 def test_room_is_what_pairs_in_the_way_get(room):
     for posture in near_ones(6):
-        clear = separate(posture, ARMS, ROBOT, DISTANCES, least=LEAST, room=room)
+        clear = separate(posture, ARMS, ROBOT, DISTANCES, Spacing(LEAST, room))
         if clear is not None:
             short = gaps(posture) < LEAST
             assert gaps(clear)[short].min() >= room - 1e-9
