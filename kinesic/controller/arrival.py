@@ -70,7 +70,7 @@ def arrivals(plan: Plan, times: Floats, reference: Mapping[PartName, Floats]) ->
     @cache
     def arrival(part: PartName, at: float, radius: float) -> Arrival:  # many sync points are at the same time
         place = _place(at, instants, reference[part])
-        return Arrival(part, at, place, radius, _entry(at, instants, reference[part], place, radius))
+        return Arrival(part, at, place, radius, _first_entry(at, instants, reference[part], place, radius))
 
     found: dict[SyncTime, tuple[Arrival, ...]] = {}
     for sync in plan.syncs:
@@ -106,7 +106,7 @@ def lags(
 
     @cache
     def lag(arrival: Arrival) -> float | None:
-        entered = _entry(arrival.at, instants, performed[arrival.part], arrival.place, arrival.radius)
+        entered = _first_entry(arrival.at, instants, performed[arrival.part], arrival.place, arrival.radius)
         return None if entered is None or arrival.planned is None else entered - arrival.planned
 
     found: dict[SyncTime, float | None] = {}
@@ -136,20 +136,36 @@ def _place(at: float, times: Sequence[float], path: Floats) -> Floats:
     return place
 
 
-def _entry(at: float, times: Sequence[float], path: Floats, centre: Floats, radius: float) -> float | None:
-    """First time [s] within the window that a path is inside a ball, between samples by linear interpolation."""
-    begin = bisect_left(times, at - WINDOW)
-    apart = path[begin : bisect_left(times, at + WINDOW)] - centre
-    distance = np.sqrt(np.vecdot(apart, apart))
-    inside = distance <= radius
-    if not inside.any():
+def _first_entry(at: float, times: Sequence[float], path: Floats, centre: Floats, radius: float) -> float | None:
+    """First time [s] within the window that a path is inside a ball."""
+    window = slice(bisect_left(times, at - WINDOW), bisect_left(times, at + WINDOW))
+    apart = path[window] - centre
+    return entry(times[window], np.sqrt(np.vecdot(apart, apart)), radius)
+
+
+def entry(times: Sequence[float], distances: Floats, radius: float, *, last: bool = False) -> float | None:
+    """Finds when a path enters a ball, between samples by linear interpolation.
+
+    Args:
+        times: (m,) [s].
+        distances: (m,) from the ball's centre.
+        radius: of the ball, in the same unit.
+        last: the last time at which it enters, not the first.
+
+    Returns:
+        [s]; the first sample's time where the path is inside from the beginning, None where it is never.
+    """
+    inside = np.flatnonzero(distances <= radius)
+    if not len(inside):
         return None
-    first = int(inside.argmax())
-    if first == 0:
-        return times[begin]
-    outer, inner = distance[first - 1 : first + 1].tolist()
-    before, after = times[begin + first - 1], times[begin + first]
-    return float(before + (outer - radius) / (outer - inner) * (after - before))
+    after = int(inside[0])
+    if last:
+        outside = np.flatnonzero(distances[: inside[-1]] > radius)
+        after = int(outside[-1]) + 1 if len(outside) else 0
+    if after == 0:
+        return times[0]
+    outer, inner = distances[after - 1 : after + 1].tolist()
+    return float(times[after - 1] + (outer - radius) / (outer - inner) * (times[after] - times[after - 1]))
 
 
 def _way(path: Floats) -> Floats:

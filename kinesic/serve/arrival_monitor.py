@@ -5,12 +5,12 @@ The plan is judged by the same rule, and the sync point counts as met by as much
 """
 
 from collections import deque
-from collections.abc import Sequence
 
 import numpy as np
 
 from kinesic.body.arrays import Flags, Floats
 from kinesic.body.command import RATE
+from kinesic.controller.arrival import entry
 from kinesic.serve.sinks import Playing
 
 WINDOW = 0.3  # [s] before a sync point in which the ball is entered
@@ -54,26 +54,13 @@ class ArrivalMonitor:
         planned = playing.trajectory.sample(instants - playing.epoch)[0][:, hinges]
         way = float(np.linalg.norm(np.diff(planned, axis=0), axis=1).sum())
         radius = max(LEAST_BALL, SHARE * way)
-        due = _entry(instants.tolist(), planned, planned[-1], radius)
+        due = entry(instants.tolist(), np.linalg.norm(planned - planned[-1], axis=1), radius, last=True)
         if way < LEAST_WAY or due is None or due == instants[0]:
             return float("nan")
         lately = [k for k, at in enumerate(self._times) if at >= begin]
         if not lately:
             return None
         seen = np.array([self._angles[k][hinges] for k in lately])
-        came = _entry([self._times[k] for k in lately], seen, planned[-1], radius)
+        distances = np.linalg.norm(seen - planned[-1], axis=1)
+        came = entry([self._times[k] for k in lately], distances, radius, last=True)
         return None if came is None else came - due
-
-
-def _entry(times: Sequence[float], path: Floats, place: Floats, radius: float) -> float | None:
-    """When a path (m, k) enters a ball for the last time [s], between samples by linear interpolation; None: never."""
-    distance = np.linalg.norm(path - place, axis=1)
-    inside = np.flatnonzero(distance <= radius)
-    if not len(inside):
-        return None
-    outside = np.flatnonzero(distance[: inside[-1]] > radius)
-    if not len(outside):
-        return times[0]
-    before = int(outside[-1])
-    outer, inner = distance[before : before + 2]
-    return float(times[before] + (outer - radius) / (outer - inner) * (times[before + 1] - times[before]))

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from kinesic.controller.arrival import LEAST_BALL, SHARE, WINDOW, _entry
+from kinesic.controller.arrival import LEAST_BALL, SHARE, WINDOW, _first_entry
 from kinesic.controller.performance import MOVING
 
 TIMES = np.arange(0.0, 2.0, 0.01)
@@ -9,19 +9,19 @@ PATH = np.stack([np.clip(TIMES, 0.0, 1.0), 0 * TIMES, 0 * TIMES], axis=1)  # 1 m
 
 
 def test_entry_is_where_the_path_crosses_the_ball():
-    assert _entry(1.0, TIMES, PATH, np.array([1.0, 0, 0]), 0.05) == pytest.approx(0.95)
+    assert _first_entry(1.0, TIMES, PATH, np.array([1.0, 0, 0]), 0.05) == pytest.approx(0.95)
 
 
 def test_entry_is_interpolated_between_samples():
-    assert _entry(1.0, TIMES, PATH, np.array([1.0, 0, 0]), 0.0333) == pytest.approx(0.9667)
+    assert _first_entry(1.0, TIMES, PATH, np.array([1.0, 0, 0]), 0.0333) == pytest.approx(0.9667)
 
 
 def test_a_path_that_is_inside_already_enters_at_the_windows_start():
-    assert _entry(1.7, TIMES, PATH, np.array([1.0, 0, 0]), 0.05) == pytest.approx(1.4)
+    assert _first_entry(1.7, TIMES, PATH, np.array([1.0, 0, 0]), 0.05) == pytest.approx(1.4)
 
 
 def test_a_path_that_never_comes_near_does_not_arrive():
-    assert _entry(1.0, TIMES, PATH, np.array([1.0, 0.2, 0]), 0.05) is None
+    assert _first_entry(1.0, TIMES, PATH, np.array([1.0, 0.2, 0]), 0.05) is None
 
 
 def test_the_rule_is_a_ball_of_5_mm_or_5_percent_of_the_path_within_300_ms():
