@@ -8,10 +8,10 @@ from typing import Literal, Unpack, get_args
 
 from kinesic.bml.block import BmlError
 from kinesic.bml.parse import parse
-from kinesic.body.command import RATE, Sink
+from kinesic.body.command import Sink
 from kinesic.body.config import ConfigError, suggestion
 from kinesic.body.robot import Robot
-from kinesic.controller.feedforward import Terms, lead
+from kinesic.controller.feedforward import FeedForward, Terms
 from kinesic.controller.options import Options, setup_of
 from kinesic.controller.perform import dry_runs
 from kinesic.controller.perform import perform as perform_text
@@ -217,7 +217,7 @@ def _check_way(on: str, twin: object, sinks: Sequence[object]) -> None:
 def _play(plan: Plan, sinks: Sequence[Sink], terms: Terms) -> None:
     """Hands every command of a plan, with the face, to all sinks."""
     times, known = command_times(plan.duration), plan.setup
-    setpoints = lead(plan.trajectory, times, known.robot, known.dynamics, period=1 / RATE, terms=terms)
+    setpoints = FeedForward(known.robot, known.dynamics, terms=terms).lead(plan.trajectory, times)
     stream = commands(plan.trajectory, times, setpoints, faces(plan, times))
     play_together(((command,) * len(sinks) for command in stream), sinks)
 

@@ -14,12 +14,13 @@ from kinesic.body.config import ConfigError, suggestion
 from kinesic.cli.options import FAULT, PlanningOptions, SinkNames, planning
 from kinesic.cli.servos.ports import PORT_HELP, all_ports
 from kinesic.client import PORT
+from kinesic.controller.servo_performance import DELAY
 from kinesic.face.show.preview import Preview
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.serve.quotas import USUAL, Quotas
 from kinesic.serve.server import Address, Serving, open_serving, until_done
-from kinesic.serve.sinks import AHEAD, DELAY, RealServos, RealTwin, ServoSink
+from kinesic.serve.sinks import AHEAD, RealServos, RealTwin, ServoSink
 from kinesic.speech import port_audio
 
 LISTEN_HELP = "Address for TCP and WebSocket; 'none' for standard input alone. Port 0: any that is free."

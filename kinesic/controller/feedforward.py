@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
+from kinesic.body.command import RATE
 from kinesic.body.dynamics import Dynamics
 from kinesic.body.robot import Robot
 from kinesic.motion.trajectory import Trajectory
@@ -22,39 +23,34 @@ class Lead:
     duties: Floats  # (m, n) torque / stall + speed / no-load of the reference, may exceed 1
 
 
-def lead(
-    trajectory: Trajectory,
-    times: Floats,
-    robot: Robot,
-    dynamics: Dynamics,
-    *,
-    period: float,
-    delay: float = 0.0,
-    terms: Terms = "full",
-) -> Lead:
-    """Set points for the servos.
+@dataclass(frozen=True, eq=False)
+class FeedForward:
+    """The inverted model of a robot's servos.
 
     A servo gives torque = stall (gain e) - (stall / no_load) speed - rate_gain speed for an error e = goal - angle,
-    so the error that yields a wished torque and speed is ((stall / no_load + rate_gain) speed + torque) / (gain stall).
+    so the error that yields a torque and a speed is ((stall / no_load + rate_gain) speed + torque) / (gain stall).
     Goals are held for a period and arrive after a delay: the reference is read half a period plus the delay ahead.
-
-    Args:
-        trajectory: the reference.
-        times: (m,) [s] performance times at which goals are sent.
-        robot: its drives and ranges.
-        dynamics: inverse dynamics.
-        period: [s] between goals.
-        delay: [s] of the bus.
-        terms: what is inverted; for measuring what each part is worth.
     """
-    angles, speeds, accelerations = trajectory.sample(times + period / 2 + delay)
-    torques = dynamics.torques(angles, speeds, accelerations)
-    drives = robot.drives
-    stall, no_load, gain, rate = drives.stall, drives.no_load, drives.gain, drives.rate_gain
-    duties = torques / stall + speeds / no_load
-    if terms == "none":
-        sent = trajectory.sample(times)[0]
-        return Lead(sealed(robot.skeleton.clamp(sent)), sealed(np.zeros_like(sent)), sealed(duties))
-    lags = (speeds / no_load + rate * speeds / stall) / gain
-    loads = torques / (gain * stall) if terms == "full" else np.zeros_like(torques)
-    return Lead(sealed(robot.skeleton.clamp(angles + lags + loads)), sealed(loads), sealed(duties))
+
+    robot: Robot  # its drives and ranges
+    dynamics: Dynamics
+    period: float = 1 / RATE  # [s] between goals
+    delay: float = 0.0  # [s] of the bus
+    terms: Terms = "full"  # what is inverted; for measuring what each part is worth
+
+    def lead(self, trajectory: Trajectory, times: Floats) -> Lead:
+        """Computes the set points of a motion for goals that are sent at (m,) performance times [s]."""
+        robot = self.robot
+        angles, speeds, accelerations = trajectory.sample(times + self.period / 2 + self.delay)
+        torques = self.dynamics.torques(angles, speeds, accelerations)
+        stall = np.array([drive.stall for drive in robot.drives])
+        no_load = np.array([drive.no_load for drive in robot.drives])
+        gain = np.array([drive.gain for drive in robot.drives])
+        rate = np.array([drive.rate_gain for drive in robot.drives])
+        duties = torques / stall + speeds / no_load
+        if self.terms == "none":
+            sent = trajectory.sample(times)[0]
+            return Lead(sealed(robot.skeleton.clamp(sent)), sealed(np.zeros_like(sent)), sealed(duties))
+        lags = (speeds / no_load + rate * speeds / stall) / gain
+        loads = torques / (gain * stall) if self.terms == "full" else np.zeros_like(torques)
+        return Lead(sealed(robot.skeleton.clamp(angles + lags + loads)), sealed(loads), sealed(duties))

@@ -12,7 +12,7 @@ from kinesic.bml.parse import parse
 from kinesic.body.arrays import Floats
 from kinesic.body.command import RATE, Measurements
 from kinesic.body.robot import Robot
-from kinesic.controller.feedforward import Terms, lead
+from kinesic.controller.feedforward import FeedForward, Terms
 from kinesic.controller.observer import Observer, correct_goals
 from kinesic.controller.performance import Performance, Reference
 from kinesic.controller.play import command_times, commands, play_together
@@ -162,11 +162,10 @@ def dry_runs(
         delay: [s] of the bus, as feed-forward and correction believe it to be; the twins' own is in their factors.
         parse_seconds: for the report.
     """
-    known, trajectory = planned.setup, planned.trajectory
-    robot, dynamics, period = known.robot, known.dynamics, 1 / RATE
+    known, trajectory, robot = planned.setup, planned.trajectory, planned.setup.robot
     began = perf_counter()
     times = command_times(planned.duration)
-    setpoints = lead(trajectory, times, robot, dynamics, period=period, delay=delay, terms=feedforward)
+    setpoints = FeedForward(robot, known.dynamics, delay=delay, terms=feedforward).lead(trajectory, times)
     stream = tuple(commands(trajectory, times, setpoints))
     observer = _observer(known, delay, len(twins)) if correction else None
 

@@ -18,21 +18,18 @@ from typing import Literal
 import numpy as np
 
 from kinesic.body.arrays import Flags, Floats, sealed
-from kinesic.body.command import RATE
 from kinesic.controller.arrival import lags, part_paths
-from kinesic.controller.feedforward import lead
+from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.performance import MOVING, Performance
 from kinesic.controller.play import command_times, commands
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.channel import Note, Status
-from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.planning.syncs import SyncTime
 
 DELAY = 0.002  # [s] from a command's time until its goals have gone over the wire
 LOOK = 0.02  # [s] between two looks at supervisor and keyboard
 FULL = 0.999  # scale of time that is all of it
-RUNNING = frozenset({Stage.ACTIVE, Stage.DEGRADED})  # performance time runs, or comes to a stop
 
 Wish = Literal["go on", "stop", "end"]  # "stop": at once; "end": fold to rest
 Ending = Literal["performed", "ended", "stopped", "failed"]
@@ -148,9 +145,7 @@ def perform_live(
     """
     plan = performance.plan
     times = command_times(plan.duration)
-    setpoints = lead(
-        plan.trajectory, times, plan.setup.robot, plan.setup.dynamics, period=1 / RATE, delay=DELAY, terms="full"
-    )
+    setpoints = FeedForward(plan.setup.robot, plan.setup.dynamics, delay=DELAY).lead(plan.trajectory, times)
     history: list[Status] = []
     notes: list[Note] = []
     asked: list[Wish] = []
@@ -168,7 +163,7 @@ def perform_live(
     error = closing.exception()
     if error is not None and not isinstance(error, BusError):
         raise error
-    ran = tuple(told for told in history if told.stage in RUNNING)
+    ran = tuple(told for told in history if told.stage.runs)
     ending, why = _ending(history, asked, error)
     return ServoRun(performance, ran, tuple(notes), ending, why or _last_failure(notes) if ending == "failed" else why)
 

@@ -1,7 +1,7 @@
 """What is said while servos perform, heard at the time to which they have come."""
 
 from kinesic.body.utterance import Sound
-from kinesic.controller.servo_performance import FULL, RUNNING
+from kinesic.controller.servo_performance import FULL
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.speech.speaker import Speaker
 
@@ -23,7 +23,7 @@ class SpeechPlayback:
 
     def __call__(self, told: Status) -> None:
         """Hears how the servos go on."""
-        if told.stage not in RUNNING or not told.scale > FULL:
+        if not told.stage.runs or not told.scale > FULL:
             self._hush()
             return
         zero = told.clock - told.time

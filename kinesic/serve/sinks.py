@@ -11,21 +11,18 @@ from msgspec.structs import replace
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import RATE, Command, Sink
 from kinesic.body.robot import Robot
-from kinesic.controller.feedforward import lead
+from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.play import commands
 from kinesic.hardware.servos import Servos
-from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.setup import Setup
 from kinesic.sim.twin import Twin
 
 SAME = 1e-6  # ticks
 AHEAD = 0.7  # [s] servos' supervisor lets time run when it has 0.5 s of commands
-DELAY = 0.002  # [s] from a command's time until its goals have gone over the wire
 Face = Callable[[float], Mapping[str, float]]  # action units at a time [s] of the clock
 
 KEPT = 1000  # commands after which a twin forgets what it measured
-RUNNING = frozenset({Stage.ACTIVE, Stage.DEGRADED})
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,12 +91,12 @@ class RealServos:
     def seen(self) -> tuple[float, Floats] | None:
         """What the supervisor told last."""
         told = self.servos.state()
-        return (told.time, told.angles) if told.stage in RUNNING else None
+        return (told.time, told.angles) if told.stage.runs else None
 
     def time(self, clock: float, /) -> float | None:
         """[s] where the supervisor is in the performance."""
         told = self.servos.state()
-        return told.time_at(clock) if told.stage in RUNNING else None
+        return told.time_at(clock) if told.stage.runs else None
 
     def close(self) -> None:
         """Waits until the robot has folded and is limp."""
@@ -127,9 +124,7 @@ class ServoSink:
             return
         times = np.arange(self._next, last + 1) / RATE
         local = times - playing.epoch
-        setpoints = lead(
-            playing.trajectory, local, setup.robot, setup.dynamics, period=1 / RATE, delay=self.delay, terms="full"
-        )
+        setpoints = FeedForward(setup.robot, setup.dynamics, delay=self.delay).lead(playing.trajectory, local)
         for time, command in zip(times.tolist(), commands(playing.trajectory, local, setpoints), strict=True):
             self.sink.write(replace(command, time=time, face=face(time)))
         self._next = last + 1

@@ -3,7 +3,7 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Load
 from kinesic.body.robot import Robot
-from kinesic.controller.feedforward import lead
+from kinesic.controller.feedforward import FeedForward
 from kinesic.motion.trajectory import stay
 
 ROBOT = Robot.load()
@@ -30,13 +30,13 @@ class Loaded(Weightless):
 
 def test_a_weightless_body_at_rest_is_sent_where_it_is():
     posture = ROBOT.skeleton.rest
-    sent = lead(stay(posture), np.array([0.0, 0.05]), ROBOT, Weightless(), period=0.01).goals
+    sent = FeedForward(ROBOT, Weightless(), period=0.01).lead(stay(posture), np.array([0.0, 0.05])).goals
     np.testing.assert_allclose(sent, [posture, posture], atol=1e-12)
 
 
 def test_a_load_is_met_by_the_error_that_yields_its_torque():
     posture = ROBOT.skeleton.clamp(np.full(COUNT, 0.1))
-    sent = lead(stay(posture), np.array([0.05]), ROBOT, Loaded(), period=0.01).goals
+    sent = FeedForward(ROBOT, Loaded(), period=0.01).lead(stay(posture), np.array([0.05])).goals
     for k, drive in enumerate(ROBOT.drives):
         assert np.isclose((sent[0, k] - posture[k]) * drive.gain * drive.stall, 0.5)
 
@@ -46,7 +46,7 @@ def test_a_moving_hinge_is_led_by_its_lag(through):
     hinge = ROBOT.skeleton.joint("l_shoulder_flexion")
     angles[1, hinge] += 0.5
     move = through(np.array([0.0, 1.0]), angles)
-    sent = lead(move, np.array([0.495]), ROBOT, Weightless(), period=0.01).goals
+    sent = FeedForward(ROBOT, Weightless(), period=0.01).lead(move, np.array([0.495])).goals
     drive = ROBOT.drives[hinge]
     lag = 1 / (drive.gain * drive.no_load)
     middle = move.at(0.5)
@@ -55,23 +55,23 @@ def test_a_moving_hinge_is_led_by_its_lag(through):
 
 def test_goals_stay_in_range():
     posture = ROBOT.skeleton.upper
-    sent = lead(stay(posture), np.array([0.0]), ROBOT, Loaded(), period=0.01).goals
+    sent = FeedForward(ROBOT, Loaded(), period=0.01).lead(stay(posture), np.array([0.0])).goals
     assert np.all(sent <= ROBOT.skeleton.upper)
 
 
 def test_loads_are_the_part_of_the_goals_that_carries_torque():
     posture = ROBOT.skeleton.clamp(np.full(COUNT, 0.1))
     times = np.array([0.05])
-    full = lead(stay(posture), times, ROBOT, Loaded(), period=0.01)
+    full = FeedForward(ROBOT, Loaded(), period=0.01).lead(stay(posture), times)
     np.testing.assert_allclose(full.goals, posture + full.loads, atol=1e-12)
-    lag = lead(stay(posture), times, ROBOT, Loaded(), period=0.01, terms="lag")
+    lag = FeedForward(ROBOT, Loaded(), period=0.01, terms="lag").lead(stay(posture), times)
     np.testing.assert_allclose(lag.goals[0], posture, atol=1e-12)
     assert not lag.loads.any()
 
 
 def test_without_feed_forward_the_reference_itself_is_sent():
     posture = ROBOT.skeleton.clamp(np.full(COUNT, 0.1))
-    none = lead(stay(posture), np.array([0.05]), ROBOT, Loaded(), period=0.01, terms="none")
+    none = FeedForward(ROBOT, Loaded(), period=0.01, terms="none").lead(stay(posture), np.array([0.05]))
     np.testing.assert_array_equal(none.goals[0], stay(posture).at(0.05).angles)
     assert not none.loads.any()
     assert none.duties.any()

@@ -11,9 +11,8 @@ import pytest
 from dynamixel_sdk import COMM_SUCCESS, GroupSyncRead, GroupSyncWrite, PacketHandler, PortHandler
 
 from kinesic.body.arrays import Floats
-from kinesic.body.command import RATE
 from kinesic.body.config import CONFIGS
-from kinesic.controller.feedforward import lead
+from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.perform import plan
 from kinesic.controller.play import command_times, commands
 from kinesic.controller.servo_performance import DELAY, FULL
@@ -66,7 +65,7 @@ def followed(planned: Plan, clocks: Floats, times: Floats, angles: Floats) -> No
 
 def test_kinesic_moves_the_twin_through_the_port(planned: Plan, port: Path):
     robot, times = planned.setup.robot, command_times(planned.duration)[:SEEN]
-    setpoints = lead(planned.trajectory, times, robot, planned.setup.dynamics, period=1 / RATE, delay=DELAY)
+    setpoints = FeedForward(robot, planned.setup.dynamics, delay=DELAY).lead(planned.trajectory, times)
     servos = Servos(robot, {"body": port}, settings=SupervisorSettings(pace=2.0, patience=0.1))
     for command in commands(planned.trajectory, times, setpoints):
         servos.write(command)
@@ -81,7 +80,7 @@ def test_kinesic_moves_the_twin_through_the_port(planned: Plan, port: Path):
 def test_the_sdk_moves_the_twin_through_the_port(planned: Plan, port: Path):
     robot, times = planned.setup.robot, command_times(planned.duration)[:SEEN]
     wiring = ServoMap.of(robot)
-    setpoints = lead(planned.trajectory, times, robot, planned.setup.dynamics, period=1 / RATE, delay=DELAY)
+    setpoints = FeedForward(robot, planned.setup.dynamics, delay=DELAY).lead(planned.trajectory, times)
     hinges = {servo: k for k, servos in enumerate(wiring.servos) for servo in servos.ids}
     handler, protocol = PortHandler(str(port)), PacketHandler(2.0)
     assert handler.openPort()

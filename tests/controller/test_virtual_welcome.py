@@ -7,7 +7,7 @@ import pytest
 
 from kinesic.body.command import RATE
 from kinesic.body.config import CONFIGS
-from kinesic.controller.feedforward import lead
+from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.perform import plan
 from kinesic.controller.play import command_times, commands
 from kinesic.controller.virtual_robot import TwinPhysics
@@ -44,7 +44,7 @@ def test_it_follows_the_plan(planned: Plan, opens: Callable[..., Driver], rmse: 
         servo.write(Register.TORQUE_ENABLE.field.address, b"\1")
     driver = opens(wire, servos, PERIOD)
     times = command_times(planned.duration)[:SEEN]
-    setpoints = lead(planned.trajectory, times, robot, planned.setup.dynamics, period=PERIOD, delay=0.002)
+    setpoints = FeedForward(robot, planned.setup.dynamics, PERIOD, delay=0.002).lead(planned.trajectory, times)
     began = wire.now() + 1.0
     errors, moving = [], []
     for command in commands(planned.trajectory, times, setpoints):

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from kinesic.body.action_units import ASIDE, UPWARD
-from kinesic.body.command import NO_FACE, RATE
-from kinesic.controller.feedforward import lead
+from kinesic.body.command import NO_FACE
+from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.perform import plan
 from kinesic.controller.play import command_times, commands, pace
 from kinesic.expressivity.idle import Idling
@@ -45,7 +45,7 @@ def test_faces_follow_block_time_on_the_clock_of_the_performance(smiling: Plan):
 def test_commands_carry_their_face(smiling: Plan):
     times = command_times(smiling.duration)
     setup = smiling.setup
-    setpoints = lead(smiling.trajectory, times, setup.robot, setup.dynamics, period=1 / RATE, delay=0.0, terms="none")
+    setpoints = FeedForward(setup.robot, setup.dynamics, terms="none").lead(smiling.trajectory, times)
     rows = faces(smiling, times)
     told = list(commands(smiling.trajectory, times, setpoints, rows))
     assert [command.face for command in told] == list(rows)

@@ -8,8 +8,7 @@ import numpy as np
 from kinesic.bench.blocks import passage_text
 from kinesic.bench.figure import Figure
 from kinesic.bml.parse import parse
-from kinesic.body.command import RATE
-from kinesic.controller.feedforward import lead
+from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.perform import set_up
 from kinesic.controller.play import command_times, commands
 from kinesic.motion.trajectory import stay
@@ -48,6 +47,6 @@ def _first(text: str, known: Setup) -> float:
     began = perf_counter()
     planned = plan_quickly(parse(text), known)
     times = command_times(planned.duration)
-    setpoints = lead(planned.trajectory, times[:1], known.robot, known.dynamics, period=1 / RATE)
+    setpoints = FeedForward(known.robot, known.dynamics).lead(planned.trajectory, times[:1])
     next(iter(commands(planned.trajectory, times[:1], setpoints)))
     return perf_counter() - began

@@ -30,6 +30,11 @@ class Stage(Enum):
     LOST = "lost"  # a port is gone; its servos stop by themselves
     ADOPT = "adopt"  # servos with torque are taken over where they are
 
+    @property
+    def runs(self) -> bool:
+        """Whether performance time runs, or comes to a stop."""
+        return self in (Stage.ACTIVE, Stage.DEGRADED)
+
 
 Event = Literal[
     "tick",  # nothing but the facts
