@@ -12,7 +12,7 @@ import pytest
 
 from kinesic.body.robot import Robot
 from kinesic.controller.perform import perform, set_up
-from kinesic.expressivity.lexicon.hand_shapes import SHAPES
+from kinesic.expressivity.lexicon.form import SHAPES
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.hardware.protocol.servo_map import ServoMap
 from kinesic.report.checks import checks

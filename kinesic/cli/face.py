@@ -17,7 +17,7 @@ from kinesic.cli.playback import play_whole
 from kinesic.controller.perform import plan
 from kinesic.controller.play import command_times, play
 from kinesic.controller.soundtrack import sound, write_wav
-from kinesic.expressivity.face.lexemes import entries, expression
+from kinesic.expressivity.face.expressions import entries, expression
 from kinesic.face.assets.action_units import intensities
 from kinesic.face.assets.mesh import Variant
 from kinesic.face.display import DisplayError

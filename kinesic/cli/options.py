@@ -12,10 +12,10 @@ import click
 from kinesic.bml.block import BmlError, Dialect
 from kinesic.body.config import names_of
 from kinesic.controller.perform import set_up
+from kinesic.expressivity.context import read_targets
 from kinesic.expressivity.gather import Gathering
 from kinesic.expressivity.idle import OFF, Idling, Liveliness
 from kinesic.expressivity.style.style import RANGES, Style
-from kinesic.expressivity.targets import read_targets
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.planning.setup import Setup
 from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors

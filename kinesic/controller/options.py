@@ -12,10 +12,10 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError, suggestion
 from kinesic.body.robot import Robot
 from kinesic.controller.perform import set_up
+from kinesic.expressivity.context import read_targets
 from kinesic.expressivity.gather import Gathering
 from kinesic.expressivity.idle import Idling, Liveliness
 from kinesic.expressivity.style.style import Style
-from kinesic.expressivity.targets import read_targets
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.planning.setup import Setup
 from kinesic.speech.voice import VoiceName

@@ -25,7 +25,6 @@ from kinesic.expressivity.head import head_form, head_layer
 from kinesic.expressivity.keyframes import Outcome
 from kinesic.expressivity.lexicon.form import GestureForm
 from kinesic.expressivity.lexicon.lexicon import mirror_form
-from kinesic.expressivity.targets import find_target, unknown
 from kinesic.expressivity.turns import UPRIGHT, Layer, exclusive, pass_layer
 
 REALISED = Outcome("realised")
@@ -86,8 +85,8 @@ def _unmet(action: Gesture, form: GestureForm, context: BlockContext) -> tuple[W
     """Why a gesture does not meet its target; empty when it does, or has none."""
     if action.target is None:
         return ()
-    if find_target(action.target, context.targets) is None:
-        return (Warned(NoticeType.NO_SUCH_TARGET, unknown(action.target, context.targets)),)
+    if context.find_target(action.target) is None:
+        return (Warned(NoticeType.NO_SUCH_TARGET, context.unknown_target(action.target)),)
     if form.category != "deictic":
         text = f"gesture {form.id} is no deictic one and leaves its target out"
         return (Warned(NoticeType.CANNOT_CREATE_BEHAVIOR, text),)
@@ -96,9 +95,9 @@ def _unmet(action: Gesture, form: GestureForm, context: BlockContext) -> tuple[W
 
 def pointing_move(timed: TimedBehaviour, action: Pointing, context: BlockContext) -> Move:
     """Pointing at a place, with the hand on its side unless the mode says which."""
-    place = find_target(action.target, context.targets)
+    place = context.find_target(action.target)
     if place is None:
-        return drop_behaviour(unknown(action.target, context.targets), NoticeType.NO_SUCH_TARGET)
+        return drop_behaviour(context.unknown_target(action.target), NoticeType.NO_SUCH_TARGET)
     work: dict[Side, Poses] = {side: pointing_poses(place, side, context.robot) for side in SIDES}
     both = Poses({side: work[side].hands[side] for side in SIDES}, work["l"].stroke)
     nearer = (work["l"], work["r"]) if place[1] > 0 else (work["r"], work["l"])
@@ -155,7 +154,7 @@ def look_moves(looks: Sequence[TimedBehaviour], context: BlockContext) -> Mappin
             raise TypeError(f"{timed.behaviour.id} is a {type(action).__name__}, no gaze and no head direction")
         aim = gaze.aim(action, context, base)
         if aim is None:
-            why = unknown(action.target or "", context.targets)
+            why = context.unknown_target(action.target or "")
             moves[timed.behaviour.id] = drop_behaviour(why, NoticeType.NO_SUCH_TARGET)
             continue
         base = aim if stays(action) else base

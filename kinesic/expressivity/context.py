@@ -1,11 +1,18 @@
-"""What blocks are performed with, handed on as one from natural durations to key frames, gaze and face."""
+"""What blocks are performed with, handed on as one from natural durations to key frames, gaze and face.
+
+Targets of gaze and pointing are names that the robot or the user knows, or three coordinates. The user's names come
+from a file, `name = [x, y, z]` in metres, x forward, y left, z up.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import isfinite
+from pathlib import Path
 
 from kinesic.bml.block import Behaviour, Block, Modality, modality_of
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.config import read_toml, suggestion
 from kinesic.body.robot import Robot
 from kinesic.expressivity.gather import Gathering
 from kinesic.expressivity.hands.coarticulation import Engaged
@@ -14,6 +21,15 @@ from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.resolve import resolve_styles
 from kinesic.expressivity.style.style import Expressivity, Style
+
+
+def read_targets(path: Path) -> Mapping[str, Floats]:
+    """Reads a targets file.
+
+    Raises:
+        ConfigError: the file is missing or wrong.
+    """
+    return {name: sealed(point) for name, point in read_toml(path, dict[str, tuple[float, float, float]]).items()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,3 +80,28 @@ class BlockContext:
     def manner(self, behaviour: Behaviour, modality: Modality | None = None) -> Expressivity:
         """The manner of one behaviour, in its own modality or in another."""
         return self.styles[behaviour.id].of(modality or modality_of(behaviour.action) or "gesture")
+
+    def find_target(self, text: str) -> Floats | None:
+        """Finds where a target is: its name in any case, or "x y z" in metres.
+
+        A part of somebody, such as `user:l_wrist`, is where the whole is, unless it has a place of its own.
+
+        Returns:
+            (3,) [m] in the world; None when it is neither.
+        """
+        if text in self.targets:
+            return self.targets[text]
+        folded = {name.lower(): place for name, place in self.targets.items()}
+        name = text.strip().lower()
+        for whole in (name, name.partition(":")[0]):
+            if whole in folded:
+                return folded[whole]
+        try:
+            numbers = [float(part) for part in text.replace(",", " ").split()]
+        except ValueError:
+            return None
+        return sealed(numbers) if len(numbers) == 3 and all(map(isfinite, numbers)) else None
+
+    def unknown_target(self, text: str) -> str:
+        """Says what is wrong with a target, and what would have worked."""
+        return f'there is no target {text}{suggestion(text, list(self.targets))}, or "x y z" in metres'

@@ -25,7 +25,6 @@ from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.posture import pose
 from kinesic.expressivity.style.pace import HASTE, Pace
 from kinesic.expressivity.style.style import Expressivity
-from kinesic.expressivity.targets import find_target
 from kinesic.expressivity.trunk import named_lean
 
 LEAST_LEAN = 0.3  # [s] at ease
@@ -96,7 +95,7 @@ def _spans(behaviour: Behaviour, context: BlockContext) -> Mapping[str, float]:
             work = poses(match.form, robot, manner)
             return stroke_spans(work, pace, manner, held=not match.form.rest)
         case Pointing(target):
-            place = find_target(target, context.targets)
+            place = context.find_target(target)
             if place is None:
                 return {}
             side: Side = "l" if place[1] > 0 else "r"

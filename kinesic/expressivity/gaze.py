@@ -15,7 +15,6 @@ from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.head import direction, names_stem, words
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.targets import find_target, unknown
 from kinesic.expressivity.turns import UPRIGHT, Hold, add_turns, axes, clip_turn, excess, hold_turn, room, scale_turn
 
 AUDIENCE = "audience"  # who is looked at when the one that was meant is unknown
@@ -67,18 +66,18 @@ def aim(action: Gaze | HeadDirectionShift, context: BlockContext, base: Aim = ST
     Returns:
         None when neither the target nor an audience is known.
     """
-    robot, targets = context.robot, context.targets
+    robot = context.robot
     influence = action.influence if isinstance(action, Gaze) else None
     offset = _offset(action, context.block) if isinstance(action, Gaze) else UPRIGHT
     if action.target is None:
         return _limited(add_turns(base.head, offset), influence=influence, robot=robot, base=base)
-    place, missing = find_target(action.target, targets), ""
+    place, missing = context.find_target(action.target), ""
     if place is None and isinstance(action, HeadDirectionShift):
         found = words(action.target)
         if names_stem(found, "up", "down", "left", "right", "aside", "neutral", "tilt"):
             return _limited(scale_turn(direction(found), 0.5), influence=None, robot=robot, base=base)
     if place is None:
-        place, missing = targets.get(AUDIENCE), unknown(action.target, targets)
+        place, missing = context.targets.get(AUDIENCE), context.unknown_target(action.target)
     if place is None:
         return None
     turn = add_turns(_towards(place, robot), offset)

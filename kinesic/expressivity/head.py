@@ -12,8 +12,7 @@ from kinesic.bml.block import Head
 from kinesic.body.robot import Robot
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.style.passage import passage_of
-from kinesic.expressivity.style.style import Expressivity
+from kinesic.expressivity.style.style import Expressivity, passage_of
 from kinesic.expressivity.turns import (
     MERGE,
     UPRIGHT,

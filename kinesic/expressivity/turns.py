@@ -10,8 +10,7 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.style.passage import Phase, passage_of
-from kinesic.expressivity.style.style import Expressivity
+from kinesic.expressivity.style.style import Expressivity, Phase, passage_of
 from kinesic.motion.keys import PLAIN, Passage
 
 AXES = ("torsion", "tilt", "roll")  # in the order of Turn; hinges of neck and torso are named after them

@@ -10,8 +10,7 @@ from kinesic.bml.timing.constraints import point_of, ties
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import Command
 from kinesic.expressivity.context import BlockContext
-from kinesic.expressivity.face.eyes import Eyes, Habits
-from kinesic.expressivity.face.gaze import headings, looks
+from kinesic.expressivity.face.eyes import Eyes, Habits, headings, looks
 from kinesic.expressivity.face.tracks import Channels, face_at_ticks, face_track
 from kinesic.planning.plan import Plan
 

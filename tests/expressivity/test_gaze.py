@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from kinesic.bml.block import GAZE_SYNCS, Gaze, HeadDirectionShift, NoticeType
+from kinesic.bml.block import GAZE_SYNCS, Block, Gaze, HeadDirectionShift, NoticeType
 from kinesic.body.arrays import sealed
-from kinesic.expressivity.targets import find_target
 
 LAMP = sealed([0.5, -1.0, 1.0])
 
@@ -54,8 +53,8 @@ def test_parts_that_are_not_asked_stay_where_they_look_for_good(perform, influen
         assert (len(torsions) == 1) is (part in still)
 
 
-def test_a_part_of_somebody_is_where_the_whole_is():
-    known = {"Ann": LAMP, "bob:hand": sealed([1.0, 0.0, 0.0])}
-    assert find_target("ann:l_wrist", known) is LAMP
-    assert np.array_equal(find_target("Bob:Hand", known), [1.0, 0.0, 0.0])
-    assert find_target("bob:foot", known) is None
+def test_a_part_of_somebody_is_where_the_whole_is(context):
+    known = context(Block("b", ()), targets={"Ann": LAMP, "bob:hand": sealed([1.0, 0.0, 0.0])})
+    assert known.find_target("ann:l_wrist") is LAMP
+    assert np.array_equal(known.find_target("Bob:Hand"), [1.0, 0.0, 0.0])
+    assert known.find_target("bob:foot") is None

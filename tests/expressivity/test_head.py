@@ -8,8 +8,7 @@ from kinesic.body.action_units import ASIDE
 from kinesic.expressivity.gaze import aim
 from kinesic.expressivity.head import MORE, SWING, head_form, head_layer, swing_time
 from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.style.passage import passage_of
-from kinesic.expressivity.style.style import Expressivity
+from kinesic.expressivity.style.style import Expressivity, passage_of
 from kinesic.expressivity.turns import UPRIGHT, room, turn_at
 
 

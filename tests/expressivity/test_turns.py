@@ -1,8 +1,7 @@
 import pytest
 
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.style.passage import passage_of
-from kinesic.expressivity.style.style import Expressivity
+from kinesic.expressivity.style.style import Expressivity, passage_of
 from kinesic.expressivity.turns import UPRIGHT, Hold, exclusive, pass_layer
 
 MANNER = Expressivity(power=1.0, tension=0.5)

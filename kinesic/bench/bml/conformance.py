@@ -14,7 +14,7 @@ from kinesic.bench.bml.virtual_realizer import Feedback, Realizer, ReceivedMessa
 from kinesic.bml.block import BmlError, Gaze, Gesture, HeadDirectionShift, Pointing
 from kinesic.bml.parse import parse
 from kinesic.body.arrays import Floats
-from kinesic.expressivity.targets import read_targets
+from kinesic.expressivity.context import read_targets
 from kinesic.planning.setup import Setup
 
 DRAFT = "draft"  # what suites in the draft's dialect begin with

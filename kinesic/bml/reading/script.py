@@ -28,8 +28,7 @@ _STRESSES: dict[Stress, tuple[str, ...]] = {  # elements that are passed on -> t
     "emphasis": ("level",),
     "say-as": ("interpret-as", "format", "detail"),
 }
-_FILES = ("ref", "src", "href", "file")
-_TIMED = frozenset({"sync", "tm", "mark"})
+_FILES = ("ref", "src", "href", "file")  # attributes that name a recording
 _SPEAKERS = frozenset({"lang", "voice", "p", "s"})  # elements that may change the language
 _TIME = re.compile(r"\+?(\d+\.?\d*|\.\d+)(ms|s)")
 _LANGUAGES = {
@@ -219,7 +218,7 @@ def _recording(description: Element, named: BehaviourElement, reading: DocumentR
     marks = tuple(
         (mark, read_finite(child.attributes["time"].strip(), "time", child.place, reading))
         for child in description.children
-        if child.local in _TIMED and "time" in child.attributes
+        if child.local in MARKS and "time" in child.attributes
         if (mark := (child.attributes.get("id") or child.attributes.get("name") or "").strip())
     )
     return Recording(Path(reading.source).parent / name, marks)
@@ -228,7 +227,7 @@ def _recording(description: Element, named: BehaviourElement, reading: DocumentR
 def _file(description: Element) -> str:
     for element in (description, *description.children):
         for name in _FILES:
-            if element.local not in _TIMED and element.attributes.get(name, "").strip():
+            if element.local not in MARKS and element.attributes.get(name, "").strip():
                 return element.attributes[name].strip()
     named = next((child.text.strip() for child in description.children if child.local == "reference"), "")
     return named or description.text.strip()

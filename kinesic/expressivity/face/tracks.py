@@ -14,7 +14,7 @@ from kinesic.body.action_units import unknown_unit
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import NO_FACE
 from kinesic.body.utterance import Utterance
-from kinesic.expressivity.face.envelope import BRIDGED, Envelope
+from kinesic.expressivity.face.expressions import BRIDGED, Envelope, Expression, expression
 from kinesic.expressivity.face.eyes import (
     AHEAD,
     Eyes,
@@ -24,7 +24,6 @@ from kinesic.expressivity.face.eyes import (
     gaze_units,
     looking,
 )
-from kinesic.expressivity.face.lexemes import Expression, expression
 from kinesic.expressivity.face.visemes import SEAL, visemes
 from kinesic.expressivity.keyframes import Outcome
 from kinesic.expressivity.style.style import Expressivity, Style

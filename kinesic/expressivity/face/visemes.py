@@ -17,7 +17,7 @@ from kinesic.body.action_units import face_keys, unknown_unit
 from kinesic.body.arrays import Floats
 from kinesic.body.config import CONFIGS, ConfigError, read_toml
 from kinesic.body.utterance import Phoneme
-from kinesic.expressivity.face.envelope import Envelope
+from kinesic.expressivity.face.expressions import Envelope
 
 LEAD = 0.07  # [s] before a sound, when its shape begins
 ROUND_LEAD = 0.12  # [s] the same of lips that round

@@ -13,8 +13,7 @@ from kinesic.expressivity.hands.poses import REST, pose_distance, resting_hands
 from kinesic.expressivity.hands.strokes import HandStroke, Stroke, stroke_keys
 from kinesic.expressivity.keyframes import Hand, Outcome
 from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.style.passage import passage_of
-from kinesic.expressivity.style.style import Expressivity
+from kinesic.expressivity.style.style import Expressivity, passage_of
 from kinesic.expressivity.turns import MERGE, arrival, departure_time
 from kinesic.motion.keys import PLAIN
 

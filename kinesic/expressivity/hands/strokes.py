@@ -8,14 +8,12 @@ import numpy as np
 
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Side
-from kinesic.expressivity.hands.keys import HandKey
-from kinesic.expressivity.hands.path_keys import along
+from kinesic.expressivity.hands.keys import HandKey, along
 from kinesic.expressivity.hands.poses import Poses, pose_distance, resting_hands
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.paths import HandPath, Kind
 from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.style.passage import passage_of
-from kinesic.expressivity.style.style import NEUTRAL, Expressivity
+from kinesic.expressivity.style.style import NEUTRAL, Expressivity, passage_of
 from kinesic.expressivity.turns import MERGE
 
 BENT = 1.5  # a swing of a path is worth a straight way of so many lengths: not all hinges turn at once

@@ -1,12 +1,41 @@
-"""The form of a gesture: what the lexicon says about it, before timing and manner."""
+"""The form of a gesture: what the lexicon says about it, before timing and manner.
+
+A hand shape is for a hand with five fingers; a robot without fingers passes over it.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Side
 from kinesic.expressivity.keyframes import Touch
 from kinesic.expressivity.lexicon.paths import HandPath
+
+HandShape = Literal[
+    "relaxed",
+    "open",
+    "spread",
+    "flat",
+    "curved",
+    "claw",
+    "fist",
+    "index",
+    "two",
+    "three",
+    "four",
+    "thumb",
+    "little",
+    "horns",
+    "phone",
+    "pistol",
+    "together",
+    "crossed",
+    "ring",
+    "pinch",
+    "purse",
+    "grip",
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,3 +84,38 @@ class Match:
 
     form: GestureForm  # with the sides that the behaviour's mode asks for
     substitute: str = ""  # why it is not the lexeme itself; empty when it is
+
+
+@dataclass(frozen=True)
+class Shape:
+    """How the fingers are held."""
+
+    says: str  # in words
+    straight: tuple[float, float, float, float, float]  # thumb .. little finger: 0 closed .. 1 straight
+    apart: float = 0.0  # fingers, -1 crossed .. 0 side by side .. 1 as far as they go
+
+
+SHAPES: Mapping[str, Shape] = {
+    "relaxed": Shape("all fingers a little bent, as the hand hangs", (0.7, 0.8, 0.75, 0.7, 0.7), 0.2),
+    "open": Shape("all fingers straight and a little apart", (1.0, 1.0, 1.0, 1.0, 1.0), 0.4),
+    "spread": Shape("all fingers straight and as far apart as they go: five, fright", (1.0, 1.0, 1.0, 1.0, 1.0), 1.0),
+    "flat": Shape("all fingers straight and side by side, the thumb beside them", (0.8, 1.0, 1.0, 1.0, 1.0)),
+    "curved": Shape("all fingers bent as around a ball, the thumb opposite", (0.7, 0.6, 0.6, 0.6, 0.6), 0.3),
+    "claw": Shape("fingers apart and bent hard at their ends", (0.6, 0.5, 0.5, 0.5, 0.5), 0.9),
+    "fist": Shape("all fingers closed, the thumb over them", (0.1, 0.0, 0.0, 0.0, 0.0)),
+    "index": Shape("the forefinger straight, the others closed", (0.1, 1.0, 0.0, 0.0, 0.0)),
+    "two": Shape("forefinger and middle finger straight and apart: two, victory", (0.1, 1.0, 1.0, 0.0, 0.0), 0.9),
+    "three": Shape("thumb, forefinger and middle finger straight and apart", (1.0, 1.0, 1.0, 0.0, 0.0), 0.8),
+    "four": Shape("all fingers straight and apart, the thumb in the palm", (0.1, 1.0, 1.0, 1.0, 1.0), 0.7),
+    "thumb": Shape("the thumb straight, the fingers closed", (1.0, 0.0, 0.0, 0.0, 0.0)),
+    "little": Shape("the little finger straight, the others closed", (0.1, 0.0, 0.0, 0.0, 1.0)),
+    "horns": Shape("forefinger and little finger straight, the others closed", (0.1, 1.0, 0.0, 0.0, 1.0), 0.5),
+    "phone": Shape("thumb and little finger straight, the others closed", (1.0, 0.0, 0.0, 0.0, 1.0), 0.5),
+    "pistol": Shape("thumb and forefinger straight at a right angle, the others closed", (1.0, 1.0, 0.0, 0.0, 0.0)),
+    "together": Shape("forefinger and middle finger straight, side by side: an oath, a salute", (0.1, 1.0, 1.0, 0, 0)),
+    "crossed": Shape("the middle finger laid over the forefinger, the others closed", (0.1, 1.0, 1.0, 0.0, 0.0), -0.5),
+    "ring": Shape("the tips of thumb and forefinger meet, the others straight", (0.5, 0.4, 1.0, 1.0, 1.0), 0.6),
+    "pinch": Shape("thumb and forefinger hold something small, the others bent", (0.5, 0.5, 0.3, 0.25, 0.2)),
+    "purse": Shape("all finger tips meet the thumb's, as around a pebble", (0.6, 0.65, 0.65, 0.65, 0.65), -0.2),
+    "grip": Shape("all fingers around a rod: a glass, a handle, a wheel", (0.4, 0.3, 0.3, 0.3, 0.3)),
+}

@@ -11,8 +11,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError, read_toml, suggestion
 from kinesic.body.robot import Side
 from kinesic.expressivity.keyframes import Touch
-from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
-from kinesic.expressivity.lexicon.hand_shapes import HandShape
+from kinesic.expressivity.lexicon.form import GestureForm, HandPose, HandShape, StrokeKey
 from kinesic.expressivity.lexicon.paths import HandPath, Kind, Variation, shape_path
 from kinesic.expressivity.lexicon.space import position
 from kinesic.expressivity.lexicon.synonyms import Sense

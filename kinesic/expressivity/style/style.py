@@ -1,19 +1,37 @@
-"""Style: the manner in which a whole performance is moved, modality by modality."""
+"""Style: the manner in which a performance is moved, modality by modality, and how it passes the keys of a motion."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import get_args
+from typing import Literal, get_args
 
 import msgspec
 
 from kinesic.bml.block import RANGES, Modality
 from kinesic.body.config import ConfigError, locate, read_toml, suggestion
+from kinesic.motion.easing import Easing
+from kinesic.motion.keys import EVEN, SOFTEST, STEEPEST, Passage
 
-__all__ = ["MODALITIES", "NEUTRAL", "RANGES", "Expressivity", "Modality", "Setting", "Style", "style_preset"]
+__all__ = [
+    "MODALITIES",
+    "NEUTRAL",
+    "RANGES",
+    "Expressivity",
+    "Modality",
+    "Phase",
+    "Setting",
+    "Style",
+    "passage_of",
+    "style_preset",
+]
 
 MODALITIES: tuple[Modality, ...] = get_args(Modality)
+Phase = Literal["preparation", "stroke", "hold", "retraction"]
+
+FORCE = 1.5  # steepness that a power of 1 adds: what servos can still follow on the short ways of strokes
+BIG = 0.5  # power and tension from which on a hand bounces
+BIAS = 0.25  # of a power of 1: the hand goes on a little the way it came
 
 
 @dataclass(frozen=True)
@@ -160,6 +178,28 @@ def style_preset(name: str) -> Style:
         ConfigError: there is no such style.
     """
     return Style.load(name)
+
+
+def passage_of(manner: Expressivity, phase: Phase) -> Passage:
+    """How a manner passes the keys of a phase.
+
+    Tension is the spline's tension, fluidity f its continuity c = (f - 1) / 2. On the way to a stroke and in it power
+    and tension force the hand: it begins steeply, overshoots a little and comes back to its key in time; where both are
+    big it bounces (thesis 8.7). Without power it keeps an even speed. No key's time changes.
+
+    Args:
+        manner: of the behaviour.
+        phase: that the way to the key belongs to.
+    """
+    continuity = (manner.fluidity - 1.0) / 2.0
+    power, tension = (max(0.0, value) for value in (manner.power, manner.tension))
+    force = FORCE * power**2 + tension
+    if phase not in ("preparation", "stroke") or (force == 0.0 and manner.power == 0.0):
+        return Passage(manner.tension, continuity)
+    if force == 0.0:
+        return Passage(manner.tension, continuity, 0.0, "linear", EVEN - (STEEPEST - EVEN) * manner.power)
+    easing: Easing = "out_bounce" if min(power, tension) >= BIG else "out_back"
+    return Passage(manner.tension, continuity, BIAS * power, easing, SOFTEST + force)
 
 
 def _setting(text: str) -> Setting:

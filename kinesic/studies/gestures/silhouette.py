@@ -9,7 +9,7 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.body.skeleton import Frames
-from kinesic.expressivity.lexicon.hand_shapes import SHAPES, Shape
+from kinesic.expressivity.lexicon.form import SHAPES, Shape
 
 Colour = tuple[float, float, float]
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from kinesic.expressivity.face.envelope import Envelope
+from kinesic.expressivity.face.expressions import Envelope
 from kinesic.face.render.camera import CLOSE
 from kinesic.face.render.portrait import Pixels, Portrait
 from kinesic.face.render.presets import NORMAL, Preset

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from kinesic.expressivity.lexicon.hand_shapes import SHAPES
+from kinesic.expressivity.lexicon.form import SHAPES
 from kinesic.studies.gestures.isolated import STROKE, document, key_postures, plan_gesture, stroke_error
 from kinesic.studies.gestures.sheet import draw_gesture_sheet, draw_strip
 from kinesic.studies.gestures.silhouette import PALE, depth, hand_outline, pale, project, silhouette

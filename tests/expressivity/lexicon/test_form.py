@@ -1,6 +1,6 @@
 from typing import get_args
 
-from kinesic.expressivity.lexicon.hand_shapes import SHAPES, HandShape
+from kinesic.expressivity.lexicon.form import SHAPES, HandShape
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 
 LEXICON = Lexicon.load()
