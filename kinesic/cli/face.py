@@ -28,7 +28,7 @@ from kinesic.face.show.controls import HELP as KEYS
 from kinesic.face.show.files import check_ending, check_film, save, save_film
 from kinesic.face.show.preview import Preview
 from kinesic.face.show.process import PreviewSettings
-from kinesic.face.show.recording import FaceRecording
+from kinesic.face.show.recording import FaceRecording, PortraitSettings
 from kinesic.face.show.sheet import draw_units_sheet as contact_sheet
 from kinesic.face.show.window import has_display
 from kinesic.planning.face_track import commands_with_face
@@ -194,15 +194,6 @@ def _perform(planned: Plan, sight: Sight, out: Path | None) -> None:
             write_wav(heard, wav)
         side = sight.side if sight.side is not None else STRIP if out.suffix.lower() == ".png" else SIDE
         rate = FILM_RATE / 2 if out.suffix.lower() == ".png" else FILM_RATE
-        recording = FaceRecording(
-            out,
-            robot,
-            rate=rate,
-            side=side,
-            variant=sight.variant,
-            preset=PRESETS[sight.preset],
-            camera=sight.camera,
-            gain=sight.gain,
-            sound=wav,
-        )
+        look = PortraitSettings(sight.variant, PRESETS[sight.preset], side, sight.camera, sight.gain)
+        recording = FaceRecording(out, robot, look=look, rate=rate, sound=wav)
         play(commands_with_face(planned, times), recording)

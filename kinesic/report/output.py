@@ -11,7 +11,7 @@ from kinesic.controller.performance import Performance
 from kinesic.controller.play import command_times, play
 from kinesic.controller.soundtrack import sound, write_wav
 from kinesic.face.display import DisplayError
-from kinesic.face.show.recording import FaceRecording
+from kinesic.face.show.recording import FaceRecording, PortraitSettings
 from kinesic.planning.face_track import asks_face, commands_with_face
 from kinesic.planning.plan import Plan
 from kinesic.report.page import Recordings, write_page
@@ -23,7 +23,7 @@ from kinesic.sim.log import write_log
 FILM_RATE = 12.5  # [Hz]
 FACE_RATE = 16  # [Hz] lips move faster than arms: no closure of theirs is left out
 NOT_ASKED = "not asked for"
-FACE_SIDE = 256  # pixels
+FACE = PortraitSettings(side=256)
 
 
 def free_folder(asked: Path | None, source: str, *, force: bool = False) -> Path:
@@ -92,7 +92,7 @@ def _face(plan: Plan, path: Path) -> tuple[Path | None, str]:
         return None, "nothing is asked of it"
     times = command_times(plan.duration, rate=FACE_RATE)
     try:
-        play(commands_with_face(plan, times), FaceRecording(path, plan.setup.robot, rate=FACE_RATE, side=FACE_SIDE))
+        play(commands_with_face(plan, times), FaceRecording(path, plan.setup.robot, look=FACE, rate=FACE_RATE))
     except DisplayError as error:
         return None, str(error)
     return path, ""

@@ -9,6 +9,8 @@ import pytest
 
 from kinesic.cli import main
 
+from ..face.conftest import drawable  # noqa: F401  # fixture
+
 
 @dataclass(frozen=True)
 class Ended:

@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from kinesic.face import opengl
+from kinesic.face import display
 from kinesic.face.display import INSTALL_DRIVER, INSTALL_LIBRARY, DisplayError, available, offscreen
 
 
@@ -62,12 +62,12 @@ def test_a_driver_that_cannot_is_one_line(variable: str, value: str, says: str):
 
 def test_missing_libraries_are_named(monkeypatch: pytest.MonkeyPatch):
     pytest.importorskip("moderngl")
-    monkeypatch.setattr(opengl, "EGL", "libabsent.so.1")
-    opengl.driver.cache_clear()
+    monkeypatch.setattr(display, "EGL", "libabsent.so.1")
+    display.driver.cache_clear()
     try:
         reason = available()
     finally:
-        opengl.driver.cache_clear()
+        display.driver.cache_clear()
     assert reason is not None
     assert reason.startswith("no OpenGL: libabsent.so.1 ")  # and others, where there are none
     assert "cannot be loaded" in reason

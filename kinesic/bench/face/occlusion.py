@@ -14,11 +14,11 @@ from scipy.ndimage import maximum_filter
 
 from kinesic.body.arrays import Flags, Floats
 from kinesic.face.render.camera import FRONT
+from kinesic.face.render.geometry import PositionBuffer, SeenPass
 from kinesic.face.render.occlusion import OcclusionPass, samples
 from kinesic.face.render.passes import texture
 from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import NORMAL, Estimator, Occlusion, Pattern
-from kinesic.face.render.seen import PositionBuffer, SeenPass
 
 TABLE_SIZE = (1024, 768)  # pixels; the thesis has 50 000 triangles, the finer head has 41 000
 REPETITIONS = 5

@@ -1,4 +1,4 @@
-"""Where the face is looked at from, and how the head is turned before it."""
+"""Where the face is looked at from, how the head is turned before it, and the lights that stand with the camera."""
 
 import math
 from dataclasses import dataclass
@@ -13,6 +13,8 @@ PIVOT = (-0.055, 0.0, -0.028)  # [m] middle of the head, round which the camera 
 NEAR, FAR = 0.1, 10.0  # [m]
 FAREST = 5.0  # [m]
 NEAREST = 0.3  # [m]
+Colour = tuple[float, float, float]
+Direction = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -65,3 +67,40 @@ def head_rotation(left: float, up: float, over: float) -> Floats:
 
 FRONT = Camera()
 CLOSE = Camera(field_deg=15.0)  # the face fills the picture
+
+
+@dataclass(frozen=True)
+class Lamp:
+    """A far light."""
+
+    towards: Direction  # in the camera's frame: x right, y up, z towards the viewer
+    power: Colour  # linear
+
+
+@dataclass(frozen=True)
+class Lights:
+    """Three lamps that stand with the camera, and the light of a room from above and below."""
+
+    key: Lamp
+    fill: Lamp
+    rim: Lamp
+    sky: Colour
+    ground: Colour
+
+    def directions(self) -> Floats:
+        """(3, 3) unit vectors towards the lamps."""
+        found = np.array([lamp.towards for lamp in (self.key, self.fill, self.rim)])
+        return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
+
+    def powers(self) -> Floats:
+        """(3, 3) colour of each lamp."""
+        return np.array([lamp.power for lamp in (self.key, self.fill, self.rim)])
+
+
+LIGHTS = Lights(
+    key=Lamp((-0.55, 0.60, 0.75), (1.00, 0.93, 0.85)),
+    fill=Lamp((0.80, 0.10, 0.60), (0.26, 0.29, 0.34)),
+    rim=Lamp((0.55, 0.45, -0.75), (0.75, 0.80, 0.90)),
+    sky=(0.30, 0.32, 0.36),
+    ground=(0.14, 0.115, 0.10),
+)

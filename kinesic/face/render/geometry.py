@@ -1,6 +1,7 @@
 """The head's G-buffer: what each pixel of it shows."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Literal
 
 import moderngl
@@ -14,7 +15,7 @@ from kinesic.face.assets.eyeshade import eyeshade
 from kinesic.face.assets.mesh import PARTS, Mesh
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.head_pose import steady_shoulders
-from kinesic.face.render.passes import Rectangle, Size, Target, program, set_uniforms
+from kinesic.face.render.passes import Marks, Rectangle, Size, Target, Where, program, set_uniforms
 
 Layer = Literal["skin", "organs", "lashes", "film"]
 
@@ -157,3 +158,40 @@ class Geometry:
 
     def _buffer(self, values: Floats | NDArray[np.int32], kind: str = "f4") -> moderngl.Buffer:
         return self.context.buffer(values.astype(kind).tobytes())
+
+
+@dataclass(frozen=True, eq=False)
+class PositionBuffer:
+    """Textures as large as each other."""
+
+    position: moderngl.Texture  # [m] in the camera's frame; part + 1, 0 on the background
+    normal: moderngl.Texture
+    depth: moderngl.Renderbuffer | None = None
+    where: Where = "everywhere"
+
+
+class SeenPass:
+    """Unpacks the G-buffer, in whole or with fewer pixels."""
+
+    def __init__(self, context: moderngl.Context, geometry: Geometry, pixels: int = 1) -> None:
+        """Makes the textures.
+
+        Args:
+            context: to draw in.
+            geometry: whose G-buffer it is.
+            pixels: of it along a side of one of these.
+        """
+        width, height = (-(-side // pixels) for side in geometry.size)
+        self._geometry = geometry
+        self._marks = Marks(context, ("form", "unpack"), (width, height), ("4f4", "4f4"))
+        self.target = self._marks.target
+        position, normal = self.target.textures
+        self.seen = PositionBuffer(position, normal, self._marks.depth, "marked")
+        sides = zip(geometry.size, (width, height), strict=True)
+        self._offset = [(pixels // 2 + 0.5) / whole - 0.5 / own for whole, own in sides]
+
+    def draw(self) -> PositionBuffer:
+        """What was drawn last."""
+        form, _ = self._geometry.target.textures
+        self._marks.draw({"form": form}, {"offset": self._offset, "lens": self._geometry.lens})
+        return self.seen

@@ -11,9 +11,9 @@ import moderngl
 import numpy as np
 
 from kinesic.body.arrays import Floats
+from kinesic.face.render.geometry import PositionBuffer
 from kinesic.face.render.passes import ScreenPass, Target, Value, texture
 from kinesic.face.render.presets import Estimator, Occlusion, Pattern
-from kinesic.face.render.seen import PositionBuffer
 
 SIDE = 4  # pixels of the pattern along an axis
 SEED = 3

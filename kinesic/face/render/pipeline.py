@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cache
 
 import moderngl
@@ -12,15 +13,13 @@ from kinesic.face.assets.action_units import intensities
 from kinesic.face.assets.chart import chart_window
 from kinesic.face.assets.mesh import Mesh
 from kinesic.face.assets.paint import Complexion, iris, skin
-from kinesic.face.render.camera import Camera
-from kinesic.face.render.geometry import Geometry
-from kinesic.face.render.lights import Lights
+from kinesic.face.render.camera import Camera, Lights
+from kinesic.face.render.geometry import Geometry, SeenPass
 from kinesic.face.render.occlusion import OcclusionPass
 from kinesic.face.render.passes import ScreenPass, Size, Stored, Target, Value, store_pixels, texture
 from kinesic.face.render.post import Finish
 from kinesic.face.render.presets import Preset
 from kinesic.face.render.scattering import ScatterPass
-from kinesic.face.render.seen import SeenPass
 from kinesic.face.render.shadow import ShadowPass
 from kinesic.face.render.wrinkle_pass import ReliefPass
 from kinesic.face.render.wrinkles import shares
@@ -30,24 +29,24 @@ BACKDROP = (0.055, 0.075, 0.105)  # linear
 Pixels = NDArray[np.uint8]  # (height, width, 3) sRGB, first row on top
 
 
-class Pipeline:
-    """From action units to pixels, in one OpenGL context."""
+@dataclass(frozen=True, eq=False)
+class Head:
+    """Whose face is drawn."""
 
-    def __init__(
-        self,
-        context: moderngl.Context,
-        mesh: Mesh,
-        drawn_on: Mesh,
-        complexion: Complexion,
-        *,
-        preset: Preset,
-        size: Size,
-        lights: Lights,
-    ) -> None:
+    mesh: Mesh
+    drawn_on: Mesh  # in whose chart the painting and the wrinkles are drawn; the vertices correspond
+    complexion: Complexion
+
+
+class Pipeline:
+    """Draws a head that shows action units, in one OpenGL context."""
+
+    def __init__(self, context: moderngl.Context, head: Head, *, preset: Preset, size: Size, lights: Lights) -> None:
+        mesh, complexion = head.mesh, head.complexion
         drawn = (size[0] * preset.samples, size[1] * preset.samples)
         self._preset, self._drawn, self._lights, self._complexion = preset, drawn, lights, complexion
         eyes = texture(context, iris(complexion))
-        self.geometry = geometry = Geometry(context, mesh, drawn_on, drawn, eyes, shaded=preset.eyeshade)
+        self.geometry = geometry = Geometry(context, mesh, head.drawn_on, drawn, eyes, shaded=preset.eyeshade)
         self._unit = float(mesh.eyes[0, 1] - mesh.eyes[1, 1])
         self._skin = texture(context, _painted(complexion), "f1")
         self._skin.build_mipmaps()

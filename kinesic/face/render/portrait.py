@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from kinesic.face.assets.mesh import Mesh, Variant, load_head
 from kinesic.face.assets.paint import COMPLEXIONS
 from kinesic.face.display import DisplayError, offscreen
-from kinesic.face.render.camera import FRONT, Camera
-from kinesic.face.render.lights import LIGHTS, Lights
+from kinesic.face.render.camera import FRONT, LIGHTS, Camera, Lights
 from kinesic.face.render.presets import NORMAL, Preset
 
 if TYPE_CHECKING:
@@ -61,16 +60,14 @@ class Portrait:
         if not all(1 <= side * preset.samples <= LARGEST for side in size):
             limit = LARGEST // preset.samples
             raise DisplayError(f"a picture of {size[0]} x {size[1]} pixels; each side may be 1 to {limit}")
-        self.mesh = _head(variant, preset.subdivided)
-        drawn_on = _head(CHART, preset.subdivided)
+        self.mesh = _mesh(variant, preset.subdivided)
         self.preset, self.size = preset, size
         with ExitStack() as opened:
             own = opened.enter_context(offscreen()) if context is None else context
-            from kinesic.face.render.pipeline import Pipeline  # noqa: PLC0415 - needs the optional library, which is there now
+            from kinesic.face.render.pipeline import Head, Pipeline  # noqa: PLC0415 - needs the optional library, which is there now
 
-            self.pipeline = Pipeline(
-                own, self.mesh, drawn_on, COMPLEXIONS[variant], preset=preset, size=size, lights=lights
-            )
+            head = Head(self.mesh, _mesh(CHART, preset.subdivided), COMPLEXIONS[variant])
+            self.pipeline = Pipeline(own, head, preset=preset, size=size, lights=lights)
             self._current = own if context is None else nullcontext()  # another portrait may have its own
             self._opened = opened.pop_all()
 
@@ -104,6 +101,6 @@ class Portrait:
 
 
 @lru_cache(maxsize=4)
-def _head(variant: Variant, subdivided: bool) -> Mesh:
+def _mesh(variant: Variant, subdivided: bool) -> Mesh:
     mesh = load_head(variant)
     return mesh.subdivided() if subdivided else mesh

@@ -11,10 +11,9 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.face.render.camera import Camera
-from kinesic.face.render.geometry import Geometry
+from kinesic.face.render.geometry import Geometry, PositionBuffer
 from kinesic.face.render.passes import ScreenPass, Target, Value, program, set_uniforms
 from kinesic.face.render.presets import Shadow
-from kinesic.face.render.seen import PositionBuffer
 
 SIDE = 512  # pixels of the map
 REACH = 0.22  # [m] that it covers round the middle of the head, across

@@ -17,8 +17,8 @@ from kinesic.face.render.camera import CLOSE
 from kinesic.face.render.portrait import Pixels, Portrait
 from kinesic.face.render.presets import PRESETS
 from kinesic.face.show.controls import Controls
+from kinesic.face.show.files import Beside
 from kinesic.face.show.shared_command import Board, ShownFace
-from kinesic.face.show.side_film import Beside
 from kinesic.face.show.window import open_window
 
 if TYPE_CHECKING:

@@ -1,7 +1,7 @@
 """The face as a sink that makes a film: it keeps what it is told, and draws when the performance is over."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import TracebackType
 
@@ -21,6 +21,20 @@ MOST_PICTURES = 1200  # they are held in memory until the file is written
 HALF = 1e-6  # [s] that a command may be early
 
 
+@dataclass(frozen=True)
+class PortraitSettings:
+    """How each picture of a film is drawn."""
+
+    variant: Variant = "female"  # of the head
+    preset: Preset = NORMAL  # how much is drawn
+    side: int = 384  # [pixels]
+    camera: Camera = CLOSE
+    gain: float = 1.0  # of the wrinkles
+
+
+PLAIN = PortraitSettings()
+
+
 class FaceRecording:
     """Pictures of a performance at a steady rate; nothing is drawn before it is closed, so that it holds up nobody."""
 
@@ -29,12 +43,8 @@ class FaceRecording:
         path: Path,
         robot: Robot | None = None,
         *,
+        look: PortraitSettings = PLAIN,
         rate: float = 25.0,
-        side: int = 384,
-        variant: Variant = "female",
-        preset: Preset = NORMAL,
-        camera: Camera = CLOSE,
-        gain: float = 1.0,
         sound: Path | None = None,
     ) -> None:
         """Begins a film.
@@ -42,21 +52,15 @@ class FaceRecording:
         Args:
             path: of the file: .webp, .mp4 where an encoder is installed, or .png for a strip of the pictures.
             robot: whose head turns the face; None: it looks ahead.
+            look: of the pictures.
             rate: [Hz] of pictures; less when there would be more than `MOST_PICTURES`.
-            side: of each [pixels].
-            variant: of the head.
-            preset: how much is drawn.
-            camera: where it is seen from.
-            gain: of the wrinkles.
             sound: a WAV on the clock of the performance, for formats that have a sound.
 
         Raises:
             DisplayError: the path names no format that can be written here.
         """
         check_film(path)
-        self._path, self._robot, self._rate, self._sound = path, robot, rate, sound
-        self._portrait = (variant, preset, (side, side))
-        self._camera, self._gain = camera, gain
+        self._path, self._robot, self._look, self._rate, self._sound = path, robot, look, rate, sound
         self._rows: list[tuple[float, Mapping[str, float], Floats]] = []
 
     def write(self, command: Command) -> None:
@@ -78,10 +82,10 @@ class FaceRecording:
     def _drawn(self, rows: list[tuple[float, Mapping[str, float], Floats]]) -> Iterator[Pixels]:
         angles = np.array([angles for _, _, angles in rows])
         stands = np.zeros((len(rows), 3)) if self._robot is None else turns(self._robot, angles)
-        variant, preset, size = self._portrait
-        with Portrait(variant, preset=preset, size=size) as portrait:
+        look, size = self._look, (self._look.side, self._look.side)
+        with Portrait(look.variant, preset=look.preset, size=size) as portrait:
             for (_, units, _), (left, up, over) in zip(rows, stands.tolist(), strict=True):
-                yield portrait.draw(units, replace(self._camera, turn=(left, up, over)), gain=self._gain)
+                yield portrait.draw(units, replace(look.camera, turn=(left, up, over)), gain=look.gain)
 
     def __enter__(self) -> "FaceRecording":
         return self

@@ -10,11 +10,11 @@ import pytest
 from kinesic.body.arrays import Floats
 from kinesic.face.display import offscreen
 from kinesic.face.render.camera import FRONT
+from kinesic.face.render.geometry import PositionBuffer, SeenPass
 from kinesic.face.render.occlusion import SIDE, OcclusionPass, directions, radical_inverse, samples, wendland
 from kinesic.face.render.passes import texture
 from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import Estimator, Occlusion, Pattern
-from kinesic.face.render.seen import PositionBuffer, SeenPass
 
 SIZE = 128
 SCALE = 2000.0  # [pixels/m] of the scenes

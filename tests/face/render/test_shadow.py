@@ -6,8 +6,7 @@ import pytest
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats
-from kinesic.face.render.camera import FRONT, Camera
-from kinesic.face.render.lights import LIGHTS
+from kinesic.face.render.camera import FRONT, LIGHTS, Camera
 from kinesic.face.render.presets import DRAFT, Preset, Shadow
 from kinesic.face.render.shadow import lamp_view
 

@@ -18,11 +18,10 @@ from kinesic.controller.play import play
 from kinesic.face.display import DisplayError, offscreen
 from kinesic.face.render.portrait import Portrait
 from kinesic.face.show.controls import Controls
-from kinesic.face.show.files import save_film
+from kinesic.face.show.files import Beside, save_film
 from kinesic.face.show.preview import Preview
 from kinesic.face.show.process import PreviewSettings, follow, painter
 from kinesic.face.show.shared_command import Board, ShownFace
-from kinesic.face.show.side_film import Beside
 from kinesic.face.show.window import has_display
 
 pytestmark = pytest.mark.realtime

@@ -10,9 +10,10 @@ from kinesic.controller.play import play
 from kinesic.face.display import DisplayError
 from kinesic.face.render.presets import DRAFT
 from kinesic.face.show import recording
-from kinesic.face.show.recording import FaceRecording
+from kinesic.face.show.recording import FaceRecording, PortraitSettings
 
 NONE = np.zeros(0)
+LOOK = PortraitSettings(preset=DRAFT, side=32)
 
 
 def opening(seconds: float, angles: np.ndarray = NONE) -> list[Command]:
@@ -23,7 +24,7 @@ def opening(seconds: float, angles: np.ndarray = NONE) -> list[Command]:
 
 def test_a_performance_becomes_a_film_at_its_rate(drawable: None, tmp_path: Path):
     path = tmp_path / "x.webp"
-    play(opening(1.0), FaceRecording(path, rate=20.0, side=32, preset=DRAFT))
+    play(opening(1.0), FaceRecording(path, rate=20.0, look=LOOK))
     with Image.open(path) as film:
         assert film.n_frames == 21
         film.load()
@@ -36,14 +37,14 @@ def test_the_head_turns_with_the_robot(drawable: None, tmp_path: Path):
     turned[[k for k, name in enumerate(robot.skeleton.names) if name.endswith("torsion")]] = 0.4
     faces = []
     for name, angles in (("ahead", robot.skeleton.rest), ("aside", turned)):
-        play(opening(0.0, angles), FaceRecording(tmp_path / f"{name}.png", robot, side=32, preset=DRAFT))
+        play(opening(0.0, angles), FaceRecording(tmp_path / f"{name}.png", robot, look=LOOK))
         faces.append(np.asarray(Image.open(tmp_path / f"{name}.png")).astype(int))
     assert np.abs(faces[0] - faces[1]).mean() > 2.0
 
 
 def test_a_long_performance_has_fewer_pictures(drawable: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(recording, "MOST_PICTURES", 10)
-    play(opening(1.0), FaceRecording(tmp_path / "x.webp", rate=20.0, side=16, preset=DRAFT))
+    play(opening(1.0), FaceRecording(tmp_path / "x.webp", rate=20.0, look=PortraitSettings(preset=DRAFT, side=16)))
     with Image.open(tmp_path / "x.webp") as film:
         assert film.n_frames == 7
         film.load()

@@ -7,8 +7,8 @@ from scipy.spatial import cKDTree
 from kinesic.face.assets.action_units import deform
 from kinesic.face.assets.mesh import PARTS
 from kinesic.face.render.camera import Camera
+from kinesic.face.render.geometry import SeenPass
 from kinesic.face.render.portrait import Portrait
-from kinesic.face.render.seen import SeenPass
 
 UNITS = {"26": 0.7, "12": 0.4}
 

@@ -111,7 +111,7 @@ def test_a_missing_head_is_one_line(
     drawable: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):
     monkeypatch.setattr(load_head, "__kwdefaults__", {"path": tmp_path / "head.npz"})
-    portrait._head.cache_clear()
+    portrait._mesh.cache_clear()
     assert typed(monkeypatch, "--out", str(tmp_path / "x.png")) == 2
     error = capsys.readouterr().err
     assert "head.npz: no such file; it is part of kinesic: install kinesic again" in error
