@@ -15,18 +15,18 @@ from kinesic.face.display import DisplayError
 from kinesic.face.render.presets import PRESETS
 from kinesic.report.output import empty_folder, free_folder
 from kinesic.report.report import Json
-from kinesic.studies.perception.analysis import (
+from kinesic.studies.perception.answers import (
+    LABELS,
     MEASURES,
     Choices,
     ComparedMeans,
     Comparison,
     compare_sides,
     first_choices,
+    read_answers,
 )
-from kinesic.studies.perception.answers import LABELS, read_answers
 from kinesic.studies.perception.design import stimuli
-from kinesic.studies.perception.page import write_study_page
-from kinesic.studies.perception.stimuli import draw_stimuli
+from kinesic.studies.perception.page import draw_stimuli, write_study_page
 
 EFFECTS = {
     "intensity": ("strength", ("high", "low")),

@@ -15,8 +15,7 @@ from kinesic.expressivity.style.style import RANGES
 from kinesic.report.output import empty_folder, free_folder
 from kinesic.report.report import Json
 from kinesic.studies.sweep.measures import SHOWN, Measures
-from kinesic.studies.sweep.plots import draw_series
-from kinesic.studies.sweep.series import LATE, MEASURE_OF, STROKE, Played, Series, presets
+from kinesic.studies.sweep.series import LATE, MEASURE_OF, STROKE, Played, Series, draw_series, presets
 from kinesic.studies.sweep.series import sweep_parameter as play_series
 
 COLUMNS = ("stroke_error", "peak_speed", "path_length", "swept_volume", "jerk", "overshoot", "torso_travel")

@@ -1,18 +1,31 @@
-"""The static page that shows each stimulus once and asks: it needs a browser and the folder of stimuli, no server."""
+"""What participants see: stimuli, each a picture of an expression at its peak or a short film, and the page that asks.
+
+The page shows each stimulus once; it needs a browser and the folder of stimuli, no server.
+"""
 
 import json
+from collections.abc import Iterator, Sequence
+from itertools import groupby
 from pathlib import Path
 
+import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from kinesic.expressivity.face.expressions import Envelope
+from kinesic.face.render.camera import CLOSE
+from kinesic.face.render.portrait import Pixels, Portrait
+from kinesic.face.render.presets import NORMAL, Preset
+from kinesic.face.show.files import save, save_film
 from kinesic.studies.perception.answers import COLUMNS
-from kinesic.studies.perception.design import ACTIONS, PER_CELL, POINTS, stimuli
-from kinesic.studies.perception.stimuli import SECONDS, file_of
+from kinesic.studies.perception.design import ACTIONS, PER_CELL, POINTS, Stimulus, stimuli
 
 HERE = Path(__file__).parent
 SCALE = ("totally disagree", "disagree", "neither", "agree", "totally agree")
 OPINIONS = {"naturalness": "This face looks natural", "realism": "This face looks realistic"}
+RATE = 24.0  # [Hz] of films
+COURSE = Envelope(0.2, 0.7, 1.5, 2.0)  # [s] of an expression: from rest, up, held, and gone
+SECONDS = 2.2  # of a film
 
 
 def write_study_page(path: Path, *, folder: str = "stimuli", post_to: str = "") -> None:
@@ -57,3 +70,44 @@ def write_study_page(path: Path, *, folder: str = "stimuli", post_to: str = "") 
         shown=4 * PER_CELL,
     )
     path.write_text(text, encoding="utf-8")
+
+
+def file_of(stimulus: Stimulus) -> str:
+    """Its name in the folder of stimuli."""
+    return f"{stimulus.id}{'.webp' if stimulus.presentation == 'animation' else '.png'}"
+
+
+def draw_stimuli(
+    wanted: Sequence[Stimulus], folder: Path, *, size: int = 384, preset: Preset = NORMAL
+) -> Iterator[Path]:
+    """Draws stimuli into a folder, which is made; yields each file when it is there.
+
+    Args:
+        wanted: which.
+        folder: where to.
+        size: [pixels] along a side.
+        preset: how much is drawn; wrinkles are switched by the stimulus.
+
+    Raises:
+        DisplayError: nothing can be drawn here.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    for agent, own in groupby(sorted(wanted, key=lambda each: each.agent), key=lambda each: each.agent):
+        with Portrait(agent, preset=preset, size=(size, size)) as portrait:
+            for stimulus in own:
+                path = folder / file_of(stimulus)
+                if stimulus.presentation == "animation":
+                    save_film(list(_film(portrait, stimulus)), path, rate=RATE, once=True)
+                else:
+                    save(_picture(portrait, stimulus, 1.0), path)
+                yield path
+
+
+def _film(portrait: Portrait, stimulus: Stimulus) -> Iterator[Pixels]:
+    for share in COURSE.at(np.arange(round(SECONDS * RATE)) / RATE).tolist():
+        yield _picture(portrait, stimulus, share)
+
+
+def _picture(portrait: Portrait, stimulus: Stimulus, share: float) -> Pixels:
+    units = {unit: share * peak for unit, peak in stimulus.units.items()}
+    return portrait.draw(units, CLOSE, gain=1.0 if stimulus.wrinkles else 0.0)

@@ -1,115 +1,117 @@
-"""The page in a browser, and what it writes."""
+"""Answers with a known effect in them, and what is found."""
 
+import csv
+import json
+from math import isnan
 from pathlib import Path
 
+import numpy as np
 import pytest
-from PIL import Image
+from click.testing import CliRunner
 
-from kinesic.body.config import ConfigError
-from kinesic.studies.perception.answers import COLUMNS, read_answers
+from kinesic.cli.study import study
+from kinesic.studies.perception.answers import COLUMNS, LABELS, Rating, compare_sides, first_choices, read_answers
 from kinesic.studies.perception.design import stimuli
-from kinesic.studies.perception.page import write_study_page
-from kinesic.studies.perception.stimuli import file_of
 
-from ...chromium import Page, binary, opened
-
-pytestmark = pytest.mark.realtime
+PEOPLE = 60
+SHOWN = stimuli()
+REGIONS = {each.action.name: each.action.region for each in SHOWN}
 
 
-@pytest.fixture
-def page(tmp_path: Path):
-    if binary() is None:
-        pytest.skip("no Chromium: apt-get install chromium")
-    (tmp_path / "stimuli").mkdir()
-    for each in stimuli():
-        Image.new("RGB", (8, 8)).save(tmp_path / "stimuli" / file_of(each))
-    path = tmp_path / "index.html"
-    write_study_page(path)
-    path.write_text(path.read_text().replace('"seconds": 2.2', '"seconds": 0.05'))  # films are not the matter here
-    with opened(path.as_uri(), tmp_path / "profile") as page:
-        page.until("document.readyState === 'complete' && typeof state === 'object'")
-        yield page
+def made(path: Path, *, strong: float, wrinkled: float, seed: int = 0) -> Path:
+    """Answers of people who see strong faces better by some points, and a frown better when it has wrinkles."""
+    rng = np.random.default_rng(seed)
+
+    def points(mean: float) -> int:
+        return int(np.clip(np.round(rng.normal(mean, 1.0)), 1, 5))
+
+    with path.open("w", newline="") as lines:
+        rows = csv.DictWriter(lines, COLUMNS, restval="")
+        rows.writeheader()
+        for person in range(PEOPLE):
+            for place, k in enumerate(rng.choice(128, 32, replace=False)):
+                shown = SHOWN[k]
+                better = strong * (shown.strength == "high") + wrinkled * (shown.wrinkles and shown.action.name == "4")
+                labels = [a for a in LABELS if REGIONS[a] == shown.action.region]
+                rows.writerow(
+                    {
+                        "participant": person,
+                        "place": place + 1,
+                        "stimulus": shown.id,
+                        "agent": shown.agent,
+                        "action": shown.action.name,
+                        "region": shown.action.region,
+                        "strength": shown.strength,
+                        "wrinkles": "with" if shown.wrinkles else "without",
+                        "presentation": shown.presentation,
+                        **{name: points(2.7 + better * (name == shown.action.name)) for name in labels},
+                        "naturalness": points(3.0),
+                        "realism": points(3.0),
+                        "seconds": "1.0",
+                    }
+                )
+    return path
 
 
-def answer(page: Page, points: int = 4) -> None:
-    """Answers every question about the face that is shown, and goes on."""
-    page.until("document.querySelectorAll('fieldset').length === 5")
-    assert page.value("document.getElementById('next').disabled")
-    for k in range(5):
-        page.click(f"fieldset:nth-of-type({k + 1}) label:nth-of-type({points})")
-    place = page.value("state.place")
-    page.click("#next")
-    page.until(f"state.place > {place} || !document.getElementById('thanks').hidden")
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return made(tmp_path_factory.mktemp("answers") / "all.csv", strong=1.2, wrinkled=1.0)
 
 
-def written(page: Page) -> str:
-    return page.value("fetch(document.getElementById('file').href).then((file) => file.text())")
+@pytest.fixture(scope="module")
+def answers(file: Path) -> tuple[Rating, ...]:
+    return read_answers([file])
 
 
-def test_a_participant_answers_some_faces_and_stops(page: Page, tmp_path: Path):
-    page.click("#begin")
-    for points in (4, 2, 5):
-        answer(page, points)
-    page.until("document.querySelectorAll('fieldset').length === 5")
-    page.click("#stop")
-    page.until("!document.getElementById('thanks').hidden")
-    rows = written(page).split("\r\n")
-    assert rows[0] == ",".join(COLUMNS)
-    assert len(rows) == 3 + 2
-    assert [row.split(",")[COLUMNS.index("realism")] for row in rows[1:4]] == ["4", "2", "5"]
-    assert len({row.split(",")[COLUMNS.index("stimulus")] for row in rows[1:4]}) == 3
+def test_an_effect_that_is_there_is_found(answers: tuple[Rating, ...]):
+    found = compare_sides(answers, "strength", ("high", "low"))
+    for action in LABELS:
+        cell = found.cells[action, "EXP"]
+        assert cell.significant
+        assert cell.means[0] > cell.means[1] + 0.5
 
 
-def test_all_32_faces_can_be_read_back(page: Page, tmp_path: Path):
-    order = page.value("state.order")
-    assert len(order) == len(set(order)) == 32
-    known = {each.id: each for each in stimuli()}
-    cells = [(known[name].action.region, known[name].presentation) for name in order]
-    assert {cells.count(cell) for cell in cells} == {8}
-    page.click("#begin")
-    for _ in order:
-        page.until("document.querySelectorAll('fieldset').length === 5")
-        page.value("document.querySelectorAll('label:nth-of-type(3) input').forEach((choice) => choice.click())")
-        page.value("document.getElementById('next').click()")
-    page.until("!document.getElementById('thanks').hidden")
-    path = tmp_path / "answers.csv"
-    path.write_text(written(page), newline="")
-    asked = [known[name] for name in order if known[name].action.asked]
-    assert len(read_answers([path])) == len(asked)
+def test_an_effect_that_is_not_there_is_mostly_not_found(answers: tuple[Rating, ...]):
+    found = compare_sides(answers, "presentation", ("animation", "image"))
+    assert sum(cell.significant for cell in found.cells.values()) <= 4  # of 18, by chance 1
 
 
-def test_a_moving_face_is_seen_once_even_after_a_reload(page: Page):
-    moving = page.value("state.order.find((id) => byId.get(id).presentation === 'animation')")
-    page.value(f"(() => {{ state.order = [{moving!r}, ...state.order.filter((id) => id !== {moving!r})]; keep(); }})()")
-    page.click("#begin")
-    page.until("document.querySelectorAll('fieldset').length === 5")
-    assert page.value("document.querySelectorAll('#stage img').length") == 0
-    page.call("Page.reload")
-    page.until("document.readyState === 'complete' && typeof state === 'object' && state.place === 2")
-    assert page.value("document.getElementById('questions').dataset.stimulus") != moving
+def test_wrinkles_help_the_frown_alone(answers: tuple[Rating, ...]):
+    shares = first_choices(answers).shares
+    assert shares["4", "with"] > shares["4", "without"] + 0.15
+    found = compare_sides(answers, "wrinkles", ("with", "without"))
+    assert found.cells["4", "EXP"].significant
 
 
-HEAD = ",".join(COLUMNS)
-ROW = "p,1,s,female,4,upper,high,with,image,1,4,2,,,,3,3,1.0"
+def test_p_is_that_of_the_test_by_hand():
+    """All of one side above all of the other: U = 0; exact p of 5 against 5 is 2 / C(10, 5)."""
+    conditions = {"wrinkles": "with", "presentation": "image"}
+    answers = [
+        Rating(
+            "4", conditions | {"strength": side}, {"4": points, "1+2": 1, "1+4": 1}, {"naturalness": 1, "realism": 1}
+        )
+        for side, points in [*(("high", 5),) * 5, *(("low", 1),) * 5]
+    ]
+    cell = compare_sides(answers, "strength", ("high", "low")).cells["4", "EXP"]
+    assert cell.means == (5.0, 1.0)
+    assert cell.counts == (5, 5)
+    assert cell.p < 0.01
+    assert isnan(compare_sides(answers, "strength", ("high", "low")).cells["6", "EXP"].p)
 
 
-@pytest.mark.parametrize(
-    ("text", "what"),
-    [
-        (HEAD.replace("naturalness", "natural") + "\n" + ROW, "no column naturalness"),
-        (HEAD + "\n" + ROW.replace(",3,3,", ",3,9,"), "realism is '9', must be a whole number from 1 to 5"),
-        (HEAD + "\n" + ROW.replace("high", "huge"), "strength is 'huge', must be one of low, high"),
-        (HEAD + "\n" + ROW.replace(",1,4,2,", ",1,,2,"), "no answer in column 4"),
-        (HEAD + "\n", "no answer for any of"),
-    ],
-)
-def test_wrong_answers_are_told(text: str, what: str, tmp_path: Path):
-    path = tmp_path / "answers.csv"
-    path.write_text(text)
-    with pytest.raises(ConfigError, match=what):
-        read_answers([path])
+def test_a_tie_is_no_first_choice():
+    conditions = {"strength": "high", "wrinkles": "with", "presentation": "image"}
+    opinions = {"naturalness": 3, "realism": 3}
+    assert not Rating("4", conditions, {"4": 4, "1+2": 4, "1+4": 1}, opinions).first_choice
+    assert Rating("4", conditions, {"4": 4, "1+2": 3, "1+4": 1}, opinions).first_choice
 
 
-def test_no_such_file(tmp_path: Path):
-    with pytest.raises(ConfigError, match=r"nowhere\.csv: No such file"):
-        read_answers([tmp_path / "nowhere.csv"])
+def test_the_command_prints_the_tables_of_the_thesis(file: Path):
+    told = CliRunner().invoke(study, ["analyse", str(file)], standalone_mode=False)
+    assert told.exception is None
+    for words in ("effect of intensity", "effect of presentation", "first choice", "NAT", "p < 0.05"):
+        assert words in told.output
+    told = CliRunner().invoke(study, ["analyse", str(file), "--json"], standalone_mode=False)
+    data = json.loads(told.output)
+    assert {row["action"] for row in data["intensity"]} == set(LABELS)
+    assert all(row["p"] < 0.05 for row in data["intensity"] if row["measure"] == "EXP")

@@ -4,7 +4,7 @@ from PIL import Image
 
 from kinesic.face.display import DisplayError, offscreen
 from kinesic.studies.perception.design import stimuli
-from kinesic.studies.perception.stimuli import RATE, SECONDS, draw_stimuli, file_of
+from kinesic.studies.perception.page import RATE, SECONDS, draw_stimuli, file_of
 
 FROWNS = [each for each in stimuli() if each.action.name == "4" and (each.agent, each.strength) == ("female", "high")]
 

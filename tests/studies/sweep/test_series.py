@@ -1,11 +1,12 @@
 from dataclasses import replace
 
 import pytest
+from PIL import Image
 
 from kinesic.body.config import ConfigError
 from kinesic.expressivity.style.style import RANGES
 from kinesic.studies.sweep.measures import Measures
-from kinesic.studies.sweep.series import LATE, MEASURE_OF, Played, Series, presets, sweep_parameter
+from kinesic.studies.sweep.series import LATE, MEASURE_OF, Played, Series, draw_series, presets, sweep_parameter
 
 PLAIN = Measures(
     peak_speed=1.0,
@@ -103,3 +104,13 @@ def test_errors_teach(known):
         sweep_parameter("beat", "powr", known)
     with pytest.raises(ConfigError, match=r"power is 2, outside \[-1, 1\]"):
         sweep_parameter("beat", "power", known, values=[0.0, 2.0])
+
+
+def test_a_series_becomes_the_same_picture_twice(known, tmp_path):
+    series = sweep_parameter("beat", "power", known, values=[0.0, 0.5])
+    first, again = draw_series(series, tmp_path / "a.png"), draw_series(series, tmp_path / "b.png")
+    with Image.open(first) as picture:
+        assert picture.size == (1100, 620)
+        assert len(picture.convert("RGB").getcolors(1 << 24)) > 20
+    assert first.read_bytes() == again.read_bytes()
+    assert first.stat().st_size < 300_000

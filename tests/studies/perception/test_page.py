@@ -1,0 +1,114 @@
+"""The page in a browser, and what it writes."""
+
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from kinesic.body.config import ConfigError
+from kinesic.studies.perception.answers import COLUMNS, read_answers
+from kinesic.studies.perception.design import stimuli
+from kinesic.studies.perception.page import file_of, write_study_page
+
+from ...chromium import Page, binary, opened
+
+pytestmark = pytest.mark.realtime
+
+
+@pytest.fixture
+def page(tmp_path: Path):
+    if binary() is None:
+        pytest.skip("no Chromium: apt-get install chromium")
+    (tmp_path / "stimuli").mkdir()
+    for each in stimuli():
+        Image.new("RGB", (8, 8)).save(tmp_path / "stimuli" / file_of(each))
+    path = tmp_path / "index.html"
+    write_study_page(path)
+    path.write_text(path.read_text().replace('"seconds": 2.2', '"seconds": 0.05'))  # films are not the matter here
+    with opened(path.as_uri(), tmp_path / "profile") as page:
+        page.until("document.readyState === 'complete' && typeof state === 'object'")
+        yield page
+
+
+def answer(page: Page, points: int = 4) -> None:
+    """Answers every question about the face that is shown, and goes on."""
+    page.until("document.querySelectorAll('fieldset').length === 5")
+    assert page.value("document.getElementById('next').disabled")
+    for k in range(5):
+        page.click(f"fieldset:nth-of-type({k + 1}) label:nth-of-type({points})")
+    place = page.value("state.place")
+    page.click("#next")
+    page.until(f"state.place > {place} || !document.getElementById('thanks').hidden")
+
+
+def written(page: Page) -> str:
+    return page.value("fetch(document.getElementById('file').href).then((file) => file.text())")
+
+
+def test_a_participant_answers_some_faces_and_stops(page: Page, tmp_path: Path):
+    page.click("#begin")
+    for points in (4, 2, 5):
+        answer(page, points)
+    page.until("document.querySelectorAll('fieldset').length === 5")
+    page.click("#stop")
+    page.until("!document.getElementById('thanks').hidden")
+    rows = written(page).split("\r\n")
+    assert rows[0] == ",".join(COLUMNS)
+    assert len(rows) == 3 + 2
+    assert [row.split(",")[COLUMNS.index("realism")] for row in rows[1:4]] == ["4", "2", "5"]
+    assert len({row.split(",")[COLUMNS.index("stimulus")] for row in rows[1:4]}) == 3
+
+
+def test_all_32_faces_can_be_read_back(page: Page, tmp_path: Path):
+    order = page.value("state.order")
+    assert len(order) == len(set(order)) == 32
+    known = {each.id: each for each in stimuli()}
+    cells = [(known[name].action.region, known[name].presentation) for name in order]
+    assert {cells.count(cell) for cell in cells} == {8}
+    page.click("#begin")
+    for _ in order:
+        page.until("document.querySelectorAll('fieldset').length === 5")
+        page.value("document.querySelectorAll('label:nth-of-type(3) input').forEach((choice) => choice.click())")
+        page.value("document.getElementById('next').click()")
+    page.until("!document.getElementById('thanks').hidden")
+    path = tmp_path / "answers.csv"
+    path.write_text(written(page), newline="")
+    asked = [known[name] for name in order if known[name].action.asked]
+    assert len(read_answers([path])) == len(asked)
+
+
+def test_a_moving_face_is_seen_once_even_after_a_reload(page: Page):
+    moving = page.value("state.order.find((id) => byId.get(id).presentation === 'animation')")
+    page.value(f"(() => {{ state.order = [{moving!r}, ...state.order.filter((id) => id !== {moving!r})]; keep(); }})()")
+    page.click("#begin")
+    page.until("document.querySelectorAll('fieldset').length === 5")
+    assert page.value("document.querySelectorAll('#stage img').length") == 0
+    page.call("Page.reload")
+    page.until("document.readyState === 'complete' && typeof state === 'object' && state.place === 2")
+    assert page.value("document.getElementById('questions').dataset.stimulus") != moving
+
+
+HEAD = ",".join(COLUMNS)
+ROW = "p,1,s,female,4,upper,high,with,image,1,4,2,,,,3,3,1.0"
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        (HEAD.replace("naturalness", "natural") + "\n" + ROW, "no column naturalness"),
+        (HEAD + "\n" + ROW.replace(",3,3,", ",3,9,"), "realism is '9', must be a whole number from 1 to 5"),
+        (HEAD + "\n" + ROW.replace("high", "huge"), "strength is 'huge', must be one of low, high"),
+        (HEAD + "\n" + ROW.replace(",1,4,2,", ",1,,2,"), "no answer in column 4"),
+        (HEAD + "\n", "no answer for any of"),
+    ],
+)
+def test_wrong_answers_are_told(text: str, what: str, tmp_path: Path):
+    path = tmp_path / "answers.csv"
+    path.write_text(text)
+    with pytest.raises(ConfigError, match=what):
+        read_answers([path])
+
+
+def test_no_such_file(tmp_path: Path):
+    with pytest.raises(ConfigError, match=r"nowhere\.csv: No such file"):
+        read_answers([tmp_path / "nowhere.csv"])
