@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from kinesic.bench.bus.drivers import Driver, KinesicDriver, SdkDriver
 from kinesic.body.command import RATE
 from kinesic.body.config import CONFIGS
 from kinesic.controller.feedforward import FeedForward
@@ -15,7 +16,6 @@ from kinesic.hardware.bus.bus import Servo
 from kinesic.hardware.protocol.models import MODELS
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.servo_map import ServoMap
-from kinesic.hardware.virtual.drivers import Driver, KinesicDriver, SdkDriver
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.wiring import build_bus, cables
 from kinesic.planning.plan import Plan

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from kinesic.hardware.virtual.drivers import KinesicDriver
-from kinesic.hardware.virtual.matrix import PERIOD, cases, trial
+from kinesic.bench.bus.drivers import KinesicDriver
+from kinesic.bench.bus.matrix import PERIOD, cases, trial
 
 pytestmark = pytest.mark.soak
 

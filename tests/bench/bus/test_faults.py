@@ -6,8 +6,8 @@ import pytest
 from click.testing import CliRunner
 
 from kinesic.bench.bus import faults
+from kinesic.bench.bus.matrix import FaultCase
 from kinesic.cli.bench import bench
-from kinesic.hardware.virtual.matrix import FaultCase
 
 
 def test_every_driver_has_a_table_and_who_is_not_installed_a_reason(monkeypatch: pytest.MonkeyPatch):
@@ -19,7 +19,7 @@ def test_every_driver_has_a_table_and_who_is_not_installed_a_reason(monkeypatch:
 
     monkeypatch.setattr(faults, "matrix", one)
     monkeypatch.setattr(faults, "MISSING", {"lerobot": lambda: "not here", "lerobot, 3 retries": lambda: ""})
-    found = [str(fared) for fared in faults.compare_drivers(sizes=(7,), bauds=(1_000_000,), seeds=(0,))]
+    found = [str(trials) for trials in faults.compare_drivers(sizes=(7,), bauds=(1_000_000,), seeds=(0,))]
     assert [table.splitlines()[0] for table in found] == ["kinesic", "dynamixel-sdk", "lerobot", "lerobot, 3 retries"]
     assert found[2] == "lerobot\n\nnull: not here\n"
     assert len(asked) == 3

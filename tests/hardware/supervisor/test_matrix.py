@@ -4,11 +4,11 @@ from collections.abc import Callable
 
 import pytest
 
+from kinesic.bench.bus.matrix import STRIKE, FaultCase, cases
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.virtual.faults import BUILD_KINDS, FaultPlan, PlannedFault
-from kinesic.hardware.virtual.matrix import STRIKE, FaultCase, cases
 
 Make = Callable  # of a desk, see conftest
 REFUSED = {"duplicate id", "wrong model"}

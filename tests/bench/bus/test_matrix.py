@@ -6,10 +6,10 @@ from functools import cache
 import numpy as np
 import pytest
 
+from kinesic.bench.bus.drivers import DriverReading, KinesicDriver, SdkDriver
+from kinesic.bench.bus.faults import COLUMNS, rows, text
+from kinesic.bench.bus.matrix import PERIOD, FaultCase, TrialResult, cases, trial
 from kinesic.body.arrays import Floats
-from kinesic.hardware.virtual.drivers import DriverReading, KinesicDriver, SdkDriver
-from kinesic.hardware.virtual.matrix import PERIOD, FaultCase, TrialResult, cases, trial
-from kinesic.hardware.virtual.matrix_table import COLUMNS, rows, text
 
 CASES = {case.name: case for case in cases()}
 REFUSED = {"duplicate id": "several servos have this id", "wrong model": "is a xl430_w250, must be a xm430_w350"}
@@ -36,9 +36,9 @@ def test_kinesic_never_raises_and_believes_nothing_wrong(case: str):
 @pytest.mark.parametrize("case", [name for name in CASES if name.startswith("alert")] + ["overheat", "undervoltage"])
 def test_kinesic_tells_of_a_hardware_error_within_a_cycle(case: str):
     result = driven("kinesic", case)
-    assert result.told is not None
-    assert result.told <= PERIOD
-    assert driven("sdk", case, 60).told is None, "the SDK throws the alert away"
+    assert result.reported is not None
+    assert result.reported <= PERIOD
+    assert driven("sdk", case, 60).reported is None, "the SDK throws the alert away"
 
 
 def test_the_sdk_shows_the_weaknesses_that_its_users_report():

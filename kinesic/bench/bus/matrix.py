@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from kinesic.bench.bus.drivers import Driver, DriverReading
 from kinesic.body.arrays import Floats
 from kinesic.hardware.bus.bus import Servo
 from kinesic.hardware.protocol.models import MODELS
@@ -16,7 +17,6 @@ from kinesic.hardware.protocol.registers import HardwareError, Register
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.virtual.bus import VirtualBus
-from kinesic.hardware.virtual.drivers import Driver, DriverReading
 from kinesic.hardware.virtual.faults import BUILD_KINDS, CALM, FaultPlan, Kind, PlannedFault
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.shaft_simulation import ShaftSimulation
@@ -46,7 +46,7 @@ class FaultCase:
 
 @dataclass(frozen=True, eq=False)
 class TrialResult:
-    """How a driver fared."""
+    """What a driver did under one fault."""
 
     case: str
     servos: int
@@ -60,7 +60,7 @@ class TrialResult:
     prompt: float = 0.0  # share that came in the cycle that asked for them
     oldest: float = 0.0  # [s] of a position at the end of its cycle
     durations: Floats = field(default_factory=lambda: np.zeros(1))  # (m,) [s] of the cycles
-    told: float | None = None  # [s] from the begin of the first cycle with a hardware error until told; None: never
+    reported: float | None = None  # [s] from the begin of the first cycle with a hardware error until told; None: never
 
     def duration(self, percent: float) -> float:
         """A percentile of the cycles' durations [s]."""
@@ -147,7 +147,7 @@ class _Watch:
         wire, starts = self._wire, self._places()
         exceptions = wrong = prompt = later = able = 0
         owed = np.zeros(len(starts), dtype=np.int64)  # cycles that have not brought a position
-        oldest, told, failed, durations = 0.0, None, None, []
+        oldest, reported, failed, durations = 0.0, None, None, []
         for k in range(cycles):
             wire.sleep(self._began + k * self._period)
             begun = wire.now()
@@ -174,8 +174,8 @@ class _Watch:
             owed -= belated
             heard = reading.times > begun - 10.0
             oldest = max([oldest, *(ended - reading.times[heard]).tolist()])
-            if told is None and reading.alerts.any():
-                told = ended - (begun if failed is None else failed)
+            if reported is None and reading.alerts.any():
+                reported = ended - (begun if failed is None else failed)
         return TrialResult(
             case=self._case.name,
             servos=len(starts),
@@ -188,7 +188,7 @@ class _Watch:
             prompt=prompt / max(able, 1),
             oldest=oldest,
             durations=np.array(durations),
-            told=told,
+            reported=reported,
         )
 
     def _goals(self, starts: Ticks, time: float) -> Ticks:

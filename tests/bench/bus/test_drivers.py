@@ -8,9 +8,8 @@ from types import ModuleType, SimpleNamespace
 import pytest
 from dynamixel_sdk import COMM_SUCCESS, GroupSyncRead, GroupSyncWrite, PacketHandler, PortHandler
 
-from kinesic.hardware.virtual import lerobot
-from kinesic.hardware.virtual.lerobot import LerobotDriver
-from kinesic.hardware.virtual.matrix import TrialResult, cases, trial
+from kinesic.bench.bus.drivers import LerobotDriver, lerobot_missing
+from kinesic.bench.bus.matrix import TrialResult, cases, trial
 
 CASES = {case.name: case for case in cases()}
 NUMBERS = {"xm430-w350": 1020}
@@ -76,7 +75,7 @@ def tried(name: str, *, retries: int = 0, cycles: int = 60) -> TrialResult:
 @pytest.mark.usefixtures("double")
 def test_it_drives_the_servos_of_the_matrix():
     found = tried("calm")
-    assert lerobot.missing() == ""
+    assert lerobot_missing() == ""
     assert (found.exceptions, found.wrong, found.fresh) == (0, 0, 1.0)
     assert found.duration(50) < 0.01
 
@@ -96,11 +95,11 @@ def test_servos_that_it_refuses_are_refused_in_one_line():
 
 def test_what_is_not_installed_is_said(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(sys.modules, "lerobot", None)
-    assert lerobot.missing().startswith("lerobot is not installed: ")
+    assert lerobot_missing().startswith("lerobot is not installed: ")
 
 
 def test_itself_drives_them_too():
-    if why := lerobot.missing():
+    if why := lerobot_missing():
         pytest.skip(why)
     found = tried("calm")
     assert (found.exceptions, found.wrong, found.fresh) == (0, 0, 1.0)
