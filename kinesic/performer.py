@@ -17,8 +17,7 @@ from kinesic.controller.perform import dry_runs
 from kinesic.controller.perform import perform as perform_text
 from kinesic.controller.play import command_times, commands, play_together
 from kinesic.controller.servo_performance import interrupted, perform_live
-from kinesic.controller.soundtrack import sound
-from kinesic.controller.speech_sync import SpeechPlayback
+from kinesic.controller.soundtrack import SpeechPlayback, sound
 from kinesic.expressivity.style.style import Style
 from kinesic.hardware.servos import Servos, check_ports
 from kinesic.hardware.supervisor.channel import Status

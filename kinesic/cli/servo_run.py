@@ -12,8 +12,7 @@ from kinesic.cli.playback import loudspeaker
 from kinesic.cli.terminal import pressed_keys
 from kinesic.controller.performance import Performance
 from kinesic.controller.servo_performance import ServoRun, Wish, interrupted, perform_live
-from kinesic.controller.soundtrack import sound
-from kinesic.controller.speech_sync import SpeechPlayback
+from kinesic.controller.soundtrack import SpeechPlayback, sound
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.planning.plan import Plan

@@ -22,14 +22,20 @@ from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.certify import certify
 from kinesic.planning.clearance import Conditioner, culprits, keep_clear
-from kinesic.planning.coupling import bonds
 from kinesic.planning.motion_files import write_motion
 from kinesic.planning.postures import Postures, postures
 from kinesic.planning.setup import Setup
-from kinesic.planning.speech import remarks, synthesise_block
-from kinesic.planning.speech_pauses import SpeechPause, allowed_pauses, lengthen_pauses, mark_delays, required_pauses
-from kinesic.planning.speech_pauses import notices as pause_notices
-from kinesic.planning.syncs import Syncs, SyncTime, shifts, smaller, sync_times
+from kinesic.planning.speech import (
+    SpeechPause,
+    allowed_pauses,
+    lengthen_pauses,
+    mark_delays,
+    pause_notices,
+    remarks,
+    required_pauses,
+    synthesise_block,
+)
+from kinesic.planning.syncs import Syncs, SyncTime, find_bonds, shifts, smaller, sync_times
 
 STILL = 0.1  # [s] of a wish for nothing
 ROUNDS = 3  # of planning, in which pauses are made longer
@@ -163,7 +169,7 @@ def _planned(
     while True:
         frames = keyframes(timeline, context, without=without)
         asked = postures(frames, setup.robot, setup.distances)
-        solved, motion, times, clearance = keep_clear(asked, setup, bonds(timeline), conditioned=conditioned)
+        solved, motion, times, clearance = keep_clear(asked, setup, find_bonds(timeline), conditioned=conditioned)
         dropped = culprits(frames, motion, times, clearance, setup.robot)
         if not dropped:
             break

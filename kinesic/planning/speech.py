@@ -1,15 +1,33 @@
-"""What a block says, in the manner of its style."""
+"""What a block says, as its style says it, with pauses before words for which the body could not be in time."""
 
+import math
+import re
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
-from kinesic.bml.block import Block, Notice, NoticeType, Speech
-from kinesic.body.utterance import Utterance
+from kinesic.bml.block import Block, Notice, NoticeType, Speech, Timeline
+from kinesic.body.utterance import Mark, Pause, Script, Utterance
 from kinesic.expressivity.style.style import Style
+from kinesic.motion.keys import Sync
 from kinesic.planning.setup import Setup
-from kinesic.planning.speech_pauses import SpeechPause, insert_pauses
+from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime, find_bonds
 
 FASTER = 1.25  # rate of temporal 1; its inverse at -1
 HIGHER = 1.5  # [semitones] of power 1, and of activation 1
+PRECISION = 0.002  # [s] of a pause
+NAMED = 24  # characters of a word in a message
+
+
+@dataclass(frozen=True)
+class SpeechPause:
+    """A pause before a mark of a speech."""
+
+    speech: str
+    mark: str
+    until: float  # [s] of the utterance, when the mark is wanted
+    sync: Sync  # that would be late without it
+    held: float = 0.0  # [s] by which the mark is to come later than without it
+    duration: float = 0.0  # [s] of the silence, that of punctuation included
 
 
 def synthesise_block(block: Block, setup: Setup, waiting: tuple[SpeechPause, ...] = ()) -> dict[str, Utterance]:
@@ -48,3 +66,111 @@ def remarks(block: Block, utterances: Mapping[str, Utterance]) -> list[Notice]:
         for name, utterance in utterances.items()
         for remark in utterance.remarks
     ]
+
+
+def allowed_pauses(block: Block, usual: float) -> dict[str, float]:
+    """The longest pause [s] before a word of each speech that may wait; a recording cannot.
+
+    Args:
+        block: says so for each speech, or for all.
+        usual: [s] where it says nothing.
+    """
+    longest = usual if block.pause is None else block.pause
+    found = {
+        behaviour.id: longest if behaviour.action.pause is None else behaviour.action.pause
+        for behaviour in block.behaviours
+        if isinstance(behaviour.action, Speech) and behaviour.action.script.recording is None
+    }
+    return {name: most for name, most in found.items() if most > 0.0}
+
+
+def mark_delays(timeline: Timeline, syncs: tuple[SyncTime, ...]) -> dict[Sync, tuple[float, Sync]]:
+    """By how much the body misses each mark that something is tied to [s], and the sync point that misses it most.
+
+    Positive when the body is late. Where several are tied to a mark, the latest counts.
+    """
+    missed = {(sync.behaviour, sync.sync): sync.planned - sync.asked for sync in syncs}
+    spoken = {timed.behaviour.id for timed in timeline.timed if isinstance(timed.behaviour.action, Speech)}
+    found: dict[Sync, tuple[float, Sync]] = {}
+    both = {(bond.earlier, bond.later) for bond in find_bonds(timeline)}
+    for mark, sync in both:
+        if mark[0] in spoken and (sync, mark) in both and sync in missed and sync[0] not in spoken:
+            found[mark] = max((missed[sync], sync), found.get(mark, (-math.inf, sync)))
+    return found
+
+
+def required_pauses(
+    timeline: Timeline, syncs: tuple[SyncTime, ...], most: Mapping[str, float], before: tuple[SpeechPause, ...] = ()
+) -> tuple[SpeechPause, ...]:
+    """The marks that must come later for the body to be in time, in their order, with those that wait already.
+
+    A pause moves all that is said after it; so each mark needs only what it misses more than those before it.
+
+    Args:
+        timeline: as planned with the pauses before.
+        syncs: when its sync points are asked for and when they will be.
+        most: [s] by which one pause may hold back what follows, of each speech that may wait.
+        before: pauses that are made already.
+    """
+    missed = mark_delays(timeline, syncs)
+    made = {(each.speech, each.mark): each for each in before}
+    found: list[SpeechPause] = []
+    for timed in timeline.timed:
+        name, times = timed.behaviour.id, timed.times
+        moved, reached = 0.0, 0.0
+        for mark in sorted(times.keys() - {"start", "end"}, key=lambda mark: times[mark]) if name in most else ():
+            late, sync = missed.get((name, mark), (reached, ("", "")))
+            waiting = made.get((name, mark), SpeechPause(name, mark, 0.0, sync))
+            more = min(late - reached, most[name] - waiting.held) if late - reached > SHIFT_TO_WARN else 0.0
+            moved, reached = moved + more, late
+            if more or waiting.duration:
+                until = times[mark] - times["start"] + moved
+                found.append(replace(waiting, until=until, held=waiting.held + more))
+    return tuple(found)
+
+
+def lengthen_pauses(waiting: tuple[SpeechPause, ...], utterances: Mapping[str, Utterance]) -> tuple[SpeechPause, ...]:
+    """The same pauses, longer by what their marks still lack when it is said with them.
+
+    A voice may make its own pause at a comma shorter where another one is put.
+    """
+    found: list[SpeechPause] = []
+    moved: dict[str, float] = {}
+    for each in waiting:
+        lacking = each.until - utterances[each.speech].marks[each.mark] - moved.get(each.speech, 0.0)
+        longer = each.duration + (math.ceil(1000 * lacking) / 1000 if lacking > PRECISION else 0.0)
+        found.append(replace(each, duration=longer))
+        moved[each.speech] = moved.get(each.speech, 0.0) + found[-1].duration - each.duration
+    return tuple(found)
+
+
+def insert_pauses(script: Script, waiting: tuple[SpeechPause, ...]) -> Script:
+    """A script with pauses before its marks, each beside those that it had."""
+    pauses = list(script.pauses)
+    for each in (each for each in waiting if each.duration):
+        marks = [mark for mark in script.stops() if isinstance(mark, Mark)]
+        position = next(mark.position for mark in marks if mark.name == each.mark)
+        here = [mark.name for mark in marks if mark.position == position]
+        pauses.append(Pause(position, each.duration, here.index(each.mark)))
+    return replace(script, pauses=tuple(pauses))
+
+
+def pause_notices(block: Block, waiting: tuple[SpeechPause, ...]) -> list[Notice]:
+    """A warning for each pause."""
+    scripts = {b.id: b.action.script for b in block.behaviours if isinstance(b.action, Speech)}
+    return [
+        Notice(
+            NoticeType.IMPOSSIBLE_TO_SCHEDULE,
+            f"{block.id}:{each.speech}",
+            f"a pause of {each.held:.3f} s is made before {_word(scripts[each.speech], each.mark)}, "
+            f"so that {each.sync[1]} of '{each.sync[0]}' is in time",
+        )
+        for each in waiting
+        if each.duration
+    ]
+
+
+def _word(script: Script, mark: str) -> str:
+    position = next(each.position for each in script.marks if each.name == mark)
+    found = re.search(r"\w[\w'\u2019-]*", script.text[position:])
+    return f"'{found[0][:NAMED]}' (mark {mark})" if found else f"mark {mark}"

@@ -1,4 +1,4 @@
-"""What becomes of what was asked: when each sync point will be, and which paths of hands become smaller."""
+"""Sync points: what BML ties between them, when each of them will be, and what is said where that is not as asked."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,14 +7,15 @@ from typing import SupportsIndex, TypeVar, overload
 
 import numpy as np
 
-from kinesic.bml.block import Block, Notice, NoticeType, TimedBehaviour
+from kinesic.bml.block import Block, Notice, NoticeType, Precedence, SyncRef, TimedBehaviour, Timeline
+from kinesic.bml.timing.constraints import point_of, ties
 from kinesic.body.arrays import Floats
 from kinesic.body.config import suggestion
 from kinesic.body.robot import CHAINS, SIDES, Robot, Side
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.condition import Conditioned
 from kinesic.motion.key_times import Bottleneck
-from kinesic.motion.keys import KeyPosture, Pair
+from kinesic.motion.keys import Bond, KeyPosture, Pair
 
 SHIFT_TO_WARN = 0.010  # [s]
 SMALLER_TO_WARN = 0.1  # share of the length of a path
@@ -71,6 +72,31 @@ class Syncs(tuple[T_co, ...]):
             behaviours = sorted({sync.behaviour for sync in self})
             raise KeyError(f"no behaviour {behaviour} has sync points{suggestion(behaviour, behaviours)}")
         raise KeyError(f"behaviour {behaviour} has no sync point {point}{suggestion(point, points)}")
+
+
+def find_bonds(timeline: Timeline) -> tuple[Bond, ...]:
+    """Finds the bonds between different behaviours of a block: both ways for points that coincide, one for an order.
+
+    What a behaviour asks of its own points is no bond: its own time gives way.
+    """
+    known = {(timed.behaviour.id, sync) for timed in timeline.timed for sync in timed.times}
+    found: list[Bond] = []
+    for tie in ties(timeline.block):
+        found += [_bond(tie.left, tie.right), _bond(tie.right, tie.left)]
+    for constraint in timeline.block.constraints:
+        if isinstance(constraint, Precedence):
+            found += [_bond(constraint.earlier, later) for later in constraint.later]
+    return tuple(
+        bond
+        for bond in dict.fromkeys(found)
+        if bond.earlier in known and bond.later in known and bond.earlier[0] != bond.later[0]
+    )
+
+
+def _bond(earlier: SyncRef, later: SyncRef) -> Bond:
+    """time(earlier) + its offset <= time(later) + its offset."""
+    before, after = point_of(earlier), point_of(later)
+    return Bond((before.behaviour, before.sync), (after.behaviour, after.sync), earlier.offset - later.offset)
 
 
 def on_keys(frames: KeyFrames, motion: Conditioned) -> list[tuple[str, str, float, float]]:

@@ -10,7 +10,7 @@ import numpy as np
 from kinesic.body.arrays import sealed
 from kinesic.body.command import State
 from kinesic.body.config import ConfigError
-from kinesic.controller.measured_motion import Motion
+from kinesic.controller.performance import MeasuredMotion
 from kinesic.controller.performance import Performance as DryRun
 from kinesic.controller.servo_performance import ServoRun
 from kinesic.planning.motion_files import write_motion
@@ -70,12 +70,12 @@ class Performance(DryRun):
         )
 
     @cached_property
-    def motion(self) -> Motion:
+    def motion(self) -> MeasuredMotion:
         """What was measured: by the servos where they moved, else in the twin."""
         live = self.servos
         if live is not None and len(live.times) > 1:
-            return Motion(live.times, live.followed, sealed(np.gradient(live.followed, live.times, axis=0)))
-        return Motion(self.measured.times, self.measured.angles, self.measured.speeds)
+            return MeasuredMotion(live.times, live.followed, sealed(np.gradient(live.followed, live.times, axis=0)))
+        return MeasuredMotion(self.measured.times, self.measured.angles, self.measured.speeds)
 
     def at(self, when: float | str) -> State:
         """What was measured at a performance time [s], or when a sync point such as `nod:stroke` was met.

@@ -17,10 +17,9 @@ from kinesic.motion.condition import LEAD_IN, condition
 from kinesic.motion.key_times import strain
 from kinesic.motion.keys import Keys
 from kinesic.motion.limit_check import RATE, peaks
-from kinesic.planning.coupling import bonds
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
-from kinesic.planning.syncs import SHIFT_TO_WARN
+from kinesic.planning.syncs import SHIFT_TO_WARN, find_bonds
 from kinesic.report.checks import TOLERANCE
 
 REPETITIONS = 9
@@ -110,7 +109,7 @@ def stretch(crowded: Iterable[Plan]) -> list[Figure]:
     """The weighted sum of all shifts over that of the nonlinear program, in all, at the median and at worst."""
     ours, best = [], []
     for planned in crowded:
-        known, ties = planned.setup, bonds(planned.timeline)
+        known, ties = planned.setup, find_bonds(planned.timeline)
         keys = Keys.of(planned.postures.postures, known.limits, ties)
         motion = condition(planned.postures.postures, known.limits, bonds=ties)
         if (moved := strain(keys, motion.planned)) < STRAINED:

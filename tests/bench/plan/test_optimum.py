@@ -10,7 +10,7 @@ from kinesic.controller.perform import plan, set_up
 from kinesic.motion.condition import LEAD_IN, condition
 from kinesic.motion.key_times import strain
 from kinesic.motion.keys import KeyPosture, Keys
-from kinesic.planning.coupling import bonds
+from kinesic.planning.syncs import find_bonds
 
 LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 1e-4, 1e-4, 0.9)))  # the duty never binds
 
@@ -51,7 +51,7 @@ def test_a_crowded_block_is_strained_hardly_more_than_it_must():
     known = set_up()
     lexemes = [form.id for form in known.lexicon.forms]
     planned = plan(crowd(4, lexemes), known)
-    asked, ties = planned.postures.postures, bonds(planned.timeline)
+    asked, ties = planned.postures.postures, find_bonds(planned.timeline)
     keys = Keys.of(asked, known.limits, ties)
     motion = condition(asked, known.limits, bonds=ties)
     found = best_times(keys, motion, known.limits, LEAD_IN)

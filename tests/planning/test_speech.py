@@ -9,7 +9,7 @@ from kinesic.body.utterance import Mark, Pause, Script
 from kinesic.controller.perform import plan, set_up
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
-from kinesic.planning.speech_pauses import SpeechPause, insert_pauses
+from kinesic.planning.speech import SpeechPause, insert_pauses
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.report.report import feedback
 from kinesic.speech.espeak_pool import espeak_fault
