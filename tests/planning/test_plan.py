@@ -1,4 +1,4 @@
-"""Paths of hands in the planned motion, and gestures that overlap."""
+"""Whole plans: paths of hands, and gestures that overlap."""
 
 from collections.abc import Callable
 from dataclasses import replace
