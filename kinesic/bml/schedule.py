@@ -155,7 +155,7 @@ class _Cast:
             names = {point.behaviour for edge in loop for point in (edge.tail, edge.head)} - {"bml"}
             if names <= self.behaviours.keys() and (candidates := [n for n in self.behaviours if n in names]):
                 weakest = max(candidates, key=lambda name: (self._weakness(name), candidates.index(name)))
-                self.drop(weakest, NoticeType.IMPOSSIBLE_TO_SCHEDULE, _told(loop, self.block.id))
+                self.drop(weakest, NoticeType.IMPOSSIBLE_TO_SCHEDULE, _describe_loop(loop, self.block.id))
             elif not names:
                 self._give_up_constraint(loop)
 
@@ -169,7 +169,7 @@ class _Cast:
         orders = [constraint for constraint in self.constraints if isinstance(constraint, Precedence)]
         for order in orders:
             if order.earlier.behaviour == "bml" and any(ref.behaviour == "bml" for ref in order.later):
-                self.give_up(order, NoticeType.IMPOSSIBLE_TO_SCHEDULE, _told(loop, self.block.id))
+                self.give_up(order, NoticeType.IMPOSSIBLE_TO_SCHEDULE, _describe_loop(loop, self.block.id))
 
 
 _REMEDY = "take it out of <required>, or give it times that can be met"
@@ -181,7 +181,7 @@ def _refs(item: Behaviour | Constraint) -> tuple[SyncRef, ...]:
     return item.refs if isinstance(item, Synchronize) else (item.earlier, *item.later)
 
 
-def _told(loop: list[Edge], block: str) -> str:
+def _describe_loop(loop: list[Edge], block: str) -> str:
     """A contradiction in words; points between which only the order counts are left out."""
     turns = [
         edge.tail

@@ -128,7 +128,7 @@ def torso_move(timed: TimedBehaviour, action: Torso, context: BlockContext) -> M
     if lean.clipped and lean.turn == UPRIGHT:
         return drop_behaviour(f"the trunk cannot: {lean.clipped}")
     (layer,) = exclusive([trunk.hold_trunk(lean.turn, timed.times, stays=False, pace=context.pace)])
-    return Move(torso=(pass_layer(layer, context.manner(timed.behaviour)),), warnings=_clipped(lean.clipped))
+    return Move(torso=(pass_layer(layer, context.manner(timed.behaviour)),), warnings=_clip_warning(lean.clipped))
 
 
 def look_moves(looks: Sequence[TimedBehaviour], context: BlockContext) -> Mapping[str, Move]:
@@ -160,7 +160,7 @@ def look_moves(looks: Sequence[TimedBehaviour], context: BlockContext) -> Mappin
         base = aim if stays(action) else base
         aims.append(aim)
         performed.append(timed)
-    return moves | _looked(performed, aims, context)
+    return moves | _perform_looks(performed, aims, context)
 
 
 def _in_turn(looks: Sequence[TimedBehaviour]) -> Iterator[tuple[TimedBehaviour, TimedBehaviour | None]]:
@@ -178,7 +178,7 @@ def stays(action: object) -> bool:
     return isinstance(action, HeadDirectionShift) or (isinstance(action, Gaze | Posture) and action.shift)
 
 
-def _looked(looks: Sequence[TimedBehaviour], aims: Sequence[gaze.Aim], context: BlockContext) -> dict[str, Move]:
+def _perform_looks(looks: Sequence[TimedBehaviour], aims: Sequence[gaze.Aim], context: BlockContext) -> dict[str, Move]:
     """Looks with their layers, in the order of their starts."""
     heads, trunks = (
         [
@@ -214,7 +214,7 @@ def _lacking(part: str, context: BlockContext) -> Move:
     return drop_behaviour(f"robot {context.robot.name} has no {part}", NoticeType.BEHAVIOR_TYPE_NOT_SUPPORTED)
 
 
-def _clipped(text: str) -> tuple[Warned, ...]:
+def _clip_warning(text: str) -> tuple[Warned, ...]:
     return (Warned(NoticeType.CANNOT_CREATE_BEHAVIOR, text),) if text else ()
 
 
@@ -222,4 +222,4 @@ def substitution_outcome(why: str, clipped: str = "", missing: str = "") -> tupl
     """The outcome of a behaviour that is performed, by something else if there is a reason, and its warnings."""
     type = NoticeType.NO_SUCH_TARGET if missing else NoticeType.CANNOT_CREATE_BEHAVIOR
     warnings = (Warned(type, why),) if why else ()
-    return Outcome("substituted", why) if why else REALISED, warnings + _clipped(clipped)
+    return Outcome("substituted", why) if why else REALISED, warnings + _clip_warning(clipped)

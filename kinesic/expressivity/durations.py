@@ -51,7 +51,7 @@ def spans(context: BlockContext) -> Mapping[str, Mapping[str, float]]:
     return {id: natural for id, natural in found.items() if natural}
 
 
-def stroke_spans(work: Poses, pace: Pace, manner: Expressivity, *, held: bool = True) -> dict[str, float]:
+def stroke_spans(work: Poses, pace: Pace, manner: Expressivity, *, holds: bool = True) -> dict[str, float]:
     """Phases of a gesture from rest to rest [s].
 
     Power shortens the stroke, and a little the ways to it and back; how long the hand is held stays temporal extent's.
@@ -60,7 +60,7 @@ def stroke_spans(work: Poses, pace: Pace, manner: Expressivity, *, held: bool = 
         work: the stroke keys of the gesture.
         pace: of the robot that moves.
         manner: of the gesture; temporal extent and power are used.
-        held: whether a post-stroke hold follows.
+        holds: whether a post-stroke hold follows.
     """
     ways = natural_times(work, pace, manner)
     strokes = [0, work.stroke, *work.again]
@@ -72,7 +72,7 @@ def stroke_spans(work: Poses, pace: Pace, manner: Expressivity, *, held: bool = 
         "stroke": first,
         **{f"stroke:{k}": time for k, time in enumerate(more, 2)},
         "strokeEnd": sum(ways[strokes[-1] :], 0.0),
-        "relax": hold if held else 0.0,
+        "relax": hold if holds else 0.0,
         "end": _way(work, -1, pace, manner),
     }
 
@@ -93,7 +93,7 @@ def _spans(behaviour: Behaviour, context: BlockContext) -> Mapping[str, float]:
             if match is None or not match.form.keys:
                 return {}
             work = poses(match.form, robot, manner)
-            return stroke_spans(work, pace, manner, held=not match.form.rest)
+            return stroke_spans(work, pace, manner, holds=not match.form.rest)
         case Pointing(target):
             place = context.find_target(target)
             if place is None:

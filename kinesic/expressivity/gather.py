@@ -162,8 +162,8 @@ def _frames(
     times = {part: [key.time for key in own] for part, own in keys.items()}
     found = gather_times(times, syncs)
     given = [frozenset(part for part in times if moment.among(times[part]) is not None) for moment in found]
-    filled = [_filled(parts, priorities) for parts in given]
-    looked = {part: _looked(part, found, times.get(part, []), filled) for part in PARTS}
+    filled = [_parts_to_fill(parts, priorities) for parts in given]
+    looked = {part: _read_times(part, found, times.get(part, []), filled) for part in PARTS}
     trunk, neck, rest = room(robot, "torso"), room(robot, "neck"), resting_hands(robot)
     torso = [clip_turn(turn, trunk) for turn in _turns(sequences.torso, looked["torso"])]
     above = _turns(sequences.head, looked["head"])
@@ -187,13 +187,13 @@ def _frames(
     )
 
 
-def _filled(given: frozenset[PartName], priorities: Priorities) -> frozenset[PartName]:
+def _parts_to_fill(given: frozenset[PartName], priorities: Priorities) -> frozenset[PartName]:
     """The parts without a key that are at least as important as all that have one."""
     most = max((priorities[part] for part in given), default=-np.inf)
     return frozenset(part for part in PARTS if part not in given and priorities[part] >= most)
 
 
-def _looked(
+def _read_times(
     part: PartName, found: Sequence[Moment], times: Sequence[float], filled: Sequence[frozenset[PartName]]
 ) -> list[float]:
     """When the sequence of a part is read for each frame [s].

@@ -70,18 +70,18 @@ def aim(action: Gaze | HeadDirectionShift, context: BlockContext, base: Aim = ST
     influence = action.influence if isinstance(action, Gaze) else None
     offset = _offset(action, context.block) if isinstance(action, Gaze) else UPRIGHT
     if action.target is None:
-        return _limited(add_turns(base.head, offset), influence=influence, robot=robot, base=base)
+        return _share_turn(add_turns(base.head, offset), influence=influence, robot=robot, base=base)
     place, missing = context.find_target(action.target), ""
     if place is None and isinstance(action, HeadDirectionShift):
         found = words(action.target)
         if names_stem(found, "up", "down", "left", "right", "aside", "neutral", "tilt"):
-            return _limited(scale_turn(direction(found), 0.5), influence=None, robot=robot, base=base)
+            return _share_turn(scale_turn(direction(found), 0.5), influence=None, robot=robot, base=base)
     if place is None:
         place, missing = context.targets.get(AUDIENCE), context.unknown_target(action.target)
     if place is None:
         return None
     turn = add_turns(_towards(place, robot), offset)
-    return _limited(turn, influence=influence, robot=robot, base=base, missing=missing)
+    return _share_turn(turn, influence=influence, robot=robot, base=base, missing=missing)
 
 
 def hold_gaze(look: Aim, times: Mapping[str, float], *, part: Part, stays: bool, pace: Pace) -> Hold:
@@ -98,12 +98,12 @@ def hold_gaze(look: Aim, times: Mapping[str, float], *, part: Part, stays: bool,
 def look_time(look: Aim, pace: Pace, temporal: float = 0.0) -> float:
     """Natural time of turning there [s]: that of people, or the servos' ease where it is longer."""
     neck = add_turns(look.head, scale_turn(look.torso, -1.0))
-    head = pace.turn_time("neck", neck, temporal, usual=_usual(neck, _HEAD_SPEED))
-    trunk = pace.turn_time("torso", look.torso, temporal, usual=_usual(look.torso, _TRUNK_SPEED))
+    head = pace.turn_time("neck", neck, temporal, usual=_usual_time(neck, _HEAD_SPEED))
+    trunk = pace.turn_time("torso", look.torso, temporal, usual=_usual_time(look.torso, _TRUNK_SPEED))
     return max(_LEAST_LOOK, head, trunk)
 
 
-def _usual(turn: Turn, speed: float) -> float:
+def _usual_time(turn: Turn, speed: float) -> float:
     """What people take to look somewhere [s]: wide turns are faster, with Greta's peak speed of 4/3 a + `speed`."""
     angle = max(map(abs, axes(turn)))
     return _PEAK * angle / (4 / 3 * angle + speed)
@@ -132,7 +132,7 @@ def _offset(gaze: Gaze, block: Block) -> Turn:
     return Turn(torsion=float(torsion), tilt=float(tilt))
 
 
-def _limited(turn: Turn, *, influence: str | None, robot: Robot, base: Aim, missing: str = "") -> Aim:
+def _share_turn(turn: Turn, *, influence: str | None, robot: Robot, base: Aim, missing: str = "") -> Aim:
     """The rotation shared between eyes, head and trunk, inside their ranges."""
     parts, seeing = (influence or "").upper(), EYES if "eyes" in robot.sites else (UPRIGHT, UPRIGHT)
     alone = clip_turn(add_turns(turn, scale_turn(base.head, -1.0)), seeing) if parts == "EYES" else UPRIGHT

@@ -126,12 +126,12 @@ def head_layer(form: HeadForm, times: Mapping[str, float], pace: Pace, manner: E
     """
     natural = swing_time(form, pace, manner)
     if form.kind == "direction":
-        return _held(form, times, natural, manner)
+        return _hold_direction(form, times, natural, manner)
     least = pace.least_turn_time("neck", form.peak)
-    return _swung(_fitting(form, times, least), times, natural, manner)
+    return _swing(_drop_added(form, times, least), times, natural, manner)
 
 
-def _held(form: HeadForm, times: Mapping[str, float], natural: float, manner: Expressivity) -> Layer:
+def _hold_direction(form: HeadForm, times: Mapping[str, float], natural: float, manner: Expressivity) -> Layer:
     there, hold, back = (passage_of(manner, phase) for phase in ("stroke", "hold", "retraction"))
     start = departure_time(times["start"], times["stroke"], natural)
     leave = max(times["relax"], times["stroke"])
@@ -145,10 +145,10 @@ def _held(form: HeadForm, times: Mapping[str, float], natural: float, manner: Ex
     return tuple(keys)
 
 
-def _swung(form: HeadForm, times: Mapping[str, float], natural: float, manner: Expressivity) -> Layer:
+def _swing(form: HeadForm, times: Mapping[str, float], natural: float, manner: Expressivity) -> Layer:
     there, hold = passage_of(manner, "stroke"), passage_of(manner, "hold")
     swings = form.swings
-    pinned = _pinned(times, len(swings) - 1, natural)
+    pinned = _pin_swings(times, len(swings) - 1, natural)
     moments = [float(time) for time in np.interp(range(len(swings)), list(pinned), list(pinned.values()))]
     start = departure_time(times["strokeStart"], moments[0], natural)
     early = [TurnKey(times["start"], UPRIGHT, hold)] if start - times["start"] >= MERGE else []
@@ -157,7 +157,7 @@ def _swung(form: HeadForm, times: Mapping[str, float], natural: float, manner: E
     return (*early, TurnKey(start, UPRIGHT, hold), *peaks, *late)
 
 
-def _fitting(form: HeadForm, times: Mapping[str, float], least: float) -> HeadForm:
+def _drop_added(form: HeadForm, times: Mapping[str, float], least: float) -> HeadForm:
     """The form with as many added times as leave each swing what the neck needs [s]."""
     span = times["strokeEnd"] - times["stroke"]
     more = next((more for more in range(form.more, 0, -1) if span >= least * _count(form, more)), 0)
@@ -169,7 +169,7 @@ def _count(form: HeadForm, more: int) -> int:
     return len(replace(form, more=more).swings) - 1
 
 
-def _pinned(times: Mapping[str, float], last: int, natural: float) -> dict[int, float]:
+def _pin_swings(times: Mapping[str, float], last: int, natural: float) -> dict[int, float]:
     """Times of the swings that sync points name [s]: every second one is a stroke, the last ends the stroke."""
     pinned = {0: times["stroke"]}
     for k in range(2, last, 2):

@@ -111,16 +111,16 @@ def used_spans(sequences: Sequences) -> tuple[Span, ...]:
     return (*turning, *reaching)
 
 
-def pauses(busy: Iterable[Span], whole: Span) -> tuple[Span, ...]:
-    """What busy spans leave of a whole.
+def pauses(occupied: Iterable[Span], whole: Span) -> tuple[Span, ...]:
+    """What occupied spans leave of a whole.
 
     Args:
-        busy: [s] spans in which some part is used, in any order.
+        occupied: [s] spans in which some part is used, in any order.
         whole: [s] from the beginning to the end.
     """
     found: list[Span] = []
     free = whole[0]
-    for begin, end in sorted(busy):
+    for begin, end in sorted(occupied):
         if begin > free:
             found.append((free, min(begin, whole[1])))
         free = max(free, end)

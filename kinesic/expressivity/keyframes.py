@@ -56,7 +56,7 @@ class KeyFrame:
     filled: frozenset[PartName] = frozenset()  # parts that are on their way here between keys of their own
 
     @property
-    def told(self) -> frozenset[PartName]:
+    def known(self) -> frozenset[PartName]:
         """Parts of which this frame knows where they are; the others go along with these."""
         return self.given | self.filled
 

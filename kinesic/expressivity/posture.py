@@ -41,7 +41,7 @@ BENT = 0.5  # amount of a lean that is part of a posture
 _ARMS: Mapping[str, Mode] = {"ARMS": "both", "LEFT_ARM": "left", "RIGHT_ARM": "right"}
 _TRUNK = ("BODY", "TORSO", "SPINE", "TRUNK")
 _WHOLE = "WHOLEBODY"
-_HELD = {"open": "welcome"}  # poses of the arms that are the end of a gesture
+_FROM_GESTURES = {"open": "welcome"}  # poses of the arms that are the end of a gesture
 _EASE = ("neutral", "idle", "stand", "rest", "hang", "side")  # words for arms that hang
 
 Arms = GestureForm | Mode  # a rest form; a mode: these arms hang
@@ -134,8 +134,8 @@ def _arms(lexeme: str, mode: Mode, lexicon: Lexicon) -> Arms | None:
     found = words(lexeme)
     if names_stem(found, *_EASE):
         return mode
-    held = next((form for word, form in _HELD.items() if word in found), None)
-    if held is not None and (match := lexicon.find(held, mode)) is not None and match.form.keys:
+    gesture = next((form for word, form in _FROM_GESTURES.items() if word in found), None)
+    if gesture is not None and (match := lexicon.find(gesture, mode)) is not None and match.form.keys:
         return replace(match.form, keys=match.form.keys[-1:], rest=True)
     match = lexicon.find(lexeme, mode, category="rest")
     if match is not None and match.substitute:
@@ -154,8 +154,8 @@ def posture_moves(postures: Sequence[TimedBehaviour], context: BlockContext) -> 
             raise TypeError(f"{timed.behaviour.id} is a {type(action).__name__}, no posture")
         posed = pose(action, context.lexicon, context.robot)
         if posed is None:
-            asked = [f"stance {action.stance}"] if action.stance else []
-            names = ", ".join((*asked, *(f"{lexeme} of {part}" for part, lexeme in action.poses)))
+            requested = [f"stance {action.stance}"] if action.stance else []
+            names = ", ".join((*requested, *(f"{lexeme} of {part}" for part, lexeme in action.poses)))
             known = "standing, sitting, leaning, and rest poses of the arms, are known"
             moves[timed.behaviour.id] = drop_behaviour(f"no pose {names}; {known}")
         elif posed.lean.clipped and posed.lean.turn == UPRIGHT and not posed.arms:
@@ -177,7 +177,7 @@ def posture_moves(postures: Sequence[TimedBehaviour], context: BlockContext) -> 
             outcome,
             head=without_upright(bowed),
             torso=without_upright(leaned),
-            strokes=tuple(stroke for arms in posed.arms for stroke in _posed(timed, arms, context)),
+            strokes=tuple(stroke for arms in posed.arms for stroke in _arm_strokes(timed, arms, context)),
             warnings=warnings,
         )
     return moves
@@ -189,7 +189,7 @@ def _posture_hold(timed: TimedBehaviour, turn: Turn, chain: str, context: BlockC
     return hold_turn(turn, timed.times, natural=natural, stays=stays(timed.behaviour.action))
 
 
-def _posed(timed: TimedBehaviour, arms: Arms, context: BlockContext) -> tuple[Stroke, ...]:
+def _arm_strokes(timed: TimedBehaviour, arms: Arms, context: BlockContext) -> tuple[Stroke, ...]:
     """Work that brings the arms into a rest pose, and back unless the posture stays."""
     times, shift, manner = timed.times, stays(timed.behaviour.action), context.manner(timed.behaviour)
     work = poses(arms, context.robot, manner) if isinstance(arms, GestureForm) else hanging_arms(_SIDES[arms])

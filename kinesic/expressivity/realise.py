@@ -72,7 +72,7 @@ def keyframes(timeline: Timeline, context: BlockContext, *, without: Mapping[str
     outcomes |= {id: move.outcome for id, move in moves.items()}
     _check_required(timeline.block, outcomes)
     uses = {id: _uses(id, move, hands) for id, move in moves.items()}
-    timeline = replace(timeline, timed=tuple(_moved(timed, hands.times) for timed in timeline.timed))
+    timeline = replace(timeline, timed=tuple(_move_syncs(timed, hands.times) for timed in timeline.timed))
     syncs = [
         SyncPoint(time, timed.behaviour.id, sync)
         for timed in timeline.timed
@@ -101,7 +101,7 @@ def keyframes(timeline: Timeline, context: BlockContext, *, without: Mapping[str
     )
 
 
-def _moved(timed: TimedBehaviour, times: Mapping[str, Mapping[str, float]]) -> TimedBehaviour:
+def _move_syncs(timed: TimedBehaviour, times: Mapping[str, Mapping[str, float]]) -> TimedBehaviour:
     """The behaviour with the sync points that neighbours of its hands moved, where the document left them open."""
     moved = times.get(timed.behaviour.id)
     return replace(timed, times={**timed.times, **moved}) if moved else timed
@@ -142,8 +142,8 @@ def _face_move(action: Face) -> Move:
     if found.kind == "dropped":
         return drop_behaviour(found.why)
     beyond = "" if 0.0 <= action.amount <= 1.0 else f"amount {action.amount:g} is cut to the range from 0 to 1"
-    told = filter(None, (found.why, beyond))
-    return Move(found, warnings=tuple(Warned(NoticeType.CANNOT_CREATE_BEHAVIOR, text) for text in told))
+    texts = filter(None, (found.why, beyond))
+    return Move(found, warnings=tuple(Warned(NoticeType.CANNOT_CREATE_BEHAVIOR, text) for text in texts))
 
 
 def _with_hands(id: str, move: Move, hands: Arranged) -> Move:

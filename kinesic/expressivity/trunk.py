@@ -116,9 +116,9 @@ def taking_part(work: HandStroke, manner: Expressivity, pace: Pace) -> Layer:
     swayed, recline = UPRIGHT, Turn(tilt=-RECLINE * openness)
     for way, moment in zip(_ways(work.poses, rest, pace.robot.arm_length), work.moments, strict=True):
         if float(np.linalg.norm(way)) > STILL:
-            swayed = _swayed(way, power)
+            swayed = _sway(way, power)
         if moment - keys[-1].time >= MERGE:
-            keys.append(TurnKey(moment, _managed(keys[-1], add_turns(swayed, recline), moment, pace)))
+            keys.append(TurnKey(moment, _manageable(keys[-1], add_turns(swayed, recline), moment, pace)))
     return (*keys, *_return(keys[-1], times, pace))
 
 
@@ -132,15 +132,15 @@ def _ways(work: Poses, rest: Mapping[Side, Reach], unit: float) -> list[Floats]:
     return [(after - before) / unit for before, after in pairwise(middles)]
 
 
-def _swayed(way: Floats, power: float) -> Turn:
+def _sway(way: Floats, power: float) -> Turn:
     """Equation 8.7.1 for a way of the hands, x forward, y left, z up [arm lengths]."""
     gain = SWAY * power / (float(np.linalg.norm(way)) + 1.0)
     return Turn(torsion=gain * float(way[1]), tilt=-gain * float(way[2]))
 
 
-def _managed(key: TurnKey, wished: Turn, moment: float, pace: Pace) -> Turn:
+def _manageable(key: TurnKey, desired: Turn, moment: float, pace: Pace) -> Turn:
     """The part of the way to a rotation that the trunk manages by a moment [s]."""
-    change = add_turns(wished, scale_turn(key.turn, -1.0))
+    change = add_turns(desired, scale_turn(key.turn, -1.0))
     share = min(1.0, HASTE * (moment - key.time) / max(pace.least_turn_time("torso", change), MERGE))
     eased = share**3  # least times shrink no slower than the cube root of the way
     return add_turns(key.turn, scale_turn(change, eased))
@@ -149,6 +149,6 @@ def _managed(key: TurnKey, wished: Turn, moment: float, pace: Pace) -> Turn:
 def _return(key: TurnKey, times: Mapping[str, float], pace: Pace) -> tuple[TurnKey, ...]:
     """Staying until the hands relax, then going upright again."""
     leave = max(times["relax"], key.time)
-    held = (TurnKey(leave, key.turn),) if leave - key.time >= MERGE else ()
+    hold = (TurnKey(leave, key.turn),) if leave - key.time >= MERGE else ()
     least = pace.least_turn_time("torso", key.turn) / HASTE
-    return (*held, TurnKey(max(times["end"], leave + max(least, MERGE)), UPRIGHT))
+    return (*hold, TurnKey(max(times["end"], leave + max(least, MERGE)), UPRIGHT))

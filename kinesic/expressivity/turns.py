@@ -139,12 +139,12 @@ def exclusive(holds: Sequence[Hold]) -> tuple[Layer, ...]:
         if hold.leave is None:
             base = hold.turn
         elif k + 1 < len(holds) and holds[k + 1].start < hold.leave:
-            layer = _yielding(layer, holds[k + 1])
+            layer = _give_way(layer, holds[k + 1])
         layers.append(layer)
     return tuple(layers)
 
 
-def _yielding(layer: Layer, other: Hold) -> Layer:
+def _give_way(layer: Layer, other: Hold) -> Layer:
     """A layer that goes back to zero while another hold goes to its own rotation."""
     before = tuple(key for key in layer if key.time < other.start)
     return (*before, TurnKey(other.start, turn_at(layer, other.start)), TurnKey(other.arrive, UPRIGHT))

@@ -127,15 +127,15 @@ def plan_block(
     """
     began = perf_counter()
     context = BlockContext(block, setup.context, engaged)
-    found = _planned(context, setup, utterances or synthesise_block(block, setup), conditioned)
+    found = _plan_once(context, setup, utterances or synthesise_block(block, setup), conditioned)
     waiting: tuple[SpeechPause, ...] = ()
     if utterances is None and (most := allowed_pauses(block, setup.pause)):
-        found, waiting = _unhurried(found, most, context, conditioned)
+        found, waiting = _add_pauses(found, most, context, conditioned)
     notices = (*remarks(block, found.utterances), *pause_notices(block, waiting), *found.notices)
     return replace(found, notices=notices, seconds=perf_counter() - began)
 
 
-def _unhurried(
+def _add_pauses(
     found: Plan, most: Mapping[str, float], context: BlockContext, conditioned: Conditioner
 ) -> tuple[Plan, tuple[SpeechPause, ...]]:
     """A plan with pauses before the words that the body would miss, as long as that makes it better."""
@@ -148,7 +148,7 @@ def _unhurried(
             said = synthesise_block(block, setup, more)
         if more == waiting:
             break
-        better = _planned(context, setup, said, conditioned)
+        better = _plan_once(context, setup, said, conditioned)
         if _worst(better) >= _worst(found):
             break
         found, waiting = better, more
@@ -160,7 +160,7 @@ def _worst(planned: Plan) -> float:
     return max((abs(late) for late, _ in mark_delays(planned.timeline, planned.syncs).values()), default=0.0)
 
 
-def _planned(
+def _plan_once(
     context: BlockContext, setup: Setup, utterances: Mapping[str, Utterance], conditioned: Conditioner
 ) -> Plan:
     """Plans a block with what it says."""

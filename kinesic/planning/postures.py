@@ -93,7 +93,7 @@ def _lean(frame: KeyFrame, robot: Robot) -> Floats:
     targets = {
         side: hand.reach.position
         for side, hand in frame.hands.items()
-        if hand.reach is not None and hand.aim is None and f"{side}_hand" in frame.told
+        if hand.reach is not None and hand.aim is None and f"{side}_hand" in frame.known
     }
     return np.array(lean_torso(robot, targets)) if targets else np.zeros(3)
 
@@ -119,12 +119,12 @@ def _keyed(frame: KeyFrame, robot: Robot, leaning: bool, *, ends: bool) -> list[
     torso = ends or leaning or "torso" in frame.given
     if torso:
         keyed[list(robot.joints("torso"))] = True
-    if ends or "head" in frame.given or (torso and "head" in frame.told):
+    if ends or "head" in frame.given or (torso and "head" in frame.known):
         keyed[list(robot.joints("neck"))] = True
     for side in SIDES:
         hand = frame.hands[side]
         held = hand.reach is not None and (leaning or (torso and hand.aim is not None))
-        if ends or f"{side}_hand" in frame.given or (held and f"{side}_hand" in frame.told):
+        if ends or f"{side}_hand" in frame.given or (held and f"{side}_hand" in frame.known):
             keyed[list(robot.arm(side).joints)] = True
     return [bool(key) for key in keyed]
 

@@ -96,7 +96,7 @@ ALL = Sequences(torso=LEAN, head=NOD, hands=HANDS)
 
 
 def told(frames):
-    return {frame.time: sorted(frame.told) for frame in frames}
+    return {frame.time: sorted(frame.known) for frame in frames}
 
 
 def test_complex_fills_every_part_of_every_frame(robot):

@@ -58,8 +58,8 @@ def _pointing(named: BehaviourElement, reading: DocumentReading) -> Action:
 
 def _head(named: BehaviourElement, reading: DocumentReading) -> Action:
     strokes = read_whole(named, "repetition", reading, default=1, largest=MOST_STROKES)
-    asked = _lexeme(named, "lexeme", "rotation", "type")
-    return Head(_ROTATIONS.get(asked.upper(), asked), strokes, read_number(named, "amount", reading, default=0.5))
+    written = _lexeme(named, "lexeme", "rotation", "type")
+    return Head(_ROTATIONS.get(written.upper(), written), strokes, read_number(named, "amount", reading, default=0.5))
 
 
 def _head_direction(named: BehaviourElement, _: DocumentReading) -> Action:

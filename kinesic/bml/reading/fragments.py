@@ -77,17 +77,17 @@ def _without(element: Element, *names: str) -> Element:
 
 def _gaze(element: Element) -> Element:
     """A gaze stays until another one comes, unless it says when it ends."""
-    told = element.attributes
-    joints = told.get("sbm:joint-range", "").upper().split()
+    written = element.attributes
+    joints = written.get("sbm:joint-range", "").upper().split()
     added: dict[str, str | None] = {}
     if joints:
         added["influence"] = next((influence for joint, influence in _JOINTS.items() if joint in joints), None)
-    if "sbm:target-pos" in told:
-        added["target"] = _turned(told["sbm:target-pos"])
-    if "sbm:time-hint" in told:
-        added["ready"] = f"{told['id']}:start+{told['sbm:time-hint'].strip()}"
+    if "sbm:target-pos" in written:
+        added["target"] = _turned(written["sbm:target-pos"])
+    if "sbm:time-hint" in written:
+        added["ready"] = f"{written['id']}:start+{written['sbm:time-hint'].strip()}"
     bare = _without(element, "sbm:joint-range", "sbm:target-pos", "sbm:time-hint", "sbm:handle")
-    ends = any(name in told for name in ("end", "relax"))
+    ends = any(name in written for name in ("end", "relax"))
     return _with(bare, None if ends else "gazeShift", **added)
 
 
@@ -101,8 +101,8 @@ def _turned(point: str) -> str:
 
 
 def _head(element: Element) -> Element:
-    told = element.attributes
-    return _with(_without(element, "repeats"), repetition=told["repeats"]) if "repeats" in told else element
+    written = element.attributes
+    return _with(_without(element, "repeats"), repetition=written["repeats"]) if "repeats" in written else element
 
 
 def _face(element: Element) -> Element:
@@ -113,16 +113,16 @@ def _face(element: Element) -> Element:
 
 def _gesture(element: Element) -> Element:
     """The lexeme may be a category, whose gesture stands in `type`; a name is one of an animation."""
-    told = dict(element.attributes)
-    lexeme, kind = told.get("lexeme", ""), told.get("type", "")
+    written = dict(element.attributes)
+    lexeme, kind = written.get("lexeme", ""), written.get("type", "")
     added: dict[str, str | None] = {}
     if kind and lexeme.upper() in _CATEGORIES:
         added |= {"lexeme": f"{kind}_{lexeme}", "type": None}
-    elif not lexeme and not kind and "name" in told:
-        added["lexeme"] = _animated(told["name"])
+    elif not lexeme and not kind and "name" in written:
+        added["lexeme"] = _animated(written["name"])
     for hold, point, before in (("prestroke_hold", "strokeStart", "ready"), ("poststroke_hold", "relax", "strokeEnd")):
-        if hold in told and point not in told:
-            added[point] = f"{told['id']}:{before}+{told[hold].strip()}"
+        if hold in written and point not in written:
+            added[point] = f"{written['id']}:{before}+{written[hold].strip()}"
     return _with(_without(element, "prestroke_hold", "poststroke_hold", "name"), **added)
 
 
@@ -133,11 +133,11 @@ def _animated(name: str) -> str:
 
 def _body(element: Element) -> Element:
     """A posture by the name of its animation; it stays, and comes at once where `ready` is not after its start."""
-    told = element.attributes
-    name = told.get("posture", "")
+    written = element.attributes
+    name = written.get("posture", "")
     words = name.rpartition("@")[2] or name
     pose = Element("pose", MappingProxyType({"part": "WHOLEBODY", "lexeme": words}), (), element.place, element.scope)
-    at_once = _seconds(told.get("ready", "")) <= _seconds(told.get("start", ""))
+    at_once = _seconds(written.get("ready", "")) <= _seconds(written.get("start", ""))
     changed = _with(_without(element, "posture", "relax", *(("ready",) if at_once else ())), "postureShift")
     return replace(changed, content=(*element.content, pose))
 
@@ -152,10 +152,10 @@ def _seconds(text: str) -> float:
 
 def _reach(element: Element) -> Element:
     """Pointing is what an arm without fingers does of reaching."""
-    told = element.attributes
-    if told.get("sbm:action", "").strip().lower() != "point-at":
+    written = element.attributes
+    if written.get("sbm:action", "").strip().lower() != "point-at":
         return element
-    hand = {"left": "LEFT_HAND", "right": "RIGHT_HAND"}.get(told.get("sbm:reach-type", "").lower())
+    hand = {"left": "LEFT_HAND", "right": "RIGHT_HAND"}.get(written.get("sbm:reach-type", "").lower())
     return _with(_without(element, "sbm:action", "sbm:reach-type", "sbm:reach-finish"), "pointing", mode=hand)
 
 

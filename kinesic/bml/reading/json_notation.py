@@ -152,8 +152,8 @@ def _block(block: _Object, source: str) -> Element:
         if key in _BEHAVIOURS:
             inside += _behaviours(_many(value), source)
         elif key == "required":
-            asked = [each for each in _many(value) if not _is_constraint(each)]
-            inner = (*_behaviours(asked, source), *_constraints(value, block.place))
+            behaviours = [each for each in _many(value) if not _is_constraint(each)]
+            inner = (*_behaviours(behaviours, source), *_constraints(value, block.place))
             inside.append(Element("required", MappingProxyType({}), inner, block.place, _SCOPE))
         elif key == "constraints":
             if wrong := [each for each in _many(value) if not _is_constraint(each)]:

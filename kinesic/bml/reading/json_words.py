@@ -37,15 +37,15 @@ def _stays(element: Element) -> bool:
 
 
 def _gaze(element: Element) -> Element:
-    told = element.attributes
+    written = element.attributes
     stays = _stays(element) or element.name == "gazeShift"
     found = _changed(element, "gazeShift" if stays else "gaze", "shift")
-    direction = told.get("target", "").upper().replace("_", "")
+    direction = written.get("target", "").upper().replace("_", "")
     if direction not in _DIRECTIONS:
         return found
     if direction == "FRONT":
         return _changed(found, found.name, target=AHEAD)
-    where = {"offsetDirection": direction, "offsetAngle": told.get("offsetAngle", repr(GLANCE))}
+    where = {"offsetDirection": direction, "offsetAngle": written.get("offsetAngle", repr(GLANCE))}
     return _changed(found, found.name, "target", **where)
 
 
@@ -59,22 +59,22 @@ def _head(element: Element) -> Element:
 
 
 def _face(element: Element) -> Element:
-    told = element.attributes
+    written = element.attributes
     kind = "faceShift" if _stays(element) or element.name == "faceShift" else "face"
-    added = {} if "amount" in told else {"amount": "1.0"}
-    if "emotion" in told:
-        added["lexeme"] = told["emotion"]
+    added = {} if "amount" in written else {"amount": "1.0"}
+    if "emotion" in written:
+        added["lexeme"] = written["emotion"]
     return _changed(element, kind, "shift", "emotion", **added)
 
 
 def _gesture(element: Element) -> Element:
-    told = element.attributes
+    written = element.attributes
     found = element
-    if "attackPeak" in told and "stroke" not in told:
-        found = _changed(found, found.name, "attackPeak", stroke=told["attackPeak"])
-    if "bodyMovement" in told and "lexeme" not in told:
-        return _changed(found, "torso", "bodyMovement", "hand", lexeme=told["bodyMovement"])
-    hand = told.get("hand", "").upper()
+    if "attackPeak" in written and "stroke" not in written:
+        found = _changed(found, found.name, "attackPeak", stroke=written["attackPeak"])
+    if "bodyMovement" in written and "lexeme" not in written:
+        return _changed(found, "torso", "bodyMovement", "hand", lexeme=written["bodyMovement"])
+    hand = written.get("hand", "").upper()
     return _changed(found, found.name, hand=_HANDS.get(hand, hand)) if hand else found
 
 

@@ -44,7 +44,7 @@ def read_manner(named: BehaviourElement, action: Action, reading: DocumentReadin
         reading.note(NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED, what, behaviour=named.id)
     manner = _greta(named, reading)
     for name, text, place in said:
-        manner = _told(manner, name, name.rpartition(":")[2], text, place, reading)
+        manner = _set_field(manner, name, name.rpartition(":")[2], text, place, reading)
     return manner
 
 
@@ -61,7 +61,7 @@ def manners_of(bml: Element, reading: DocumentReading) -> dict[Modality, Manner]
         if not modalities:
             raise reading.refuse(place, f"{name} names no modality", suggestion(part, get_args(Modality))[2:])
         for each in modalities:
-            manners[each] = _told(manners.get(each, Manner()), name, parameter, text, place, reading)
+            manners[each] = _set_field(manners.get(each, Manner()), name, parameter, text, place, reading)
     return manners
 
 
@@ -113,7 +113,7 @@ def _said(element: Element) -> Iterator[tuple[str, str, Place]]:
             yield name, text.strip(), element.place
 
 
-def _told(manner: Manner, name: str, parameter: str, text: str, place: Place, reading: DocumentReading) -> Manner:
+def _set_field(manner: Manner, name: str, parameter: str, text: str, place: Place, reading: DocumentReading) -> Manner:
     """The manner with one more of its fields, as a name says that stands in the document."""
     if parameter == "style":
         if text not in names_of("style"):

@@ -159,8 +159,8 @@ class Envelope:
         """(m,) what is held, as a share of what was asked."""
         if power > 0:
             return 1.0 + OVERSHOOT * power * (1.0 - ease("minimum_jerk", (times - self.peak) / SETTLING))
-        held = min(max(self.relax - self.peak, QUICKEST), LONGEST)
-        return 1.0 + FADING * power * ease("minimum_jerk", (times - self.peak) / held) if power else 1.0
+        holding = min(max(self.relax - self.peak, QUICKEST), LONGEST)
+        return 1.0 + FADING * power * ease("minimum_jerk", (times - self.peak) / holding) if power else 1.0
 
 
 def _early(shares: Floats, power: float) -> Floats:

@@ -63,8 +63,8 @@ def face_track(
         Action units that are ever shown.
     """
     spoken = strongest(_mouths(timeline, utterances, times))
-    asked = _opened(strongest(_expressions(timeline, times, styles)), spoken)
-    found = strongest((asked, spoken, strongest(_eyes(times, eyes, _onsets(timeline, utterances)))))
+    expressed = _open_lips(strongest(_expressions(timeline, times, styles)), spoken)
+    found = strongest((expressed, spoken, strongest(_eyes(times, eyes, _onsets(timeline, utterances)))))
     shares = {channel: sealed(np.clip(values, 0.0, 1.0)) for channel, values in found.items()}
     return {channel: values for channel, values in shares.items() if values.max(initial=0.0) >= LEAST}
 
@@ -101,13 +101,13 @@ def outcome(action: Face) -> Outcome:
     return Outcome("dropped" if len(shown.unknown) == len(action.lexemes) else "substituted", why)
 
 
-def _opened(asked: Channels, spoken: Channels) -> Channels:
+def _open_lips(expressed: Channels, spoken: Channels) -> Channels:
     """An expression whose pressed lips give way where speech opens the mouth."""
     opening = [values for channel, values in spoken.items() if channel != SEAL]
     if not opening:
-        return asked
+        return expressed
     shut = 1.0 - np.minimum(np.max(opening, axis=0) / SPEAKING, 1.0)
-    return {channel: values * shut if channel in PRESSED else values for channel, values in asked.items()}
+    return {channel: values * shut if channel in PRESSED else values for channel, values in expressed.items()}
 
 
 @dataclass(frozen=True)
@@ -126,7 +126,7 @@ class _Showing:
 def _expressions(timeline: Timeline, times: Floats, styles: Mapping[str, Style]) -> Iterator[Channels]:
     """Of the behaviours that return, and of those that stay."""
     going, staying = (_showings(timeline, styles, shift=shift) for shift in (False, True))
-    for each in _bridged(going):
+    for each in _bridge(going):
         course = each.at(times) * _flutter(each.shown, times - each.envelope.start)
         yield {channel: intensity * course for channel, intensity in each.shown.units.items()}
     left = np.ones(len(times))
@@ -146,13 +146,13 @@ def _showings(timeline: Timeline, styles: Mapping[str, Style], *, shift: bool) -
     return sorted(found, key=lambda each: each.envelope.start)
 
 
-def _bridged(showings: Sequence[_Showing]) -> list[_Showing]:
+def _bridge(showings: Sequence[_Showing]) -> list[_Showing]:
     """Expressions in order of their starts; a flowing one that the next soon follows lasts until that has come."""
     found = list(showings)
-    for k, (one, other) in enumerate(pairwise(showings)):
-        gap = other.envelope.start - one.envelope.end
-        if one.manner.fluidity > 0 and 0.0 <= gap <= BRIDGED * one.manner.fluidity:
-            found[k] = replace(one, envelope=replace(one.envelope, end=other.envelope.peak))
+    for k, (showing, other) in enumerate(pairwise(showings)):
+        gap = other.envelope.start - showing.envelope.end
+        if showing.manner.fluidity > 0 and 0.0 <= gap <= BRIDGED * showing.manner.fluidity:
+            found[k] = replace(showing, envelope=replace(showing.envelope, end=other.envelope.peak))
     return found
 
 
@@ -163,17 +163,17 @@ def _flutter(shown: Expression, since: Floats) -> Floats | float:
 
 def _mouths(timeline: Timeline, utterances: Mapping[str, Utterance], times: Floats) -> Iterator[Channels]:
     for timed in timeline.timed:
-        utterance = _said(timed, utterances)
+        utterance = _utterance_of(timed, utterances)
         if utterance is not None:
             yield visemes(utterance.phonemes, times, start=timed.times["start"])
 
 
 def _onsets(timeline: Timeline, utterances: Mapping[str, Utterance]) -> list[float]:
     """[s] a little before each speech."""
-    return [timed.times["start"] - BEFORE for timed in timeline.timed if _said(timed, utterances)]
+    return [timed.times["start"] - BEFORE for timed in timeline.timed if _utterance_of(timed, utterances)]
 
 
-def _said(timed: TimedBehaviour, utterances: Mapping[str, Utterance]) -> Utterance | None:
+def _utterance_of(timed: TimedBehaviour, utterances: Mapping[str, Utterance]) -> Utterance | None:
     return utterances.get(timed.behaviour.id) if isinstance(timed.behaviour.action, Speech) else None
 
 

@@ -111,8 +111,8 @@ class _Hands:
         for side in sorted(option.hands):
             before = max(self.works[side], key=lambda work: work.at("strokeEnd"), default=None)
             if before and not (before.stroke.rest or stroke.rest):
-                later, sooner = self._apart(before, stroke, option, side)
-                self._replace(before, self._gone_on(sooner, later))
+                later, sooner = self._move_apart(before, stroke, option, side)
+                self._replace(before, self._lead_over(sooner, later))
                 self._note(stroke, later)
                 stroke = later
         work = do_stroke(stroke, option, self.pace)
@@ -144,15 +144,15 @@ class _Hands:
         for option in options:
             if not self._clashes(stroke, option):
                 if option is not stroke.options[0]:
-                    self._tell_moved(stroke, option)
+                    self._note_moved(stroke, option)
                 self._take(stroke, option)
                 return True
         return False
 
-    def _tell_moved(self, stroke: Stroke, option: Poses) -> None:
+    def _note_moved(self, stroke: Stroke, option: Poses) -> None:
         sides = sorted(option.hands)
         if len(sides) < len(stroke.options[0].hands):
-            self.outcomes[stroke.id] = _alone(sides[0], self._why(stroke))
+            self.outcomes[stroke.id] = _one_hand_outcome(sides[0], self._why(stroke))
             return
         hand = " and ".join(_NAMES[side] for side in sides)
         self.outcomes[stroke.id] = Outcome("substituted", f"moved to the {hand} hand: {self._why(stroke)}")
@@ -164,11 +164,11 @@ class _Hands:
             for side, works in self._clashes(stroke, option).items():
                 for work in works:
                     shorter = earlier.get(id(work), (work, work))[1]
-                    later, shorter = self._apart(shorter, later, option, side)
+                    later, shorter = self._move_apart(shorter, later, option, side)
                     earlier[id(work)] = work, shorter
             if not any(_overlap(shorter, later) for _, shorter in earlier.values()):
                 if option is not stroke.options[0] and self._engagements(stroke, stroke.options[0]):
-                    self._tell_moved(stroke, option)
+                    self._note_moved(stroke, option)
                 for work, shorter in earlier.values():
                     self._replace(work, shorter)
                 self._note(stroke, later)
@@ -176,7 +176,7 @@ class _Hands:
                 return True
         return False
 
-    def _apart(self, work: HandStroke, stroke: Stroke, option: Poses, side: Side) -> tuple[Stroke, HandStroke]:
+    def _move_apart(self, work: HandStroke, stroke: Stroke, option: Poses, side: Side) -> tuple[Stroke, HandStroke]:
         """A stroke that begins later, after a work that ends sooner, each by its part of what the way lacks."""
         ends, begins = work.at("strokeEnd"), stroke.times["strokeStart"]
         soonest, latest = self._soonest_end(work), self._latest_start(stroke, option)
@@ -186,11 +186,11 @@ class _Hands:
             return stroke, work
         spare = (ends - soonest) + (latest - begins)
         part = min(1.0, missing / spare) if spare > 0 else 0.0
-        sooner = replace(work.stroke, times=_cut(work.stroke.times, ends - part * (ends - soonest)))
+        sooner = replace(work.stroke, times=_cut_short(work.stroke.times, ends - part * (ends - soonest)))
         later = dict(stroke.times) | {"strokeStart": begins + part * (latest - begins)}
         return replace(stroke, times=later), do_stroke(sooner, work.poses, self.pace)
 
-    def _gone_on(self, work: HandStroke, stroke: Stroke) -> HandStroke:
+    def _lead_over(self, work: HandStroke, stroke: Stroke) -> HandStroke:
         """A work whose hold and retraction become the preparation of the next stroke, where the document allows."""
         times = work.stroke.times
         limits = {"relax": max(stroke.times["start"], times["strokeEnd"]), "end": stroke.times["strokeStart"]}
@@ -227,7 +227,7 @@ class _Hands:
             free = [side for side in option.hands if side not in clashes]
             if free:
                 self._take(stroke, option.only(free[0]))
-                self.outcomes[stroke.id] = _alone(free[0], self._why(stroke))
+                self.outcomes[stroke.id] = _one_hand_outcome(free[0], self._why(stroke))
                 return True
             works = [work for found in clashes.values() for work in found]
             if len(option.hands) == 1 and all(self._leaves(work) for work in works):
@@ -237,7 +237,7 @@ class _Hands:
                     one = do_stroke(work.stroke, work.poses.only(_OTHER[side]), self.pace)
                     self._replace(work, one)
                     why = f"the {_NAMES[side]} hand does {stroke.id} from {stroke.times['strokeStart']:.2f} s on"
-                    self.outcomes[work.id] = _alone(_OTHER[side], why)
+                    self.outcomes[work.id] = _one_hand_outcome(_OTHER[side], why)
                 self._take(stroke, option)
                 return True
         return False
@@ -265,12 +265,12 @@ class _Hands:
         clashes = self._clashes(stroke, usual)
         if clashes:
             side, works = next(iter(clashes.items()))
-            busy = f"the stroke of {works[-1].id} until {works[-1].at('strokeEnd'):.2f} s"
+            need = f"the stroke of {works[-1].id} until {works[-1].at('strokeEnd'):.2f} s"
         else:
             other = self._engagements(stroke, usual)[0]
             side, way = other.side, self._way(usual, other.side)
-            busy = f"{other.by} until {other.end:.2f} s, and needs {way:.2f} s to come"
-        return f"its stroke begins at {stroke.times['strokeStart']:.2f} s, the {_NAMES[side]} hand is busy with {busy}"
+            need = f"{other.by} until {other.end:.2f} s, and needs {way:.2f} s to come"
+        return f"its stroke begins at {stroke.times['strokeStart']:.2f} s, the {_NAMES[side]} hand is busy with {need}"
 
 
 def _overlap(work: HandStroke, stroke: Stroke) -> bool:
@@ -281,7 +281,7 @@ def _overlap(work: HandStroke, stroke: Stroke) -> bool:
     )
 
 
-def _cut(times: Mapping[str, float], end: float) -> dict[str, float]:
+def _cut_short(times: Mapping[str, float], end: float) -> dict[str, float]:
     """Sync points of a stroke that is over sooner."""
     return {
         sync: min(time, end) if sync == "strokeEnd" or sync.startswith("stroke:") else time
@@ -289,5 +289,5 @@ def _cut(times: Mapping[str, float], end: float) -> dict[str, float]:
     }
 
 
-def _alone(side: Side, why: str) -> Outcome:
+def _one_hand_outcome(side: Side, why: str) -> Outcome:
     return Outcome("substituted", f"done by the {_NAMES[side]} hand alone: {why}")

@@ -50,41 +50,41 @@ def arrange_hands(
     for side in SIDES:
         for work in given.works[side]:
             sides[work.id] = sides.get(work.id, frozenset()) | {side}
-    hands = {side: _joined(given.works[side], side, rest[side], pace) for side in SIDES}
+    hands = {side: _join_strokes(given.works[side], side, rest[side], pace) for side in SIDES}
     works = {id(work): work for side in SIDES for work in given.works[side]}
     in_order = tuple(sorted(works.values(), key=lambda work: work.at("strokeStart")))
     return Arranged(hands, given.outcomes, sides, given.remarks, given.times, in_order)
 
 
-def _joined(row: Sequence[HandStroke], side: Side, rest: Reach, pace: Pace) -> tuple[HandKey, ...]:
+def _join_strokes(row: Sequence[HandStroke], side: Side, rest: Reach, pace: Pace) -> tuple[HandKey, ...]:
     """Keys of one hand: each gesture goes back to the rest pose, unless a neighbour follows."""
     keys: list[HandKey] = []
     pose = REST  # what the hand rests in
-    held: HandStroke | None = None  # the gesture that has not gone back yet
+    holding: HandStroke | None = None  # the gesture that has not gone back yet
     for k, work in enumerate(row):
         hands = work.poses.hands[side]
-        if work.stroke.rest and _crowded(work, keys, row[k + 1 :]):
+        if work.stroke.rest and _lacks_time(work, keys, row[k + 1 :]):
             pose = hands[-1]
             continue
         own = stroke_keys(work, side, pace)
-        if held and work.at("start") >= held.at("end") + NEIGHBOUR:
-            back = _released(keys, held, pose, rest, work.at("start"), pace)
+        if holding and work.at("start") >= holding.at("end") + NEIGHBOUR:
+            back = _go_back(keys, holding, pose, rest, work.at("start"), pace)
             if back[-1].time + MERGE <= own[0].time:  # else there is no time to pass through rest
-                keys, held = back, None
-        keys = _approached(keys, held, work, own, rest, pace)
-        held = None if work.stroke.rest else work
+                keys, holding = back, None
+        keys = _approach(keys, holding, work, own, rest, pace)
+        holding = None if work.stroke.rest else work
         pose = hands[-1] if work.stroke.rest else pose
-    return tuple(_released(keys, held, pose, rest, inf, pace) if held else keys)
+    return tuple(_go_back(keys, holding, pose, rest, inf, pace) if holding else keys)
 
 
-def _crowded(work: HandStroke, keys: Sequence[HandKey], following: Sequence[HandStroke]) -> bool:
+def _lacks_time(work: HandStroke, keys: Sequence[HandKey], following: Sequence[HandStroke]) -> bool:
     """Whether the hand has no time to take a rest pose: it does so when it goes back from its gesture."""
     late = bool(keys) and work.at("stroke") < keys[-1].time + MERGE
     return late or any(other.at("strokeStart") < work.at("strokeEnd") + MERGE for other in following[:1])
 
 
-def _approached(
-    keys: list[HandKey], held: HandStroke | None, work: HandStroke, own: Sequence[HandKey], rest: Reach, pace: Pace
+def _approach(
+    keys: list[HandKey], holding: HandStroke | None, work: HandStroke, own: Sequence[HandKey], rest: Reach, pace: Pace
 ) -> list[HandKey]:
     """The keys so far, the departure towards a gesture, and the gesture's own keys.
 
@@ -95,25 +95,25 @@ def _approached(
     way = _way(hand, own[0].hand, rest, pace, work.stroke.manner)
     if len(own) > 1 and own[1].hand is own[0].hand and own[0].time < free + way:
         own = own[1:]  # no time to wait at the beginning of the stroke
-    if held:
-        leave = min(max(held.at("relax"), work.at("start")), own[0].time - way)
+    if holding:
+        leave = min(max(holding.at("relax"), work.at("start")), own[0].time - way)
     else:
         leave = departure_time(work.at("start"), own[0].time, way)
     leave = max(leave, free)
-    holding = passage_of(held.stroke.manner, "hold") if held else PLAIN
-    hold = [HandKey(leave, hand, holding)] if leave - free >= MERGE else []
+    passage = passage_of(holding.stroke.manner, "hold") if holding else PLAIN
+    hold = [HandKey(leave, hand, passage)] if leave - free >= MERGE else []
     return [*keys, *hold, *(key for key in own if key.time >= leave + MERGE)]
 
 
-def _released(
-    keys: list[HandKey], held: HandStroke, pose: Hand, rest: Reach, latest: float, pace: Pace
+def _go_back(
+    keys: list[HandKey], holding: HandStroke, pose: Hand, rest: Reach, latest: float, pace: Pace
 ) -> list[HandKey]:
     """The keys so far and the way back to the rest pose, which ends before the latest time [s]."""
     last = keys[-1]
-    leave = max(held.at("relax"), last.time)
-    manner = held.stroke.manner
+    leave = max(holding.at("relax"), last.time)
+    manner = holding.stroke.manner
     hold = [HandKey(leave, last.hand, passage_of(manner, "hold"))] if leave - last.time >= MERGE else []
-    back = arrival(leave, held.at("end"), _way(last.hand, pose, rest, pace, manner))
+    back = arrival(leave, holding.at("end"), _way(last.hand, pose, rest, pace, manner))
     return [*keys, *hold, HandKey(min(back, latest), pose, passage_of(manner, "retraction"))]
 
 

@@ -99,11 +99,11 @@ def poses(form: GestureForm, robot: Robot, manner: Expressivity) -> Poses:
     Returns:
         For each side that takes part, at least two keys; the middle one of each time is a stroke.
     """
-    once, written = _repeated(form.keys)
+    once, written = _find_repetition(form.keys)
     more = round(2 * manner.repetition) if manner.repetition > 0 else -round(-manner.repetition)
     times = 1 if form.rest else max(1, written + more)
     keys = [widen_key(key, manner.spatial, robot) for key in form.keys[:once]]
-    hands = {side: _carried(keys, side, robot, manner) for side in form.sides}
+    hands = {side: _hands_of(keys, side, robot, manner) for side in form.sides}
     paths = {side: _paths(form.keys[:once], row, side, robot, manner) for side, row in hands.items()}
     if once == 1:
         hands = {side: (withdrawn(hand, robot, side), hand) for side, (hand,) in hands.items()}
@@ -183,8 +183,8 @@ def between(a: Hand, b: Hand, share: float, rest: Reach) -> Hand:
     return Hand(
         Reach(
             position=sealed(start.position + share * (end.position - start.position)),
-            pointing=_turned(start.pointing, end.pointing, share, reach.pointing),
-            palm=_turned(start.palm, end.palm, share, reach.palm),
+            pointing=_turn_between(start.pointing, end.pointing, share, reach.pointing),
+            palm=_turn_between(start.palm, end.palm, share, reach.palm),
         ),
         nearest.aim,
         a.touch if a.touch == b.touch else None,
@@ -193,7 +193,7 @@ def between(a: Hand, b: Hand, share: float, rest: Reach) -> Hand:
     )
 
 
-def _repeated(keys: Sequence[StrokeKey]) -> tuple[int, int]:
+def _find_repetition(keys: Sequence[StrokeKey]) -> tuple[int, int]:
     """How many keys make a form that is then repeated to the end, and how often it is written."""
     for once in range(2, len(keys) // 2 + 1):
         times, left = divmod(len(keys), once)
@@ -233,7 +233,7 @@ def _paths(
         if pose is None or pose.path is None or start is None or end is None:
             found.append(None)
             continue
-        grown = [_spread(pose, pose.path, side, robot, share * manner.spatial) for share in _GROWN]
+        grown = [_spread_path(pose, pose.path, side, robot, share * manner.spatial) for share in _GROWN]
         farthest = [
             float(np.linalg.norm(p.at(start.position, end.position, _ALONG) - centre, axis=1).max()) for p in grown
         ]
@@ -241,13 +241,13 @@ def _paths(
     return tuple(found)
 
 
-def _spread(pose: HandPose, path: HandPath, side: Side, robot: Robot, spatial: float) -> HandPath:
+def _spread_path(pose: HandPose, path: HandPath, side: Side, robot: Robot, spatial: float) -> HandPath:
     """A path under spatial extent, in the world."""
     amplitude = robot.arm_length * direction_in_world(side, extend_position(path.amplitude, spatial, pose.fixed))
     return path.mapped(amplitude, lambda point: to_world(robot, side, extend_position(point, spatial, pose.fixed)))
 
 
-def _carried(keys: list[StrokeKey], side: Side, robot: Robot, manner: Expressivity) -> tuple[Hand, ...]:
+def _hands_of(keys: list[StrokeKey], side: Side, robot: Robot, manner: Expressivity) -> tuple[Hand, ...]:
     """One side of all keys; a key without it repeats the hand before."""
     hands, hand = [], REST
     for key in keys:
@@ -271,7 +271,7 @@ def _in_world(pose: HandPose, side: Side, robot: Robot, manner: Expressivity) ->
     )
 
 
-def _turned(a: Floats | None, b: Floats | None, share: float, nearest: Floats | None) -> Floats | None:
+def _turn_between(a: Floats | None, b: Floats | None, share: float, nearest: Floats | None) -> Floats | None:
     """Direction on the great circle from one to another; the nearest where one is missing or they are opposite."""
     if a is None or b is None:
         return nearest

@@ -68,14 +68,14 @@ class HandStroke:
 
 def do_stroke(stroke: Stroke, option: Poses, pace: Pace) -> HandStroke:
     """A stroke done with one of its options, as often and with as many turns as there is time for."""
-    chosen = _fitting(option, stroke.times, pace)
+    chosen = _drop_repetitions(option, stroke.times, pace)
     remarks = []
     if chosen.times < option.times:
         room = stroke.times["strokeEnd"] - stroke.times["stroke"]
         remarks.append(f"its stroke is done {_count(chosen.times)}, not {option.times}: {room:.2f} s follow the first")
-    moments_ = stroke_key_times(chosen, stroke.times, pace)
-    slowed, slower = _slowed(chosen, moments_, pace)
-    return HandStroke(stroke, slowed, moments_, (*remarks, *slower))
+    moments = stroke_key_times(chosen, stroke.times, pace)
+    slowed, slower = _slow_paths(chosen, moments, pace)
+    return HandStroke(stroke, slowed, moments, (*remarks, *slower))
 
 
 def natural_times(poses: Poses, pace: Pace, manner: Expressivity = NEUTRAL) -> tuple[float, ...]:
@@ -125,7 +125,7 @@ def stroke_keys(work: HandStroke, side: Side, pace: Pace) -> list[HandKey]:
     hands, moments = work.poses.hands[side], work.moments
     manner = work.stroke.manner
     arriving, stroking = passage_of(manner, "preparation"), passage_of(manner, "stroke")
-    kept = _kept(moments, max(k for k, time in enumerate(moments) if time == work.at("stroke")))
+    kept = _keys_apart(moments, max(k for k, time in enumerate(moments) if time == work.at("stroke")))
     poses = [HandKey(moments[k], hands[k], stroking if k else arriving) for k in kept]
     keys = poses[:1]
     for k, (a, b) in enumerate(pairwise(kept), 1):
@@ -162,7 +162,7 @@ def least_stroke_times(poses: Poses, pace: Pace) -> tuple[float, ...]:
     return tuple(max(way.swings * way.least(pace) for way in ways) for ways in _ways(poses, pace))
 
 
-def _fitting(poses: Poses, times: Mapping[str, float], pace: Pace) -> Poses:
+def _drop_repetitions(poses: Poses, times: Mapping[str, float], pace: Pace) -> Poses:
     """Without the repetitions for which there is no time between `stroke` and `strokeEnd`."""
     room = times["strokeEnd"] - times["stroke"]
     while poses.again and sum(least_stroke_times(poses, pace)[poses.stroke :]) > room + 1e-9:
@@ -170,7 +170,7 @@ def _fitting(poses: Poses, times: Mapping[str, float], pace: Pace) -> Poses:
     return poses
 
 
-def _slowed(poses: Poses, moments: Sequence[float], pace: Pace) -> tuple[Poses, tuple[str, ...]]:
+def _slow_paths(poses: Poses, moments: Sequence[float], pace: Pace) -> tuple[Poses, tuple[str, ...]]:
     """With paths that turn no oftener than the servos can in the time of their way, and what that changes."""
     paths, remarks = dict(poses.paths), []
     for side, row in poses.paths.items():
@@ -197,7 +197,7 @@ def _spread(start: float, end: float, natural: Sequence[float]) -> tuple[float, 
     return (*(start + float(share) * (end - start) for share in shares[:-1]), end)
 
 
-def _kept(moments: Sequence[float], stroke: int) -> list[int]:
+def _keys_apart(moments: Sequence[float], stroke: int) -> list[int]:
     """Keys that are far enough apart in time."""
     kept: list[int] = []
     for k, time in enumerate(moments):

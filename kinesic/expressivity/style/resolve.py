@@ -23,27 +23,29 @@ def fold_activation(manner: Expressivity) -> Expressivity:
     between. It is monotone, stays inside the ranges, and is the identity at 0.
 
     Args:
-        manner: as told.
+        manner: as resolved.
     """
-    changes = {name: _towards(getattr(manner, name), name, manner.activation * share) for name, share in SHARES.items()}
+    changes = {
+        name: _go_towards(getattr(manner, name), name, manner.activation * share) for name, share in SHARES.items()
+    }
     return replace(manner, activation=0.0, **changes)
 
 
-def _towards(value: float, name: str, share: float) -> float:
+def _go_towards(value: float, name: str, share: float) -> float:
     """A share of the way to the upper end of a parameter's range; below 0 to the lower end."""
     least, most = RANGES[name]
     return value + share * (most - value) if share > 0 else value - share * (least - value)
 
 
 @dataclass(frozen=True)
-class Told:
+class ResolvedNumbers:
     """The numbers of one modality as they were told, and by whom."""
 
     expressivity: Expressivity
     sources: Mapping[str, Source]  # parameter -> who said it
 
 
-def resolve_numbers(style: Style, modality: Modality, block: Block, behaviour: Behaviour) -> Told:
+def resolve_numbers(style: Style, modality: Modality, block: Block, behaviour: Behaviour) -> ResolvedNumbers:
     """The numbers of a behaviour, each from the last source that says it.
 
     A preset that a document names is complete: it takes the place of everything before it.
@@ -72,7 +74,7 @@ def resolve_numbers(style: Style, modality: Modality, block: Block, behaviour: B
         if setting.concerns(modality):
             numbers[setting.parameter] = setting.value
             sources[setting.parameter] = "setting"
-    return Told(Expressivity(**numbers), sources)
+    return ResolvedNumbers(Expressivity(**numbers), sources)
 
 
 def resolve_styles(style: Style, block: Block) -> Mapping[str, Style]:

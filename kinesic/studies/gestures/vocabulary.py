@@ -41,7 +41,7 @@ def vocabulary(lexicon: Lexicon, pace: Pace) -> list[VocabularyEntry]:
 
 
 def _entry(form: GestureForm, sense: Sense, pace: Pace) -> VocabularyEntry:
-    natural = stroke_spans(poses(form, pace.robot, NEUTRAL), pace, NEUTRAL, held=not form.rest)
+    natural = stroke_spans(poses(form, pace.robot, NEUTRAL), pace, NEUTRAL, holds=not form.rest)
     shapes = [pose.shape for key in form.keys for pose in key.hands.values() if pose.shape]
     return VocabularyEntry(
         id=form.id,
