@@ -30,7 +30,7 @@ Pixels = NDArray[np.uint8]  # (height, width, 3) sRGB, first row on top
 
 
 @dataclass(frozen=True, eq=False)
-class Head:
+class DrawnHead:
     """Whose face is drawn."""
 
     mesh: Mesh
@@ -41,7 +41,9 @@ class Head:
 class Pipeline:
     """Draws a head that shows action units, in one OpenGL context."""
 
-    def __init__(self, context: moderngl.Context, head: Head, *, preset: Preset, size: Size, lights: Lights) -> None:
+    def __init__(
+        self, context: moderngl.Context, head: DrawnHead, *, preset: Preset, size: Size, lights: Lights
+    ) -> None:
         mesh, complexion = head.mesh, head.complexion
         drawn = (size[0] * preset.samples, size[1] * preset.samples)
         self._preset, self._drawn, self._lights, self._complexion = preset, drawn, lights, complexion

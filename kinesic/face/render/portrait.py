@@ -64,9 +64,9 @@ class Portrait:
         self.preset, self.size = preset, size
         with ExitStack() as opened:
             own = opened.enter_context(offscreen()) if context is None else context
-            from kinesic.face.render.pipeline import Head, Pipeline  # noqa: PLC0415 - needs the optional library, which is there now
+            from kinesic.face.render.pipeline import DrawnHead, Pipeline  # noqa: PLC0415 - needs the optional library, which is there now
 
-            head = Head(self.mesh, _mesh(CHART, preset.subdivided), COMPLEXIONS[variant])
+            head = DrawnHead(self.mesh, _mesh(CHART, preset.subdivided), COMPLEXIONS[variant])
             self.pipeline = Pipeline(own, head, preset=preset, size=size, lights=lights)
             self._current = own if context is None else nullcontext()  # another portrait may have its own
             self._opened = opened.pop_all()

@@ -12,16 +12,15 @@ from kinesic.controller.arrival import part_paths
 from kinesic.controller.performance import Performance
 from kinesic.report.plots.svg import (
     ASKED,
-    FAINT,
+    DASHES,
     GRID,
-    INK,
     PERFORMED,
     PLANNED,
     WIDTH,
     empty_figure,
     plain,
     svg,
-    write_text,
+    write_heading,
 )
 
 if TYPE_CHECKING:
@@ -82,14 +81,13 @@ def _frame(axes: "Axes", view: View, low: Floats, high: Floats) -> None:
     span = (low[view.across], high[view.across])
     axes.set_xlim(*(span[::-1] if view.mirrored else span))
     axes.set_ylim(low[2], high[2])
-    write_text(axes, 0.0, 1.02, view.title, colour=INK)
-    write_text(axes, 1.0, 1.02, f"{'xyz'[view.across]}, z [m]", colour=FAINT, align="right")
+    write_heading(axes, view.title, f"{'xyz'[view.across]}, z [m]", height=1.02)
 
 
 def _path(axes: "Axes", view: View, planned: Floats, performed: Floats, keys: Floats) -> None:
     planned, performed = (path[:: len(path) // MOST_POINTS + 1] for path in (planned, performed))
     axes.plot(planned[:, view.across], planned[:, 2], color=PLANNED, linewidth=1.2)
-    axes.plot(performed[:, view.across], performed[:, 2], color=PERFORMED, linewidth=1.0, linestyle=(0, (4, 2)))
+    axes.plot(performed[:, view.across], performed[:, 2], color=PERFORMED, linewidth=1.0, linestyle=DASHES)
     axes.scatter(keys[:, view.across], keys[:, 2], s=8, facecolor=ASKED, edgecolor=PLANNED, linewidth=0.8, zorder=3)
 
 

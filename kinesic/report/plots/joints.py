@@ -13,6 +13,7 @@ from kinesic.controller.performance import Performance
 from kinesic.planning.syncs import SyncTime
 from kinesic.report.plots.svg import (
     ASKED,
+    DASHES,
     FAINT,
     GRID,
     INK,
@@ -26,6 +27,7 @@ from kinesic.report.plots.svg import (
     svg,
     thin_line,
     time_axes,
+    write_heading,
     write_text,
 )
 
@@ -114,7 +116,7 @@ def _panel(
     times, robot = performance.measured.times, performance.plan.setup.robot
     time_axes(axes, end=float(times[-1]))
     _mark(axes, performance, syncs)
-    styles = ((ASKED, 2.6, "-"), (PLANNED, 1.2, "-"), (PERFORMED, 1.0, (0, (4, 2))))
+    styles = ((ASKED, 2.6, "-"), (PLANNED, 1.2, "-"), (PERFORMED, 1.0, DASHES))
     for curve, (colour, width, dashes) in zip(curves, styles, strict=True):
         axes.plot(*thin_line(times, curve[:, joint]), color=colour, linewidth=width, linestyle=dashes)
     low, high = min(c[:, joint].min() for c in curves), max(c[:, joint].max() for c in curves)
@@ -122,9 +124,8 @@ def _panel(
     axes.set_ylim(low - room, high + room)
     _shade(axes, robot, joint)
     hinge = robot.skeleton.hinges[joint]
-    write_text(axes, 0.0, 1.06, hinge.name)
     span = f"range {np.degrees(hinge.lower):.0f}\u2026{np.degrees(hinge.upper):.0f}\u00b0"
-    write_text(axes, 1.0, 1.06, span, colour=FAINT, align="right")
+    write_heading(axes, hinge.name, span, height=1.06)
 
 
 def _shade(axes: "Axes", robot: Robot, joint: int) -> None:
@@ -161,4 +162,4 @@ def _label(axes: "Axes", performance: Performance, syncs: list[SyncTime], width:
     per_second = width / float(performance.measured.times[-1])
     for k in spaced_indices([sync.planned for sync in strokes], LABEL / per_second):
         label = fit_text(strokes[k].behaviour, LABEL)
-        write_text(axes, zero + strokes[k].planned, 1.3, label, colour=FAINT, place="time", align="center")
+        write_text(axes, (zero + strokes[k].planned, 1.3), label, colour=FAINT, place="time", align="center")

@@ -9,8 +9,8 @@ from kinesic.body.arrays import Floats
 from kinesic.controller.performance import Performance
 from kinesic.report.plots.svg import (
     ASKED,
+    DASHES,
     FAINT,
-    INK,
     LIMIT,
     OUTSIDE,
     PERFORMED,
@@ -21,6 +21,7 @@ from kinesic.report.plots.svg import (
     svg,
     thin_line,
     time_axes,
+    write_heading,
     write_text,
 )
 
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 
 PANEL, TOP, BOTTOM = 1.35, 0.0, 0.3  # [in]
 LEFT, RIGHT = 0.45, 0.1  # [in]
+HEADING = 1.05  # share of a panel's height
 
 
 def margins(performance: Performance) -> Markup:
@@ -52,7 +54,7 @@ def _clearance(axes: "Axes", performance: Performance) -> None:
     least = 1000 * plan.setup.robot.least_clearance
     curves = (
         (plan.clearance_times, plan.clearance, PLANNED, "-"),
-        (measured.times, measured.clearance, PERFORMED, (0, (4, 2))),
+        (measured.times, measured.clearance, PERFORMED, DASHES),
     )
     for times, clearance, colour, dashes in curves:
         axes.plot(*thin_line(times, 1000 * clearance.distances), color=colour, linewidth=1.2, linestyle=dashes)
@@ -62,7 +64,9 @@ def _clearance(axes: "Axes", performance: Performance) -> None:
     axes.axhline(least, color=LIMIT, linewidth=0.8)
     worst = measured.clearance.worst
     a, b = measured.clearance.pairs[worst]
-    _title(axes, "distance to the body [mm]", f"nearest: {a} and {b} at {measured.times[worst]:.2f} s")
+    write_heading(
+        axes, "distance to the body [mm]", f"nearest: {a} and {b} at {measured.times[worst]:.2f} s", height=HEADING
+    )
 
 
 def _shares(axes: "Axes", performance: Performance) -> None:
@@ -81,9 +85,9 @@ def _shares(axes: "Axes", performance: Performance) -> None:
     axes.set_ylim(0.0, top)
     axes.axhline(1.0, color=LIMIT, linewidth=0.8)
     axes.axhspan(1.0, top, color=OUTSIDE, linewidth=0)
-    _title(axes, "share of limit, worst hinge", "")
+    write_heading(axes, "share of limit, worst hinge", "", height=HEADING)
     for k, (name, share, colour) in enumerate(shares):
-        write_text(axes, 1.0 - 0.21 * (3 - k), 1.05, _peak(name, share, performance), colour=colour, align="right")
+        write_text(axes, (1.0 - 0.21 * (3 - k), HEADING), _peak(name, share, performance), colour=colour, align="right")
 
 
 def _tracking(axes: "Axes", performance: Performance) -> None:
@@ -94,14 +98,9 @@ def _tracking(axes: "Axes", performance: Performance) -> None:
         axes.plot(*thin_line(performance.measured.times, errors.max(axis=1)), color=colour, linewidth=1.1)
     axes.set_ylim(0.0, None)
     title = "tracking error of the twin, worst hinge [deg]; grey: with hinges that hardly move"
-    _title(axes, title, _peak("while moving", counted, performance))
+    write_heading(axes, title, _peak("while moving", counted, performance), height=HEADING)
 
 
 def _peak(name: str, values: Floats, performance: Performance) -> str:
     hinge = performance.plan.setup.robot.skeleton.names[int(values.max(axis=0).argmax())]
     return f"{name}: {values.max():.2f}, {hinge}"
-
-
-def _title(axes: "Axes", what: str, note: str) -> None:
-    write_text(axes, 0.0, 1.05, what, colour=INK)
-    write_text(axes, 1.0, 1.05, note, colour=FAINT, align="right")

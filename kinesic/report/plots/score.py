@@ -76,13 +76,13 @@ def score(performance: Performance) -> Markup | None:
     axes.set_yticks([])
     pieces = tuple(captions(performance.plan))
     for row, behaviour in enumerate(rows):
-        write_text(axes, -0.008 * end, row + 0.7, fit_text(behaviour.id, LEFT), place="data", align="right")
+        write_text(axes, (-0.008 * end, row + 0.7), fit_text(behaviour.id, LEFT), place="data", align="right")
         if isinstance(behaviour.action, Speech):
             _words(axes, row, (said for said in pieces if said.behaviour == behaviour.id), width / end)
         else:
             _phases(axes, row, behaviour.id, performance)
     if len(behaviours) > ROWS:
-        write_text(axes, 0.0, ROWS + 0.7, f"and {len(behaviours) - ROWS} more behaviours", colour=FAINT, place="data")
+        write_text(axes, (0.0, ROWS + 0.7), f"and {len(behaviours) - ROWS} more behaviours", colour=FAINT, place="data")
     return svg(drawn)
 
 
@@ -114,4 +114,4 @@ def _words(axes: "Axes", row: int, pieces: Iterable[Said], per_second: float) ->
         )
         axes.vlines(said.begin, row + 0.1, row + 0.9, colors=SPEECH, linewidth=1.0)
         words = fit_text(said.text, (said.end - said.begin) * per_second - 0.06)
-        write_text(axes, said.begin + 0.03 / per_second, row + 0.7, words, place="data")
+        write_text(axes, (said.begin + 0.03 / per_second, row + 0.7), words, place="data")

@@ -4,7 +4,7 @@ import io
 import re
 import warnings
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from markupsafe import Markup
@@ -41,6 +41,7 @@ WIDTH = 11.0  # [in] of every figure; the page scales it
 SMALL = 7.5  # [pt]
 POINTS = 1000  # of one line; more cannot be seen
 _LETTER = 0.55 * SMALL / 72  # [in] mean width
+DASHES = (0, (4, 2))  # of lines that show what was performed
 BINS = 150
 TALLEST = 1.25  # duty at the top
 HEIGHT = 24
@@ -95,22 +96,33 @@ def plain(axes: "Axes", *, ticks: int = 3) -> None:
 
 
 def write_text(
-    axes: "Axes", x: float, y: float, words: str, *, colour: str = INK, place: str = "axes", align: str = "left"
+    axes: "Axes",
+    at: tuple[float, float],
+    words: str,
+    *,
+    colour: str = INK,
+    place: Literal["axes", "time", "data"] = "axes",
+    align: Literal["left", "center", "right"] = "left",
 ) -> None:
     """Writes a text as it stands, without mathematics.
 
     Args:
         axes: where.
-        x: of the text's side that `align` names.
-        y: of its base line.
+        at: the text's side that `align` names, and its base line.
         words: may come from strangers.
         colour: of the text.
-        place: "axes": x and y are shares of the axes; "time": x is a time; "data": both are data.
-        align: left, center or right.
+        place: "axes": both of `at` are shares of the axes; "time": the first is a time; "data": both are data.
+        align: which side of the text lies there.
     """
     transform = {"axes": axes.transAxes, "time": axes.get_xaxis_transform(), "data": axes.transData}[place]
     printable = "".join(letter if letter.isprintable() else " " for letter in words)
-    axes.text(x, y, printable, fontsize=SMALL, color=colour, ha=align, transform=transform, parse_math=False)
+    axes.text(*at, printable, fontsize=SMALL, color=colour, ha=align, transform=transform, parse_math=False)
+
+
+def write_heading(axes: "Axes", what: str, note: str, *, height: float) -> None:
+    """Writes what is shown above the left end of axes, and a note above the right end, at a share of their height."""
+    write_text(axes, (0.0, height), what)
+    write_text(axes, (1.0, height), note, colour=FAINT, align="right")
 
 
 def fit_text(words: str, width: float) -> str:
