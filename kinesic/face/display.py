@@ -98,7 +98,6 @@ def _version(egl: ctypes.CDLL, gl: str, screen: int, context: int | None) -> str
 
 
 def _list(*numbers: int) -> "ctypes.Array[c_int]":
-    """Attributes as EGL wants them."""
     return (c_int * (len(numbers) + 1))(*numbers, _NONE)
 
 

@@ -152,7 +152,6 @@ def validate_documents(
 
 
 def _key(file: Path, settings: str) -> str:
-    """What a verdict depends on."""
     try:
         content = file.read_bytes()
     except OSError:
@@ -226,7 +225,6 @@ def judge(
 
 
 def _nothing_left(file: Path, performance: Performance) -> str:
-    """Why a document of which everything was dropped does not count as performed."""
     plan = performance.plan
     first = plan.timeline.block.behaviours[0]
     reasons = "; ".join(

@@ -142,7 +142,6 @@ def _core(syncs: list[SyncTime]) -> tuple[SyncTime, SyncTime] | None:
 
 
 def _losses(part: PartName, core: tuple[SyncTime, SyncTime], wish: _Wish, performance: Performance) -> Iterator[Loss]:
-    """What the stroke of a part lost in speed and in size."""
     zero = performance.plan.trajectory.zero
     before = _cut(wish.times, wish.paths[part], core[0].asked, core[1].asked)
     after = _cut(
@@ -156,7 +155,6 @@ def _losses(part: PartName, core: tuple[SyncTime, SyncTime], wish: _Wish, perfor
 
 
 def _cut(times: Floats, path: Floats, begin: float, end: float) -> tuple[Floats, Floats]:
-    """The samples from begin to end, both included."""
     inner = times[(times > begin) & (times < end)]
     moments = np.array([begin, *inner, end])
     return moments, np.column_stack([np.interp(moments, times, column) for column in path.T])

@@ -244,7 +244,6 @@ def breakable(name: str) -> Markup:
 
 
 def _rows(data: Mapping[str, Json], name: str) -> list[dict[str, Json]]:
-    """A table of the report."""
     table = data[name]
     return [row for row in table if isinstance(row, dict)] if isinstance(table, list) else []
 

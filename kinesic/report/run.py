@@ -134,7 +134,6 @@ def performance_of(
 
 
 def _check_free(folder: Path) -> None:
-    """Only a report is replaced."""
     strangers = sorted(file.name for file in folder.iterdir() if file.name not in FILES) if folder.exists() else []
     if strangers:
         raise ConfigError(f"{folder} holds {strangers[0]}, which no report has written; name another folder")

@@ -35,7 +35,6 @@ def verdicts() -> Iterator[ExpectationVerdict]:
 
 
 def _missing() -> Iterator[Figure]:
-    """A figure without a value for each suite that is not there."""
     found = {
         SCENARIOS: expected(SCENARIOS, Scenarios),
         DOCUMENTS: expected(DOCUMENTS, Parsing),

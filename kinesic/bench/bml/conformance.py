@@ -53,7 +53,6 @@ def place_targets(texts: list[bytes], setup: Setup) -> Mapping[str, Floats]:
 
 
 def _targets(text: bytes) -> Iterator[str]:
-    """Names of what a document looks and points at."""
     try:
         behaviours = parse(text).behaviours
     except BmlError:

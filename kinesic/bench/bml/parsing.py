@@ -150,7 +150,6 @@ def _holds(found: Constraints, fact: Fact) -> bool:
 
 
 def _sorted(value: bool | Sequence[str | Sequence[str]]) -> list[str | list[str]]:
-    """A list of names, or of lists of names, in order."""
     if isinstance(value, bool):
         return []
     names = [each for each in value if isinstance(each, str)]

@@ -122,7 +122,6 @@ def judge_gesture(gesture: str, style: str, known: Setup) -> GestureResult:
 
 
 def _late(performance: Performance) -> float:
-    """How far from asked the stroke was performed [s]."""
     found = [
         np.inf if lag is None else abs(sync.planned + lag - sync.asked)
         for sync, lag in performance.lags.items()

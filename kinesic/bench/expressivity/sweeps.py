@@ -99,7 +99,6 @@ def _least(name: str, values: dict[str, float | None], unit: str, goal: float | 
 
 
 def _at(series: Series, value: float) -> float | None:
-    """The parameter's own measure at a value."""
     one = next(played for played in series.played if abs(played.value - value) < 1e-9)
     found: float | None = getattr(one.measures, MEASURE_OF[series.parameter].name)
     return found

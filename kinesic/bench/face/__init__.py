@@ -72,7 +72,6 @@ def expected_figures() -> Iterator[tuple[str, str, float | None, Better]]:
 
 
 def _measured() -> dict[str, float]:
-    """The value of each figure."""
     from kinesic.bench.face import frame_rate, occlusion, scattering, wrinkles  # noqa: PLC0415 - they need the optional library, which is there now
 
     return {

@@ -57,7 +57,6 @@ def _timed(portrait: Portrait, count: int) -> tuple[float, float]:
 
 
 def _covered(portrait: Portrait, units: dict[str, float], camera: Camera) -> float:
-    """Share of the picture that the head covers."""
     geometry = portrait.pipeline.geometry
     with geometry.context:
         geometry.draw(units, camera)

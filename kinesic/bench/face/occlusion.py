@@ -57,7 +57,6 @@ def occlusion(sizes: Sequence[int]) -> dict[str, float]:
 def _compared(
     context: moderngl.Context, seen: PositionBuffer, told: Occlusion, scale: float, head: Flags
 ) -> dict[str, float]:
-    """One row of the table."""
     passes = {
         "separable": OcclusionPass(context, seen, told),
         "exact": OcclusionPass(context, seen, replace(told, exact=True)),

@@ -56,8 +56,6 @@ class _Head:
 
 
 class _Law(NamedTuple):
-    """What one action unit shows."""
-
     linear: float
     outside: float
     mirror: float

@@ -213,7 +213,6 @@ def draw(values: Mapping[str, float], path: Path) -> Path:
 
 
 def _masses(axes: Axes, arm: AblationArm) -> None:
-    """From rest to the masses, and what the hinges make of those."""
     ends = masses(arm, TARGET)
     held = extract(arm.linkage, ends, arm.rest).angles
     _line(axes, _posture(arm, arm.rest), PALE, "at rest")
@@ -241,7 +240,6 @@ def _draw_circle(axes: Axes, arm: AblationArm) -> None:
 
 
 def _bars(axes: Axes, values: Mapping[str, float]) -> None:
-    """Shares of targets below 1 mm."""
     for row, key in enumerate(ROWS):
         share = 100.0 * values[ablation_name(key, "mm")]
         axes.barh(-row, share, height=0.66, color=OTHERS if key == "whole" else OURS, zorder=2)

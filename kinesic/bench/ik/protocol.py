@@ -146,7 +146,6 @@ def _solved(chain: Chain) -> tuple[Floats, Floats, Floats]:
 def _shares(
     axes: Axes, values: Floats, label: str, title: str, *, goal: float | None = None, logarithmic: bool = True
 ) -> None:
-    """Share of targets below each value."""
     axes.plot(np.sort(values), np.arange(1, len(values) + 1) / len(values), color=OURS)
     if logarithmic:
         axes.set_xscale("log")
@@ -157,7 +156,6 @@ def _shares(
 
 
 def _lap(axes: Axes, chain: Chain) -> None:
-    """P4 and P5: the shoulder's hinges over two laps, against plain damped least squares."""
     steps = round(LAP * RATE)
     tracker = Tracker(chain, period=1 / RATE)
     ours = np.array([tracker.step(ellipse(2 * np.pi * step / steps)) for step in range(2 * steps)])

@@ -124,7 +124,6 @@ def _measured(bones: int) -> dict[tuple[Method, Quantity], float]:
 
 
 def _runs(bones: int, targets: Floats) -> dict[Method, Runs]:
-    """All methods, batch by batch."""
     rest = curved(bones)
     parts: dict[Method, list[Runs]] = {method: [] for method in METHODS}
     for batch in np.array_split(targets, BATCHES):

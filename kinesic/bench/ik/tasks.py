@@ -64,7 +64,6 @@ def _pairs(robot: Robot) -> list[Figure]:
 
 
 def _beyond(robot: Robot) -> Figure:
-    """Targets out of reach, against the best of many starts by an interior-point method."""
     chain, chance, near = robot.arms["l"], default_rng(13), 0
     shoulder = chain.frames(chain.rest)[1][1]
     for _ in range(BEYOND):

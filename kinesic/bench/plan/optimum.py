@@ -84,8 +84,6 @@ def _spread(keys: Keys) -> Floats:
 
 @dataclass(eq=False)
 class _Program:
-    """Variables and rows, as they come."""
-
     symbols: list[casadi.SX] = field(default_factory=list)
     values: list[tuple[Floats, Floats, Floats]] = field(default_factory=list)  # begin, lower, upper
     rows: list[casadi.SX] = field(default_factory=list)
@@ -124,7 +122,6 @@ def _wide(bound: ArrayLike, like: Floats) -> Floats:
 def _solved(
     keys: Keys, hinges: Iterable[int], motion: Conditioned, limits: Limits, lead_in: float, begin: Floats
 ) -> BestTimes | None:
-    """The program with some hinges, from some times."""
     program, moved = _Program(), begin - keys.asked
     times = program.variable(begin, keys.asked[0] - lead_in, np.inf)
     late = program.variable(np.maximum(moved, 0.0), 0.0, np.inf)
@@ -212,7 +209,6 @@ class _Way:
 
     @property
     def _tops(self) -> tuple[float, float, float]:
-        """Limits of speed, acceleration and jerk."""
         limits = self.limits
         n = self.hinge
         return float(limits.speed[n]), float(limits.acceleration[n]), float(limits.jerk[n])

@@ -119,7 +119,6 @@ def load_head(variant: Variant = "female", *, path: Path = HEAD) -> Mesh:
 
 
 def _mesh(data: dict[str, NDArray[np.generic]], variant: int) -> Mesh:
-    """One head of the arrays of a file."""
     positions = data["positions"][variant].astype(np.float64) * POSITION_STEP
     starts, places = data["starts"], data["places"].astype(np.int32)
     deltas = data["deltas"].astype(np.float64) * DELTA_STEP
@@ -153,7 +152,6 @@ def _halved(
 
 
 def _sealed(values: NDArray[Whole]) -> NDArray[Whole]:
-    """The array itself, read-only."""
     values.setflags(write=False)
     return values
 
@@ -224,10 +222,8 @@ def _incidence(
 
 
 def _sums(matrix: "scipy.sparse.csr_array") -> NDArray[np.float64]:
-    """Of each row."""
     return np.asarray(matrix.sum(axis=1)).ravel()
 
 
 def _scaled(factors: NDArray[np.float64], matrix: "scipy.sparse.csr_array") -> "scipy.sparse.csr_array":
-    """Each row times its factor."""
     return scipy.sparse.diags_array(factors) @ matrix

@@ -147,7 +147,6 @@ class Geometry:
         return np.stack([(0.5 * x / w + 0.5) * width, (0.5 * y / w + 0.5) * height])
 
     def _film(self, mesh: Mesh) -> tuple[moderngl.Buffer, moderngl.Buffer, moderngl.Buffer]:
-        """The buffers of an eyeshade."""
         sheet = eyeshade(mesh)
         look = np.array([*np.sqrt(FILM), GLOSS, len(PARTS), COVER])
         return (

@@ -115,7 +115,6 @@ def shares(told: Floats) -> Floats:
 
 
 def _dig(height: Floats, curve: Curve) -> None:
-    """Adds a furrow to one map."""
     resolution = len(height)
     low = np.array([LEFT_RIGHT[0], LOW_HIGH[0]])
     step = np.array([np.ptp(LEFT_RIGHT), np.ptp(LOW_HIGH)]) / resolution

@@ -112,7 +112,6 @@ def _panel(
     curves: tuple[Floats, Floats, Floats],
     syncs: list[SyncTime],
 ) -> None:
-    """One hinge."""
     times, robot = performance.measured.times, performance.plan.setup.robot
     time_axes(axes, end=float(times[-1]))
     _mark(axes, performance, syncs)
