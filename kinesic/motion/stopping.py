@@ -13,13 +13,13 @@ from kinesic.body.limits import Limits
 from kinesic.motion.double_s import least_stop
 from kinesic.motion.qp import nearest_motion
 from kinesic.motion.segments import SplineSegment
-from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.motion.transition import EARLY, LEAST, roomy
+from kinesic.motion.trajectory import EARLY, STEP, Trajectory
+from kinesic.motion.transition import LEAST, roomy
 
 
 def cut_knot(running: Trajectory, time: float) -> int:
-    """The knot at which a motion can be left: the first not before a performance time [s]."""
-    return int(np.clip(np.ceil(time / STEP - EARLY), 0, len(running.controls) - 3))
+    """The knot at which a motion can be left: the first not before a time [s]."""
+    return int(np.clip(np.ceil((time - running.start) / STEP - EARLY), 0, len(running.controls) - 3))
 
 
 def stop(running: Trajectory, time: float, limits: Limits) -> Trajectory:
@@ -27,20 +27,20 @@ def stop(running: Trajectory, time: float, limits: Limits) -> Trajectory:
 
     Args:
         running: the motion, within the limits.
-        time: [s] performance time from which it may be left, at the next knot.
+        time: [s] from which it may be left, at the next knot.
         limits: of all hinges.
 
     Returns:
         The same until the cut, then to rest.
     """
     knot, room = cut_knot(running, time), roomy(limits)
-    _, speeds, accelerations = running.sample(np.array([knot * STEP]))
+    _, speeds, accelerations = running.sample(np.array([running.start + knot * STEP]))
     least = least_stop(speeds[0], accelerations[0], room.acceleration, room.jerk) / STEP
     ways = enumerate(zip(running.controls[knot:].T, least, strict=True))
     tails = [_halt(hinge, own, int(pieces), room) for hinge, (own, pieces) in ways]
     length = max(4 - knot, *(len(tail) for tail in tails))  # one piece at least
     whole = np.stack([np.append(tail, np.full(length - len(tail), tail[-1])) for tail in tails], axis=1)
-    return Trajectory(sealed(np.vstack([running.controls[:knot], whole])), running.zero)
+    return Trajectory(sealed(np.vstack([running.controls[:knot], whole])), running.zero, running.start)
 
 
 def _halt(hinge: int, own: Floats, least: int, limits: Limits) -> Floats:

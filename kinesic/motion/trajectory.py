@@ -13,38 +13,62 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import State
 
 STEP = 0.01  # [s] between knots
+EARLY = 1e-6  # steps by which a knot may be missed
+FEWEST = 4  # control points of a motion: one piece
 
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """Angles over performance time; at rest before its start and after its end."""
+    """Angles over time; at rest before its start and after its end.
+
+    A plan's own time begins with its motion; what a server plays begins at a time of its clock.
+    """
 
     controls: Floats  # (k + 3, n) [rad] control points of k pieces
-    zero: float  # [s] performance time of the block's zero
+    zero: float  # [s] time of the block's zero
+    start: float = 0.0  # [s] time of the first knot
+
+    def __getstate__(self) -> dict[str, object]:
+        """What another process gets: derivatives are made anew there."""
+        return {"controls": self.controls, "zero": self.zero, "start": self.start}
 
     @property
     def duration(self) -> float:
         """[s]."""
         return (len(self.controls) - 3) * STEP
 
+    @property
+    def end(self) -> float:
+        """Time from which it rests [s]."""
+        return self.start + self.duration
+
+    def since(self, time: float) -> "Trajectory":
+        """What follows the last knot before a time [s]; a motion that is over by then stays where it ended."""
+        knots = max(0, int((time - self.start) / STEP + EARLY))
+        left = self.controls[knots:]
+        if len(left) < FEWEST:
+            left = np.repeat(self.controls[-1:], FEWEST, axis=0)
+        return Trajectory(sealed(left), self.zero, self.start + knots * STEP)
+
     def sample(self, times: Floats) -> tuple[Floats, Floats, Floats]:
-        """Angles, speeds and accelerations, each (m, n), at (m,) performance times."""
-        angles, speeds, accelerations = (self._values(times, order) for order in range(3))
-        still = (times < 0.0) | (times > self.duration)
+        """Angles, speeds and accelerations, each (m, n), at (m,) times."""
+        local = times - self.start
+        angles, speeds, accelerations = (self._values(local, order) for order in range(3))
+        still = (local < 0.0) | (local > self.duration)
         speeds[still] = 0.0
         accelerations[still] = 0.0
         return angles, speeds, accelerations
 
     def at(self, time: float) -> State:
-        """The state at one performance time."""
+        """The state at one time [s]."""
         angles, speeds, accelerations = self.sample(np.array([time]))
         return State(sealed(angles[0]), sealed(speeds[0]), sealed(accelerations[0]))
 
     def jerks(self, times: Floats) -> Floats:
-        """(m, n) [rad/s^3] at (m,) performance times; constant between knots."""
-        pieces = len(self.controls) - 3
-        found = self._derivatives[3][np.clip((times / STEP).astype(np.intp), 0, pieces - 1)]
-        found[(times < 0.0) | (times > self.duration)] = 0.0
+        """(m, n) [rad/s^3] at (m,) times; constant between knots."""
+        local, pieces = times - self.start, len(self.controls) - 3
+        found = self._derivatives[3][np.clip((local / STEP).astype(np.intp), 0, pieces - 1)]
+        found[(local < 0.0) | (local > self.duration)] = 0.0
         return np.asarray(found)
 
     @cached_property
@@ -53,7 +77,7 @@ class Trajectory:
         return tuple(sealed(np.diff(self.controls, order, axis=0) / STEP**order) for order in range(4))
 
     def _values(self, times: Floats, order: int) -> Floats:
-        """(m, n) of one derivative."""
+        """(m, n) of one derivative at (m,) times [s] since the start."""
         piece, shares = spline_weights(times / STEP, len(self.controls) - 3, order)
         points = self._derivatives[order]
         values: Floats = shares[:, :1] * points[piece]
@@ -89,6 +113,6 @@ def spline_weights(
     return piece, np.stack(shares, axis=1)
 
 
-def stay(angles: Floats, duration: float = 0.1) -> Trajectory:
-    """Staying in one posture, (n,) [rad]."""
-    return Trajectory(sealed(np.repeat(angles[None, :], round(duration / STEP) + 3, axis=0)), 0.0)
+def stay(angles: Floats, duration: float = 0.1, *, start: float = 0.0) -> Trajectory:
+    """Stays in one posture, (n,) [rad], for some time [s] from another one [s] on."""
+    return Trajectory(sealed(np.repeat(angles[None, :], round(duration / STEP) + 3, axis=0)), 0.0, start)

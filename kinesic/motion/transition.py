@@ -11,12 +11,11 @@ from kinesic.body.limits import Limits
 from kinesic.motion.bspline import grid
 from kinesic.motion.qp import nearest_motion
 from kinesic.motion.segments import NOWHERE, SplineSegment
-from kinesic.motion.trajectory import STEP, spline_weights
+from kinesic.motion.trajectory import EARLY, STEP, spline_weights
 
 LEAST = 3  # pieces in which three control points give way to three others
 ROOM = 1.0008  # on limits: where a motion is at one, there may be just one way on, and none is found
 SAME = 1e-9  # [rad]
-EARLY = 1e-6  # steps
 MARGINS = (15, 40, 10000)  # knots about what exceeds the limits, in which a motion may differ
 
 

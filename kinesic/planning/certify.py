@@ -50,6 +50,6 @@ def certify(
 
 def duties(trajectory: Trajectory, setup: Setup) -> Floats:
     """(n,) the largest duty of each drive at the knots of a motion."""
-    angles, speeds, accelerations = trajectory.sample(np.arange(0.0, trajectory.duration, STEP))
+    angles, speeds, accelerations = trajectory.sample(trajectory.start + np.arange(0.0, trajectory.duration, STEP))
     torques = setup.dynamics.torques(angles, speeds, accelerations)
     return np.asarray(np.abs(torques / setup.robot.drives.stall + speeds * setup.limits.viscous).max(axis=0))

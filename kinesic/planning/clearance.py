@@ -63,8 +63,8 @@ def keep_clear(
 
 
 def scan_clearance(trajectory: Trajectory, distances: Distances) -> tuple[Floats, Clearance]:
-    """Performance times (m,) and the clearance at them."""
-    times = np.append(np.arange(0.0, trajectory.duration, 1.0 / SCAN_RATE), trajectory.duration)
+    """Times (m,) [s] and the clearance at them."""
+    times = trajectory.start + np.append(np.arange(0.0, trajectory.duration, 1.0 / SCAN_RATE), trajectory.duration)
     return times, distances.clearance(trajectory.sample(times)[0])
 
 

@@ -14,7 +14,7 @@ from kinesic.planning.certify import duties
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.setup import Setup
 from kinesic.realizer.occupancy import MergeFailure, Occupancy, Overlay
-from kinesic.realizer.release import tail
+from kinesic.realizer.release import from_knot
 
 FULL = 1.0  # of a drive's duty
 
@@ -31,7 +31,7 @@ def find_conflict(work: Overlay, found: Floats, setup: Setup) -> MergeFailure | 
     rows = np.flatnonzero(apart[0] & apart[1])
     if not len(rows) or rows[-1] < work.cut + LEAST:
         return None
-    coming = tail(Trajectory(found[: rows[-1] + LEAST], 0.0), work.cut * STEP)
+    coming = from_knot(found[: rows[-1] + LEAST], work.cut)
     return _too_near(coming, work, setup) or _too_heavy(coming, work, setup)
 
 
@@ -54,7 +54,7 @@ def _too_heavy(coming: Trajectory, work: Overlay, setup: Setup) -> MergeFailure 
     peaks = duties(coming, setup)
     if peaks.max() <= FULL:
         return None
-    before = duties(tail(Trajectory(work.base[: work.cut + len(coming.controls)], 0.0), work.cut * STEP), setup)
+    before = duties(from_knot(work.base[: work.cut + len(coming.controls)], work.cut), setup)
     over = (peaks > FULL) & (peaks > before)
     if not over.any():
         return None

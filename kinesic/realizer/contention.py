@@ -53,10 +53,8 @@ def planned_interruptions(scene: Scene, coming: IncomingBlock) -> Cuts:
 
 
 def occupancy_of_others(scene: Scene, coming: IncomingBlock) -> tuple[Occupancy, ...]:
-    """What other blocks need of the body, in performance time, each as long as it will be let."""
-    ends = {
-        f"{block}:{id}": scene.performance(time) for (block, id), time in planned_interruptions(scene, coming).items()
-    }
+    """What other blocks need of the body, each as long as it will be let."""
+    ends = {f"{block}:{id}": time for (block, id), time in planned_interruptions(scene, coming).items()}
     return tuple(_until(each, ends[each.behaviour]) if each.behaviour in ends else each for each in scene.busy)
 
 
@@ -66,7 +64,7 @@ def among(scene: Scene, asked: TimedRequest) -> TimedRequest:
     It may begin later than expected by the time to plan it. One that takes the place of others, or stops them, finds
     their hands free; when one begins that waits to be activated, nobody knows.
     """
-    succession, zero = asked.block.succession, scene.performance(asked.zero)
+    succession, zero = asked.block.succession, asked.zero
     if asked.block.composition is Composition.REPLACE or succession.preplanned:
         return asked
     engaged = [

@@ -13,14 +13,14 @@ import numpy as np
 
 from kinesic.bml.block import Notice, NoticeType
 from kinesic.body.arrays import Floats, sealed
-from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.motion.transition import EARLY, LEAST, delay_controls, knot_at, lengthen, roomy, shorten
+from kinesic.motion.trajectory import EARLY, STEP, Trajectory
+from kinesic.motion.transition import LEAST, delay_controls, knot_at, lengthen, roomy, shorten
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
 from kinesic.realizer.conflicts import find_conflict
 from kinesic.realizer.occupancy import MergeFailure, Occupancy, Overlay, occupancy_of, still_occupied
 from kinesic.realizer.overlay import overlay
-from kinesic.realizer.release import release_motion, tail
+from kinesic.realizer.release import release_motion
 
 WAITS = (0, 10, 20, 40)  # knots from one attempt to the next
 MOST_LATER = 60  # knots by which a block may come later
@@ -30,25 +30,17 @@ MOST_LATER = 60  # knots by which a block may come later
 class MergedMotion:
     """A block among what runs."""
 
-    trajectory: Trajectory  # on the running motion's clock, the same before the cut
-    zero: float  # [s] performance time of the block's zero
-    layer: Trajectory  # what the block adds to the running motion, on the same clock
+    trajectory: Trajectory  # from the running motion's start on, the same before the cut
+    zero: float  # [s] of the block's zero
+    layer: Trajectory  # what the block adds to the running motion, from the same start on
     busy: tuple[Occupancy, ...]  # its behaviours that move
-    planned: Floats  # (m,) [s] performance time of the keys of its plan
     syncs: tuple[SyncTime, ...]  # as performed, in block time; of dropped behaviours none
     dropped: tuple[str, ...]  # behaviours that are left out
     notices: tuple[Notice, ...]
 
-    def earlier(self, seconds: float) -> "MergedMotion":
-        """The same on a clock whose 0 is later, as `release.tail` makes it: a whole number of knots [s]."""
-        return replace(
-            self,
-            trajectory=tail(self.trajectory, seconds),
-            zero=self.zero - seconds,
-            layer=tail(self.layer, seconds),
-            busy=tuple(each.later(-seconds) for each in self.busy),
-            planned=sealed(self.planned - seconds),
-        )
+    def since(self, time: float) -> "MergedMotion":
+        """The same without what both motions did before a time [s]."""
+        return replace(self, trajectory=self.trajectory.since(time), layer=self.layer.since(time))
 
 
 def merge(
@@ -61,10 +53,10 @@ def merge(
 
     Args:
         running: the motion, within the limits and clear of the body.
-        time: [s] performance time from which it may change, at the next knot.
+        time: [s] from which it may change, at the next knot.
         coming: the block.
-        begin: [s] performance time at which the block's zero is wished.
-        busy: what the running motion does, in its performance time.
+        begin: [s] at which the block's zero is wished.
+        busy: what the running motion does.
     """
     return _laid_over(running, time, coming, begin, busy, waits=not coming.utterances)
 
@@ -76,9 +68,9 @@ def replace_motion(running: Trajectory, time: float, coming: Plan, *, begin: flo
 
     Args:
         running: the motion, within the limits and clear of the body.
-        time: [s] performance time from which it may be left, at the next knot.
+        time: [s] from which it may be left, at the next knot.
         coming: the block.
-        begin: [s] performance time at which the block's zero is wished; at once by default.
+        begin: [s] at which the block's zero is wished; at once by default.
     """
     every = np.ones(len(coming.setup.limits.lower), dtype=np.bool_)
     leaving = release_motion(running, time, every, coming.setup)
@@ -90,16 +82,17 @@ def _laid_over(
     running: Trajectory, time: float, coming: Plan, begin: float, busy: Sequence[Occupancy], *, waits: bool
 ) -> MergedMotion:
     """A block over what runs, later where it may wait and then has a place for everything."""
-    knot = knot_at(time)
-    soonest = max(ceil((begin - coming.trajectory.zero) / STEP - EARLY), knot)
-    own, others = occupancy_of(coming), still_occupied(busy, knot * STEP)
+    knot, wished = knot_at(time - running.start), begin - running.start
+    soonest = max(ceil((wished - coming.trajectory.zero) / STEP - EARLY), knot)
+    own = occupancy_of(coming)
+    others = still_occupied([each.later(-running.start) for each in busy], knot * STEP)
     first = found = _tried(running, coming, knot, soonest, own, others)
     if first.gone and waits:
         tries = (
             _tried(running, coming, knot, soonest + more, own, others, whole=True) for more in _later(first, others)
         )
         found = next((each for each in tries if not each.gone), first)
-    return _told(running, found, coming, begin)
+    return _told(running, found, coming, wished)
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,21 +158,20 @@ def _conflicts(own: Sequence[Occupancy], others: Sequence[Occupancy]) -> dict[st
     return found
 
 
-def _told(running: Trajectory, tried: _Tried, coming: Plan, begin: float) -> MergedMotion:
-    """A block as it was laid, with what the sender should know."""
+def _told(running: Trajectory, tried: _Tried, coming: Plan, wished: float) -> MergedMotion:
+    """A block as it was laid, with what the sender should know; its zero was wished some time [s] after the start."""
     block, zero = coming.timeline.block, tried.offset * STEP + coming.trajectory.zero
     syncs = tuple(sync for sync in coming.syncs if sync.behaviour not in tried.gone)
     notices = [(name, f"left out: {why}") for name, why in tried.gone.items()]
-    if zero - begin > SHIFT_TO_WARN:
-        late = f"comes {zero - begin:.3f} s later, with the block"
+    if zero - wished > SHIFT_TO_WARN:
+        late = f"comes {zero - wished:.3f} s later, with the block"
         notices += [(sync.behaviour, f"{sync.sync} {late}") for sync in syncs if sync.sync == "stroke"]
     layer = tried.controls - lengthen(tried.base, len(tried.controls))
     return MergedMotion(
-        trajectory=Trajectory(sealed(shorten(tried.controls)), running.zero) if np.any(layer) else running,
-        zero=zero,
-        layer=Trajectory(sealed(layer), running.zero),
-        busy=tuple(each.left(layer[-1]) for each in tried.performed),
-        planned=sealed(coming.motion.planned + zero),
+        trajectory=replace(running, controls=sealed(shorten(tried.controls))) if np.any(layer) else running,
+        zero=running.start + zero,
+        layer=replace(running, controls=sealed(layer)),
+        busy=tuple(each.left(layer[-1]).later(running.start) for each in tried.performed),
         syncs=syncs,
         dropped=tuple(tried.gone),
         notices=tuple(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, f"{block.id}:{name}", text) for name, text in notices),

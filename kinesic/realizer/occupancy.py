@@ -23,7 +23,7 @@ STILL = 1e-9  # [rad]
 
 @dataclass(frozen=True, eq=False)
 class Occupancy:
-    """What one behaviour needs, in performance time [s]."""
+    """What one behaviour needs; times [s] of the clock by which its motion goes."""
 
     behaviour: str
     roles: frozenset[Role]
@@ -57,7 +57,7 @@ def occupancy_of(plan: Plan) -> tuple[Occupancy, ...]:
     """What the moving behaviours of a plan need, in the order of their beginnings.
 
     Args:
-        plan: whose own performance time counts.
+        plan: whose own time counts.
     """
     zero, uses = plan.trajectory.zero, plan.keyframes.uses
     actions = {behaviour.id: behaviour.action for behaviour in plan.timeline.block.behaviours}
@@ -76,7 +76,7 @@ def freed_hinges(
     Args:
         own: what its behaviours need.
         moved: (n,) hinges that it moves.
-        time: [s] performance time of the interruption.
+        time: [s] of the interruption.
         robot: whose arms count; of them those are free that the block holds then.
         others: what else the running motion does; a look that another one has taken over from is no longer there.
     """
@@ -97,7 +97,7 @@ def settle_occupancy(busy: Iterable[Occupancy]) -> tuple[Occupancy, ...]:
 
 
 def _one(id: str, action: Action, at: Mapping[str, float], plan: Plan) -> Occupancy:
-    """One behaviour with sync points at performance times [s]."""
+    """One behaviour with sync points at times [s]."""
     parts, controls = plan.keyframes.uses[id], plan.trajectory.controls
     begin, end = min(at.values()), max(at.values())
     relax = end if stays(action) else next((at[name] for name in BACK if name in at), end)
@@ -111,7 +111,7 @@ def _one(id: str, action: Action, at: Mapping[str, float], plan: Plan) -> Occupa
 
 
 def still_occupied(busy: Iterable[Occupancy], time: float) -> tuple[Occupancy, ...]:
-    """Of what is busy, what still counts from a performance time on [s].
+    """Of what is busy, what still counts from a time on [s].
 
     That is what has not given way, and of what stays the latest of its kind.
     """

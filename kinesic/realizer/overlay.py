@@ -14,8 +14,8 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats
 from kinesic.body.limits import Limits
 from kinesic.motion.easing import minimum_jerk
-from kinesic.motion.trajectory import STEP
-from kinesic.motion.transition import EARLY, LEAST, SAME, cross_over, excesses, keep_limits, lengthen
+from kinesic.motion.trajectory import EARLY, STEP
+from kinesic.motion.transition import LEAST, SAME, cross_over, excesses, keep_limits, lengthen
 from kinesic.planning.quick_plan import duration
 from kinesic.planning.setup import Setup
 from kinesic.realizer.occupancy import ARMS, MergeFailure, Occupancy, Overlay, Role, arm_hinges

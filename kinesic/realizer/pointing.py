@@ -23,7 +23,7 @@ from kinesic.planning.postures import aim_from_shoulder
 from kinesic.planning.setup import Setup
 from kinesic.realizer.occupancy import STILL, Occupancy
 from kinesic.realizer.overlay import rise
-from kinesic.realizer.release import tail
+from kinesic.realizer.release import from_knot
 from kinesic.realizer.running_block import RunningBlock
 from kinesic.realizer.scene import Scene
 
@@ -85,9 +85,9 @@ def correct_pointing(
 
     Args:
         motion: within the limits and clear of the body.
-        time: [s] performance time from which it may change, at the next knot.
+        time: [s] from which it may change, at the next knot.
         one: the hand.
-        stroke: [s] performance time.
+        stroke: [s] at which it points.
         busy: what its behaviour needs.
         others: what else the motion does; other works of the hand stay as they are.
         setup: the robot.
@@ -98,7 +98,8 @@ def correct_pointing(
     robot, limits = setup.robot, roomy(setup.limits)
     posture = motion.sample(np.array([stroke]))[0][0]
     change = one.arm(posture, robot) - posture
-    same = [other for other in others if f"{one.side}_hand" in other.roles]
+    time, stroke, busy = time - motion.start, stroke - motion.start, busy.later(-motion.start)
+    same = [other.later(-motion.start) for other in others if f"{one.side}_hand" in other.roles]
     begin = max([busy.begin, time, *(other.relax for other in same if other.ready < stroke)])
     end = min([busy.end, *(other.ready for other in same if other.ready > stroke)])
     count = max(len(motion.controls), ceil(end / STEP) + 3 * LEAST)
@@ -111,15 +112,14 @@ def correct_pointing(
             column = keep_limits(found[:, hinge] + part * share * change[hinge], first, last, limits, hinge)
             found[:, hinge] = found[:, hinge] if column is None else column
         if _clear(found, motion, first, last, setup):
-            return Trajectory(sealed(shorten(found)), motion.zero)
+            return replace(motion, controls=sealed(shorten(found)))
     return None
 
 
 def _clear(found: Floats, motion: Trajectory, first: int, last: int, setup: Setup) -> bool:
     """Whether nothing comes too near or is overloaded between two knots."""
     after, before = (
-        tail(Trajectory(lengthen(controls, len(found))[: last + LEAST], 0.0), first * STEP)
-        for controls in (found, motion.controls)
+        from_knot(lengthen(controls, len(found))[: last + LEAST], first) for controls in (found, motion.controls)
     )
     peaks = duties(after, setup)
     if (peaks > np.maximum(FULL, duties(before, setup))).any():
@@ -152,15 +152,14 @@ def _one(before: Scene, scene: Scene, block: str, one: PointingHand, now: float)
     if staged is None or staged.merged is None or busy is None:
         return scene
     time = staged.zero + staged.times[one.behaviour]["stroke"]
-    stroke, change = scene.performance(time), scene.first_change(now)
-    usual = _usual(before, staged, one, time)
-    if stroke <= change or _miss(scene.motion, stroke, one, scene) <= usual + ASTRAY:
+    change, usual = scene.first_change(now), _usual(before, staged, one, time)
+    if time <= change or _miss(scene.motion, time, one, scene) <= usual + ASTRAY:
         return scene
     others = [*scene.busy_but(block), *(each for each in staged.busy if each is not busy)]
-    found = correct_pointing(scene.motion, change, one, stroke, busy, others, scene.setup)
-    if found is not None and _miss(found, stroke, one, scene) < _miss(scene.motion, stroke, one, scene):
+    found = correct_pointing(scene.motion, change, one, time, busy, others, scene.setup)
+    if found is not None and _miss(found, time, one, scene) < _miss(scene.motion, time, one, scene):
         scene = _with(scene, staged, one.behaviour, found)
-    left = _miss(scene.motion, stroke, one, scene)
+    left = _miss(scene.motion, time, one, scene)
     if left <= usual + ASTRAY:
         return scene
     text = f"its hand points {np.degrees(left):.0f} deg past its target: other blocks move the trunk meanwhile"
@@ -172,7 +171,7 @@ def _usual(before: Scene, staged: RunningBlock, one: PointingHand, time: float) 
     """By how much a hand pointed past its aim before, or does in its own plan [rad]."""
     earlier, plan = before.find(staged.id), staged.ready.plan
     if earlier is not None and earlier.merged is not None and earlier.ready.plan is plan:
-        return _miss(before.motion, before.performance(time), one, before)
+        return _miss(before.motion, time, one, before)
     asked = next(sync.planned for sync in plan.syncs if (sync.behaviour, sync.sync) == (one.behaviour, "stroke"))
     return _miss(plan.trajectory, plan.trajectory.zero + asked, one, before)
 
@@ -195,6 +194,6 @@ def _with(scene: Scene, staged: RunningBlock, behaviour: str, motion: Trajectory
         for each in staged.merged.busy
     ]
     merged = replace(
-        staged.merged, trajectory=motion, layer=Trajectory(sealed(own + change), layer.zero), busy=tuple(needs)
+        staged.merged, trajectory=motion, layer=replace(layer, controls=sealed(own + change)), busy=tuple(needs)
     )
     return replace(scene, motion=motion).put(replace(staged, merged=merged))

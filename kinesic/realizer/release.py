@@ -12,7 +12,6 @@ from kinesic.motion.double_s import least_stop
 from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.motion.transition import (
     LEAST,
-    SAME,
     cross_over,
     excesses,
     keep_limits,
@@ -48,7 +47,7 @@ def release_motion(
 
     Args:
         running: the motion, within the limits and clear of the body.
-        time: [s] performance time from which it may change, at the next knot.
+        time: [s] from which it may change, at the next knot.
         hinges: (n,) that are given free: see `occupancy.freed`.
         setup: limits, rest pose and distances.
         layer: what the block adds to the running motion; without it the hinges come to the rest pose.
@@ -58,10 +57,11 @@ def release_motion(
         The same until the cut, or a little longer where the way back is not clear of the body at once; the running
         motion itself where it never is.
     """
-    knot = knot_at(time)
+    knot = knot_at(time - running.start)
+    local = [each.later(-running.start) for each in others]
     remaining = len(running.controls) - 3 - knot
     waits = [0, *(WAIT * 2**k for k in range(MOST_WAITS) if WAIT * 2**k < remaining)]
-    tries = (_from(running, knot + wait, hinges, setup, layer, others) for wait in waits)
+    tries = (_from(running, knot + wait, hinges, setup, layer, local) for wait in waits)
     return next((found for found in tries if found is not None), running)
 
 
@@ -84,7 +84,7 @@ def _from(
             back = np.array(whole)
             back[:, free] = found
             _take_up(back, whole, land, [each for each in others if each.ready > knot * STEP], setup)
-            return _checked(back, running.zero, knot, setup)
+            return _checked(back, running, knot, setup)
         pieces = ceil(LONGER * pieces)
     return None
 
@@ -122,7 +122,7 @@ def _take_up(back: Floats, own: Floats, knot: int, others: Sequence[Occupancy], 
         back[:, hinges] = own[:, hinges] if ways is None else ways
 
 
-def _checked(found: Floats, zero: float, knot: int, setup: Setup) -> Trajectory | None:
+def _checked(found: Floats, running: Trajectory, knot: int, setup: Setup) -> Trajectory | None:
     """A motion in which what is left keeps the limits and the distances after a knot."""
     limits = roomy(setup.limits)
     for hinge in np.flatnonzero(excesses(found[knot:], limits) > 1.0).tolist():
@@ -130,23 +130,17 @@ def _checked(found: Floats, zero: float, knot: int, setup: Setup) -> Trajectory 
         if column is None:
             return None
         found[:, hinge] = column
-    motion = Trajectory(sealed(shorten(found)), zero)
-    _, clearance = scan_clearance(tail(motion, knot * STEP), setup.distances)
+    motion = Trajectory(sealed(shorten(found)), running.zero, running.start)
+    _, clearance = scan_clearance(from_knot(motion.controls, knot), setup.distances)
     near = clearance.distances[clearance.worst] < setup.robot.least_clearance + LAG_RESERVE
     return None if near else motion
 
 
-def tail(motion: Trajectory, time: float) -> Trajectory:
-    """What is still to come of a motion, its own time beginning anew.
+def from_knot(controls: Floats, knot: int) -> Trajectory:
+    """The motion after a knot, whose own time begins there, to be checked; at least `FEWEST` pieces of it.
 
     Args:
-        motion: exactly the same after the cut.
-        time: [s] performance time; cut at the last knot before it.
-
-    Returns:
-        A motion that lies earlier by the difference of both durations, a whole number of knots.
+        controls: (k + 3, n) [rad].
+        knot: of k.
     """
-    knot = min(int(time / STEP + SAME), len(motion.controls) - 3 - FEWEST)
-    if knot <= 0:
-        return motion
-    return Trajectory(sealed(motion.controls[knot:]), motion.zero - knot * STEP)
+    return Trajectory(sealed(controls[max(0, min(knot, len(controls) - 3 - FEWEST)) :]), 0.0)

@@ -43,15 +43,16 @@ def replan(
 
     Args:
         running: the motion, whatever else was merged into it.
-        time: [s] performance time from which it may change, at the next knot.
-        playing: the block as it was merged into the motion, on the same clock.
+        time: [s] from which it may change, at the next knot.
+        playing: the block as it was merged into the motion, from the same start on.
         better: the other plan, which keeps the block's zero.
         others: what else the running motion does.
 
     Returns:
         None when a hinge cannot catch up, or the way is not clear of the body.
     """
-    change = _Change(running, knot_at(time), playing, better, others)
+    others, own = ([each.later(-running.start) for each in busy] for busy in (others, playing.busy))
+    change = _Change(running, knot_at(time - running.start), playing, better, others, own)
     begun = change.begun
     ending = set() if change.keeps_strokes else begun
     while True:
@@ -72,16 +73,22 @@ class _Change:
     knot: int  # where it may begin
     playing: MergedMotion
     better: Plan
-    others: Sequence[Occupancy]
+    others: Sequence[Occupancy]  # times of these and of the next ones are since the motion's start
+    playing_busy: Sequence[Occupancy]  # of the plan so far
+
+    @property
+    def playing_zero(self) -> float:
+        """[s] since the motion's start of the block's zero."""
+        return self.playing.zero - self.running.start
 
     @cached_property
     def offset(self) -> int:
         """Knot at which the other plan's own motion begins."""
-        return round((self.playing.zero - self.better.trajectory.zero) / STEP)
+        return round((self.playing_zero - self.better.trajectory.zero) / STEP)
 
     @cached_property
     def zero(self) -> float:
-        """[s] performance time of the other plan's zero: the block's, but for the grid."""
+        """[s] since the motion's start of the other plan's zero: the block's, but for the grid."""
         return self.offset * STEP + self.better.trajectory.zero
 
     @cached_property
@@ -93,13 +100,13 @@ class _Change:
     def begun(self) -> set[str]:
         """Behaviours whose hands are on their way."""
         now = self.knot * STEP
-        return {each.behaviour for each in (*self.own, *self.playing.busy) if each.begin < now and _with_hands(each)}
+        return {each.behaviour for each in (*self.own, *self.playing_busy) if each.begin < now and _with_hands(each)}
 
     @property
     def keeps_strokes(self) -> bool:
         """Whether every stroke that is past is past in the other plan, and every one to come is to come."""
         now, soon = self.knot * STEP, (self.knot + LEAST) * STEP
-        before = {(sync.behaviour, sync.sync): sync.planned + self.playing.zero for sync in self.playing.syncs}
+        before = {(sync.behaviour, sync.sync): sync.planned + self.playing_zero for sync in self.playing.syncs}
         after = {(sync.behaviour, sync.sync): sync.planned + self.zero for sync in self.better.syncs}
         strokes = [sync for sync in before.keys() & after.keys() if sync[1].startswith("stroke")]
         return all(after[sync] >= soon if before[sync] > now else after[sync] <= now for sync in strokes)
@@ -107,7 +114,7 @@ class _Change:
     def made(self, ending: Collection[str]) -> MergedMotion | MergeFailure:
         """The block by the other plan, but for behaviours that end as they run."""
         gone, setup, count = {*self.playing.dropped, *ending}, self.better.setup, self._count
-        going_on = [each for each in self.playing.busy if each.behaviour in ending and each.relax > self.knot * STEP]
+        going_on = [each for each in self.playing_busy if each.behaviour in ending and each.relax > self.knot * STEP]
         work = Overlay(
             self._without_it(count),
             lengthen(delay_controls(self.better.trajectory.controls, self.offset), count),
@@ -158,18 +165,17 @@ class _Change:
 
     def _told(self, found: Floats, gone: Collection[str], needs: Sequence[Occupancy]) -> MergedMotion:
         """The block as it now is."""
-        slip, playing, zero = self.zero - self.playing.zero, self.playing, self.running.zero
-        layer = found - lengthen(self.running.controls, len(found)) + lengthen(playing.layer.controls, len(found))
+        slip, playing, running = self.zero - self.playing_zero, self.playing, self.running
+        layer = found - lengthen(running.controls, len(found)) + lengthen(playing.layer.controls, len(found))
         syncs = [sync for sync in playing.syncs if sync.behaviour in gone]
         syncs += [
             replace(sync, planned=sync.planned + slip) for sync in self.better.syncs if sync.behaviour not in gone
         ]
         return replace(
             playing,
-            trajectory=Trajectory(sealed(shorten(found)), zero),
-            layer=Trajectory(sealed(layer), zero),
-            busy=tuple(each.left(layer[-1]) for each in needs),
-            planned=sealed(self.better.motion.planned + self.zero),
+            trajectory=replace(running, controls=sealed(shorten(found))),
+            layer=replace(running, controls=sealed(layer)),
+            busy=tuple(each.left(layer[-1]).later(running.start) for each in needs),
             syncs=tuple(sorted(syncs, key=lambda sync: (sync.planned, sync.behaviour))),
             notices=(),
         )

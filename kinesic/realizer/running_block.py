@@ -10,9 +10,7 @@ from kinesic.bml.block import Block, Notice, Speech
 from kinesic.bml.composition import BlockState, Until
 from kinesic.bml.feedback import prediction, warning
 from kinesic.bml.timing.constraints import Point
-from kinesic.body.arrays import Floats, sealed
 from kinesic.body.utterance import Utterance
-from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.planning.plan import Plan
 from kinesic.realizer.feedback import ScheduledFeedback, Times, agenda, span, times_of
 from kinesic.realizer.merge import MergedMotion
@@ -20,7 +18,6 @@ from kinesic.realizer.occupancy import Occupancy
 from kinesic.realizer.request import TimedRequest
 
 PATIENCE = 1.0  # [s] for a better plan than a provisional one
-FEWEST = 4  # control points of a motion: one piece
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +63,7 @@ class RunningBlock:
     zero: float  # [s] global time of its time 0; as expected while it waits
     times: Times  # of its sync points, as performed; of behaviours that are left out none
     waits: dict[str, Until] = field(default_factory=dict)  # other blocks, and what must come of them
-    merged: MergedMotion | None = None  # how its motion was laid over the scene's, in the scene's performance time
+    merged: MergedMotion | None = None  # how its motion was laid over the scene's
     told: tuple[float, Times] | None = None  # zero and times of its last prediction
 
     @classmethod
@@ -127,7 +124,7 @@ class RunningBlock:
 
     @property
     def busy(self) -> tuple[Occupancy, ...]:
-        """What its behaviours need, in the scene's performance time."""
+        """What its behaviours need."""
         return () if self.merged is None else self.merged.busy
 
     def agenda(self) -> tuple[ScheduledFeedback, ...]:
@@ -175,23 +172,9 @@ class RunningBlock:
         times = {id: own for id, own in self.times.items() if id not in behaviours}
         return replace(self, merged=merged, times=times)
 
-    def earlier(self, pieces: int, motion: Trajectory) -> "RunningBlock":
-        """The same after the scene's motion lost so many pieces of its past."""
-        if self.merged is None:
-            return self
-        merged, seconds = self.merged, pieces * STEP
-        layer = rest_of(merged.layer.controls, pieces)
-        return replace(
-            self,
-            merged=replace(
-                merged,
-                trajectory=motion,
-                zero=merged.zero - seconds,
-                layer=Trajectory(layer, 0.0),
-                busy=tuple(each.later(-seconds) for each in merged.busy),
-                planned=sealed(merged.planned - seconds),
-            ),
-        )
+    def since(self, time: float) -> "RunningBlock":
+        """The same without what it did before a time [s]."""
+        return self if self.merged is None else replace(self, merged=self.merged.since(time))
 
 
 @dataclass(frozen=True)
@@ -201,9 +184,3 @@ class EndedBlocks:
     id: str
     state: BlockState
     points: Mapping[Point, float]  # [s] global
-
-
-def rest_of(controls: Floats, pieces: int) -> Floats:
-    """What is left of control points (k + 3, n) after so many pieces; a motion that is over stays where it ended."""
-    left = controls[pieces:]
-    return sealed(left if len(left) >= FEWEST else np.repeat(controls[-1:], FEWEST, axis=0))

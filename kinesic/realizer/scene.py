@@ -9,12 +9,12 @@ import numpy as np
 from kinesic.bml.composition import BlockState
 from kinesic.bml.timing.constraints import Point
 from kinesic.body.arrays import Flags
-from kinesic.motion.trajectory import STEP, Trajectory, stay
+from kinesic.motion.trajectory import Trajectory, stay
 from kinesic.planning.setup import Setup
 from kinesic.realizer.feedback import ScheduledFeedback
 from kinesic.realizer.occupancy import Occupancy, settle_occupancy
 from kinesic.realizer.request import SceneContext, TimedRequest
-from kinesic.realizer.running_block import EndedBlocks, PlayingSpeech, RunningBlock, rest_of
+from kinesic.realizer.running_block import EndedBlocks, PlayingSpeech, RunningBlock
 
 KEPT = 0.5  # [s] of the past that the motion keeps
 LONGEST_PAST = 2.0  # [s] after which it is cut away
@@ -28,7 +28,6 @@ class Scene:
 
     setup: Setup
     motion: Trajectory
-    epoch: float  # [s] global time of the motion's time 0
     blocks: tuple[RunningBlock, ...] = ()  # in the order in which they came
     agenda: tuple[ScheduledFeedback, ...] = ()  # feedback to come, in order of time
     said: tuple[ScheduledFeedback, ...] = ()  # feedback to be sent now; the next `advance` takes it away
@@ -48,7 +47,7 @@ class Scene:
             character: who performs here: blocks for others are refused. None: every block is performed.
             ahead: [s] by which the motion is handed over before it is performed.
         """
-        return cls(setup, stay(setup.robot.skeleton.rest), now, character=character, ahead=ahead)
+        return cls(setup, stay(setup.robot.skeleton.rest, start=now), character=character, ahead=ahead)
 
     @cached_property
     def _by_id(self) -> dict[str, RunningBlock]:
@@ -70,7 +69,7 @@ class Scene:
 
     @property
     def busy(self) -> tuple[Occupancy, ...]:
-        """What all blocks that play need, in performance time, by the names of blocks and behaviours."""
+        """What all blocks that play need, by the names of blocks and behaviours."""
         return self.busy_but(None)
 
     def busy_but(self, block: str | None) -> tuple[Occupancy, ...]:
@@ -132,13 +131,9 @@ class Scene:
         told = self.agenda[0].time if self.agenda else np.inf
         return min([told, *map(self._look, self.blocks)])
 
-    def performance(self, time: float) -> float:
-        """Performance time [s] of a global time [s]."""
-        return time - self.epoch
-
     def first_change(self, now: float) -> float:
-        """Performance time [s] from which the motion may change."""
-        return max(0.0, self.performance(now + self.ahead))
+        """Global time [s] from which the motion may change."""
+        return max(self.motion.start, now + self.ahead)
 
     def say(self, *messages: ScheduledFeedback) -> "Scene":
         """Adds feedback that is to be sent now."""
@@ -171,10 +166,7 @@ class Scene:
 
 def forgotten(scene: Scene, now: float) -> Scene:
     """The scene with the past of its motion cut away, once there is enough of it."""
-    past = scene.performance(now)
-    if past < LONGEST_PAST:
+    if now - scene.motion.start < LONGEST_PAST:
         return scene
-    pieces = int((past - KEPT) / STEP)
-    motion = Trajectory(rest_of(scene.motion.controls, pieces), 0.0)
-    blocks = tuple(each.earlier(pieces, motion) for each in scene.blocks)
-    return replace(scene, motion=motion, epoch=scene.epoch + pieces * STEP, blocks=blocks)
+    blocks = tuple(each.since(now - KEPT) for each in scene.blocks)
+    return replace(scene, motion=scene.motion.since(now - KEPT), blocks=blocks)

@@ -87,8 +87,8 @@ def _beside(
     """Laid over what plays; what meets it is left out."""
     if not staged.ready.moves:
         return scene, replace(staged, zero=wished), ()
-    others, begin = occupancy_of_others(scene, replace(staged, zero=wished)), scene.performance(wished)
-    laid = merge(scene.motion, scene.first_change(now), staged.ready.plan, begin=begin, busy=others)
+    others = occupancy_of_others(scene, replace(staged, zero=wished))
+    laid = merge(scene.motion, scene.first_change(now), staged.ready.plan, begin=wished, busy=others)
     return _with(scene, staged, laid)
 
 
@@ -96,8 +96,7 @@ def _in_place(
     scene: Scene, staged: RunningBlock, wished: float, now: float
 ) -> tuple[Scene, RunningBlock, tuple[Notice, ...]]:
     """In the place of all that moves."""
-    begin = scene.performance(wished)
-    over = replace_motion(scene.motion, scene.first_change(now), staged.ready.plan, begin=begin)
+    over = replace_motion(scene.motion, scene.first_change(now), staged.ready.plan, begin=wished)
     return _with(replace(scene, left=()), staged, over)
 
 
@@ -112,5 +111,5 @@ def _late(staged: RunningBlock) -> tuple[Notice, ...]:
 
 
 def _with(scene: Scene, staged: RunningBlock, laid: MergedMotion) -> tuple[Scene, RunningBlock, tuple[Notice, ...]]:
-    own = replace(staged, merged=laid, zero=scene.epoch + laid.zero, times=times_of(laid.syncs))
+    own = replace(staged, merged=laid, zero=laid.zero, times=times_of(laid.syncs))
     return replace(scene, motion=laid.trajectory), own, laid.notices

@@ -11,7 +11,7 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats
 from kinesic.body.command import RATE
 from kinesic.controller.arrival import entry
-from kinesic.serve.sinks import Playing
+from kinesic.motion.trajectory import Trajectory
 
 WINDOW = 0.3  # [s] before a sync point in which the ball is entered
 KEPT = 1.0  # [s] of what was measured
@@ -43,7 +43,7 @@ class ArrivalMonitor:
             self._times.popleft()
             self._angles.popleft()
 
-    def lateness(self, time: float, hinges: Flags, playing: Playing) -> float | None:
+    def lateness(self, time: float, hinges: Flags, motion: Trajectory) -> float | None:
         """By how much later [s] than the plan some hinges arrive where they are to be at a time [s] of the clock.
 
         Returns:
@@ -51,7 +51,7 @@ class ArrivalMonitor:
         """
         begin = time - WINDOW
         instants = begin + np.arange(round(WINDOW * RATE) + 1) / RATE
-        planned = playing.trajectory.sample(instants - playing.epoch)[0][:, hinges]
+        planned = motion.sample(instants)[0][:, hinges]
         way = float(np.linalg.norm(np.diff(planned, axis=0), axis=1).sum())
         radius = max(LEAST_BALL, SHARE * way)
         due = entry(instants.tolist(), np.linalg.norm(planned - planned[-1], axis=1), radius, last=True)

@@ -20,14 +20,12 @@ from kinesic.controller.play import SETTLE
 from kinesic.face.display import DisplayError
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.motion.stopping import stop
-from kinesic.motion.trajectory import Trajectory
+from kinesic.motion.trajectory import Trajectory, stay
 from kinesic.planning.setup import Setup
 from kinesic.realizer.realizer import ScheduledFeedback
-from kinesic.realizer.release import tail
 from kinesic.serve.arrival_monitor import ArrivalMonitor
 from kinesic.serve.clock import Clock
 from kinesic.serve.messages import (
-    ClockedTrajectory,
     FeedbackNotice,
     Halted,
     LoopStart,
@@ -36,7 +34,7 @@ from kinesic.serve.messages import (
     ProposalVerdict,
     RequestDone,
 )
-from kinesic.serve.sinks import MeasuringSink, Playing, ServoSink, TimedSink, rest_from, steady
+from kinesic.serve.sinks import MeasuringSink, ServoSink, TimedSink, steady
 from kinesic.serve.tracks import Effects
 
 PERIOD = 1 / RATE
@@ -69,7 +67,7 @@ class Loop(Thread):
             news: is given what the planner says to the server; None when it is gone.
         """
         super().__init__(name="loop")
-        self.playing = rest_from(setup.robot, clock.now())
+        self.motion = stay(setup.robot.skeleton.rest, start=clock.now())  # on the clock
         self.agenda: list[ScheduledFeedback] = []
         self.stops, self._done = 0, 0  # emergency stops that were asked for, and those that were made
         self.halted = False  # whether the last one still holds
@@ -106,7 +104,7 @@ class Loop(Thread):
 
     def beginning(self) -> LoopStart:
         """Where a planner takes over."""
-        return LoopStart(_motion(self.playing), self._done, tuple(self.agenda), self._effects.senses)
+        return LoopStart(self.motion, self._done, tuple(self.agenda), self._effects.senses)
 
     def owes(self, sender: int) -> bool:
         """Whether a block of a sender's is not over, or something is still to be told of it."""
@@ -114,7 +112,7 @@ class Loop(Thread):
 
     def settled(self) -> bool:
         """Whether nothing moves and nothing is to be told."""
-        return not self.agenda and self._out > self.playing.end + SETTLE
+        return not self.agenda and self._out > self.motion.end + SETTLE
 
     def run(self) -> None:
         """Until told to leave, or a sink fails."""
@@ -138,7 +136,7 @@ class Loop(Thread):
         now = self._now()
         self.late += now - self._out > 2 * PERIOD
         for follower in self._followers:
-            follower.follow(self.playing, now, self._setup, self._effects.face)
+            follower.follow(self.motion, now, self._setup, self._effects.face)
         self._out = max(self._out, now)
         if self._body is not None and (seen := self._body.seen()) is not None:
             self._gauge.add(*seen)
@@ -157,7 +155,7 @@ class Loop(Thread):
         hinges = self._moving.get((point.block, point.behaviour))
         if hinges is None or not hinges.any():
             return due
-        late = self._gauge.lateness(due.time, hinges, self.playing)
+        late = self._gauge.lateness(due.time, hinges, self.motion)
         if late is None and now < due.time + PATIENCE:
             return None
         return due if late is None or isnan(late) else due.seen(due.time + late)
@@ -200,10 +198,9 @@ class Loop(Thread):
         if proposal.stops != self.stops:
             return False
         if proposal.motion is not None:
-            playing = _playing(proposal.motion)
-            if proposal.cut < self._out or not steady(self.playing, playing, self._out):
+            if proposal.cut < self._out or not steady(self.motion, proposal.motion, self._out):
                 return False
-            self._play(playing, proposal.cut)
+            self._play(proposal.motion, proposal.cut)
             self.halted = False
         self.agenda = sorted((due for due in proposal.agenda if due not in self._told), key=attrgetter("time"))
         self._told = {due for due in self._told if due.time > proposal.now}
@@ -211,8 +208,8 @@ class Loop(Thread):
         self._effects.take(proposal.tracks)
         return True
 
-    def _play(self, playing: Playing, cut: float) -> None:
-        self.playing = playing
+    def _play(self, motion: Trajectory, cut: float) -> None:
+        self.motion = motion
         for follower in self._followers:
             follower.again(max(cut, self._out + PERIOD / 2))
 
@@ -226,8 +223,7 @@ class Loop(Thread):
             return
         self._done, self.halted = self.stops, True
         time = self._out + GRACE
-        halt = _halt(self.playing, time, self._setup.limits)
-        self._play(halt, time)
+        self._play(_halt(self.motion, time, self._setup.limits), time)
         self.agenda, self._told = [], set()
         self._effects.clear()
         self._tell_halt(time)
@@ -236,20 +232,9 @@ class Loop(Thread):
         """Tells the planner what plays since the last emergency stop, from a time [s] of the clock."""
         if self._mail is not None:
             with suppress(OSError):  # it has died, and the next one begins from here
-                self._mail.send(Halted(self._done, time, _motion(self.playing)))
+                self._mail.send(Halted(self._done, time, self.motion))
 
 
-def _halt(playing: Playing, time: float, limits: Limits) -> Playing:
+def _halt(motion: Trajectory, time: float, limits: Limits) -> Trajectory:
     """To rest from a time [s] of the clock, without what is past."""
-    at = max(0.0, time - playing.epoch)
-    whole = stop(playing.trajectory, at, limits)
-    rest = tail(whole, max(0.0, at - GRACE))
-    return Playing(rest, playing.epoch + whole.duration - rest.duration)
-
-
-def _motion(playing: Playing) -> ClockedTrajectory:
-    return ClockedTrajectory(playing.trajectory.controls, playing.trajectory.zero, playing.epoch)
-
-
-def _playing(motion: ClockedTrajectory) -> Playing:
-    return Playing(Trajectory(motion.controls, motion.zero), motion.epoch)
+    return stop(motion, time, limits).since(time - GRACE)

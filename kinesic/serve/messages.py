@@ -3,7 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from kinesic.body.arrays import Flags, Floats
+from kinesic.body.arrays import Flags
+from kinesic.motion.trajectory import Trajectory
 from kinesic.realizer.realizer import ScheduledFeedback
 from kinesic.serve.tracks import SoundAndFace, Track
 
@@ -47,19 +48,10 @@ Wanted = DocumentRequest | Interruption | Restyling | Resumption
 
 
 @dataclass(frozen=True, eq=False)
-class ClockedTrajectory:
-    """A trajectory on the clock."""
-
-    controls: Floats  # (k + 3, n) [rad]
-    zero: float  # [s] performance time
-    epoch: float  # [s] of the clock at performance time 0
-
-
-@dataclass(frozen=True, eq=False)
 class LoopStart:
     """Where a planner takes over."""
 
-    motion: ClockedTrajectory
+    motion: Trajectory
     stops: int  # emergency stops so far
     agenda: tuple[ScheduledFeedback, ...]  # what another planner left to be told
     senses: SoundAndFace  # what is wanted beside the motion
@@ -71,7 +63,7 @@ class Halted:
 
     stops: int  # so many so far
     time: float  # [s] of the clock
-    motion: ClockedTrajectory
+    motion: Trajectory
 
 
 @dataclass(frozen=True)
@@ -108,7 +100,7 @@ class Proposal:
     stops: int  # that the planner knows of
     now: float  # [s] of the clock: what was due until then is in the agenda for the last time
     cut: float  # [s] of the clock, until which the motion is the one that plays
-    motion: ClockedTrajectory | None  # None: as it is
+    motion: Trajectory | None  # on the clock; None: as it is
     agenda: tuple[ScheduledFeedback, ...]  # all that is still to be told
     owed: frozenset[int]  # senders whose blocks are not over
     moving: Mapping[tuple[str, str], Flags]  # (block, behaviour) -> (n,) hinges that it moves

@@ -9,7 +9,6 @@ from multiprocessing.connection import Connection, wait
 from kinesic.bml.block import BmlError, Bounds
 from kinesic.body.config import ConfigError
 from kinesic.expressivity.style.style import Style
-from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.setup import Setup
 from kinesic.realizer.contention import among
 from kinesic.realizer.realizer import (
@@ -25,7 +24,6 @@ from kinesic.realizer.release import release_motion
 from kinesic.realizer.request import Message, read_request, refusal_feedback
 from kinesic.serve.clock import Clock
 from kinesic.serve.messages import (
-    ClockedTrajectory,
     DocumentRequest,
     FeedbackNotice,
     Halted,
@@ -119,7 +117,7 @@ class PlannerState:
         for staged in warming.playing:
             track(staged, beginning.senses)
         advance(warming, 0.1)
-        self._scene = replace(_moved(Scene.of(setup), beginning.motion), agenda=beginning.agenda)
+        self._scene = replace(Scene.of(setup), motion=beginning.motion, agenda=beginning.agenda)
 
     @property
     def pause(self) -> float | None:
@@ -171,7 +169,7 @@ class PlannerState:
         """Takes over what the loop has made of an emergency stop: every block is interrupted, and stays where it is."""
         self._stops = halted.stops
 
-        self._propose(lambda scene, _now: _moved(interrupt(scene, halted.time), halted.motion), moves=False)
+        self._propose(lambda scene, _now: replace(interrupt(scene, halted.time), motion=halted.motion), moves=False)
 
     def _catch_up(self, stops: int) -> None:
         """Waits for the loop to say what became of the motion at so many stops, which it does in its next tick."""
@@ -226,9 +224,7 @@ class PlannerState:
             ahead = self._took + MARGIN
             scene = change(replace(self._scene, ahead=ahead, said=()), now)
             self._took = min(LONGEST, max(self._clock.now() - now, SLOWER * self._took))
-            motion = None
-            if moves and scene.motion is not self._scene.motion:
-                motion = ClockedTrajectory(scene.motion.controls, scene.motion.zero, scene.epoch)
+            motion = scene.motion if moves and scene.motion is not self._scene.motion else None
             versions, tracks = self._tracks(scene)
             owed = frozenset(staged.sender for staged in scene.blocks)
             moving = {(staged.id, busy.behaviour): busy.hinges for staged in scene.blocks for busy in staged.busy}
@@ -265,12 +261,8 @@ class PlannerState:
         return halted, heard
 
 
-def _moved(scene: Scene, motion: ClockedTrajectory) -> Scene:
-    return replace(scene, motion=Trajectory(motion.controls, motion.zero), epoch=motion.epoch)
-
-
 def _resumed(scene: Scene, now: float) -> Scene:
     """Back to rest, all hinges together."""
     everything = scene.setup.limits.lower < scene.setup.limits.upper
     motion = release_motion(scene.motion, scene.first_change(now), everything, scene.setup)
-    return replace(scene, motion=Trajectory(motion.controls, motion.zero))
+    return replace(scene, motion=replace(motion))  # another one in any case: its coming ends the stop

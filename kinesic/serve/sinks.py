@@ -1,14 +1,13 @@
 """Sinks in real time: each gets its commands when it wants them."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from math import ceil, floor
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 from msgspec.structs import replace
 
-from kinesic.body.arrays import Floats, sealed
+from kinesic.body.arrays import Floats
 from kinesic.body.command import RATE, Command, Sink
 from kinesic.body.robot import Robot
 from kinesic.controller.feedforward import FeedForward
@@ -23,19 +22,6 @@ AHEAD = 0.7  # [s] servos' supervisor lets time run when it has 0.5 s of command
 Face = Callable[[float], Mapping[str, float]]  # action units at a time [s] of the clock
 
 KEPT = 1000  # commands after which a twin forgets what it measured
-
-
-@dataclass(frozen=True, eq=False)
-class Playing:
-    """What is performed: a trajectory on the clock."""
-
-    trajectory: Trajectory
-    epoch: float  # [s] of the clock at performance time 0
-
-    @property
-    def end(self) -> float:
-        """[s] of the clock from which it rests."""
-        return self.epoch + self.trajectory.duration
 
 
 @runtime_checkable
@@ -117,16 +103,15 @@ class ServoSink:
         self.sink, self.ahead, self.delay = sink, ahead, delay
         self._next = 0  # tick
 
-    def follow(self, playing: Playing, now: float, setup: Setup, face: Face) -> None:
+    def follow(self, motion: Trajectory, now: float, setup: Setup, face: Face) -> None:
         """Hands on all commands that it wants at a time [s]."""
         last = floor((now + self.ahead) * RATE + SAME)
         if last < self._next:
             return
         times = np.arange(self._next, last + 1) / RATE
-        local = times - playing.epoch
-        setpoints = FeedForward(setup.robot, setup.dynamics, delay=self.delay).lead(playing.trajectory, local)
-        for time, command in zip(times.tolist(), commands(playing.trajectory, local, setpoints), strict=True):
-            self.sink.write(replace(command, time=time, face=face(time)))
+        setpoints = FeedForward(setup.robot, setup.dynamics, delay=self.delay).lead(motion, times)
+        for command in commands(motion, times, setpoints):
+            self.sink.write(replace(command, face=face(command.time)))
         self._next = last + 1
 
     def again(self, cut: float) -> None:
@@ -134,17 +119,11 @@ class ServoSink:
         self._next = min(self._next, ceil(cut * RATE - SAME))
 
 
-def steady(old: Playing, new: Playing, time: float) -> bool:
+def steady(old: Trajectory, new: Trajectory, time: float) -> bool:
     """Whether going over from one to the other at a time [s] of the clock is no step."""
     at = np.array([time])
-    before, after = (playing.trajectory.sample(at - playing.epoch) for playing in (old, new))
+    before, after = old.sample(at), new.sample(at)
     return all(np.allclose(a, b, rtol=0.0, atol=most) for a, b, most in zip(before, after, STEPS, strict=True))
 
 
 STEPS = (1e-6, 1e-4, 1e-1)  # [rad], [rad/s], [rad/s^2] that nobody can see
-
-
-def rest_from(robot: Robot, now: float) -> Playing:
-    """At rest from a time [s] on."""
-    rest = sealed(np.repeat(robot.skeleton.rest[None, :], 13, axis=0))
-    return Playing(Trajectory(rest, 0.0), now)

@@ -1,3 +1,6 @@
+import pickle
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.interpolate import BSpline
@@ -33,6 +36,32 @@ def test_before_and_after_it_is_at_rest():
     assert not speeds.any()
     assert not accelerations.any()
     assert not MOTION.jerks(outside).any()
+
+
+def test_a_motion_that_starts_at_another_time_is_the_same():
+    times, later = np.linspace(-0.1, 0.5, 62), replace(MOTION, start=2.0)
+    for one, other in zip(MOTION.sample(times), later.sample(times + 2.0), strict=True):
+        np.testing.assert_allclose(other, one, atol=1e-6)
+    assert later.end == pytest.approx(2.0 + MOTION.duration)
+
+
+@pytest.mark.parametrize("time", [-1.0, 2.0, 2.014, 2.15, 2.29, 2.3, 99.0])
+def test_its_past_can_be_cut_away(time):
+    whole = replace(MOTION, controls=np.concatenate([CONTROLS, CONTROLS[[-1, -1]]]), start=2.0)
+    left, times = whole.since(time), np.linspace(max(time, 2.0), max(time, 2.0) + 0.4, 30)
+    assert left.start <= max(time, 2.0) < left.start + STEP + 1e-9
+    assert len(left.controls) >= 4
+    np.testing.assert_allclose(left.sample(times)[0], whole.sample(times)[0], atol=1e-9)
+
+
+def test_another_process_gets_it_without_its_derivatives():
+    moved = replace(MOTION, start=2.0)
+    before = len(pickle.dumps(moved))
+    moved.sample(np.array([2.1]))
+    assert len(pickle.dumps(moved)) == before
+    again = pickle.loads(pickle.dumps(moved))
+    np.testing.assert_array_equal(again.controls, CONTROLS)
+    assert (again.zero, again.start) == (0.1, 2.0)
 
 
 def test_one_state_is_a_sample():

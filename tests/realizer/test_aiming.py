@@ -21,7 +21,7 @@ def missed(play, block: str, *, motion=None) -> float:
     """By how much the hand of a block points past its target in its stroke [rad]."""
     staged = play.scene.find(block)
     (one,) = pointing_hands(staged.ready.plan)
-    stroke = play.scene.performance(staged.zero + staged.times[one.behaviour]["stroke"])
+    stroke = staged.zero + staged.times[one.behaviour]["stroke"]
     return one.miss((motion or play.scene.motion).sample(np.array([stroke]))[0][0], play.scene.setup.robot)
 
 
@@ -50,7 +50,7 @@ def test_a_hand_that_is_going_to_point_allows_for_a_trunk_that_moves_then(play, 
     play.send("b", other)
     assert missed(play, "a") < SLIGHT
     check(play)
-    knot = knot_at(play.scene.performance(0.2))
+    knot = knot_at(0.2 - play.scene.motion.start)
     np.testing.assert_allclose(play.scene.motion.controls[:knot], before.controls[:knot], atol=1e-8)
     play.until(6.0)
     assert play.warnings() == []

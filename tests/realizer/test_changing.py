@@ -34,7 +34,7 @@ def granted(scene: Scene, now: float) -> tuple[Scene, tuple[TimedRequest, ...]]:
 
 def swing(scene: Scene, first: float, last: float) -> float:
     """[rad] how far the head goes up and down."""
-    times = np.arange(first, last, 0.01) - scene.epoch
+    times = np.arange(first, last, 0.01)
     neck = list(scene.setup.robot.joints("neck"))
     return float(np.ptp(scene.motion.sample(times)[0][:, neck], axis=0).max())
 

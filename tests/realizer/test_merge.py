@@ -211,16 +211,29 @@ def test_two_looks_at_once_are_a_conflict(planned, rest):
     assert "look busy with z" in found.notices[0].text
 
 
-def test_a_clock_that_begins_anew_changes_nothing(planned, running, known):
-    later = running.earlier(2.0)
-    times = np.linspace(0.0, 5.0, 100)
-    one, other = later.trajectory.sample(times)[0], running.trajectory.sample(times + 2.0)[0]
+def test_a_past_that_is_cut_away_changes_nothing(planned, running, known):
+    later = running.since(2.0)
+    times = np.linspace(2.0, 7.0, 100)
+    one, other = later.trajectory.sample(times)[0], running.trajectory.sample(times)[0]
     np.testing.assert_allclose(one, other, atol=1e-12)
     plan = planned(NOD)
     one = merge(running.trajectory, 3.7, plan, begin=3.7, busy=running.busy)
-    other = merge(later.trajectory, 1.7, plan, begin=1.7, busy=later.busy)
-    assert other.zero == pytest.approx(one.zero - 2.0)
+    other = merge(later.trajectory, 3.7, plan, begin=3.7, busy=later.busy)
+    assert other.zero == pytest.approx(one.zero)
     np.testing.assert_allclose(other.trajectory.controls, one.trajectory.controls[200:], atol=1e-9)
+
+
+def test_what_begins_at_another_time_of_the_clock_is_the_same(planned, known):
+    first, second = planned(gesture("RIGHT", 1.0)), planned(NOD)
+    found = []
+    for start in (0.0, 1e4):
+        one = merge(stay(known.robot.skeleton.rest, start=start), start, first, begin=start)
+        found.append(merge(one.trajectory, start + 0.5, second, begin=start + 0.5, busy=one.busy))
+    soon, late = found
+    assert late.zero - soon.zero == pytest.approx(1e4)
+    assert [each.begin - soon_.begin for each, soon_ in zip(late.busy, soon.busy, strict=True)] == pytest.approx([1e4])
+    np.testing.assert_allclose(late.trajectory.controls, soon.trajectory.controls, atol=1e-9)
+    assert late.layer.start == late.trajectory.start == 1e4
 
 
 @pytest.mark.parametrize("time", [0.9, 1.45, 3.1, 6.5, 8.0])

@@ -109,5 +109,5 @@ def test_what_is_over_is_forgotten(play):
         scene = play.scene
         sizes.append((len(scene.motion.controls), len(scene.blocks), len(scene.agenda), len(scene.past)))
     assert np.max(sizes[500:], axis=0).tolist() == np.max(sizes[100:500], axis=0).tolist()
-    assert play.scene.epoch > 490.0
+    assert play.scene.motion.start > 490.0
     assert sum(':end" globalTime' in due.xml and "blockProgress" in due.xml for due in play.told) >= 998

@@ -5,55 +5,54 @@ from hypothesis import strategies as st
 
 from kinesic.motion.trajectory import Trajectory, stay
 from kinesic.serve.arrival_monitor import ArrivalMonitor
-from kinesic.serve.sinks import Playing
 
 HINGES = np.array([True, False])
 TIMES = np.arange(0.0, 2.0, 0.01)
 
 
-def moving(epoch):
+def moving(start):
     """One hinge goes from 0 to 1 rad within a second, another rests."""
     controls = np.zeros((203, 2))
     controls[:, 0] = np.clip(np.linspace(-0.01, 2.01, 203), 0.0, 1.0)
-    return Playing(Trajectory(controls, 0.0), epoch)
+    return Trajectory(controls, 0.0, start)
 
 
-def seen(playing, late, until):
+def seen(motion, late, until):
     gauge = ArrivalMonitor()
     for time in TIMES[until > TIMES]:
-        gauge.add(time + playing.epoch, playing.trajectory.sample(np.array([time - late]))[0][0])
+        gauge.add(time + motion.start, motion.sample(np.array([motion.start + time - late]))[0][0])
     return gauge
 
 
 @settings(deadline=None, max_examples=40)
 @given(st.floats(-0.03, 0.08), st.floats(-5.0, 5.0))
-def test_a_body_that_is_late_by_so_much_is_told_so(late, epoch):
-    playing = moving(epoch)
-    found = seen(playing, late, 1.0).lateness(epoch + 0.8, HINGES, playing)
+def test_a_body_that_is_late_by_so_much_is_told_so(late, start):
+    motion = moving(start)
+    found = seen(motion, late, 1.0).lateness(start + 0.8, HINGES, motion)
     assert found == pytest.approx(late, abs=1e-3)
 
 
 def test_a_body_that_has_not_arrived_yet_is_waited_for():
-    playing = moving(0.0)
-    assert seen(playing, 0.05, 0.81).lateness(0.8, HINGES, playing) is None
-    assert ArrivalMonitor().lateness(0.8, HINGES, playing) is None
+    motion = moving(0.0)
+    assert seen(motion, 0.05, 0.81).lateness(0.8, HINGES, motion) is None
+    assert ArrivalMonitor().lateness(0.8, HINGES, motion) is None
 
 
 def test_nothing_can_be_said_of_hinges_that_rest():
-    playing = moving(0.0)
-    assert np.isnan(seen(playing, 0.0, 1.0).lateness(0.8, ~HINGES, playing))
-    still = Playing(stay(np.zeros(2), 2.0), 0.0)
+    motion = moving(0.0)
+    assert np.isnan(seen(motion, 0.0, 1.0).lateness(0.8, ~HINGES, motion))
+    still = stay(np.zeros(2), 2.0)
     assert np.isnan(seen(still, 0.0, 1.0).lateness(0.8, HINGES, still))
 
 
 def test_nothing_can_be_said_after_a_hold():
-    playing = moving(0.0)
-    assert np.isnan(seen(playing, 0.0, 1.9).lateness(1.8, HINGES, playing))
+    motion = moving(0.0)
+    assert np.isnan(seen(motion, 0.0, 1.9).lateness(1.8, HINGES, motion))
 
 
 def test_what_is_no_number_or_out_of_order_is_passed_over():
-    playing = moving(0.0)
-    gauge = seen(playing, 0.02, 1.0)
+    motion = moving(0.0)
+    gauge = seen(motion, 0.02, 1.0)
     gauge.add(1.1, np.array([np.nan, 0.0]))
     gauge.add(0.5, np.array([9.0, 0.0]))
-    assert gauge.lateness(0.8, HINGES, playing) == pytest.approx(0.02, abs=1e-3)
+    assert gauge.lateness(0.8, HINGES, motion) == pytest.approx(0.02, abs=1e-3)

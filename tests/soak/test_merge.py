@@ -17,7 +17,7 @@ from kinesic.planning.plan import plan_block
 from kinesic.planning.quick_plan import plan_quickly
 from kinesic.realizer.merge import merge, replace_motion
 from kinesic.realizer.occupancy import freed_hinges, still_occupied
-from kinesic.realizer.release import release_motion, tail
+from kinesic.realizer.release import release_motion
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 MODES = ("LEFT_HAND", "RIGHT_HAND", "BOTH_HANDS")
@@ -63,10 +63,8 @@ def test_an_endless_stream_of_blocks(seed, known):
     least = known.robot.least_clearance + LAG_RESERVE
     for step in range(STEPS):
         now += chance.expovariate(1 / 0.6)
-        left = tail(motion, max(0.0, now - PAST))
-        shift = motion.zero - left.zero
-        motion, now = left, now - shift
-        playing = [each.earlier(shift) for each in playing]
+        motion = motion.since(now - PAST)
+        playing = [each.since(now - PAST) for each in playing]
         playing = [each for each in playing if any(need.end > now or need.stays for need in each.busy)]
         needs = still_occupied((need for each in playing for need in each.busy), now)
         deed = chance.random()
@@ -83,7 +81,7 @@ def test_an_endless_stream_of_blocks(seed, known):
             after = release_motion(motion, now, free, known, layer=gone.layer, others=others)
         else:
             continue
-        count = knot_at(now) + 3
+        count = knot_at(now - motion.start) + 3
         same = [lengthen(each.controls, count)[:count] for each in (motion, after)]
         np.testing.assert_allclose(*same, atol=1e-8, err_msg=f"step {step}")
         for name, peak in peaks(after, known.limits).shares.items():

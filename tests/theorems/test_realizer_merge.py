@@ -16,7 +16,7 @@ from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.quick_plan import plan_quickly
 from kinesic.realizer.merge import merge, replace_motion
 from kinesic.realizer.occupancy import freed_hinges, still_occupied
-from kinesic.realizer.release import release_motion, tail
+from kinesic.realizer.release import release_motion
 from kinesic.realizer.replan import replan
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
@@ -98,10 +98,9 @@ def test_whatever_comes_over_whatever(deeds, quickly):
 def test_the_past_that_is_forgotten_changes_nothing_to_come(first, second, time, pieces):
     pieces = min(pieces, knot_at(time))
     one = merge(stay(known().robot.skeleton.rest), 0.0, planned(first, quickly=True), begin=0.0)
-    shift = round(one.trajectory.zero - tail(one.trajectory, pieces * STEP).zero, 9)
-    other = one.earlier(shift)
+    other = one.since(pieces * STEP)
     over = merge(one.trajectory, time, planned(second, quickly=True), begin=time, busy=one.busy)
-    again = merge(other.trajectory, time - shift, planned(second, quickly=True), begin=time - shift, busy=other.busy)
+    again = merge(other.trajectory, time, planned(second, quickly=True), begin=time, busy=other.busy)
     assert again.dropped == over.dropped
-    times = np.linspace(shift, shift + 6.0, 100)
-    np.testing.assert_allclose(again.trajectory.sample(times - shift)[0], over.trajectory.sample(times)[0], atol=1e-6)
+    times = pieces * STEP + np.linspace(0.0, 6.0, 100)
+    np.testing.assert_allclose(again.trajectory.sample(times)[0], over.trajectory.sample(times)[0], atol=1e-6)

@@ -86,8 +86,8 @@ class Watched:
 
     def _look(self, before: Scene, cut: float) -> None:
         scene = self.scene
-        times = np.array([max(cut - 0.2, before.epoch, scene.epoch), cut])
-        was, after = before.motion.sample(times - before.epoch), scene.motion.sample(times - scene.epoch)
+        times = np.array([max(cut - 0.2, before.motion.start, scene.motion.start), cut])
+        was, after = before.motion.sample(times), scene.motion.sample(times)
         for one, other, alike in zip(was, after, ALIKE, strict=True):
             np.testing.assert_allclose(other, one, rtol=0.0, atol=alike)
         for name, peak in peaks(scene.motion, known().limits).shares.items():
