@@ -34,7 +34,6 @@ def best_swivel(
     *,
     start: Floats,
     rest: Floats | None = None,
-    mobility: Floats | None = None,
     widest: float = pi,
     kernel: Kernel = KERNEL,
 ) -> Solution:
@@ -45,7 +44,6 @@ def best_swivel(
         reach: of its hand, in the frame of the chain's base; with a swivel of its own nothing is searched.
         start: (k,) [rad] posture to stay close to; clipped to the ranges.
         rest: (k,) [rad] of whatever the reach leaves open.
-        mobility: (k,) how readily each hinge helps.
         widest: [rad] that the elbow swings, to either side.
         kernel: which implementation answers; "numpy" is the specification of the other.
 
@@ -56,7 +54,7 @@ def best_swivel(
     Raises:
         ValueError: a shape is wrong or a number is not finite.
     """
-    first = solve(chain, reach, start=start, rest=rest, mobility=mobility, kernel=kernel)
+    first = solve(chain, reach, start=start, rest=rest, kernel=kernel)
     if reach.swivel is not None or not first.reached or _left(first) <= SATISFIED:
         return first
     home = sealed(np.clip(chain.rest if rest is None else rest, chain.lower, chain.upper))

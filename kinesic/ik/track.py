@@ -15,7 +15,7 @@ from kinesic.body.chain import Chain
 from kinesic.ik.arm.compiled import KERNEL, Kernel, arm_of
 from kinesic.ik.arm.linkage import Linkage, linkage_of
 from kinesic.ik.arm.mirror import is_right, mirror_chain, mirror_place
-from kinesic.ik.arm.polish import columns, polish_step
+from kinesic.ik.arm.polish import HandSlope, columns, polish_step
 from kinesic.ik.arm.shoulder_elbow import STRETCH, helpful
 from kinesic.ik.scalar3 import Vector, distance, dot, minus, norm, plus, scaled, vector
 
@@ -176,7 +176,7 @@ def _moved(
     for _ in range(ROUNDS):
         damping = DAMPING * dot(error, error) + LEAST_DAMPING * size * size
         pulls = [pull * (home - angle) for home, angle in zip(rest, now, strict=False)]
-        now, pull = polish_step(linkage, now, error, moves, pulls, linkage.mobility, damping), 0.0
+        now, pull = polish_step(linkage, now, error, HandSlope(moves, pulls, linkage.mobility, damping)), 0.0
         hand, moves = columns(linkage, now)
         error = minus(target, hand)
         if norm(error) <= TOLERANCE * size:

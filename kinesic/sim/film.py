@@ -16,6 +16,7 @@ from kinesic.sim.scene_style import CAMERA, styled_model
 __all__ = ["FilmError", "film", "opengl_fault", "write_still"]
 
 Picture = NDArray[np.uint8]
+SIZE = (480, 360)  # [pixels] width and height of a picture
 QUALITY = 80  # of WebP, 0..100
 MOST_PICTURES = 600  # they are held in memory until the file is written
 
@@ -30,8 +31,7 @@ def film(
     angles: Floats,
     path: Path,
     *,
-    width: int = 480,
-    height: int = 360,
+    size: tuple[int, int] = SIZE,
     rate: float = 20.0,
 ) -> None:
     """Writes a motion as an animated WebP.
@@ -41,8 +41,7 @@ def film(
         times: (m,) [s] increasing.
         angles: (m, n) [rad] at these times.
         path: of the film, ending in .webp.
-        width: of a picture, in pixels.
-        height: of a picture, in pixels.
+        size: width and height of a picture, in pixels.
         rate: pictures per second; less when there would be more than MOST_PICTURES.
 
     Raises:
@@ -54,26 +53,27 @@ def film(
     period = max(1 / rate, (times[-1] - times[0]) / MOST_PICTURES)
     moments = np.arange(times[0], times[-1] + 1e-9, period)
     postures = np.column_stack([np.interp(moments, times, column) for column in angles.T])
-    frames = [Image.fromarray(picture) for picture in _pictures(robot, postures, width, height)]
+    frames = [Image.fromarray(picture) for picture in _pictures(robot, postures, size)]
     durations = np.diff(np.round(1000 * period * np.arange(len(frames) + 1))).astype(int).tolist()  # [ms]
     frames[0].save(
         path, format="WEBP", save_all=True, append_images=frames[1:], duration=durations, quality=QUALITY, method=0
     )
 
 
-def write_still(robot: Robot, angles: Floats, path: Path, *, width: int = 480, height: int = 360) -> None:
+def write_still(robot: Robot, angles: Floats, path: Path, *, size: tuple[int, int] = SIZE) -> None:
     """Writes one posture (n,) [rad] as a PNG.
 
     Raises:
         FilmError: OpenGL does not draw on this machine.
     """
-    Image.fromarray(_pictures(robot, angles[None], width, height)[0]).save(path, format="PNG")
+    Image.fromarray(_pictures(robot, angles[None], size)[0]).save(path, format="PNG")
 
 
-def _pictures(robot: Robot, postures: Floats, width: int, height: int) -> list[Picture]:
+def _pictures(robot: Robot, postures: Floats, size: tuple[int, int]) -> list[Picture]:
     """One picture (height, width, 3) for each posture (m, n) [rad]."""
     if why := opengl_fault():
         raise FilmError(why)
+    width, height = size
     model = styled_model(robot, width=width, height=height)
     data = mujoco.MjData(model)
     order = joint_order(robot, model)

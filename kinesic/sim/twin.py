@@ -34,7 +34,6 @@ class Twin:
         *,
         factors: Factors = NOMINAL,
         step: float = STEP,
-        latency: float = 0.0,
         start: Floats | None = None,
         rounds: bool = True,
         touches: bool = True,
@@ -45,21 +44,18 @@ class Twin:
             robot: what is simulated.
             factors: how far its servos and masses are from the description.
             step: [s] longest step of the physics; each command's interval is cut into equal steps.
-            latency: [s] from a command's time until its goals reach the servos.
             start: (n,) [rad] first posture; the robot's rest posture if not given.
             rounds: goals to ticks, as the servos' registers do.
             touches: itself where segments meet; a tenth faster without, and the same as long as they stay apart.
 
         Raises:
-            ValueError: step is not positive, or latency is negative.
+            ValueError: step is not positive.
         """
         if not step > 0:
             raise ValueError(f"step is {step} s, must be above 0 (0.004 is accurate)")
-        if latency < 0:
-            raise ValueError(f"latency is {latency} s, must be at least 0")
         self._robot = factors.applied(robot)
         self._distances = _distances(robot)  # the same for all factors
-        self._step, self._latency = step, latency + factors.latency
+        self._step, self._latency = step, factors.latency
         self._model = build_model(robot, servos=factors)
         if not touches:
             self._model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)

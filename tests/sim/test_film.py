@@ -40,7 +40,7 @@ def test_a_film_has_the_motions_length_and_moves(tmp_path):
     times = np.linspace(0.0, 1.0, 101)
     angles = REST + np.outer(times, RAISED - REST)
     path = tmp_path / "film.webp"
-    film(ROBOT, times, angles, path, width=160, height=120, rate=8)
+    film(ROBOT, times, angles, path, size=(160, 120), rate=8)
     with Image.open(path) as seen:
         assert (seen.format, seen.size, seen.n_frames) == ("WEBP", (160, 120), 9)
         pictures = []
@@ -55,7 +55,7 @@ def test_a_film_has_the_motions_length_and_moves(tmp_path):
 def test_a_long_motion_is_filmed_at_a_lower_rate(tmp_path, monkeypatch):
     monkeypatch.setattr(films, "MOST_PICTURES", 5)
     path = tmp_path / "film.webp"
-    film(ROBOT, np.array([0.0, 10.0]), np.array([REST, RAISED]), path, width=80, height=60)
+    film(ROBOT, np.array([0.0, 10.0]), np.array([REST, RAISED]), path, size=(80, 60))
     with Image.open(path) as seen:
         assert seen.n_frames == 6
         seen.load()

@@ -115,7 +115,7 @@ def test_uneven_times_are_met_exactly():
 
 def test_latency_delays_the_motion():
     waiting = [structs.replace(COMMANDS[0], time=-0.5), *COMMANDS]  # the late one sags before its first goals arrive
-    prompt, late = performed(waiting), performed(waiting, latency=0.02)
+    prompt, late = performed(waiting), performed(waiting, factors=Factors(latency=0.02))
     assert late.angles[3:] == pytest.approx(prompt.angles[1:-2], abs=np.radians(0.2))
     assert np.abs(late.angles - prompt.angles).max() > np.radians(1.0)
 
@@ -143,17 +143,10 @@ def test_mujoco_delays_alike():
         angles.append(data.qpos[order] - step / 2 * data.qvel[order])
         data.ctrl[actuators] = goal
         mujoco.mj_step(model, data, round(PERIOD / step))
-    late = performed(COMMANDS, latency=latency, step=step)
+    late = performed(COMMANDS, factors=Factors(latency=latency), step=step)
     assert late.latency == latency
     assert np.abs(late.angles[1:] - angles[1:]).max() < np.radians(0.01)
     assert np.abs(performed(COMMANDS, step=step).angles[1:] - angles[1:]).max() > np.radians(0.3)
-
-
-def test_factors_may_bring_a_latency_of_their_own():
-    one = performed(COMMANDS, latency=0.006)
-    two = performed(COMMANDS, latency=0.002, factors=Factors(latency=0.004))
-    assert two.latency == pytest.approx(0.006)
-    assert one.angles == pytest.approx(two.angles, abs=1e-9)
 
 
 def test_what_was_sent_is_kept_in_ticks():
@@ -290,8 +283,6 @@ def test_results_do_not_depend_on_the_order_of_segments():
 def test_wrong_settings_and_times_are_refused():
     with pytest.raises(ValueError, match="step is 0"):
         Twin(ROBOT, step=0.0)
-    with pytest.raises(ValueError, match="latency is -1"):
-        Twin(ROBOT, latency=-1.0)
     with pytest.raises(ValueError, match="no command was written"):
         Twin(ROBOT).measurements()
     twin = Twin(ROBOT)

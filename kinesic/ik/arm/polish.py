@@ -30,6 +30,16 @@ class Polished:
     rounds: int
 
 
+@dataclass(frozen=True)
+class HandSlope:
+    """How a hand moves with the hinges before it, to first order, and how readily they help."""
+
+    moves: Sequence[Vector]  # [m] per radian of each hinge
+    pulls: Sequence[float]  # [rad] by which each hinge would go back to the posture
+    mobility: Sequence[float]  # 1 for an ordinary hinge, 0 for one that is fixed
+    damping: float  # [m^2]
+
+
 def polish(
     linkage: Linkage,
     target: Vector,
@@ -63,7 +73,7 @@ def polish(
         damping = caution * (DAMPING * dot(error, error) + LEAST_DAMPING * size * size)
         share = POSTURE * fading / caution
         pulls = [share * (home - angle) for home, angle in zip(posture, now, strict=False)]
-        tried = polish_step(linkage, now, error, moves, pulls, mobility, damping)
+        tried = polish_step(linkage, now, error, HandSlope(moves, pulls, mobility, damping))
         hand, tried_moves = columns(linkage, tried)
         tried_error = minus(target, hand)
         gain = norm(tried_error) / norm(error)
@@ -86,23 +96,23 @@ def columns(linkage: Linkage, angles: Sequence[float]) -> tuple[Vector, list[Vec
     return centre, [cross(axis, minus(centre, pole)) for axis, pole in axes]
 
 
-def polish_step(
-    linkage: Linkage,
-    angles: Sequence[float],
-    error: Vector,
-    moves: Sequence[Vector],
-    pulls: Sequence[float],
-    mobility: Sequence[float],
-    damping: float,
-) -> list[float]:
-    """The angles after one step; what a stopped hinge cannot give is solved again on those that are free."""
+def polish_step(linkage: Linkage, angles: Sequence[float], error: Vector, slope: HandSlope) -> list[float]:
+    """Takes one damped step; what a stopped hinge cannot give is solved again on those that are free.
+
+    Args:
+        linkage: the arm.
+        angles: [rad] of the hinges before the hand's own, inside the ranges.
+        error: [m] from the hand to its target.
+        slope: at these angles.
+    """
     moved, pivots = list(angles), linkage.pivots
+    moves, pulls, mobility = slope.moves, slope.pulls, slope.mobility
     free = [k for k in range(len(moved)) if mobility[k] > 0.0]
     while free:
         left = error
         for k in free:
             left = minus(left, scaled(moves[k], pulls[k]))
-        push = _solved([moves[k] for k in free], [mobility[k] for k in free], damping, left)
+        push = _solved([moves[k] for k in free], [mobility[k] for k in free], slope.damping, left)
         wanted = {k: angles[k] + pulls[k] + mobility[k] * dot(moves[k], push) for k in free}
         stopped = [k for k in free if not pivots[k].lower <= wanted[k] <= pivots[k].upper]
         for k in stopped or list(free):

@@ -16,11 +16,10 @@ from scipy.spatial.transform import Rotation
 from kinesic.body.arrays import Floats, sealed
 from kinesic.ik.arm.masses import clamp
 from kinesic.ik.scalar3 import vector
-from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.limbs import Limb, Limbs
 from kinesic.ik.thesis.limits import within_limits
 from kinesic.ik.thesis.rotations import Carrier, Stance, aim_bones, stance_of
-from kinesic.ik.thesis.solve import Method, solve_ball_chain, three, unbent
+from kinesic.ik.thesis.solve import ChainStart, Method, solve_ball_chain, three, unbent
 from kinesic.ik.thesis.springs import Springs
 from kinesic.ik.thesis.task import Effort, Rest
 from kinesic.ik.thesis.verlet import swing_to_rest
@@ -72,11 +71,10 @@ def turn_joints(
             turned = Carrier(carrier.point, carrier.rotation @ turns[limb.on])
             footing = Carrier(turned.point + turned.rotation @ (chain.points[1] - chain.points[0]), turned.rotation)
             outer = _outer(
-                chain.beyond(1),
+                limb,
                 begun[1:],
-                points[1:],
+                wishes,
                 footing,
-                target=wishes.targets.get(limb.name),
                 method=method,
                 effort=replace(effort, tolerance=effort.tolerance * limbs.size / chain.size),
             )
@@ -88,25 +86,16 @@ def turn_joints(
     return stances
 
 
-def _outer(
-    chain: BallChain,
-    begun: Floats,
-    points: Floats,
-    footing: Carrier,
-    *,
-    target: Floats | None,
-    method: Method,
-    effort: Effort,
-) -> Floats:
+def _outer(limb: Limb, begun: Floats, wishes: Wishes, footing: Carrier, *, method: Method, effort: Effort) -> Floats:
     """(n, 3, 3) rotations of what a limb has beyond its shared bone; none for a limb of one bone."""
     if not len(begun):
         return begun
+    chain, points, target = limb.chain.beyond(1), wishes.points[limb.name][1:], wishes.targets.get(limb.name)
     stance = within_limits(chain, aim_bones(chain, begun, points, footing), points[-1], footing)
     if target is None:
         return stance.rotations
-    return solve_ball_chain(
-        chain, target, method=method, start=stance.rotations, carrier=footing, effort=effort
-    ).rotations
+    start = ChainStart(stance.rotations, footing)
+    return solve_ball_chain(chain, target, method=method, start=start, effort=effort).rotations
 
 
 def _agreed(siblings: Sequence[Limb], before: Mapping[str, Stance], carrier: Carrier, wishes: Wishes) -> Floats:

@@ -27,6 +27,17 @@ NUDGE = 0.02  # of the chain's length, along the up vector, to leave the line
 
 
 @dataclass(frozen=True, eq=False)
+class ChainStart:
+    """Where a chain begins."""
+
+    rotations: Floats | None = None  # (n, 3, 3) away from rest, for instance an earlier result's; None: at rest
+    carrier: Carrier | None = None  # what the chain stands on; None: the ground, at its rest
+
+
+GROUND = ChainStart()
+
+
+@dataclass(frozen=True, eq=False)
 class Relaxed:
     """A chain at rest. An unreachable target is an answer, not an error: read the residual."""
 
@@ -45,9 +56,8 @@ def solve_ball_chain(
     target: Floats,
     *,
     method: Method = "position",
-    start: Floats | None = None,
+    start: ChainStart = GROUND,
     up: Floats | None = None,
-    carrier: Carrier | None = None,
     effort: Effort | None = None,
 ) -> Relaxed:
     """Brings the end of a chain of ball joints to a target.
@@ -56,9 +66,8 @@ def solve_ball_chain(
         chain: at rest.
         target: (3,) [m].
         method: of relaxing the springs: an outer force, a pinned hand, or all springs at once.
-        start: (n, 3, 3) rotations away from rest to begin with, for instance an earlier result's; None: at rest.
+        start: where the chain begins.
         up: (3,) where the chain should bend to: its swivel; None: as it comes.
-        carrier: what the chain stands on; None: the ground, at its rest.
         effort: tolerances and caps.
 
     Returns:
@@ -73,9 +82,9 @@ def solve_ball_chain(
     wish = None if up is None else three("up", up)
     effort = effort or Effort()
     enough = effort.tolerance * chain.size
-    ground = carrier or Carrier.at_rest(chain)
+    ground = start.carrier or Carrier.at_rest(chain)
     near = sealed(clamp(vector(asked), vector(ground.point), chain.size))
-    stance = within_limits(chain, stance_of(chain, _begun(chain, start), ground), near, ground)
+    stance = within_limits(chain, stance_of(chain, _begun(chain, start.rotations), ground), near, ground)
     best, energy, iterations, done = stance, 0.0, 0, 0
     while done == 0 or (chain.limits is not None and done < effort.rounds and _miss(best, near) > enough):
         rest = _relaxed(chain, stance, near, method=method, effort=effort)

@@ -7,7 +7,7 @@ from kinesic.ik.thesis.boxes import EulerBoxes, rotation_of
 from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.limits import within_limits
 from kinesic.ik.thesis.rotations import Carrier, stance_of
-from kinesic.ik.thesis.solve import solve_ball_chain
+from kinesic.ik.thesis.solve import ChainStart, solve_ball_chain
 
 BOX = np.radians([20.0, 60.0, 60.0])
 
@@ -68,6 +68,6 @@ def test_most_targets_that_limits_allow_are_reached_and_no_limit_is_broken(joint
 def test_a_start_outside_the_limits_is_pulled_in():
     chain = _limited(3)
     start = np.tile(rotation_of(np.array([0.0, 1.4, 0.0]), "xyz"), (3, 1, 1))
-    relaxed = solve_ball_chain(chain, np.array([0.8, 0.1, 0.3]), start=start)
+    relaxed = solve_ball_chain(chain, np.array([0.8, 0.1, 0.3]), start=ChainStart(start))
     assert chain.limits is not None
     assert chain.limits.excess(relaxed.rotations) < 1e-9

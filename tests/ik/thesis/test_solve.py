@@ -5,7 +5,7 @@ from numpy.random import default_rng
 from kinesic.ik.thesis.boxes import EulerBoxes
 from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.rotations import Carrier
-from kinesic.ik.thesis.solve import RELAXATIONS, solve_ball_chain
+from kinesic.ik.thesis.solve import RELAXATIONS, ChainStart, solve_ball_chain
 
 METHODS = list(RELAXATIONS)
 JOINTS = (3, 6, 10, 20)
@@ -83,10 +83,10 @@ def test_one_bone_is_aimed(method):
 def test_an_earlier_result_is_a_start_that_needs_nothing_more(method):
     target = np.array([0.3, 0.4, 0.2])
     first = solve_ball_chain(_chain(6), target, method=method)
-    again = solve_ball_chain(_chain(6), target, method=method, start=first.rotations)
+    again = solve_ball_chain(_chain(6), target, method=method, start=ChainStart(first.rotations))
     assert again.iterations == 0
     assert again.points == pytest.approx(first.points, abs=2e-3)
-    near = solve_ball_chain(_chain(6), target + 0.01, method=method, start=first.rotations)
+    near = solve_ball_chain(_chain(6), target + 0.01, method=method, start=ChainStart(first.rotations))
     assert near.iterations < first.iterations
 
 
@@ -103,7 +103,7 @@ def test_a_carried_chain_solves_from_where_it_stands():
     quarter = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     shift, target = np.array([1.0, 2.0, 3.0]), np.array([0.3, 0.4, 0.2])
     here = solve_ball_chain(_chain(6), target)
-    there = solve_ball_chain(_chain(6), shift + quarter @ target, carrier=Carrier(shift, quarter))
+    there = solve_ball_chain(_chain(6), shift + quarter @ target, start=ChainStart(carrier=Carrier(shift, quarter)))
     assert there.iterations == here.iterations
     assert there.rotations == pytest.approx(here.rotations, abs=1e-9)
 
@@ -126,7 +126,7 @@ def test_limits_are_held_with_every_method():
         ([0.1, 0.2], {}, "target is .* three finite numbers"),
         ([0.1, 0.2, 0.3], {"up": np.array([np.inf, 0.0, 0.0])}, "up is"),
         ([0.1, 0.2, 0.3], {"method": "magic"}, "method is 'magic'; known are force, position, direct"),
-        ([0.1, 0.2, 0.3], {"start": np.eye(3)}, r"start has the shape \(3, 3\)"),
+        ([0.1, 0.2, 0.3], {"start": ChainStart(np.eye(3))}, r"start has the shape \(3, 3\)"),
     ],
 )
 def test_bad_questions_are_refused_with_a_lesson(target, given, lesson):
