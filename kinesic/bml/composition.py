@@ -5,7 +5,7 @@ predecessor's, the behaviours in any case of their letters.
 """
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from enum import Enum
 from typing import Literal
 
@@ -36,6 +36,7 @@ _KINDS = {
 }
 _WRITTEN = re.compile(r"\s*([\w-]*)\s*(?:\((.*)\))?\s*", re.DOTALL)
 _SEPARATOR = re.compile(r"[\s,]+")
+_COMMANDS = ("interrupt", "activate", "parametervaluechange")
 _VALUES = ("targetValue", "finalValue", "value")  # of a change, where it ends
 
 
@@ -135,39 +136,25 @@ def command_of(named: BehaviourElement, reading: DocumentReading) -> Command | N
     Raises:
         BmlError: it does not say to which block.
     """
-    reads = _COMMANDS.get(named.element.local.lower())
-    if reads is None or not is_composing(named.element.name, named.element):
+    if not is_command(named.element):
         return None
-    if not named.word("target"):
+    target = named.word("target")
+    if not target:
         what = f"<{named.element.name}> has no target"
         raise reading.refuse(named.element.place, what, "the id of a block is expected, such as target='bml1'")
-    return reads(named)
+    match named.element.local.lower():
+        case "interrupt":
+            return Interrupt(target, _ids(named.word("include")), _ids(named.word("exclude")))
+        case "activate":
+            return Activate(target)
+    inside = [named] + [BehaviourElement(named.id, child, child.attributes) for child in named.element.children]
+    value = next((word for part in inside if (word := part.word(*_VALUES))), "")
+    return ParameterChange(target, named.word("paramId", "parameter", "name"), value)
 
 
 def is_command(element: Element) -> bool:
     """Whether an element does something to other blocks."""
     return element.local.lower() in _COMMANDS and is_composing(element.name, element)
-
-
-def _interrupt(named: BehaviourElement) -> Command:
-    return Interrupt(named.word("target"), _ids(named.word("include")), _ids(named.word("exclude")))
-
-
-def _activate(named: BehaviourElement) -> Command:
-    return Activate(named.word("target"))
-
-
-def _parameter_change(named: BehaviourElement) -> Command:
-    inside = [named] + [BehaviourElement(named.id, child, child.attributes) for child in named.element.children]
-    value = next((word for part in inside if (word := part.word(*_VALUES))), "")
-    return ParameterChange(named.word("target"), named.word("paramId", "parameter", "name"), value)
-
-
-_COMMANDS: dict[str, Callable[[BehaviourElement], Command]] = {
-    "interrupt": _interrupt,
-    "activate": _activate,
-    "parametervaluechange": _parameter_change,
-}
 
 
 def _ids(text: str | None) -> tuple[str, ...]:

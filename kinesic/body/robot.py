@@ -15,6 +15,8 @@ from kinesic.body.servo import Drives
 
 Side = Literal["l", "r"]
 SIDES: tuple[Side, Side] = ("l", "r")
+OTHER_SIDE: Mapping[Side, Side] = {"l": "r", "r": "l"}
+SIDE_NAMES: Mapping[Side, str] = {"l": "left", "r": "right"}
 PartName = Literal["torso", "head", "l_hand", "r_hand"]  # what a behaviour moves
 CHAINS: Mapping[PartName, str] = {"torso": "torso", "l_hand": "l_arm", "r_hand": "r_arm", "head": "neck"}
 SPEED_SHARE = 0.8  # of the no-load speed that a plan may use

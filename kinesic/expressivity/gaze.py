@@ -145,16 +145,16 @@ def _share_turn(turn: Turn, *, influence: str | None, robot: Robot, base: Aim, m
     neck = add_turns(head, scale_turn(torso, -1.0))
     turned = add_turns(torso, clip_turn(neck, room(robot, "neck")))
     rest = add_turns(turn, scale_turn(turned, -1.0))
-    lost = excess(rest, seeing)
+    lost, substitute = excess(rest, seeing), ""
+    if missing:
+        substitute = f"looks at the {AUDIENCE}: {missing}"
+    elif parts == "EYES" and "eyes" not in robot.sites:
+        substitute = "the head looks, as the robot has no eyes"
     return Aim(
         head=turned,
         torso=torso,
         eyes=clip_turn(rest, seeing),
-        substitute=f"looks at the {AUDIENCE}: {missing}" if missing else _without_eyes(parts, robot),
+        substitute=substitute,
         missing=missing,
         clipped=f"{lost:.0f} deg beyond the neck's range are left out" if lost > 0.5 else "",
     )
-
-
-def _without_eyes(influence: str, robot: Robot) -> str:
-    return "the head looks, as the robot has no eyes" if influence == "EYES" and "eyes" not in robot.sites else ""

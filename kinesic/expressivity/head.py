@@ -160,13 +160,9 @@ def _swing(form: HeadForm, times: Mapping[str, float], natural: float, manner: E
 def _drop_added(form: HeadForm, times: Mapping[str, float], least: float) -> HeadForm:
     """The form with as many added times as leave each swing what the neck needs [s]."""
     span = times["strokeEnd"] - times["stroke"]
-    more = next((more for more in range(form.more, 0, -1) if span >= least * _count(form, more)), 0)
-    return replace(form, more=more)
-
-
-def _count(form: HeadForm, more: int) -> int:
-    """Swings after the first one."""
-    return len(replace(form, more=more).swings) - 1
+    while form.more > 0 and span < least * (len(form.swings) - 1):
+        form = replace(form, more=form.more - 1)
+    return form
 
 
 def _pin_swings(times: Mapping[str, float], last: int, natural: float) -> dict[int, float]:

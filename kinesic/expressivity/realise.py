@@ -6,9 +6,7 @@ from types import MappingProxyType
 
 from kinesic.bml.block import (
     Activate,
-    Behaviour,
     Block,
-    BmlError,
     Custom,
     Face,
     Gaze,
@@ -26,6 +24,7 @@ from kinesic.bml.block import (
     Timeline,
     Torso,
     Wait,
+    refusal,
 )
 from kinesic.bml.timing.constraints import placed_points
 from kinesic.body.robot import PartName
@@ -97,7 +96,14 @@ def keyframes(timeline: Timeline, context: BlockContext, *, without: Mapping[str
         GATHER[shared.gathering](sequences, syncs, robot),
         outcomes,
         uses,
-        (*timeline.notices, *(notice for id, move in moves.items() for notice in _notices(timeline.block, id, move))),
+        (
+            *timeline.notices,
+            *(
+                Notice(warned.type, f"{timeline.block.id}:{id}", warned.text)
+                for id, move in moves.items()
+                for warned in move.warnings
+            ),
+        ),
     )
 
 
@@ -160,7 +166,6 @@ def _with_hands(id: str, move: Move, hands: Arranged) -> Move:
 
 
 def _uses(id: str, move: Move, hands: Arranged) -> frozenset[PartName]:
-    """The parts that a behaviour moves."""
     parts: set[PartName] = {HANDS[side] for side in hands.sides.get(id, ())}
     if move.torso:
         parts.add("torso")
@@ -169,21 +174,11 @@ def _uses(id: str, move: Move, hands: Arranged) -> frozenset[PartName]:
     return frozenset(parts)
 
 
-def _notices(block: Block, id: str, move: Move) -> list[Notice]:
-    return [Notice(warned.type, f"{block.id}:{id}", warned.text) for warned in move.warnings]
-
-
 def _check_required(block: Block, outcomes: Mapping[str, Outcome]) -> None:
     """Refuses the block when a behaviour inside `required` is dropped."""
     for behaviour in block.behaviours:
         outcome = outcomes.get(behaviour.id)
         if behaviour.required and outcome is not None and outcome.kind == "dropped":
-            raise BmlError(_refusal(block, behaviour, outcome.why))
-
-
-def _refusal(block: Block, behaviour: Behaviour, why: str) -> str:
-    place = f"{block.source}:{behaviour.place.line}:{behaviour.place.column}"
-    return (
-        f"{place}: {behaviour.type} {behaviour.id} is required and cannot be performed: {why}; "
-        "outside <required> the rest would be performed without it"
-    )
+            what = f"{behaviour.type} {behaviour.id} is required and cannot be performed: {outcome.why}"
+            remedy = "outside <required> the rest would be performed without it"
+            raise refusal(block.source, behaviour.place, what, remedy)

@@ -11,7 +11,7 @@ import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Distances
-from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.body.robot import OTHER_SIDE, SIDES, Robot, Side
 from kinesic.expressivity.keyframes import Hand, Touch
 
 ROUNDS = 12
@@ -25,7 +25,6 @@ UNMOVED = 1e-6  # [m/rad] a pair whose gap changes less is not moved by the join
 NONE = 1e-9
 HOVER = 0.015  # [m]
 NEAR_ENOUGH = 0.12  # [m] a hand that is farther from what it touches stays where it is
-OTHER: Mapping[Side, Side] = {"l": "r", "r": "l"}
 
 
 @dataclass(frozen=True)
@@ -149,7 +148,7 @@ def touched_pair(side: Side, touch: Touch, robot: Robot) -> int | None:
 
 def _segment(side: Side, touch: Touch, robot: Robot) -> str | None:
     """The segment that a word names, for a hand; None when the robot lacks it."""
-    arm, torso, neck = robot.arm(OTHER[side]).segments, robot.chains.get("torso"), robot.chains.get("neck")
+    arm, torso, neck = robot.arm(OTHER_SIDE[side]).segments, robot.chains.get("torso"), robot.chains.get("neck")
     match touch:
         case "hand":
             return arm[-1]

@@ -154,13 +154,14 @@ ACTIONS: dict[str, Callable[[BehaviourElement, DocumentReading], Action]] = {
 
 
 _FACE = ("lexeme", "au", "side", "amount", "type")
+_GAZE = ("target", "type", "influence", "modality", "offsetAngle", "offsetDirection")
 ATTRIBUTES: dict[str, tuple[str, ...]] = {  # that are read, beside the id and the sync points
     "gesture": ("lexeme", "type", "mode", "hand", "target"),
     "pointing": ("target", "mode", "hand"),
     "head": ("lexeme", "rotation", "type", "action", "repetition", "amount"),
     "headDirectionShift": ("target", "lexeme"),
-    "gaze": ("target", "type", "influence", "modality", "offsetAngle", "offsetDirection"),
-    "gazeShift": ("target", "type", "influence", "modality", "offsetAngle", "offsetDirection"),
+    "gaze": _GAZE,
+    "gazeShift": _GAZE,
     "face": _FACE,
     "faceLexeme": _FACE,
     "faceFacs": _FACE,

@@ -63,18 +63,6 @@ def _rewritten(element: Element, counts: dict[str, int]) -> Element:
     return known if rewrite is None else rewrite(known)
 
 
-def _with(element: Element, name: str | None = None, **attributes: str | None) -> Element:
-    """An element of another name, with attributes added; None takes one away."""
-    kept = {**element.attributes, **attributes}
-    left = {key: value for key, value in kept.items() if value is not None}
-    return replace(element, name=name or element.name, attributes=MappingProxyType(left), called=element.written)
-
-
-def _without(element: Element, *names: str) -> Element:
-    left = {key: value for key, value in element.attributes.items() if key not in names}
-    return replace(element, attributes=MappingProxyType(left))
-
-
 def _gaze(element: Element) -> Element:
     """A gaze stays until another one comes, unless it says when it ends."""
     written = element.attributes
@@ -86,9 +74,8 @@ def _gaze(element: Element) -> Element:
         added["target"] = _turned(written["sbm:target-pos"])
     if "sbm:time-hint" in written:
         added["ready"] = f"{written['id']}:start+{written['sbm:time-hint'].strip()}"
-    bare = _without(element, "sbm:joint-range", "sbm:target-pos", "sbm:time-hint", "sbm:handle")
-    ends = any(name in written for name in ("end", "relax"))
-    return _with(bare, None if ends else "gazeShift", **added)
+    name = None if "end" in written or "relax" in written else "gazeShift"
+    return element.reword(name, "sbm:joint-range", "sbm:target-pos", "sbm:time-hint", "sbm:handle", **added)
 
 
 def _turned(point: str) -> str:
@@ -102,13 +89,13 @@ def _turned(point: str) -> str:
 
 def _head(element: Element) -> Element:
     written = element.attributes
-    return _with(_without(element, "repeats"), repetition=written["repeats"]) if "repeats" in written else element
+    return element.reword(None, "repeats", repetition=written["repeats"]) if "repeats" in written else element
 
 
 def _face(element: Element) -> Element:
     """An action unit may name its side: `1_left`."""
     sided = _ACTION_UNIT.fullmatch(element.attributes.get("au", "").strip())
-    return _with(element, au=sided[1], side=sided[2].upper()) if sided else element
+    return element.reword(au=sided[1], side=sided[2].upper()) if sided else element
 
 
 def _gesture(element: Element) -> Element:
@@ -119,16 +106,11 @@ def _gesture(element: Element) -> Element:
     if kind and lexeme.upper() in _CATEGORIES:
         added |= {"lexeme": f"{kind}_{lexeme}", "type": None}
     elif not lexeme and not kind and "name" in written:
-        added["lexeme"] = _animated(written["name"])
+        added["lexeme"] = written["name"].rpartition("@")[2].rpartition("_")[2]  # behind its character and skeleton
     for hold, point, before in (("prestroke_hold", "strokeStart", "ready"), ("poststroke_hold", "relax", "strokeEnd")):
         if hold in written and point not in written:
             added[point] = f"{written['id']}:{before}+{written[hold].strip()}"
-    return _with(_without(element, "prestroke_hold", "poststroke_hold", "name"), **added)
-
-
-def _animated(name: str) -> str:
-    """What the name of an animation says: the part after its character and skeleton."""
-    return name.rpartition("@")[2].rpartition("_")[2]
+    return element.reword(None, "prestroke_hold", "poststroke_hold", "name", **added)
 
 
 def _body(element: Element) -> Element:
@@ -138,7 +120,7 @@ def _body(element: Element) -> Element:
     words = name.rpartition("@")[2] or name
     pose = Element("pose", MappingProxyType({"part": "WHOLEBODY", "lexeme": words}), (), element.place, element.scope)
     at_once = _seconds(written.get("ready", "")) <= _seconds(written.get("start", ""))
-    changed = _with(_without(element, "posture", "relax", *(("ready",) if at_once else ())), "postureShift")
+    changed = element.reword("postureShift", "posture", "relax", *(("ready",) if at_once else ()))
     return replace(changed, content=(*element.content, pose))
 
 
@@ -156,7 +138,7 @@ def _reach(element: Element) -> Element:
     if written.get("sbm:action", "").strip().lower() != "point-at":
         return element
     hand = {"left": "LEFT_HAND", "right": "RIGHT_HAND"}.get(written.get("sbm:reach-type", "").lower())
-    return _with(_without(element, "sbm:action", "sbm:reach-type", "sbm:reach-finish"), "pointing", mode=hand)
+    return element.reword("pointing", "sbm:action", "sbm:reach-type", "sbm:reach-finish", mode=hand)
 
 
 REWRITTEN: Mapping[str, Callable[[Element], Element]] = {

@@ -6,8 +6,6 @@ amount is given. What moves hands by parts, for sign language, has no lexeme and
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
-from types import MappingProxyType
 
 from kinesic.bml.reading.tree import Element
 
@@ -27,11 +25,6 @@ def rewritten(element: Element) -> Element:
     return element if rewrite is None else rewrite(element)
 
 
-def _changed(element: Element, name: str, *without: str, **attributes: str) -> Element:
-    left = {key: value for key, value in element.attributes.items() if key not in without}
-    return replace(element, name=name, attributes=MappingProxyType({**left, **attributes}), called=element.written)
-
-
 def _stays(element: Element) -> bool:
     return element.attributes.get("shift", "").lower() in _YES
 
@@ -39,23 +32,19 @@ def _stays(element: Element) -> bool:
 def _gaze(element: Element) -> Element:
     written = element.attributes
     stays = _stays(element) or element.name == "gazeShift"
-    found = _changed(element, "gazeShift" if stays else "gaze", "shift")
+    found = element.reword("gazeShift" if stays else "gaze", "shift")
     direction = written.get("target", "").upper().replace("_", "")
     if direction not in _DIRECTIONS:
         return found
     if direction == "FRONT":
-        return _changed(found, found.name, target=AHEAD)
+        return found.reword(target=AHEAD)
     where = {"offsetDirection": direction, "offsetAngle": written.get("offsetAngle", repr(GLANCE))}
-    return _changed(found, found.name, "target", **where)
+    return found.reword(None, "target", **where)
 
 
 def _head(element: Element) -> Element:
     again = element.attributes.get("repetition", "")
-    return (
-        _changed(element, element.name, repetition=str(int(again) + 1))
-        if again.isdecimal() and len(again) <= _DIGITS
-        else element
-    )
+    return element.reword(repetition=str(int(again) + 1)) if again.isdecimal() and len(again) <= _DIGITS else element
 
 
 def _face(element: Element) -> Element:
@@ -64,22 +53,22 @@ def _face(element: Element) -> Element:
     added = {} if "amount" in written else {"amount": "1.0"}
     if "emotion" in written:
         added["lexeme"] = written["emotion"]
-    return _changed(element, kind, "shift", "emotion", **added)
+    return element.reword(kind, "shift", "emotion", **added)
 
 
 def _gesture(element: Element) -> Element:
     written = element.attributes
     found = element
     if "attackPeak" in written and "stroke" not in written:
-        found = _changed(found, found.name, "attackPeak", stroke=written["attackPeak"])
+        found = found.reword(None, "attackPeak", stroke=written["attackPeak"])
     if "bodyMovement" in written and "lexeme" not in written:
-        return _changed(found, "torso", "bodyMovement", "hand", lexeme=written["bodyMovement"])
+        return found.reword("torso", "bodyMovement", "hand", lexeme=written["bodyMovement"])
     hand = written.get("hand", "").upper()
-    return _changed(found, found.name, hand=_HANDS.get(hand, hand)) if hand else found
+    return found.reword(hand=_HANDS.get(hand, hand)) if hand else found
 
 
 def _posture(element: Element) -> Element:
-    return _changed(element, "postureShift", "shift") if _stays(element) else element
+    return element.reword("postureShift", "shift") if _stays(element) else element
 
 
 def _blink(element: Element) -> Element:
@@ -89,7 +78,7 @@ def _blink(element: Element) -> Element:
         times["end"] = repr(float(start or 0.0) + BLINK)
     except ValueError:
         times["end"] = f"{start}+{BLINK}"
-    return _changed(element, "face", **times)
+    return element.reword("face", **times)
 
 
 REWRITES: Mapping[str, Callable[[Element], Element]] = {

@@ -4,7 +4,7 @@ expat is used as it is, without namespaces: undeclared prefixes occur in the fie
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import NoReturn
 from xml.parsers import expat
@@ -37,6 +37,18 @@ class Element:
     def children(self) -> tuple["Element", ...]:
         """Elements inside, without the text between them."""
         return tuple(piece for piece in self.content if isinstance(piece, Element))
+
+    def reword(self, name: str | None = None, *without: str, **attributes: str | None) -> "Element":
+        """Says the same in other words: under another name, without some attributes, and with others.
+
+        Args:
+            name: of the new element; None: the same.
+            without: names of attributes that are left out.
+            attributes: that are added or replaced; None takes one away.
+        """
+        kept = {key: value for key, value in self.attributes.items() if key not in without} | attributes
+        left = {key: value for key, value in kept.items() if value is not None}
+        return replace(self, name=name or self.name, attributes=MappingProxyType(left), called=self.written)
 
     @property
     def text(self) -> str:

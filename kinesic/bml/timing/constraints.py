@@ -110,10 +110,8 @@ class Constraints:
 
     def directly_after_grounded(self, behaviour: str) -> bool:
         """Whether the behaviour must come after a time of the block."""
-        return any(
-            after.point == self._start and any(self._is_own(target, behaviour) for target, _ in after.targets)
-            for after in self.afters
-        )
+        targets = (target for after in self.afters if after.point == self._start for target, _ in after.targets)
+        return any((target.block, target.behaviour) == (self.block, behaviour) for target in targets)
 
     def grounded(self, behaviour: str) -> bool:
         """Whether the behaviour is connected to one that is directly grounded."""
@@ -137,9 +135,6 @@ class Constraints:
     @property
     def _start(self) -> Point:
         return Point(self.block, "bml", "start")
-
-    def _is_own(self, point: Point, behaviour: str) -> bool:
-        return (point.block, point.behaviour) == (self.block, behaviour)
 
     @cached_property
     def _members(self) -> list[list[str]]:

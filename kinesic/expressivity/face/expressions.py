@@ -76,9 +76,10 @@ def expression(face: Face, *, path: Path = EXPRESSIONS) -> Expression:
         if found is None:
             unknown.append(lexeme)
             continue
-        entry, scale, side = found
+        entry, scale, named = found
+        side = named if face.side == "both" else face.side
         for unit, full in entry.units.items():
-            for channel in _sided(unit, side if face.side == "both" else face.side):
+            for channel in face_keys(unit) if side == "both" else channels(int(unit.lstrip("LR")), side):
                 units[channel] = max(units.get(channel, 0.0), _inside(full * face.amount * scale))
         flutter = flutter or entry.flutter
     return Expression(units, flutter, tuple(unknown))
@@ -109,11 +110,6 @@ def _entry(lexeme: str, path: Path) -> tuple[ExpressionEntry, float, FaceSide] |
     return (
         None if found is None else (known[found[0]], amplitude_factor(reading.words), _SIDES.get(reading.mode, "both"))
     )
-
-
-def _sided(unit: str, side: FaceSide) -> tuple[str, ...]:
-    """Keys of Command.face for a unit of the file, on one side when the lexeme names it."""
-    return face_keys(unit) if side == "both" else channels(int(unit.lstrip("LR")), side)
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from kinesic.bml.block import Face, Speech, TimedBehaviour, Timeline
+from kinesic.bml.block import Face, Speech, Timeline
 from kinesic.body.action_units import unknown_unit
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import NO_FACE
@@ -62,9 +62,14 @@ def face_track(
     Returns:
         Action units that are ever shown.
     """
-    spoken = strongest(_mouths(timeline, utterances, times))
+    speeches = [
+        (timed.times["start"], utterances[timed.behaviour.id])
+        for timed in timeline.timed
+        if isinstance(timed.behaviour.action, Speech) and timed.behaviour.id in utterances
+    ]
+    spoken = strongest(visemes(said.phonemes, times, start=start) for start, said in speeches)
     expressed = _open_lips(strongest(_expressions(timeline, times, styles)), spoken)
-    found = strongest((expressed, spoken, strongest(_eyes(times, eyes, _onsets(timeline, utterances)))))
+    found = strongest((expressed, spoken, strongest(_eyes(times, eyes, [start - BEFORE for start, _ in speeches]))))
     shares = {channel: sealed(np.clip(values, 0.0, 1.0)) for channel, values in found.items()}
     return {channel: values for channel, values in shares.items() if values.max(initial=0.0) >= LEAST}
 
@@ -119,12 +124,11 @@ class _Showing:
     manner: Expressivity
 
     def at(self, times: Floats) -> Floats:
-        """(m,) shares of what it shows."""
+        """Shows (m,) shares of it at (m,) times [s]."""
         return self.envelope.at(times, self.manner)
 
 
 def _expressions(timeline: Timeline, times: Floats, styles: Mapping[str, Style]) -> Iterator[Channels]:
-    """Of the behaviours that return, and of those that stay."""
     going, staying = (_showings(timeline, styles, shift=shift) for shift in (False, True))
     for each in _bridge(going):
         course = each.at(times) * _flutter(each.shown, times - each.envelope.start)
@@ -161,24 +165,7 @@ def _flutter(shown: Expression, since: Floats) -> Floats | float:
     return np.sin(np.pi * since / shown.flutter) ** 2 if shown.flutter else 1.0
 
 
-def _mouths(timeline: Timeline, utterances: Mapping[str, Utterance], times: Floats) -> Iterator[Channels]:
-    for timed in timeline.timed:
-        utterance = _utterance_of(timed, utterances)
-        if utterance is not None:
-            yield visemes(utterance.phonemes, times, start=timed.times["start"])
-
-
-def _onsets(timeline: Timeline, utterances: Mapping[str, Utterance]) -> list[float]:
-    """[s] a little before each speech."""
-    return [timed.times["start"] - BEFORE for timed in timeline.timed if _utterance_of(timed, utterances)]
-
-
-def _utterance_of(timed: TimedBehaviour, utterances: Mapping[str, Utterance]) -> Utterance | None:
-    return utterances.get(timed.behaviour.id) if isinstance(timed.behaviour.action, Speech) else None
-
-
 def _eyes(times: Floats, eyes: Eyes, onsets: Sequence[float]) -> Iterator[Channels]:
-    """Where the eyes look, and their blinks."""
     habits, ordered = eyes.habits, [AHEAD, *sorted(eyes.looks, key=lambda look: look.start)]
     angles = looking(ordered, times, np.zeros((len(times), 2)) if eyes.head is None else eyes.head)
     if habits is not None and len(times):

@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from kinesic.bml.block import GESTURE_SYNCS
-from kinesic.body.robot import SIDES, Side
+from kinesic.body.robot import OTHER_SIDE, SIDE_NAMES, SIDES, Side
 from kinesic.expressivity.hands.poses import REST, Poses, pose_distance, resting_hands
 from kinesic.expressivity.hands.strokes import HandStroke, Stroke, do_stroke, least_stroke_times
 from kinesic.expressivity.keyframes import Outcome
@@ -16,8 +16,6 @@ from kinesic.expressivity.turns import MERGE
 
 Tied = Mapping[str, Collection[str]]  # behaviour id -> sync points that the document places
 
-_NAMES: Mapping[Side, str] = {"l": "left", "r": "right"}
-_OTHER: Mapping[Side, Side] = {"l": "r", "r": "l"}
 _SAME = 1e-9  # [s]
 
 
@@ -154,7 +152,7 @@ class _Hands:
         if len(sides) < len(stroke.options[0].hands):
             self.outcomes[stroke.id] = _one_hand_outcome(sides[0], self._why(stroke))
             return
-        hand = " and ".join(_NAMES[side] for side in sides)
+        hand = " and ".join(SIDE_NAMES[side] for side in sides)
         self.outcomes[stroke.id] = Outcome("substituted", f"moved to the {hand} hand: {self._why(stroke)}")
 
     def _makes_room(self, stroke: Stroke, options: Sequence[Poses]) -> bool:
@@ -230,21 +228,18 @@ class _Hands:
                 self.outcomes[stroke.id] = _one_hand_outcome(free[0], self._why(stroke))
                 return True
             works = [work for found in clashes.values() for work in found]
-            if len(option.hands) == 1 and all(self._leaves(work) for work in works):
+            halved = all(len(work.poses.hands) == 2 and work.id not in self.outcomes for work in works)
+            if len(option.hands) == 1 and halved:
                 (side,) = option.hands
                 for work in works:
                     self.works[side].remove(work)
-                    one = do_stroke(work.stroke, work.poses.only(_OTHER[side]), self.pace)
+                    one = do_stroke(work.stroke, work.poses.only(OTHER_SIDE[side]), self.pace)
                     self._replace(work, one)
-                    why = f"the {_NAMES[side]} hand does {stroke.id} from {stroke.times['strokeStart']:.2f} s on"
-                    self.outcomes[work.id] = _one_hand_outcome(_OTHER[side], why)
+                    why = f"the {SIDE_NAMES[side]} hand does {stroke.id} from {stroke.times['strokeStart']:.2f} s on"
+                    self.outcomes[work.id] = _one_hand_outcome(OTHER_SIDE[side], why)
                 self._take(stroke, option)
                 return True
         return False
-
-    def _leaves(self, work: HandStroke) -> bool:
-        """Whether a work can be done by one hand as well."""
-        return len(work.poses.hands) == 2 and work.id not in self.outcomes
 
     def _replace(self, old: HandStroke, new: HandStroke) -> None:
         for side in SIDES:
@@ -270,7 +265,9 @@ class _Hands:
             other = self._engagements(stroke, usual)[0]
             side, way = other.side, self._way(usual, other.side)
             need = f"{other.by} until {other.end:.2f} s, and needs {way:.2f} s to come"
-        return f"its stroke begins at {stroke.times['strokeStart']:.2f} s, the {_NAMES[side]} hand is busy with {need}"
+        return (
+            f"its stroke begins at {stroke.times['strokeStart']:.2f} s, the {SIDE_NAMES[side]} hand is busy with {need}"
+        )
 
 
 def _overlap(work: HandStroke, stroke: Stroke) -> bool:
@@ -290,4 +287,4 @@ def _cut_short(times: Mapping[str, float], end: float) -> dict[str, float]:
 
 
 def _one_hand_outcome(side: Side, why: str) -> Outcome:
-    return Outcome("substituted", f"done by the {_NAMES[side]} hand alone: {why}")
+    return Outcome("substituted", f"done by the {SIDE_NAMES[side]} hand alone: {why}")

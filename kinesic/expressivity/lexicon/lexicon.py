@@ -6,7 +6,7 @@ from pathlib import Path
 
 from kinesic.bml.block import Mode
 from kinesic.body.config import CONFIGS
-from kinesic.body.robot import Side
+from kinesic.body.robot import OTHER_SIDE, Side
 from kinesic.expressivity.lexicon.form import GestureForm, Match, StrokeKey
 from kinesic.expressivity.lexicon.gestuary import is_enabled, read_gestuary
 from kinesic.expressivity.lexicon.space import spread_hands
@@ -14,7 +14,6 @@ from kinesic.expressivity.lexicon.synonyms import Sense, nearest_sense, read_lex
 from kinesic.expressivity.lexicon.toml_file import read_gestures
 
 _NAMELESS = "beat"  # what a gesture without a lexeme most likely is
-_OTHER: dict[Side, Side] = {"l": "r", "r": "l"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +100,7 @@ def in_mode(form: GestureForm, mode: Mode) -> GestureForm:
 
 def mirror_form(form: GestureForm) -> GestureForm:
     """The mirror image: each hand does what the other did."""
-    keys = tuple(StrokeKey({_OTHER[side]: pose for side, pose in key.hands.items()}) for key in form.keys)
+    keys = tuple(StrokeKey({OTHER_SIDE[side]: pose for side, pose in key.hands.items()}) for key in form.keys)
     return replace(form, keys=keys)
 
 

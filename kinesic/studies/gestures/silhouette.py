@@ -69,8 +69,9 @@ def silhouette(robot: Robot, angles: Floats, shapes: Mapping[Side, str | None]) 
         if segment.name in hands or segment.parent is None:
             continue
         for capsule in segment.capsules:
+            owner = next((side for side in SIDES if segment.name in robot.arm(side).segments), "trunk")
             ends = frames.origins[k] + np.stack([capsule.start, capsule.end]) @ frames.rotations[k].T
-            lines.append(_line(ends, 2 * capsule.radius, _owner(robot, segment.name)))
+            lines.append(_line(ends, 2 * capsule.radius, owner))
     for side in SIDES:
         k = robot.arm(side).wrist
         lines += [
@@ -140,7 +141,3 @@ def _line(points: Floats, width: float, owner: str) -> PenStroke:
     white = _PALEST * float(np.clip((_NEAR - nearest) / (_NEAR - _FAR), 0.0, 1.0))
     red, green, blue = (white + (1.0 - white) * part for part in COLOURS[owner])
     return PenStroke(sealed(project(points)), width, (red, green, blue), nearest, owner)
-
-
-def _owner(robot: Robot, segment: str) -> str:
-    return next((side for side in SIDES if segment in robot.arm(side).segments), "trunk")

@@ -1,9 +1,8 @@
 """The lexicon as a vocabulary: what a planner, or a language model, must know to choose a gesture."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
-from kinesic.body.robot import SIDES, Side
+from kinesic.body.robot import SIDE_NAMES, SIDES
 from kinesic.expressivity.durations import stroke_spans
 from kinesic.expressivity.hands.poses import poses
 from kinesic.expressivity.lexicon.form import GestureForm
@@ -11,8 +10,6 @@ from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.lexicon.synonyms import Sense
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import NEUTRAL
-
-_NAMES: Mapping[Side, str] = {"l": "left", "r": "right"}
 
 
 @dataclass(frozen=True)
@@ -48,7 +45,7 @@ def _entry(form: GestureForm, sense: Sense, pace: Pace) -> VocabularyEntry:
         category=form.category,
         says=sense.says,
         meanings=sense.words,
-        hands=tuple(_NAMES[side] for side in SIDES if side in form.sides),
+        hands=tuple(SIDE_NAMES[side] for side in SIDES if side in form.sides),
         shapes=tuple(dict.fromkeys(shapes)),
         stroke_s=round(natural["stroke"] + natural["strokeEnd"], 2),
         whole_s=round(sum(natural.values()), 2),
