@@ -8,12 +8,13 @@ from typing import Literal, Unpack, get_args
 
 from kinesic.bml.block import BmlError
 from kinesic.bml.parse import parse
+from kinesic.body.choices import Terms
 from kinesic.body.command import Sink
 from kinesic.body.config import ConfigError, suggestion
 from kinesic.body.robot import Robot
-from kinesic.controller.feedforward import FeedForward, Terms
-from kinesic.controller.options import Options, setup_of
-from kinesic.controller.perform import dry_runs
+from kinesic.controller.feedforward import FeedForward
+from kinesic.controller.options import PlanningOptions
+from kinesic.controller.perform import dry_runs, set_up
 from kinesic.controller.perform import perform as perform_text
 from kinesic.controller.play import command_times, commands, play_together
 from kinesic.controller.servo_performance import interrupted, perform_live
@@ -28,19 +29,12 @@ from kinesic.planning.imported_motion import plan_imported
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
 from kinesic.report.run import Performance, performance_of
-from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors
+from kinesic.sim.servo_factors import NOMINAL, TWINS, Factors, TwinName
 from kinesic.speech.loudspeaker import SpeakerError
 from kinesic.speech.speaker import Speaker
 
 Document = str | bytes | Path  # a path, or BML text
 On = Literal["twin", "servos"]
-TwinName = Literal["nominal", "pessimistic", "both"]
-
-TWINS: Mapping[TwinName, tuple[Factors, ...]] = {
-    "nominal": (NOMINAL,),
-    "pessimistic": (PESSIMISTIC,),
-    "both": (NOMINAL, PESSIMISTIC),
-}
 
 
 class Performer:
@@ -62,20 +56,20 @@ class Performer:
         robot: Robot | str | Path = "upper22",
         *,
         style: Style | str | Path = "neutral",
-        **options: Unpack[Options],
+        **options: Unpack[PlanningOptions],
     ) -> None:
         """Loads robot and manner.
 
         Args:
             robot: its name, or its TOML file.
             style: its name, or its TOML file.
-            options: see `Options`.
+            options: see `PlanningOptions`.
 
         Raises:
             ConfigError: something is missing or wrong; says what would have worked.
             TypeError: there is no such option.
         """
-        self.setup = setup_of(robot, style, options)
+        self.setup = set_up(robot, style=style, **options)
 
     @property
     def robot(self) -> Robot:

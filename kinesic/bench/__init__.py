@@ -1,1 +1,14 @@
-"""What `kinesic bench` measures: one file per part."""
+"""What `kinesic bench` measures: one file or folder per part."""
+
+from collections.abc import Mapping
+
+# Each part by its modules, each of which has a function `bench`; those of another part are not imported.
+PARTS: Mapping[str, tuple[str, ...]] = {
+    "ik": ("ik",),
+    "expressivity": ("expressivity",),
+    "plan": ("plan.first_command", "plan"),
+    "twin": ("twin",),
+    "bus": ("bus", "bus.faults"),
+    "bml": ("bml", "bml.speech", "bml.merging", "bml.server"),
+    "face": ("face",),
+}

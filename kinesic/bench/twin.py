@@ -13,7 +13,7 @@ import numpy as np
 from kinesic.bench.blocks import corpus_folder, passage_text, plan_corpus
 from kinesic.bench.figure import Figure
 from kinesic.body.arrays import Floats
-from kinesic.controller.feedforward import Terms
+from kinesic.body.choices import Terms
 from kinesic.controller.perform import dry_run, dry_runs, plan, set_up
 from kinesic.controller.performance import Performance
 from kinesic.planning.plan import Plan

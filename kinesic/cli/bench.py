@@ -1,52 +1,31 @@
 """`kinesic bench`: measures a part and prints each figure beside its goal."""
 
 import json
-from collections.abc import Callable, Mapping
 from dataclasses import asdict
+from importlib import import_module
 from pathlib import Path
 
 import click
 from rich.table import Table
 
-from kinesic.bench import bml, bus, expressivity, face, ik, plan, twin
-from kinesic.bench.bml import merging, server, speech
-from kinesic.bench.bus import faults
+from kinesic.bench import PARTS
 from kinesic.bench.figure import Figure
-from kinesic.bench.plan import first_command
 from kinesic.cli.terminal import console
 
-PARTS: Mapping[str, Callable[[], list[Figure]]] = {
-    "ik": ik.bench,
-    "expressivity": expressivity.bench,
-    "plan": lambda: [*first_command.bench(), *plan.bench()],
-    "twin": twin.bench,
-    "bus": lambda: [*bus.bench(), *faults.bench()],
-    "bml": lambda: [*bml.bench(), *speech.bench(), *merging.bench(), *server.bench()],
-    "face": face.bench,
-}
+
+def measure(part: str) -> list[Figure]:
+    """Measures a part; only its own modules are imported."""
+    return [figure for module in PARTS[part] for figure in import_module(f"kinesic.bench.{module}").bench()]
 
 
-@click.command()
-@click.argument("part", type=click.Choice([*PARTS, "all"]))
-@click.option("--matrix", is_flag=True, help="Of bus: the whole fault matrix instead, for every driver.")
-@click.option("--json", "as_json", is_flag=True, help="Prints a list of figures as JSON.")
-@click.option("--plots", type=click.Path(file_okay=False, path_type=Path), help="Draws into this folder, too.")
-def bench(part: str, matrix: bool, as_json: bool, plots: Path | None) -> int:
-    """Measures PART; timings are medians in a warm process."""
+def print_figures(part: str, matrix: bool, as_json: bool, plots: Path | None) -> int:
+    """Measures a part, or all, and prints or draws the figures."""
     if matrix:
-        if as_json:
-            click.echo(json.dumps([fared.record() for fared in faults.compare_drivers()], indent=1))
-            return 0
-        for fared in faults.compare_drivers():
-            click.echo(fared)
-        return 0
+        return _print_matrix(as_json=as_json)
     names = list(PARTS) if part == "all" else [part]
-    figures = [figure for name in names for figure in PARTS[name]()]
+    figures = [figure for name in names for figure in measure(name)]
     if plots is not None:
-        plots.mkdir(parents=True, exist_ok=True)
-        ik.draw(figures, plots)
-        if "expressivity" in names:
-            expressivity.draw(plots)
+        _draw(figures, names, plots)
     if as_json:
         click.echo(json.dumps([asdict(figure) | {"ok": figure.ok} for figure in figures], indent=1))
         return 0
@@ -60,3 +39,24 @@ def bench(part: str, matrix: bool, as_json: bool, plots: Path | None) -> int:
         table.add_row(figure.name, value, figure.unit, goal, marks[figure.ok], note)
     console().print(table)
     return 0
+
+
+def _print_matrix(*, as_json: bool) -> int:
+    """Every driver under every fault of the wire."""
+    from kinesic.bench.bus import faults  # noqa: PLC0415 - no other part needs the drivers of others
+
+    if as_json:
+        click.echo(json.dumps([fared.record() for fared in faults.compare_drivers()], indent=1))
+        return 0
+    for fared in faults.compare_drivers():
+        click.echo(fared)
+    return 0
+
+
+def _draw(figures: list[Figure], names: list[str], plots: Path) -> None:
+    from kinesic.bench import expressivity, ik  # noqa: PLC0415 - only drawings need both
+
+    plots.mkdir(parents=True, exist_ok=True)
+    ik.draw(figures, plots)
+    if "expressivity" in names:
+        expressivity.draw(plots)

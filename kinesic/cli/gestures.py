@@ -16,25 +16,11 @@ from kinesic.expressivity.lexicon.form import Match
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.planning.setup import Setup
-from kinesic.studies.gestures.isolated import Show, plan_gesture
-from kinesic.studies.gestures.isolated import key_postures as shown
+from kinesic.studies.gestures.isolated import Show, key_postures, plan_gesture
 from kinesic.studies.gestures.sheet import MOST, draw_gesture_sheet, draw_strip
 from kinesic.studies.gestures.vocabulary import vocabulary
 
-lexicon_option = click.option("--lexicon", type=click.Path(path_type=Path), help="TOML, or Greta's gestuary XML.")
-robot_option = click.option("--robot", default="upper22", help="Who plays them.")
 
-
-@click.group()
-def gestures() -> None:
-    """Lists, shows and draws the gestures of the lexicon."""
-
-
-@gestures.command("list")
-@lexicon_option
-@robot_option
-@click.option("--category", help="Only of this one.")
-@click.option("--json", "as_json", is_flag=True, help="Prints a vocabulary in JSON, for a planner or a language model.")
 def list_gestures(lexicon: Path | None, robot: str, category: str | None, as_json: bool) -> int:
     """Lists all gestures."""
     known = set_up(load_robot(robot), lexicon=lexicon)
@@ -53,10 +39,7 @@ def list_gestures(lexicon: Path | None, robot: str, category: str | None, as_jso
     return 0
 
 
-@gestures.command()
-@click.argument("lexeme")
-@lexicon_option
-def show(lexeme: str, lexicon: Path | None) -> int:
+def show_gesture(lexeme: str, lexicon: Path | None) -> int:
     """Shows what LEXEME becomes: the gesture or its substitute, key by key."""
     known = Lexicon.load(lexicon)
     match = _found(lexeme, known)
@@ -80,15 +63,7 @@ def show(lexeme: str, lexicon: Path | None) -> int:
     return 0
 
 
-@gestures.command()
-@click.argument("lexeme", required=False)
-@click.option("--all", "whole", is_flag=True, help="Draws a contact sheet of all gestures.")
-@click.option(
-    "--out", required=True, type=click.Path(dir_okay=False, path_type=Path), help="The picture, such as X.png."
-)
-@lexicon_option
-@robot_option
-def render(lexeme: str | None, whole: bool, out: Path, lexicon: Path | None, robot: str) -> int:
+def render_gestures(lexeme: str | None, whole: bool, out: Path, lexicon: Path | None, robot: str) -> int:
     """Draws LEXEME as key postures side by side, or all gestures at their strokes."""
     if (lexeme is None) != whole:
         raise click.UsageError("name one gesture, or give --all")
@@ -99,7 +74,10 @@ def render(lexeme: str | None, whole: bool, out: Path, lexicon: Path | None, rob
         else:
             form = _found(lexeme, known.lexicon).form
             draw_strip(
-                shown(form, plan_gesture(form, known), MOST), known.robot, out, says=known.lexicon.sense(form).says
+                key_postures(form, plan_gesture(form, known), MOST),
+                known.robot,
+                out,
+                says=known.lexicon.sense(form).says,
             )
     except (OSError, ValueError) as error:
         raise ConfigError(f"{out}: {error}") from None
@@ -111,7 +89,7 @@ def _drawable(known: Setup) -> Iterator[Show]:
     """All gestures that the robot can play; the others are named."""
     for form in known.lexicon.forms:
         try:
-            yield shown(form, plan_gesture(form, known), MOST)
+            yield key_postures(form, plan_gesture(form, known), MOST)
         except BmlError as error:
             click.echo(f"kinesic: {error}", err=True)
 

@@ -1,39 +1,41 @@
-"""Options and arguments that several verbs share: document, robot, style, voice, sinks and twins."""
+"""Options that several verbs share or that go together, handed on as one value; light, so that help is quick."""
 
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import wraps
+from importlib import import_module
 from pathlib import Path
-from typing import Literal, get_args
+from typing import TYPE_CHECKING, cast, get_args
 
 import click
 
-from kinesic.bml.block import BmlError, Dialect
+from kinesic.bml.block import BmlError
+from kinesic.body.choices import Terms, Variant
 from kinesic.body.config import names_of
-from kinesic.controller.perform import set_up
-from kinesic.expressivity.context import read_targets
-from kinesic.expressivity.gather import Gathering
-from kinesic.expressivity.idle import OFF, Idling, Liveliness
-from kinesic.expressivity.style.style import RANGES, Style
-from kinesic.hardware.protocol.servo_map import load_robot
-from kinesic.planning.setup import Setup
-from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors
-from kinesic.speech.voice import VoiceName
+from kinesic.controller.options import CHOICES, LONGEST_PAUSE, Offer, PlanningOptions, offers
+from kinesic.face.render.presets import PRESETS
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+    from kinesic.planning.setup import Setup
 
 SINKS = ("twin", "servos", "face")
 FAULT = 3  # the exit code when one of them failed
-TWINS = {"nominal": (NOMINAL,), "pessimistic": (PESSIMISTIC,), "both": (NOMINAL, PESSIMISTIC)}
-TWIN_HELP = "nominal, pessimistic, both (checks of the nominal one, errors of both), or a TOML file of factors."
-DIALECTS = ["auto", *get_args(Dialect)]
-STYLE_HELP = f"Manner, unless documents say otherwise: {', '.join(names_of('style'))}, or a TOML file."
-SET_HELP = (
-    "One number of the manner, over documents too, -1 to 1: power=0.8 of all modalities, head.power=0.8 of one; "
-    f"of {', '.join(RANGES)} (openness 0 to 1). Repeat for more."
-)
+CELL, STRIP = 176, 192  # pixels of each picture of a sheet of faces, and of a strip
+SIDE = 512  # pixels of any other
 
-VOICE_HELP = "Who speaks: espeak is heard, durations is silent; auto takes espeak where it is installed."
-PAUSE_HELP = "Longest pause before a word for which the body would be late, unless documents say otherwise."
+STYLE_HELP = f"Manner, unless documents say otherwise: {', '.join(names_of('style'))}, or a TOML file."
+TWIN_HELP = "nominal, pessimistic, both (checks of the nominal one, errors of both), or a TOML file of factors."
+TERMS_HELP = "What of the servos is inverted: everything, what speed needs, or nothing."
+PORT_HELP = "Port of a bus, NAME=PATH, or PATH alone if there is one bus. Repeat for more."
+AU_HELP = "Action units of FACS and their intensities: 1=0.8,2=0.8; L or R before one moves that side."
+EMOTION_HELP = "An emotion or a lexeme of BML: joy, surprise, RAISE_BROWS."
+SIZE_HELP = f"Pixels along a side ({SIDE}; {CELL} each on a sheet, {STRIP} in a strip)."
+
+Verb = Callable[..., int]
+Decorator = Callable[[Verb], Verb]
 
 
 def read_input(file: str) -> bytes:
@@ -63,86 +65,192 @@ class SinkNames(click.ParamType[frozenset[str]]):
         return names
 
 
-def read_twins(name: str) -> tuple[Factors, ...]:
-    """The factors on the servos' and masses' nominal values; the first twin's are checked.
-
-    Raises:
-        ConfigError: no such file, or not factors.
-    """
-    return TWINS[name] if name in TWINS else (Factors.read(Path(name)),)
-
-
 @dataclass(frozen=True)
-class PlanningOptions:
-    """What the shared options say; picklable, so that other processes can make the same setup."""
+class Planning:
+    """A robot, and how documents are planned for it; picklable, so that other processes can load the same."""
 
     robot: str
     style: str
-    changes: tuple[str, ...]
-    lexicon: Path | None
-    targets: Path | None
-    dialect: Dialect | Literal["auto"]
-    gathering: Gathering = "complex"
-    idling: Idling = OFF
-    voice: VoiceName = "auto"
-    pause: float = 0.0
+    options: PlanningOptions
 
-    def setup(self) -> Setup:
+    def set_up(self) -> "Setup":
         """Reads everything that the options name.
 
         Raises:
             ConfigError: something is missing or wrong.
         """
-        return set_up(
-            load_robot(self.robot),
-            style=Style.load(self.style).changed(self.changes),
-            lexicon=self.lexicon,
-            targets=read_targets(self.targets) if self.targets else None,
-            dialect=self.dialect,
-            gathering=self.gathering,
-            idling=self.idling,
-            voice=self.voice,
-            pause=self.pause,
-        )
+        from kinesic.controller.perform import set_up  # noqa: PLC0415 - slow to import, and help needs it not
+
+        return set_up(self.robot, style=self.style, **self.options)
 
 
-def planning(verb: Callable[..., int]) -> Callable[..., int]:
-    """Adds the options that say how a document is planned, and hands them on as `settings`."""
+@dataclass(frozen=True)
+class Performers:
+    """Who performs, and at which ports servos are."""
+
+    sinks: frozenset[str]
+    ports: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class TwinOptions:
+    """How the twin performs."""
+
+    twin: str
+    feedforward: Terms
+    correction: bool
+
+
+@dataclass(frozen=True)
+class Output:
+    """Where results go, and whether as JSON to standard output."""
+
+    out: Path | None
+    force: bool
+    as_json: bool
+
+
+@dataclass(frozen=True)
+class Expression:
+    """A face by its action units, an emotion, or both."""
+
+    units: str
+    emotion: str | None
+    amount: float  # 0..1 of the emotion
+
+
+@dataclass(frozen=True)
+class FaceView:
+    """How the face is looked at."""
+
+    variant: Variant
+    preset: str
+    yaw: float  # [deg]
+    size: int | None  # [pixels] along a side
+    gain: float  # of the wrinkles
+
+
+def done_by(place: str) -> Callable[[Callable[[], None]], Verb]:
+    """Has a verb done by a function of another module of this package, imported when it is called."""
+    module, name = place.split(":")
+
+    def decorate(verb: Callable[[], None]) -> Verb:
+        @wraps(verb)
+        def begin(**given: object) -> int:
+            function: Verb = getattr(import_module(f"{__package__}.{module}"), name)
+            return function(**given)
+
+        return begin
+
+    return decorate
+
+
+def planning(verb: Verb) -> Verb:
+    """Adds the options that say how a document is planned."""
 
     @wraps(verb)
-    def with_settings(
-        *,
-        robot: str,
-        style: str,
-        changes: tuple[str, ...],
-        lexicon: Path | None,
-        targets: Path | None,
-        dialect: Dialect | Literal["auto"],
-        gather: Gathering,
-        idle: Liveliness,
-        seed: int,
-        voice: VoiceName,
-        pause: float,
-        **own: object,
-    ) -> int:
-        idling = Idling(idle, seed)
-        settings = PlanningOptions(robot, style, changes, lexicon, targets, dialect, gather, idling, voice, pause)
-        return verb(settings=settings, **own)
+    def begin(*, robot: str, style: str, **given: object) -> int:
+        options = {name: given.pop(name) for name in PlanningOptions.__annotations__}
+        return verb(planning=Planning(robot, style, cast(PlanningOptions, options)), **given)
 
-    options = (
+    return _decorated(
+        begin,
         click.option("--robot", default="upper22", show_default=True, help="Name, or a robot's TOML file."),
         click.option("--style", default="neutral", show_default=True, help=STYLE_HELP),
-        click.option("--set", "changes", multiple=True, metavar="NAME=VALUE", help=SET_HELP),
-        click.option("--lexicon", type=click.Path(path_type=Path), help="Gestures: TOML, or Greta's gestuary XML."),
-        click.option("--dialect", type=click.Choice(DIALECTS), default="auto", help="How documents are read."),
-        click.option("--gather", type=click.Choice(get_args(Gathering)), default="complex", help="How frames fill up."),
-        click.option("--idle", type=click.Choice(get_args(Liveliness)), default="off", help="What fills pauses."),
-        click.option("--seed", type=int, default=0, show_default=True, help="Of everything random."),
-        click.option("--voice", type=click.Choice(get_args(VoiceName)), default="auto", help=VOICE_HELP),
-        click.option("--pause", type=click.FloatRange(0.0, 60.0), default=0.0, metavar="SECONDS", help=PAUSE_HELP),
-        click.option("--targets", type=click.Path(path_type=Path), help="TOML of named points in the world [m]."),
+        *(_planning_option(name, offer) for name, offer in offers().items()),
     )
-    decorated: Callable[..., int] = with_settings
+
+
+def _planning_option(name: str, offer: Offer) -> Decorator:
+    kinds = {Path: click.Path(path_type=Path), float: click.FloatRange(0.0, LONGEST_PAUSE)}
+    return click.option(
+        offer.flag or f"--{name}",
+        name,
+        type=click.Choice(CHOICES[name]) if name in CHOICES else kinds.get(offer.kind, offer.kind),
+        default=offer.default,
+        multiple=offer.many,
+        metavar=offer.metavar,
+        show_default=offer.show_default,
+        help=offer.help,
+    )
+
+
+def _together(name: str, kind: "type[DataclassInstance]", *options: Decorator) -> Decorator:
+    """Adds options to a verb, which gets their values as one."""
+
+    def decorate(verb: Verb) -> Verb:
+        @wraps(verb)
+        def begin(**given: object) -> int:
+            own = {field.name: given.pop(field.name) for field in fields(kind)}
+            return verb(**given, **{name: kind(**own)})
+
+        return _decorated(begin, *options)
+
+    return decorate
+
+
+def _decorated(verb: Verb, *options: Decorator) -> Verb:
+    """With options in the order in which help lists them."""
     for option in reversed(options):
-        decorated = option(decorated)
-    return decorated
+        verb = option(verb)
+    return verb
+
+
+def performers(on_help: str) -> Decorator:
+    """Adds --on and --port."""
+    return _together(
+        "performers",
+        Performers,
+        click.option("--on", "sinks", type=SinkNames(), default="twin", show_default=True, help=on_help),
+        click.option("--port", "ports", multiple=True, metavar="NAME=PATH", help=PORT_HELP),
+    )
+
+
+def robot_and_ports(verb: Verb) -> Verb:
+    """Adds --robot and --port."""
+    return _decorated(
+        verb,
+        click.option("--robot", default="upper22", show_default=True, help="Name, or a robot's TOML file."),
+        click.option("--port", "ports", multiple=True, metavar="NAME=PATH", help=PORT_HELP),
+    )
+
+
+def output(out_help: str, force_help: str, json_help: str, *between: Decorator) -> Decorator:
+    """Adds --out, --force and --json, and other options before the last."""
+    return _together(
+        "output",
+        Output,
+        click.option("--out", type=click.Path(path_type=Path), help=out_help),
+        click.option("--force", is_flag=True, help=force_help),
+        *between,
+        click.option("--json", "as_json", is_flag=True, help=json_help),
+    )
+
+
+twin_options = _together(
+    "way",
+    TwinOptions,
+    click.option("--twin", default="nominal", show_default=True, help=TWIN_HELP),
+    click.option(
+        "--feedforward", type=click.Choice(get_args(Terms)), default="full", show_default=True, help=TERMS_HELP
+    ),
+    click.option("--correction/--no-correction", default=True, help="Goals corrected by what the twin measures."),
+)
+expression = _together(
+    "expression",
+    Expression,
+    click.option("--au", "units", default="", metavar="N=X,...", help=AU_HELP),
+    click.option("--emotion", metavar="NAME", help=EMOTION_HELP),
+    click.option("--amount", type=click.FloatRange(0.0, 1.0), default=1.0, show_default=True, help="Of the emotion."),
+)
+face_view = _together(
+    "view",
+    FaceView,
+    click.option("--variant", type=click.Choice(get_args(Variant)), default="female", show_default=True),
+    click.option(
+        "--preset", type=click.Choice(list(PRESETS)), default="normal", show_default=True, help="How much is drawn."
+    ),
+    click.option("--yaw", default=0.0, metavar="DEG", help="Seen from the side: 90 shows the left side, 180 the back."),
+    click.option("--size", type=int, help=SIZE_HELP),
+    click.option("--gain", default=1.0, show_default=True, help="Of the wrinkles, 0 to 4."),
+)

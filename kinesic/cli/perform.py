@@ -1,27 +1,26 @@
-"""`kinesic perform`: one document, in the twin, with a report."""
+"""`kinesic plan` and `kinesic perform`: one document as a motion, and in the twin with a report."""
 
 import json
-from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import get_args
 
 import click
 from rich.table import Table
 
-from kinesic.cli.options import FAULT, TWIN_HELP, PlanningOptions, SinkNames, planning, read_input, read_twins
+from kinesic.cli.options import FAULT, Output, Performers, Planning, TwinOptions, read_input
 from kinesic.cli.playback import follow_servos as following_face
 from kinesic.cli.playback import play_whole, preview_window
 from kinesic.cli.servo_run import perform_on_servos, write_live
-from kinesic.cli.servos.ports import PORT_HELP, all_ports
+from kinesic.cli.servos.ports import all_ports
 from kinesic.cli.terminal import console
-from kinesic.controller.feedforward import Terms
-from kinesic.controller.perform import dry_runs, performances
+from kinesic.controller.perform import dry_runs, performances, plan
 from kinesic.controller.performance import Performance
 from kinesic.controller.servo_performance import ServoRun
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.planning.bap import SUFFIX, read_bap
 from kinesic.planning.imported_motion import plan_imported
+from kinesic.planning.motion_files import write_motion
+from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.report.checks import Check, checks
 from kinesic.report.checks.twin import measure_tracking
@@ -29,68 +28,39 @@ from kinesic.report.output import Written, free_folder, write_report
 from kinesic.report.page import verdict
 from kinesic.report.report import Json, report
 from kinesic.report.servo_report import live_checks
-from kinesic.sim.servo_factors import Factors
+from kinesic.sim.servo_factors import read_twins
 
-TERMS_HELP = "What of the servos is inverted: everything, what speed needs, or nothing."
-ON_HELP = (
-    "Who performs, with commas between: twin (always first), servos, face (in a window where there is a display). "
-    "Space stops the servos, Ctrl-C folds them to rest."
-)
 COLOURS = {"pass": "green", "warn": "yellow", "fail": "red"}
 
 
-@click.command()
-@click.argument("file")
-@planning
-@click.option("--on", "sinks", type=SinkNames(), default="twin", show_default=True, help=ON_HELP)
-@click.option("--port", "ports", multiple=True, metavar="NAME=PATH", help=PORT_HELP)
-@click.option("--twin", default="nominal", show_default=True, help=TWIN_HELP)
-@click.option("--feedforward", type=click.Choice(get_args(Terms)), default="full", show_default=True, help=TERMS_HELP)
-@click.option("--correction/--no-correction", default=True, help="Goals corrected by what the twin measures.")
-@click.option("--out", type=click.Path(path_type=Path), help="Folder of the report (default: out/NAME-TIME).")
-@click.option("--force", is_flag=True, help="Replaces an existing folder.")
-@click.option("--film/--no-film", default=True, help="Films of the twin and of the face, where OpenGL works.")
-@click.option("--json", "as_json", is_flag=True, help="Prints the report as JSON.")
-def perform(
-    file: str,
-    settings: PlanningOptions,
-    sinks: frozenset[str],
-    ports: tuple[str, ...],
-    twin: str,
-    feedforward: Terms,
-    correction: bool,
-    out: Path | None,
-    force: bool,
-    film: bool,
-    as_json: bool,
+def perform_file(
+    file: str, planning: Planning, performers: Performers, way: TwinOptions, output: Output, film: bool
 ) -> int:
-    """Performs FILE (BML, a .bap motion, or - for BML from standard input) and writes a report.
-
-    On servos it is performed after the twin has performed it without a failed check.
-    """
-    source = "stdin" if file == "-" else file
-    folder = free_folder(out, source, force=force)
-    known = settings.setup()
-    paths = all_ports(ports, Manifest.of(known.robot).bauds) if "servos" in sinks else {}
-    performance, *beside = _performed(file, known, read_twins(twin), feedforward, correction)
-    data = report(performance, source=source, seed=settings.idling.seed, beside=beside)
+    """Performs a document or a motion in the twin, reports, and then performs on the servos where no check failed."""
+    source = _name(file)
+    folder = free_folder(output.out, source, force=output.force)
+    known = planning.set_up()
+    paths = all_ports(performers.ports, Manifest.of(known.robot).bauds) if "servos" in performers.sinks else {}
+    performance, *beside = _performed(file, known, way)
+    data = report(performance, source=source, seed=known.idling.seed, beside=beside)
     written = write_report(performance, data, folder, film=film)
     live, log, planned = None, None, performance.plan
-    with preview_window(
-        known.robot, asked="face" in sinks, beside=written.film if "twin" in sinks else None
-    ) as preview:
+    film_beside = written.film if "twin" in performers.sinks else None
+    with preview_window(known.robot, asked="face" in performers.sinks, beside=film_beside) as preview:
         if paths and data["ok"]:
-            live = perform_on_servos(performance, paths, folder, quiet=as_json, told=following_face(planned, preview))
+            live = perform_on_servos(
+                performance, paths, folder, quiet=output.as_json, told=following_face(planned, preview)
+            )
             data, log = write_live(live, data, written)
         elif preview is not None:
             play_whole(planned, preview)
-    if as_json:
+    if output.as_json:
         click.echo(json.dumps(data, indent=1))
     else:
         _print_report((performance, *beside), live, data)
     if paths and live is None:
         click.echo("the servos did not move: a check of the twin failed", err=True)
-    _print_paths(written, log, on_error=as_json)
+    _print_paths(written, log, on_error=output.as_json)
     if live is not None and live.ending == "failed":
         return FAULT
     return 0 if data["ok"] else 1
@@ -104,16 +74,34 @@ def _print_report(performances: tuple[Performance, ...], live: ServoRun | None, 
     screen.print(verdict(data), highlight=False, markup=False, soft_wrap=True)
 
 
-def _performed(
-    file: str, known: Setup, twins: Sequence[Factors], feedforward: Terms, correction: bool
-) -> tuple[Performance, ...]:
+def _performed(file: str, known: Setup, way: TwinOptions) -> tuple[Performance, ...]:
     """A document, or a motion that others made, in all twins."""
+    twins, terms, correction = read_twins(way.twin), way.feedforward, way.correction
     if file.endswith(SUFFIX):
-        planned = plan_imported(read_bap(Path(file), known.robot), known, source=file)
-        return dry_runs(planned, twins, feedforward=feedforward, correction=correction)
-    source = "stdin" if file == "-" else file
-    text = read_input(file)
-    return performances(text, twins, known, source=source, feedforward=feedforward, correction=correction)
+        return dry_runs(_imported(file, known), twins, feedforward=terms, correction=correction)
+    text, source = read_input(file), _name(file)
+    return performances(text, twins, known, source=source, feedforward=terms, correction=correction)
+
+
+def plan_file(file: str, planning: Planning, out: Path) -> int:
+    """Plans a document or a motion, and writes the motion to a file; nothing moves."""
+    known = planning.set_up()
+    planned = _imported(file, known) if file.endswith(SUFFIX) else plan(read_input(file), known, source=_name(file))
+    write_motion(planned.trajectory, known.robot, out)
+    for notice in planned.notices:
+        click.echo(f"{notice.type.value} {notice.id}: {notice.text}", err=True)
+    click.echo(f"{planned.trajectory.duration:.2f} s, {len(planned.postures.postures)} keys")
+    click.echo(f"motion: {out}")
+    return 0
+
+
+def _imported(file: str, known: Setup) -> Plan:
+    return plan_imported(read_bap(Path(file), known.robot), known, source=file)
+
+
+def _name(file: str) -> str:
+    """As messages and reports have it."""
+    return "stdin" if file == "-" else file
 
 
 def _table(verdicts: tuple[Check, ...]) -> Table:

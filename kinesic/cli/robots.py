@@ -11,19 +11,13 @@ from kinesic.body.robot_schema import robot_text
 from kinesic.cli.terminal import console
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.planning.workspace import workspace
+from kinesic.sim import robot_check
 from kinesic.sim.importer.convert import REVIEW_BELOW, Mapped, import_humanoid
-from kinesic.sim.robot_check import check_robot as check_physics
 
 WARN_TORQUE = 0.4  # of stall
 FAIL_TORQUE = 0.8
 
 
-@click.group()
-def robots() -> None:
-    """Lists, shows, checks and imports robots."""
-
-
-@robots.command("list")
 def list_robots() -> int:
     """Lists the robots that come with kinesic."""
     for path in sorted((CONFIGS / "robots").glob("*.toml")):
@@ -31,9 +25,7 @@ def list_robots() -> int:
     return 0
 
 
-@robots.command()
-@click.argument("robot", default="upper22")
-def show(robot: str) -> int:
+def show_robot(robot: str) -> int:
     """Shows the hinges of ROBOT: range, servo, limits."""
     body = load_robot(robot)
     table = Table("hinge", "range deg", "rest deg", "servo", "reduction", "stall Nm", "speed limit rad/s", box=None)
@@ -46,12 +38,10 @@ def show(robot: str) -> int:
     return 0
 
 
-@robots.command()
-@click.argument("robot", default="upper22")
-def check(robot: str) -> int:
+def check_robot(robot: str) -> int:
     """Computes static torque ratios, workspace and clearance of ROBOT from its model."""
     body = load_robot(robot)
-    physics, reach = check_physics(body), workspace(body)
+    physics, reach = robot_check.check_robot(body), workspace(body)
     table = Table("hinge", "at rest", "worst", "", box=None, title="static torque / stall")
     failed = False
     for name, rest, worst in zip(body.skeleton.names, physics.rest_ratios, physics.worst_ratios, strict=True):
@@ -71,10 +61,6 @@ def check(robot: str) -> int:
     return 1 if failed else 0
 
 
-@robots.command("import")
-@click.argument("file", type=click.Path(path_type=Path))
-@click.option("--out", type=click.Path(path_type=Path), help="The robot's TOML (default: FILE's name, here).")
-@click.option("--force", is_flag=True, help="Replaces an existing file.")
 def import_robot(file: Path, out: Path | None, force: bool) -> int:
     """Maps the hinges of an MJCF or URDF humanoid, and writes a robot's TOML to edit."""
     target = out or Path(f"{file.stem}.toml")

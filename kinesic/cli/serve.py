@@ -11,8 +11,8 @@ from pathlib import Path
 import click
 
 from kinesic.body.config import ConfigError, suggestion
-from kinesic.cli.options import FAULT, PlanningOptions, SinkNames, planning
-from kinesic.cli.servos.ports import PORT_HELP, all_ports
+from kinesic.cli.options import FAULT, Performers, Planning
+from kinesic.cli.servos.ports import all_ports
 from kinesic.client import PORT
 from kinesic.controller.servo_performance import DELAY
 from kinesic.face.show.preview import Preview
@@ -23,42 +23,29 @@ from kinesic.serve.server import Address, Serving, open_serving, until_done
 from kinesic.serve.sinks import AHEAD, RealServos, RealTwin, ServoSink
 from kinesic.speech import port_audio
 
-LISTEN_HELP = "Address for TCP and WebSocket; 'none' for standard input alone. Port 0: any that is free."
-TOKEN_HELP = "That clients must show; needed where others than this machine can connect. Also KINESIC_TOKEN."
-RULE_HELP = (
-    f"A limit for clients: {', '.join(f'{each.name}={getattr(USUAL, each.name):g}' for each in fields(Quotas))}."
-)
 
-
-@click.command()
-@planning
-@click.option("--listen", default=f"127.0.0.1:{PORT}", show_default=True, metavar="HOST:PORT", help=LISTEN_HELP)
-@click.option("--token", envvar="KINESIC_TOKEN", help=TOKEN_HELP)
-@click.option("--on", "sinks", type=SinkNames(), default="twin", show_default=True, help="Who performs.")
-@click.option("--port", "ports", multiple=True, metavar="NAME=PATH", help=PORT_HELP)
-@click.option("--sound/--no-sound", default=None, help="Speech is heard (default: where that works).")
-@click.option("--rule", "rules", multiple=True, metavar="NAME=VALUE", help=RULE_HELP)
-def serve(
-    settings: PlanningOptions,
+def serve_blocks(
+    planning: Planning,
     listen: str,
     token: str | None,
-    sinks: frozenset[str],
-    ports: tuple[str, ...],
+    performers: Performers,
     sound: bool | None,
     rules: tuple[str, ...],
 ) -> int:
-    """Performs blocks of BML as they come, and answers with BML feedback.
-
-    Messages come by TCP (each ends with a NUL byte), by WebSocket at the same address (one message is one block), and
-    on standard input, unless that is a terminal.
-    """
+    """Performs blocks as they come by TCP, WebSocket and standard input, until somebody ends it."""
     why = port_audio.audio_fault() if sound is not False else "not wanted"
     if sound and why:
         raise ConfigError(f"--sound: {why}")
     address, limits = read_address(listen, token), read_rules(rules)
-    followers = _followers(settings, sinks, ports)
+    followers = _followers(planning, performers)
     server = open_serving(
-        settings.setup, followers, address=address, rules=limits, token=token, face="face" in sinks, sound=not why
+        planning.set_up,
+        followers,
+        address=address,
+        rules=limits,
+        token=token,
+        face="face" in performers.sinks,
+        sound=not why,
     )
     return asyncio.run(_serve(server))
 
@@ -105,12 +92,12 @@ def _is_here(host: str) -> bool:
         return host == "localhost"
 
 
-def _followers(settings: PlanningOptions, sinks: frozenset[str], ports: tuple[str, ...]) -> list[ServoSink]:
+def _followers(planning: Planning, performers: Performers) -> list[ServoSink]:
     """Who performs, opened."""
-    robot = settings.setup().robot
+    robot, sinks = planning.set_up().robot, performers.sinks
     followers = [ServoSink(RealTwin(robot))] if "twin" in sinks else []
     if "servos" in sinks:
-        servos = Servos(robot, all_ports(ports, Manifest.of(robot).bauds), log=Path("events.jsonl"))
+        servos = Servos(robot, all_ports(performers.ports, Manifest.of(robot).bauds), log=Path("events.jsonl"))
         followers.append(ServoSink(RealServos(servos), ahead=AHEAD, delay=DELAY))
     if "face" in sinks:
         followers.append(ServoSink(Preview(robot)))

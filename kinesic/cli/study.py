@@ -35,18 +35,7 @@ EFFECTS = {
 }
 
 
-@click.group()
-def study() -> None:
-    """Asks people what they see in the face, with and without wrinkles."""
-
-
-@study.command()
-@click.option("--out", type=click.Path(path_type=Path), help="Folder of the study (default: out/study-TIME).")
-@click.option("--force", is_flag=True, help="Replaces an existing folder.")
-@click.option("--size", type=click.IntRange(64, 1024), default=384, show_default=True, help="Pixels along a side.")
-@click.option("--preset", type=click.Choice(list(PRESETS)), default="normal", show_default=True)
-@click.option("--post-to", default="", metavar="URL", help="Where answers are sent too, as CSV.")
-def make(out: Path | None, force: bool, size: int, preset: str, post_to: str) -> int:
+def make_study(out: Path | None, force: bool, size: int, preset: str, post_to: str) -> int:
     """Draws all 128 faces and writes the page that shows them and asks."""
     folder = empty_folder(free_folder(out, "study", force=force))
     wanted = stimuli()
@@ -62,10 +51,7 @@ def make(out: Path | None, force: bool, size: int, preset: str, post_to: str) ->
     return 0
 
 
-@study.command()
-@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--json", "as_json", is_flag=True, help="Prints the tables as JSON.")
-def analyse(files: tuple[Path, ...], as_json: bool) -> int:
+def analyse_study(files: tuple[Path, ...], as_json: bool) -> int:
     """Compares the conditions in FILES, the answers (CSV) of all participants."""
     answers = read_answers(files)
     effects = {name: compare_sides(answers, *sides) for name, sides in EFFECTS.items()}

@@ -9,48 +9,31 @@ import click
 from rich.table import Table
 
 from kinesic.body.config import ConfigError
-from kinesic.cli.options import PlanningOptions, planning
+from kinesic.cli.options import Output, Planning
 from kinesic.cli.terminal import console
 from kinesic.expressivity.style.style import RANGES
 from kinesic.report.output import empty_folder, free_folder
 from kinesic.report.report import Json
 from kinesic.studies.sweep.measures import SHOWN, Measures
-from kinesic.studies.sweep.series import LATE, MEASURE_OF, STROKE, Played, Series, draw_series, presets
-from kinesic.studies.sweep.series import sweep_parameter as play_series
+from kinesic.studies.sweep.series import LATE, MEASURE_OF, STROKE, Played, Series, draw_series, presets, sweep_parameter
 
 COLUMNS = ("stroke_error", "peak_speed", "path_length", "swept_volume", "jerk", "overshoot", "torso_travel")
 
 
-@click.command()
-@click.argument("gesture")
-@planning
-@click.option("--parameter", metavar="NAME", help=f"One of {', '.join(RANGES)}.")
-@click.option("--values", metavar="A,B,...", help="Values to play (default: five over the whole range).")
-@click.option("--all", "every", is_flag=True, help="Every parameter, and every preset of style.")
-@click.option("--out", type=click.Path(path_type=Path), help="Folder of figures (default: out/sweep-NAME-TIME).")
-@click.option("--force", is_flag=True, help="Replaces an existing folder.")
-@click.option("--json", "as_json", is_flag=True, help="Prints the measures as JSON.")
-def sweep(
-    gesture: str,
-    settings: PlanningOptions,
-    parameter: str | None,
-    values: str | None,
-    every: bool,
-    out: Path | None,
-    force: bool,
-    as_json: bool,
+def sweep_gesture(
+    gesture: str, planning: Planning, parameter: str | None, values: str | None, every: bool, output: Output
 ) -> int:
-    """Plays GESTURE over the range of a parameter in the twin, measures and draws it."""
+    """Plays a gesture over the range of a parameter in the twin, measures and draws it."""
     if every == (parameter is not None):
         raise ConfigError("say --parameter NAME or --all; parameters are " + ", ".join(RANGES))
-    folder = free_folder(out, f"sweep-{gesture}", force=force)
-    known = settings.setup()
+    folder = free_folder(output.out, f"sweep-{gesture}", force=output.force)
+    known = planning.set_up()
     names = list(MEASURE_OF) if parameter is None else [parameter]
-    found = [play_series(gesture, name, known, values=_numbers(values)) for name in names]
+    found = [sweep_parameter(gesture, name, known, values=_numbers(values)) for name in names]
     styles = presets(gesture, known) if every else {}
-    data = _data(gesture, settings.style, found, styles)
+    data = _data(gesture, planning.style, found, styles)
     pictures = _written(found, empty_folder(folder), data)
-    if as_json:
+    if output.as_json:
         click.echo(json.dumps(data, indent=1))
     else:
         for series in found:
@@ -58,7 +41,7 @@ def sweep(
         if styles:
             console().print(_presets(styles))
     for path in (folder / "sweep.json", *pictures):
-        click.echo(f"{path.suffix[1:]}: {path}", err=as_json)
+        click.echo(f"{path.suffix[1:]}: {path}", err=output.as_json)
     in_time = all(series.in_time for series in found) and all(one.in_time for one in styles.values())
     return 0 if in_time and all(series.monotone for series in found) else 1
 

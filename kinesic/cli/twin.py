@@ -12,41 +12,18 @@ from rich.table import Table
 from kinesic.body.config import ConfigError
 from kinesic.cli.terminal import console
 from kinesic.hardware.protocol.servo_map import load_robot
-from kinesic.sim.fit import Estimate, Fit
-from kinesic.sim.fit import fit_factors as fit_log
-from kinesic.sim.fit_parameters import DEFAULT, FIGURES, Figure
-from kinesic.sim.log import FORMAT, read_log
+from kinesic.sim.fit import Estimate, Fit, fit_factors
+from kinesic.sim.fit_parameters import Figure
+from kinesic.sim.log import read_log
 
 
-@click.group()
-def twin() -> None:
-    """Fits the twin to a robot."""
-
-
-@twin.command(
-    epilog=f"LOG is an {FORMAT}. `kinesic perform` writes one of the twin, measured.npz, beside its report. Quick and "
-    "wide motion of every hinge tells most; 5 to 20 s are enough."
-)
-@click.argument("log", type=click.Path(path_type=Path))
-@click.option("--robot", default="upper22", show_default=True, help="Name, or a robot's TOML file.")
-@click.option(
-    "--free",
-    multiple=True,
-    type=click.Choice(FIGURES),
-    default=DEFAULT,
-    show_default=True,
-    help="Figures that may differ from the data sheets; repeat it. mass only without stall.",
-)
-@click.option("--out", type=click.Path(path_type=Path, dir_okay=False), help="TOML of factors, for --twin.")
-@click.option("--force", is_flag=True, help="Replaces an existing file.")
-@click.option("--json", "as_json", is_flag=True, help="Prints the estimates as JSON.")
-def fit(log: Path, robot: str, free: tuple[str, ...], out: Path | None, force: bool, as_json: bool) -> int:
+def fit_twin(log: Path, robot: str, free: tuple[str, ...], out: Path | None, force: bool, as_json: bool) -> int:
     """Fits servo factors to LOG, and says which of them it cannot tell."""
     if out is not None and out.exists() and not force:
         raise ConfigError(f"{out} exists already; --force replaces it, --out names another")
     body = load_robot(robot)
     try:
-        found = fit_log(read_log(log, body), body, free=cast(tuple[Figure, ...], free))
+        found = fit_factors(read_log(log, body), body, free=cast(tuple[Figure, ...], free))
     except ValueError as error:
         raise ConfigError(f"--free: {error}") from None
     if as_json:

@@ -1,8 +1,9 @@
 """`kinesic validate`: dry-runs many documents."""
 
+import hashlib
 import json
 import os
-from collections.abc import Generator
+from collections.abc import Generator, Iterable, Iterator
 from contextlib import closing
 from pathlib import Path
 
@@ -10,52 +11,36 @@ import click
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from kinesic.body.config import ConfigError
-from kinesic.cli.options import TWIN_HELP, PlanningOptions, planning, read_twins
+from kinesic.body.calibration import calibration_path
+from kinesic.body.config import ConfigError, locate
+from kinesic.cli.options import Output, Planning
 from kinesic.cli.terminal import console
-from kinesic.cli.validate_fingerprint import fingerprint
 from kinesic.cli.validate_table import summarise
 from kinesic.report.batch import JOURNAL, DocumentVerdict, documents, validate_documents
 from kinesic.report.batch_totals import totals
 from kinesic.report.output import empty_folder
 from kinesic.report.report import Json
+from kinesic.sim.servo_factors import read_twins
 
+PACKAGE = Path(__file__).resolve().parents[1]
+PARTS = (".py", ".toml", ".so", ".pyd")  # endings of the program's files
 SUMMARY = "validate.json"
 INTERRUPTED = 130
 
 
-@click.command()
-@click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
-@planning
-@click.option("--twin", default="nominal", show_default=True, help=TWIN_HELP)
-@click.option("--jobs", type=click.IntRange(min=1), help="Processes (default: one for each core).")
-@click.option("--out", type=click.Path(path_type=Path), help="Folder of the reports; an interrupted run goes on there.")
-@click.option("--force", is_flag=True, help="Begins anew in an existing folder.")
-@click.option("--json", "as_json", is_flag=True, help="Prints verdicts and totals as JSON.")
-def validate(
-    paths: tuple[Path, ...],
-    settings: PlanningOptions,
-    twin: str,
-    jobs: int | None,
-    out: Path | None,
-    force: bool,
-    as_json: bool,
-) -> int:
-    """Performs every document of PATHS (folders are searched) in the twin.
-
-    With --out, an interrupted run goes on where it stopped when the same command is given again.
-    """
+def validate_paths(paths: tuple[Path, ...], planning: Planning, twin: str, jobs: int | None, output: Output) -> int:
+    """Performs every document of files and folders in the twin; an interrupted run goes on in its folder."""
     twins = read_twins(twin)
-    settings.setup()  # a wrong option is one line here, not one in each process
+    planning.set_up()  # a wrong option is one line here, not one in each process
     files = documents(paths)
-    folder = _folder(out, force=force) if out else None
+    folder = _folder(output.out, force=output.force) if output.out else None
     found = validate_documents(
         files,
-        settings.setup,
+        planning.set_up,
         jobs=jobs or os.cpu_count() or 1,
         twins=twins,
         folder=folder,
-        settings=fingerprint(settings, twin) if folder else "",
+        settings=fingerprint(planning, twin) if folder else "",
     )
     verdicts, finished = _gathered(found, len(files))
     order = {str(file): number for number, file in enumerate(files)}
@@ -66,7 +51,7 @@ def validate(
         "interrupted": not finished,
     }
     text = json.dumps(data, indent=1)
-    if as_json:
+    if output.as_json:
         click.echo(text)
     else:
         summarise(verdicts, console())
@@ -74,7 +59,7 @@ def validate(
         fresh = folder / f"{SUMMARY}.new"
         fresh.write_text(text, encoding="utf-8")
         fresh.replace(folder / SUMMARY)  # a run whose summary is there is finished
-        click.echo(f"summary: {folder / SUMMARY}", err=as_json)
+        click.echo(f"summary: {folder / SUMMARY}", err=output.as_json)
     if not finished:
         rest = "the same command goes on from here" if folder else "--out DIR lets a run go on where it stopped"
         click.echo(f"kinesic: interrupted after {len(verdicts)} of {len(files)} documents; {rest}", err=True)
@@ -95,6 +80,37 @@ def _folder(out: Path, *, force: bool) -> Path:
     if not (out / JOURNAL).exists():
         raise ConfigError(f"{out} exists already; --force replaces it, --out names another")
     return out
+
+
+def fingerprint(planning: Planning, *others: str) -> str:
+    """A text that changes with anything that could change a verdict.
+
+    Args:
+        planning: the options of planning.
+        others: further options that name a file, or nothing.
+    """
+    digest = hashlib.sha256(repr((planning, others)).encode())
+    calibration = calibration_path(locate("robot", planning.robot))
+    files = (planning.options.get("lexicon"), planning.options.get("targets"))
+    named = (planning.robot, calibration, planning.style, *files, *others)
+    for file in (*_program(), *_named(option for option in named if isinstance(option, str | Path))):
+        digest.update(hashlib.sha256(file.read_bytes()).digest())
+    return digest.hexdigest()
+
+
+def _program() -> Iterator[Path]:
+    """The package's own code and facts."""
+    return (file for file in sorted(PACKAGE.rglob("*")) if file.suffix in PARTS)
+
+
+def _named(options: Iterable[str | Path]) -> Iterator[Path]:
+    """Files that options name, and those in folders that they name."""
+    for option in options:
+        path = Path(option)
+        if path.is_file():
+            yield path
+        elif path.is_dir():
+            yield from (file for file in sorted(path.rglob("*")) if file.is_file())
 
 
 def _gathered(found: Generator[DocumentVerdict, None, None], count: int) -> tuple[list[DocumentVerdict], bool]:

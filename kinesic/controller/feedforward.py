@@ -1,17 +1,15 @@
 """Inverts the servo model: goals that make the hinges arrive where the reference is, when it is there."""
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
+from kinesic.body.choices import Terms
 from kinesic.body.command import RATE
 from kinesic.body.dynamics import Dynamics
 from kinesic.body.robot import Robot
 from kinesic.motion.trajectory import Trajectory
-
-Terms = Literal["full", "lag", "none"]  # everything; what speed needs, but no torque; the reference itself
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,40 +1,59 @@
-"""The options of planning as keywords: checked, in the words of the command line."""
+"""The options of planning, each once: a keyword of `kinesic.Performer`, and an option of every verb that plans."""
 
 import difflib
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, TypedDict, get_args
+from typing import TYPE_CHECKING, Annotated, Literal, TypedDict, get_args
 
-import numpy as np
-
-from kinesic.bml.block import Dialect
-from kinesic.body.arrays import Floats, sealed
+from kinesic.bml.block import RANGES, Dialect
+from kinesic.body.choices import Gathering, Liveliness, VoiceName
 from kinesic.body.config import ConfigError, suggestion
-from kinesic.body.robot import Robot
-from kinesic.controller.perform import set_up
-from kinesic.expressivity.context import read_targets
-from kinesic.expressivity.gather import Gathering
-from kinesic.expressivity.idle import Idling, Liveliness
-from kinesic.expressivity.style.style import Style
-from kinesic.hardware.protocol.servo_map import load_robot
-from kinesic.planning.setup import Setup
-from kinesic.speech.voice import VoiceName
+
+if TYPE_CHECKING:
+    from kinesic.body.arrays import Floats
 
 LONGEST_PAUSE = 60.0  # [s]
+SET_HELP = (
+    "One number of the manner, over documents too, -1 to 1: power=0.8 of all modalities, head.power=0.8 of one; "
+    f"of {', '.join(RANGES)} (openness 0 to 1). Repeat for more."
+)
+VOICE_HELP = "Who speaks: espeak is heard, durations is silent; auto takes espeak where it is installed."
+PAUSE_HELP = "Longest pause before a word for which the body would be late, unless documents say otherwise."
 
 
-class Options(TypedDict, total=False):
-    """How documents are planned, in the words of the command line."""
+@dataclass(frozen=True)
+class Offer:
+    """How the command line offers an option of planning."""
 
-    settings: Mapping[str, float]  # single numbers of the manner, over documents too: {"head.power": 0.8}
-    lexicon: str | Path | None  # gestures: TOML, or Greta's gestuary XML
-    targets: str | Path | Mapping[str, Sequence[float] | Floats]  # named points in the world [m], or a file of them
-    dialect: Dialect | Literal["auto"]  # how documents are read
-    gather: Gathering  # how key frames are filled
-    idle: Liveliness  # what fills pauses
-    seed: int  # of everything random
-    voice: VoiceName  # "espeak" is heard, "durations" is silent and the same on every machine
-    pause: float  # [s] longest pause before a word for which the body would be late
+    help: str
+    default: str | int | float | None = None
+    kind: type = str  # of its value
+    flag: str = ""  # where it is not the option's name
+    metavar: str | None = None
+    many: bool = False  # it may be repeated
+    show_default: bool = False
+
+
+class PlanningOptions(TypedDict, total=False):
+    """How documents are planned, beside robot and style; in the order in which help lists them."""
+
+    # single numbers of the manner, over documents too: {"head.power": 0.8}, or as the command line has them
+    settings: Annotated[
+        Mapping[str, float] | Sequence[str], Offer(SET_HELP, flag="--set", metavar="NAME=VALUE", many=True)
+    ]
+    lexicon: Annotated[str | Path | None, Offer("Gestures: TOML, or Greta's gestuary XML.", kind=Path)]
+    dialect: Annotated[Dialect | Literal["auto"], Offer("How documents are read.", "auto")]
+    gather: Annotated[Gathering, Offer("How frames fill up.", "complex")]
+    idle: Annotated[Liveliness, Offer("What fills pauses.", "off")]
+    seed: Annotated[int, Offer("Of everything random.", 0, int, show_default=True)]
+    voice: Annotated[VoiceName, Offer(VOICE_HELP, "auto")]  # in Python "durations": the same on every machine
+    pause: Annotated[float, Offer(PAUSE_HELP, 0.0, float, metavar="SECONDS")]  # [s]
+    # by name, or a file of them
+    targets: Annotated[
+        "str | Path | Mapping[str, Sequence[float] | Floats] | None",
+        Offer("TOML of named points in the world [m].", kind=Path),
+    ]
 
 
 CHOICES: Mapping[str, tuple[str, ...]] = {
@@ -45,52 +64,26 @@ CHOICES: Mapping[str, tuple[str, ...]] = {
 }
 
 
-def setup_of(robot: Robot | str | Path, style: Style | str | Path, options: Options) -> Setup:
-    """Loads what planning needs.
+def offers() -> dict[str, Offer]:
+    """Every option of planning as the command line offers it."""
+    return {name: get_args(hint)[-1] for name, hint in PlanningOptions.__annotations__.items()}
 
-    Args:
-        robot: its name, or its TOML file.
-        style: its name, or its TOML file.
-        options: everything else.
+
+def check_options(options: PlanningOptions) -> None:
+    """Refuses what nobody can plan with.
 
     Raises:
-        ConfigError: something is missing or wrong; says what would have worked.
+        ConfigError: a value is none of the choices, or out of range; says what would have worked.
         TypeError: there is no such option.
     """
-    _check(options)
-    manner = style if isinstance(style, Style) else Style.load(style)
-    lexicon = options.get("lexicon")
-    return set_up(
-        robot if isinstance(robot, Robot) else load_robot(robot),
-        style=manner.changed(f"{name}={float(value)!r}" for name, value in options.get("settings", {}).items()),
-        lexicon=None if lexicon is None else Path(lexicon),
-        targets=_targets(options.get("targets", {})),
-        dialect=options.get("dialect", "auto"),
-        gathering=options.get("gather", "complex"),
-        idling=Idling(options.get("idle", "off"), options.get("seed", 0)),
-        voice=options.get("voice", "durations"),
-        pause=options.get("pause", 0.0),
-    )
-
-
-def _check(options: Options) -> None:
+    known = PlanningOptions.__annotations__
     for name, value in options.items():
-        if name not in Options.__annotations__:
-            near = difflib.get_close_matches(name, Options.__annotations__, n=1)
-            known = f"did you mean {near[0]}?" if near else f"known: {', '.join(Options.__annotations__)}"
-            raise TypeError(f"a performer has no option {name}; {known}")
+        if name not in known:
+            near = difflib.get_close_matches(name, known, n=1)
+            hint = f"did you mean {near[0]}?" if near else f"known: {', '.join(known)}"
+            raise TypeError(f"a performer has no option {name}; {hint}")
         if name in CHOICES and value not in CHOICES[name]:
             raise ConfigError(f"{name} is {value!r}{suggestion(str(value), CHOICES[name])}")
     pause = options.get("pause", 0.0)
     if not (isinstance(pause, int | float) and 0.0 <= pause <= LONGEST_PAUSE):
         raise ConfigError(f"pause is {pause!r}; it must be from 0 to {LONGEST_PAUSE:g} seconds")
-
-
-def _targets(given: str | Path | Mapping[str, Sequence[float] | Floats]) -> Mapping[str, Floats]:
-    if isinstance(given, str | Path):
-        return read_targets(Path(given))
-    found = {name: sealed(np.array(point, dtype=np.float64)) for name, point in given.items()}
-    for name, point in found.items():
-        if point.shape != (3,) or not np.isfinite(point).all():
-            raise ConfigError(f"target {name} is {point.tolist()}; it needs three finite numbers x, y, z in metres")
-    return found

@@ -1,85 +1,97 @@
 """Joins the line with the sinks: plans a document, performs it in the twin, and reports."""
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from time import perf_counter
-from typing import Literal, TypedDict, Unpack
+from typing import Unpack
 
-from kinesic.bml.block import Dialect
+import numpy as np
+
 from kinesic.bml.parse import parse
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.choices import Terms
 from kinesic.body.command import RATE, Measurements
+from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
-from kinesic.controller.feedforward import FeedForward, Terms
+from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.observer import Observer, correct_goals
+from kinesic.controller.options import PlanningOptions, check_options
 from kinesic.controller.performance import Performance, Reference
 from kinesic.controller.play import command_times, commands, play_together
-from kinesic.expressivity.gather import Gathering
-from kinesic.expressivity.idle import OFF, Idling
+from kinesic.expressivity.context import read_targets
+from kinesic.expressivity.idle import Idling
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
+from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.dynamics import MujocoDynamics
 from kinesic.sim.servo_factors import NOMINAL, Factors
 from kinesic.sim.twin import Twin
-from kinesic.speech.voice import VoiceName
 from kinesic.speech.voice import voice as make_voice
 
 
-class _Options(TypedDict, total=False):
-    style: Style | str
-    lexicon: Path | None
-    targets: Mapping[str, Floats] | None
-    dialect: Dialect | Literal["auto"]
-    gathering: Gathering
-    idling: Idling
-    voice: VoiceName
-    pause: float
-
-
 def set_up(
-    robot: Robot | str | Path = "upper22",
-    *,
-    style: Style | str = "neutral",
-    lexicon: Path | None = None,
-    targets: Mapping[str, Floats] | None = None,
-    dialect: Dialect | Literal["auto"] = "auto",
-    gathering: Gathering = "complex",
-    idling: Idling = OFF,
-    voice: VoiceName = "durations",
-    pause: float = 0.0,
+    robot: Robot | str | Path = "upper22", *, style: Style | str | Path = "neutral", **options: Unpack[PlanningOptions]
 ) -> Setup:
     """Loads what planning needs, with MuJoCo's dynamics.
 
     The voice is the silent one unless another is asked for, so that times are the same on every machine.
 
+    Args:
+        robot: its name, or its TOML file.
+        style: its name, or its TOML file.
+        options: see `PlanningOptions`.
+
     Raises:
-        ConfigError: robot, style, lexicon or voice is missing or wrong.
+        ConfigError: something is missing or wrong; says what would have worked.
+        TypeError: there is no such option.
     """
-    body = robot if isinstance(robot, Robot) else Robot.load(robot)
+    check_options(options)
+    body = robot if isinstance(robot, Robot) else load_robot(robot)
+    manner = style if isinstance(style, Style) else Style.load(style)
+    lexicon = options.get("lexicon")
     return Setup(
         robot=body,
-        style=style if isinstance(style, Style) else Style.load(style),
-        lexicon=Lexicon.load(lexicon),
-        voice=make_voice(voice),
+        style=manner.changed(_settings(options.get("settings", ()))),
+        lexicon=Lexicon.load(None if lexicon is None else Path(lexicon)),
+        voice=make_voice(options.get("voice", "durations")),
         dynamics=MujocoDynamics(body),
         distances=CapsuleDistances(body),
-        targets=dict(targets or {}),
-        dialect=dialect,
-        gathering=gathering,
-        idling=idling,
-        pause=pause,
+        targets=_targets(options.get("targets")),
+        dialect=options.get("dialect", "auto"),
+        gathering=options.get("gather", "complex"),
+        idling=Idling(options.get("idle", "off"), options.get("seed", 0)),
+        pause=options.get("pause", 0.0),
     )
 
 
-def facts(robot: Robot | str | Path = "upper22", **options: Unpack[_Options]) -> Setup:
+def _settings(given: Mapping[str, float] | Sequence[str]) -> Iterable[str]:
+    """Single numbers of a style as it reads them."""
+    if isinstance(given, Mapping):
+        return (f"{name}={float(value)!r}" for name, value in given.items())
+    return given
+
+
+def _targets(given: str | Path | Mapping[str, Sequence[float] | Floats] | None) -> Mapping[str, Floats]:
+    if isinstance(given, str | Path):
+        return read_targets(Path(given))
+    found = {name: sealed(np.array(point, dtype=np.float64)) for name, point in (given or {}).items()}
+    for name, point in found.items():
+        if point.shape != (3,) or not np.isfinite(point).all():
+            raise ConfigError(f"target {name} is {point.tolist()}; it needs three finite numbers x, y, z in metres")
+    return found
+
+
+def facts(
+    robot: Robot | str | Path = "upper22", *, style: Style | str | Path = "neutral", **options: Unpack[PlanningOptions]
+) -> Setup:
     """Does what `set_up` does. Deprecated: use `kinesic.Performer`; it goes with the next release."""
     warnings.warn("facts is deprecated: use kinesic.Performer, or set_up", DeprecationWarning, stacklevel=2)
-    return set_up(robot, **options)
+    return set_up(robot, style=style, **options)
 
 
 def plan(text: str | bytes, known: Setup | None = None, *, source: str = "<text>") -> Plan:

@@ -12,9 +12,9 @@ from pathlib import Path
 
 from kinesic.bml.block import Behaviour, Block, Modality, modality_of
 from kinesic.body.arrays import Floats, sealed
+from kinesic.body.choices import Gathering
 from kinesic.body.config import read_toml, suggestion
 from kinesic.body.robot import Robot
-from kinesic.expressivity.gather import Gathering
 from kinesic.expressivity.hands.coarticulation import Engaged
 from kinesic.expressivity.idle import OFF, Idling
 from kinesic.expressivity.lexicon.lexicon import Lexicon

@@ -9,10 +9,11 @@ less is solved and what counts less goes along with what counts more.
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, get_args
+from typing import get_args
 
 import numpy as np
 
+from kinesic.body.choices import Gathering
 from kinesic.body.robot import SIDES, PartName, Robot, Side
 from kinesic.expressivity.hands.keys import HandKey, hand_at
 from kinesic.expressivity.hands.poses import resting_hands
@@ -20,7 +21,6 @@ from kinesic.expressivity.keyframes import KeyFrame, Turn
 from kinesic.expressivity.turns import Layer, TurnKey, add_turns, clip_turn, room, scale_turn, total
 from kinesic.motion.keys import Passage
 
-Gathering = Literal["complex", "lazy"]
 Priorities = Mapping[PartName, float]
 
 TOGETHER = 0.01  # [s] nearer than this is at the same time: a shift by less need not be told

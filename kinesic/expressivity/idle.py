@@ -8,17 +8,16 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import radians
-from typing import Literal
 
 import numpy as np
 
+from kinesic.body.choices import Liveliness
 from kinesic.body.robot import Robot
 from kinesic.expressivity.gather import Sequences
 from kinesic.expressivity.hands.poses import REST
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.turns import UPRIGHT, Layer, TurnKey, add_turns
 
-Liveliness = Literal["off", "calm", "lively"]
 Span = tuple[float, float]  # [s] from and to
 
 MARGIN = 0.3  # [s] between idle motion and what is asked for

@@ -7,12 +7,12 @@ from typing import Literal
 
 from kinesic.bml.block import Dialect
 from kinesic.body.arrays import Floats
+from kinesic.body.choices import Gathering
 from kinesic.body.dynamics import Distances, Dynamics, Load
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
 from kinesic.body.utterance import Voice
 from kinesic.expressivity.context import Context
-from kinesic.expressivity.gather import Gathering
 from kinesic.expressivity.idle import OFF, Idling
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.pace import Pace

@@ -6,6 +6,7 @@ from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 
 from kinesic.child import child_context
+from kinesic.controller import perform
 from kinesic.planning.setup import Setup
 from kinesic.serve import planner, refiner
 from kinesic.serve.clock import Clock
@@ -58,7 +59,8 @@ class Planner:
 
     def start(self) -> None:
         """Begins a process, which tells when it is warm."""
-        context = child_context(planner.__name__, self._make_setup.__module__)  # nothing of the server's threads
+        slow = (planner.__name__, perform.__name__, self._make_setup.__module__)
+        context = child_context(*slow)  # nothing of the server's threads
         there, self._wishes = context.Pipe(duplex=False)
         loop_end, planner_end = context.Pipe()
         improver_end, leisure_end = context.Pipe()

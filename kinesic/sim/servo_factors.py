@@ -1,7 +1,9 @@
 """How far the real servos may be from their data sheets: the same robot, made weaker, heavier or later."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import msgspec
 
@@ -104,3 +106,18 @@ def _positive(name: str, value: float) -> None:
 
 NOMINAL = Factors()
 PESSIMISTIC = Factors(stall=0.8, no_load=0.9, friction=1.5, armature=1.3, mass=1.1)
+TwinName = Literal["nominal", "pessimistic", "both"]
+TWINS: Mapping[str, tuple[Factors, ...]] = {
+    "nominal": (NOMINAL,),
+    "pessimistic": (PESSIMISTIC,),
+    "both": (NOMINAL, PESSIMISTIC),
+}
+
+
+def read_twins(name: str) -> tuple[Factors, ...]:
+    """Finds the factors of twins by their name, or reads those of one from a TOML file; the first twin's are checked.
+
+    Raises:
+        ConfigError: no such file, or not factors.
+    """
+    return TWINS[name] if name in TWINS else (Factors.read(Path(name)),)

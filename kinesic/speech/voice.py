@@ -1,15 +1,12 @@
 """Who speaks: an engine where one is installed, else the model that only knows how long it would take."""
 
-from typing import Literal
-
+from kinesic.body.choices import VoiceName
 from kinesic.body.config import ConfigError
 from kinesic.body.utterance import Voice
 from kinesic.speech.durations import DurationModel
 from kinesic.speech.espeak import Espeak
 from kinesic.speech.espeak_pool import espeak_fault
 from kinesic.speech.recorded import Recorded
-
-VoiceName = Literal["auto", "espeak", "durations"]
 
 
 def voice(name: VoiceName = "durations") -> Voice:

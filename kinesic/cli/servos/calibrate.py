@@ -14,7 +14,7 @@ from kinesic.body.calibration import Calibration, calibration_path, read_calibra
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.body.servo import TICKS_PER_TURN
-from kinesic.cli.servos.ports import all_ports, open_ports, robot_and_ports
+from kinesic.cli.servos.ports import all_ports, open_ports
 from kinesic.cli.terminal import console, pressed_keys
 from kinesic.hardware.protocol.device import Change
 from kinesic.hardware.protocol.registers import Register
@@ -37,11 +37,7 @@ WHOLE_TURN = {Register.MIN_POSITION_LIMIT: 0, Register.MAX_POSITION_LIMIT: TICKS
 ENTER = {"\n", "\r"}
 
 
-@click.command()
-@robot_and_ports
-@click.option("--yes", is_flag=True, help="Does not ask: the robot stands at zero now.")
-@click.option("--seconds", type=click.FloatRange(min=0.0), help="How long to look at most (default: until Enter).")
-def calibrate(robot: str, ports: tuple[str, ...], yes: bool, seconds: float | None) -> int:
+def calibrate_robot(robot: str, ports: tuple[str, ...], yes: bool, seconds: float | None) -> int:
     """Writes ROBOT.calibration.toml, after every hinge was moved by hand. No servo gets torque."""
     raw = Robot.load(robot, calibrated=False)
     manifest = Manifest.of(raw)

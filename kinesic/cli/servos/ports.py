@@ -1,25 +1,14 @@
-"""Options that name a robot and the ports of its buses; and opening these."""
+"""The ports of a robot's buses: read from options, and opened."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-
-import click
 
 from kinesic.body.config import ConfigError, suggestion
 from kinesic.hardware.bus.ports import ports as ports_here
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.wire import Wire
 from kinesic.hardware.supervisor.manifest import Manifest
-
-PORT_HELP = "Port of a bus, NAME=PATH, or PATH alone if there is one bus. Repeat for more."
-
-
-def robot_and_ports(verb: Callable[..., int]) -> Callable[..., int]:
-    """Adds --robot and --port."""
-    robot = click.option("--robot", default="upper22", show_default=True, help="Name, or a robot's TOML file.")
-    port = click.option("--port", "ports", multiple=True, metavar="NAME=PATH", help=PORT_HELP)
-    return robot(port(verb))
 
 
 def read_ports(given: Iterable[str], buses: Iterable[str]) -> dict[str, Path]:

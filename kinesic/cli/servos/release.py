@@ -4,20 +4,17 @@ from contextlib import ExitStack
 
 import click
 
-from kinesic.cli.servos.ports import all_ports, robot_and_ports
+from kinesic.cli.servos.ports import all_ports
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.supervisor.manifest import Manifest
-from kinesic.hardware.tools.release import release_servos as release_all
+from kinesic.hardware.tools.release import release_servos
 
 FAULT = 3
 
 
-@click.command()
-@robot_and_ports
-@click.option("--yes", is_flag=True, help="Does not ask whether somebody holds the robot.")
-def release(robot: str, ports: tuple[str, ...], yes: bool) -> int:
+def release_robot(robot: str, ports: tuple[str, ...], yes: bool) -> int:
     """Takes the torque of every servo, and looks that it is gone. The robot goes limp: hold its arms."""
     manifest = Manifest.of(load_robot(robot))
     paths = all_ports(ports, manifest.bauds)
@@ -35,7 +32,7 @@ def release(robot: str, ports: tuple[str, ...], yes: bool) -> int:
                 doubts.append(f"{error}; the servos of bus {name} may still have torque")
                 continue
             closing.callback(wires[name].close)
-        doubts += release_all(wires, {name: [m.id for m in manifest.members if m.bus == name] for name in wires})
+        doubts += release_servos(wires, {name: [m.id for m in manifest.members if m.bus == name] for name in wires})
     for line in doubts:
         click.echo(f"kinesic: {line}", err=True)
     if not doubts:

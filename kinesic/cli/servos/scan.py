@@ -13,8 +13,7 @@ from rich.table import Table
 from kinesic.body.config import ConfigError
 from kinesic.cli.terminal import console
 from kinesic.hardware.bus.ports import ports as ports_here
-from kinesic.hardware.bus.scan import Sighting
-from kinesic.hardware.bus.scan import scan_bus as scan_port
+from kinesic.hardware.bus.scan import Sighting, scan_bus
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.registers import BAUD_RATES
 from kinesic.hardware.protocol.servo_map import MAX_ID, ServoMap, load_robot
@@ -23,13 +22,7 @@ from kinesic.hardware.protocol.wire import BusError
 LIKELY = (57_600, 1_000_000)  # factory rate, and what most robots use: they are tried first
 
 
-@click.command()
-@click.option("--robot", default="upper22", show_default=True, help="Whose hinges the ids are: a name, or a TOML file.")
-@click.option("--port", "ports", multiple=True, metavar="PATH", help="Port; all USB serial ports if not given.")
-@click.option("--baud", "bauds", multiple=True, type=int, help="Baud rate to try; all if not given.")
-@click.option("--thorough", is_flag=True, help="Asks every id one by one, too: slow, but finds shared ids.")
-@click.option("--json", "as_json", is_flag=True, help="Prints what was found as JSON.")
-def scan(robot: str, ports: tuple[str, ...], bauds: tuple[int, ...], thorough: bool, as_json: bool) -> int:
+def scan_ports(robot: str, ports: tuple[str, ...], bauds: tuple[int, ...], thorough: bool, as_json: bool) -> int:
     """Looks for servos at every baud rate; nothing is changed."""
     hinges = {servo: row.hinge for row in ServoMap.of(load_robot(robot)).servos for servo in row.ids}
     paths = [Path(text.partition("=")[2] or text) for text in ports] or list(ports_here())
@@ -63,7 +56,7 @@ def _scanned(
     first = True
     for rate in rates:
         try:
-            yield from scan_port(
+            yield from scan_bus(
                 lambda baud: SerialWire(path, baud), bauds=(rate,), ids=range(MAX_ID + 1) if thorough else ()
             )
         except BusError as error:

@@ -7,7 +7,7 @@ from math import isnan
 import click
 from rich.table import Table
 
-from kinesic.cli.servos.ports import open_ports, read_ports, robot_and_ports
+from kinesic.cli.servos.ports import open_ports, read_ports
 from kinesic.cli.terminal import console
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.hardware.supervisor.manifest import Manifest
@@ -16,10 +16,7 @@ from kinesic.hardware.tools.survey import SurveyedServo, survey
 FAULT = 3
 
 
-@click.command()
-@robot_and_ports
-@click.option("--json", "as_json", is_flag=True, help="Prints the table as JSON.")
-def show(robot: str, ports: tuple[str, ...], as_json: bool) -> int:
+def show_servos(robot: str, ports: tuple[str, ...], as_json: bool) -> int:
     """Shows every servo, and what in it differs from what the robot's file wants; nothing is changed."""
     manifest = Manifest.of(load_robot(robot))
     with open_ports(manifest, read_ports(ports, manifest.bauds)) as wires:

@@ -10,37 +10,21 @@ from types import FrameType
 import click
 
 from kinesic.body.config import ConfigError
-from kinesic.cli.options import read_twins
 from kinesic.controller.virtual_robot import TwinPhysics
 from kinesic.hardware.bus.real_time import request_real_time
 from kinesic.hardware.protocol.registers import BAUD_RATES
 from kinesic.hardware.protocol.servo_map import load_robot
-from kinesic.hardware.virtual.faults import CALM, KINDS, FaultPlan
+from kinesic.hardware.virtual.faults import CALM, FaultPlan
 from kinesic.hardware.virtual.pty import PtyPort, serve_wires
 from kinesic.hardware.virtual.wiring import build_bus, cables
+from kinesic.sim.servo_factors import read_twins
 
-PHYSICS = ("servo", "twin")
 PRIORITY = 30  # above a supervisor on the same machine: servos are never late
 
 
-@click.command(
-    epilog="Each bus of the robot becomes a port that any Dynamixel program can open. FILE is TOML: a [[fault]] for "
-    "each thing that goes wrong, with its kind and, where they matter, servos (ids), rate (0..1), start and seconds, "
-    f"value, and way (reply or request). Kinds: {', '.join(KINDS)}."
-)
-@click.option("--robot", default="upper22", show_default=True, help="Name, or a robot's TOML file.")
-@click.option(
-    "--physics",
-    type=click.Choice(PHYSICS),
-    default="servo",
-    show_default=True,
-    help="What turns the shafts: each servo's motor for itself, or the robot's twin.",
-)
-@click.option("--twin", default="nominal", show_default=True, help="nominal, pessimistic, or a TOML of factors.")
-@click.option("--faults", type=click.Path(path_type=Path, dir_okay=False), help="TOML of what goes wrong.")
-@click.option("--baud", type=int, help="Baud rate of all servos, instead of the robot file's.")
-@click.option("--folder", type=click.Path(path_type=Path, file_okay=False), help="Where the ports appear.")
-def simulate(robot: str, physics: str, twin: str, faults: Path | None, baud: int | None, folder: Path | None) -> int:
+def simulate_servos(
+    robot: str, physics: str, twin: str, faults: Path | None, baud: int | None, folder: Path | None
+) -> int:
     """Simulates a robot's servos behind pseudo-terminals, and prints their paths, until it is stopped."""
     if baud is not None and baud not in BAUD_RATES:
         raise ConfigError(f"--baud is {baud}, must be one of {', '.join(str(rate) for rate in BAUD_RATES)}")

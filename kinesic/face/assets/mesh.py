@@ -15,10 +15,10 @@ import scipy
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats, sealed
+from kinesic.body.choices import Variant
 from kinesic.body.config import CONFIGS, suggestion
 from kinesic.face.display import DisplayError
 
-Variant = Literal["female", "male"]
 Part = Literal["skin", "eyes", "teeth", "tongue", "lashes"]
 Indices = NDArray[np.int32]
 Whole = TypeVar("Whole", np.int32, np.uint8)

@@ -13,8 +13,8 @@ import scipy
 from PIL import Image, ImageDraw
 
 from kinesic.body.arrays import Floats, sealed
+from kinesic.body.choices import Variant
 from kinesic.face.assets.chart import LEFT_RIGHT, LOW_HIGH
-from kinesic.face.assets.mesh import Variant
 
 Colour = tuple[float, ...]  # red, green, blue
 

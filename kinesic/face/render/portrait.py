@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from kinesic.face.assets.mesh import Mesh, Variant, load_head
+from kinesic.body.choices import Variant
+from kinesic.face.assets.mesh import Mesh, load_head
 from kinesic.face.assets.paint import COMPLEXIONS
 from kinesic.face.display import DisplayError, offscreen
 from kinesic.face.render.camera import FRONT, LIGHTS, Camera, Lights

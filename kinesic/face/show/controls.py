@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from kinesic.body.action_units import UNITS, channels
-from kinesic.face.assets.mesh import VARIANTS, Variant
+from kinesic.body.choices import Variant
+from kinesic.face.assets.mesh import VARIANTS
 from kinesic.face.render.presets import PRESETS
 
 STEP = 0.1  # of an intensity

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from kinesic.face.assets.mesh import Variant
+from kinesic.body.choices import Variant
 from kinesic.face.display import DisplayError, offscreen
 from kinesic.face.render.camera import CLOSE
 from kinesic.face.render.portrait import Pixels, Portrait

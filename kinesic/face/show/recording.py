@@ -8,9 +8,9 @@ from types import TracebackType
 import numpy as np
 
 from kinesic.body.arrays import Floats
+from kinesic.body.choices import Variant
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
-from kinesic.face.assets.mesh import Variant
 from kinesic.face.render.camera import CLOSE, Camera
 from kinesic.face.render.head_pose import turns
 from kinesic.face.render.portrait import Pixels, Portrait

@@ -10,7 +10,7 @@ from itertools import product
 from types import MappingProxyType
 from typing import Literal, get_args
 
-from kinesic.face.assets.mesh import Variant
+from kinesic.body.choices import Variant
 
 Region = Literal["upper", "lower"]
 Strength = Literal["low", "high"]

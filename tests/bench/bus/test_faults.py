@@ -7,7 +7,7 @@ from click.testing import CliRunner
 
 from kinesic.bench.bus import faults
 from kinesic.bench.bus.matrix import FaultCase
-from kinesic.cli.bench import bench
+from kinesic.cli.verbs import bench
 
 
 def test_every_driver_has_a_table_and_who_is_not_installed_a_reason(monkeypatch: pytest.MonkeyPatch):

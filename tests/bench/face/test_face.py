@@ -7,7 +7,7 @@ import pytest
 
 from kinesic.bench import face
 from kinesic.bench.face.occlusion import difference, lab
-from kinesic.cli.bench import PARTS
+from kinesic.cli.bench import measure
 from kinesic.face.display import available
 
 drawable = pytest.mark.skipif(available() is not None, reason=available() or "")
@@ -15,7 +15,7 @@ drawable = pytest.mark.skipif(available() is not None, reason=available() or "")
 
 def test_without_opengl_every_figure_has_a_reason(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(face, "available", lambda: "no OpenGL here")
-    figures = PARTS["face"]()
+    figures = measure("face")
     assert {figure.value for figure in figures} == {None}
     assert {figure.why for figure in figures} == {"no OpenGL here"}
     names = [figure.name for figure in figures]

@@ -21,7 +21,7 @@ from kinesic.hardware.virtual.pty import PtyPort, serve_wires
 from kinesic.hardware.virtual.wiring import build_bus, cables
 
 STAY = 0.2  # [s] that hands stay in each posture: some looks
-VERBS = ("ports", "scan", "release", "doctor")  # modules that open ports
+VERBS = ("servos.ports", "servos.scan", "servos.release", "doctor")  # modules that open ports
 
 Posture = Callable[[str], float]  # hinge -> [deg] from where it stood
 
@@ -84,7 +84,7 @@ def table(monkeypatch: pytest.MonkeyPatch) -> Table:
     """The verbs' ports lead to a table, and nothing takes time."""
     found = Table()
     for verb in VERBS:
-        module = import_module(f"kinesic.cli.servos.{verb}")
+        module = import_module(f"kinesic.cli.{verb}")
         monkeypatch.setattr(module, "SerialWire", lambda path, baud: TableWire(found, path, baud))
     return found
 

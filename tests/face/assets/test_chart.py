@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 
+from kinesic.body.choices import Variant
 from kinesic.face.assets.chart import LEFT_RIGHT, LOW_HIGH, ROUND, chart_window, hair, mouth, unroll, vertex_chart
-from kinesic.face.assets.mesh import VARIANTS, Variant, load_head
+from kinesic.face.assets.mesh import VARIANTS, load_head
 
 
 @pytest.mark.parametrize("variant", VARIANTS)

@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 
+from kinesic.body.choices import Variant
 from kinesic.face.assets.chart import LEFT_RIGHT, LOW_HIGH
-from kinesic.face.assets.mesh import VARIANTS, Variant
+from kinesic.face.assets.mesh import VARIANTS
 from kinesic.face.assets.paint import COMPLEXIONS, iris, skin
 
 

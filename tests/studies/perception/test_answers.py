@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from kinesic.cli.study import study
+from kinesic.cli.verbs import study
 from kinesic.studies.perception.answers import COLUMNS, LABELS, Rating, compare_sides, first_choices, read_answers
 from kinesic.studies.perception.design import stimuli
 

@@ -1,17 +1,26 @@
+import inspect
 import json
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
+from importlib import import_module
 
 import click
 import numpy as np
 import pytest
 
 from kinesic import cli
-from kinesic.cli.servos import servos
+from kinesic.cli import options
 
 NOD = b'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" start="0.2"/></bml>'
 WALK = b'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><locomotion id="w" target="door"/></bml>'
-LIMITS = range(5, 120)  # letters
+SLOW = {
+    *("casadi", "glfw", "matplotlib", "moderngl", "mujoco", "OpenGL", "PIL", "rich", "scipy", "serial"),
+    *(
+        f"kinesic.{room}"
+        for room in ("expressivity", "ik", "motion", "planning", "realizer", "report", "speech", "studies")
+    ),
+}
 
 
 def test_plan_writes_a_motion(kinesic, tmp_path):
@@ -101,40 +110,48 @@ def test_help_tells_what_every_verb_does(kinesic):
     assert all(len(words) > 3 for words in rows)
 
 
-@pytest.mark.parametrize("group", [cli.kinesic, servos], ids=lambda group: group.name)
-def test_the_list_of_verbs_says_what_they_say_themselves(group):
-    context = click.Context(group)
-    for verb in group.list_commands(context):
-        own = group.get_command(context, verb)
-        assert [group.short_help_of(verb, limit) for limit in LIMITS] == [
-            own.get_short_help_str(limit) for limit in LIMITS
-        ]
+def commands(group: click.Group, *words: str) -> Iterator[tuple[str, ...]]:
+    """The words of every verb."""
+    for name, command in group.commands.items():
+        yield (*words, name)
+        if isinstance(command, click.Group):
+            yield from commands(command, *words, name)
 
 
-def test_a_verb_waits_for_no_library_of_another_one():
-    """Seen in a process of its own, which has imported nothing yet; lists of verbs wait for none."""
-    said = helped([], ["servos"], ["servos", "scan"], beside={"casadi", "matplotlib", "mujoco", "scipy"})
-    assert "validate" in said
-    assert "calibrate" in said
-    assert "--baud" in said
-
-
-def test_the_help_of_a_verb_waits_for_nothing_that_only_its_work_needs():
-    slow = {"matplotlib", "scipy.interpolate", "scipy.linalg", "scipy.optimize", "scipy.sparse"}
-    assert "--force" in helped(["perform"], ["serve"], ["validate"], beside=slow)
-
-
-def helped(*verbs, beside):
-    """What a fresh process says of verbs, which imports none of some libraries."""
+def test_the_help_of_no_verb_waits_for_what_only_work_needs():
+    """Seen in a process of its own, which has imported nothing yet."""
     program = f"""import sys
 from kinesic.cli import kinesic
-for words in {verbs}:
-    kinesic([*words, "--help"], standalone_mode=False)
-print("heavy:", *{beside} & sys.modules.keys())
+for words in {[(), *commands(cli.kinesic)]}:
+    for flag in ("-h", "--help"):
+        kinesic([*words, flag], standalone_mode=False)
+print("slow:", *{SLOW} & sys.modules.keys())
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines()[-1] == "heavy:"
-    return done.stdout
+    assert done.stdout.splitlines()[-1] == "slow:"
+    assert {"--feedforward", "--baud", "--parameter"} <= {*done.stdout.split()}
+
+
+@pytest.mark.parametrize("words", [*commands(cli.kinesic)], ids=" ".join)
+def test_a_verb_is_done_by_a_function_that_takes_its_options(words, monkeypatch):
+    command: click.Command = cli.kinesic
+    for word in words:
+        command = command.commands[word]
+    if isinstance(command, click.Group):
+        return
+
+    class Checked:
+        """A module whose functions only look at what they are given."""
+
+        def __init__(self, name: str) -> None:
+            self.module = import_module(name)
+
+        def __getattr__(self, name: str) -> Callable[..., int]:
+            signature = inspect.signature(getattr(self.module, name))
+            return lambda **given: len(signature.bind(**given).arguments)
+
+    monkeypatch.setattr(options, "import_module", Checked)
+    assert command.callback(**{option.name: None for option in command.params}) <= max(1, len(command.params))
 
 
 def test_an_unknown_verb_or_option_is_bad_input(kinesic):

@@ -1,0 +1,255 @@
+"""The command line: every verb with its arguments and options; what does it is imported when it is to be done."""
+
+from dataclasses import fields
+from pathlib import Path
+
+import click
+
+from kinesic.bench import PARTS
+from kinesic.bml.block import RANGES
+from kinesic.cli.options import TWIN_HELP, done_by, expression, face_view, output, performers, planning, twin_options
+from kinesic.client import PORT
+from kinesic.face.render.presets import PRESETS
+from kinesic.serve.quotas import USUAL, Quotas
+from kinesic.sim.fit_parameters import DEFAULT, FIGURES
+from kinesic.sim.log import FORMAT
+
+ON_HELP = (
+    "Who performs, with commas between: twin (always first), servos, face (in a window where there is a display). "
+    "Space stops the servos, Ctrl-C folds them to rest."
+)
+LISTEN_HELP = "Address for TCP and WebSocket; 'none' for standard input alone. Port 0: any that is free."
+TOKEN_HELP = "That clients must show; needed where others than this machine can connect. Also KINESIC_TOKEN."
+RULE_HELP = (
+    f"A limit for clients: {', '.join(f'{each.name}={getattr(USUAL, each.name):g}' for each in fields(Quotas))}."
+)
+FREE_HELP = "Figures that may differ from the data sheets; repeat it. mass only without stall."
+
+lexicon_option = click.option("--lexicon", type=click.Path(path_type=Path), help="TOML, or Greta's gestuary XML.")
+player_option = click.option("--robot", default="upper22", help="Who plays them.")
+
+
+@click.command()
+@click.argument("part", type=click.Choice([*PARTS, "all"]))
+@click.option("--matrix", is_flag=True, help="Of bus: the whole fault matrix instead, for every driver.")
+@click.option("--json", "as_json", is_flag=True, help="Prints a list of figures as JSON.")
+@click.option("--plots", type=click.Path(file_okay=False, path_type=Path), help="Draws into this folder, too.")
+@done_by("bench:print_figures")
+def bench() -> None:
+    """Measures PART; timings are medians in a warm process."""
+
+
+@click.command()
+@done_by("doctor:examine_machine")
+def doctor() -> None:
+    """Shows what works here and what would mend the rest."""
+
+
+@click.command()
+@expression
+@click.option("--bml", metavar="FILE", help="A document whose face is performed; - for standard input.")
+@click.option(
+    "--out",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="X.png, or X.webp or X.mp4 to move; a window without it.",
+)
+@face_view
+@click.option("--sheet", is_flag=True, help="Every action unit low and high, with and without wrinkles.")
+@planning
+@done_by("face:draw_face")
+def face() -> None:
+    """Draws the face: a still, a film, a contact sheet, or a window where there is a display and no --out."""
+
+
+@click.group()
+def gestures() -> None:
+    """Lists, shows and draws the gestures of the lexicon."""
+
+
+@gestures.command("list")
+@lexicon_option
+@player_option
+@click.option("--category", help="Only of this one.")
+@click.option("--json", "as_json", is_flag=True, help="Prints a vocabulary in JSON, for a planner or a language model.")
+@done_by("gestures:list_gestures")
+def _list_gestures() -> None:
+    """Lists all gestures."""
+
+
+@gestures.command("show")
+@click.argument("lexeme")
+@lexicon_option
+@done_by("gestures:show_gesture")
+def _show_gesture() -> None:
+    """Shows what LEXEME becomes: the gesture or its substitute, key by key."""
+
+
+@gestures.command("render")
+@click.argument("lexeme", required=False)
+@click.option("--all", "whole", is_flag=True, help="Draws a contact sheet of all gestures.")
+@click.option(
+    "--out", required=True, type=click.Path(dir_okay=False, path_type=Path), help="The picture, such as X.png."
+)
+@lexicon_option
+@player_option
+@done_by("gestures:render_gestures")
+def _render_gestures() -> None:
+    """Draws LEXEME as key postures side by side, or all gestures at their strokes."""
+
+
+@click.command()
+@click.argument("file")
+@planning
+@performers(ON_HELP)
+@twin_options
+@output(
+    "Folder of the report (default: out/NAME-TIME).",
+    "Replaces an existing folder.",
+    "Prints the report as JSON.",
+    click.option("--film/--no-film", default=True, help="Films of the twin and of the face, where OpenGL works."),
+)
+@done_by("perform:perform_file")
+def perform() -> None:
+    """Performs FILE (BML, a .bap motion, or - for BML from standard input) and writes a report.
+
+    On servos it is performed after the twin has performed it without a failed check.
+    """
+
+
+@click.command()
+@click.argument("file")
+@planning
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="motion.npz, motion.csv or motion.bap.")
+@done_by("perform:plan_file")
+def plan() -> None:
+    """Plans FILE (BML, a .bap motion, or - for BML from standard input) and writes the motion."""
+
+
+@click.group()
+def robots() -> None:
+    """Lists, shows, checks and imports robots."""
+
+
+@robots.command("list")
+@done_by("robots:list_robots")
+def _list_robots() -> None:
+    """Lists the robots that come with kinesic."""
+
+
+@robots.command("show")
+@click.argument("robot", default="upper22")
+@done_by("robots:show_robot")
+def _show_robot() -> None:
+    """Shows the hinges of ROBOT: range, servo, limits."""
+
+
+@robots.command("check")
+@click.argument("robot", default="upper22")
+@done_by("robots:check_robot")
+def _check_robot() -> None:
+    """Computes static torque ratios, workspace and clearance of ROBOT from its model."""
+
+
+@robots.command("import")
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option("--out", type=click.Path(path_type=Path), help="The robot's TOML (default: FILE's name, here).")
+@click.option("--force", is_flag=True, help="Replaces an existing file.")
+@done_by("robots:import_robot")
+def _import_robot() -> None:
+    """Maps the hinges of an MJCF or URDF humanoid, and writes a robot's TOML to edit."""
+
+
+@click.command()
+@planning
+@click.option("--listen", default=f"127.0.0.1:{PORT}", show_default=True, metavar="HOST:PORT", help=LISTEN_HELP)
+@click.option("--token", envvar="KINESIC_TOKEN", help=TOKEN_HELP)
+@performers("Who performs.")
+@click.option("--sound/--no-sound", default=None, help="Speech is heard (default: where that works).")
+@click.option("--rule", "rules", multiple=True, metavar="NAME=VALUE", help=RULE_HELP)
+@done_by("serve:serve_blocks")
+def serve() -> None:
+    """Performs blocks of BML as they come, and answers with BML feedback.
+
+    Messages come by TCP (each ends with a NUL byte), by WebSocket at the same address (one message is one block), and
+    on standard input, unless that is a terminal.
+    """
+
+
+@click.group()
+def study() -> None:
+    """Asks people what they see in the face, with and without wrinkles."""
+
+
+@study.command("make")
+@click.option("--out", type=click.Path(path_type=Path), help="Folder of the study (default: out/study-TIME).")
+@click.option("--force", is_flag=True, help="Replaces an existing folder.")
+@click.option("--size", type=click.IntRange(64, 1024), default=384, show_default=True, help="Pixels along a side.")
+@click.option("--preset", type=click.Choice(list(PRESETS)), default="normal", show_default=True)
+@click.option("--post-to", default="", metavar="URL", help="Where answers are sent too, as CSV.")
+@done_by("study:make_study")
+def _make_study() -> None:
+    """Draws all 128 faces and writes the page that shows them and asks."""
+
+
+@study.command("analyse")
+@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--json", "as_json", is_flag=True, help="Prints the tables as JSON.")
+@done_by("study:analyse_study")
+def _analyse_study() -> None:
+    """Compares the conditions in FILES, the answers (CSV) of all participants."""
+
+
+@click.command()
+@click.argument("gesture")
+@planning
+@click.option("--parameter", metavar="NAME", help=f"One of {', '.join(RANGES)}.")
+@click.option("--values", metavar="A,B,...", help="Values to play (default: five over the whole range).")
+@click.option("--all", "every", is_flag=True, help="Every parameter, and every preset of style.")
+@output(
+    "Folder of figures (default: out/sweep-NAME-TIME).", "Replaces an existing folder.", "Prints the measures as JSON."
+)
+@done_by("sweep:sweep_gesture")
+def sweep() -> None:
+    """Plays GESTURE over the range of a parameter in the twin, measures and draws it."""
+
+
+@click.group()
+def twin() -> None:
+    """Fits the twin to a robot."""
+
+
+@twin.command(
+    "fit",
+    epilog=f"LOG is an {FORMAT}. `kinesic perform` writes one of the twin, measured.npz, beside its report. Quick and "
+    "wide motion of every hinge tells most; 5 to 20 s are enough.",
+)
+@click.argument("log", type=click.Path(path_type=Path))
+@click.option("--robot", default="upper22", show_default=True, help="Name, or a robot's TOML file.")
+@click.option("--free", multiple=True, type=click.Choice(FIGURES), default=DEFAULT, show_default=True, help=FREE_HELP)
+@click.option("--out", type=click.Path(path_type=Path, dir_okay=False), help="TOML of factors, for --twin.")
+@click.option("--force", is_flag=True, help="Replaces an existing file.")
+@click.option("--json", "as_json", is_flag=True, help="Prints the estimates as JSON.")
+@done_by("twin:fit_twin")
+def _fit_twin() -> None:
+    """Fits servo factors to LOG, and says which of them it cannot tell."""
+
+
+@click.command()
+@click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
+@planning
+@click.option("--twin", default="nominal", show_default=True, help=TWIN_HELP)
+@click.option("--jobs", type=click.IntRange(min=1), help="Processes (default: one for each core).")
+@output(
+    "Folder of the reports; an interrupted run goes on there.",
+    "Begins anew in an existing folder.",
+    "Prints verdicts and totals as JSON.",
+)
+@done_by("validate:validate_paths")
+def validate() -> None:
+    """Performs every document of PATHS (folders are searched) in the twin.
+
+    With --out, an interrupted run goes on where it stopped when the same command is given again.
+    """
+
+
+VERBS = (bench, doctor, face, gestures, perform, plan, robots, serve, study, sweep, twin, validate)
