@@ -9,16 +9,7 @@ from collections.abc import Mapping
 from enum import Enum
 from typing import Literal
 
-from kinesic.bml.block import (
-    Activate,
-    Block,
-    Command,
-    Composition,
-    Interrupt,
-    NoticeType,
-    ParameterChange,
-    Succession,
-)
+from kinesic.bml.block import Activate, Block, Command, Composition, Interrupt, NoticeType, ParameterChange, Succession
 from kinesic.bml.reading.namespaces import extension_attributes, is_composing
 from kinesic.bml.reading.reader import BehaviourElement, DocumentReading
 from kinesic.bml.reading.tree import Element
@@ -89,7 +80,7 @@ def composition_of(about: BehaviourElement, root: Element, reading: DocumentRead
 
 
 def awaited(block: Block, present: Mapping[str, BlockState]) -> dict[str, Until]:
-    """What must come of which other blocks before a block begins.
+    """Lists what must come of which other blocks before a block begins.
 
     APPEND without ids waits for all that were sent before, those left aside that nobody has activated.
 
@@ -106,7 +97,7 @@ def awaited(block: Block, present: Mapping[str, BlockState]) -> dict[str, Until]
 
 
 def waiting_blocks(block: Block, present: Mapping[str, BlockState]) -> dict[str, Until]:
-    """Blocks that have not begun and, by this block's wish, wait for it."""
+    """Lists blocks that have not begun and, by this block's wish, wait for it."""
     succession = block.succession
     waits: dict[str, Until] = {
         **dict.fromkeys(succession.chunk_before, "relax"),
@@ -131,7 +122,7 @@ def goes_round(waits: Mapping[str, Mapping[str, Until]], start: str) -> bool:
 
 
 def command_of(named: BehaviourElement, reading: DocumentReading) -> Command | None:
-    """What an element does to other blocks; None when it is no such element.
+    """Reads what an element does to other blocks; None when it is no such element.
 
     Raises:
         BmlError: it does not say to which block.
@@ -158,5 +149,5 @@ def is_command(element: Element) -> bool:
 
 
 def _ids(text: str | None) -> tuple[str, ...]:
-    """Ids between commas or spaces, each once."""
+    """Each once."""
     return tuple(dict.fromkeys(filter(None, _SEPARATOR.split(text or ""))))

@@ -98,7 +98,7 @@ def warning(notice: Notice, *, character: str | None = None) -> str:
 
 
 def _own(root: Element, name: str, value: str) -> None:
-    """An attribute in our namespace, which is declared where it is used."""
+    """The namespace is declared where it is used."""
     root.set(f"xmlns:{OWN_PREFIX}", KINESIC)
     root.set(f"{OWN_PREFIX}:{name}", value)
 

@@ -101,7 +101,6 @@ def _elements(bml: Element, home: str | None, *, required: bool = False) -> Iter
 
 
 def _named(bml: Element, reading: DocumentReading) -> list[tuple[BehaviourElement, bool]]:
-    """Gives every behaviour an id of its own."""
     elements = list(_elements(bml, reading.home))
     if len(elements) > MOST_BEHAVIOURS:
         place = elements[MOST_BEHAVIOURS][0].place
@@ -132,7 +131,7 @@ def _free(stem: str, taken: set[str]) -> str:
 
 
 def _bare(named: BehaviourElement, required: bool, reading: DocumentReading) -> Behaviour:
-    """A behaviour that has not got its times yet."""
+    """A behaviour without its times."""
     element = named.element
     known = is_core(element, home=reading.home) and element.local in ACTIONS
     command = None if known else command_of(named, reading)
@@ -161,7 +160,7 @@ def _constraints(bml: Element, references: ReferenceReader, *, required: bool = 
 
 
 def _note_foreign(bml: Element, named: list[tuple[BehaviourElement, bool]], reading: DocumentReading) -> None:
-    """One notice for each attribute of an unknown extension or name, wherever and however often it stands."""
+    """Notes each attribute of an unknown extension or name once, however often it stands."""
     found = [(name, bml) for name in foreign_attributes(bml, home=reading.home)]
     for behaviour, _ in named:
         element = behaviour.element

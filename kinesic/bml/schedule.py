@@ -1,4 +1,4 @@
-"""A number for every sync point: what cannot be timed is dropped with a notice, the rest performs."""
+"""Finds a time for every sync point; what cannot be timed is dropped with a notice, the rest performs."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace

@@ -1,4 +1,4 @@
-"""What each behaviour makes of itself: turns of head and torso, work for the hands, and what became of the wish."""
+"""Turns each behaviour into moves: rotations of head and torso, strokes of the hands, and what becomes of it."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ REALISED = Outcome("realised")
 
 @dataclass(frozen=True)
 class Warned:
-    """Something that the sender should know of."""
+    """A warning for the sender."""
 
     type: NoticeType
     text: str
@@ -40,7 +40,7 @@ class Warned:
 
 @dataclass(frozen=True, eq=False)
 class Move:
-    """One behaviour, ready to be gathered."""
+    """What one behaviour does, part by part, before all behaviours are gathered."""
 
     outcome: Outcome = REALISED
     head: tuple[Layer, ...] = ()
@@ -50,12 +50,12 @@ class Move:
 
 
 def drop_behaviour(why: str, type: NoticeType = NoticeType.CANNOT_CREATE_BEHAVIOR) -> Move:
-    """A behaviour that is left out."""
+    """Leaves a behaviour out, with the reason as a warning."""
     return Move(Outcome("dropped", why), warnings=(Warned(type, f"left out: {why}"),))
 
 
 def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) -> Move:
-    """A gesture of the lexicon; a one-handed one whose mode is open may take either hand.
+    """Looks a gesture up in the lexicon; a one-handed one whose mode is open may take either hand.
 
     A deictic one with a target points at it.
     """
@@ -82,7 +82,7 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
 
 
 def _unmet(action: Gesture, form: GestureForm, context: BlockContext) -> tuple[Warned, ...]:
-    """Why a gesture does not meet its target; empty when it does, or has none."""
+    """Says why a gesture does not meet its target; empty when it does, or has none."""
     if action.target is None:
         return ()
     if context.find_target(action.target) is None:
@@ -94,7 +94,7 @@ def _unmet(action: Gesture, form: GestureForm, context: BlockContext) -> tuple[W
 
 
 def pointing_move(timed: TimedBehaviour, action: Pointing, context: BlockContext) -> Move:
-    """Pointing at a place, with the hand on its side unless the mode says which."""
+    """Points at a place, with the hand on its side unless the mode says which."""
     place = context.find_target(action.target)
     if place is None:
         return drop_behaviour(context.unknown_target(action.target), NoticeType.NO_SUCH_TARGET)
@@ -107,7 +107,7 @@ def pointing_move(timed: TimedBehaviour, action: Pointing, context: BlockContext
 
 
 def head_move(timed: TimedBehaviour, action: Head, context: BlockContext) -> Move:
-    """A nod, a shake or a direction."""
+    """Nods, shakes the head, or turns it in a direction."""
     if not context.robot.joints("neck"):
         return _lacking("neck", context)
     manner = context.manner(timed.behaviour)
@@ -117,7 +117,7 @@ def head_move(timed: TimedBehaviour, action: Head, context: BlockContext) -> Mov
 
 
 def torso_move(timed: TimedBehaviour, action: Torso, context: BlockContext) -> Move:
-    """A lean or a turn of the trunk that returns."""
+    """Leans or turns the trunk, and returns."""
     if not context.robot.joints("torso"):
         return _lacking("torso", context)
     lean = trunk.named_lean(action, context.robot, context.manner(timed.behaviour).spatial)
@@ -132,7 +132,7 @@ def torso_move(timed: TimedBehaviour, action: Torso, context: BlockContext) -> M
 
 
 def look_moves(looks: Sequence[TimedBehaviour], context: BlockContext) -> Mapping[str, Move]:
-    """Gazes and head directions, of which the later wins from its start; what stays is where others return to.
+    """Turns head and trunk for gazes and head directions, of which the later wins from its start.
 
     Args:
         looks: behaviours with a Gaze or HeadDirectionShift, in any order.
@@ -164,7 +164,7 @@ def look_moves(looks: Sequence[TimedBehaviour], context: BlockContext) -> Mappin
 
 
 def _in_turn(looks: Sequence[TimedBehaviour]) -> Iterator[tuple[TimedBehaviour, TimedBehaviour | None]]:
-    """Looks in order of their starts, each with another of its kind that takes its place before it has begun."""
+    """Yields looks in order of their starts, each with the next of its kind if that starts at the same time."""
     ordered = sorted(looks, key=lambda timed: timed.times["start"])
     for timed, other in zip_longest(ordered, ordered[1:]):
         action = timed.behaviour.action
@@ -174,12 +174,11 @@ def _in_turn(looks: Sequence[TimedBehaviour]) -> Iterator[tuple[TimedBehaviour, 
 
 
 def stays(action: object) -> bool:
-    """Whether a behaviour changes what others return to."""
+    """Whether a behaviour changes the posture to which others return."""
     return isinstance(action, HeadDirectionShift) or (isinstance(action, Gaze | Posture) and action.shift)
 
 
 def _perform_looks(looks: Sequence[TimedBehaviour], aims: Sequence[gaze.Aim], context: BlockContext) -> dict[str, Move]:
-    """Looks with their layers, in the order of their starts."""
     heads, trunks = (
         [
             gaze.hold_gaze(aim, timed.times, part=part, stays=stays(timed.behaviour.action), pace=context.pace)
@@ -201,12 +200,12 @@ def _perform_looks(looks: Sequence[TimedBehaviour], aims: Sequence[gaze.Aim], co
 
 
 def hanging_arms(sides: Sequence[Side]) -> Poses:
-    """Arms that hang."""
+    """Makes the arms hang."""
     return Poses(dict.fromkeys(sides, (REST,)), stroke=0)
 
 
 def without_upright(layer: Layer) -> tuple[Layer, ...]:
-    """The layer, unless it is upright all the time."""
+    """Leaves out a layer that is upright all the time."""
     return (layer,) if any(key.turn != UPRIGHT for key in layer) else ()
 
 
@@ -219,7 +218,7 @@ def _clip_warning(text: str) -> tuple[Warned, ...]:
 
 
 def substitution_outcome(why: str, clipped: str = "", missing: str = "") -> tuple[Outcome, tuple[Warned, ...]]:
-    """The outcome of a behaviour that is performed, by something else if there is a reason, and its warnings."""
+    """Makes the outcome and the warnings of a behaviour that is performed, if need be in another form."""
     type = NoticeType.NO_SUCH_TARGET if missing else NoticeType.CANNOT_CREATE_BEHAVIOR
     warnings = (Warned(type, why),) if why else ()
     return Outcome("substituted", why) if why else REALISED, warnings + _clip_warning(clipped)

@@ -78,7 +78,7 @@ class BlockContext:
         return resolve_styles(self.shared.style, self.block)
 
     def manner(self, behaviour: Behaviour, modality: Modality | None = None) -> Expressivity:
-        """The manner of one behaviour, in its own modality or in another."""
+        """Looks up the manner of one behaviour, in its own modality or in another."""
         return self.styles[behaviour.id].of(modality or modality_of(behaviour.action) or "gesture")
 
     def find_target(self, text: str) -> Floats | None:

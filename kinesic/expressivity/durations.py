@@ -4,17 +4,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
 
-from kinesic.bml.block import (
-    Behaviour,
-    Face,
-    Gaze,
-    Gesture,
-    Head,
-    HeadDirectionShift,
-    Pointing,
-    Posture,
-    Torso,
-)
+from kinesic.bml.block import Behaviour, Face, Gaze, Gesture, Head, HeadDirectionShift, Pointing, Posture, Torso
 from kinesic.body.robot import Side
 from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.gaze import aim, look_time
@@ -35,7 +25,7 @@ FACE_SHIFT = 0.8  # [s] in which one that stays comes
 
 
 def spans(context: BlockContext) -> Mapping[str, Mapping[str, float]]:
-    """Natural seconds after the previous sync point of its type, for the behaviours that move something.
+    """Finds the natural time from the previous sync point to each, for the behaviours that move something [s].
 
     Ways of the hands take Fitts' time, no less than servos do at ease; a post-stroke hold takes half the stroke
     (Greta's rule). Temporal extent makes all of them shorter or longer, power the strokes, but no way is shorter than
@@ -52,7 +42,7 @@ def spans(context: BlockContext) -> Mapping[str, Mapping[str, float]]:
 
 
 def stroke_spans(work: Poses, pace: Pace, manner: Expressivity, *, holds: bool = True) -> dict[str, float]:
-    """Phases of a gesture from rest to rest [s].
+    """Finds how long each phase of a gesture takes, from rest to rest [s].
 
     Power shortens the stroke, and a little the ways to it and back; how long the hand is held stays temporal extent's.
 
@@ -78,7 +68,7 @@ def stroke_spans(work: Poses, pace: Pace, manner: Expressivity, *, holds: bool =
 
 
 def _way(work: Poses, key: int, pace: Pace, manner: Expressivity) -> float:
-    """Between rest and one key, of the hand that goes farther [s]."""
+    """Time between rest and one key, of the hand that goes farther [s]."""
     rest = resting_hands(pace.robot)
     farthest = max(pose_distance(REST, row[key], rest[side]) for side, row in work.hands.items())
     return pace.way_time(farthest, manner)

@@ -49,13 +49,13 @@ class Moment:
     syncs: tuple[tuple[str, str], ...]
 
     def among(self, times: Sequence[float]) -> float | None:
-        """The one of sorted times that falls on this moment, of several the one nearest to the frame; None: none."""
+        """Picks the one of sorted times that falls on this moment, nearest to the frame; None: there is none."""
         inside = times[bisect_left(times, self.first) : bisect_right(times, self.last)]
         return _nearest(inside, self.time) if inside else None
 
 
 def gather_times(times: Mapping[PartName, Sequence[float]], syncs: Sequence[SyncPoint]) -> list[Moment]:
-    """Groups of times: first around the strokes, then what is left, each from its earliest.
+    """Groups times: first around the strokes, then what is left, each group from its earliest.
 
     Args:
         times: of the keys of each part, sorted [s].
@@ -75,7 +75,7 @@ def gather_times(times: Mapping[PartName, Sequence[float]], syncs: Sequence[Sync
 
 
 def _apart(times: Sequence[float]) -> list[float]:
-    """Of sorted times those that are not within `TOGETHER` after one that is kept."""
+    """Keeps sorted times that are not within `TOGETHER` after one that is kept."""
     kept: list[float] = []
     for time in times:
         if not kept or time - kept[-1] >= TOGETHER:
@@ -84,19 +84,19 @@ def _apart(times: Sequence[float]) -> list[float]:
 
 
 def _near(anchors: Sequence[float], time: float) -> float | None:
-    """The anchor within `TOGETHER` of a time that is nearest; None when there is none."""
+    """The nearest anchor within `TOGETHER` of a time; None when there is none."""
     k = bisect_left(anchors, time)
     near = [anchor for anchor in anchors[max(0, k - 1) : k + 1] if abs(anchor - time) < TOGETHER]
     return _nearest(near, time) if near else None
 
 
 def _nearest(times: Sequence[float], time: float) -> float:
-    """The time that is nearest to another, the earlier of two."""
+    """Of two that are as near the earlier."""
     return min(times, key=lambda other: abs(other - time))
 
 
 def _anchor(time: float, strokes: Sequence[float], others: Sequence[float]) -> float:
-    """The time of the frame that a time belongs to: that of a stroke, else that of the earliest neighbour."""
+    """The frame that a time belongs to: that of a stroke, else that of the earliest neighbour [s]."""
     stroke = _near(strokes, time)
     return stroke if stroke is not None else others[bisect_left(others, time + 1e-12) - 1]
 
@@ -110,7 +110,7 @@ class Sequences:
     hands: Mapping[Side, tuple[HandKey, ...]] = field(default_factory=dict)
 
     def keys(self) -> Mapping[PartName, list[TurnKey | HandKey]]:
-        """The keys of each part that has some, in the order of their times."""
+        """Lists the keys of each part that has some, in the order of their times."""
         keys: dict[PartName, list[TurnKey | HandKey]] = {
             "torso": [key for layer in self.torso for key in layer],
             "head": [key for layer in self.head for key in layer],
@@ -120,7 +120,7 @@ class Sequences:
 
 
 def complex_frames(sequences: Sequences, syncs: Sequence[SyncPoint], robot: Robot) -> tuple[KeyFrame, ...]:
-    """Key frames in strictly increasing time, in which every part is filled that has no key.
+    """Makes key frames in strictly increasing time, in which every part without a key is filled.
 
     Keys and sync points nearer than 20 ms share a frame, at the time of a stroke if one is among them.
 
@@ -135,7 +135,7 @@ def complex_frames(sequences: Sequences, syncs: Sequence[SyncPoint], robot: Robo
 def lazy_frames(
     sequences: Sequences, syncs: Sequence[SyncPoint], robot: Robot, priorities: Priorities = PRIORITIES
 ) -> tuple[KeyFrame, ...]:
-    """The same frames, in which only those parts are filled that no part with a key exceeds in priority.
+    """Makes the same frames, filling only those parts that no part with a key exceeds in priority.
 
     Where all priorities are equal it is the complex approach.
 
@@ -157,7 +157,6 @@ GATHER: Mapping[Gathering, Callable[[Sequences, Sequence[SyncPoint], Robot], tup
 def _frames(
     sequences: Sequences, syncs: Sequence[SyncPoint], robot: Robot, priorities: Priorities
 ) -> tuple[KeyFrame, ...]:
-    """Key frames with the parts filled that are as important as those that have a key."""
     keys = sequences.keys()
     times = {part: [key.time for key in own] for part, own in keys.items()}
     found = gather_times(times, syncs)
@@ -188,7 +187,7 @@ def _frames(
 
 
 def _parts_to_fill(given: frozenset[PartName], priorities: Priorities) -> frozenset[PartName]:
-    """The parts without a key that are at least as important as all that have one."""
+    """Parts without a key that are at least as important as all that have one."""
     most = max((priorities[part] for part in given), default=-np.inf)
     return frozenset(part for part in PARTS if part not in given and priorities[part] >= most)
 
@@ -215,13 +214,12 @@ def _read_times(
 
 
 def _turns(layers: Sequence[Layer], times: Sequence[float]) -> list[Turn]:
-    """Sum of a part's layers at some times [s]."""
     return [Turn(*map(float, row)) for row in total(layers, np.array(times))]
 
 
 def _passages(
     moment: Moment, keys: Mapping[PartName, Sequence[TurnKey | HandKey]], times: Mapping[PartName, Sequence[float]]
 ) -> Mapping[PartName, Passage]:
-    """How the keys are passed that fall on a moment; of several layers' keys at once the last one counts."""
+    """Says how the keys on a moment are passed; of several layers' keys at once the last one counts."""
     near = {part: moment.among(own) for part, own in times.items()}
     return {part: keys[part][bisect_right(times[part], at) - 1].passage for part, at in near.items() if at is not None}

@@ -52,7 +52,7 @@ STRAIGHT = Aim(UPRIGHT)
 
 
 def aim(action: Gaze | HeadDirectionShift, context: BlockContext, base: Aim = STRAIGHT) -> Aim | None:
-    """Where a gaze or a head direction shift looks.
+    """Finds the rotations of eyes, head and trunk that look at a target or in a direction.
 
     An unknown target is substituted by the audience. The head goes all the way, as far as its range allows, and eyes
     the rest; of a gaze that is asked of the eyes alone they do what they can, and the head the rest.
@@ -85,7 +85,7 @@ def aim(action: Gaze | HeadDirectionShift, context: BlockContext, base: Aim = ST
 
 
 def hold_gaze(look: Aim, times: Mapping[str, float], *, part: Part, stays: bool, pace: Pace) -> Hold:
-    """When a part goes there and, unless it stays, back; the trunk sets out after the head, where it has the time."""
+    """Times a part of a look: it goes there and, unless it stays, back; the trunk sets out after the head."""
     natural = look_time(look, pace)
     if part == "head":
         return hold_turn(look.head, times, natural=natural, stays=stays)
@@ -96,7 +96,7 @@ def hold_gaze(look: Aim, times: Mapping[str, float], *, part: Part, stays: bool,
 
 
 def look_time(look: Aim, pace: Pace, temporal: float = 0.0) -> float:
-    """Natural time of turning there [s]: that of people, or the servos' ease where it is longer."""
+    """Finds the natural time of a look [s]: that of people, or the servos' ease where it is longer."""
     neck = add_turns(look.head, scale_turn(look.torso, -1.0))
     head = pace.turn_time("neck", neck, temporal, usual=_usual_time(neck, _HEAD_SPEED))
     trunk = pace.turn_time("torso", look.torso, temporal, usual=_usual_time(look.torso, _TRUNK_SPEED))
@@ -110,7 +110,6 @@ def _usual_time(turn: Turn, speed: float) -> float:
 
 
 def _towards(place: Floats, robot: Robot) -> Turn:
-    """Torsion and tilt from the eyes at rest to a place."""
     frames = robot.skeleton.resting
     k = robot.skeleton.segment(robot.chains["neck"][-1])
     eyes = robot.sites.get("eyes")
@@ -120,7 +119,7 @@ def _towards(place: Floats, robot: Robot) -> Turn:
 
 
 def _offset(gaze: Gaze, block: Block) -> Turn:
-    """The offset of a gaze; of drafts and of Greta's dialect, an angle up to 1 is a share of `SHARE`."""
+    """Of drafts and of Greta's dialect, an angle up to 1 is a share of `SHARE`."""
     angle = gaze.offset_angle
     if block.dialect in SHARED and abs(angle) <= 1:
         angle *= SHARE
@@ -133,7 +132,7 @@ def _offset(gaze: Gaze, block: Block) -> Turn:
 
 
 def _share_turn(turn: Turn, *, influence: str | None, robot: Robot, base: Aim, missing: str = "") -> Aim:
-    """The rotation shared between eyes, head and trunk, inside their ranges."""
+    """Shares a rotation between eyes, head and trunk, inside their ranges."""
     parts, seeing = (influence or "").upper(), EYES if "eyes" in robot.sites else (UPRIGHT, UPRIGHT)
     alone = clip_turn(add_turns(turn, scale_turn(base.head, -1.0)), seeing) if parts == "EYES" else UPRIGHT
     head = add_turns(turn, scale_turn(alone, -1.0))

@@ -60,12 +60,12 @@ class HeadForm:
 
 
 def words(lexeme: str) -> tuple[str, ...]:
-    """The words of a lexeme, lower-case: `Down_Aside_Right`, `ShakeLeft`."""
+    """Splits a lexeme into its words, lower-case: `Down_Aside_Right`, `ShakeLeft`."""
     return tuple(word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])", lexeme))
 
 
 def amplitude_factor(found: tuple[str, ...]) -> float:
-    """Factor on amplitude that words such as big and small ask for."""
+    """Reads the factor on amplitude of words such as big and small."""
     return next((_SCALES[word] for word in found if word in _SCALES), 1.0)
 
 
@@ -75,7 +75,7 @@ def names_stem(found: tuple[str, ...], *stems: str) -> bool:
 
 
 def head_form(head: Head, robot: Robot, manner: Expressivity) -> HeadForm:
-    """The form of a head movement, inside the range of the neck.
+    """Finds the form of a head movement, inside the range of the neck.
 
     A nod of amount a peaks at a x 20 deg, a shake at a x 25 deg to each side, a direction at a x 30 deg on each
     axis that its words name: up and down tilt, left and right turn, and roll when the word is aside or tilt.
@@ -98,12 +98,12 @@ def head_form(head: Head, robot: Robot, manner: Expressivity) -> HeadForm:
 
 
 def swing_time(form: HeadForm, pace: Pace, manner: Expressivity) -> float:
-    """Natural time of one swing from upright to the peak [s]: temporal extent and power make it shorter or longer."""
+    """Finds the natural time of one swing from upright to the peak [s], under temporal extent and power."""
     return pace.turn_time("neck", form.peak, manner.temporal, manner.power, usual=SWING)
 
 
 def direction(found: tuple[str, ...]) -> Turn:
-    """The rotation that words such as up, left and aside name, one `DIRECTION` on each axis."""
+    """Finds the rotation that words such as up, left and aside name, one `DIRECTION` on each axis."""
     tilt = DIRECTION * (names_stem(found, "down", "forward") - names_stem(found, "up", "back", "toss"))
     side = DIRECTION * (names_stem(found, "left") - names_stem(found, "right"))
     if names_stem(found, "aside", "tilt", "lean", "roll", "inclin"):
@@ -112,7 +112,7 @@ def direction(found: tuple[str, ...]) -> Turn:
 
 
 def head_layer(form: HeadForm, times: Mapping[str, float], pace: Pace, manner: Expressivity) -> Layer:
-    """The head movement in time.
+    """Times a head movement.
 
     A nod or shake swings between `strokeStart` and `strokeEnd`, first at its peak at `stroke`; of the times that the
     manner adds only as many as the neck can do by then. A direction is nearly there at `ready`, there at `stroke`,
@@ -158,7 +158,7 @@ def _swing(form: HeadForm, times: Mapping[str, float], natural: float, manner: E
 
 
 def _drop_added(form: HeadForm, times: Mapping[str, float], least: float) -> HeadForm:
-    """The form with as many added times as leave each swing what the neck needs [s]."""
+    """Leaves out added times for which the neck has no time [s]."""
     span = times["strokeEnd"] - times["stroke"]
     while form.more > 0 and span < least * (len(form.swings) - 1):
         form = replace(form, more=form.more - 1)
@@ -166,7 +166,7 @@ def _drop_added(form: HeadForm, times: Mapping[str, float], least: float) -> Hea
 
 
 def _pin_swings(times: Mapping[str, float], last: int, natural: float) -> dict[int, float]:
-    """Times of the swings that sync points name [s]: every second one is a stroke, the last ends the stroke."""
+    """Times that sync points give to swings [s]: every second one is a stroke, the last ends the stroke."""
     pinned = {0: times["stroke"]}
     for k in range(2, last, 2):
         time = times.get(f"stroke:{k // 2 + 1}")

@@ -1,4 +1,4 @@
-"""Idle motion: while nothing is asked, the trunk breathes and shifts its weight, and the gaze wanders a little.
+"""Idle motion in pauses: the trunk breathes and shifts its weight, and the gaze wanders a little.
 
 It is motion like any other, written as layers of torso and head: it adds to whatever they hold, and passes the same
 conditioning. It fills the pauses in which no part is used, and begins and ends at nothing.
@@ -53,7 +53,7 @@ OFF = Idling()
 
 
 def add_idle_motion(sequences: Sequences, whole: Span, idling: Idling, robot: Robot) -> Sequences:
-    """The sequences of a block, idle motion added to the parts that the robot has.
+    """Adds idle motion to the parts of a block that the robot has.
 
     Args:
         sequences: what is asked of the parts.
@@ -70,7 +70,7 @@ def add_idle_motion(sequences: Sequences, whole: Span, idling: Idling, robot: Ro
 
 
 def idle(free: Iterable[Span], idling: Idling) -> tuple[Layer, Layer]:
-    """Layers of torso and head that fill pauses.
+    """Makes layers of torso and head that fill pauses.
 
     Args:
         free: [s] block time, in order, in which nothing is used.
@@ -94,7 +94,7 @@ def idle(free: Iterable[Span], idling: Idling) -> tuple[Layer, Layer]:
 
 
 def used_spans(sequences: Sequences) -> tuple[Span, ...]:
-    """Spans in which a part moves, or is held away from its rest until it goes on [s]."""
+    """Finds the spans in which a part moves, or is away from its rest [s]."""
     turning = [
         (a.time, b.time)
         for layer in (*sequences.torso, *sequences.head)
@@ -111,7 +111,7 @@ def used_spans(sequences: Sequences) -> tuple[Span, ...]:
 
 
 def pauses(occupied: Iterable[Span], whole: Span) -> tuple[Span, ...]:
-    """What occupied spans leave of a whole.
+    """Finds what occupied spans leave of a whole.
 
     Args:
         occupied: [s] spans in which some part is used, in any order.

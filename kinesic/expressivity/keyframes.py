@@ -57,7 +57,7 @@ class KeyFrame:
 
     @property
     def known(self) -> frozenset[PartName]:
-        """Parts of which this frame knows where they are; the others go along with these."""
+        """Parts whose place this frame says; the others go along with them."""
         return self.given | self.filled
 
 

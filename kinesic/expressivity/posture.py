@@ -1,4 +1,4 @@
-"""Postures: what trunk, arms and head do of a stance and of poses, for a while or as the rest that others return to.
+"""Postures: how trunk, arms and head take a stance and poses, for a while or as the rest to which others return.
 
 In time, trunk, head and arms go into a posture together, and come back unless they stay.
 """
@@ -68,7 +68,7 @@ class _Part:
 
 
 def pose(posture: Posture, lexicon: Lexicon, robot: Robot) -> Pose | None:
-    """What this robot does of a posture: it leans and turns its head as asked, and puts its arms in rest poses.
+    """Finds what this robot does of a posture: it leans and turns its head, and puts its arms in rest poses.
 
     Of a stance it does what its upper body has part in: who sits has the hands in the lap, who crouches bends forward,
     who stands lets them hang. A pose of the arms goes before.
@@ -113,7 +113,7 @@ def _stance(stance: str, lexicon: Lexicon, *, stays: bool) -> _Part | None:
 
 
 def _part(name: str, lexeme: str, lexicon: Lexicon) -> _Part | None:
-    """What one pose asks of trunk, arms or head; None when it asks for nothing that they can."""
+    """Finds what one pose asks of trunk, arms or head; None when they can do nothing of it."""
     found = words(lexeme)
     if name in _ARMS:
         arms = _arms(lexeme, _ARMS[name], lexicon)
@@ -130,7 +130,7 @@ def _part(name: str, lexeme: str, lexicon: Lexicon) -> _Part | None:
 
 
 def _arms(lexeme: str, mode: Mode, lexicon: Lexicon) -> Arms | None:
-    """The rest form of a pose of the arms, or the arms that hang; None when the lexicon knows none."""
+    """Finds the rest form of a pose of the arms, or the arms that hang; None when the lexicon knows none."""
     found = words(lexeme)
     if names_stem(found, *_EASE):
         return mode
@@ -145,7 +145,7 @@ def _arms(lexeme: str, mode: Mode, lexicon: Lexicon) -> Arms | None:
 
 
 def posture_moves(postures: Sequence[TimedBehaviour], context: BlockContext) -> Mapping[str, Move]:
-    """Postures, of which the later wins from its start: trunk and head lean, the arms take rest poses."""
+    """Leans trunk and head and brings the arms into rest poses; of several postures the later wins from its start."""
     moves: dict[str, Move] = {}
     found: list[tuple[TimedBehaviour, Pose]] = []
     for timed in sorted(postures, key=lambda timed: timed.times["start"]):
@@ -184,13 +184,13 @@ def posture_moves(postures: Sequence[TimedBehaviour], context: BlockContext) -> 
 
 
 def _posture_hold(timed: TimedBehaviour, turn: Turn, chain: str, context: BlockContext) -> Hold:
-    """When a part goes into a posture and, unless it stays, back."""
+    """Times a part of a posture: it goes there and, unless it stays, back."""
     natural = max(LEAST_HOLD, context.pace.turn_time(chain, turn))
     return hold_turn(turn, timed.times, natural=natural, stays=stays(timed.behaviour.action))
 
 
 def _arm_strokes(timed: TimedBehaviour, arms: Arms, context: BlockContext) -> tuple[Stroke, ...]:
-    """Work that brings the arms into a rest pose, and back unless the posture stays."""
+    """Brings the arms into a rest pose, and back unless the posture stays."""
     times, shift, manner = timed.times, stays(timed.behaviour.action), context.manner(timed.behaviour)
     work = poses(arms, context.robot, manner) if isinstance(arms, GestureForm) else hanging_arms(_SIDES[arms])
     there = times["end"] if shift else times["ready"]

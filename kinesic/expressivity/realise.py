@@ -1,4 +1,4 @@
-"""The stage: from behaviours with times to key frames of the whole upper body."""
+"""Realises behaviours with times as key frames of the whole upper body."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -51,7 +51,7 @@ ALL: Mapping[str, str] = MappingProxyType({})  # nothing is left out
 
 
 def keyframes(timeline: Timeline, context: BlockContext, *, without: Mapping[str, str] = ALL) -> KeyFrames:
-    """Key frames of a block, and what became of each of its behaviours.
+    """Makes the key frames of a block, and says what becomes of each of its behaviours.
 
     Args:
         timeline: behaviours with times.
@@ -108,13 +108,12 @@ def keyframes(timeline: Timeline, context: BlockContext, *, without: Mapping[str
 
 
 def _move_syncs(timed: TimedBehaviour, times: Mapping[str, Mapping[str, float]]) -> TimedBehaviour:
-    """The behaviour with the sync points that neighbours of its hands moved, where the document left them open."""
+    """Moves the sync points that neighbours of its hands changed, where the document left them open."""
     moved = times.get(timed.behaviour.id)
     return replace(timed, times={**timed.times, **moved}) if moved else timed
 
 
 def _moves(timed: list[TimedBehaviour], context: BlockContext) -> dict[str, Move]:
-    """What each behaviour makes of itself, by id in the order of the document."""
     looks = [one for one in timed if isinstance(one.behaviour.action, Gaze | HeadDirectionShift)]
     postures = [one for one in timed if isinstance(one.behaviour.action, Posture)]
     together = {**look_moves(looks, context), **posture_moves(postures, context)}
@@ -122,7 +121,6 @@ def _moves(timed: list[TimedBehaviour], context: BlockContext) -> dict[str, Move
 
 
 def _move(timed: TimedBehaviour, context: BlockContext) -> Move:
-    """What a behaviour makes of itself that does not depend on others of its kind."""
     match timed.behaviour.action:
         case Gesture() as action:
             return gesture_move(timed, action, context)
@@ -143,7 +141,7 @@ def _move(timed: TimedBehaviour, context: BlockContext) -> Move:
 
 
 def _face_move(action: Face) -> Move:
-    """A face: it moves no hinge, and `face.tracks` works out what it shows when somebody looks."""
+    """A face moves no hinge; `face.tracks` computes what it shows."""
     found = outcome(action)
     if found.kind == "dropped":
         return drop_behaviour(found.why)
@@ -153,7 +151,7 @@ def _face_move(action: Face) -> Move:
 
 
 def _with_hands(id: str, move: Move, hands: Arranged) -> Move:
-    """The move after the hands were given out."""
+    """Adds what became of a behaviour when the hands were given out."""
     remarks = (Warned(NoticeType.IMPOSSIBLE_TO_SCHEDULE, text) for text in hands.remarks.get(id, ()))
     move, outcome = replace(move, warnings=(*move.warnings, *remarks)), hands.outcomes.get(id)
     if outcome is None:

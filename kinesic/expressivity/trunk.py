@@ -53,7 +53,7 @@ class Lean:
 
 
 def named_lean(torso: Torso, robot: Robot, spatial: float) -> Lean | None:
-    """The rotation that the words of a lexeme name: lean, recline, forward, back, left, right, turn, neutral.
+    """Finds the rotation that the words of a lexeme name: lean, recline, forward, back, left, right, turn, neutral.
 
     Returns:
         None when no word means a movement of the trunk.
@@ -68,13 +68,13 @@ def named_lean(torso: Torso, robot: Robot, spatial: float) -> Lean | None:
 
 
 def hold_trunk(turn: Turn, times: Mapping[str, float], *, stays: bool, pace: Pace) -> Hold:
-    """When the trunk goes there and, unless it stays, back."""
+    """Times a lean: the trunk goes there and, unless it stays, back."""
     natural = max(LEAST_HOLD, pace.turn_time("torso", turn))
     return hold_turn(turn, times, natural=natural, stays=stays)
 
 
 def trunk_direction(found: tuple[str, ...]) -> Turn | None:
-    """The rotation of amount 1 that words name; None when they name none."""
+    """Finds the rotation of amount 1 that words name; None when they name none."""
     turning = names_stem(found, "turn", "twist", "look", "rotat")
     tilt = LEAN * (names_stem(found, "forward", "down", "front") - names_stem(found, "recline", "back", "up"))
     side = LEAN * (names_stem(found, "left") - names_stem(found, "right"))
@@ -88,14 +88,14 @@ def trunk_direction(found: tuple[str, ...]) -> Turn | None:
 
 
 def limit_trunk(turn: Turn, robot: Robot) -> Lean:
-    """A rotation inside the range of the trunk."""
+    """Keeps a rotation inside the range of the trunk."""
     within = room(robot, "torso")
     lost = excess(turn, within)
     return Lean(clip_turn(turn, within), f"{lost:.1f} deg beyond the torso's range are left out" if lost > 0.05 else "")
 
 
 def taking_part(work: HandStroke, manner: Expressivity, pace: Pace) -> Layer:
-    """The trunk's rotation through one gesture, from upright to upright.
+    """Turns the trunk along with one gesture, from upright to upright.
 
     No step asks more of the trunk than it does in the time that the hands have, so that no stroke waits for it.
 
@@ -123,7 +123,7 @@ def taking_part(work: HandStroke, manner: Expressivity, pace: Pace) -> Layer:
 
 
 def _ways(work: Poses, rest: Mapping[Side, Reach], unit: float) -> list[Floats]:
-    """From key to key, the first from rest: (3,) how far the middle of the hands has gone [arm lengths]."""
+    """(3,) how far the middle of the hands has gone from key to key, at first from rest [arm lengths]."""
     middles = [np.mean([rest[side].position for side in work.hands], axis=0)]
     for k in range(work.count):
         middles.append(
@@ -147,7 +147,7 @@ def _manageable(key: TurnKey, desired: Turn, moment: float, pace: Pace) -> Turn:
 
 
 def _return(key: TurnKey, times: Mapping[str, float], pace: Pace) -> tuple[TurnKey, ...]:
-    """Staying until the hands relax, then going upright again."""
+    """Stays until the hands relax, then goes upright again."""
     leave = max(times["relax"], key.time)
     hold = (TurnKey(leave, key.turn),) if leave - key.time >= MERGE else ()
     least = pace.least_turn_time("torso", key.turn) / HASTE

@@ -42,7 +42,7 @@ class Hold:
 
 
 def hold_turn(turn: Turn, times: Mapping[str, float], *, natural: float, stays: bool) -> Hold:
-    """A hold from sync points: there at `ready` (or `end`, if there is no other), back from `relax` to `end`.
+    """Times a hold by sync points: there at `ready` (or `end`, if there is no other), back from `relax` to `end`.
 
     Args:
         turn: where it goes.
@@ -59,22 +59,22 @@ def hold_turn(turn: Turn, times: Mapping[str, float], *, natural: float, stays: 
 
 
 def scale_turn(turn: Turn, factor: float) -> Turn:
-    """A share or a multiple of a rotation, axis by axis."""
+    """Multiplies a rotation, axis by axis."""
     return Turn(turn.torsion * factor, turn.tilt * factor, turn.roll * factor)
 
 
 def add_turns(a: Turn, b: Turn) -> Turn:
-    """Sum of two rotations, axis by axis."""
+    """Adds two rotations, axis by axis."""
     return Turn(a.torsion + b.torsion, a.tilt + b.tilt, a.roll + b.roll)
 
 
 def axes(turn: Turn) -> tuple[float, float, float]:
-    """Torsion, tilt and roll [rad], in the order of `AXES`."""
+    """Lists torsion, tilt and roll [rad], in the order of `AXES`."""
     return turn.torsion, turn.tilt, turn.roll
 
 
 def room(robot: Robot, chain: str) -> tuple[Turn, Turn]:
-    """Least and greatest rotation that the hinges of a chain allow; zero where it has no hinge for an axis."""
+    """Finds the least and greatest rotation of a chain's hinges; zero where it has no hinge for an axis."""
     skeleton = robot.skeleton
     hinges = [skeleton.hinges[k] for k in robot.joints(chain)]
     lower = [sum(h.lower for h in hinges if h.name.endswith(axis)) for axis in AXES]
@@ -83,24 +83,24 @@ def room(robot: Robot, chain: str) -> tuple[Turn, Turn]:
 
 
 def clip_turn(turn: Turn, within: tuple[Turn, Turn]) -> Turn:
-    """The nearest rotation inside a range."""
+    """Finds the nearest rotation inside a range."""
     least, most = within
     return Turn(*(min(max(v, a), b) for v, a, b in zip(axes(turn), axes(least), axes(most), strict=True)))
 
 
 def excess(turn: Turn, within: tuple[Turn, Turn]) -> float:
-    """How far a rotation lies outside a range, on its worst axis [deg]."""
+    """Measures how far a rotation lies outside a range, on its worst axis [deg]."""
     inside = clip_turn(turn, within)
     return degrees(max(abs(a - b) for a, b in zip(axes(turn), axes(inside), strict=True)))
 
 
 def turn_at(layer: Layer, time: float) -> Turn:
-    """The rotation of a layer at a time."""
+    """Finds the rotation of a layer at a time."""
     return Turn(*(float(v) for v in total([layer], np.array([time]))[0]))
 
 
 def total(layers: Iterable[Layer], times: Floats) -> Floats:
-    """The sum of layers at (m,) times [s]: (m, 3) torsion, tilt, roll [rad]."""
+    """Adds layers at (m,) times [s]: (m, 3) torsion, tilt, roll [rad]."""
     turns = np.zeros((len(times), 3))
     for layer in layers:
         knots = [key.time for key in layer]
@@ -111,7 +111,7 @@ def total(layers: Iterable[Layer], times: Floats) -> Floats:
 
 
 def bump(hold: Hold, base: Turn = UPRIGHT) -> Layer:
-    """The layer of one hold, relative to the rotation that it leaves."""
+    """Makes the layer of one hold, relative to the rotation that it leaves."""
     change = add_turns(hold.turn, scale_turn(base, -1.0))
     keys = [TurnKey(hold.start, UPRIGHT), TurnKey(hold.arrive, change)]
     if hold.leave is not None and hold.back is not None:
@@ -122,7 +122,7 @@ def bump(hold: Hold, base: Turn = UPRIGHT) -> Layer:
 
 
 def exclusive(holds: Sequence[Hold]) -> tuple[Layer, ...]:
-    """Layers of holds of which only one is in force: the later wins from its start.
+    """Makes layers of holds of which only one is in force: the later wins from its start.
 
     A hold that stays becomes the rotation that later ones return to.
 
@@ -145,13 +145,13 @@ def exclusive(holds: Sequence[Hold]) -> tuple[Layer, ...]:
 
 
 def _give_way(layer: Layer, other: Hold) -> Layer:
-    """A layer that goes back to zero while another hold goes to its own rotation."""
+    """Lets a layer go back to zero while another hold goes to its own rotation."""
     before = tuple(key for key in layer if key.time < other.start)
     return (*before, TurnKey(other.start, turn_at(layer, other.start)), TurnKey(other.arrive, UPRIGHT))
 
 
 def pass_layer(layer: Layer, manner: Expressivity) -> Layer:
-    """A layer whose keys are passed as a manner passes a hold: there, staying, and back upright."""
+    """Passes the keys of a layer in a manner, as a hold: there, staying, and back upright."""
     keys = [replace(key, passage=passage_of(manner, "retraction")) for key in layer[:1]]
     for before, key in pairwise(layer):
         phase: Phase = "hold" if key.turn == before.turn else "retraction" if key.turn == UPRIGHT else "stroke"
@@ -160,10 +160,10 @@ def pass_layer(layer: Layer, manner: Expressivity) -> Layer:
 
 
 def departure_time(wanted: float, arrival: float, natural: float) -> float:
-    """When to leave [s]: as wanted, or early enough when no time was given for the way."""
+    """Finds when to leave [s]: as wanted, or early enough when no time was given for the way."""
     return wanted if arrival - wanted >= MERGE else arrival - natural
 
 
 def arrival(leave: float, wanted: float, natural: float) -> float:
-    """When to be back [s]: as wanted, or late enough when no time was given for the way."""
+    """Finds when to be back [s]: as wanted, or late enough when no time was given for the way."""
     return wanted if wanted - leave >= MERGE else leave + natural

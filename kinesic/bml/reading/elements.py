@@ -192,7 +192,7 @@ _ALWAYS = frozenset({"id", "xmlns", *(name.lower() for name in SYNC_ATTRIBUTES)}
 
 
 def unknown_attributes(named: BehaviourElement) -> list[str]:
-    """Names of attributes without prefix that a behaviour's element has, and that nobody reads."""
+    """Lists attributes without prefix that a behaviour's element has, and that nobody reads."""
     read = ATTRIBUTES.get(named.element.local)
     if read is None:
         return []

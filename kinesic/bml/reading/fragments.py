@@ -1,4 +1,4 @@
-"""Fragments: behaviours without a <bml> around them, in SmartBody's words, as its scripts hand them over.
+"""Reads fragments: behaviours without a <bml> around them, in SmartBody's words, as its scripts hand them over.
 
 Read as if a <bml> stood around them, and rewritten into BML's own words where they mean the same. What has no plain
 meaning in BML keeps its name, and is noticed by it. SmartBody's y points up and its z forward.
@@ -55,7 +55,6 @@ def read_fragments(text: str, *, source: str, bounds: Bounds = BOUNDS) -> Elemen
 
 
 def _rewritten(element: Element, counts: dict[str, int]) -> Element:
-    """A behaviour in BML's words, with an id."""
     counts[element.local] = counts.get(element.local, 0) + 1
     attributes = {"id": f"{element.local}.{counts[element.local]}", **element.attributes}
     rewrite = REWRITTEN.get(element.local)

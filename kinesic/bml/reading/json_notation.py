@@ -146,7 +146,6 @@ class _Reader:
 
 
 def _block(block: _Object, source: str) -> Element:
-    """The <bml> of an object."""
     inside: list[Element] = []
     for key, value in block.fields.items():
         if key in _BEHAVIOURS:
@@ -190,7 +189,6 @@ def _behaviours(values: Sequence[_Value], source: str) -> Iterator[Element]:
 
 
 def _element(name: str, value: _Object) -> Element:
-    """The element of an object."""
     inside: list[Element | str] = []
     attributes = {}
     for key, each in value.fields.items():

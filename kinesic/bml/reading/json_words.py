@@ -20,7 +20,7 @@ _DIGITS = 4  # of a number of strokes
 
 
 def rewritten(element: Element) -> Element:
-    """A behaviour in BML's words."""
+    """Says a behaviour in BML's words."""
     rewrite = REWRITES.get(element.name)
     return element if rewrite is None else rewrite(element)
 

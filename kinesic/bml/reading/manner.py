@@ -66,12 +66,12 @@ def manners_of(bml: Element, reading: DocumentReading) -> dict[Modality, Manner]
 
 
 def openness_of(greta: float) -> float:
-    """Greta's openness on our scale: 0 stays the elbow at the body, and so does all below; 1.13 is an elbow far out."""
+    """Converts Greta's openness to our scale: 0 and below is the elbow at the body, 1.13 an elbow far out."""
     return min(max(greta / GRETA_OPENNESS[1], 0.0), 1.0)
 
 
 def reference_of(element: Element) -> str:
-    """Lexeme that a description refers to, without its category; empty when there is none."""
+    """Reads the lexeme that a description refers to, without its category; empty when there is none."""
     description = _description(element, "gretabml")
     if description is None:
         return ""
@@ -80,12 +80,11 @@ def reference_of(element: Element) -> str:
 
 
 def lexeme(written: str) -> str:
-    """Id of `category=id`, or the whole."""
+    """Reads the id of `category=id`, or the whole."""
     return written.strip().rpartition("=")[2].strip()
 
 
 def _greta(named: BehaviourElement, reading: DocumentReading) -> Manner:
-    """What a description of Greta's says."""
     description = _description(named.element, "gretabml")
     values = {}
     for child in description.children if description is not None else ():
@@ -104,7 +103,7 @@ def _greta(named: BehaviourElement, reading: DocumentReading) -> Manner:
 
 
 def _said(element: Element) -> Iterator[tuple[str, str, Place]]:
-    """Name, value and place of all that our namespace says of an element, attributes last."""
+    """Yields name, value and place of all that our namespace says of an element, attributes last."""
     description = _description(element, "kinesic")
     for child in description.children if description is not None else ():
         yield child.name, child.text.strip(), child.place
@@ -114,7 +113,6 @@ def _said(element: Element) -> Iterator[tuple[str, str, Place]]:
 
 
 def _set_field(manner: Manner, name: str, parameter: str, text: str, place: Place, reading: DocumentReading) -> Manner:
-    """The manner with one more of its fields, as a name says that stands in the document."""
     if parameter == "style":
         if text not in names_of("style"):
             raise reading.refuse(place, f"{name}='{text}' is no style", suggestion(text, names_of("style"))[2:])

@@ -23,7 +23,7 @@ NEUTRAL_PREFIXES = frozenset({"xml", "xmlns", "xsi"})
 
 
 def namespace(element: Element) -> str | None:
-    """Namespace of an element; None when its prefix is declared nowhere."""
+    """Looks up the namespace of an element; None when its prefix is declared nowhere."""
     return element.scope.get(element.name.rpartition(":")[0])
 
 
@@ -39,7 +39,7 @@ def is_core(element: Element, *, home: str | None) -> bool:
 
 
 def core_attributes(element: Element, *, home: str | None) -> dict[str, str]:
-    """Attributes that are BML's, by local name; those without prefix always are."""
+    """Picks the attributes that are BML's, by local name; those without prefix always are."""
     attributes: dict[str, str] = {}
     for name, value in element.attributes.items():
         prefix, _, local = name.rpartition(":")
@@ -49,7 +49,7 @@ def core_attributes(element: Element, *, home: str | None) -> dict[str, str]:
 
 
 def own_attributes(element: Element) -> dict[str, str]:
-    """Attributes of our namespace, by name with prefix as written."""
+    """Picks the attributes of our namespace, by name with prefix as written."""
     found = {}
     for name, value in element.attributes.items():
         prefix = name.rpartition(":")[0]
@@ -59,7 +59,7 @@ def own_attributes(element: Element) -> dict[str, str]:
 
 
 def extension_attributes(element: Element) -> dict[str, str]:
-    """Attributes by which blocks say what they do to one another, by local name."""
+    """Picks the attributes by which blocks say what they do to one another, by local name."""
     return {name.rpartition(":")[2]: value for name, value in element.attributes.items() if is_composing(name, element)}
 
 
@@ -71,7 +71,7 @@ def is_composing(name: str, element: Element) -> bool:
 
 
 def foreign_attributes(element: Element, *, home: str | None) -> list[str]:
-    """Names, with prefix, of attributes of unknown extensions."""
+    """Lists, with prefix, the attributes of unknown extensions."""
     prefixed = [name for name in element.attributes if ":" in name]
     return [
         name

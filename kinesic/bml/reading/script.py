@@ -76,7 +76,7 @@ def script_of(named: BehaviourElement, reading: DocumentReading) -> Script:
 
 
 def recording_of(named: BehaviourElement, reading: DocumentReading) -> Recording | None:
-    """The recording of a <speech>, or None.
+    """Finds the recording of a <speech>, or None.
 
     It is named by the description's text, by a <reference> in it, or by an attribute `ref`, `src`, `href` or `file`
     of the description or of an element in it; relative to the folder of the document. One with a negative priority is
@@ -93,7 +93,7 @@ def recording_of(named: BehaviourElement, reading: DocumentReading) -> Recording
 
 
 def pause_of(element: Element, reading: DocumentReading) -> float | None:
-    """Longest pause [s] that may be put before a word, so that the body is in time; None where nothing is said.
+    """Reads the longest pause [s] that may be put before a word for the body; None where nothing is said.
 
     `kinesic:pause` is a number of seconds, `true` (as long as is needed, at most `LONGEST_PAUSE`) or `false`.
 
@@ -113,7 +113,6 @@ def pause_of(element: Element, reading: DocumentReading) -> float | None:
 
 
 def _body(speech: Element) -> Element:
-    """The element whose content is said."""
     inside = {child.local: child for child in speech.children}
     for child in speech.children:
         is_ssml = child.local == "description" and child.attributes.get("type", "").strip() == SSML
@@ -169,7 +168,6 @@ class _Written:
             self.pauses.append(Pause(len(self.text), duration, before))
 
     def _stress(self, element: Element) -> None:
-        """Reads an element that may change how its text is said."""
         place, begin = len(self.emphases), len(self.text)
         self.read(element)
         stress = _stress_of(element)
@@ -178,7 +176,6 @@ class _Written:
 
 
 def _stress_of(element: Element) -> tuple[Stress, tuple[tuple[str, str], ...]] | None:
-    """What an element asks of the voice."""
     language = element.attributes.get("xml:lang", "").strip()
     for stress, allowed in _STRESSES.items():
         if element.local == stress:

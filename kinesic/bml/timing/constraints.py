@@ -44,12 +44,12 @@ Equals = Mapping[Point, float]  # time(point) + offset is one time for all
 
 
 def point_of(ref: SyncRef) -> Point:
-    """Sync point of a reference, without its offset."""
+    """Finds the sync point of a reference, without its offset."""
     return Point(ref.block, ref.behaviour, ref.sync if ref.iteration in (None, 1) else f"{ref.sync}:{ref.iteration}")
 
 
 def ties(block: Block) -> Iterator[Tie]:
-    """All equalities that a block asks for, in document order."""
+    """Yields all equalities that a block asks for, in document order."""
     for behaviour in block.behaviours:
         yield from own_ties(behaviour, block.id)
     for constraint in block.constraints:
@@ -58,14 +58,14 @@ def ties(block: Block) -> Iterator[Tie]:
 
 
 def own_ties(behaviour: Behaviour, block: str) -> Iterator[Tie]:
-    """Equalities that the sync attributes of a behaviour ask for."""
+    """Yields the equalities that the sync attributes of a behaviour ask for."""
     for sync, ref in behaviour.syncs.items():
         own = SyncRef(block, behaviour.id, sync)
         yield Tie(own, ref, behaviour.id, behaviour.place, behaviour.required)
 
 
 def synchronize_equalities(constraint: Synchronize) -> Iterator[Tie]:
-    """Equalities of a <synchronize>, all with its first point that moves."""
+    """Yields the equalities of a <synchronize>, all with its first point that moves."""
     moving = (ref for ref in constraint.refs if ref.behaviour != "bml")
     first = next(moving, None)
     for ref in constraint.refs:
@@ -74,7 +74,7 @@ def synchronize_equalities(constraint: Synchronize) -> Iterator[Tie]:
 
 
 def placed_points(block: Block) -> Mapping[str, frozenset[str]]:
-    """The sync points of each behaviour that the document places, or places others by; the rest is natural."""
+    """Finds the sync points of each behaviour that the document places, or places others by; the rest is natural."""
     refs = [ref for tie in ties(block) for ref in (tie.left, tie.right)]
     for order in block.constraints:
         if isinstance(order, Precedence):
@@ -138,7 +138,6 @@ class Constraints:
 
     @cached_property
     def _members(self) -> list[list[str]]:
-        """Behaviours of this block in each class."""
         return [
             list(dict.fromkeys(p.behaviour for p in group if p.block == self.block and p.behaviour != "bml"))
             for group in self.classes

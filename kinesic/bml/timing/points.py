@@ -39,7 +39,7 @@ _WAIT = 1.0  # [s] when nothing says how long
 
 
 def sync_points(action: Action, dialect: Dialect, spans: Iterable[str] = ()) -> tuple[str, ...]:
-    """Sync points of a behaviour in order; those of a speech are start, its marks as written, end.
+    """Lists the sync points of a behaviour; those of a speech are start, its marks as written, end.
 
     Gaze, face and posture have the gesture's seven points in the drafts: outside BML 1.0 they get both sets.
 
@@ -75,7 +75,7 @@ def is_repeated(action: Action, sync: str) -> bool:
 
 
 def natural_spans(action: Action, given: Mapping[str, float]) -> dict[str, float]:
-    """Natural seconds from the previous sync point to each one; a point that is missing takes no time.
+    """Finds the natural seconds from the previous sync point to each one; a point that is missing takes no time.
 
     Args:
         action: what is done.
@@ -96,6 +96,5 @@ def natural_spans(action: Action, given: Mapping[str, float]) -> dict[str, float
 
 
 def _with_strokes(more: Sequence[str]) -> tuple[str, ...]:
-    """A gesture's sync points with more strokes than one."""
     after = GESTURE_SYNCS.index("strokeEnd")
     return (*GESTURE_SYNCS[:after], *more, *GESTURE_SYNCS[after:])

@@ -1,4 +1,4 @@
-"""A number for every sync point of a network without contradictions.
+"""Finds a time for every sync point of a network without contradictions.
 
 Behaviours that hang together are settled together. Groups that hang on the block's start are settled where they are;
 others are settled by themselves and moved so that they start at 0. A behaviour whose times hang on nothing else fits
@@ -55,7 +55,7 @@ def fit_behaviour(
 
 
 def _lengths(names: Sequence[str], natural: Sequence[float], total: float, repeated: Collection[str]) -> list[float]:
-    """Seconds of each phase so that they add up to a total."""
+    """Seconds of each phase, with a given sum."""
     spare = total - sum(natural)
     if spare >= 0.0:
         gives = next((name for name in _GIVING if name in names), names[-1])

@@ -53,7 +53,7 @@ class Expression:
 
 
 def expression(face: Face, *, path: Path = EXPRESSIONS) -> Expression:
-    """What a face behaviour shows.
+    """Finds what a face behaviour shows.
 
     A lexeme is taken apart into words; the expression counts that most of them speak of. Words such as small and big,
     left and right change it. Of several lexemes the stronger intensity counts for each action unit.
@@ -87,7 +87,7 @@ def expression(face: Face, *, path: Path = EXPRESSIONS) -> Expression:
 
 @cache
 def entries(path: Path = EXPRESSIONS) -> tuple[ExpressionEntry, ...]:
-    """All expressions of a file.
+    """Reads all expressions of a file.
 
     Raises:
         ConfigError: the file is missing or wrong, or an action unit in it is unknown.
@@ -104,7 +104,7 @@ def entries(path: Path = EXPRESSIONS) -> tuple[ExpressionEntry, ...]:
 
 @cache
 def _entry(lexeme: str, path: Path) -> tuple[ExpressionEntry, float, FaceSide] | None:
-    """The expression that a lexeme means, a factor on its intensity, and the side it names."""
+    """Finds the expression that a lexeme means, a factor on its intensity, and the side it names."""
     known, reading = entries(path), read_lexeme(lexeme)
     found = nearest_sense(reading.words, [Sense(tuple(entry.words), "face", entry.says) for entry in known])
     return (
@@ -114,7 +114,7 @@ def _entry(lexeme: str, path: Path) -> tuple[ExpressionEntry, float, FaceSide] |
 
 @dataclass(frozen=True)
 class Envelope:
-    """Four times; an expression that stays never relaxes."""
+    """How an expression comes and goes; one that stays never relaxes."""
 
     start: float  # [s]
     peak: float  # [s]
@@ -123,7 +123,7 @@ class Envelope:
 
     @classmethod
     def of(cls, times: Mapping[str, float], *, stays: bool = False) -> "Envelope":
-        """The envelope of a face's sync points; ways that they leave no time for take `QUICKEST`.
+        """Makes the envelope of a face's sync points; ways that they leave no time for take `QUICKEST`.
 
         Args:
             times: start, attackPeak, relax and end, or of one that stays start and end [s].
@@ -137,7 +137,7 @@ class Envelope:
         return cls(start, peak, relax, max(times["end"], relax + QUICKEST))
 
     def at(self, times: Floats, manner: Expressivity = NEUTRAL) -> Floats:
-        """(m,) shares of the intensity at (m,) times, 0..1 in a neutral manner.
+        """Gives (m,) shares of the intensity at (m,) times, 0..1 in a neutral manner.
 
         Every manner keeps the four times. Power brings the expression on early and lets it overshoot; weakness lets it
         come late and fade. Of a jerky one the ways begin and end abruptly. A wide one is more than asked, a tight less.
@@ -160,13 +160,12 @@ class Envelope:
 
 
 def _early(shares: Floats, power: float) -> Floats:
-    """Shares of the time of coming, as a forceful or a weak expression takes them."""
+    """Shares of the time of coming: a forceful expression comes early, a weak one late."""
     x = np.clip(shares, 0.0, 1.0)
     return 1.0 - (1.0 - x) ** (1.0 + power) if power > 0 else x ** (1.0 - power)
 
 
 def _way(shares: Floats, fluidity: float) -> Floats:
-    """Shares of a way at shares of its time."""
     smooth = ease("minimum_jerk", shares)
     return smooth if fluidity >= 0 else smooth - fluidity * (ease("linear", shares) - smooth)
 

@@ -65,7 +65,7 @@ class Eyes:
 
 
 def looks(timeline: Timeline, context: BlockContext) -> tuple[GazeDirection, ...]:
-    """The gazes of a block, in order; a direction that stays lasts until the next look.
+    """Lists the gazes of a block in order; a direction that stays lasts until the next look.
 
     Args:
         timeline: behaviours with times.
@@ -89,7 +89,7 @@ def looks(timeline: Timeline, context: BlockContext) -> tuple[GazeDirection, ...
 
 
 def headings(directions: Floats) -> Floats:
-    """(m, 2) [rad] left and up of (m, 3) directions in the world."""
+    """Converts (m, 3) directions in the world to (m, 2) [rad] left and up."""
     x, y, z = directions.T
     return np.stack([np.arctan2(y, x), np.arctan2(z, np.hypot(x, y))], axis=1)
 
@@ -97,7 +97,7 @@ def headings(directions: Floats) -> Floats:
 def blink_times(
     span: tuple[float, float], looks: Sequence[GazeDirection], seed: int, *, also: Sequence[float] = ()
 ) -> tuple[float, ...]:
-    """When blinks begin [s], in order, at least `LEAST_GAP` apart; those with wide turns of the gaze first.
+    """Chooses when blinks begin [s], in order, at least `LEAST_GAP` apart; wide turns of the gaze come first.
 
     Args:
         span: [s] from and to; a longer one has the same blinks and more.
@@ -121,7 +121,7 @@ def blink_times(
 
 
 def blinking(begins: Sequence[float], times: Floats) -> Mapping[str, Floats]:
-    """Blinks as action units: key of Command.face -> (m,) 0..1 at (m,) times [s]."""
+    """Shows blinks as action units: key of Command.face -> (m,) 0..1 at (m,) times [s]."""
     closed = np.zeros(len(times))
     for begin in begins:
         since = times - begin
@@ -132,7 +132,7 @@ def blinking(begins: Sequence[float], times: Floats) -> Mapping[str, Floats]:
 
 
 def flitting(span: tuple[float, float], times: Floats, seed: int) -> Floats:
-    """(m, 2) [rad] left and up, by which eyes stray from what they look at, in small saccades.
+    """Makes small saccades about what eyes look at: (m, 2) [rad] left and up.
 
     Args:
         span: [s] in which they do.
@@ -152,7 +152,7 @@ def flitting(span: tuple[float, float], times: Floats, seed: int) -> Floats:
 
 
 def looking(looks: Sequence[GazeDirection], times: Floats, head: Floats) -> Floats:
-    """(m, 2) [rad] left and up in the head: where eyes turn to look, ahead of the head, and then held on it.
+    """Turns the eyes in the head to look ahead of it, and to hold on: (m, 2) [rad] left and up.
 
     Args:
         looks: of the gaze, in order; a later one takes the place of an earlier one.
@@ -168,7 +168,7 @@ def looking(looks: Sequence[GazeDirection], times: Floats, head: Floats) -> Floa
 
 
 def gaze_units(angles: Floats) -> Mapping[str, Floats]:
-    """Action units of eyes that turn.
+    """Converts angles of the eyes to action units.
 
     Args:
         angles: (m, 2) [rad] left and up in the head; cut to what eyes can.

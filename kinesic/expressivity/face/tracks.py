@@ -1,4 +1,4 @@
-"""The face in time: what is asked, said and done by habit, as action units; the stronger wins for each.
+"""The face in time: what is expressed, said and done by habit, as action units; the stronger wins for each.
 
 A pure function of the times that are asked for, on the clock of the block: the controller asks once for all ticks.
 """
@@ -15,15 +15,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import NO_FACE
 from kinesic.body.utterance import Utterance
 from kinesic.expressivity.face.expressions import BRIDGED, Envelope, Expression, expression
-from kinesic.expressivity.face.eyes import (
-    AHEAD,
-    Eyes,
-    blink_times,
-    blinking,
-    flitting,
-    gaze_units,
-    looking,
-)
+from kinesic.expressivity.face.eyes import AHEAD, Eyes, blink_times, blinking, flitting, gaze_units, looking
 from kinesic.expressivity.face.visemes import SEAL, visemes
 from kinesic.expressivity.keyframes import Outcome
 from kinesic.expressivity.style.style import Expressivity, Style
@@ -46,7 +38,7 @@ def face_track(
     styles: Mapping[str, Style],
     eyes: Eyes = UNMOVED,
 ) -> Channels:
-    """What the face shows during a block.
+    """Computes what the face shows during a block.
 
     Expressions follow their sync points; one that stays gives way to the next that stays. Speech moves the mouth.
     Eyes look where the gaze goes, else ahead; they are there before the head, turn against it while it moves, flit
@@ -75,7 +67,7 @@ def face_track(
 
 
 def strongest(parts: Iterable[Channels]) -> Channels:
-    """What several parts show together: of each action unit the greatest intensity at each time."""
+    """Joins several parts: of each action unit the greatest intensity counts at each time."""
     found: dict[str, Floats] = {}
     for part in parts:
         for channel, values in part.items():
@@ -84,7 +76,7 @@ def strongest(parts: Iterable[Channels]) -> Channels:
 
 
 def face_at_ticks(shown: Channels, ticks: int) -> Iterator[Mapping[str, float]]:
-    """For each of some ticks what `Command.face` holds: the action units shown there.
+    """Yields what `Command.face` holds at each tick: the action units shown there.
 
     Args:
         shown: of `face_track`, at as many times.
@@ -96,7 +88,7 @@ def face_at_ticks(shown: Channels, ticks: int) -> Iterator[Mapping[str, float]]:
 
 
 def outcome(action: Face) -> Outcome:
-    """What becomes of a face behaviour; one that asks for several things is substituted by those that are known."""
+    """Says what becomes of a face behaviour; of several lexemes those that are known are shown."""
     shown = expression(action)
     if not shown.unknown:
         return Outcome("realised")
@@ -107,7 +99,7 @@ def outcome(action: Face) -> Outcome:
 
 
 def _open_lips(expressed: Channels, spoken: Channels) -> Channels:
-    """An expression whose pressed lips give way where speech opens the mouth."""
+    """Lets pressed lips give way where speech opens the mouth."""
     opening = [values for channel, values in spoken.items() if channel != SEAL]
     if not opening:
         return expressed
@@ -141,7 +133,7 @@ def _expressions(timeline: Timeline, times: Floats, styles: Mapping[str, Style])
 
 
 def _showings(timeline: Timeline, styles: Mapping[str, Style], *, shift: bool) -> list[_Showing]:
-    """The expressions that stay, or those that do not, in order of their starts."""
+    """Lists the expressions that stay, or those that do not, in order of their starts."""
     found = [
         _Showing(Envelope.of(timed.times, stays=shift), expression(action), styles[timed.behaviour.id].face)
         for timed in timeline.timed
@@ -151,7 +143,7 @@ def _showings(timeline: Timeline, styles: Mapping[str, Style], *, shift: bool) -
 
 
 def _bridge(showings: Sequence[_Showing]) -> list[_Showing]:
-    """Expressions in order of their starts; a flowing one that the next soon follows lasts until that has come."""
+    """Lets a flowing expression last until the next has come, where that follows soon."""
     found = list(showings)
     for k, (showing, other) in enumerate(pairwise(showings)):
         gap = other.envelope.start - showing.envelope.end

@@ -1,4 +1,4 @@
-"""What lips and jaw do when something is said: phonemes become action units that run into one another.
+"""What lips and jaw do in speech: phonemes become action units that run into one another.
 
 Each sound has a shape of the mouth that begins before the sound and outlasts it, lips that round longest before; the
 strongest counts for each action unit. Sounds that close the lips are kept closed: nothing that would part the lips
@@ -44,7 +44,7 @@ class _File(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def shape_of(sound: str) -> Mapping[str, float]:
-    """Keys of Command.face and 0..1 that one sound asks for: a letter of the phonetic alphabet.
+    """Looks up the mouth's shape for one sound, a letter of the phonetic alphabet: keys of Command.face and 0..1.
 
     A letter that is not known is a neutral vowel.
     """
@@ -54,7 +54,7 @@ def shape_of(sound: str) -> Mapping[str, float]:
 
 @cache
 def shapes(path: Path = VISEMES) -> Mapping[str, Mapping[str, float]]:
-    """Letter of the phonetic alphabet -> key of Command.face -> 0..1.
+    """Reads a file of visemes: letter of the phonetic alphabet -> key of Command.face -> 0..1.
 
     Raises:
         ConfigError: the file is missing or wrong, or an action unit in it is unknown.
@@ -73,7 +73,7 @@ def shapes(path: Path = VISEMES) -> Mapping[str, Mapping[str, float]]:
 
 
 def visemes(phonemes: Sequence[Phoneme], times: Floats, *, start: float = 0.0) -> Mapping[str, Floats]:
-    """The mouth of something said.
+    """Moves the mouth for an utterance.
 
     Args:
         phonemes: of the utterance, in order.
@@ -97,13 +97,13 @@ def visemes(phonemes: Sequence[Phoneme], times: Floats, *, start: float = 0.0) -
 
 
 def _course(channel: str, begin: float, end: float) -> Envelope:
-    """When the mouth makes one sound: lips that close have closed when it begins, others come a little later."""
+    """Times one sound: lips that close have closed when it begins, others come a little later."""
     attack = begin if channel == SEAL else min(begin + ATTACK * (end - begin), begin + LEAD)
     return Envelope(begin - _LEADS.get(channel, LEAD), attack, end, end + LAG)
 
 
 def _sounds(phonemes: Iterable[Phoneme]) -> Iterator[tuple[str, float, float]]:
-    """Single letters with their begin and end [s]; the letters of a diphthong or an affricate share its time."""
+    """Yields single letters with begin and end [s]; the letters of a diphthong or an affricate share its time."""
     for phoneme in phonemes:
         letters = _letters(phoneme.symbol)
         for k, letter in enumerate(letters):

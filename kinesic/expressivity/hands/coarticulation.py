@@ -40,7 +40,7 @@ class Engaged:
 
 @dataclass(frozen=True, eq=False)
 class Allotted:
-    """The work of each hand, in time order, and what had to give."""
+    """The strokes of each hand, in time order, and what had to give."""
 
     works: Mapping[Side, Sequence[HandStroke]]
     outcomes: Mapping[str, Outcome]  # of behaviours that are not performed as asked
@@ -76,7 +76,7 @@ def allot_hands(strokes: Sequence[Stroke], pace: Pace, tied: Tied, engaged: Sequ
 
 @dataclass
 class _Hands:
-    """What the hands do so far."""
+    """The hands while strokes are given to them."""
 
     pace: Pace
     tied: Tied
@@ -100,7 +100,7 @@ class _Hands:
             self.outcomes[stroke.id] = Outcome("dropped", self._why(stroke))
 
     def _halves(self, stroke: Stroke) -> tuple[Poses, ...]:
-        """Each hand of a two-handed stroke alone, if it may be halved."""
+        """Splits a two-handed stroke into its hands, if it may be halved."""
         both = [option for option in stroke.options if stroke.halves and len(option.hands) == len(SIDES)]
         return tuple(option.only(side) for option in both for side in sorted(option.hands, reverse=True))
 
@@ -118,12 +118,12 @@ class _Hands:
             self.works[side].append(work)
 
     def _clashes(self, stroke: Stroke, option: Poses) -> dict[Side, list[HandStroke]]:
-        """Works whose strokes are not over when the hands are needed."""
+        """Finds work whose stroke is not over when the hands are needed."""
         found = {side: [work for work in self.works[side] if _overlap(work, stroke)] for side in sorted(option.hands)}
         return {side: works for side, works in found.items() if works}
 
     def _engagements(self, stroke: Stroke, option: Poses) -> list[Engaged]:
-        """What other blocks need the hands for, so that they cannot come in time, in time order."""
+        """Lists, in time order, what other blocks need the hands for so that they cannot come in time."""
         met = [
             each
             for each in self.engaged
@@ -138,7 +138,6 @@ class _Hands:
         )
 
     def _finds_free(self, stroke: Stroke, options: Sequence[Poses]) -> bool:
-        """Whether one of some options finds its hands free."""
         for option in options:
             if not self._clashes(stroke, option):
                 if option is not stroke.options[0]:
@@ -156,7 +155,7 @@ class _Hands:
         self.outcomes[stroke.id] = Outcome("substituted", f"moved to the {hand} hand: {self._why(stroke)}")
 
     def _makes_room(self, stroke: Stroke, options: Sequence[Poses]) -> bool:
-        """Whether strokes that overlap can be moved apart for one of some options."""
+        """Moves strokes that overlap apart for the first option that allows it; False: none does."""
         for option in options:
             later, earlier = stroke, dict[int, tuple[HandStroke, HandStroke]]()
             for side, works in self._clashes(stroke, option).items():
@@ -175,7 +174,7 @@ class _Hands:
         return False
 
     def _move_apart(self, work: HandStroke, stroke: Stroke, option: Poses, side: Side) -> tuple[Stroke, HandStroke]:
-        """A stroke that begins later, after a work that ends sooner, each by its part of what the way lacks."""
+        """Begins a stroke later and ends the earlier one sooner, each by its part of the time that is missing."""
         ends, begins = work.at("strokeEnd"), stroke.times["strokeStart"]
         soonest, latest = self._soonest_end(work), self._latest_start(stroke, option)
         way = pose_distance(work.poses.hands[side][-1], option.hands[side][0], resting_hands(self.pace.robot)[side])
@@ -189,7 +188,7 @@ class _Hands:
         return replace(stroke, times=later), do_stroke(sooner, work.poses, self.pace)
 
     def _lead_over(self, work: HandStroke, stroke: Stroke) -> HandStroke:
-        """A work whose hold and retraction become the preparation of the next stroke, where the document allows."""
+        """Lets hold and retraction become the preparation of the next stroke, where the document allows it."""
         times = work.stroke.times
         limits = {"relax": max(stroke.times["start"], times["strokeEnd"]), "end": stroke.times["strokeStart"]}
         given = {
@@ -200,7 +199,7 @@ class _Hands:
         return replace(work, stroke=replace(work.stroke, times={**times, **given})) if given else work
 
     def _soonest_end(self, work: HandStroke) -> float:
-        """When the stroke of a work can be over: once, or as often as the document says [s]."""
+        """When a stroke can be over: done once, or as often as the document says [s]."""
         tied, times = self._tied(work.id), work.stroke.times
         if "strokeEnd" in tied:
             return times["strokeEnd"]
@@ -219,7 +218,7 @@ class _Hands:
         return max(latest, stroke.times["strokeStart"])
 
     def _shares(self, stroke: Stroke) -> bool:
-        """Whether a two-handed stroke can leave one hand to another: to the earlier, or else to this one."""
+        """Leaves one hand of a two-handed stroke to another; False: no option can."""
         for option in stroke.options:
             clashes = self._clashes(stroke, option)
             free = [side for side in option.hands if side not in clashes]
@@ -255,7 +254,7 @@ class _Hands:
         return self.tied.get(id, GESTURE_SYNCS)
 
     def _why(self, stroke: Stroke) -> str:
-        """What is in the way of the first option."""
+        """Names what is in the way of the first option."""
         usual = stroke.options[0]
         clashes = self._clashes(stroke, usual)
         if clashes:
@@ -265,9 +264,8 @@ class _Hands:
             other = self._engagements(stroke, usual)[0]
             side, way = other.side, self._way(usual, other.side)
             need = f"{other.by} until {other.end:.2f} s, and needs {way:.2f} s to come"
-        return (
-            f"its stroke begins at {stroke.times['strokeStart']:.2f} s, the {SIDE_NAMES[side]} hand is busy with {need}"
-        )
+        start = stroke.times["strokeStart"]
+        return f"its stroke begins at {start:.2f} s, the {SIDE_NAMES[side]} hand is busy with {need}"
 
 
 def _overlap(work: HandStroke, stroke: Stroke) -> bool:
@@ -279,7 +277,6 @@ def _overlap(work: HandStroke, stroke: Stroke) -> bool:
 
 
 def _cut_short(times: Mapping[str, float], end: float) -> dict[str, float]:
-    """Sync points of a stroke that is over sooner."""
     return {
         sync: min(time, end) if sync == "strokeEnd" or sync.startswith("stroke:") else time
         for sync, time in times.items()

@@ -32,7 +32,7 @@ class HandKey:
 
 
 def hand_at(keys: Sequence[HandKey], time: float, rest: Reach) -> Hand:
-    """The hand at a time, straight between its keys, constant outside them."""
+    """Finds the hand at a time, straight between its keys, constant outside them."""
     k = bisect_right(keys, time, key=lambda key: key.time)
     if k == 0 or k == len(keys):
         return keys[min(k, len(keys) - 1)].hand if keys else REST
@@ -41,7 +41,7 @@ def hand_at(keys: Sequence[HandKey], time: float, rest: Reach) -> Hand:
 
 
 def _face_between(hand: Hand, keys: Sequence[HandKey], k: int, time: float) -> Hand:
-    """A hand between the keys k - 1 and k, turned at a time [s] as a spline through them and their neighbours turns it.
+    """Turns a hand between the keys k - 1 and k as a spline through them and their neighbours does.
 
     So its turning speed does not jump at the keys, which matters where what lies between them becomes keys, too. As it
     is where they do not turn it, or leave its pointing or its palm open.
@@ -65,7 +65,7 @@ def _face_between(hand: Hand, keys: Sequence[HandKey], k: int, time: float) -> H
 
 
 def along(keys: Sequence[HandKey], k: int, path: HandPath | None, *, unit: float, power: float) -> list[HandKey]:
-    """Keys on a path, without those that it joins; none where the hand rests, or goes straight.
+    """Makes keys on a path, without those that it joins; none where the hand rests, or goes straight.
 
     They are as many as the curve needs, but no nearer to one another in time than keys may be.
 
@@ -105,7 +105,6 @@ def _when(shares: Floats, swings: int, power: float) -> Floats:
 
 
 def _moved(hand: Hand, position: Floats) -> Hand:
-    """The same hand elsewhere, on its path."""
     reach = hand.reach
     moved = None if reach is None else structs.replace(reach, position=sealed(position))
     return replace(hand, reach=moved, passing=True)

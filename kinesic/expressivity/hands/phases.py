@@ -57,7 +57,7 @@ def arrange_hands(
 
 
 def _join_strokes(row: Sequence[HandStroke], side: Side, rest: Reach, pace: Pace) -> tuple[HandKey, ...]:
-    """Keys of one hand: each gesture goes back to the rest pose, unless a neighbour follows."""
+    """Each gesture goes back to the rest pose, unless a neighbour follows."""
     keys: list[HandKey] = []
     pose = REST  # what the hand rests in
     holding: HandStroke | None = None  # the gesture that has not gone back yet
@@ -78,7 +78,7 @@ def _join_strokes(row: Sequence[HandStroke], side: Side, rest: Reach, pace: Pace
 
 
 def _lacks_time(work: HandStroke, keys: Sequence[HandKey], following: Sequence[HandStroke]) -> bool:
-    """Whether the hand has no time to take a rest pose: it does so when it goes back from its gesture."""
+    """Whether the hand has no time for a rest pose, and takes it when it goes back from its gesture."""
     late = bool(keys) and work.at("stroke") < keys[-1].time + MERGE
     return late or any(other.at("strokeStart") < work.at("strokeEnd") + MERGE for other in following[:1])
 
@@ -86,7 +86,7 @@ def _lacks_time(work: HandStroke, keys: Sequence[HandKey], following: Sequence[H
 def _approach(
     keys: list[HandKey], holding: HandStroke | None, work: HandStroke, own: Sequence[HandKey], rest: Reach, pace: Pace
 ) -> list[HandKey]:
-    """The keys so far, the departure towards a gesture, and the gesture's own keys.
+    """Adds the departure towards a gesture, and the gesture's own keys.
 
     From rest the hand leaves at `start`. From the hold of an earlier gesture it leaves when this one relaxes or
     the later one starts, but early enough for the way, and not before the earlier stroke has ended.
@@ -108,7 +108,7 @@ def _approach(
 def _go_back(
     keys: list[HandKey], holding: HandStroke, pose: Hand, rest: Reach, latest: float, pace: Pace
 ) -> list[HandKey]:
-    """The keys so far and the way back to the rest pose, which ends before the latest time [s]."""
+    """Adds the way back to the rest pose, which ends before the latest time [s]."""
     last = keys[-1]
     leave = max(holding.at("relax"), last.time)
     manner = holding.stroke.manner

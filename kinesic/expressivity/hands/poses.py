@@ -50,12 +50,12 @@ class Poses:
         return self.paths[side][key] if side in self.paths else None
 
     def only(self, side: Side) -> "Poses":
-        """The same with one hand alone."""
+        """Leaves out the other hand."""
         paths = {side: self.paths[side]} if side in self.paths else {}
         return Poses({side: self.hands[side]}, self.stroke, paths, self.again)
 
     def fewer(self) -> "Poses":
-        """The same without the last time."""
+        """Leaves out the last time."""
         every = (self.stroke, *self.again)
         count = self.count - (every[-1] - every[-2])
         hands = {side: row[:count] for side, row in self.hands.items()}
@@ -63,7 +63,7 @@ class Poses:
 
 
 def resting_hands(robot: Robot) -> Mapping[Side, Reach]:
-    """Where the hands hang, in the world."""
+    """Finds where the hands hang, in the world."""
     frames = robot.skeleton.resting
     reaches: dict[Side, Reach] = {}
     for side in SIDES:
@@ -80,12 +80,12 @@ def resting_hands(robot: Robot) -> Mapping[Side, Reach]:
 
 
 def shoulder(robot: Robot, side: Side) -> Floats:
-    """(3,) [m] centre of a shoulder in the world, at rest."""
+    """Finds the centre of a shoulder, (3,) [m] in the world, at rest."""
     return sealed(robot.skeleton.resting.origins[robot.arm(side).shoulder])
 
 
 def poses(form: GestureForm, robot: Robot, manner: Expressivity) -> Poses:
-    """The stroke keys of a form as hands in the world, under spatial extent, openness and repetition.
+    """Puts the stroke keys of a form into the world, under spatial extent, openness and repetition.
 
     A hand that a key leaves out stays as it was in the key before, at first at rest. A form of one key begins a
     little nearer to rest, so that its stroke shows. Repetition does the stroke up to twice more, below 0 once less
@@ -120,7 +120,7 @@ def poses(form: GestureForm, robot: Robot, manner: Expressivity) -> Poses:
 
 
 def pointing_poses(target: Floats, side: Side, robot: Robot) -> Poses:
-    """Stroke keys of pointing at a place: the wrist on the line from the shoulder, the hand along it.
+    """Points at a place: the wrist on the line from the shoulder, the hand along it.
 
     Args:
         target: (3,) [m] in the world.
@@ -136,7 +136,7 @@ def pointing_poses(target: Floats, side: Side, robot: Robot) -> Poses:
 
 
 def withdrawn(hand: Hand, robot: Robot, side: Side) -> Hand:
-    """The same hand a little nearer to its rest, where it touches nothing."""
+    """Moves a hand a little nearer to its rest, where it touches nothing."""
     if hand.reach is None:
         return hand
     rest = resting_hands(robot)[side].position
@@ -145,7 +145,7 @@ def withdrawn(hand: Hand, robot: Robot, side: Side) -> Hand:
 
 
 def pose_distance(a: Hand, b: Hand, rest: Reach) -> float:
-    """Way of a hand from one pose to another [m]: that of its wrist, or what its turn is worth where that is more.
+    """Measures the way of a hand [m]: that of its wrist, or what its turn is worth where that is more.
 
     Args:
         a: where it begins.
@@ -163,7 +163,7 @@ def _angle(a: Floats | None, b: Floats | None) -> float:
 
 
 def between(a: Hand, b: Hand, share: float, rest: Reach) -> Hand:
-    """The hand at a share of the way from one hand to another.
+    """Interpolates between two hands at a share of the way.
 
     Args:
         a: at share 0.
@@ -194,7 +194,7 @@ def between(a: Hand, b: Hand, share: float, rest: Reach) -> Hand:
 
 
 def _find_repetition(keys: Sequence[StrokeKey]) -> tuple[int, int]:
-    """How many keys make a form that is then repeated to the end, and how often it is written."""
+    """Finds how many keys make a form that repeats to its end, and how often it is written."""
     for once in range(2, len(keys) // 2 + 1):
         times, left = divmod(len(keys), once)
         if not left and all(_alike(keys[k], keys[k - once]) for k in range(once, len(keys))):
@@ -212,7 +212,6 @@ def _alike(a: StrokeKey, b: StrokeKey) -> bool:
 
 
 def _same_place(a: Hand, b: Hand) -> bool:
-    """Whether two hands are in one place."""
     if a.reach is None or b.reach is None:
         return a.reach is b.reach
     return bool(np.allclose(a.reach.position, b.reach.position, atol=1e-9))
@@ -221,7 +220,7 @@ def _same_place(a: Hand, b: Hand) -> bool:
 def _paths(
     keys: Sequence[StrokeKey], row: Sequence[Hand], side: Side, robot: Robot, manner: Expressivity
 ) -> tuple[HandPath | None, ...]:
-    """How one hand comes to each of its keys, in the world; amplitude and points follow spatial extent.
+    """Brings one hand to each of its keys, in the world; amplitude and points follow spatial extent.
 
     Where a path that grows would leave the arm's easy reach, it grows less.
     """
@@ -242,13 +241,13 @@ def _paths(
 
 
 def _spread_path(pose: HandPose, path: HandPath, side: Side, robot: Robot, spatial: float) -> HandPath:
-    """A path under spatial extent, in the world."""
+    """Puts a path under spatial extent into the world."""
     amplitude = robot.arm_length * direction_in_world(side, extend_position(path.amplitude, spatial, pose.fixed))
     return path.mapped(amplitude, lambda point: to_world(robot, side, extend_position(point, spatial, pose.fixed)))
 
 
 def _hands_of(keys: list[StrokeKey], side: Side, robot: Robot, manner: Expressivity) -> tuple[Hand, ...]:
-    """One side of all keys; a key without it repeats the hand before."""
+    """A key without the side repeats the hand before."""
     hands, hand = [], REST
     for key in keys:
         if side in key.hands:
@@ -272,7 +271,7 @@ def _in_world(pose: HandPose, side: Side, robot: Robot, manner: Expressivity) ->
 
 
 def _turn_between(a: Floats | None, b: Floats | None, share: float, nearest: Floats | None) -> Floats | None:
-    """Direction on the great circle from one to another; the nearest where one is missing or they are opposite."""
+    """Turns on the great circle; the nearest where one is missing or they are opposite."""
     if a is None or b is None:
         return nearest
     angle = _angle(a, b)

@@ -67,7 +67,7 @@ class HandStroke:
 
 
 def do_stroke(stroke: Stroke, option: Poses, pace: Pace) -> HandStroke:
-    """A stroke done with one of its options, as often and with as many turns as there is time for."""
+    """Does a stroke by one of its options, as often and with as many turns as there is time for."""
     chosen = _drop_repetitions(option, stroke.times, pace)
     remarks = []
     if chosen.times < option.times:
@@ -79,7 +79,7 @@ def do_stroke(stroke: Stroke, option: Poses, pace: Pace) -> HandStroke:
 
 
 def natural_times(poses: Poses, pace: Pace, manner: Expressivity = NEUTRAL) -> tuple[float, ...]:
-    """Natural time of each way between neighbouring keys, of the hand that takes longest [s].
+    """Finds the natural time of each way between neighbouring keys, of the hand that takes longest [s].
 
     A path takes the time of its swings, each a way of its own: a hand turns round as if it came to rest.
 
@@ -95,7 +95,7 @@ def natural_times(poses: Poses, pace: Pace, manner: Expressivity = NEUTRAL) -> t
 
 
 def stroke_key_times(poses: Poses, times: Mapping[str, float], pace: Pace) -> tuple[float, ...]:
-    """Times of stroke keys [s]: those of strokes at their sync points, the others spread by their natural times.
+    """Times stroke keys [s]: strokes at their sync points, the others by their natural times.
 
     Args:
         poses: of the behaviour.
@@ -118,7 +118,7 @@ def stroke_key_times(poses: Poses, times: Mapping[str, float], pace: Pace) -> tu
 
 
 def stroke_keys(work: HandStroke, side: Side, pace: Pace) -> list[HandKey]:
-    """Ready, the stroke keys with what lies on their paths, and the end of the stroke, of one hand.
+    """Lists the keys of one hand: ready, the stroke keys with what lies on their paths, and the stroke's end.
 
     Of two keys that are too near the later stays, but always the stroke.
     """
@@ -140,7 +140,6 @@ def stroke_keys(work: HandStroke, side: Side, pace: Pace) -> list[HandKey]:
 
 
 def _ways(poses: Poses, pace: Pace) -> tuple[tuple[_Way, ...], ...]:
-    """What each way between neighbouring keys is for each hand."""
     rest = resting_hands(pace.robot)
     return tuple(
         tuple(_way(row[k], row[k + 1], poses.path(side, k + 1), rest[side]) for side, row in poses.hands.items())
@@ -149,7 +148,6 @@ def _ways(poses: Poses, pace: Pace) -> tuple[tuple[_Way, ...], ...]:
 
 
 def _way(a: Hand, b: Hand, path: HandPath | None, rest: Reach) -> _Way:
-    """What one way is."""
     if path is None:
         return _Way(1, pose_distance(a, b, rest), 1.0)
     start, end = (a.reach or rest).position, (b.reach or rest).position
@@ -158,12 +156,12 @@ def _way(a: Hand, b: Hand, path: HandPath | None, rest: Reach) -> _Way:
 
 
 def least_stroke_times(poses: Poses, pace: Pace) -> tuple[float, ...]:
-    """The shortest time of each way between neighbouring keys that servos need [s]."""
+    """Finds the shortest time of each way between neighbouring keys that servos need [s]."""
     return tuple(max(way.swings * way.least(pace) for way in ways) for ways in _ways(poses, pace))
 
 
 def _drop_repetitions(poses: Poses, times: Mapping[str, float], pace: Pace) -> Poses:
-    """Without the repetitions for which there is no time between `stroke` and `strokeEnd`."""
+    """Leaves out repetitions for which there is no time between `stroke` and `strokeEnd`."""
     room = times["strokeEnd"] - times["stroke"]
     while poses.again and sum(least_stroke_times(poses, pace)[poses.stroke :]) > room + 1e-9:
         poses = poses.fewer()
@@ -171,7 +169,7 @@ def _drop_repetitions(poses: Poses, times: Mapping[str, float], pace: Pace) -> P
 
 
 def _slow_paths(poses: Poses, moments: Sequence[float], pace: Pace) -> tuple[Poses, tuple[str, ...]]:
-    """With paths that turn no oftener than the servos can in the time of their way, and what that changes."""
+    """Lets paths turn no oftener than servos can in the time of their way, and says what that changes."""
     paths, remarks = dict(poses.paths), []
     for side, row in poses.paths.items():
         slower = list(row)
@@ -192,13 +190,13 @@ def _slow_paths(poses: Poses, moments: Sequence[float], pace: Pace) -> tuple[Pos
 
 
 def _spread(start: float, end: float, natural: Sequence[float]) -> tuple[float, ...]:
-    """As many times as ways, the last at the end, in proportion to their natural times [s]."""
+    """Spreads as many times as ways, the last at the end, in proportion to their natural times [s]."""
     shares = np.cumsum(natural) / sum(natural)
     return (*(start + float(share) * (end - start) for share in shares[:-1]), end)
 
 
 def _keys_apart(moments: Sequence[float], stroke: int) -> list[int]:
-    """Keys that are far enough apart in time."""
+    """Indices of keys that are far enough apart in time; the stroke always stays."""
     kept: list[int] = []
     for k, time in enumerate(moments):
         if not kept or time - moments[kept[-1]] >= MERGE:

@@ -110,17 +110,15 @@ def is_enabled(form: GestureForm) -> bool:
 
 
 def _all(element: Element, name: str) -> list[Element]:
-    """Its children of one name."""
     return [child for child in element.children if child.local == name]
 
 
 def _first(element: Element, *names: str) -> Element | None:
-    """Its first child of one of some names."""
     return next((child for child in element.children if child.local in names), None)
 
 
 def _form(reader: _Reader, gesture: Element) -> GestureForm:
-    """One gesture; what a phase leaves open is as in the phase before."""
+    """What a phase leaves open is as in the phase before."""
     hands: dict[Side, HandPose] = {}
     keys = []
     for phase in _all(gesture, "phase"):
@@ -285,7 +283,6 @@ def _forearm(position: Floats, side: Side) -> Floats:
 
 
 def _unit(vector: Floats) -> Floats:
-    """(3,) of length 1."""
     return vector / np.linalg.norm(vector)
 
 

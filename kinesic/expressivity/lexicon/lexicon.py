@@ -55,7 +55,7 @@ class Lexicon:
         return self._substitute(lexeme, mode, category)
 
     def sense(self, form: GestureForm) -> Sense:
-        """What is said about a gesture, whatever hands it is asked of."""
+        """Finds what is said about a gesture, whatever hands it is asked of."""
         return next(
             sense
             for own, sense in zip(self.forms, self.senses, strict=True)
@@ -63,13 +63,12 @@ class Lexicon:
         )
 
     def _entry(self, lexeme: str, category: str | None) -> GestureForm | None:
-        """The entry of this very name."""
         named = [form for form in self.forms if form.id.lower() == lexeme.lower()]
         wanted = (category or "").lower()
         return next((form for form in named if form.category.lower() == wanted), named[0] if named else None)
 
     def _substitute(self, lexeme: str, mode: Mode, category: str | None) -> Match | None:
-        """The gesture that the words of a lexeme speak of, else those of its category."""
+        """Finds the gesture that the words of a lexeme speak of, else one of its category."""
         reading, kind = read_lexeme(lexeme), read_lexeme(category or "").words
         found = nearest_sense(reading.words, self.senses) or nearest_sense(kind, self.senses)
         why = f'"{" ".join(found[1])}"' if found is not None else "no lexeme"
@@ -83,7 +82,7 @@ class Lexicon:
 
 
 def in_mode(form: GestureForm, mode: Mode) -> GestureForm:
-    """A form with the hands that a mode asks for.
+    """Gives a form the hands that a mode asks for.
 
     One side: what this hand does in the form, else the mirror image of what the other does. Both: the form as it
     is when both hands take part, else its one hand and its mirror image, far enough apart.
@@ -99,13 +98,13 @@ def in_mode(form: GestureForm, mode: Mode) -> GestureForm:
 
 
 def mirror_form(form: GestureForm) -> GestureForm:
-    """The mirror image: each hand does what the other did."""
+    """Mirrors a form: each hand does what the other did."""
     keys = tuple(StrokeKey({OTHER_SIDE[side]: pose for side, pose in key.hands.items()}) for key in form.keys)
     return replace(form, keys=keys)
 
 
 def _doubled(key: StrokeKey) -> StrokeKey:
-    """A one-handed key and its mirror image."""
+    """Adds its mirror image to a one-handed key."""
     pose = next(iter(key.hands.values()))
     return spread_hands(StrokeKey({"l": pose, "r": pose}))
 
@@ -117,7 +116,7 @@ def _own() -> tuple[tuple[GestureForm, Sense], ...]:
 
 
 def _entries(path: Path) -> list[tuple[GestureForm, Sense]]:
-    """The entries of a file of the user's."""
+    """Reads a file of the user's."""
     if path.suffix.lower() != ".xml":
         return read_gestures(path)
     forms = [form for form in read_gestuary(path) if is_enabled(form)]

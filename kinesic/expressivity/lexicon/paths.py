@@ -54,18 +54,18 @@ class HandPath:
         return float(np.max(self.frequency * (np.abs(self.amplitude) > _STILL)))
 
     def at(self, start: Floats, end: Floats, shares: Floats) -> Floats:
-        """(m, 3) positions at (m,) shares 0..1 of the way from a (3,) start to a (3,) end."""
+        """Finds (m, 3) positions at (m,) shares 0..1 of the way from a (3,) start to a (3,) end."""
         t = np.asarray(shares)[:, None]
         base = self._through(start, end, t[:, 0]) if len(self.points) else start + t * (end - start)
         first, last = self._swing(np.array([[0.0], [1.0]]))
         return np.asarray(base + self._swing(t) - (1 - t) * first - t * last)
 
     def length(self, start: Floats, end: Floats) -> float:
-        """Way of the hand along the path, from a (3,) start to a (3,) end."""
+        """Measures the way of the hand along the path, from a (3,) start to a (3,) end."""
         return float(np.linalg.norm(self._steps(start, end), axis=1).sum())
 
     def swings(self, start: Floats, end: Floats) -> int:
-        """How often the hand goes one way before it turns round, at least once: half turns."""
+        """Counts how often the hand goes one way before it turns round: half turns, at least one."""
         if not len(self.points):
             return max(1, ceil(2 * self.turns - _STILL))
         steps = self._steps(start, end)
@@ -75,16 +75,16 @@ class HandPath:
         return max(1, round(float(turned / np.pi)))
 
     def slowed(self, turns: float) -> "HandPath":
-        """The path with fewer turns on the way."""
+        """Slows the path down to fewer turns on the way."""
         return self if self.turns <= turns else replace(self, frequency=sealed(self.frequency * turns / self.turns))
 
     def mapped(self, amplitude: Floats, moved: Callable[[Floats], Floats]) -> "HandPath":
-        """The path with another (3,) amplitude, its points moved by a function from (3,) to (3,)."""
+        """Gives the path another (3,) amplitude, and moves its points by a function from (3,) to (3,)."""
         points = sealed(np.array([moved(point) for point in self.points]).reshape(-1, 3))
         return replace(self, amplitude=sealed(amplitude), points=points)
 
     def samples(self, start: Floats, end: Floats, tolerance: float, longest: float = inf) -> Floats:
-        """(m,) shares, without 0 and 1, between which the path is short, and straight to within a tolerance.
+        """Finds (m,) shares, without 0 and 1, between which the path is short, and straight to within a tolerance.
 
         Args:
             start: (3,).
@@ -172,7 +172,7 @@ def shape_path(
     variations: tuple[Variation | None, Variation] = (None, "none"),
     points: tuple[Floats, ...] = (),
 ) -> HandPath:
-    """A path of gesture space; what is left out is as usual for its kind.
+    """Makes a path in gesture space; what is left out is as usual for its kind.
 
     Args:
         kind: its shape.

@@ -43,7 +43,7 @@ _SHRINKING = sealed([0.25, 0.7, 0.35])  # and below
 
 
 def sector(axis: Axis, name: str) -> float:
-    """Centre of a sector on one axis [arm lengths]; case does not matter.
+    """Looks up the centre of a sector on one axis [arm lengths]; case does not matter.
 
     Raises:
         ValueError: the axis has no such sector.
@@ -55,7 +55,7 @@ def sector(axis: Axis, name: str) -> float:
 
 
 def position(x: str | float, y: str | float, z: str | float) -> Floats:
-    """Position in gesture space from sector names or numbers in Greta's order.
+    """Converts sector names or numbers in Greta's order to a position in gesture space.
 
     Args:
         x: outward, a sector such as `XC` or [arm lengths].
@@ -76,18 +76,18 @@ def position(x: str | float, y: str | float, z: str | float) -> Floats:
 
 
 def direction_in_world(side: Side, direction: Floats) -> Floats:
-    """(3,) forward, outward, up of one side, as x forward, y left, z up."""
+    """Converts (3,) forward, outward, up of one side to x forward, y left, z up."""
     forward, outward, up = direction
     return sealed([forward, outward if side == "l" else -outward, up])
 
 
 def to_world(robot: Robot, side: Side, position: Floats) -> Floats:
-    """(3,) [m] in the world, torso upright, of (3,) forward, outward, up [arm lengths]."""
+    """Converts (3,) forward, outward, up [arm lengths] to (3,) [m] in the world, torso upright."""
     return sealed(robot.gesture_origin + robot.arm_length * direction_in_world(side, position))
 
 
 def extend_position(position: Floats, spatial: float, fixed: tuple[bool, bool, bool] = (False, False, False)) -> Floats:
-    """A position under spatial extent (thesis 8.7, Gesture Volume; Greta's factors, but for more upward shrinking).
+    """Puts a position under spatial extent (thesis 8.7; Greta's factors, but for more upward shrinking).
 
     Args:
         position: (3,) forward, outward, up [arm lengths].
@@ -102,7 +102,7 @@ def extend_position(position: Floats, spatial: float, fixed: tuple[bool, bool, b
 
 
 def widen_key(key: StrokeKey, spatial: float, robot: Robot) -> StrokeKey:
-    """A stroke key under spatial extent, as far as the arms reach with ease.
+    """Puts a stroke key under spatial extent, as far as the arms reach with ease.
 
     Two hands that would meet are moved apart, unless outward is fixed in both.
     """
@@ -140,7 +140,7 @@ def _reached(position: Floats, wide: Floats, shoulder: Floats) -> Floats:
 
 
 def spread_hands(key: StrokeKey) -> StrokeKey:
-    """The key with both hands moved outward by equal parts, as far as wrists and fingertips need to pass clear."""
+    """Moves both hands outward by equal parts, as far as wrists and fingertips need to pass clear."""
     if len(key.hands) < 2:
         return key
     left, right = (_ends(side, key.hands[side]) for side in SIDES)

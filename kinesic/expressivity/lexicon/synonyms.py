@@ -51,7 +51,7 @@ def read_lexeme(lexeme: str) -> LexemeReading:
 
 
 def nearest_sense(words: Sequence[str], senses: Sequence[Sense]) -> tuple[int, tuple[str, ...]] | None:
-    """The sense that most of some words speak of.
+    """Finds the sense that most of some words speak of.
 
     Among equals the one wins that the earliest word speaks of, then the one it is most characteristic of, then
     the first.

@@ -100,7 +100,6 @@ def read_gestures(path: Path) -> list[tuple[GestureForm, Sense]]:
 
 
 def _entries(path: Path) -> list[tuple[GestureForm, Sense]]:
-    """The gestures of one file."""
     file = read_toml(path, GestureFile)
     entries = []
     for table in file.gesture:
@@ -118,7 +117,6 @@ def _entries(path: Path) -> list[tuple[GestureForm, Sense]]:
 
 
 def _key(table: KeyTable) -> StrokeKey:
-    """One stroke key."""
     hands: dict[Side, HandPose] = {}
     if table.both is not None:
         if table.left is not None or table.right is not None:
@@ -145,7 +143,6 @@ def _check_paths(keys: tuple[StrokeKey, ...]) -> None:
 
 
 def _path(table: PathTable | None) -> HandPath | None:
-    """One path."""
     if table is None:
         return None
     return shape_path(
@@ -159,7 +156,7 @@ def _path(table: PathTable | None) -> HandPath | None:
 
 
 def _pose(table: HandTable, path: PathTable | None) -> HandPose:
-    """One hand, which comes by its own path or that of its key."""
+    """The hand comes by its own path or that of its key."""
     if not 0.0 <= table.openness <= 1.0:
         raise ValueError(f"openness is {table.openness:g}, outside [0, 1]")
     forward, outward, up = (axis in table.fixed for axis in _AXES)

@@ -1,4 +1,4 @@
-"""How long a movement takes when nobody says how long: at ease for hands, and never less than the robot needs."""
+"""How long movements take by nature: at ease for hands, and never less than the robot needs."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -31,7 +31,7 @@ _DAMPING = 1e-3  # of an arm that can hardly move along some axis
 
 
 def hurry_time(ease: float, least: float, extent: float, most: float) -> float:
-    """A time under an extent from -1 to 1, which the fastest divides and the slowest multiplies by `most` [s].
+    """Changes a time by an extent from -1 to 1; the fastest divides and the slowest multiplies it by `most` [s].
 
     It falls with the extent as long as servos can do with less: where the least time forbids the whole factor, the
     fastest takes the least time, and what lies between shares what room there is.
@@ -47,7 +47,7 @@ def hurry_time(ease: float, least: float, extent: float, most: float) -> float:
 
 
 def fitts(distance: float) -> float:
-    """What a person takes for a way of the hand [s], by Fitts' law: 0.1 s + 0.15 s log2(distance / 5 cm + 1)."""
+    """Estimates how long a person takes for a way of the hand [s]: 0.1 s + 0.15 s log2(distance / 5 cm + 1)."""
     return float(_BEGIN + _PER_BIT * np.log2(distance / _WIDTH + 1))
 
 
@@ -98,7 +98,7 @@ class Pace:
         return _natural(max(usual, COMFORT * least), least, temporal, power)
 
     def least_hand_time(self, distance: float) -> float:
-        """Shortest time of a hand's way [s] that an arm needs which stands well for it; grows with the way [m]."""
+        """Finds the shortest time of a hand's way [s], of an arm in a good posture; it grows with the way [m]."""
         return float(np.interp(distance / self.robot.arm_length, _WAYS, self._least_hand_times))
 
     def least_turn_time(self, chain: str, turn: Turn) -> float:

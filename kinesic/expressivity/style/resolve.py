@@ -39,14 +39,14 @@ def _go_towards(value: float, name: str, share: float) -> float:
 
 @dataclass(frozen=True)
 class ResolvedNumbers:
-    """The numbers of one modality as they were told, and by whom."""
+    """The numbers of one modality, and who said each."""
 
     expressivity: Expressivity
     sources: Mapping[str, Source]  # parameter -> who said it
 
 
 def resolve_numbers(style: Style, modality: Modality, block: Block, behaviour: Behaviour) -> ResolvedNumbers:
-    """The numbers of a behaviour, each from the last source that says it.
+    """Resolves the numbers of a behaviour, each from the last source that says it.
 
     A preset that a document names is complete: it takes the place of everything before it.
 

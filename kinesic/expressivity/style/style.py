@@ -181,7 +181,7 @@ def style_preset(name: str) -> Style:
 
 
 def passage_of(manner: Expressivity, phase: Phase) -> Passage:
-    """How a manner passes the keys of a phase.
+    """Says how a manner passes the keys of a phase.
 
     Tension is the spline's tension, fluidity f its continuity c = (f - 1) / 2. On the way to a stroke and in it power
     and tension force the hand: it begins steeply, overshoots a little and comes back to its key in time; where both are
@@ -203,7 +203,6 @@ def passage_of(manner: Expressivity, phase: Phase) -> Passage:
 
 
 def _setting(text: str) -> Setting:
-    """`power=0.8` or `head.power=0.8` as what it sets."""
     place, equals, written = (part.strip() for part in text.partition("="))
     if not equals:
         raise ConfigError(f"{text!r} is no setting of a style; write it as NAME=VALUE, such as power=0.8")

@@ -30,7 +30,7 @@ class Show:
 
 
 def document(lexeme: str, mode: Mode = "unspecified", *, stroke: float = STROKE) -> str:
-    """BML that asks for one gesture, its stroke at a time [s]."""
+    """Writes BML that asks for one gesture, its stroke at a time [s]."""
     hands = f" mode={quoteattr(_MODES[mode])}" if _MODES[mode] else ""
     gesture = (
         f"<gesture id={quoteattr(BEHAVIOUR)} lexeme={quoteattr(lexeme)}{hands} stroke={quoteattr(f'{stroke:g}')}/>"
@@ -39,18 +39,18 @@ def document(lexeme: str, mode: Mode = "unspecified", *, stroke: float = STROKE)
 
 
 def plan_gesture(form: GestureForm, known: Setup, mode: Mode = "unspecified", *, stroke: float = STROKE) -> Plan:
-    """The plan of one gesture from rest to rest."""
+    """Plans one gesture from rest to rest."""
     return plan(document(f"{form.category}={form.id}", mode, stroke=stroke), known)
 
 
 def stroke_error(planned: Plan) -> float:
-    """How much later than asked the stroke of a gesture that is played alone comes [s]; not a number without one."""
+    """Measures how much later than asked a gesture's stroke comes [s]; not a number without one."""
     strokes = [sync.planned - sync.asked for sync in planned.syncs if sync.sync == "stroke"]
     return max(strokes, key=abs, default=float("nan"))
 
 
 def key_postures(form: GestureForm, planned: Plan, most: int) -> Show:
-    """Key postures of a gesture that is played alone, at most so many, and its palms' ways.
+    """Picks key postures of a gesture that is played alone, at most so many, and the ways of its palms.
 
     Args:
         form: of the gesture.

@@ -101,7 +101,6 @@ def _cell(axes: Axes, show: Show, robot: Robot, corner: Floats, scale: float) ->
 
 
 def _groups(shows: Iterable[Show]) -> list[tuple[str, list[Show]]]:
-    """Shows by category, both in the order of their names."""
 
     def key(show: Show) -> tuple[str, str]:
         return show.form.category, show.form.id

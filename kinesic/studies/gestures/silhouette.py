@@ -45,17 +45,17 @@ class PenStroke:
 
 
 def project(points: Floats) -> Floats:
-    """(..., 2) [m] right and up, from the front and a little above, of (..., 3) points of the world."""
+    """Projects (..., 3) points to (..., 2) [m] right and up, from the front and a little above."""
     return np.stack([points[..., 1], points[..., 2] * cos(_DOWN) - points[..., 0] * sin(_DOWN)], axis=-1)
 
 
 def depth(points: Floats) -> Floats:
-    """(...) [m] towards the eye."""
+    """Measures (...) [m] towards the eye."""
     return np.asarray(points[..., 0] * cos(_DOWN) + points[..., 2] * sin(_DOWN))
 
 
 def silhouette(robot: Robot, angles: Floats, shapes: Mapping[Side, str | None]) -> list[PenStroke]:
-    """A posture, what is farther first.
+    """Draws a posture, what is farther first.
 
     Args:
         robot: whose capsules are drawn; hands have fingers, for the eye.
@@ -95,7 +95,7 @@ def _eyes(robot: Robot, frames: Frames) -> list[PenStroke]:
 
 
 def hand_outline(robot: Robot, side: Side, shape: Shape) -> list[tuple[Floats, float]]:
-    """Palm and fingers as (m, 3) points [m] in the hand's segment, and widths [m]."""
+    """Outlines palm and fingers: (m, 3) points [m] in the hand's segment, and widths [m]."""
     site = robot.arm(side).palm
     along = site.position / np.linalg.norm(site.position)
     facing = site.facing
@@ -123,12 +123,12 @@ def _finger(root: Floats, along: Floats, facing: Floats, length: float, straight
 
 
 def pale(lines: list[PenStroke]) -> list[PenStroke]:
-    """The same lines as a shadow."""
+    """Turns lines into a shadow."""
     return [replace(line, colour=PALE) for line in lines]
 
 
 def outline_lines(lines: list[PenStroke]) -> list[PenStroke]:
-    """Each line over a wider white one."""
+    """Puts each line over a wider white one."""
     return [
         part
         for line in lines

@@ -27,7 +27,7 @@ class VocabularyEntry:
 
 
 def vocabulary(lexicon: Lexicon, pace: Pace) -> list[VocabularyEntry]:
-    """Every gesture in words, by category and name.
+    """Lists every gesture in words, by category and name.
 
     Args:
         lexicon: of gestures.

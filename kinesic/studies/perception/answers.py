@@ -125,7 +125,7 @@ def compare_sides(answers: Sequence[Rating], condition: str, sides: tuple[str, s
 
 
 def first_choices(answers: Sequence[Rating]) -> Choices:
-    """Shares of answers in which the true label got more than every other one, with and without wrinkles."""
+    """Counts the share of answers in which the true label got more than every other, with and without wrinkles."""
     groups = {
         (action, side): [a.first_choice for a in answers if a.action == action and a.conditions["wrinkles"] == side]
         for action in LABELS

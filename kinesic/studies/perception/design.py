@@ -80,7 +80,7 @@ class Stimulus:
 
 
 def stimuli() -> tuple[Stimulus, ...]:
-    """All 128: 2 agents x 6 actions x 2 strengths x with and without wrinkles x 2 presentations, and 32 to confuse."""
+    """Lists 128: 2 agents x 6 actions x 2 strengths x 2 (wrinkles or not) x 2 presentations, and 32 that confuse."""
     agents, moving = get_args(Variant), get_args(Presentation)
     counted = (
         Stimulus(action, agent, strength, wrinkles, presentation)

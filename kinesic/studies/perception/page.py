@@ -73,7 +73,7 @@ def write_study_page(path: Path, *, folder: str = "stimuli", post_to: str = "") 
 
 
 def file_of(stimulus: Stimulus) -> str:
-    """Its name in the folder of stimuli."""
+    """Names the file of a stimulus."""
     return f"{stimulus.id}{'.webp' if stimulus.presentation == 'animation' else '.png'}"
 
 

@@ -1,4 +1,4 @@
-"""What the shape of a path says: how fast, how far, how wide, how curved, how often somewhere. Pure."""
+"""Measures the shape of a path: how fast, far, wide and curved it is, and how often it comes somewhere. Pure."""
 
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
@@ -10,17 +10,17 @@ CUT = 10.0  # [Hz] above which nobody moves on purpose: the servos' steps
 
 
 def peak_speed(path: Floats, *, period: float) -> float:
-    """Largest speed [m/s] along (m, 3) [m] with `period` [s] between samples; 0 for fewer than two."""
+    """Finds the largest speed [m/s] along (m, 3) [m] with `period` [s] between samples; 0 for fewer than two."""
     return float(np.linalg.norm(np.diff(path, axis=0), axis=1).max(initial=0.0) / period)
 
 
 def length(path: Floats) -> float:
-    """[m] of (m, d)."""
+    """Measures the length [m] of (m, d)."""
     return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
 
 
 def hull_volume(path: Floats) -> float:
-    """[m^3] of the convex hull of (m, 3) [m]; 0 for a path that is a point, a line or lies in a plane."""
+    """Measures the convex hull of (m, 3) [m] [m^3]; 0 for a path that is a point, a line or lies in a plane."""
     if len(path) < 4:
         return 0.0
     thickness = np.linalg.svd(path - path.mean(axis=0), compute_uv=False)[-1] / np.sqrt(len(path))
@@ -33,7 +33,7 @@ def hull_volume(path: Floats) -> float:
 
 
 def mean_curvature(path: Floats, *, step: float) -> float | None:
-    """Mean curvature over the arc length [1/m], that is how much a path turns per metre of its way.
+    """Measures how much a path turns per metre of its way [1/m].
 
     The path is laid out anew in equal steps of arc length, so that neither speed nor stops count: a hand that waits
     adds nothing, and one that stops and turns back adds the half turn that it makes there.
@@ -59,7 +59,7 @@ def mean_curvature(path: Floats, *, step: float) -> float | None:
 
 
 def rms_jerk(path: Floats, *, period: float) -> float:
-    """Root mean square over time of the jerk, of the motion below 10 Hz [m/s^3].
+    """Measures the root mean square of the jerk over time, of the motion below 10 Hz [m/s^3].
 
     As motion capture is treated: a fourth-order Butterworth filter, forward and backward, so that nothing is delayed;
     the ticks of the servos would else drown the motion.
@@ -82,7 +82,7 @@ def rms_jerk(path: Floats, *, period: float) -> float:
 
 
 def visits(path: Floats, place: Floats, *, near: float, far: float) -> int:
-    """How many times a path (m, 3) comes nearer than `near` to a place, having been farther than `far` between."""
+    """Counts how often a path (m, 3) comes nearer than `near` to a place, having been farther than `far` between."""
     distances = np.linalg.norm(path - place, axis=1)
     count, away = 0, True
     for distance in distances.tolist():

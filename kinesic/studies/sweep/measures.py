@@ -21,7 +21,7 @@ NEAR, FAR = 0.25, 0.5  # of a stroke's widest distance from its key: arrived, an
 
 
 def kinetic_energy(dynamics: Dynamics, angles: Floats, speeds: Floats) -> Floats:
-    """Kinetic energy of links and rotors: half of speed times mass matrix times speed.
+    """Computes the kinetic energy of links and rotors: half of speed times mass matrix times speed.
 
     The product of mass matrix and speed is the torque that would accelerate the resting robot by as much as its speed
     is, beyond the torque that holds it.
@@ -97,12 +97,12 @@ class _Window:
     syncs: Mapping[str, SyncTime]
 
     def time(self, sync: str) -> float:
-        """When the twin comes to a sync point, or is planned to [s] performance time."""
+        """Finds when the twin comes to a sync point, or is planned to [s] performance time."""
         found = self.syncs[sync]
         return self.performance.plan.trajectory.zero + found.planned + (self.performance.lags.get(found) or 0.0)
 
     def samples(self, begin: str, end: str) -> slice:
-        """Those from one sync point to another."""
+        """Picks the samples from one sync point to another."""
         times = self.performance.measured.times
         first, last = times.searchsorted([self.time(begin), self.time(end)])
         return slice(int(first), int(last) + 1)

@@ -164,7 +164,6 @@ def draw_series(series: Series, path: Path) -> Path:
 
 
 def _paths(axes: Axes, played: Sequence[Played], shades: Sequence[object], across: int, *, title: str) -> None:
-    """Both hands, coloured by value."""
     for one, shade in zip(played, shades, strict=True):
         for hand in one.hands.values():
             axes.plot(hand[:, across], hand[:, 2], color=shade, linewidth=1.0)
@@ -173,7 +172,6 @@ def _paths(axes: Axes, played: Sequence[Played], shades: Sequence[object], acros
 
 
 def _speeds(axes: Axes, played: Sequence[Played], shades: Sequence[object]) -> None:
-    """Speed of the faster hand about the stroke."""
     for one, shade in zip(played, shades, strict=True):
         speeds = [np.linalg.norm(np.gradient(hand, one.times, axis=0), axis=1) for hand in one.hands.values()]
         axes.plot(one.times, np.max(speeds, axis=0), color=shade, linewidth=1.0, label=f"{one.value:g}")
@@ -183,7 +181,6 @@ def _speeds(axes: Axes, played: Sequence[Played], shades: Sequence[object]) -> N
 
 
 def _measure(axes: Axes, series: Series, name: str, colour: str) -> None:
-    """One measure over the parameter."""
     shown = SHOWN[name]
     found = [(one.value, getattr(one.measures, name)) for one in series.played]
     known = [(value, shown.scale * measured) for value, measured in found if measured is not None]
@@ -203,7 +200,6 @@ def _plain(axes: Axes, title: str) -> None:
 
 
 def _check(gesture: str, known: Setup) -> None:
-    """Refuses what is no gesture of the lexicon."""
     match = known.lexicon.find(gesture)
     if match is None or match.substitute or not match.form.keys:
         raise ConfigError(f"no gesture {gesture}{suggestion(gesture, [form.id for form in known.lexicon.forms])}")
