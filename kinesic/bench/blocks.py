@@ -32,12 +32,12 @@ LONGEST = 60.0  # [s] of a block
 
 
 def passage_text(repetition: int) -> str:
-    """The block with all times a little later at each repetition, so that nothing can be remembered."""
+    """Writes the block with all times a little later at each repetition, so that nothing can be remembered."""
     return PASSAGE.format(*(time + 0.003 * (repetition % 17) for time in TIMES))
 
 
 def crowd(seed: int, lexemes: Sequence[str]) -> str:
-    """Three to five gestures that overlap or follow at once, and up to two nods or shakes of the head.
+    """Writes three to five gestures that overlap or follow at once, and up to two nods or shakes of the head.
 
     Args:
         seed: of all choices.
@@ -62,13 +62,13 @@ def crowd(seed: int, lexemes: Sequence[str]) -> str:
 
 
 def corpus_folder() -> Path | None:
-    """KINESIC_CORPUS, or `shared/corpus` beside the project; None where there is none."""
+    """Finds KINESIC_CORPUS, or `shared/corpus` beside the project; None where there is none."""
     path = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
     return path if path.is_dir() else None
 
 
 def plan_corpus(where: Path, known: Setup, count: int) -> tuple[Plan, ...]:
-    """The first so many documents, in a seeded order, that perform a stroke.
+    """Plans the first so many documents, in a seeded order, that perform a stroke.
 
     Args:
         where: the folder.

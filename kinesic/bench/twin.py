@@ -1,4 +1,4 @@
-"""The twin: how much faster than real time, and how near servos come to a plan.
+"""Measures the twin: how much faster than real time, and how near servos come to a plan.
 
 The table compares plans with and without feed-forward and correction.
 """
@@ -75,7 +75,7 @@ class Errors:
 
 
 def tracking_figures(known: Setup, blocks: int = BLOCKS) -> list[Figure]:
-    """Each figure of each twin, with feed-forward and correction, with feed-forward only, and with neither.
+    """Measures each figure of each twin, with feed-forward and correction, with feed-forward only, and with neither.
 
     Only the first has goals; the others stand beside it.
     """
@@ -104,7 +104,7 @@ def _goal(name: str, twin: str, kind: str) -> float | None:
 
 
 def bench() -> list[Figure]:
-    """The passage in both twins: simulated time over feed-forward, physics and checks; then a set of documents."""
+    """Measures the passage in both twins: simulated time over feed-forward, physics and checks; then documents."""
     known = set_up()
     plans = [plan(passage_text(repetition), known) for repetition in range(REPETITIONS)]
     everyone = tuple(factors for _, factors in TWINS)

@@ -40,7 +40,7 @@ class GraphicsDriver:
 
 @cache
 def driver() -> GraphicsDriver:
-    """Looks for OpenGL once; nothing stays open."""
+    """Looks once for what OpenGL needs here; nothing stays open."""
     egl, found = _library(EGL), next((name for name in GL if _library(name)), "")
     if egl is None or not found:
         absent = " and ".join(name for name, there in ((EGL, egl), (GL[0], found)) if not there)
@@ -130,7 +130,7 @@ class Library(Protocol):
 
 
 def library() -> Library:
-    """The library that draws.
+    """Imports moderngl, which draws.
 
     Raises:
         DisplayError: it is not installed.
@@ -142,7 +142,7 @@ def library() -> Library:
 
 
 def available() -> str | None:
-    """None where pictures can be drawn, else the reason why not."""
+    """Tells why no picture can be drawn here; None where it can."""
     try:
         with offscreen():
             return None

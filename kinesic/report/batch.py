@@ -50,7 +50,7 @@ class BatchJournal(Generic[Entry]):
         self._decoder = msgspec.json.Decoder(BatchLine[kind])  # type: ignore[valid-type]  # a type that is known at run time
 
     def read(self) -> dict[str, Entry]:
-        """Key -> entry of every whole line."""
+        """Reads every whole line: key -> entry."""
         return dict(self._entries())
 
     def rewrite(self, entries: dict[str, Entry]) -> None:
@@ -99,7 +99,7 @@ class DocumentVerdict:
 
 
 def documents(paths: tuple[Path, ...]) -> list[Path]:
-    """Files, and the BML and XML files below folders in order of their names; each once.
+    """Finds the BML and XML files below folders in order of their names, beside files that are named; each once.
 
     Raises:
         BmlError: a path does not exist.
@@ -165,14 +165,12 @@ def _resumed(journal: BatchJournal[DocumentVerdict], tasks: dict[Path, str]) -> 
     known = {
         file: noted[key]
         for file, key in tasks.items()
-        if key in noted and noted[key].outcome != "crashed" and _is_there(noted[key].report)
+        if key in noted
+        and noted[key].outcome != "crashed"
+        and ((path := noted[key].report) is None or Path(path).exists())
     }
     journal.rewrite({tasks[file]: verdict for file, verdict in known.items()})
     return known
-
-
-def _is_there(path: str | None) -> bool:
-    return path is None or Path(path).exists()
 
 
 def _crashed(file: Path, crash: WorkerCrash, folder: Path | None, key: str) -> DocumentVerdict:

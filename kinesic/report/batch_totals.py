@@ -1,4 +1,4 @@
-"""What many verdicts amount to: counts over documents and behaviours, and over every check."""
+"""Counts what became of many documents, of their behaviours, and of every check."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ class Tally:
 
 
 def tallies(verdicts: Iterable[DocumentVerdict]) -> list[Tally]:
-    """Every check that was made, in the order of the report."""
+    """Counts every check that was made, in the order of the report."""
     found: dict[str, list[tuple[Check, str]]] = {}
     for verdict in verdicts:
         for check in verdict.checks:
@@ -38,7 +38,7 @@ def _tally(name: str, made: list[tuple[Check, str]]) -> Tally:
 
 
 def totals(verdicts: list[DocumentVerdict]) -> dict[str, Json]:
-    """Counts over documents and behaviours, in all and per folder and type of behaviour, and over checks."""
+    """Counts documents and behaviours, in all and per folder and type of behaviour, and checks."""
     folders: dict[str, Json] = {}
     for folder in sorted({str(Path(verdict.file).parent) for verdict in verdicts}):
         here = [verdict for verdict in verdicts if str(Path(verdict.file).parent) == folder]
@@ -51,7 +51,7 @@ def totals(verdicts: list[DocumentVerdict]) -> dict[str, Json]:
 
 
 def counts(verdicts: list[DocumentVerdict]) -> dict[str, Json]:
-    """How many documents, what became of them, and of their behaviours; `failed` of those that were performed."""
+    """Counts documents by what became of them, and their behaviours; `failed` are among the performed."""
     return {
         "documents": len(verdicts),
         **{outcome: sum(verdict.outcome == outcome for verdict in verdicts) for outcome in OUTCOMES},

@@ -1,4 +1,4 @@
-"""The story of conditioning: which sync points moved, which limit moved them, and what the strokes lost."""
+"""Tells what conditioning changed: which sync points moved, which limit moved them, and what the strokes lost."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -32,7 +32,7 @@ class Moved:
 
     @property
     def milliseconds(self) -> int:
-        """By which it moved."""
+        """By how much it moved."""
         return round(1000 * (self.planned - self.asked))
 
 
@@ -48,7 +48,7 @@ class Loss:
 
     @property
     def share(self) -> float:
-        """Of what was asked that is gone; negative when there is more."""
+        """Share of what was asked that is gone; negative when there is more."""
         return 1.0 - self.planned / self.asked if self.asked else 0.0
 
 
@@ -62,7 +62,7 @@ class Stray:
 
 @dataclass(frozen=True)
 class Chapter:
-    """One behaviour that had to give."""
+    """One behaviour that could not be performed as asked."""
 
     behaviour: str
     moved: tuple[Moved, ...]
@@ -76,7 +76,7 @@ class Chapter:
 
 
 def story(performance: Performance) -> tuple[Chapter, ...]:
-    """Every behaviour with a sync point that moved, or a stroke that lost more than 5 %; the largest shift first."""
+    """Finds behaviours with a moved sync point, or a stroke that lost more than 5 %; the largest shift first."""
     plan = performance.plan
     wish = _wish(performance)
     found = []
@@ -92,7 +92,7 @@ def story(performance: Performance) -> tuple[Chapter, ...]:
 
 
 def strays(performance: Performance) -> tuple[Stray, ...]:
-    """The hinges whose way differs most from the wished one."""
+    """Finds the hinges whose way differs most from the desired one."""
     names, lost = performance.plan.setup.robot.skeleton.names, np.degrees(performance.plan.motion.lost)
     order = np.argsort(-lost)[:MOST_STRAYS]
     return tuple(Stray(names[hinge], float(lost[hinge])) for hinge in order if lost[hinge] > STRAY_TO_TELL)

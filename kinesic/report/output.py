@@ -1,4 +1,4 @@
-"""What is written of a performance, in a folder of its own, never on top of another."""
+"""Writes a performance into a folder of its own, never on top of another."""
 
 import json
 import shutil
@@ -27,7 +27,7 @@ FACE = PortraitSettings(side=256)
 
 
 def free_folder(asked: Path | None, source: str, *, force: bool = False) -> Path:
-    """The folder `asked`, or `out/NAME-TIME`; it is made when something is written.
+    """Chooses the folder `asked`, or `out/NAME-TIME`; it is made when something is written.
 
     Raises:
         ConfigError: it exists already and `force` is not given.

@@ -116,7 +116,7 @@ def _template() -> Template:
 
 
 def verdict(data: Mapping[str, Json]) -> str:
-    """The report in one line: whether all is well, of what, and what is not.
+    """Says the report in one line: whether all is well, of what, and what is not.
 
     Args:
         data: what `report` says.
@@ -140,12 +140,12 @@ def verdict(data: Mapping[str, Json]) -> str:
 
 
 def shift(seconds: float) -> str:
-    """A difference of times in whole milliseconds, with its sign."""
+    """Formats a difference of times in whole milliseconds, with its sign."""
     return f"{1000 * seconds:+.0f}\u2009ms".replace("-", "\u2212")
 
 
 def style_departures(row: Mapping[str, Json], style: Mapping[str, Json]) -> str:
-    """The numbers with which a behaviour departs from its style, by who said them.
+    """Lists the numbers with which a behaviour departs from its style, by who said them.
 
     Args:
         row: of the behaviour.
@@ -179,7 +179,7 @@ class Tile:
 
 
 def tiles(checks: Sequence[Mapping[str, Json]]) -> list[Tile]:
-    """One tile for each group of checks, by the part of their names before the dot, as they come.
+    """Makes one tile for each group of checks, by the part of their names before the dot, as they come.
 
     Args:
         checks: rows of the report.
@@ -219,7 +219,7 @@ def _nearness(row: Mapping[str, Json]) -> float:
 
 
 def quantity(value: Json, unit: str) -> tuple[str, str]:
-    """A value and its unit as people write them."""
+    """Formats a value and its unit as people write them."""
     if isinstance(value, int | float) and unit in SMALLER and abs(value) < 1.0:
         unit, scale = SMALLER[unit]
         value = scale * value
@@ -230,7 +230,7 @@ def quantity(value: Json, unit: str) -> tuple[str, str]:
 
 
 def format_number(value: Json) -> str:
-    """A number with three digits that count; other values as they are, none as a dash."""
+    """Formats a number with three digits that count; other values as they are, none as a dash."""
     if value is None:
         return "\u2013"
     if isinstance(value, bool) or not isinstance(value, int | float):
@@ -239,7 +239,7 @@ def format_number(value: Json) -> str:
 
 
 def breakable(name: str) -> Markup:
-    """A name that a narrow column may break after its underscores."""
+    """Lets a narrow column break a name after its underscores."""
     return Markup(escape(name).replace("_", Markup("_<wbr>")))
 
 

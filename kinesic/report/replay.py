@@ -1,4 +1,4 @@
-"""The motion as the page's player wants it: the robot's shapes, angles at a steady rate, and what happens when."""
+"""Gives the page's player the motion: the robot's shapes, angles at a steady rate, and what happens when."""
 
 from base64 import b64encode
 
@@ -21,7 +21,7 @@ DIGITS = 4  # of lengths [m]
 
 
 def replay_data(performance: Performance) -> dict[str, Json]:
-    """What the player reads.
+    """Gathers what the player reads.
 
     Angles are 16-bit integers, duties bytes, both little-endian in base64, one row of hinges for each frame.
 

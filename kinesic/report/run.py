@@ -128,7 +128,7 @@ class Performance(DryRun):
 def performance_of(
     run: DryRun, *, seed: int, beside: tuple[DryRun, ...] = (), servos: ServoRun | None = None
 ) -> Performance:
-    """A dry run with its verdicts, and with what the servos did."""
+    """Makes a performance of a dry run, with its verdicts, and with what the servos did."""
     same = {field.name: getattr(run, field.name) for field in fields(DryRun)}
     return Performance(**same, seed=seed, beside=beside, servos=servos)
 

@@ -1,4 +1,4 @@
-"""What the robot did, beside what was planned: figures, checks, and a log that the twin can be fitted to."""
+"""Tells what the robot did, beside what was planned: figures, checks, and a log that the twin can be fitted to."""
 
 from collections.abc import Mapping
 
@@ -15,7 +15,7 @@ WHOLE = 0.999  # share of a plan that is all of it
 
 
 def live_checks(live: ServoRun) -> list[Check]:
-    """How near the robot stayed to the plan, and whether it came to its end."""
+    """Checks how near the robot stayed to the plan, and whether it came to its end."""
     found = [Check.of("measured.performed", live.performed, WHOLE, live.why or live.ending)]
     errors = np.degrees(np.abs(live.errors))
     counted = errors[np.isfinite(errors)]
@@ -24,22 +24,17 @@ def live_checks(live: ServoRun) -> list[Check]:
     names = live.performance.plan.setup.robot.skeleton.names
     row, hinge = np.unravel_index(int(np.nan_to_num(errors).argmax()), errors.shape)
     worst = f"{names[hinge]} at {live.times[row]:.2f} s"
+    most = names[int((np.nan_to_num(live.errors) ** 2).sum(axis=0).argmax())]
     return [
         *found,
-        Check.of("measured.rmse", float(np.sqrt(np.mean(counted**2))), RMSE, f"most {_most(live)}"),
+        Check.of("measured.rmse", float(np.sqrt(np.mean(counted**2))), RMSE, f"most {most}"),
         Check.of("measured.p95", float(np.percentile(counted, 95)), P95),
         Check.of("measured.max", float(counted.max()), MAX, worst),
     ]
 
 
-def _most(live: ServoRun) -> str:
-    """The hinge that strays most."""
-    sums = (np.nan_to_num(live.errors) ** 2).sum(axis=0)
-    return live.performance.plan.setup.robot.skeleton.names[int(sums.argmax())]
-
-
 def with_live(data: Mapping[str, Json], live: ServoRun) -> dict[str, Json]:
-    """A report with what the robot did: more checks, the times of its sync points, and a table `servos`."""
+    """Adds what the robot did to a report: more checks, the times of its sync points, and a table `servos`."""
     found = live_checks(live)
     rows: list[Json] = [{**vars(check)} for check in found]
     earlier, syncs = data["checks"], data["sync"]
@@ -79,8 +74,8 @@ def _servos(live: ServoRun, figures: Mapping[str, float]) -> dict[str, Json]:
         "per_joint": {name: float(np.sqrt(mean)) for name, mean in zip(names, means, strict=True)},
         "samples": len(live.times),
         "late_cycles": last.late if last else 0,
-        "hottest_c": max((told.hottest for told in live.history), default=None),
-        "lowest_v": min((told.volts for told in live.history), default=None),
+        "hottest_c": max((status.hottest for status in live.history), default=None),
+        "lowest_v": min((status.volts for status in live.history), default=None),
         "events": [
             {
                 "time_s": note.clock,
@@ -94,5 +89,5 @@ def _servos(live: ServoRun, figures: Mapping[str, float]) -> dict[str, Json]:
 
 
 def live_log(live: ServoRun) -> Log:
-    """Goals sent and angles measured, as `kinesic twin fit` reads them."""
+    """Gathers goals sent and angles measured, as `kinesic twin fit` reads them."""
     return Log(live.clocks, live.goals, live.followed)

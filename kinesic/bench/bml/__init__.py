@@ -25,7 +25,7 @@ def bench() -> list[Figure]:
 
 
 def verdicts() -> Iterator[ExpectationVerdict]:
-    """What became of every expectation of all suites."""
+    """Judges every expectation of all suites."""
     if (scenarios := expected(SCENARIOS, Scenarios)) is not None:
         yield from play_suite(SCENARIOS, *scenarios, set_up())
     if (documents := expected(DOCUMENTS, Parsing)) is not None:

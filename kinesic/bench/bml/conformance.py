@@ -1,4 +1,4 @@
-"""Scenarios of a conformance suite, played in virtual time: documents sent, feedback checked.
+"""Plays scenarios of a conformance suite in virtual time: sends documents, checks feedback.
 
 Targets that documents look or point at, and that the robot does not know, are put into a targets file of our own.
 """
@@ -42,7 +42,7 @@ def play_suite(suite: str, where: Path, expected: Scenarios, setup: Setup) -> It
 
 
 def place_targets(texts: list[bytes], setup: Setup) -> Mapping[str, Floats]:
-    """(3,) [m] places in the world for targets that documents name and the robot has not, by way of a targets file."""
+    """Gives targets that documents name and the robot has not a place in the world, (3,) [m], by a targets file."""
     names = sorted({name for text in texts for name in _targets(text)} - setup.robot.targets.keys())
     x, y, z = NEAR
     lines = [f'"{name}" = [{x}, {y - APART * k}, {z}]' for k, name in enumerate(names)]
@@ -85,52 +85,52 @@ def _do(step: Step, realizer: Realizer, where: Path, timeout: float) -> str:
         case "clear_feedback":
             realizer.feedback.messages.clear()
         case "wait_block_end":
-            if not realizer.wait_until(lambda told: step.block in told.blocks("end"), timeout=timeout):
+            if not realizer.wait_until(lambda feedback: step.block in feedback.blocks("end"), timeout=timeout):
                 return f"block {step.block} does not end within {timeout:g} s"
         case "wait_sync":
-            if not realizer.wait_until(lambda told: told.sync_time(step.sync) is not None, timeout=timeout):
+            if not realizer.wait_until(lambda feedback: feedback.sync_time(step.sync) is not None, timeout=timeout):
                 return f"{step.sync} is not reported within {timeout:g} s"
         case _:
             return f"'{step.do}' is nothing that can be done"
     return ""
 
 
-def _check(step: Step, told: Feedback) -> str:
+def _check(step: Step, feedback: Feedback) -> str:
     check = CHECKS.get(step.check)
-    return f"'{step.check}' is no check" if check is None else check(step, told)
+    return f"'{step.check}' is no check" if check is None else check(step, feedback)
 
 
-def _failures(told: Feedback) -> list[ReceivedMessage]:
+def _failures(feedback: Feedback) -> list[ReceivedMessage]:
     """Messages that something cannot be as asked; drafts call them exceptions, BML 1.0 warnings."""
-    return told.of("warningFeedback")
+    return feedback.of("warningFeedback")
 
 
-def _none(step: Step, told: Feedback) -> str:
-    found = _failures(told)
+def _none(step: Step, feedback: Feedback) -> str:
+    found = _failures(feedback)
     said = "; ".join(f"{message.id}: {message.text}" for message in found)
     return "" if len(found) == step.count else f"{len(found)} {step.check}, not {step.count}: {said}"
 
 
-def _duplicates(_: Step, told: Feedback) -> str:
-    return "".join(f"reported more than once: {', '.join(again)}" for again in (told.repeated(),) if again)
+def _duplicates(_: Step, feedback: Feedback) -> str:
+    return "".join(f"reported more than once: {', '.join(again)}" for again in (feedback.repeated(),) if again)
 
 
-def _blocks(step: Step, told: Feedback) -> str:
+def _blocks(step: Step, feedback: Feedback) -> str:
     for point, wanted in (("start", step.started), ("end", step.ended)):
-        if told.blocks(point) != list(wanted):
-            return f"{point} of blocks {told.blocks(point)}, not {list(wanted)}"
+        if feedback.blocks(point) != list(wanted):
+            return f"{point} of blocks {feedback.blocks(point)}, not {list(wanted)}"
     return ""
 
 
-def _order(step: Step, told: Feedback) -> str:
-    found = told.syncs(step.behaviour)
+def _order(step: Step, feedback: Feedback) -> str:
+    found = feedback.syncs(step.behaviour)
     left = iter(found)
     missing = [sync for sync in step.syncs if sync not in left]
     return f"{step.behaviour}: {missing[0]} is missing, or out of order, in {found}" if missing else ""
 
 
-def _time(step: Step, told: Feedback) -> str:
-    found = told.sync_time(step.sync)
+def _time(step: Step, feedback: Feedback) -> str:
+    found = feedback.sync_time(step.sync)
     if found is None:
         return f"{step.sync} was not reported"
     holds = {
@@ -141,41 +141,41 @@ def _time(step: Step, told: Feedback) -> str:
     return "" if holds else f"{step.sync} at {found:.3f} s, {step.check} {step.time:g} s"
 
 
-def _coincide(step: Step, told: Feedback) -> str:
-    a, b = told.sync_time(step.a), told.sync_time(step.b)
+def _coincide(step: Step, feedback: Feedback) -> str:
+    a, b = feedback.sync_time(step.a), feedback.sync_time(step.b)
     if a is None or b is None:
         return f"{step.a if a is None else step.b} was not reported"
     gap = abs(a + step.a_offset - b - step.b_offset)
     return "" if gap <= (step.tolerance or 0.0) else f"{step.a} and {step.b} are {gap:.3f} s apart"
 
 
-def _succeeds(step: Step, told: Feedback) -> str:
-    start, end = told.block_time(step.start_of, "start"), told.block_time(step.end_of, "end")
+def _succeeds(step: Step, feedback: Feedback) -> str:
+    start, end = feedback.block_time(step.start_of, "start"), feedback.block_time(step.end_of, "end")
     if start is None or end is None:
         return f"start of {step.start_of} or end of {step.end_of} was not reported"
     gap = start - end
     return "" if abs(gap) <= (step.tolerance or 0.0) else f"{step.start_of} starts {gap:.3f} s after {step.end_of} ends"
 
 
-def _lasts(step: Step, told: Feedback) -> str:
-    start, end = told.block_time(step.block, "start"), told.block_time(step.block, "end")
+def _lasts(step: Step, feedback: Feedback) -> str:
+    start, end = feedback.block_time(step.block, "start"), feedback.block_time(step.block, "end")
     return "" if start is not None and end is not None and end > start else f"{step.block}: {start} to {end} s"
 
 
-def _not_negative(_: Step, told: Feedback) -> str:
-    early = [message.id for message in told.of("syncPointProgress") if message.time < 0.0]
+def _not_negative(_: Step, feedback: Feedback) -> str:
+    early = [message.id for message in feedback.of("syncPointProgress") if message.time < 0.0]
     return f"before the start of their block: {', '.join(early)}" if early else ""
 
 
-def _one_named(step: Step, told: Feedback) -> str:
-    found = [message.id for message in _failures(told)]
+def _one_named(step: Step, feedback: Feedback) -> str:
+    found = [message.id for message in _failures(feedback)]
     return "" if len(found) == 1 and found[0] in step.among else f"{found} named, not one of {list(step.among)}"
 
 
-def _either(step: Step, told: Feedback) -> str:
-    named = [message.id for message in _failures(told)]
+def _either(step: Step, feedback: Feedback) -> str:
+    named = [message.id for message in _failures(feedback)]
     steps = (then for case in step.cases if case.when_named in named for then in case.then)
-    return next(filter(None, (_check(then, told) for then in steps)), "")
+    return next(filter(None, (_check(then, feedback) for then in steps)), "")
 
 
 CHECKS: Mapping[str, Check] = {

@@ -176,7 +176,7 @@ class ExpectationVerdict:
 
 
 def verdict_figures(verdicts: Sequence[ExpectationVerdict]) -> Iterator[Figure]:
-    """For each suite how many pass and how many fail, and for each that fails why.
+    """Counts for each suite how many pass and how many fail, and says for each that fails why.
 
     Args:
         verdicts: of any suites.

@@ -1,4 +1,4 @@
-"""Blocks laid over what runs, or put in its place, at random moments: how soon, and what the motion then exceeds."""
+"""Merges blocks into a motion, or puts them in its place, at random moments: how soon, and what it then exceeds."""
 
 import random
 from dataclasses import dataclass

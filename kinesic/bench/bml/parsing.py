@@ -1,4 +1,4 @@
-"""What documents mean before any time is known, held against what the reference parser's tests state."""
+"""Holds what documents mean, before any time is known, against what the reference parser's tests state."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path

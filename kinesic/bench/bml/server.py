@@ -35,6 +35,7 @@ LOOK = 0.05  # [s] between two looks at whether the server is open
 RATE = 10  # [1/s] of blocks in the endurance run
 SETTLED = 0.25  # share of the endurance run after which memory counts
 FIRST_COMMAND, FIRST_FEEDBACK, FLAT = 100.0, 20.0, 5.0  # [ms], [ms], [%]
+NO_MEMORY = "this system does not tell what a process holds"
 BLOCKS, SECONDS = 40, 20.0  # of the bench; soak asks for more
 
 
@@ -54,7 +55,7 @@ class Server:
 
 @dataclass(frozen=True)
 class FeedbackLatency:
-    """[ms] from sending a block."""
+    """How soon a block is answered, from when it is sent [ms]."""
 
     feedback: float  # to its first feedback
     command: float  # to its start
@@ -79,13 +80,15 @@ def bench() -> list[Figure]:
         _p95("bml.live.first_command_p95", [each.command for each in found], FIRST_COMMAND),
         _p95("bml.live.first_feedback_p95", [each.feedback for each in found], FIRST_FEEDBACK),
         Figure("bml.live.lost", float(lasting.lost), "blocks", 0.0, "lower", why=f"of {lasting.sent}"),
-        _growth(lasting.growth),
+        Figure(
+            "bml.live.memory", lasting.growth, "%", FLAT, "lower", why="" if lasting.growth is not None else NO_MEMORY
+        ),
     ]
 
 
 @contextmanager
 def open_server(*options: str, cwd: Path | None = None) -> Iterator[Server]:
-    """A server on a free port, with more options of `kinesic serve`, maybe in another folder; stopped at the end."""
+    """Opens a server on a free port, with more options of `kinesic serve`; it is stopped at the end."""
     command = [sys.executable, "-m", "kinesic", "serve", "--listen", "127.0.0.1:0", *options]
     with (
         TemporaryFile("w+") as said,
@@ -145,15 +148,15 @@ def endurance(server: Server, seconds: float) -> Endurance:
             time = number / RATE
             if time >= seconds:
                 break
-            _hear(client, began + time, ended)
+            _receive_ends(client, began + time, ended)
             client.send(BLOCK.format(f"many{number}", SMALL[number % 2]))
-            if number % RATE == 0 and (held := server.memory) is not None:
-                memory.append((time, held))
+            if number % RATE == 0 and (size := server.memory) is not None:
+                memory.append((time, size))
         sent = number
-        heard = -1
-        while heard < len(ended) < sent:  # as long as some still end
-            heard = len(ended)
-            _hear(client, monotonic() + CALMS, ended, enough=sent)
+        before = -1
+        while before < len(ended) < sent:  # as long as some still end
+            before = len(ended)
+            _receive_ends(client, monotonic() + CALMS, ended, enough=sent)
         client.do("status")
         while (message := client.receive(CALMS)) is not None and '"late":' not in message:
             pass
@@ -161,7 +164,7 @@ def endurance(server: Server, seconds: float) -> Endurance:
     return Endurance(sent, sent - len(ended), _grown(memory, seconds), late)
 
 
-def _hear(client: Client, until: float, ended: set[str], *, enough: float = inf) -> None:
+def _receive_ends(client: Client, until: float, ended: set[str], *, enough: float = inf) -> None:
     """Notes whose end is told, until a time or until enough have ended."""
     while len(ended) < enough and (left := until - monotonic()) > 0.0:
         message = client.receive(left)
@@ -172,8 +175,8 @@ def _hear(client: Client, until: float, ended: set[str], *, enough: float = inf)
 
 def _grown(memory: list[tuple[float, int]], seconds: float) -> float | None:
     """[%] by which the last tenth is above what the first settled tenth was."""
-    early = [held for time, held in memory if SETTLED <= time / seconds <= SETTLED + 0.1]
-    last = [held for time, held in memory if time / seconds >= 0.9]
+    early = [size for time, size in memory if SETTLED <= time / seconds <= SETTLED + 0.1]
+    last = [size for time, size in memory if time / seconds >= 0.9]
     return 100.0 * (float(np.median(last)) / float(np.median(early)) - 1.0) if early and last else None
 
 
@@ -193,8 +196,3 @@ def _resident(pid: int) -> int | None:
 
 def _p95(name: str, values: list[float], goal: float) -> Figure:
     return Figure(name, float(np.percentile(values, 95)), "ms", goal, "lower", why=f"median {np.median(values):.1f}")
-
-
-def _growth(grown: float | None) -> Figure:
-    why = "" if grown is not None else "this system does not tell what a process holds"
-    return Figure("bml.live.memory", grown, "%", FLAT, "lower", why=why)

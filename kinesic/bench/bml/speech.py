@@ -80,7 +80,7 @@ def _figures(kind: str, errors: list[float], why: str) -> list[Figure]:
 
 
 def mark_errors(count: int) -> Iterator[float]:
-    """Each mark of some sentences, in several languages and at several rates, minus where its silence ends [s]."""
+    """Measures marks of sentences, in several languages and at several rates, minus where their silence ends [s]."""
     choice = random.Random(SEED)
     for number in range(count):
         language = list(WORDS)[number % len(WORDS)]
@@ -102,7 +102,7 @@ def mark_errors(count: int) -> Iterator[float]:
 
 
 def heard_stroke_errors(count: int) -> Iterator[float]:
-    """When the hands of the pessimistic twin make strokes, minus when the word of each is heard [s]."""
+    """Measures when the hands of the pessimistic twin make strokes, minus when the word of each is heard [s]."""
     known = set_up(voice="espeak")
     choice = random.Random(SEED)
     for number in range(count):
@@ -112,7 +112,7 @@ def heard_stroke_errors(count: int) -> Iterator[float]:
 
 
 def performed_errors(text: str, known: Setup) -> Iterator[float]:
-    """The same of one block, whose speech has a pause before each mark; strokes that had to move are left out."""
+    """Measures the same of one block, with a pause before each mark; strokes that had to move are left out."""
     performance = dry_run(plan(text, known), twin=PESSIMISTIC)
     heard = sound(performance.plan)
     if heard is None:
@@ -126,7 +126,7 @@ def performed_errors(text: str, known: Setup) -> Iterator[float]:
 
 
 def recorded(spoken: Sound) -> Sound:
-    """A sound as it comes back from a WAV file."""
+    """Writes a sound as a WAV file, and reads it again."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "spoken.wav"
         write_wav(spoken, path)
@@ -134,7 +134,7 @@ def recorded(spoken: Sound) -> Sound:
 
 
 def onsets(heard: Sound) -> list[float]:
-    """Where silences end that lie between sounds [s]."""
+    """Finds where silences end that lie between sounds [s]."""
     loudness = np.abs(heard.samples)
     loud = np.flatnonzero(loudness > QUIET * loudness.max())
     ends = loud[1:][np.diff(loud) > LEAST_SILENCE * heard.rate]
@@ -147,10 +147,10 @@ def _stroke(sync: SyncTime, side: str, performance: Performance) -> float:
     zero, times = planned.trajectory.zero, performance.measured.times
     own = {each.sync: each.planned for each in planned.syncs if each.behaviour == sync.behaviour}
     near = (times > zero + own["strokeStart"] - MARGIN) & (times < zero + own["strokeEnd"] + MARGIN)
-    asked, made = (
+    planned_speed, performed_speed = (
         _speed(hands[side], times)[near, None] for hands in (performance.reference.hands, performance.measured.hands)
     )
-    late = tracking_delay(asked, made, np.array([True]), period=performance.period)
+    late = tracking_delay(planned_speed, performed_speed, np.array([True]), period=performance.period)
     return zero + sync.planned + float(late[0])
 
 

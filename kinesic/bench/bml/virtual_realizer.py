@@ -32,12 +32,12 @@ def read_message(xml: str) -> ReceivedMessage:
         BmlError: it is no XML.
     """
     root = read_tree(xml, source="<feedback>")
-    told = root.attributes
+    attributes = root.attributes
     return ReceivedMessage(
         root.local,
-        told.get("id", ""),
-        float(told.get("globalTime", "0")),
-        float(told.get("time", "0")),
+        attributes.get("id", ""),
+        float(attributes.get("globalTime", "0")),
+        float(attributes.get("time", "0")),
         root.text.strip(),
     )
 
@@ -54,8 +54,8 @@ class Feedback:
 
     def blocks(self, point: str) -> list[str]:
         """Ids of the blocks of which this point was reported, in order."""
-        told = (message.id.rpartition(":") for message in self.of("blockProgress"))
-        return [block for block, _, name in told if name == point]
+        reported = (message.id.rpartition(":") for message in self.of("blockProgress"))
+        return [block for block, _, name in reported if name == point]
 
     def block_time(self, block: str, point: str) -> float | None:
         """Global time of a point of a block [s]."""
@@ -68,17 +68,17 @@ class Feedback:
 
     def syncs(self, behaviour: str) -> list[str]:
         """Sync points of `block:behaviour`, in the order in which they were reported."""
-        told = (message.id for message in self.of("syncPointProgress"))
-        return [id.removeprefix(f"{behaviour}:") for id in told if id.startswith(f"{behaviour}:")]
+        reported = (message.id for message in self.of("syncPointProgress"))
+        return [id.removeprefix(f"{behaviour}:") for id in reported if id.startswith(f"{behaviour}:")]
 
     def repeated(self) -> list[str]:
-        """What was reported more than once."""
+        """Names what was reported more than once."""
         ids = [message.id for kind in ("blockProgress", "syncPointProgress") for message in self.of(kind)]
         return sorted({id for id in ids if ids.count(id) > 1})
 
 
 class Realizer:
-    """One performer, from its rest at time 0."""
+    """Performs documents in virtual time, from rest at time 0."""
 
     def __init__(self, setup: Setup) -> None:
         self.feedback = Feedback()

@@ -9,7 +9,7 @@ PARTS = (sweeps, lexicon)
 
 
 def bench() -> list[Figure]:
-    """Every figure of the room."""
+    """Measures every figure of the part."""
     return [figure for part in PARTS for figure in part.bench()]
 
 

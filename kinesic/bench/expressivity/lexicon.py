@@ -66,7 +66,7 @@ def bench() -> list[Figure]:
 
 
 def lexicon_figures(results: Sequence[GestureResult]) -> list[Figure]:
-    """What came of performances in several styles: of those in the neutral style, and of all."""
+    """Sums up performances in several styles: those in the neutral style, and all."""
     neutral = [result for result in results if result.style == NEUTRAL_STYLE]
     return [
         *_counts(Lexicon.load()),
@@ -76,12 +76,12 @@ def lexicon_figures(results: Sequence[GestureResult]) -> list[Figure]:
 
 
 def every(styles: Iterable[str]) -> list[Task]:
-    """All gestures of the lexicon in each of the styles."""
+    """Lists all gestures of the lexicon in each of the styles."""
     return [(form.id, style) for style in styles for form in Lexicon.load().forms]
 
 
 def sample(tasks: Sequence[Task], *, share: float, seed: int) -> list[Task]:
-    """A seeded share (0..1) of the tasks, in their order."""
+    """Chooses a seeded share (0..1) of the tasks, in their order."""
     count = max(1, round(share * len(tasks)))
     chosen = np.random.default_rng(seed).choice(len(tasks), size=count, replace=False)
     return [tasks[k] for k in sorted(chosen)]
@@ -180,7 +180,7 @@ class StrokeAppearance:
 
 
 def look(form: GestureForm, pace: Pace) -> StrokeAppearance:
-    """What is seen of the stroke of a form.
+    """Measures what is seen of the stroke of a form.
 
     Args:
         form: of the gesture.
@@ -204,12 +204,12 @@ def look(form: GestureForm, pace: Pace) -> StrokeAppearance:
 
 
 def way_between(a: StrokeAppearance, b: StrokeAppearance) -> float:
-    """How far apart the hands of two gestures are [m], RMS over time and both hands."""
+    """Measures how far apart the hands of two gestures are [m], RMS over time and both hands."""
     return float(np.sqrt(((a.ways - b.ways) ** 2).sum(axis=-1).mean()))
 
 
 def turn_between(a: StrokeAppearance, b: StrokeAppearance) -> float:
-    """How differently the hands of two gestures are turned [rad]: palms or pointing, RMS over time and both hands."""
+    """Measures how differently the hands are turned [rad]: palms or pointing, RMS over time and both hands."""
     pairs = ((a.palms, b.palms), (a.pointing, b.pointing))
     return max(float(np.sqrt((_angles(one, other) ** 2).mean())) for one, other in pairs)
 
@@ -220,7 +220,7 @@ def distinct(a: StrokeAppearance, b: StrokeAppearance) -> bool:
 
 
 def twins(looks: Iterable[tuple[str, StrokeAppearance]]) -> list[tuple[str, str]]:
-    """Names of gestures that do not count, because of an earlier one: (it, the earlier one)."""
+    """Names gestures that do not count, because of an earlier one: (it, the earlier one)."""
     counted: list[tuple[str, StrokeAppearance]] = []
     found = []
     for name, seen in looks:

@@ -1,4 +1,4 @@
-"""What each parameter of expressivity changes in ten gestures, in the twin, and whether strokes keep their time.
+"""Measures what each parameter of expressivity changes in ten gestures, in the twin, and whether strokes keep time.
 
 Drawn: every parameter's own measure in every gesture, and the paths that hands take.
 """
@@ -38,13 +38,13 @@ DPI = 100
 
 @cache
 def swept() -> tuple[Series, ...]:
-    """Every gesture over every parameter, five values each; measured once in a process."""
+    """Sweeps every gesture over every parameter, five values each; measured once in a process."""
     known = set_up()
     return tuple(sweep_parameter(gesture, parameter, known) for parameter in MEASURE_OF for gesture in GESTURES)
 
 
 def bench() -> list[Figure]:
-    """For each parameter the share of gestures in which its measure is monotone, the worst stroke, and its strength."""
+    """Measures for each parameter how often its measure is monotone, the worst stroke, and its strength."""
     return [
         figure
         for parameter in MEASURE_OF
@@ -53,7 +53,7 @@ def bench() -> list[Figure]:
 
 
 def sweep_figures(parameter: str, series: Sequence[Series]) -> list[Figure]:
-    """What a parameter does over some gestures."""
+    """Sums up what a parameter does over some gestures."""
     return [_monotone(parameter, series), _stroke(parameter, series), *strength(parameter, series)]
 
 
@@ -72,7 +72,7 @@ def _stroke(parameter: str, series: Sequence[Series]) -> Figure:
 
 
 def strength(parameter: str, series: Sequence[Series]) -> list[Figure]:
-    """By how much the measure changes in the gesture where it changes least."""
+    """Measures by how much the measure changes in the gesture where it changes least."""
     if parameter == "spatial":
         ratios = {each.gesture: _ratio(each, -1.0, 1.0) for each in series}
         return [_least("expressivity.spatial_ratio", ratios, "x", 2.0)]
@@ -121,7 +121,7 @@ def _doubling_allowed(series: Series) -> bool:
 
 
 def draw(everything: Sequence[Series], path: Path) -> Path:
-    """One panel per parameter, one line per gesture; red ones are not monotone. Returns the path of the PNG."""
+    """Draws one panel per parameter, one line per gesture; red ones are not monotone. Returns the path of the PNG."""
     with picture(path, 11.0, 5.2, dpi=DPI) as drawn:
         for axes, (parameter, measure) in zip(drawn.subplots(2, 4).flat, MEASURE_OF.items(), strict=True):
             shown = SHOWN[measure.name]
@@ -142,7 +142,7 @@ def draw(everything: Sequence[Series], path: Path) -> Path:
 
 
 def draw_paths(everything: Sequence[Series], path: Path) -> Path:
-    """Hands seen from the front, a row per gesture and a column per parameter, dark for low values."""
+    """Draws hands seen from the front, a row per gesture and a column per parameter, dark for low values."""
     gestures = [name for name in SHOWN_GESTURES if any(series.gesture == name for series in everything)]
     with picture(path, 11.0, 1.6 * max(1, len(gestures)) + 0.3, dpi=DPI) as drawn:
         panels = drawn.subplots(max(1, len(gestures)), len(MEASURE_OF), squeeze=False)

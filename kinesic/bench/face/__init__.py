@@ -28,7 +28,7 @@ THESIS_MS = {  # Table 3.1, on a GTX 480: exact and separable
 
 
 def bench() -> list[Figure]:
-    """Every figure of the part."""
+    """Measures every figure of the part."""
     reason = available()
     values = {} if reason else _measured()
     return [
@@ -38,7 +38,7 @@ def bench() -> list[Figure]:
 
 
 def expected_figures() -> Iterator[tuple[str, str, float | None, Better]]:
-    """Name, unit, goal and direction of each figure."""
+    """Lists name, unit, goal and direction of each figure."""
     for preset in PRESETS:
         for width, height in PICTURES:
             normal = preset == "normal" and (width, height) == PICTURES[0]

@@ -16,7 +16,7 @@ SLOW_FRAMES = 6  # of a preset that takes its time
 
 
 def frames(sizes: Sequence[Size]) -> dict[str, float]:
-    """Pictures a second at the median, and processor time of one, by preset and size; how much the head covers."""
+    """Measures pictures a second and processor time of one, by preset and size, and how much the head covers."""
     found = {}
     for name, preset in PRESETS.items():
         for width, height in sizes:
@@ -30,7 +30,7 @@ def frames(sizes: Sequence[Size]) -> dict[str, float]:
 
 
 def moving_face() -> Iterator[tuple[dict[str, float], Camera]]:
-    """A face that talks, smiles, raises its brows, blinks and looks about as the head turns; never the same twice."""
+    """Yields a face that talks, smiles, blinks and looks about as the head turns; never the same twice."""
     k = 0
     while True:
         units = {

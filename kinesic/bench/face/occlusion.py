@@ -1,4 +1,4 @@
-"""Table 3.1 again: occlusion exact and separable, their times and their difference, on a face and on boxes."""
+"""Measures Table 3.1 again: occlusion exact and separable, times and difference, on a face and on boxes."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -14,7 +14,7 @@ from scipy.ndimage import maximum_filter
 
 from kinesic.body.arrays import Flags, Floats
 from kinesic.face.render.camera import FRONT
-from kinesic.face.render.geometry import PositionBuffer, SeenPass
+from kinesic.face.render.geometry import PositionBuffer, PositionPass
 from kinesic.face.render.occlusion import OcclusionPass, samples
 from kinesic.face.render.passes import texture
 from kinesic.face.render.portrait import Portrait
@@ -35,7 +35,7 @@ SMALL, STEEP = 216 / 24389, 24389 / 27
 
 
 def occlusion(sizes: Sequence[int]) -> dict[str, float]:
-    """Milliseconds of each estimator and size, exact and separable, and how far apart they are."""
+    """Measures milliseconds of each estimator and size, exact and separable, and how far apart they are."""
     found = {
         "face.occlusion.samples_21_exact": float(samples(replace(LARGEST, exact=True))),
         "face.occlusion.samples_21_separable": float(samples(LARGEST)),
@@ -44,22 +44,22 @@ def occlusion(sizes: Sequence[int]) -> dict[str, float]:
         geometry = portrait.pipeline.geometry
         with geometry.context as context:
             geometry.draw(UNITS, FRONT)
-            head, seen = geometry.parts() > 0, SeenPass(context, geometry).draw()
+            head, seen = geometry.parts() > 0, PositionPass(context, geometry).draw()
             scale = TABLE_SIZE[1] / (2 * FRONT.distance * np.tan(np.radians(FRONT.field_deg) / 2))
             for estimator in get_args(Estimator):
                 for size in sizes:
-                    told = Occlusion(size=size, estimator=estimator)
-                    found |= _compared(context, seen, told, scale, head)
+                    settings = Occlusion(size=size, estimator=estimator)
+                    found |= _compared(context, seen, settings, scale, head)
             found |= _on_boxes(context)
     return found | _on_the_picture()
 
 
 def _compared(
-    context: moderngl.Context, seen: PositionBuffer, told: Occlusion, scale: float, head: Flags
+    context: moderngl.Context, seen: PositionBuffer, settings: Occlusion, scale: float, head: Flags
 ) -> dict[str, float]:
     passes = {
-        "separable": OcclusionPass(context, seen, told),
-        "exact": OcclusionPass(context, seen, replace(told, exact=True)),
+        "separable": OcclusionPass(context, seen, settings),
+        "exact": OcclusionPass(context, seen, replace(settings, exact=True)),
     }
     openness = {kind: each.draw(scale).read()[..., 0][head] for kind, each in passes.items()}
     times: dict[str, list[float]] = {kind: [] for kind in passes}
@@ -67,7 +67,7 @@ def _compared(
         for kind, each in passes.items():
             times[kind].append(milliseconds(context, partial(each.draw, scale)))
     exact, separable = median(times["exact"]), median(times["separable"])
-    stem = f"face.occlusion.{told.estimator}_{told.size}"
+    stem = f"face.occlusion.{settings.estimator}_{settings.size}"
     return {
         f"{stem}_exact": exact,
         f"{stem}_separable": separable,
@@ -77,7 +77,7 @@ def _compared(
 
 
 def milliseconds(context: moderngl.Context, draw: Callable[[], object]) -> float:
-    """What drawing takes: by the graphics card's own clock, or by ours where the processor draws."""
+    """Times drawing: by the graphics card's own clock, or by ours where the processor draws."""
     context.finish()
     if any(name in context.info["GL_RENDERER"] for name in SOFTWARE):
         began = perf_counter()
@@ -97,8 +97,8 @@ def _on_boxes(context: moderngl.Context) -> dict[str, float]:
         each.filter = (moderngl.NEAREST, moderngl.NEAREST)
     seen = PositionBuffer(position, normal)
 
-    def opened(told: Occlusion) -> Floats:
-        return OcclusionPass(context, seen, told).draw(SCALE).read()[..., 0]
+    def opened(settings: Occlusion) -> Floats:
+        return OcclusionPass(context, seen, settings).draw(SCALE).read()[..., 0]
 
     exact, separable = opened(replace(LARGEST, exact=True)), opened(LARGEST)
     return {
@@ -146,14 +146,14 @@ def rmse(one: Floats, other: Floats) -> float:
 
 
 def lab(pixels: NDArray[np.uint8]) -> Floats:
-    """(..., 3) L*, a* and b* of (..., 3) sRGB pixels."""
-    told = pixels / 255.0
-    linear = np.where(told <= 0.04045, told / 12.92, ((told + 0.055) / 1.055) ** 2.4)
+    """Converts (..., 3) sRGB pixels into L*, a* and b* (CIE 1976, thesis 3.5)."""
+    encoded = pixels / 255.0
+    linear = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
     shares = linear @ TO_XYZ.T / WHITE
     x, y, z = np.moveaxis(np.where(shares > SMALL, np.cbrt(shares), (STEEP * shares + 16) / 116), -1, 0)
     return np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)], axis=-1)
 
 
 def difference(one: NDArray[np.uint8], other: NDArray[np.uint8]) -> Floats:
-    """(...) how far colours are apart; 1 is about what can be told."""
+    """Measures how far colours are apart (...); 1 is about what people can see."""
     return np.asarray(np.linalg.norm(lab(one) - lab(other), axis=-1))

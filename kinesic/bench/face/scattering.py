@@ -39,9 +39,9 @@ def scattering() -> dict[str, float]:
     }
 
 
-def _drawn(told: Scattering | None) -> tuple[Pixels, float, Flags]:
+def _drawn(settings: Scattering | None) -> tuple[Pixels, float, Flags]:
     """A picture; the share of it that was filtered; where there is skin."""
-    with Portrait(preset=_preset(told)) as portrait:
+    with Portrait(preset=_preset(settings)) as portrait:
         pixels, pipeline = portrait.draw(UNITS), portrait.pipeline
         with pipeline.geometry.context:
             skin = pipeline.geometry.parts() == 1
@@ -64,6 +64,6 @@ def _ratio() -> float:
     return median(times[0]) / median(times[1])
 
 
-def _preset(told: Scattering | None) -> Preset:
+def _preset(settings: Scattering | None) -> Preset:
     """Preset normal; smooth edges would blur what is compared."""
-    return replace(NORMAL, scattering=told, smooth=False)
+    return replace(NORMAL, scattering=settings, smooth=False)

@@ -1,4 +1,4 @@
-"""The laws of wrinkles, measured on the normals that pictures are lit with."""
+"""Measures the laws of wrinkles on the normals that pictures are lit with."""
 
 from typing import NamedTuple
 
@@ -63,7 +63,7 @@ class _Law(NamedTuple):
 
 
 def laws() -> dict[str, float]:
-    """How far each law is from holding, at worst over all action units with wrinkles."""
+    """Measures how far each law is from holding, at worst over all action units with wrinkles."""
     with Portrait(size=SIZE) as portrait:
         head = _Head(portrait)
         everything = {str(each.unit): 1.0 for each in wrinkles()}

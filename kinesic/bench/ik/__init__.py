@@ -11,7 +11,7 @@ PARTS = (reach, protocol, tracking, tasks, ablation, table71, peers)
 
 
 def bench() -> list[Figure]:
-    """Every figure of the room."""
+    """Measures every figure of the part."""
     return [figure for part in PARTS for figure in part.bench()]
 
 

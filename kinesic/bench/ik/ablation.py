@@ -1,4 +1,4 @@
-"""What each stage of the solver contributes: the same targets with some of its stages only.
+"""Measures what each stage of the solver contributes: the same targets with some of its stages only.
 
 The stages are the specification's, one after another; the compiled entries answer where a row is one of them, and
 only those are timed. No goals: whatever the figures show is the answer. Drawn: the solver at work on one target,
@@ -65,23 +65,23 @@ class AblationArm:
 
 
 def bench() -> list[Figure]:
-    """Shares, travel and times of every row."""
+    """Measures shares, travel and times of every row."""
     chain = Robot.load().arms["l"]
     arm = AblationArm(chain, linkage_of(chain), tuple(chain.rest.tolist()))
-    asked = targets(default_rng(93), chain, TARGETS[KERNEL])
-    return [figure for row, answer in ROWS.items() for figure in _figures(row, answer, arm, asked)]
+    goals = targets(default_rng(93), chain, TARGETS[KERNEL])
+    return [figure for row, answer in ROWS.items() for figure in _figures(row, answer, arm, goals)]
 
 
 def ablation_name(row: Row, quantity: Literal["mm", "tenth_mm", "travel", "us"]) -> str:
-    """The name of a figure."""
+    """Names a figure."""
     return f"ik.ablation_{row}_{quantity}"
 
 
-def _figures(row: Row, answer: Answer, arm: AblationArm, asked: Floats) -> list[Figure]:
+def _figures(row: Row, answer: Answer, arm: AblationArm, goals: Floats) -> list[Figure]:
     misses: list[float] = []
     travels: list[float] = []
     seconds: list[float] = []
-    for target in asked:
+    for target in goals:
         began = perf_counter()
         found = answer(arm, target)
         seconds.append(perf_counter() - began)
@@ -99,7 +99,7 @@ def _figures(row: Row, answer: Answer, arm: AblationArm, asked: Floats) -> list[
 
 
 def masses(arm: AblationArm, target: Vector) -> tuple[Vector, ...]:
-    """Where the masses come to rest [m]: ends of the bones from the base to the hand; no elbow's range is known."""
+    """Settles the masses [m]: ends of the bones from the base to the hand; no elbow's range is known."""
     place = place_shoulder(arm.linkage, target, near=arm.rest, rest=arm.rest)
     elbow = arm.linkage.walk(arm.rest, len(arm.linkage.links) - 2)[1][-1]
     lengths = [link.length for link in arm.linkage.links[-3:-1]]
@@ -107,7 +107,7 @@ def masses(arm: AblationArm, target: Vector) -> tuple[Vector, ...]:
 
 
 def guessed(arm: AblationArm, points: Sequence[Vector]) -> tuple[float, ...]:
-    """Hinges from points, bone by bone: each takes its own best branch and never learns what comes of it [rad]."""
+    """Finds hinges [rad] from points, bone by bone: each takes its best branch and never learns what comes of it."""
     angles: tuple[float, ...] = ()
     for count, (link, point) in enumerate(zip(arm.linkage.links, points, strict=False)):
         frame, ends = arm.linkage.walk(angles, count)
@@ -130,14 +130,6 @@ def _circle(arm: AblationArm, target: Floats) -> Sequence[float]:
     return bend_elbow(arm.linkage, place, near=arm.rest, swivel=None).angles
 
 
-def _masses_guess_polish(arm: AblationArm, target: Floats) -> Sequence[float]:
-    return _polished(arm, target, _masses_guess(arm, target))
-
-
-def _masses_branches_polish(arm: AblationArm, target: Floats) -> Sequence[float]:
-    return _polished(arm, target, _masses_branches(arm, target))
-
-
 def _masses_branches_polish_seeds(arm: AblationArm, target: Floats) -> Sequence[float]:
     begin, mobility = _masses_branches(arm, target), arm.linkage.mobility
     return approach(arm.linkage, vector(target), begin, posture=arm.rest, mobility=mobility).angles
@@ -154,10 +146,6 @@ def _polish_seeds(arm: AblationArm, target: Floats) -> Floats:
     return angles
 
 
-def _whole(arm: AblationArm, target: Floats) -> Floats:
-    return solve(arm.chain, Reach(target), start=arm.chain.rest).angles
-
-
 def _polished(arm: AblationArm, target: Floats, begin: Sequence[float]) -> Sequence[float]:
     mobility = arm.linkage.mobility
     return polish(arm.linkage, vector(target), begin, posture=arm.rest, mobility=mobility).angles
@@ -167,12 +155,12 @@ ROWS: dict[Row, Answer] = {
     "masses_guess": _masses_guess,
     "masses_branches": _masses_branches,
     "circle": _circle,
-    "masses_guess_polish": _masses_guess_polish,
-    "masses_branches_polish": _masses_branches_polish,
+    "masses_guess_polish": lambda arm, goal: _polished(arm, goal, _masses_guess(arm, goal)),
+    "masses_branches_polish": lambda arm, goal: _polished(arm, goal, _masses_branches(arm, goal)),
     "masses_branches_polish_seeds": _masses_branches_polish_seeds,
     "polish": _polish,
     "polish_seeds": _polish_seeds,
-    "whole": _whole,
+    "whole": lambda arm, goal: solve(arm.chain, Reach(goal), start=arm.chain.rest).angles,
 }
 
 
@@ -214,10 +202,10 @@ def draw(values: Mapping[str, float], path: Path) -> Path:
 
 def _masses(axes: Axes, arm: AblationArm) -> None:
     ends = masses(arm, TARGET)
-    held = extract(arm.linkage, ends, arm.rest).angles
+    limited = extract(arm.linkage, ends, arm.rest).angles
     _line(axes, _posture(arm, arm.rest), PALE, "at rest")
     _line(axes, (arm.linkage.origin, *ends), OURS, "masses and springs")
-    _line(axes, _posture(arm, held), SECOND, "their hinges, inside the ranges")
+    _line(axes, _posture(arm, limited), SECOND, "their hinges, inside the ranges")
     _dressed(axes, "masses know no ranges")
 
 

@@ -14,7 +14,7 @@ WRISTS = ("yx", "xy", "y")
 
 
 def random_arm(chance: Generator) -> Chain:
-    """A hanging arm with some hinge order, ranges and lengths."""
+    """Makes a hanging arm with some hinge order, ranges and lengths."""
     shoulder, elbow, wrist = (str(chance.choice(names)) for names in (SHOULDERS, ELBOWS, WRISTS))
     bend = chance.uniform(1.8, 2.6)
     bends = ((-bend, bend), (-bend, 0.0), (0.0, bend))[chance.integers(3)]
@@ -33,7 +33,7 @@ def random_arm(chance: Generator) -> Chain:
 
 
 def targets(chance: Generator, chain: Chain, count: int) -> Floats:
-    """(count, 3) [m] where the hand is in random postures inside the ranges."""
+    """Chooses targets where the hand is in random postures inside the ranges, (count, 3) [m]."""
     return np.array([chain.hand(chance.uniform(chain.lower, chain.upper)) for _ in range(count)])
 
 

@@ -37,7 +37,7 @@ class WristHinge:
 
 
 def carriers(chain: Chain) -> tuple[WristHinge, ...]:
-    """The hinges up to the hand's centre.
+    """Lists the hinges up to the hand's centre.
 
     The last joint sits in this centre and turns around it: peers are spared its hinges.
     """
@@ -55,7 +55,7 @@ def forearm(chain: Chain) -> Floats:
 
 
 def urdf(chain: Chain) -> str:
-    """The arm as URDF text: links `base`, one behind each hinge with its name, and `hand` in the hand's centre.
+    """Writes the arm as URDF: links `base`, one behind each hinge with its name, and `hand` in the hand's centre.
 
     Every link weighs something, because readers refuse moving links without mass; nothing here depends on it.
     """

@@ -48,23 +48,23 @@ class Calls:
 
 
 def bench() -> list[Figure]:
-    """Times, successes and how many times as long as ours each peer takes."""
+    """Measures times, successes and how many times as long as ours each peer takes."""
     if KERNEL == "numpy":
         why = "the kernel is not compiled here"
         return [*_own({}, why), *(figure for peer in PEERS for figure in _figures(peer, {}, why))]
     chain = Robot.load().arms["l"]
-    asked = targets(default_rng(33), chain, TARGETS)
-    figures = _own(interleave(chain, ours(chain), asked), "beside no peer")
+    goals = targets(default_rng(33), chain, TARGETS)
+    figures = _own(interleave(chain, ours(chain), goals), "beside no peer")
     for peer in PEERS:
         pair = ours(chain) | {peer.name: peer.build(chain)} if installed(peer) else {}
-        figures += _figures(peer, interleave(chain, pair, asked), _why(peer))
-    return [*figures, *_one_round(chain, asked)]
+        figures += _figures(peer, interleave(chain, pair, goals), _why(peer))
+    return [*figures, *_one_round(chain, goals)]
 
 
-def _one_round(chain: Chain, asked: Floats) -> list[Figure]:
+def _one_round(chain: Chain, goals: Floats) -> list[Figure]:
     """The same ratios with all libraries in turn: what each leaves in the processor's caches is the next one's cost."""
     present = [peer for peer in PEERS if installed(peer)]
-    calls = interleave(chain, ours(chain) | {peer.name: peer.build(chain) for peer in present}, asked)
+    calls = interleave(chain, ours(chain) | {peer.name: peer.build(chain) for peer in present}, goals)
     return [
         Figure(
             f"ik.peer_{peer.name}_one_round_{entry.removeprefix('kinesic_')}",
@@ -85,7 +85,7 @@ def installed(peer: Peer) -> bool:
 
 
 def ours(chain: Chain) -> dict[str, Solver]:
-    """The two entries that peers are compared with: the line's, and the one that writes into a buffer."""
+    """Makes the two entries that peers are compared with: the line's, and the one that writes into a buffer."""
     arm = arm_of(chain)
 
     def reach(target: Floats) -> Floats:
@@ -96,18 +96,18 @@ def ours(chain: Chain) -> dict[str, Solver]:
     return {SOLVE: lambda target: solve(chain, Reach(target), start=chain.rest).angles, REACH: reach}
 
 
-def interleave(chain: Chain, solvers: Mapping[str, Solver], asked: Floats) -> dict[str, Calls]:
-    """Every solver gets each target before the next one comes, so that a busy moment falls on none alone.
+def interleave(chain: Chain, solvers: Mapping[str, Solver], goals: Floats) -> dict[str, Calls]:
+    """Gives each target to every solver before the next one, so that a busy moment falls on none alone.
 
     Args:
         chain: the arm.
         solvers: by name.
-        asked: (n, 3) [m] in the chain's base; the first is solved once more before, unmeasured.
+        goals: (n, 3) [m] in the chain's base; the first is solved once more before, unmeasured.
     """
-    seconds, reached = ({name: np.empty(len(asked)) for name in solvers} for _ in range(2))
+    seconds, reached = ({name: np.empty(len(goals)) for name in solvers} for _ in range(2))
     for solver in solvers.values():
-        solver(asked[0])
-    for k, target in enumerate(asked):
+        solver(goals[0])
+    for k, target in enumerate(goals):
         for name, solver in solvers.items():
             began = perf_counter()
             angles = solver(target)

@@ -33,24 +33,24 @@ FLOOR = 1e-17  # [m] what a miss of nothing is drawn as
 
 
 def bench() -> list[Figure]:
-    """P2, P3, P4, P5 and P8 on upper22's left arm."""
+    """Measures P2, P3, P4, P5 and P8 on upper22's left arm."""
     chain = Robot.load().arms["l"]
     return [*_starts(chain), *_travel(chain), *_narrowed(chain), *_rates(chain), *_swivel(chain)]
 
 
-def _share(chain: Chain, start: Floats, asked: Floats) -> float:
-    found = (solve(chain, Reach(target), start=start) for target in asked)
+def _share(chain: Chain, start: Floats, goals: Floats) -> float:
+    found = (solve(chain, Reach(target), start=start) for target in goals)
     return float(np.mean([solution.residual < TENTH_MM for solution in found]))
 
 
 def _starts(chain: Chain) -> list[Figure]:
     """P2: the straight arm, the arm held out to the side, and the corners of the ranges."""
-    asked = targets(default_rng(2), chain, TARGETS[KERNEL])
+    goals = targets(default_rng(2), chain, TARGETS[KERNEL])
     out = np.zeros(len(chain.rest))
     out[2] = np.pi / 2
     starts = {"straight": np.zeros_like(out), "aside": out, "lower_corner": chain.lower, "upper_corner": chain.upper}
     return [
-        Figure(f"ik.success_from_{name}", _share(chain, start, asked), "share", 0.9999, "higher")
+        Figure(f"ik.success_from_{name}", _share(chain, start, goals), "share", 0.9999, "higher")
         for name, start in starts.items()
     ]
 
@@ -76,8 +76,8 @@ def _narrowed(chain: Chain) -> list[Figure]:
     figures = []
     for share in (0.6, 0.35):
         narrow = _with_ranges(chain, share)
-        asked = targets(default_rng(8), narrow, TARGETS[KERNEL])
-        met = _share(narrow, narrow.rest, asked)
+        goals = targets(default_rng(8), narrow, TARGETS[KERNEL])
+        met = _share(narrow, narrow.rest, goals)
         figures.append(Figure(f"ik.success_ranges_{round(100 * share)}", met, "share", 0.999, "higher"))
     return figures
 

@@ -1,4 +1,4 @@
-"""How surely, how exactly and how fast an arm reaches: unseen targets inside the limits, on upper22 and random arms."""
+"""Measures how surely, how exactly and how fast an arm reaches unseen targets, on upper22 and random arms."""
 
 from statistics import median
 from time import perf_counter
@@ -27,23 +27,24 @@ NO_KERNEL = "the kernel is not compiled here"
 
 
 def bench() -> list[Figure]:
-    """P1, random arms, extraction and batch."""
+    """Measures P1, random arms, extraction and batch."""
     chain = Robot.load().arms["l"]
     return [*_reach(chain), *_random_arms(), _extraction(chain), _batch(chain)]
 
 
 def _reach(chain: Chain) -> list[Figure]:
-    asked = targets(default_rng(1), chain, TARGETS[KERNEL])
+    goals = targets(default_rng(1), chain, TARGETS[KERNEL])
     seconds: list[float] = []
     solved: list[Solution] = []
-    for target in asked:
+    for target in goals:
         reach = Reach(target)
         began = perf_counter()
         solved.append(solve(chain, reach, start=chain.rest))
         seconds.append(perf_counter() - began)
-    misses = np.array([_miss(chain, found.angles, target) for found, target in zip(solved, asked, strict=True)])
-    again = solve(chain, Reach(asked[0]), start=chain.rest)
-    outside = sum(_outside(chain, found.angles) for found in solved)
+    misses = np.array([_miss(chain, found.angles, target) for found, target in zip(solved, goals, strict=True)])
+    again = solve(chain, Reach(goals[0]), start=chain.rest)
+    angles = np.array([found.angles for found in solved])
+    outside = np.any((angles < chain.lower) | (angles > chain.upper), axis=1).sum()
     return [
         Figure("ik.success_tenth_mm", float((misses < TENTH_MM).mean()), "share", 0.9999, "higher"),
         Figure("ik.success_mm", float((misses < MM).mean()), "share", 1.0, "higher"),
@@ -51,16 +52,16 @@ def _reach(chain: Chain) -> list[Figure]:
         Figure("ik.repeatable", float(again.angles.tobytes() == solved[0].angles.tobytes()), "share", 1.0, "higher"),
         Figure(f"ik.reach_{KERNEL}", 1e6 * median(seconds), "us", None, "lower"),
         Figure(f"ik.reach_{KERNEL}_p99", 1e6 * float(np.percentile(seconds, 99)), "us", None, "lower"),
-        _buffers(chain, asked),
+        _buffers(chain, goals),
     ]
 
 
-def _buffers(chain: Chain, asked: Floats) -> Figure:
+def _buffers(chain: Chain, goals: Floats) -> Figure:
     """The entry that writes into the caller's buffer."""
     if KERNEL == "numpy":
         return Figure("ik.reach_buffers", None, "us", None, "lower", NO_KERNEL)
     arm, seconds = arm_of(chain), []
-    for target in asked:
+    for target in goals:
         angles = chain.rest.copy()
         began = perf_counter()
         arm.reach(target, angles)
@@ -73,9 +74,9 @@ def _random_arms() -> list[Figure]:
     shares = []
     for _ in range(ARMS if KERNEL == "compiled" else 6):
         chain = random_arm(chance)
-        asked = targets(chance, chain, TARGETS_OF_ARM if KERNEL == "compiled" else 50)
-        found = [solve(chain, Reach(target), start=chain.rest).angles for target in asked]
-        misses = np.array([_miss(chain, angles, target) for angles, target in zip(found, asked, strict=True)])
+        goals = targets(chance, chain, TARGETS_OF_ARM if KERNEL == "compiled" else 50)
+        found = [solve(chain, Reach(target), start=chain.rest).angles for target in goals]
+        misses = np.array([_miss(chain, angles, target) for angles, target in zip(found, goals, strict=True)])
         shares.append(float((misses < MM).mean()))
     return [
         Figure("ik.success_random_arms_worst", min(shares), "share", 0.998, "higher", f"{len(shares)} arms"),
@@ -100,21 +101,17 @@ def _batch(chain: Chain) -> Figure:
     if KERNEL == "numpy":
         return Figure("ik.batch", None, "targets/s", 0.7e6, "higher", NO_KERNEL)
     some = targets(default_rng(7), chain, 1000)
-    asked = np.ascontiguousarray(np.tile(some, (BATCH // len(some), 1)))
-    angles, residuals = np.empty((len(asked), len(chain.rest))), np.empty(len(asked))
+    goals = np.ascontiguousarray(np.tile(some, (BATCH // len(some), 1)))
+    angles, residuals = np.empty((len(goals), len(chain.rest))), np.empty(len(goals))
     seconds = []
     for _ in range(3):
         began = perf_counter()
-        arm_of(chain).reach_many(asked, chain.rest, BATCH_ROUNDS, angles, residuals)
+        arm_of(chain).reach_many(goals, chain.rest, BATCH_ROUNDS, angles, residuals)
         seconds.append(perf_counter() - began)
     reached = f"{BATCH_ROUNDS} rounds, {100 * float((residuals < MM).mean()):.1f} % below 1 mm"
-    return Figure("ik.batch", len(asked) / median(seconds), "targets/s", 0.7e6, "higher", reached)
+    return Figure("ik.batch", len(goals) / median(seconds), "targets/s", 0.7e6, "higher", reached)
 
 
 def _miss(chain: Chain, angles: Floats, target: Floats) -> float:
     """[m] by the body's own forward kinematics."""
     return float(np.linalg.norm(chain.hand(angles) - target))
-
-
-def _outside(chain: Chain, angles: Floats) -> bool:
-    return bool(np.any(angles < chain.lower) or np.any(angles > chain.upper))

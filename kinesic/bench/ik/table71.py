@@ -78,7 +78,7 @@ THESIS: dict[tuple[Method, int], Printed] = {
 
 
 def table_name(method: Method, bones: int, quantity: Quantity) -> str:
-    """The name of a figure."""
+    """Names a figure."""
     return f"ik.table71_{method}_n{bones}_{quantity}"
 
 
@@ -91,7 +91,7 @@ def printed(method: Method, bones: int, quantity: Quantity) -> float | None:
 
 
 def bench() -> list[Figure]:
-    """Iterations, times and successes of every method at both sizes: a comparison, without goals."""
+    """Measures iterations, times and successes of every method at both sizes: a comparison, without goals."""
     return [figure for bones in SIZES for figure in _figures(bones)]
 
 

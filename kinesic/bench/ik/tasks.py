@@ -36,7 +36,7 @@ OPTIONS: Mapping[str, bool | int | float | str] = {
 
 
 def bench() -> list[Figure]:
-    """Shares of tasks that are met."""
+    """Measures shares of tasks that are met."""
     robot = Robot.load()
     return [_poses(robot), *_pairs(robot), _beyond(robot)]
 

@@ -1,4 +1,4 @@
-"""How an arm follows a path: time of a step, error, and whether it comes home after a lap.
+"""Measures how an arm follows a path: time of a step, error, and whether it comes home after a lap.
 
 The tracker is compared with plain damped least squares.
 """
@@ -59,7 +59,7 @@ def damped_least_squares(chain: Chain, path: Callable[[float], Floats], steps: i
 
 
 def jerk(laps: Floats, rate: int) -> float:
-    """Root mean square [rad/s^3] of (laps, steps, h) [rad], once the arm has come to the path."""
+    """Measures root mean square jerk [rad/s^3] of (laps, steps, h) [rad], once the arm has come to the path."""
     angles = np.concatenate(laps)[laps.shape[1] // 4 :]
     return float(np.sqrt((np.diff(angles, 3, axis=0) ** 2).sum(axis=1).mean()) * rate**3)
 
@@ -84,23 +84,23 @@ def tracking_paths(chain: Chain) -> dict[str, Path]:
 def _followed(chain: Chain, path: Path) -> tuple[float, float]:
     """Largest error [m] of the last lap, and how far it is from the lap before [rad]."""
     tracker, steps = Tracker(chain, period=1 / RATE), round(LAP * RATE)
-    asked = [path(2 * np.pi * step / steps) for step in range(steps)]
-    laps = np.array([[tracker.step(target) for target in asked] for _ in range(LAPS)])
-    errors = [float(np.linalg.norm(chain.hand(row) - target)) for row, target in zip(laps[-1], asked, strict=True)]
+    goals = [path(2 * np.pi * step / steps) for step in range(steps)]
+    laps = np.array([[tracker.step(target) for target in goals] for _ in range(LAPS)])
+    errors = [float(np.linalg.norm(chain.hand(row) - target)) for row, target in zip(laps[-1], goals, strict=True)]
     return max(errors), float(np.abs(laps[-1] - laps[-2]).max())
 
 
 def bench() -> list[Figure]:
-    """Laps at 200 Hz: the ellipse is timed, error and drift are the worst over all paths."""
+    """Measures laps at 200 Hz: the ellipse is timed, error and drift are the worst over all paths."""
     chain = Robot.load().arms["l"]
     tracker = Tracker(chain, period=1 / RATE)
     steps = round(LAP * RATE)
-    asked = [ellipse(2 * np.pi * step / steps) for step in range(steps)]
+    goals = [ellipse(2 * np.pi * step / steps) for step in range(steps)]
     seconds: list[float] = []
     laps = []
     for _ in range(LAPS):
         lap = []
-        for target in asked:
+        for target in goals:
             began = perf_counter()
             lap.append(tracker.step(target))
             seconds.append(perf_counter() - began)

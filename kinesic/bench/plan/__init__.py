@@ -50,7 +50,7 @@ def bench() -> list[Figure]:
 
 
 def hurry(repetition: int) -> str:
-    """The passage with strokes that come sooner after what is before them than servos can follow."""
+    """Writes the passage with strokes that come too soon after what is before them for servos to follow."""
     text = passage_text(repetition)
     later = 0.003 * (repetition % 17)
     for stroke, sooner in ((1.0, 0.45), (2.7, 2.3), (3.9, 3.0)):
@@ -69,7 +69,7 @@ def _timed(text_of: Callable[[int], str], known: Setup) -> tuple[list[float], li
 
 
 def violations(planned: Plan) -> int:
-    """Limits of hinges that a motion exceeds at 1 kHz, those of the drives' true duty included."""
+    """Counts limits of hinges that a motion exceeds at 1 kHz, those of the drives' true duty included."""
     known = planned.setup
     shares = peaks(planned.trajectory, known.limits).shares.values()
     return sum(int((peak.ratios > TOLERANCE).sum()) for peak in shares) + int((duty(planned) > TOLERANCE).sum())
@@ -85,7 +85,7 @@ def duty(planned: Plan) -> Floats:
 
 
 def unsaid(planned: Plan) -> tuple[int, int]:
-    """How many warnings of shifts are missing, and how many are said of what does not move."""
+    """Counts warnings of shifts that are missing, and those that are said of what does not move."""
     warned = {
         (notice.id, notice.text.partition(" asked at ")[0])
         for notice in planned.notices
@@ -106,7 +106,7 @@ def _shifted(planned: Plan) -> set[tuple[str, str]]:
 
 
 def stretch(crowded: Iterable[Plan]) -> list[Figure]:
-    """The weighted sum of all shifts over that of the nonlinear program, in all, at the median and at worst."""
+    """Compares the weighted sum of all shifts with the nonlinear program's, in all, at the median and at worst."""
     ours, best = [], []
     for planned in crowded:
         known, ties = planned.setup, find_bonds(planned.timeline)

@@ -1,4 +1,4 @@
-"""The first command: how soon after its text is in memory a block can begin, and how soon a better plan takes over."""
+"""Measures how soon a block begins after its text is in memory, and how soon a better plan takes over."""
 
 from statistics import median
 from time import perf_counter

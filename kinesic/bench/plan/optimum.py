@@ -1,4 +1,4 @@
-"""The least shift of key times that physics allows: a nonlinear program, the offline reference of `condition`.
+"""Finds the least shift of key times that physics allows: a nonlinear program, the offline reference of `condition`.
 
 Free are all key times and, per hinge, a motion whose jerk is constant on equal pieces of each gap, so that pieces
 stretch with their gaps. It obeys the same limits, gaps, bonds and lead-in and minimises the same strain. It takes
@@ -46,7 +46,7 @@ class BestTimes:
 
 
 def best_times(keys: Keys, motion: Conditioned, limits: Limits, lead_in: float) -> BestTimes | None:
-    """The least strain found from a motion, and from the asked times; None when none is found.
+    """Finds the least strain, from a motion and from the asked times; None when none is found.
 
     Only hinges that bind take part: those that met a limit, and then any that cannot pass the times found without it.
 

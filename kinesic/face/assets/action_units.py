@@ -1,4 +1,4 @@
-"""From action units to the shape of the face: which shapes of the head make a unit, and which vertices are where.
+"""Turns action units into the shape of a face: the expression shapes of each unit, and the vertices that they move.
 
 The shapes are those of the Face Units pack: 52, and the inner brow's cut in two. What a shape shows was judged on
 pictures of both heads against the appearance changes that the Facial Action Coding System lists.
@@ -67,7 +67,7 @@ _CHANNEL = {name: place for place, name in enumerate(CHANNELS)}
 
 
 def shape_mixing(shapes: tuple[str, ...]) -> Floats:
-    """(s, c) weight of each of a mesh's shapes in each of `CHANNELS`.
+    """Gives the weight of each of a mesh's shapes in each of `CHANNELS`, (s, c).
 
     Args:
         shapes: names, in the mesh's order.
@@ -112,7 +112,7 @@ def intensities(units: Mapping[str, float]) -> Floats:
 
 
 def shape_weights(mesh: Mesh, units: Mapping[str, float]) -> Floats:
-    """(s,) weights 0..1 of the mesh's shapes.
+    """Gives the weights 0..1 of a mesh's shapes, (s,).
 
     Weights of one shape add up to at most 1. A closing lid undoes what else moves it, as does a closed mouth with
     parted lips: pressed lips stay together on a dropped jaw.
@@ -124,7 +124,7 @@ def shape_weights(mesh: Mesh, units: Mapping[str, float]) -> Floats:
 
 
 def deform(mesh: Mesh, units: Mapping[str, float]) -> Floats:
-    """(v, 3) [m] where the vertices of a mesh are when it shows some action units.
+    """Moves the vertices of a mesh to where they are when it shows some action units, (v, 3) [m].
 
     Skin, teeth, tongue and lashes are moved by shapes; the eyeballs turn about their centres, by up to `ASIDE`,
     `UPWARD` and `DOWNWARD`.

@@ -66,7 +66,7 @@ def vertex_chart(mesh: Mesh) -> Floats:
 
 
 def unroll(place: Floats, triangles: Indices) -> tuple[NDArray[np.intp], Floats, Indices]:
-    """Cuts a mesh open behind the head, where the chart's right end meets its left one.
+    """Cuts a mesh open behind the head, where the right end of the chart meets its left one.
 
     Args:
         place: (v, 4) of `vertex_chart`.

@@ -28,7 +28,7 @@ class Eyeshade:
 
 
 def eyeshade(mesh: Mesh) -> Eyeshade:
-    """The brim that fits a head at rest."""
+    """Makes the brim that fits a head at rest."""
     unit = mesh.eyes[0, 1] - mesh.eyes[1, 1]
     angles = np.radians(np.linspace(-ASIDE_DEG, ASIDE_DEG, AROUND + 1))[:, None]
     inner = _forehead(mesh.positions[mesh.vertices("skin")] / unit, angles[:, 0])[:, None] + OFF

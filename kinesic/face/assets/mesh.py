@@ -97,7 +97,7 @@ class Mesh:
 
 
 def load_head(variant: Variant = "female", *, path: Path = HEAD) -> Mesh:
-    """Reads a head.
+    """Reads a head from its file.
 
     Args:
         variant: which of the two.
@@ -157,7 +157,7 @@ def _sealed(values: NDArray[Whole]) -> NDArray[Whole]:
 
 
 def refine(faces: Indices, vertices: int) -> tuple["scipy.sparse.csr_array", Indices]:
-    """The finer mesh: a vertex for each vertex, edge and face, in this order, and four faces for each.
+    """Refines a mesh: a vertex for each vertex, edge and face, in this order, and four faces for each.
 
     Args:
         faces: (f, 4) corners of quadrangles that run round all in the same sense.

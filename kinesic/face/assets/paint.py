@@ -1,4 +1,4 @@
-"""What is painted: skin with brows in the chart of the head, and the iris round the axis of an eye.
+"""Paints the skin with its brows, in the chart of the head, and the iris round the axis of an eye.
 
 Nothing is an image asset; everything is drawn from a few figures and a seed. Colours are linear.
 """
@@ -75,7 +75,7 @@ FLUSHED = (  # a, y, half width, strength
 
 @cache
 def skin(complexion: Complexion) -> Floats:
-    """(n, n, 4) skin over the chart's window, first row at the bottom; the last is how dry it is, 0 on the lips."""
+    """Paints skin over the chart's window, (n, n, 4), first row at the bottom; the last is dryness, 0 on the lips."""
     random = np.random.default_rng(SEED)
     (left, right), (low, high) = LEFT_RIGHT, LOW_HIGH
     a = np.linspace(left, right, RESOLUTION)[None, :]
@@ -103,7 +103,7 @@ def skin(complexion: Complexion) -> Floats:
 
 @cache
 def iris(complexion: Complexion) -> Floats:
-    """(n, n, 3) an eye seen along its axis, of half width `EYE` radii of the eyeball."""
+    """Paints an eye seen along its axis, (n, n, 3), of half width `EYE` radii of the eyeball."""
     random = np.random.default_rng(SEED)
     x, y = np.meshgrid(*[np.linspace(-EYE, EYE, FINE * IRIS_RESOLUTION)] * 2)
     radius, angle = np.hypot(x, y), np.arctan2(y, x)

@@ -81,7 +81,7 @@ class Geometry:
         self._open = [self.drawn(film if each == "film" else organs, each) for each in self.thin]
 
     def drawn(self, shader: moderngl.Program, layer: Layer) -> moderngl.VertexArray:
-        """One of the layers, for a program with the vertex shader `geometry`."""
+        """Gives one of the layers, for a program with the vertex shader `geometry`."""
         moving, still, indices = self._layers[layer]
         buffers = [(moving, "3f 3f", "position", "normal") if "normal" in shader else (moving, "3f 12x", "position")]
         if "place" in shader:  # a compiler drops what nothing reads
@@ -89,7 +89,7 @@ class Geometry:
         return self.context.vertex_array(shader, buffers, indices)
 
     def draw(self, units: Mapping[str, float], camera: Camera) -> Target:
-        """Normal, with depth and part; place in the chart, or colour."""
+        """Draws the G-buffer: normal with depth and part; place in the chart, or colour."""
         vertices = self._vertices(units, camera)
         self._moving.write(vertices[self._sources].astype("f4").tobytes())
         aspect = self.size[0] / self.size[1]
@@ -126,7 +126,7 @@ class Geometry:
         return np.stack([x * depth, y * depth, depth], axis=-1)
 
     def rectangle(self, points: Floats) -> Rectangle:
-        """The pixels round (2, k) points of the screen, and what lies between them."""
+        """Finds the pixels round (2, k) points of the screen, and between them."""
         low = np.clip(np.floor(points.min(axis=1)).astype(int) - MARGIN, 0, self.size)
         high = np.clip(np.ceil(points.max(axis=1)).astype(int) + MARGIN, 0, self.size)
         return int(low[0]), int(low[1]), int(high[0] - low[0]), int(high[1] - low[1])
@@ -161,7 +161,7 @@ class Geometry:
 
 @dataclass(frozen=True, eq=False)
 class PositionBuffer:
-    """Textures as large as each other."""
+    """Where each pixel of the head is and where it faces; textures as large as each other."""
 
     position: moderngl.Texture  # [m] in the camera's frame; part + 1, 0 on the background
     normal: moderngl.Texture
@@ -169,8 +169,8 @@ class PositionBuffer:
     where: Where = "everywhere"
 
 
-class SeenPass:
-    """Unpacks the G-buffer, in whole or with fewer pixels."""
+class PositionPass:
+    """Unpacks positions and normals of the G-buffer, in whole or with fewer pixels."""
 
     def __init__(self, context: moderngl.Context, geometry: Geometry, pixels: int = 1) -> None:
         """Makes the textures.
@@ -190,7 +190,7 @@ class SeenPass:
         self._offset = [(pixels // 2 + 0.5) / whole - 0.5 / own for whole, own in sides]
 
     def draw(self) -> PositionBuffer:
-        """What was drawn last."""
+        """Unpacks what was drawn last."""
         form, _ = self._geometry.target.textures
         self._marks.draw({"form": form}, {"offset": self._offset, "lens": self._geometry.lens})
         return self.seen

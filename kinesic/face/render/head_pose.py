@@ -1,4 +1,4 @@
-"""How a robot's head stands, for those who draw it: its face turns as the robot's neck and trunk do."""
+"""Turns the drawn head as the robot's neck and trunk turn its own."""
 
 import numpy as np
 import scipy
@@ -14,7 +14,7 @@ STILL = 1e-6  # [rad]
 
 
 def turns(robot: Robot, angles: Floats) -> Floats:
-    """How a head is turned, as `Camera.turn` has it.
+    """Gives how a robot's head is turned, as `Camera.turn` has it.
 
     Args:
         robot: whose head it is; one without a neck holds it still.
@@ -34,7 +34,7 @@ def turns(robot: Robot, angles: Floats) -> Floats:
 
 
 def steady_shoulders(rest: Floats, positions: Floats, turn: tuple[float, float, float]) -> Floats:
-    """Positions with the shoulders left where they are while the head turns, and the neck bent between.
+    """Leaves the shoulders where they are while the head turns, and bends the neck between.
 
     Args:
         rest: (v, 3) [m] the head at rest.

@@ -38,26 +38,26 @@ class OcclusionPass:
         self._pattern = texture(context, np.stack([np.cos(angles), np.sin(angles)], axis=-1), "f4")
 
     def draw(self, scale: float) -> Target:
-        """Openness of each pixel, 0..1, in the first component.
+        """Draws how open each pixel is, 0..1, in the first component.
 
         The normals are those of the geometry; wrinkles would be smeared by the blur.
 
         Args:
             scale: [pixels/m] at the middle of the head.
         """
-        told, seen = self.occlusion, self._seen
-        steps, marched = told.size // 2, told.size if told.exact else 2
+        occlusion, seen = self.occlusion, self._seen
+        steps, marched = occlusion.size // 2, occlusion.size if occlusion.exact else 2
         turn = pi / marched
         rings = np.arange(1, steps + 1)
         across, up = (1.0 / side for side in seen.position.size)
         values: dict[str, Value] = {
             "pixel": (across, up),
             "turn": (cos(turn), sin(turn)),
-            "stride": told.radius * scale / (steps + 1),
-            "radius": told.radius,
-            "strength": told.strength,
+            "stride": occlusion.radius * scale / (steps + 1),
+            "radius": occlusion.radius,
+            "strength": occlusion.strength,
         }
-        if told.estimator != "horizon":
+        if occlusion.estimator != "horizon":
             values["all"] = float((rings * wendland(rings / (steps + 1))).sum())
         inputs = {"position": seen.position, "normal": seen.normal, "pattern": self._pattern}
         self.march.clear(*OPEN)
@@ -69,12 +69,12 @@ class OcclusionPass:
 
 
 def samples(occlusion: Occlusion) -> int:
-    """Pixels that are looked at for one."""
+    """Counts the pixels that are looked at for one."""
     return 2 * (occlusion.size // 2) * (occlusion.size if occlusion.exact else 2)
 
 
 def wendland(t: Floats) -> Floats:
-    """1 at 0, 0 from 1 on, and smooth between (thesis 3.3.3)."""
+    """Falls smoothly from 1 at 0 to 0 at 1 and beyond (thesis 3.3.3)."""
     return np.asarray(np.maximum(1.0 - t, 0.0) ** 4 * (4.0 * t + 1.0))
 
 
@@ -96,7 +96,7 @@ def directions(pattern: Pattern) -> Floats:
 
 
 def radical_inverse(number: int, base: int) -> float:
-    """The digits of a number, mirrored at the point (J. H. Halton, 1960)."""
+    """Mirrors the digits of a number at the point (J. H. Halton, 1960)."""
     found, place = 0.0, 1.0 / base
     while number:
         number, digit = divmod(number, base)

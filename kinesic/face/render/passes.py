@@ -54,13 +54,13 @@ def set_uniforms(shader: moderngl.Program, values: Values) -> None:
 
 
 def store_pixels(pixels: Floats | Stored, kind: Kind) -> Stored:
-    """Pixels as a texture of a kind holds them; those that are stored already stay as they are."""
+    """Gives pixels as a texture of a kind holds them; those that are stored already stay as they are."""
     scaled = np.rint(255 * pixels) if kind == "f1" and pixels.dtype != STORED[kind] else pixels
     return np.ascontiguousarray(scaled, dtype=STORED[kind])
 
 
 def texture(context: moderngl.Context, pixels: Floats | Stored, kind: Kind = "f2") -> moderngl.Texture:
-    """A texture that is smooth within and clamped at its border.
+    """Makes a texture that is smooth within and clamped at its border.
 
     Args:
         context: to draw in.
@@ -98,7 +98,7 @@ class Target:
     def of(
         cls, context: moderngl.Context, textures: Sequence[moderngl.Texture], depth: moderngl.Renderbuffer | None
     ) -> "Target":
-        """A target of textures that are there."""
+        """Makes a target of textures that are there."""
         found = cls.__new__(cls)
         found._hold(context, textures, depth)
         return found
@@ -184,7 +184,7 @@ class ScreenPass:
         return self.target
 
     def clear(self, red: float = 0.0, green: float = 0.0, blue: float = 0.0, alpha: float = 0.0) -> Target:
-        """The target in one colour."""
+        """Fills the target with one colour."""
         self.target.frame.clear(red, green, blue, alpha)
         return self.target
 
@@ -209,11 +209,11 @@ class Marks:
         *,
         within: Rectangle | None = None,
     ) -> None:
-        """Marks anew, and nothing outside a rectangle."""
+        """Marks pixels anew, and none outside a rectangle."""
         self.target.frame.clear(depth=0.0)
         self._pass.draw(inputs, values, within=within)
 
     def share(self) -> float:
-        """How much of the screen is marked."""
+        """Tells which share of the screen is marked."""
         depths = self.target.frame.read(components=1, attachment=-1, dtype="f4")
         return float((np.frombuffer(depths, np.float32) > 0.0).mean())

@@ -14,14 +14,14 @@ from kinesic.face.assets.chart import chart_window
 from kinesic.face.assets.mesh import Mesh
 from kinesic.face.assets.paint import Complexion, iris, skin
 from kinesic.face.render.camera import Camera, Lights
-from kinesic.face.render.geometry import Geometry, SeenPass
+from kinesic.face.render.geometry import Geometry, PositionPass
 from kinesic.face.render.occlusion import OcclusionPass
 from kinesic.face.render.passes import ScreenPass, Size, Stored, Target, Value, store_pixels, texture
-from kinesic.face.render.post import Finish
+from kinesic.face.render.post import PostProcessing
 from kinesic.face.render.presets import Preset
 from kinesic.face.render.scattering import ScatterPass
 from kinesic.face.render.shadow import ShadowPass
-from kinesic.face.render.wrinkle_pass import ReliefPass
+from kinesic.face.render.wrinkle_pass import WrinklePass
 from kinesic.face.render.wrinkles import shares
 
 BACKDROP = (0.055, 0.075, 0.105)  # linear
@@ -54,8 +54,8 @@ class Pipeline:
         self._skin.build_mipmaps()
         self._skin.filter = (moderngl.LINEAR_MIPMAP_NEAREST, moderngl.LINEAR)
         self._white = texture(context, np.ones((1, 1, 4)))
-        self.relief = ReliefPass(context, geometry, wrinkled=preset.wrinkles)
-        self.seen = SeenPass(context, geometry, preset.coarse)
+        self.relief = WrinklePass(context, geometry, wrinkled=preset.wrinkles)
+        self.seen = PositionPass(context, geometry, preset.coarse)
         seen = self.seen.seen
         self.occlusion = OcclusionPass(context, seen, preset.occlusion) if preset.occlusion else None
         self.shadow = ShadowPass(context, geometry, seen, preset.shadow) if preset.shadow else None
@@ -65,14 +65,14 @@ class Pipeline:
         self.scatter = ScatterPass(context, geometry, lit, preset.scattering) if preset.scattering else None
         self._backdrop = Target(context, drawn, ("4f1",), None)
         ScreenPass(context, self._backdrop, "compose", "backdrop", where="everywhere").draw({}, {"backdrop": BACKDROP})
-        self._finish = Finish(context, geometry, preset, size)
+        self._finish = PostProcessing(context, geometry, preset, size)
 
     def draw(self, units: Mapping[str, float], camera: Camera, gain: float) -> Pixels:
-        """The picture."""
+        """Draws the picture and reads it back."""
         return self.drawn(units, camera, gain).pixels()
 
     def drawn(self, units: Mapping[str, float], camera: Camera, gain: float) -> Target:
-        """The picture where it was drawn."""
+        """Draws the picture and leaves it on the graphics card."""
         place = self.geometry.draw(units, camera).textures[1]
         relief, bent = self.relief.draw(shares(intensities(units)) * gain * self._preset.wrinkles)
         scale = pixels_per_metre(camera, self._drawn[1])
@@ -100,7 +100,7 @@ class Pipeline:
         return self._finish.draw(picture, camera)
 
     def reach(self, camera: Camera) -> moderngl.Texture:
-        """How much of the key's light reaches each pixel, 0..1 for each colour, and how much of the light around."""
+        """Draws how much of the key's light, 0..1 for each colour, and of the light around reaches each pixel."""
         around = self._white
         if self.occlusion:
             around = self.occlusion.draw(pixels_per_metre(camera, self._drawn[1]) / self._preset.coarse).textures[0]
@@ -122,5 +122,5 @@ def _painted(complexion: Complexion) -> Stored:
 
 
 def pixels_per_metre(camera: Camera, height: int) -> float:
-    """How large things are at the middle of the head, in a picture of a height [pixels]."""
+    """Gives how large things are at the middle of the head, in a picture of a height [pixels]."""
     return height / (2 * camera.distance * math.tan(math.radians(camera.field_deg) / 2))

@@ -73,7 +73,7 @@ class Portrait:
             self._opened = opened.pop_all()
 
     def draw(self, units: Mapping[str, float], camera: Camera = FRONT, *, gain: float = 1.0) -> Pixels:
-        """The picture of a face that shows some action units.
+        """Draws a face that shows some action units.
 
         Args:
             units: action unit -> 0..1, as in `Command.face`.
@@ -89,7 +89,7 @@ class Portrait:
             return self.pipeline.draw(units, camera, gain)
 
     def close(self) -> None:
-        """Frees what is its own; a context that was given keeps the textures until it is released itself."""
+        """Frees what is the portrait's own; a given context keeps the textures until it is released itself."""
         self._opened.close()
 
     def __enter__(self) -> "Portrait":

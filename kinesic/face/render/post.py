@@ -1,4 +1,4 @@
-"""What is done to a picture when all its light is there: depth of field, smooth edges, fewer pixels."""
+"""Finishes a lit picture: depth of field, smooth edges, fewer pixels."""
 
 import moderngl
 
@@ -9,7 +9,7 @@ from kinesic.face.render.presets import Focus, Preset
 
 
 class FocusPass:
-    """Depth of field: sharp where the nearer eye is (thesis 12.1)."""
+    """Blurs what is nearer or farther than the nearer eye (thesis 12.1)."""
 
     def __init__(self, context: moderngl.Context, geometry: Geometry, focus: Focus) -> None:
         self.focus, self._geometry = focus, geometry
@@ -18,14 +18,14 @@ class FocusPass:
         self._gather = ScreenPass(context, blurred, "form", "focus", where="everywhere", defines=defines)
 
     def draw(self, picture: Target, camera: Camera) -> Target:
-        """The picture out of focus where it is too near or too far."""
-        told, (width, height) = self.focus, self._geometry.size
+        """Draws the picture out of focus where it is too near or too far."""
+        focus, (width, height) = self.focus, self._geometry.size
         view = camera.view()
         eyes = self._geometry.mesh.eyes @ view[:3, :3].T + view[:3, 3]
         values: dict[str, Value] = {
-            "lens": (told.circle * height / width, told.circle),
+            "lens": (focus.circle * height / width, focus.circle),
             "sharp": float(-eyes[:, 2].max()),
-            "within": told.within,
+            "within": focus.within,
         }
         found, form = picture.textures[0], self._geometry.target.textures[0]
         found.filter = (moderngl.LINEAR, moderngl.LINEAR)
@@ -33,7 +33,7 @@ class FocusPass:
 
 
 class SmoothPass:
-    """Takes the stairs off edges."""
+    """Smooths edges that show stairs."""
 
     def __init__(self, context: moderngl.Context, size: Size) -> None:
         self._marks = Marks(context, ("mark_edges",), size)
@@ -42,7 +42,7 @@ class SmoothPass:
         self._smooth = ScreenPass(context, smoothed, "smooth", where="marked")
 
     def draw(self, picture: Target, within: Rectangle | None) -> Target:
-        """The picture with smooth edges where there may be any."""
+        """Draws the picture with smooth edges where there may be any."""
         found = picture.textures[0]
         found.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self._marks.draw({"picture": found}, {"pixel": self._pixel}, within=within)
@@ -51,8 +51,8 @@ class SmoothPass:
         return self._smooth.draw({"picture": found}, {"pixel": self._pixel})
 
 
-class Finish:
-    """All of that which a preset asks for."""
+class PostProcessing:
+    """Does to a picture what its preset asks for."""
 
     def __init__(self, context: moderngl.Context, geometry: Geometry, preset: Preset, size: Size) -> None:
         self._focus = FocusPass(context, geometry, preset.focus) if preset.focus else None
@@ -63,7 +63,7 @@ class Finish:
             self._shrink = ScreenPass(context, Target(context, size, ("4f1",), None), "shrink", where="everywhere")
 
     def draw(self, picture: Target, camera: Camera) -> Target:
-        """The picture as it is shown."""
+        """Draws the picture as it is shown."""
         if self._focus:
             picture = self._focus.draw(picture, camera)
         if self._smooth:

@@ -1,4 +1,4 @@
-"""How much is drawn: from a draft for slow machines to everything."""
+"""Says how much is drawn: from a draft for slow machines to everything."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -92,7 +92,7 @@ DRAFT, NORMAL, FULL = PRESETS.values()
 
 
 def quality_preset(name: str) -> Preset:
-    """The preset of a name.
+    """Finds a preset by its name.
 
     Raises:
         DisplayError: there is none.

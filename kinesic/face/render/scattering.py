@@ -27,7 +27,7 @@ class ScatterPass:
         )
 
     def clear(self) -> None:
-        """Nothing is uneven, before light is drawn."""
+        """Marks nothing as uneven, before light is drawn."""
         self._colour.frame.clear()
 
     def draw(self, bent: moderngl.Texture, scale: float) -> None:
@@ -37,11 +37,11 @@ class ScatterPass:
             bent: normals, with depth and part.
             scale: [pixels/m] at the middle of the head.
         """
-        told = self.scattering
+        scattering = self.scattering
         colour = self._colour.textures[0]
         self._marks.draw({"colour": colour}, within=self._geometry.covered)
-        values: dict[str, Value] = {"width": told.width}
-        across, up = (told.width / told.steps * scale * side for side in self._pixel)
+        values: dict[str, Value] = {"width": scattering.width}
+        across, up = (scattering.width / scattering.steps * scale * side for side in self._pixel)
         half = self._across.target
         half.copy(self._diffuse)
         self._across.draw({"bent": bent, "diffuse": self._diffuse.textures[0]}, values | {"axis": (across, 0.0)})
@@ -49,5 +49,5 @@ class ScatterPass:
         self._up.draw(inputs, values | {"axis": (0.0, up)})
 
     def marked(self) -> float:
-        """Share of the picture that was filtered last."""
+        """Tells which share of the picture was filtered last."""
         return self._marks.share()

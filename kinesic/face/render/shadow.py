@@ -39,14 +39,14 @@ class ShadowPass:
             self._thin = _Map(context, self._tints, tinted, [geometry.drawn(tinted, each) for each in geometry.thin])
 
     def draw(self, towards: Floats, camera: Camera, around: moderngl.Texture) -> Target:
-        """Light of the key at each pixel, 0..1 for each colour, and how open it is to the light around.
+        """Draws the key's light at each pixel, 0..1 for each colour, and how open it is to the light around.
 
         Args:
             towards: (3,) unit vector to the lamp in the camera's frame.
             camera: that the G-buffer was drawn from.
             around: how open each pixel is, in the first component.
         """
-        told, seen = self.shadow, self._seen
+        shadow, seen = self.shadow, self._seen
         lamp, view = lamp_view(towards, camera.distance), camera.view()
         inputs = {"position": seen.position, "normal": seen.normal, "open": around}
         inputs["depths"] = self._solid.draw(view, lamp)
@@ -55,8 +55,8 @@ class ShadowPass:
         values: dict[str, Value] = {
             "lamp": lamp.T,
             "deep": DEEP,
-            "away": told.away,
-            "wide": told.lamp / (2 * REACH),
+            "away": shadow.away,
+            "wide": shadow.lamp / (2 * REACH),
             "nearest": SHARPEST / (2 * REACH),
         }
         self._shade.clear(1.0, 1.0, 1.0, 1.0)

@@ -16,8 +16,8 @@ BUMP = 0.022  # height of a wrinkle of depth 1, in distances between the eyes
 GROUP = 4  # maps in a texture
 
 
-class ReliefPass:
-    """Bends the normals of a head."""
+class WrinklePass:
+    """Bends the normals of a head where it has wrinkles."""
 
     def __init__(self, context: moderngl.Context, geometry: Geometry, *, wrinkled: bool = True) -> None:
         """Loads the wrinkle maps.
@@ -43,7 +43,7 @@ class ReliefPass:
             self._first = np.searchsorted(number, np.arange(MAPS))
 
     def draw(self, shown: Floats) -> tuple[moderngl.Texture, moderngl.Texture]:
-        """Heights of wrinkles over the G-buffer that was just drawn, and its first texture with normals bent by them.
+        """Draws heights of wrinkles over the G-buffer that was just drawn, and its first texture with bent normals.
 
         Args:
             shown: (2, 12) how much of each wrinkle map, on the left and on the right half of the face.

@@ -57,7 +57,7 @@ class Wrinkle:
 
 @cache
 def wrinkles(path: Path = FILE) -> tuple[Wrinkle, ...]:
-    """The wrinkles of a file."""
+    """Reads the wrinkles of a file."""
     entries = tomllib.loads(path.read_text(encoding="utf-8"))["wrinkle"]
     return tuple(
         Wrinkle(
@@ -72,7 +72,7 @@ def wrinkles(path: Path = FILE) -> tuple[Wrinkle, ...]:
 
 @cache
 def maps(resolution: int = RESOLUTION) -> Floats:
-    """(12, n, n) heights at the points of a grid over the chart's window, first row at the bottom.
+    """Draws the wrinkle maps: (12, n, n) heights on a grid over the chart's window, first row at the bottom.
 
     A furrow of depth 1 is 1 deep; the skin beside it is raised by up to 0.4.
     """
@@ -99,7 +99,7 @@ def reaches() -> Floats:
 
 
 def shares(told: Floats) -> Floats:
-    """(2, 12) how much of each map is shown on the left and on the right half of the face.
+    """Gives how much of each map is shown, on the left and on the right half of the face, (2, 12).
 
     Args:
         told: (c,) intensity of each of `CHANNELS`.
@@ -133,7 +133,7 @@ def _dig(height: Floats, curve: Curve) -> None:
 
 
 def smooth_line(points: Floats) -> Floats:
-    """(n, 2) a Catmull-Rom spline through (k, 2) points."""
+    """Runs a Catmull-Rom spline through (k, 2) points, (n, 2)."""
     padded = np.concatenate([2 * points[:1] - points[1:2], points, 2 * points[-1:] - points[-2:-1]])
     t = np.linspace(0.0, 1.0, SPAN, endpoint=False)[:, None]
     spans = []

@@ -30,7 +30,7 @@ class Controls:
     shut: bool = False  # the window is to be closed
 
     def pressed(self, key: str) -> "Controls":
-        """The controls after a key; of one that means nothing the same.
+        """Gives the controls after a key; those after an unknown one are the same.
 
         Args:
             key: its name: `1`, `left`, `escape`.
@@ -57,7 +57,7 @@ class Controls:
         return self
 
     def over(self, units: Mapping[str, float]) -> Mapping[str, float]:
-        """What is shown: what was told, and what a person set where that is stronger."""
+        """Gives what is shown: the command's units, and what a person set where that is stronger."""
         found = dict(units)
         for number, value in self.units.items():
             for channel in channels(number):
@@ -66,5 +66,5 @@ class Controls:
 
     @property
     def title(self) -> str:
-        """Of the window."""
+        """What the title of the window says."""
         return f"kinesic: {self.preset}, {self.unit} {UNITS[self.unit].name} {self.units.get(self.unit, 0.0):.1f}"

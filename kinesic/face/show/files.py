@@ -64,7 +64,7 @@ def save_film(
 
 
 def film_strip(frames: Sequence[Pixels]) -> Pixels:
-    """Frames in rows, the first on the left of the uppermost."""
+    """Puts frames in rows, the first on the left of the uppermost."""
     height, width, depth = frames[0].shape
     across = max(1, min(len(frames), STRIP_WIDTH // width))
     rows = -(-len(frames) // across)
@@ -98,7 +98,7 @@ def check_film(path: Path) -> None:
 
 
 def encoder() -> str:
-    """Path of ffmpeg: that of the package imageio-ffmpeg, or the system's.
+    """Finds ffmpeg: that of the package imageio-ffmpeg, or the system's.
 
     Raises:
         DisplayError: there is none.
@@ -133,8 +133,8 @@ def _encode(frames: Sequence[Pixels], path: Path, rate: float, sound: Path | Non
         raise DisplayError(f"{path}: {last}")
 
 
-class Beside:
-    """An animated picture that is read as time goes on; only one of its pictures is held."""
+class SideFilm:
+    """An animated picture of the body that is read as time goes on; only one of its pictures is in memory."""
 
     def __init__(self, path: Path, height: int) -> None:
         """Opens a film.

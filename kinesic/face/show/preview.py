@@ -11,7 +11,7 @@ from kinesic.body.robot import Robot
 from kinesic.face.display import DisplayError
 from kinesic.face.render.head_pose import turns
 from kinesic.face.show.process import PreviewSettings, show_face
-from kinesic.face.show.shared_command import Board, ShownFace
+from kinesic.face.show.shared_command import SharedCommand, ShownFace
 from kinesic.face.show.window import has_display
 
 OPENING = 60.0  # [s] that the process has to draw its first picture
@@ -46,10 +46,10 @@ class Preview:
         """
         context = multiprocessing.get_context("spawn")
         look = replace(look, windowed=has_display() if windowed is None else windowed)
-        self._robot, self._board = robot, Board(context)
+        self._robot, self._shared = robot, SharedCommand(context)
         self._number, self._last, self._waiting = 0, -PACE, False
         here, there = context.Pipe(duplex=False)
-        self._process = context.Process(target=show_face, args=(self._board, there, look), daemon=True)
+        self._process = context.Process(target=show_face, args=(self._shared, there, look), daemon=True)
         self._process.start()
         there.close()
         with here:
@@ -85,7 +85,7 @@ class Preview:
         """Shows the last command, and closes the window."""
         if self._waiting and not self.closed:
             self._put(wait=True)
-        self._board.end()
+        self._shared.end()
         self._process.join(CLOSING)
         if self._process.is_alive():
             self._process.kill()
@@ -96,7 +96,7 @@ class Preview:
         if self._robot is not None:
             left, up, over = turns(self._robot, command.angles).tolist()
             turn = (left, up, over)
-        return self._board.write(ShownFace(self._number, command.time, turn, command.face), wait=wait)
+        return self._shared.write(ShownFace(self._number, command.time, turn, command.face), wait=wait)
 
     def __enter__(self) -> "Preview":
         return self

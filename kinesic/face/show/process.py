@@ -1,4 +1,4 @@
-"""The process that draws a preview: whatever is newest, as often as the machine can."""
+"""Draws a preview in a process of its own: the newest command, as often as the machine can."""
 
 import multiprocessing
 import signal
@@ -17,14 +17,14 @@ from kinesic.face.render.camera import CLOSE
 from kinesic.face.render.portrait import Pixels, Portrait
 from kinesic.face.render.presets import PRESETS
 from kinesic.face.show.controls import Controls
-from kinesic.face.show.files import Beside
-from kinesic.face.show.shared_command import Board, ShownFace
+from kinesic.face.show.files import SideFilm
+from kinesic.face.show.shared_command import SharedCommand, ShownFace
 from kinesic.face.show.window import open_window
 
 if TYPE_CHECKING:
     import moderngl
 
-PAUSE = 0.004  # [s] between two looks at the board
+PAUSE = 0.004  # [s] between two looks at the shared command
 FASTEST = 1 / 60  # [s] between two pictures
 
 
@@ -75,13 +75,13 @@ class ChildAnswer(Protocol):
         """Sends a word."""
 
 
-def show_face(board: Board, answer: ChildAnswer, look: PreviewSettings) -> None:
-    """Opens a window or none, and draws until the board is over or the window is closed."""
+def show_face(shared: SharedCommand, answer: ChildAnswer, look: PreviewSettings) -> None:
+    """Opens a window or none, and draws until no command is to come or the window is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process that plays tells when it is over
     try:
         with ExitStack() as opened:
             size = (look.side, look.side)
-            body = None if look.beside is None else Beside(look.beside, look.side)
+            body = None if look.beside is None else SideFilm(look.beside, look.side)
             wide = look.side if body is None else look.side + body.at(0.0).shape[1]
             begun = Controls(look.preset, look.variant, gain=look.gain, yaw_deg=look.yaw_deg)
             screen: Screen = Nowhere()
@@ -91,46 +91,48 @@ def show_face(board: Board, answer: ChildAnswer, look: PreviewSettings) -> None:
             else:
                 context = opened.enter_context(offscreen())
             draw = painter(context, size, body)
-            draw(board.read(), begun)  # whatever cannot be drawn is told before the performance begins
+            draw(shared.read(), begun)  # whatever cannot be drawn is told before the performance begins
             answer.send("")
-            follow(board, screen, draw, begun)
+            follow(shared, screen, draw, begun)
     except DisplayError as error:
         answer.send(str(error))
 
 
 def painter(
-    context: "moderngl.Context", size: tuple[int, int], body: Beside | None = None
+    context: "moderngl.Context", size: tuple[int, int], body: SideFilm | None = None
 ) -> Callable[[ShownFace, Controls], Pixels]:
-    """A function that draws; it keeps a portrait for each preset and variant that was asked for."""
+    """Makes a function that draws; it keeps a portrait for each preset and variant."""
     portraits: dict[tuple[str, Variant], Portrait] = {}
 
-    def draw(shown: ShownFace, told: Controls) -> Pixels:
-        kind = (told.preset, told.variant)
+    def draw(shown: ShownFace, controls: Controls) -> Pixels:
+        kind = (controls.preset, controls.variant)
         if kind not in portraits:
-            portraits[kind] = Portrait(told.variant, preset=PRESETS[told.preset], size=size, context=context)
-        camera = replace(CLOSE, yaw_deg=told.yaw_deg, turn=shown.turn)
-        face = portraits[kind].draw(told.over(shown.units), camera, gain=told.gain)
+            portraits[kind] = Portrait(controls.variant, preset=PRESETS[controls.preset], size=size, context=context)
+        camera = replace(CLOSE, yaw_deg=controls.yaw_deg, turn=shown.turn)
+        face = portraits[kind].draw(controls.over(shown.units), camera, gain=controls.gain)
         return face if body is None else np.concatenate([face, body.at(shown.time)], axis=1)
 
     return draw
 
 
-def follow(board: Board, screen: Screen, draw: Callable[[ShownFace, Controls], Pixels], told: Controls) -> int:
+def follow(
+    shared: SharedCommand, screen: Screen, draw: Callable[[ShownFace, Controls], Pixels], controls: Controls
+) -> int:
     """Draws the newest command whenever it or a key changed something; frames are dropped, not commands.
 
     Returns:
         The number of pictures.
     """
     drawn, last, pictures, player = None, -FASTEST, 0, multiprocessing.parent_process()
-    while not (screen.closed or told.shut) and (player is None or player.is_alive()):
-        over = board.over  # before the board is read: the last command is drawn
+    while not (screen.closed or controls.shut) and (player is None or player.is_alive()):
+        over = shared.over  # before the command is read: the last command is drawn
         for key in screen.pressed():
-            told = told.pressed(key)
-        wanted = (board.read(), told)
-        if wanted != drawn and time.perf_counter() - last >= FASTEST:
+            controls = controls.pressed(key)
+        newest = (shared.read(), controls)
+        if newest != drawn and time.perf_counter() - last >= FASTEST:
             last = time.perf_counter()
-            screen.show(draw(*wanted), told.title)
-            drawn, pictures = wanted, pictures + 1
+            screen.show(draw(*newest), controls.title)
+            drawn, pictures = newest, pictures + 1
         elif over:
             break
         else:

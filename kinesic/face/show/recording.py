@@ -1,4 +1,4 @@
-"""The face as a sink that makes a film: it keeps what it is told, and draws when the performance is over."""
+"""The face as a sink that makes a film: it keeps commands, and draws them when the performance is over."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace

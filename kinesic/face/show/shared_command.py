@@ -23,16 +23,16 @@ class ShownFace:
     units: Mapping[str, float]  # action unit -> 0..1
 
 
-class Board:
+class SharedCommand:
     """One row of numbers, that a child process takes along when it is made."""
 
     def __init__(self, context: SpawnContext) -> None:
         self._row = context.RawArray("d", FACE + len(CHANNELS))
-        self._held = context.Lock()
+        self._lock = context.Lock()
         self._over = context.Event()
 
     def write(self, shown: ShownFace, *, wait: bool = False) -> bool:
-        """Puts the newest command up; False when the reader holds the board, and this one is passed over.
+        """Writes the newest command; False when the reader is reading, and this one is passed over.
 
         Args:
             shown: what is to be drawn.
@@ -42,26 +42,26 @@ class Board:
             DisplayError: an unknown action unit, or an intensity outside 0..1.
         """
         row = np.concatenate([[shown.number, shown.time, *shown.turn], intensities(shown.units)])
-        if not self._held.acquire(timeout=LATEST if wait else 0.0):
+        if not self._lock.acquire(timeout=LATEST if wait else 0.0):
             return False
         try:
             self._row[:] = row.tolist()
         finally:
-            self._held.release()
+            self._lock.release()
         return True
 
     def read(self) -> ShownFace:
-        """What is up."""
-        with self._held:
+        """Reads the newest command."""
+        with self._lock:
             number, time, left, up, over, *units = self._row[:]
         shown = {channel: value for channel, value in zip(CHANNELS, units, strict=True) if value > 0.0}
         return ShownFace(int(number), time, (left, up, over), shown)
 
     def end(self) -> None:
-        """Nothing more comes."""
+        """Says that no command is to come."""
         self._over.set()
 
     @property
     def over(self) -> bool:
-        """Whether nothing more comes."""
+        """Whether no command is to come."""
         return self._over.is_set()

@@ -19,7 +19,7 @@ HEADINGS = f"of each: {LOW:g} plain, {LOW:g} with wrinkles, {HIGH:g} plain, {HIG
 
 
 def draw_units_sheet(portrait: Portrait, camera: Camera = CLOSE, *, units: Sequence[int] = tuple(UNITS)) -> Pixels:
-    """One picture of many: four of each action unit under its number and name.
+    """Draws four pictures of each action unit under its number and name, in one picture.
 
     Args:
         portrait: that draws them, each at its size.

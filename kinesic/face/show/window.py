@@ -45,14 +45,14 @@ class Window:
         import glfw  # noqa: PLC0415 - optional; `open_window` has imported it
 
         self._glfw, self._handle, self.context = glfw, handle, context
-        self._heard: list[str] = []
+        self._keys: list[str] = []
         names = {getattr(glfw, f"KEY_{name.upper()}"): name for name in KEYS}
 
-        def hear(_window: object, key: int, _scan: int, action: int, _mods: int) -> None:
+        def note_key(_window: object, key: int, _scan: int, action: int, _mods: int) -> None:
             if action != glfw.RELEASE and key in names:
-                self._heard.append(names[key])
+                self._keys.append(names[key])
 
-        glfw.set_key_callback(handle, hear)
+        glfw.set_key_callback(handle, note_key)
         shader = context.program(vertex_shader=_VERTEX, fragment_shader=_FRAGMENT)
         corners = np.array([0, 0, 1, 0, 0, 1, 1, 1], dtype="f4")
         self._quad = context.vertex_array(shader, [(context.buffer(corners.tobytes()), "2f", "corner")])
@@ -85,8 +85,8 @@ class Window:
     def pressed(self) -> list[str]:
         """Names of the keys that were pressed since the last call."""
         self._glfw.poll_events()
-        heard, self._heard = self._heard, []
-        return heard
+        keys, self._keys = self._keys, []
+        return keys
 
 
 class _Current:

@@ -12,7 +12,7 @@ __all__ = ["TOLERANCE", "Check", "Status", "checks", "stroke_errors"]
 
 
 def checks(performance: Performance) -> tuple[Check, ...]:
-    """All verdicts on one performance."""
+    """Makes all checks of one performance."""
     parts = (
         limit_checks,
         distance_checks,

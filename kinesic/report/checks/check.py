@@ -75,5 +75,5 @@ class Check:
 
 
 def format_time(time: float) -> str:
-    """How a place names its time [s]."""
+    """Says a time [s] as places have it."""
     return f"at {round(time, 2) + 0.0:.2f} s"

@@ -13,7 +13,7 @@ HOLDING = 0.4  # share of the stall torque that a posture should need
 
 
 def limit_checks(performance: Performance) -> list[Check]:
-    """Ratios to limits and margin to the stops at 1 kHz, duty by inverse dynamics, torque to stand still."""
+    """Checks ratios to limits and margin to the stops at 1 kHz, duty by inverse dynamics, torque to stand still."""
     names = performance.plan.setup.robot.skeleton.names
     slack = TOLERANCE - 1.0
     found = [_margin(performance)]
@@ -46,7 +46,7 @@ def _highest(values: Floats, times: Floats, names: tuple[str, ...]) -> tuple[flo
 
 
 def distance_checks(performance: Performance) -> list[Check]:
-    """Smallest distance on plan and twin, with pair and time, and how often segments overlap."""
+    """Checks the smallest distance on plan and twin, with pair and time, and how often segments overlap."""
     plan, measured = performance.plan, performance.measured
     required = plan.setup.robot.least_clearance
     found = [
@@ -62,14 +62,14 @@ def distance_checks(performance: Performance) -> list[Check]:
 
 
 def smallest_distance(clearance: Clearance, times: Floats) -> tuple[float, str]:
-    """Smallest distance [m] and where it occurs."""
+    """Finds the smallest distance [m] and where it occurs."""
     worst = clearance.worst
     a, b = clearance.pairs[worst]
     return float(clearance.distances[worst]), f"{a} and {b} {format_time(times[worst])}"
 
 
 def penetrations(performance: Performance) -> int:
-    """Samples of plan and twin at which two segments overlap."""
+    """Counts samples of plan and twin at which two segments overlap."""
     return sum(
         int((clearance.distances < 0.0).sum())
         for clearance in (performance.plan.clearance, performance.measured.clearance)

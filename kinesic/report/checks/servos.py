@@ -18,7 +18,7 @@ WARMING = 40.0  # [K] from a warm housing of 40 C to the 80 C at which servos sw
 
 
 def servo_checks(performance: Performance) -> list[Check]:
-    """Time at full duty, and the torque that heats."""
+    """Checks the time at full duty, and the torque that heats."""
     names = performance.plan.setup.robot.skeleton.names
     measured = performance.measured
     over = np.abs(measured.duties) > FULL
@@ -34,7 +34,7 @@ def servo_checks(performance: Performance) -> list[Check]:
 
 
 def power_checks(performance: Performance) -> list[Check]:
-    """Current against the supply, none for a robot without one; warming of the servos whose figures are known."""
+    """Checks current against the supply, if the robot has one, and the warming of servos whose figures are known."""
     measured, supply = performance.measured, performance.plan.setup.robot.supply
     power, found = measured.power, []
     if supply is not None:
@@ -72,7 +72,7 @@ class DriveLoad:
 
 
 def loads(performance: Performance) -> tuple[DriveLoad, ...]:
-    """Every drive, the most strained first."""
+    """Measures the load of every drive, the most strained first."""
     measured, robot = performance.measured, performance.robot
     duties = np.abs(measured.duties)
     shares = np.abs(measured.torques) / robot.drives.stall
@@ -108,7 +108,7 @@ class Draw:
 
 
 def draw_load(performance: Performance) -> Draw:
-    """Current, energy and warming over the performance in the twin."""
+    """Measures current, energy and warming over the performance in the twin."""
     measured, supply = performance.measured, performance.plan.setup.robot.supply
     power = measured.power
     warming = {name: float(rise.max()) for name, rise in power.warming.items()}

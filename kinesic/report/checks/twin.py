@@ -21,12 +21,12 @@ JERKIER = 2.0  # times the dimensionless jerk
 
 
 def timing_checks(performance: Performance) -> list[Check]:
-    """Shifts of the plan; strokes of the twin against the plan, against what was asked, and those that never came."""
+    """Checks shifts of the plan, and the twin's strokes: against the plan, against BML, and those that never came."""
     return [_shift(performance), *_arrival(performance), *_strokes(performance)]
 
 
 def stroke_errors(performance: Performance) -> list[tuple[float | None, str]]:
-    """(error [s] to the asked time in the twin, name) of each stroke; None: never arrived."""
+    """Measures (error [s] to the asked time in the twin, name) of each stroke; None: it never arrived."""
     return [
         (None if lag is None else sync.planned + lag - sync.asked, sync.name)
         for sync, lag in performance.lags.items()
@@ -76,7 +76,7 @@ class Tracking:
 
 
 def tracking_errors(performance: Performance) -> Tracking:
-    """Root mean square, 95th percentile and largest error over the samples that count."""
+    """Measures root mean square, 95th percentile and largest error over the samples that count."""
     errors = np.degrees(np.abs(performance.errors[performance.reference.moving]))
     if not len(errors):
         return Tracking(0.0, 0.0, 0.0)
@@ -114,7 +114,7 @@ def measure_tracking(performance: Performance) -> Following:
 
 
 def tracking_checks(performance: Performance) -> list[Check]:
-    """Error and lateness; none when nothing moves."""
+    """Checks error and lateness; none when nothing moves."""
     if not performance.reference.moving.any():
         return []
     names = performance.plan.setup.robot.skeleton.names
@@ -134,7 +134,7 @@ def tracking_checks(performance: Performance) -> list[Check]:
 
 
 def motion_checks(performance: Performance) -> list[Check]:
-    """How many times the planned jerk the hands of the twin have, both of them without dimension.
+    """Checks how many times the planned jerk the twin's hands have, both of them without dimension.
 
     Spectral arc length would not tell: it is made for single reaches, and of several even a shaking hand's is short.
     """

@@ -51,7 +51,7 @@ VIEWS = (
 
 
 def hands(performance: Performance) -> Markup:
-    """Planned and performed paths of both hands, keys as dots, over the robot at rest."""
+    """Draws planned and performed paths of both hands, keys as dots, over the robot at rest."""
     robot = performance.plan.setup.robot
     planned = part_paths(performance.reference.angles, robot)
     reference = {side: planned[HANDS[side]] for side in SIDES}

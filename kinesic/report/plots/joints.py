@@ -47,7 +47,7 @@ LABEL = 0.62  # [in] of a sync point
 
 
 def joints(performance: Performance) -> Iterator[Markup]:
-    """One figure for torso and neck, one for the arms, one for hinges outside any chain, if they move."""
+    """Draws a figure for torso and neck, one for the arms, one for hinges outside any chain, if they move."""
     robot = performance.plan.setup.robot
     curves = _curves(performance)
     moving = _moving(curves)
@@ -63,7 +63,7 @@ def joints(performance: Performance) -> Iterator[Markup]:
 
 
 def still_hinges(performance: Performance) -> list[str]:
-    """Names of the hinges that are not drawn."""
+    """Names the hinges that are not drawn."""
     moving = _moving(_curves(performance))
     return [name for name, moves in zip(performance.plan.setup.robot.skeleton.names, moving, strict=True) if not moves]
 

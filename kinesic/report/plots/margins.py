@@ -34,7 +34,7 @@ HEADING = 1.05  # share of a panel's height
 
 
 def margins(performance: Performance) -> Markup:
-    """Clearance, shares of limits and tracking error over performance time."""
+    """Draws clearance, shares of limits and tracking error over performance time."""
     panels = (_clearance, _shares, _tracking)
     height = TOP + PANEL * len(panels) + BOTTOM
     drawn = empty_figure(height)

@@ -34,7 +34,7 @@ ROWS = 50  # a longer score is cut, and says so
 
 
 @dataclass(frozen=True)
-class Said:
+class Caption:
     """A piece of speech between two marks."""
 
     behaviour: str
@@ -43,8 +43,8 @@ class Said:
     text: str
 
 
-def captions(plan: Plan) -> Iterator[Said]:
-    """Every text between its marks, each piece when it is said."""
+def captions(plan: Plan) -> Iterator[Caption]:
+    """Cuts every text at its marks, and says when each piece is heard."""
     for timed in plan.timeline.timed:
         name, action = timed.behaviour.id, timed.behaviour.action
         if not isinstance(action, Speech) or name not in plan.utterances:
@@ -54,11 +54,11 @@ def captions(plan: Plan) -> Iterator[Said]:
         marks = sorted((m.position, utterance.marks[m.name]) for m in script.marks if m.name in utterance.marks)
         cuts = [(0, 0.0), *marks, (len(script.text), utterance.duration)]
         for (first, start), (last, stop) in pairwise(cuts):
-            yield Said(name, begin + start, begin + stop, " ".join(script.text[first:last].split()))
+            yield Caption(name, begin + start, begin + stop, " ".join(script.text[first:last].split()))
 
 
 def score(performance: Performance) -> Markup | None:
-    """Who does what when; None when nothing is performed."""
+    """Draws who does what when; None when nothing is performed."""
     scheduled = {entry.behaviour.id for entry in performance.plan.timeline.timed}
     outcomes = performance.plan.keyframes.outcomes
     behaviours = [b for b in performance.plan.timeline.block.behaviours if b.id in scheduled]
@@ -106,7 +106,7 @@ def _phases(axes: "Axes", row: int, name: str, performance: Performance) -> None
     axes.vlines([zero + sync.asked for sync in strokes], row + 0.74, row + 0.98, colors=ASKED, linewidth=1.8)
 
 
-def _words(axes: "Axes", row: int, pieces: Iterable[Said], per_second: float) -> None:
+def _words(axes: "Axes", row: int, pieces: Iterable[Caption], per_second: float) -> None:
     """The text between its marks, each piece where it is said."""
     for said in pieces:
         axes.broken_barh(

@@ -1,4 +1,4 @@
-"""How the figures of the report are drawn: deterministic SVG in the colours of the page, light or dark."""
+"""Draws the figures of the report as deterministic SVG in the colours of the page, light or dark."""
 
 import io
 import re
@@ -48,14 +48,14 @@ HEIGHT = 24
 
 
 def empty_figure(height: float) -> "Figure":
-    """An empty figure, `height` [in] high."""
+    """Makes an empty figure, `height` [in] high."""
     from matplotlib.figure import Figure  # noqa: PLC0415 - slow to import, and few performances are drawn
 
     return Figure(figsize=(WIDTH, height))
 
 
 def svg(drawn: "Figure") -> Markup:
-    """A figure as an element of the page."""
+    """Makes an element of the page from a figure."""
     from matplotlib import rc_context  # noqa: PLC0415 - as above
 
     text = io.StringIO()
@@ -77,14 +77,14 @@ def svg(drawn: "Figure") -> Markup:
 
 
 def time_axes(axes: "Axes", *, end: float, ticks: int = 3) -> None:
-    """Plain axes over performance time, 0..end [s], on which the replay shows where it is."""
+    """Prepares plain axes over performance time, 0..end [s], on which the replay shows where it is."""
     plain(axes, ticks=ticks)
     axes.set_xlim(0.0, end)
     axes.set_label(TIME)
 
 
 def plain(axes: "Axes", *, ticks: int = 3) -> None:
-    """Takes away what does not inform."""
+    """Takes from axes what does not inform."""
     from matplotlib.ticker import MaxNLocator  # noqa: PLC0415 - as above
 
     axes.yaxis.set_major_locator(MaxNLocator(ticks))
@@ -126,13 +126,13 @@ def write_heading(axes: "Axes", what: str, note: str, *, height: float) -> None:
 
 
 def fit_text(words: str, width: float) -> str:
-    """What of a text fits into a width [in]."""
+    """Cuts a text to a width [in]."""
     letters = int(width / _LETTER)
     return words if len(words) <= letters else words[: letters - 1] + "\u2026" if letters > 1 else ""
 
 
 def spaced_indices(times: Iterable[float], least: float) -> list[int]:
-    """Indices of times, in increasing order, that leave at least `least` [s] between them."""
+    """Picks times, in increasing order, that leave at least `least` [s] between them, by their indices."""
     kept: list[int] = []
     last = -np.inf
     for k, time in enumerate(times):
@@ -143,7 +143,7 @@ def spaced_indices(times: Iterable[float], least: float) -> list[int]:
 
 
 def thin_line(times: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """A line with at most about `POINTS` points that shows the same extremes, for (m,) times and values."""
+    """Thins a line of (m,) times and values to about `POINTS` points that show the same extremes."""
     size = int(np.ceil(2 * len(times) / POINTS))
     if size < 3:
         return times, values
@@ -157,7 +157,7 @@ def thin_line(times: Floats, values: Floats) -> tuple[Floats, Floats]:
 
 
 def spark(load: DriveLoad) -> Markup:
-    """The largest duty of each piece of time as an area, and a line at full duty."""
+    """Draws the largest duty of each piece of time as an area, and a line at full duty."""
     edges = np.linspace(0, len(load.duties), min(BINS, len(load.duties)) + 1).astype(int)[:-1]
     tops = HEIGHT * (1 - np.minimum(np.maximum.reduceat(load.duties, edges), TALLEST) / TALLEST)
     points = "".join(f"L{k} {top:.3g}" for k, top in enumerate(tops))

@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 from kinesic.face.assets.action_units import deform
 from kinesic.face.assets.mesh import PARTS
 from kinesic.face.render.camera import Camera
-from kinesic.face.render.geometry import SeenPass
+from kinesic.face.render.geometry import PositionPass
 from kinesic.face.render.portrait import Portrait
 
 UNITS = {"26": 0.7, "12": 0.4}
@@ -37,7 +37,7 @@ def test_unpacking_takes_the_pixel_in_the_middle(portrait: Portrait, pixels: int
     with geometry.context as context:
         geometry.draw(UNITS, Camera(yaw_deg=20.0))
         parts, positions, whole = geometry.parts(), geometry.positions(), geometry.target.read(0)
-        unpacked = SeenPass(context, geometry, pixels)
+        unpacked = PositionPass(context, geometry, pixels)
         unpacked.draw()
         seen, normal = (unpacked.target.read(number) for number in (0, 1))
     rows, columns = slice(pixels - 1 - pixels // 2, None, pixels), slice(pixels // 2, None, pixels)  # from top and left

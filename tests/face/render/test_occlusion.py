@@ -10,7 +10,7 @@ import pytest
 from kinesic.body.arrays import Floats
 from kinesic.face.display import offscreen
 from kinesic.face.render.camera import FRONT
-from kinesic.face.render.geometry import PositionBuffer, SeenPass
+from kinesic.face.render.geometry import PositionBuffer, PositionPass
 from kinesic.face.render.occlusion import SIDE, OcclusionPass, directions, radical_inverse, samples, wendland
 from kinesic.face.render.passes import texture
 from kinesic.face.render.portrait import Portrait
@@ -59,7 +59,7 @@ def of_face(portrait: Portrait, occlusion: Occlusion) -> tuple[Floats, Floats]:
     geometry = portrait.pipeline.geometry
     with geometry.context as context:
         geometry.draw({"26": 0.6, "12": 0.5}, FRONT)
-        marched = OcclusionPass(context, SeenPass(context, geometry).draw(), occlusion)
+        marched = OcclusionPass(context, PositionPass(context, geometry).draw(), occlusion)
         scale = portrait.size[1] / (2 * FRONT.distance * np.tan(np.radians(FRONT.field_deg) / 2))
         found = marched.draw(scale).read()[..., 0]
         return found, geometry.parts() > 0

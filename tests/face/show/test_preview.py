@@ -18,10 +18,10 @@ from kinesic.controller.play import play
 from kinesic.face.display import DisplayError, offscreen
 from kinesic.face.render.portrait import Portrait
 from kinesic.face.show.controls import Controls
-from kinesic.face.show.files import Beside, save_film
+from kinesic.face.show.files import SideFilm, save_film
 from kinesic.face.show.preview import Preview
 from kinesic.face.show.process import PreviewSettings, follow, painter
-from kinesic.face.show.shared_command import Board, ShownFace
+from kinesic.face.show.shared_command import SharedCommand, ShownFace
 from kinesic.face.show.window import has_display
 
 pytestmark = pytest.mark.realtime
@@ -34,8 +34,8 @@ def command(time: float, face: Mapping[str, float] = NO_FACE, angles: np.ndarray
     return Command(time, angles, angles, angles, angles, face)
 
 
-def board() -> Board:
-    return Board(multiprocessing.get_context("spawn"))
+def shared() -> SharedCommand:
+    return SharedCommand(multiprocessing.get_context("spawn"))
 
 
 class Screen:
@@ -58,7 +58,7 @@ class Screen:
 
 
 def test_a_board_holds_the_newest():
-    here = board()
+    here = shared()
     assert here.read() == ShownFace(0, 0.0, (0.0, 0.0, 0.0), {})
     for number in (1, 2):
         assert here.write(ShownFace(number, 0.5, (0.1, 0.2, 0.3), {"12": 0.4, "26": 0.5}))
@@ -66,8 +66,8 @@ def test_a_board_holds_the_newest():
 
 
 def test_whoever_writes_does_not_wait_for_whoever_reads():
-    here = board()
-    with here._held:
+    here = shared()
+    with here._lock:
         assert not here.write(ShownFace(1, 0.0, (0.0, 0.0, 0.0), {}))
     assert here.write(ShownFace(2, 0.0, (0.0, 0.0, 0.0), {}))
 
@@ -78,12 +78,12 @@ def test_whoever_writes_does_not_wait_for_whoever_reads():
 )
 def test_a_face_that_cannot_be_is_one_line(units: Mapping[str, float], says: str):
     with pytest.raises(DisplayError, match=says) as caught:
-        board().write(ShownFace(1, 0.0, (0.0, 0.0, 0.0), units))
+        shared().write(ShownFace(1, 0.0, (0.0, 0.0, 0.0), units))
     assert "\n" not in str(caught.value)
 
 
 def test_what_does_not_change_is_drawn_once_and_the_last_command_always():
-    here, screen, drawn = board(), Screen(), []
+    here, screen, drawn = shared(), Screen(), []
     here.write(ShownFace(7, 0.0, (0.0, 0.0, 0.0), {"12": 0.4}))
     here.end()
     assert follow(here, screen, lambda shown, told: drawn.append(shown), Controls()) == 1
@@ -91,7 +91,7 @@ def test_what_does_not_change_is_drawn_once_and_the_last_command_always():
 
 
 def test_keys_change_what_is_drawn():
-    here, told = board(), []
+    here, told = shared(), []
     here.end()
     follow(here, Screen(keys=["3", "up"]), lambda shown, controls: told.append(controls), Controls())
     assert (told[-1].preset, told[-1].units) == ("full", {12: 0.1})
@@ -99,7 +99,7 @@ def test_keys_change_what_is_drawn():
 
 @pytest.mark.parametrize("screen", [Screen(pictures=1), Screen(keys=["escape"])])
 def test_a_closed_window_ends_the_drawing(screen: Screen):
-    here = board()
+    here = shared()
     assert follow(here, screen, lambda shown, told: None, Controls()) <= 1
 
 
@@ -131,19 +131,19 @@ def test_the_loop_is_not_held_up_and_the_last_command_is_shown(portrait: Portrai
             preview.write(command(k / 100, {"26": k / 1000}, robot.skeleton.rest))
         spent = (time.perf_counter() - began) / 1000
     assert spent < picture / 5
-    shown = preview._board.read()
+    shown = preview._shared.read()
     assert (shown.number, shown.time, shown.units) == (1000, 9.99, {"26": 0.999})
 
 
 def test_the_body_is_shown_beside_in_step(drawable: None, tmp_path: Path):
     path = tmp_path / "film.webp"
     save_film([np.full((30, 40, 3), 25 * k, dtype=np.uint8) for k in range(10)], path, rate=10.0)
-    body = Beside(path, 60)
+    body = SideFilm(path, 60)
     assert body.at(0.0).shape == (60, 80, 3)
     for time_s, shade in ((0.05, 0), (0.35, 75), (0.35, 75), (5.0, 225)):
         assert body.at(time_s).mean() == pytest.approx(shade, abs=4)
     with offscreen() as context:
-        draw = painter(context, (60, 60), Beside(path, 60))
+        draw = painter(context, (60, 60), SideFilm(path, 60))
         pixels = draw(ShownFace(1, 0.55, (0.0, 0.0, 0.0), {}), Controls(preset="draft"))
     assert pixels.shape == (60, 140, 3)
     assert pixels[:, 60:].mean() == pytest.approx(125, abs=4)
@@ -152,7 +152,7 @@ def test_the_body_is_shown_beside_in_step(drawable: None, tmp_path: Path):
 def test_a_film_that_is_none_is_one_line(tmp_path: Path):
     (tmp_path / "film.webp").write_text("nothing")
     with pytest.raises(DisplayError, match=r"film\.webp: no film: ") as caught:
-        Beside(tmp_path / "film.webp", 60)
+        SideFilm(tmp_path / "film.webp", 60)
     assert "\n" not in str(caught.value)
 
 
@@ -192,7 +192,7 @@ from kinesic.face.show.controls import Controls
 from kinesic.face.show.process import follow, painter
 from kinesic.face.show.window import open_window
 
-class Board:
+class SharedCommand:
     over = False
     def read(self):
         return ShownFace(1, 0.0, (0.0, 0.0, 0.0), {"12": 0.7})
@@ -202,7 +202,7 @@ with open_window((64, 64), "t") as framed:
     def draw(shown, told):
         glfw.set_window_should_close(framed._handle, True)
         return picture(shown, told)
-    pictures = follow(Board(), framed, draw, Controls(preset="draft"))
+    pictures = follow(SharedCommand(), framed, draw, Controls(preset="draft"))
     seen = framed.context.screen.read(viewport=(0, 0, 64, 64))
 print(pictures, len(set(seen)) > 50)
 """
