@@ -1,4 +1,4 @@
-"""When a part of the body arrives where a sync point wants it, by one rule for plan and twin."""
+"""Finds when a part of the body arrives where a sync point wants it, by one rule for plan, twin and sensors."""
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Mapping, Sequence
@@ -20,7 +20,7 @@ SHARE = 0.05  # of the path
 
 
 def part_paths(angles: Floats, robot: Robot, hands: Mapping[str, Floats] | None = None) -> Mapping[PartName, Floats]:
-    """Where each part is along a motion: hands (m, 3) [m] in the world, head and torso (m, 3) [rad].
+    """Follows each part along a motion: hands (m, 3) [m] in the world, head and torso (m, 3) [rad].
 
     Args:
         angles: (m, n) [rad].
@@ -43,7 +43,7 @@ def _hands(angles: Floats, robot: Robot) -> dict[str, Floats]:
 
 @dataclass(frozen=True, eq=False)
 class Arrival:
-    """Where a part is to be for a sync point, and when the plan itself comes near enough."""
+    """Place of a part at a sync point, and when the plan itself comes near enough."""
 
     part: PartName
     at: float  # [s] performance time
@@ -53,7 +53,7 @@ class Arrival:
 
 
 def arrivals(plan: Plan, times: Floats, reference: Mapping[PartName, Floats]) -> Mapping[SyncTime, tuple[Arrival, ...]]:
-    """What the sync points of moving behaviours want of their parts.
+    """Works out where the sync points of moving behaviours want their parts.
 
     A part arrives when it first enters, within a window about the planned time, a ball of 5 mm or 5 % of the path of
     its behaviour around the planned position.
@@ -89,7 +89,7 @@ def arrivals(plan: Plan, times: Floats, reference: Mapping[PartName, Floats]) ->
 def lags(
     wanted: Mapping[SyncTime, tuple[Arrival, ...]], times: Floats, performed: Mapping[PartName, Floats]
 ) -> dict[SyncTime, float | None]:
-    """How much later than planned the body arrives at each sync point [s].
+    """Computes how much later than planned [s] the body arrives at each sync point.
 
     Planned and performed motion are judged by the same rule and compared, so that the ball's own size does not count
     as being early.
@@ -137,7 +137,7 @@ def _place(at: float, times: Sequence[float], path: Floats) -> Floats:
 
 
 def _first_entry(at: float, times: Sequence[float], path: Floats, centre: Floats, radius: float) -> float | None:
-    """First time [s] within the window that a path is inside a ball."""
+    """First time [s] within the window at which a path is inside a ball."""
     window = slice(bisect_left(times, at - WINDOW), bisect_left(times, at + WINDOW))
     apart = path[window] - centre
     return entry(times[window], np.sqrt(np.vecdot(apart, apart)), radius)

@@ -14,7 +14,7 @@ from kinesic.motion.trajectory import Trajectory
 
 @dataclass(frozen=True, eq=False)
 class Lead:
-    """Set points, and what the servos have to give for them."""
+    """Goals ahead of the reference, and what the servos have to give for them."""
 
     goals: Floats  # (m, n) [rad] clipped to the ranges
     loads: Floats  # (m, n) [rad] part of the goals that carries torque

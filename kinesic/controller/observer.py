@@ -47,7 +47,7 @@ SLICES = 1024  # of a period, for its exact solution
 
 @dataclass(frozen=True, eq=False)
 class LoadEstimate:
-    """What is believed about the hinges at one tick, in joint order."""
+    """Belief about the hinges at one tick, in joint order."""
 
     rows: Floats  # (6 + h, n) all of it, one under another
 
@@ -86,13 +86,13 @@ class LearnedLoads:
 
     @cached_property
     def rows(self) -> Floats:
-        """(m, 7, n) all of them."""
+        """(m, 7, n) all arrays, one under another."""
         return np.stack([getattr(self, field.name) for field in fields(self)], axis=1)
 
 
 @dataclass(frozen=True, eq=False)
 class Observer:
-    """The gains of hinges at a rate of commands."""
+    """Gains of an observer for the hinges of one or more bodies, at a rate of commands."""
 
     forecast: Floats  # (3, 3, n) of deviation, speed and push, one tick on
     gain: Floats  # (3, n) of the innovation
@@ -105,7 +105,7 @@ class Observer:
 
     @classmethod
     def of(cls, robot: Robot, dynamics: Dynamics, *, period: float, delay: float = 0.0, bodies: int = 1) -> "Observer":
-        """The observer of a robot's hinges.
+        """Designs the observer of a robot's hinges.
 
         Args:
             robot: its drives and ranges.
@@ -137,7 +137,7 @@ class Observer:
 
     @cached_property
     def _step(self) -> Callable[[Floats, Floats, Floats], Floats]:
-        """One tick on, of rows of belief, measured deviation and rows of lessons, with CasADi's own memory."""
+        """Function of rows of belief, measured deviation and rows of lessons, with CasADi's own memory."""
         hinges, late = len(self.lower), len(self.arrival)
         gains: Floats = np.concatenate([self.forecast.reshape(9, hinges), self.gain, [self.step, self.full]])
         told = np.zeros((6 + late, hinges)), np.zeros(hinges), np.zeros((7, hinges))
@@ -160,11 +160,11 @@ class Observer:
         return step
 
     def begin(self) -> LoadEstimate:
-        """Standing where it should."""
+        """Begins where the reference begins, without deviation."""
         return LoadEstimate(np.zeros((6 + len(self.arrival), len(self.lower))))
 
     def lessons(self, stream: Sequence[Command], loads: Floats) -> LearnedLoads:
-        """What a performance can teach: it depends on what is led, not on what is measured.
+        """Works out what a performance can teach: it depends on what is led, not on what is measured.
 
         Args:
             stream: commands as the feed-forward has them.
@@ -192,7 +192,7 @@ class Observer:
         )
 
     def after(self, belief: LoadEstimate, deviation: Floats, lessons: LearnedLoads, tick: int) -> LoadEstimate:
-        """One tick on.
+        """Goes on by one tick.
 
         Args:
             belief: at the tick before.
@@ -209,7 +209,7 @@ class Observer:
 def correct_goals(
     stream: Sequence[Command], loads: Floats, bodies: Sequence[Body], observer: Observer
 ) -> Iterator[tuple[Command, ...]]:
-    """Commands for each body, whose goals are corrected by what it did with those before.
+    """Corrects the goals of commands for each body by what it did with those before.
 
     All commands of a tick must be written before the next ones are taken, as `play_together` does.
 

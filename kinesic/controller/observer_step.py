@@ -1,4 +1,4 @@
-"""The observer's law for one tick, as a graph that CasADi runs: see `controller.observer` for its meaning."""
+"""One tick of the observer as a graph that CasADi runs: see `controller.observer` for its meaning."""
 
 from functools import lru_cache
 
@@ -14,7 +14,7 @@ FADING = 0.95  # of the push that is left after each tick in which a servo did n
 
 @lru_cache(maxsize=8)
 def tick_law(hinges: int, late: int) -> casadi.Function:
-    """The law of some hinges; two microseconds for what takes NumPy twenty.
+    """Compiles the law of some hinges: two microseconds for what takes NumPy twenty.
 
     Args:
         hinges: how many.

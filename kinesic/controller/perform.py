@@ -1,4 +1,4 @@
-"""Joins the line with the sinks: plans a document, performs it in the twin, and reports."""
+"""Joins the line with the sinks: plans a document and performs it in the twin."""
 
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
@@ -200,5 +200,5 @@ def dry_runs(
 
 @lru_cache(maxsize=8)
 def _observer(known: Setup, delay: float, bodies: int) -> Observer:
-    """Its gains depend on the robot alone."""
+    """Remembered, as its gains depend on the robot alone."""
     return Observer.of(known.robot, known.dynamics, period=1 / RATE, delay=delay, bodies=bodies)

@@ -28,7 +28,7 @@ HOLDING_RATE = 20  # [Hz] at which the torque of standing still is judged: gravi
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """One plan, computed once for all twins."""
+    """The motion of a plan at the times of its commands, computed once for all twins."""
 
     plan: Plan
     times: Floats  # (m,) [s] of the commands

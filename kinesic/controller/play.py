@@ -1,4 +1,4 @@
-"""The one loop: a trajectory becomes commands at the ticks of a clock, and sinks follow them."""
+"""Plays a trajectory: commands at the ticks of a clock, and sinks that follow them."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
@@ -16,7 +16,7 @@ SETTLE = 0.3  # [s] of stillness after the end
 
 
 def command_times(duration: float, *, rate: int = RATE, settle: float = SETTLE) -> Floats:
-    """(m,) [s] performance times of commands, from 0 to the end and a little stillness."""
+    """Returns (m,) [s] performance times of commands, from 0 to the end and a little stillness."""
     return np.arange(int(np.ceil((duration + settle) * rate)) + 1) / rate
 
 
@@ -26,7 +26,7 @@ def commands(
     setpoints: Lead,
     faces: Sequence[Mapping[str, float]] | None = None,
 ) -> Iterator[Command]:
-    """One command per tick.
+    """Yields one command per tick.
 
     Args:
         trajectory: of the motion.
@@ -41,7 +41,7 @@ def commands(
 
 
 def pace(stream: Iterable[Command], *, clock: Callable[[], float] = monotonic) -> Iterator[Command]:
-    """Commands at their times on the wall's clock, which begins with the first; late ones follow at once.
+    """Yields commands at their times on the wall's clock, which begins with the first; late ones follow at once.
 
     Args:
         stream: in the order of their times.

@@ -1,4 +1,4 @@
-"""A performance on the robot: what was planned goes to its servos, and what they tell is kept.
+"""Performs a plan on the robot: hands its goals to the servos, and keeps what their supervisor reports.
 
 All commands are handed over at once: the supervisor keeps them, owns the time from then on, and folds the robot to
 rest at the end. Here is only listened, and handed on what somebody at the keyboard wants.
@@ -37,7 +37,7 @@ Ending = Literal["performed", "ended", "stopped", "failed"]
 
 @dataclass(frozen=True, eq=False)
 class ServoRun:
-    """What the servos did with a plan."""
+    """A plan as the servos performed it."""
 
     performance: Performance  # of the twin, with the plan
     history: tuple[Status, ...]  # of every cycle in which performance time ran
@@ -47,7 +47,7 @@ class ServoRun:
 
     @cached_property
     def _rows(self) -> tuple[Status, ...]:
-        """Those in which time went on and every servo was heard."""
+        """Those in which time went on and every servo had been read."""
         found: list[Status] = []
         for told in self.history:
             if (not found or told.time > found[-1].time) and np.isfinite(
@@ -170,7 +170,7 @@ def perform_live(
 
 @contextmanager
 def interrupted() -> Iterator[Callable[[], bool]]:
-    """Whether Ctrl-C has been pressed since the last call; it ends nothing else meanwhile.
+    """Notices Ctrl-C instead of ending: yields whether it has been pressed since the last call.
 
     Outside the main thread, which alone hears it, it is never pressed.
     """

@@ -1,4 +1,4 @@
-"""How smoothly a point moves: dimensionless jerk and spectral arc length."""
+"""Measures how smoothly a point moves: dimensionless jerk and spectral arc length."""
 
 import numpy as np
 import scipy
@@ -11,7 +11,7 @@ FINENESS = 16  # by which the spectrum is interpolated
 
 
 def dimensionless_jerk(path: Floats, *, period: float) -> float | None:
-    """Integral of the squared jerk, times duration cubed, over peak speed squared (Hogan and Sternad, 2009).
+    """Integrates the squared jerk, times duration cubed, over peak speed squared (Hogan and Sternad, 2009).
 
     A single reach of minimum jerk has 204.8; every stop between makes it larger.
 
@@ -33,7 +33,7 @@ def dimensionless_jerk(path: Floats, *, period: float) -> float | None:
 
 
 def spectral_arc_length(path: Floats, *, period: float) -> float | None:
-    """SPARC: minus the length of the normalised spectrum of the speed (Balasubramanian et al., 2015).
+    """Computes SPARC: minus the length of the normalised spectrum of the speed (Balasubramanian et al., 2015).
 
     About -1.4 for one smooth reach; more negative when rougher, and not sensitive to noise.
 

@@ -1,4 +1,4 @@
-"""What a performance sounds like: all its utterances on performance time, in a file or in step with the servos."""
+"""Mixes the utterances of a plan on performance time, and plays them in step with the servos."""
 
 import wave
 from math import gcd
@@ -41,7 +41,7 @@ def sound(plan: Plan) -> Sound | None:
 
 
 def resample(spoken: Sound, rate: int) -> Samples:
-    """The samples (m,) of a sound at another rate [Hz]."""
+    """Converts the samples (m,) of a sound to another rate [Hz]."""
     if spoken.rate == rate:
         return spoken.samples
     from scipy.signal import resample_poly  # noqa: PLC0415 - slow to import, and voices seldom differ
@@ -62,7 +62,7 @@ def write_wav(spoken: Sound, path: Path) -> None:
 
 
 class SpeechPlayback:
-    """Speaks while performance time runs as planned, and is silent while it stands or changes its pace."""
+    """Speech in step with the servos, silent while performance time stands or changes its pace."""
 
     def __init__(self, sound: Sound, speaker: Speaker) -> None:
         """Silent at first.
@@ -75,7 +75,7 @@ class SpeechPlayback:
         self._zero: float | None = None  # [s] on the clock of performance time 0; None: silent
 
     def __call__(self, told: Status) -> None:
-        """Hears how the servos go on."""
+        """Follows the status of the servos."""
         if not told.stage.runs or not told.scale > FULL:
             self._hush()
             return

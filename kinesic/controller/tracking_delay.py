@@ -1,4 +1,4 @@
-"""How late each hinge follows, by cross-correlation of planned and performed speed."""
+"""Measures how late each hinge follows, by cross-correlation of planned and performed speed."""
 
 from typing import cast
 
@@ -11,7 +11,7 @@ WINDOW = 0.3  # [s] longest lateness that is looked for
 
 
 def tracking_delay(planned: Floats, performed: Floats, moving: Flags, *, period: float) -> Floats:
-    """The delay at which the performed speed of each hinge is most like the planned one.
+    """Finds the delay at which the performed speed of each hinge is most like the planned one.
 
     Args:
         planned: (m, n) [rad/s].

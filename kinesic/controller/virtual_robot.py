@@ -1,4 +1,4 @@
-"""The robot's twin behind its virtual servos: what a real driver sends moves the simulated body."""
+"""Moves the robot's twin by its virtual servos: what a real driver sends moves the simulated body."""
 
 from collections.abc import Sequence
 from math import copysign

@@ -1,4 +1,4 @@
-"""A uniform grid of B-splines: its differences, and the rows by which limits hold at every instant."""
+"""Uniform B-splines on a grid: their differences, and the rows by which limits hold at every instant."""
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -16,48 +16,48 @@ ROOMY = 2.0  # bound of a scaled row that is decided
 TINY = 1e-9  # [rad] range of a hinge that cannot move
 CALM = 0.05  # [s] by which jerk weighs beside acceleration where a motion is as smooth as can be
 ANCHOR = 1e-10  # what holds such a motion where nothing else does
-SMOOTHNESS = 1e-9  # [s^4] weight of the acceleration beside the distance from the wish
+SMOOTHNESS = 1e-9  # [s^4] weight of the acceleration beside the distance from what is desired
 
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """All splines of some pieces."""
+    """All splines of as many pieces, each as long."""
 
     pieces: int  # k
     step: float  # [s]
 
     @property
     def size(self) -> int:
-        """Control points of one hinge."""
+        """Number of control points of one hinge."""
         return self.pieces + 3
 
     @cached_property
     def knots(self) -> Floats:
-        """(k + 1,) [s]."""
+        """(k + 1,) [s] times of the knots."""
         return np.asarray(np.arange(self.pieces + 1) * self.step, dtype=np.float64)
 
     @cached_property
     def at_knots(self) -> "scipy.sparse.csr_array":
-        """(k + 1, k + 3) from control points to the angles at the knots."""
+        """(k + 1, k + 3) matrix from control points to the angles at the knots."""
         return scipy.sparse.diags_array(
             [1 / 6, 4 / 6, 1 / 6], offsets=[0, 1, 2], shape=(self.pieces + 1, self.size)
         ).tocsr()
 
     @cached_property
     def closeness(self) -> "scipy.sparse.csc_array":
-        """(k + 3, k + 3) the quadratic form of the distance from a wish, with a little smoothness."""
+        """(k + 3, k + 3) quadratic form of the distance from a desired motion, with a little smoothness."""
         second = np.array([1.0, -2.0, 1.0]) / self.step**2
         bend = scipy.sparse.diags_array(second, offsets=[0, 1, 2], shape=(self.pieces + 1, self.size))
         return (self.at_knots.T @ self.at_knots + SMOOTHNESS * bend.T @ bend).tocsc()
 
     @cached_property
     def factor(self) -> Floats:
-        """Its banded Cholesky factor, upper form."""
+        """Banded Cholesky factor of `closeness`, upper form."""
         return _banded(self.closeness, 2)
 
     @cached_property
     def calm(self) -> Floats:
-        """The factor of the sum of squares of acceleration and jerk."""
+        """Banded Cholesky factor, upper form, of the sum of squares of acceleration and jerk."""
         second, third = np.array([1.0, -2.0, 1.0]), np.array([-1.0, 3.0, -3.0, 1.0]) * CALM / self.step
         bend = scipy.sparse.diags_array(second, offsets=[0, 1, 2], shape=(self.pieces + 1, self.size))
         turn = scipy.sparse.diags_array(third, offsets=[0, 1, 2, 3], shape=(self.pieces, self.size))
@@ -65,7 +65,7 @@ class Grid:
         return _banded(bend.T @ bend + turn.T @ turn + anchor, 3)
 
     def rows(self, limits: Limits, hinge: int) -> "scipy.sparse.csr_array":
-        """(4 k + 4, k + 3) every limit of a hinge but its range, scaled to -1..1.
+        """(4 k + 4, k + 3) rows of every limit of a hinge but its range, scaled to -1..1.
 
         Speed, acceleration and jerk on their control points, the duty at the knots.
         """
@@ -84,7 +84,7 @@ class Grid:
 
     @cached_property
     def _pattern(self) -> tuple[Indices, Indices]:
-        """Columns and beginnings of the rows of limits."""
+        """Column indices and row starts of `rows`."""
         shapes = ((2, self.pieces + 2), (3, self.pieces + 1), (4, self.pieces), (3, self.pieces + 1))
         columns = [(np.arange(count)[:, None] + np.arange(width)).ravel() for width, count in shapes]
         widths = np.repeat([width for width, _ in shapes], [count for _, count in shapes])
@@ -92,7 +92,7 @@ class Grid:
 
     @cached_property
     def bounds(self) -> Floats:
-        """(4 k + 4,) what the rows may be: 1, and more where they follow from three given points at an end.
+        """(4 k + 4,) bounds of the rows: 1, and more where they follow from three given points at an end.
 
         A row without room has no interior, which the program's method needs.
         """
@@ -104,7 +104,7 @@ class Grid:
         return np.concatenate(bounds)
 
     def duty(self, limits: Limits) -> Floats:
-        """(n,) what the duty may be at the knots.
+        """(n,) bounds of the duty at the knots.
 
         In between, inertial * a + viscous * v is a parabola on each piece, which rises above its chord by at most
         viscous * jerk * step^2 / 8.
@@ -112,7 +112,7 @@ class Grid:
         return np.asarray(limits.duty - limits.viscous * limits.jerk * self.step**2 / 8)
 
     def shares(self, controls: Floats, limits: Limits, hinge: int) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-        """Shares of the limits of range, speed, acceleration, jerk and duty that a spline (k + 3,) [rad] takes."""
+        """Shares that a spline (k + 3,) [rad] takes of the limits of range, speed, acceleration, jerk and duty."""
         middle = (limits.upper[hinge] + limits.lower[hinge]) / 2
         half = max(limits.upper[hinge] - limits.lower[hinge], TINY) / 2
         speed, acceleration, jerk = (np.diff(controls, order) / self.step**order for order in (1, 2, 3))
@@ -126,12 +126,12 @@ class Grid:
         )
 
     def largest(self, controls: Floats, limits: Limits, hinge: int) -> float:
-        """The largest share of any limit that a spline takes."""
+        """The largest share that a spline takes of any limit."""
         return max(float(np.abs(share).max()) for share in self.shares(controls, limits, hinge))
 
 
 def _banded(form: "scipy.sparse.csc_array", width: int) -> Floats:
-    """Banded Cholesky factor of a form, upper form."""
+    """(width + 1, k) Cholesky factor of a banded form, upper form."""
     bands = np.zeros((width + 1, form.shape[0]))
     for offset in range(width + 1):
         bands[width - offset, offset:] = form.diagonal(offset)
@@ -140,5 +140,5 @@ def _banded(form: "scipy.sparse.csc_array", width: int) -> Floats:
 
 @lru_cache(maxsize=512)
 def grid(pieces: int, step: float) -> Grid:
-    """The grid of some pieces of a length [s]."""
+    """Returns the grid of some pieces of a length [s]; the same one for the same figures."""
     return Grid(pieces, step)

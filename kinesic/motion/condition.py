@@ -1,9 +1,9 @@
-"""Makes a motion one that the servos can follow: first as asked, then with sync points moved as little as needed.
+"""Conditions a motion for the servos: first as asked, then with sync points moved as little as needed.
 
 What is returned keeps position, speed, acceleration, jerk and duty at every instant, and passes every firm key at its
 exact time. First the least shift of these keys with which every hinge has a way through them, whatever its path; then
-the path that is nearest to the wish. Keys on a path of a hand only shape the wish: what is too fast becomes
-smaller.
+the path that is nearest to the desired one. Keys on a path of a hand only shape what is desired: what is too fast
+becomes smaller.
 """
 
 from collections.abc import Callable, Mapping
@@ -40,7 +40,7 @@ class Conditioned:
     """A motion within limits, and what had to give."""
 
     trajectory: Trajectory
-    asked: Floats  # (m,) [s] block time of the keys as wished
+    asked: Floats  # (m,) [s] block time of the keys as asked
     planned: Floats  # (m,) [s] block time of the keys as they will be
     bottlenecks: Mapping[Pair, Bottleneck]  # what was too fast as asked, between which keys
     lost: Floats  # (n,) [rad] root mean square distance from the desired motion at the planned times
@@ -55,14 +55,14 @@ def condition(
     ease: float = 1.0,
     make_desired: MakeDesired = join_keys,
 ) -> Conditioned:
-    """Fits the keys into the limits.
+    """Conditions key postures into the nearest motion within the limits.
 
     Args:
         postures: at least two, the first and the last keyed in all hinges.
         limits: of position, speed, acceleration, jerk and duty.
         bonds: between sync points of different behaviours.
         lead_in: [s] by which the first key may come earlier.
-        ease: share of the limits with which key times are found; below 1 there is time to stay nearer to the wish.
+        ease: share of the limits for key times; below 1 there is time to stay nearer to the desired motion.
         make_desired: the desired motion, from (m,) [s] times and the keys that are passed at them.
 
     Raises:

@@ -35,11 +35,11 @@ FINEST = 0.01  # of a way, steps of the overshoot
 ROUNDING = 1e-6  # of such a step
 ROOM = 3.0  # times the limits that an eased way may take: what is beyond them is rounded off without leaving the path
 
-SHARES = np.arange(PARTS) / PARTS  # of a way, where an easing is told
+SHARES = np.arange(PARTS) / PARTS  # of a way, at which an easing is given
 
 
 def speeds(times: Floats, keys: Keys) -> Floats:
-    """(k, h) [rad/s] at the keys of some hinges, at (k,) times that all of them have.
+    """Chooses the speeds (k, h) [rad/s] at the keys of some hinges, at (k,) times that all of them have.
 
     Zero at the ends and beside holds. A speed that would carry the hinge beyond its keys by more than `SWING` is cut,
     unless the tension is negative: at -1 only the ends of the range cut it.
@@ -66,7 +66,7 @@ def speeds(times: Floats, keys: Keys) -> Floats:
 
 
 def accelerations(times: Floats, keys: Keys, passed: Floats) -> Floats:
-    """(k, h) [rad/s^2] at the keys: the middle of what cubics of these speeds would have before and after the key.
+    """Chooses the accelerations (k, h) [rad/s^2] at the keys: the mean of what cubics have before and after a key.
 
     So keys that lie on a smooth curve are passed along it. Zero at the ends, beside holds, and where a hinge stops.
     """
@@ -96,7 +96,7 @@ def _held(ways: Floats) -> Flags:
 
 
 def changes(left: Floats, states: Floats, steps: Floats, keys: Keys) -> Floats:
-    """(3, k, h, p) what easings add to angles, speeds and accelerations along k ways of h hinges.
+    """Computes (3, k, h, p) what easings add to angles, speeds and accelerations along k ways of h hinges.
 
     Args:
         left: (k, h) [rad] of each way, what is eased.
@@ -161,7 +161,7 @@ def _allowed(states: Floats, limits: Limits) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class DesiredMotion:
-    """Angles over performance time; at rest before its start and after its end."""
+    """The desired angles over performance time; at rest before the start and after the end."""
 
     # Of hinges with the same keys, over performance time, all from 0 to the same end.
     curves: Mapping[Hinges, "scipy.interpolate.PPoly"]
@@ -181,11 +181,10 @@ class DesiredMotion:
         return angles, speeds, accelerations
 
     def angles(self, times: Floats) -> Floats:
-        """(m, n) [rad] at (m,) performance times: of `sample` the first alone."""
+        """(m, n) [rad] at (m,) performance times: the first part of `sample` alone."""
         return self._values(times, 0)
 
     def _values(self, times: Floats, order: int) -> Floats:
-        """(m, n) of one derivative."""
         inside = np.clip(times, 0.0, self.duration)
         values = np.empty((len(times), sum(map(len, self.curves))))
         for hinges, curve in self.curves.items():
@@ -206,7 +205,7 @@ def join_keys(times: Floats, keys: Keys, *, zero: float = 0.0) -> DesiredMotion:
         zero: [s] the time among `times` that is the block's zero.
 
     Returns:
-        The wish; performance time starts at the first key.
+        The motion; performance time starts at the first key.
     """
     together: dict[bytes, list[int]] = {}
     for hinge, column in enumerate(keys.keyed.T):
@@ -219,7 +218,7 @@ def join_keys(times: Floats, keys: Keys, *, zero: float = 0.0) -> DesiredMotion:
 
 
 def _curve(times: Floats, keys: Keys) -> "scipy.interpolate.PPoly":
-    """Of hinges that all have the same keys, at (k,) times."""
+    """Joins hinges that all have the same keys, at (k,) times."""
     steps, passed = np.diff(times), speeds(times, keys)
     plain = scipy.interpolate.PPoly(_quintics(steps, keys.angles, passed, accelerations(times, keys, passed)), times)
     if np.all(keys.manner[4, 1:] == SMOOTHEST):

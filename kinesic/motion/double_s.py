@@ -10,7 +10,7 @@ SPEEDS = np.linspace(0.1, 0.9, 9)  # shares of the duty that a constant speed ma
 
 
 def least_time(distance: ArrayLike, speed: ArrayLike, acceleration: ArrayLike, jerk: ArrayLike) -> Floats:
-    """Shortest time from rest to rest within speed, acceleration and jerk.
+    """Computes the shortest time from rest to rest within speed, acceleration and jerk.
 
     The profile reaches the greatest speed on long ways, the greatest acceleration on middling ones and neither on
     short ones. Arguments broadcast; their unit of length is any, such as rad or m.
@@ -35,7 +35,7 @@ def least_time(distance: ArrayLike, speed: ArrayLike, acceleration: ArrayLike, j
 
 
 def least_rest_times(turns: Floats, limits: Limits) -> Floats:
-    """Shortest times from rest to rest of hinges within all their limits, that of the duty included.
+    """Computes the shortest times from rest to rest of hinges within all their limits, that of the duty included.
 
     Each is that of a double S within a speed and an acceleration that keep the duty together; the best of several
     such pairs.
@@ -54,7 +54,7 @@ def least_rest_times(turns: Floats, limits: Limits) -> Floats:
 
 
 def least_stop(speed: ArrayLike, acceleration: ArrayLike, most: ArrayLike, jerk: ArrayLike) -> Floats:
-    """Shortest time to rest, wherever that is, within an acceleration and a jerk.
+    """Computes the shortest time to rest, wherever that is, within an acceleration and a jerk.
 
     From an acceleration the jerk leads to a braking one and back to none; the braking acceleration p follows from
     the speed that is left to lose, p^2 = jerk * speed + acceleration^2 / 2, and is held where that is too much.

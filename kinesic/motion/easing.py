@@ -1,4 +1,4 @@
-"""Easings: how far a motion has come at a share of its time, as formulas and as servos can play them.
+"""Easings: the share of a way that is covered at a share of its time, as formulas and as servos can play them.
 
 The formulas are those of thesis 8.7, its OutBack with the sign that makes it begin at 0. Each but the smoothest begins
 with a jump in speed; averaged over a window they begin and end at rest without a jump in speed or acceleration.
@@ -20,13 +20,13 @@ _BOUNCES = ((1.0, 0.0, 0.0), (2.0, 1.5, 0.75), (2.5, 2.25, 0.9375), (2.75, 2.625
 
 
 def minimum_jerk(shares: Floats) -> Floats:
-    """Shares of a way, as smoothly as can be, at shares of its time (Flash and Hogan, 1985); clipped to 0..1."""
+    """Shares of a way at shares of its time, as smoothly as can be (Flash and Hogan, 1985); clipped to 0..1."""
     x = np.clip(shares, 0.0, 1.0)
     return np.asarray(x**3 * (10.0 - 15.0 * x + 6.0 * x**2))
 
 
 def ease(easing: Easing, shares: Floats, *, steepness: float = 4.0, overshoot: float = OVERSHOOT) -> Floats:
-    """Shares of a way at shares of its time, both from 0 to 1; before 0 and after 1 nothing moves.
+    """Computes shares of a way at shares of its time, both from 0 to 1; before 0 and after 1 nothing moves.
 
     Args:
         easing: which.
@@ -54,14 +54,14 @@ def ease(easing: Easing, shares: Floats, *, steepness: float = 4.0, overshoot: f
 
 @lru_cache(maxsize=1024)
 def overshoot_shape(overshoot: float) -> float:
-    """The s of OutBack that overshoots by a share of the way: 4 s^3 / (27 (s + 1)^2) is the overshoot."""
+    """Finds the s of OutBack that overshoots by a share of the way: 4 s^3 / (27 (s + 1)^2) is the overshoot."""
     cubic = np.roots([4.0, -27.0 * overshoot, -54.0 * overshoot, -27.0 * overshoot])
     return float(cubic[np.abs(cubic.imag) < 1e-9].real.max())
 
 
 @lru_cache(maxsize=1024)
 def soften_easing(easing: Easing, steepness: float, overshoot: float = OVERSHOOT) -> Floats:
-    """(3, PARTS + 1) an easing, its speed and its acceleration at even shares of the time, from rest to rest.
+    """Softens an easing: (3, PARTS + 1) share, speed and acceleration at even shares of the time, from rest to rest.
 
     The easing is played in a shorter time and averaged over a window that makes up for it, with the speeds of minimum
     jerk as weights. The window is the whole time at steepness 1, where every easing is minimum jerk, and two ninths of

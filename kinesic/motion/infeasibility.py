@@ -1,4 +1,4 @@
-"""By how much the gaps of a segment are too short: the least relaxation of all limits with which it can be passed.
+"""Measures by how much a segment lacks time: the least relaxation of all limits with which it can be passed.
 
 Longer gaps by a share s let speeds be higher by s, accelerations by 2 s and jerks by 3 s. The least such s is a linear
 program; its multipliers say what a later key would be worth, and which limit binds where.
@@ -32,7 +32,7 @@ NOTABLE = 0.05  # share of all multipliers that makes a limit bind in a gap
 
 @dataclass(frozen=True, eq=False)
 class Infeasibility:
-    """What the gaps of a segment lack."""
+    """How much time a segment lacks, and where."""
 
     amount: float  # of the logarithm of their time; negative where there is some to spare
     slopes: Floats  # (m + 2,) [1/s] of the amount over the times of start, keys and end
@@ -40,20 +40,21 @@ class Infeasibility:
 
 
 def roughly(segment: SplineSegment, limits: Limits) -> float:
-    """Largest share of any limit on the smoothest way through the keys of a segment: a cheap guess."""
+    """Guesses cheaply: the largest share of any limit on the smoothest way through the keys of a segment."""
     if segment.still:
         return 0.0
     return segment.grid.largest(smoothest(segment), limits, segment.hinge)
 
 
 def shortage(segment: SplineSegment, limits: Limits) -> Infeasibility | None:
-    """How far a segment is from being passable; None when the program cannot be solved."""
+    """Measures how much time a segment lacks; None when the program cannot be solved."""
     found = _least(segment, limits)
     if found is None:
         return None
     slopes = _slopes(segment, found)
     if found.amount > SPARE and (abs(slopes.sum()) > UNEVEN * np.abs(slopes).sum() or np.abs(slopes).max() < FLAT):
-        for key in _beside(found.binding):
+        beside = [key for key, pair in enumerate(pairwise(found.binding)) if pair != (None, None)]
+        for key in beside:
             slopes[key + 1] = _difference(segment, limits, key, found.amount)
     total = float(np.abs(slopes).sum())
     even = slopes - slopes.sum() * np.abs(slopes) / total if total else slopes
@@ -77,23 +78,22 @@ def _least(segment: SplineSegment, limits: Limits) -> _Least | None:
     counts = [count + 2, count + 1, count, count + 1]
     some = grid.bounds == 1.0
     rows, orders = rows[some], np.repeat([float(order) for order in ORDERS.values()], counts)[some, None]
-    told, solved = _solved(
-        scipy.sparse.csc_array((grid.size + 1, grid.size + 1)),
+    solution = _solve(
         _relaxed(scipy.sparse.coo_array(matrix), rows.tocoo(), orders[:, 0]),
         np.concatenate([values, np.full(len(orders), -np.inf), np.full(len(orders), -1.0)]),
         np.concatenate([values, np.full(len(orders), 1.0), np.full(len(orders), np.inf)]),
         np.append(lower, EASY),
         np.append(upper, np.inf),
     )
-    if not solved:
+    if solution is None:
         return None
-    values_of, pulls = told
-    least = float(values_of[-1])
+    found, pulls = solution
+    least = float(found[-1])
     binds = np.abs(pulls[len(values) :]).reshape(2, -1).max(axis=0) * orders[:, 0]
     places = np.concatenate([np.linspace(0, count, k) for k in counts])[some]
     kinds = np.repeat(np.arange(len(counts)), counts)[some]
     return _Least(
-        values_of[:-1],
+        found[:-1],
         float(np.log1p(2 * least) / 2),
         pulls[: len(values)] / (1 + 2 * least),
         _binding(np.searchsorted(segment.places, places), kinds, binds, len(segment.places) + 1),
@@ -103,7 +103,7 @@ def _least(segment: SplineSegment, limits: Limits) -> _Least | None:
 def _relaxed(
     fixed: "scipy.sparse.coo_array", rows: "scipy.sparse.coo_array", orders: Floats
 ) -> "scipy.sparse.csc_array":
-    """What is fixed; below it the rows of limits less what relaxes them, a last variable, and again plus it."""
+    """Stacks what is fixed, the rows of limits less what relaxes them (the last variable), and the rows plus it."""
     above, (count, size) = fixed.shape[0], rows.shape
     every, last = np.arange(count), np.full(count, size)
     down = [fixed.row, rows.row + above, every + above, rows.row + above + count, every + above + count]
@@ -113,27 +113,24 @@ def _relaxed(
     return scipy.sparse.coo_array((data, (np.concatenate(down), np.concatenate(across))), shape=shape).tocsc()
 
 
-def _solved(
-    form: "scipy.sparse.csc_array",
-    every: "scipy.sparse.csc_array",
-    lower: Floats,
-    upper: Floats,
-    least: Floats,
-    most: Floats,
-) -> tuple[tuple[Floats, Floats], bool]:
-    """The smallest last variable, and the multipliers of the rows."""
-    quadratic, linear = numbers(form), numbers(every)
+def _solve(
+    every: "scipy.sparse.csc_array", lower: Floats, upper: Floats, least: Floats, most: Floats
+) -> tuple[Floats, Floats] | None:
+    """Solution with the smallest last variable, and the multipliers of the rows; None where it is not found."""
+    quadratic, linear = numbers(scipy.sparse.csc_array((len(least), len(least)))), numbers(every)
     program = {"h": quadratic.sparsity(), "a": linear.sparsity()}
     solver = casadi.conic("shortage", "piqp", program, {"error_on_fail": False, "piqp": PRECISION})
     goal = np.zeros(len(least))
     goal[-1] = 1.0
     bounds = {"lba": lower, "uba": upper, "lbx": least, "ubx": most}
-    told = solver(h=quadratic, a=linear, g=column(goal), **{name: column(given) for name, given in bounds.items()})
-    return (np.array(told["x"]).ravel(), np.array(told["lam_a"]).ravel()), bool(solver.stats()["success"])
+    solution = solver(h=quadratic, a=linear, g=column(goal), **{name: column(given) for name, given in bounds.items()})
+    if not solver.stats()["success"]:
+        return None
+    return np.array(solution["x"]).ravel(), np.array(solution["lam_a"]).ravel()
 
 
 def _slopes(segment: SplineSegment, found: _Least) -> Floats:
-    """(m + 2,) [1/s] what moving start, keys and end in time changes, from the multipliers of what is fixed.
+    """(m + 2,) [1/s] change of the amount when start, keys and end move in time, by the multipliers of what is fixed.
 
     A key that comes later asks for an angle less by the speed there; a rest that comes later asks for an acceleration
     less by the jerk there.
@@ -151,13 +148,8 @@ def _slopes(segment: SplineSegment, found: _Least) -> Floats:
     return slopes
 
 
-def _beside(binding: tuple[Quantity | None, ...]) -> list[int]:
-    """The keys of a segment beside gaps in which a limit binds."""
-    return [k for k, (before, after) in enumerate(pairwise(binding)) if before is not None or after is not None]
-
-
 def _difference(segment: SplineSegment, limits: Limits, key: int, amount: float) -> float:
-    """[1/s] what moving a key by a step changes: where corridors bind, which go with their keys, all else is silent."""
+    """[1/s] change of the amount when a key moves by a step; for corridors, which move with their keys unseen."""
     ends = np.array([0.0, *segment.places, float(segment.grid.pieces)])
     step = 1.0 if ends[key + 2] - ends[key + 1] > 3.0 else -1.0
     moved = replace(segment, places=segment.places + step * (np.arange(len(segment.places)) == key))
@@ -171,4 +163,4 @@ def _binding(gaps: np.ndarray, kinds: np.ndarray, pulls: Floats, count: int) -> 
     np.add.at(sums, (kinds, gaps), pulls)
     names: list[Quantity] = [*ORDERS]
     enough = sums.max(axis=0) >= NOTABLE * sums.sum()
-    return tuple(names[k] if told else None for k, told in zip(sums.argmax(axis=0), enough, strict=True))
+    return tuple(names[k] if binds else None for k, binds in zip(sums.argmax(axis=0), enough, strict=True))

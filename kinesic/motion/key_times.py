@@ -1,4 +1,4 @@
-"""Key times at which every hinge can pass its keys, as near to the asked ones as can be.
+"""Finds key times at which every hinge can pass its keys, as near to the asked ones as possible.
 
 A linear program moves key times as little as needed, strokes least of all. The least time of a hinge from one key to
 the next is that of its full speed; the time with a rest at both is always enough. Times that are too short for some
@@ -50,7 +50,7 @@ class CuttingPlane:
 def relax_key_times(
     keys: Keys, gaps: Mapping[Pair, float], lead_in: float, cuts: Sequence[CuttingPlane] = ()
 ) -> Floats:
-    """Key times as near to the asked ones as gaps, cuts and bonds allow.
+    """Finds the key times that are nearest to the asked ones under gaps, cuts and bonds.
 
     Variables are t (m,), lateness e+ and earliness e- (m,) with t - asked = e+ - e-, and what each bond lacks.
 
@@ -92,21 +92,21 @@ def relax_key_times(
 
 
 def strain(keys: Keys, times: Floats) -> float:
-    """What moving the keys to times (m,) [s] costs: the weighted sum that `relax_key_times` makes least."""
+    """Computes what moving the keys to times (m,) [s] costs: the sum that `relax_key_times` makes least."""
     late = times - keys.asked
     lacking = sum(max(least - float(times[j] - times[i]), 0.0) for (i, j), least in keys.bonds.items())
     return float(keys.weights @ np.where(late > 0.0, LATENESS * late, -late)) + BROKEN * lacking
 
 
 def rest_to_rest(keys: Keys, limits: Limits) -> Gaps:
-    """The time in which each hinge can stop at each of its keys: always enough."""
+    """Computes the time in which each hinge can stop at each of its keys: always enough."""
     ways, turns = _turns(keys)
     every = RESERVE * least_rest_times(turns, limits) + GRID
     return {way: float(times[way[0]]) for way, times in zip(ways, every, strict=True)}
 
 
 def full_speed(keys: Keys, limits: Limits) -> Gaps:
-    """The time that each hinge needs from key to key at its full speed: less is never enough."""
+    """Computes the time that each hinge needs from key to key at full speed: less is never enough."""
     ways, turns = _turns(keys)
     every = np.abs(turns) / np.minimum(limits.speed, limits.duty / limits.viscous)
     return {way: float(times[way[0]]) for way, times in zip(ways, every, strict=True)}
@@ -129,7 +129,7 @@ class Bottleneck:
 
 
 class Search:
-    """Key times that come nearer to feasible ones with each segment that turns out to be lost."""
+    """A search for feasible key times, which goes on with each segment that turns out to be infeasible."""
 
     def __init__(self, keys: Keys, limits: Limits, lead_in: float) -> None:
         """Begins with the asked times, or the nearest with which full speeds would do.
@@ -150,7 +150,7 @@ class Search:
         self.times = keys.asked if spaced else relax_key_times(keys, self._gaps, lead_in)
 
     def avoid(self, lost: SplineSegment) -> None:
-        """Moves the times because a segment has no motion in them, until all that is known to lack has one.
+        """Moves the times until every segment that is known to lack time has a motion again.
 
         Raises:
             ArithmeticError: a hinge cannot even move from rest to rest.
@@ -168,12 +168,11 @@ class Search:
             lacking = self._lacking([segment for segment in self._segments() if self._near(segment)])
 
     def _lacking(self, pending: list[SplineSegment]) -> list[tuple[SplineSegment, Infeasibility | None]]:
-        """The segments that lack time, and by how much if that is known."""
         found = [(segment, self._shortage(segment)) for segment in pending]
         return [(segment, lack) for segment, lack in found if lack is None or lack.amount > -MARGIN / 4]
 
     def _shortage(self, segment: SplineSegment) -> Infeasibility | None:
-        """By its keys and their places, which say all about it: many a segment is as it was when others have moved."""
+        """Remembered by keys and places, which determine it: many a segment stays the same when others move."""
         known = (segment.hinge, segment.marks, segment.grid.pieces, segment.places.tobytes())
         if known not in self._shortages:
             self._shortages[known] = shortage(segment, self._limits)
@@ -186,11 +185,10 @@ class Search:
         return (segment.hinge, segment.first) != (lost.hinge, lost.first) and roughly(segment, self._limits) > ROUGH
 
     def _near(self, segment: SplineSegment) -> bool:
-        """Whether a plane that a hinge has put up is near."""
         return any(cut.slopes @ self.times > cut.bound - NEAR for cut in self._cuts.get(segment.hinge, ()))
 
     def _cut_off(self, segment: SplineSegment, found: Infeasibility) -> None:
-        """Puts up a plane before times that are too short for a segment, and notes which limit is met."""
+        """Puts up a plane before times that are too short for a segment, and notes the limit that is met."""
         cuts, amount = self._cuts.setdefault(segment.hinge, []), max(found.amount, 0.0) + MARGIN
         if np.abs(found.slopes).max() > FLAT:
             slopes = self._spread(segment, found.slopes)
@@ -241,7 +239,7 @@ class Search:
 
     @cached_property
     def _enough(self) -> float:
-        """The strain when all hinges rest at all keys."""
+        """Strain when all hinges rest at all keys."""
         gaps = dict(self._keys.gaps)
         for (_, pair), rest in self._all_rests.items():
             gaps[pair] = max(gaps[pair], LONGER * rest)
@@ -252,7 +250,7 @@ class Search:
         return rest_to_rest(self._keys, self._limits)
 
     def _lengthen_to_full_speed(self) -> None:
-        """Gaps of which a hinge needs more than was asked even at its full speed."""
+        """Lengthens the gaps that are too short even at full speed."""
         keys, limits = self._keys, self._limits
         for (hinge, pair), gap in full_speed(keys, limits).items():
             self._gaps[pair] = max(self._gaps[pair], gap)

@@ -74,7 +74,7 @@ class KeyPosture:
 
     @classmethod
     def whole(cls, time: float, angles: Sequence[float] | Floats) -> "KeyPosture":
-        """A key of all hinges: (n,) [rad] at a time [s]."""
+        """Makes a key of all hinges: (n,) [rad] at a time [s]."""
         return cls(time, sealed(np.array(angles, dtype=np.float64)), (True,) * len(angles))
 
 
@@ -109,7 +109,7 @@ class Keys:
         *,
         room: float = TURNING_ROOM,
     ) -> "Keys":
-        """Puts postures together.
+        """Puts postures together as arrays.
 
         Args:
             postures: in the order of their times.
@@ -136,7 +136,7 @@ class Keys:
         )
 
     def part(self, rows: Choices, hinges: Choices) -> "Keys":
-        """Some keys of some hinges, without their bonds."""
+        """Takes some keys of some hinges, without bonds."""
         here = rows[:, None], hinges
         return Keys(
             self.asked[rows],
@@ -149,7 +149,7 @@ class Keys:
         )
 
     def passed(self, passage: Passage) -> "Keys":
-        """The firm keys alone, all of them passed in one way."""
+        """Takes the firm keys alone, all of them passed in one way."""
         manner = np.broadcast_to(_manner((passage,), 1)[:, :, None], self.manner.shape)
         return replace(self, keyed=self.keyed & self.firm[:, None], manner=manner)
 
@@ -170,7 +170,7 @@ class Keys:
 
     @cached_property
     def own(self) -> tuple[list[int], ...]:
-        """Firm keys of each hinge, in order."""
+        """(n,) rows of the firm keys of each hinge, in order."""
         return tuple(np.flatnonzero(column & self.firm).tolist() for column in self.keyed.T)
 
     def led(self, hinge: int) -> Flags:
@@ -178,7 +178,7 @@ class Keys:
         return np.diff(np.flatnonzero(self.firm[self.keyed[:, hinge]])) > 1
 
     def spread(self, times: Floats) -> Floats:
-        """(m,) [s] times with those of keys on a path in between the firm ones, as evenly as asked."""
+        """Moves the times (m,) [s] of keys on a path in between those of the firm ones, as evenly as asked."""
         return np.where(self.firm, times, np.interp(self.asked, self.asked[self.firm], times[self.firm]))
 
 
@@ -193,7 +193,7 @@ def _manner(passages: tuple[Passage, ...], count: int) -> Floats:
 
 
 def _followers(keys: Keys) -> set[Pair]:
-    """Firm keys that follow one another in some hinge or in some behaviour; and all in whose time a hinge is on a path.
+    """Pairs of firm keys that follow one another in a hinge, in a behaviour, or within a path of a hinge.
 
     So the times of keys on paths can lie in between.
     """
@@ -208,7 +208,7 @@ def _followers(keys: Keys) -> set[Pair]:
 
 
 def _with_paths(column: Flags, firm: Flags) -> list[int]:
-    """The firm keys of a hinge with those of others that fall on its paths."""
+    """Firm keys of a hinge, with those of others that fall on its paths."""
     own, others = np.flatnonzero(column & firm), np.flatnonzero(firm)
     chain = own.tolist()
     for k in np.flatnonzero(np.diff(np.flatnonzero(firm[column])) > 1):

@@ -1,4 +1,4 @@
-"""How near a motion comes to its limits, judged at 1 kHz."""
+"""Compares a motion with its limits at 1 kHz."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ class Peak:
 
 @dataclass(frozen=True, eq=False)
 class Peaks:
-    """A motion against its limits."""
+    """How near a motion comes to its limits."""
 
     shares: Mapping[str, Peak]  # position, speed, acceleration, jerk, duty
     rms_jerk: float  # [rad/s^3] over all hinges and the whole motion
@@ -59,13 +59,12 @@ def peaks(trajectory: Trajectory, limits: Limits) -> Peaks:
 
 
 def _derived(controls: Floats, order: int) -> Floats:
-    """Control points of a derivative."""
     points: Floats = np.diff(controls, order, axis=0) / STEP**order
     return points
 
 
 def _ratios(points: list[Floats], limits: Limits) -> Iterator[tuple[str, Floats]]:
-    """Everything that is limited, over its limit, (s, k, n) at the instants of k pieces.
+    """(s, k, n) each quantity over its limit, at s instants of k pieces.
 
     A spline of scaled control points is the scaled spline: what is scaled is short.
     """
@@ -81,7 +80,7 @@ def _ratios(points: list[Floats], limits: Limits) -> Iterator[tuple[str, Floats]
 
 
 def _instants(points: Floats, order: int) -> Floats:
-    """(s, k, n) a derivative of the spline at the instants of its k pieces, from its control points."""
+    """(s, k, n) derivative of a spline at s instants of its k pieces, from its control points."""
     pieces = len(points) - 3 + order
     beside = np.stack([points[k : k + pieces] for k in range(4 - order)])
     values: Floats = SHARES[order] @ beside.reshape(4 - order, -1)
@@ -89,7 +88,7 @@ def _instants(points: Floats, order: int) -> Floats:
 
 
 def _larger(before: Peak | None, values: Floats, begin: float) -> Peak:
-    """The larger of a peak and that of ratios (s, k, n), whose first is at a time [s]."""
+    """The larger of a peak and the ratios (s, k, n) that begin at a time [s]."""
     flat = values.reshape(len(values), -1)  # long rows, so that the reductions are fast
     edges = np.maximum(flat.max(axis=0), -flat.min(axis=0)).reshape(values.shape[1:])
     ratios = edges.max(axis=0)

@@ -1,4 +1,4 @@
-"""The motion nearest to a wish that passes its keys within every limit: a quadratic program for each segment.
+"""Finds the motion that is nearest to a desired one and passes its keys within every limit: a QP for each segment.
 
 The optimum without limits is a banded solve; where it keeps the limits it is the optimum with them, too, and no program
 is needed.
@@ -18,64 +18,63 @@ ITERATIONS = 40  # feasible programs take half as many
 WITHIN = 1.0 + 1e-9  # share of a limit that counts as kept
 
 
-def nearest_motion(segment: SplineSegment, wish: Floats, limits: Limits) -> Floats | None:
-    """Control points (k + 3,) [rad] of a segment nearest to a wish.
+def nearest_motion(segment: SplineSegment, desired: Floats, limits: Limits) -> Floats | None:
+    """Finds the control points (k + 3,) [rad] of a segment that are nearest to a desired motion.
 
     Args:
         segment: of k pieces.
-        wish: (k + 1,) [rad] at its knots.
+        desired: (k + 1,) [rad] at its knots.
         limits: of all hinges.
 
     Returns:
         None when the hinge cannot pass its keys in these times.
     """
-    controls = nearest_without_limits(segment, wish)
+    controls = nearest_without_limits(segment, desired)
     if segment.grid.largest(controls, limits, segment.hinge) <= WITHIN:
         return controls
-    return nearest_within_limits(segment, wish, limits)
+    return nearest_within_limits(segment, desired, limits)
 
 
-def nearest_without_limits(segment: SplineSegment, wish: Floats) -> Floats:
-    """Control points (k + 3,) [rad] nearest to a wish whatever the limits are."""
+def nearest_without_limits(segment: SplineSegment, desired: Floats) -> Floats:
+    """Finds the control points (k + 3,) [rad] nearest to a desired motion, whatever the limits are."""
     if segment.still:
         return np.full(segment.grid.size, segment.start)
-    return _through(segment, segment.grid.factor, segment.grid.at_knots.T @ wish)
+    return _through(segment, segment.grid.factor, segment.grid.at_knots.T @ desired)
 
 
 def smoothest(segment: SplineSegment) -> Floats:
-    """Control points (k + 3,) [rad] of the way through the keys with the least acceleration and jerk."""
+    """Finds the control points (k + 3,) [rad] of the way through the keys with the least acceleration and jerk."""
     return _through(segment, segment.grid.calm, np.zeros(segment.grid.size))
 
 
 def _through(segment: SplineSegment, factor: Floats, pulled: Floats) -> Floats:
-    """The optimum of a quadratic form that passes what is fixed."""
+    """Optimum of a quadratic form under what is fixed."""
     matrix, values = segment.fixed
     solved = scipy.linalg.cho_solve_banded((factor, False), np.hstack([pulled[:, None], matrix.T]))
     free, pull = solved[:, 0], solved[:, 1:]
     return np.asarray(free + pull @ np.linalg.lstsq(matrix @ pull, values - matrix @ free)[0])
 
 
-def nearest_within_limits(segment: SplineSegment, wish: Floats, limits: Limits) -> Floats | None:
-    """The same as `nearest_motion` where the optimum without limits is known to exceed them."""
+def nearest_within_limits(segment: SplineSegment, desired: Floats, limits: Limits) -> Floats | None:
+    """Finds the same as `nearest_motion` where the optimum without limits is known to exceed them."""
     grid, hinge, (matrix, values) = segment.grid, segment.hinge, segment.fixed
-    rows, (lower, upper) = grid.rows(limits, hinge), segment.corridor(limits, wish)
+    rows, (lower, upper) = grid.rows(limits, hinge), segment.corridor(limits, desired)
     form, every = numbers(grid.closeness), numbers(_stacked(scipy.sparse.csr_array(matrix), rows))
     program = {"h": form.sparsity(), "a": every.sparsity()}
     solver = casadi.conic("nearest", "piqp", program, {"error_on_fail": False, "piqp": {"max_iter": ITERATIONS}})
-    told = solver(
+    solution = solver(
         h=form,
-        g=column(-(grid.at_knots.T @ wish)),
+        g=column(-(grid.at_knots.T @ desired)),
         a=every,
         lba=column(np.concatenate([values, -grid.bounds])),
         uba=column(np.concatenate([values, grid.bounds])),
         lbx=column(lower),
         ubx=column(upper),
     )
-    return np.array(told["x"]).ravel() if solver.stats()["success"] else None
+    return np.array(solution["x"]).ravel() if solver.stats()["success"] else None
 
 
 def _stacked(top: "scipy.sparse.csr_array", bottom: "scipy.sparse.csr_array") -> "scipy.sparse.csc_array":
-    """One matrix above the other."""
     data = np.concatenate([top.data, bottom.data])
     indices = np.concatenate([top.indices, bottom.indices])
     starts = np.concatenate([top.indptr, top.indptr[-1] + bottom.indptr[1:]])
@@ -83,19 +82,18 @@ def _stacked(top: "scipy.sparse.csr_array", bottom: "scipy.sparse.csr_array") ->
 
 
 def numbers(matrix: "scipy.sparse.csc_array") -> casadi.DM:
-    """A matrix, for CasADi."""
+    """Converts a sparse matrix for CasADi."""
     shape = (int(matrix.shape[0]), int(matrix.shape[1]))
     pattern = _pattern(shape, matrix.indptr.astype(np.int64).tobytes(), matrix.indices.astype(np.int64).tobytes())
     return casadi.DM(pattern, matrix.data.tolist())
 
 
 def column(values: Floats) -> casadi.DM:
-    """(k, 1) from (k,), for CasADi, which reads lists sooner than arrays."""
+    """Converts (k,) to (k, 1) for CasADi, which reads lists sooner than arrays."""
     return casadi.DM(values.tolist())
 
 
 @lru_cache(maxsize=256)
 def _pattern(shape: tuple[int, int], starts: bytes, indices: bytes) -> casadi.Sparsity:
-    """Where a matrix has numbers: most segments are looked at more than once."""
-    told = (np.frombuffer(each, dtype=np.int64).tolist() for each in (starts, indices))
-    return casadi.Sparsity(*shape, *told)
+    """Remembered, as most segments are looked at more than once."""
+    return casadi.Sparsity(*shape, *(np.frombuffer(each, dtype=np.int64).tolist() for each in (starts, indices)))

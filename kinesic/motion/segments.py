@@ -1,4 +1,4 @@
-"""Cuts the motion of each hinge where it rests: what lies between two rests is a problem of its own."""
+"""Cuts the motion of each hinge where it rests; what lies between two rests is a problem of its own."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ Cut = tuple[int, int]  # knot at which a hinge rests, and the last of its own ke
 
 @dataclass(frozen=True, eq=False)
 class SplineSegment:
-    """The motion of one hinge through its keys, from rest or from a running motion, to rest or into another motion."""
+    """The motion of one hinge through its keys, begun and ended at rest or in another motion."""
 
     hinge: int
     first: int  # knot at which it begins to move
@@ -43,7 +43,7 @@ class SplineSegment:
 
     @classmethod
     def through(cls, keys: Keys, hinge: int, places: Floats, begin: Cut, end: Cut, step: float) -> "SplineSegment":
-        """From rest to rest through those keys of a hinge that lie between two cuts.
+        """Takes the keys of a hinge between two cuts: from rest to rest.
 
         Args:
             keys: of the whole motion.
@@ -80,7 +80,7 @@ class SplineSegment:
         places: Floats = NOWHERE,
         angles: Floats = NOWHERE,
     ) -> "SplineSegment":
-        """From a running motion into another one, or to rest wherever it can.
+        """Leads from a running motion into another one, or to rest wherever it can.
 
         Args:
             hinge: whose segment it is.
@@ -111,21 +111,21 @@ class SplineSegment:
 
     @property
     def rests_early(self) -> bool:
-        """Whether its last key lies in its last piece, from where on it rests."""
+        """Whether the last key lies in the last piece, from where on the hinge rests."""
         return self.exit is None and len(self.places) > 0 and bool(self.places[-1] > self.grid.pieces - 1)
 
     @property
     def knots(self) -> slice:
-        """Its knots among those of the whole motion."""
+        """Slice of the knots of the whole motion."""
         return slice(self.first, self.first + self.grid.pieces + 1)
 
     @property
     def controls(self) -> slice:
-        """Its control points among those of the whole motion."""
+        """Slice of the control points of the whole motion."""
         return slice(self.first, self.first + self.grid.size)
 
     def corridor(self, limits: Limits, desired: Floats | None = None) -> tuple[Floats, Floats]:
-        """Bounds the control points: they stay near the keys on both sides, or near a desired motion.
+        """Bounds the control points: near the keys on both sides, or near a desired motion.
 
         Without it a hinge that has little time would run up from behind its keys, and swing out after them.
 
@@ -156,7 +156,7 @@ class SplineSegment:
 
     @cached_property
     def fixed(self) -> tuple[Floats, Floats]:
-        """Matrix (m + 6, k + 3) and values that its control points must have: entry, keys, exit.
+        """Matrix (m + 6, k + 3) and values of the control points that are fixed by entry, keys and exit.
 
         A key in the last piece is the rest itself: the control point before the rest is as the rest is.
         """
@@ -180,7 +180,7 @@ class SplineSegment:
 
 
 def segments(times: Floats, keys: Keys, step: float) -> Iterator[SplineSegment]:
-    """Yields the segments of all hinges, in order.
+    """Cuts the motion of all hinges into segments, in order.
 
     Args:
         times: (m,) [s] of the keys.
@@ -200,7 +200,7 @@ def pieces(times: Floats, step: float) -> int:
 
 
 def _cuts(places: Floats, angles: Floats, led: Flags) -> Iterator[Cut]:
-    """In the middle of each hold."""
+    """One in the middle of each long hold."""
     for k in np.flatnonzero((np.abs(np.diff(angles)) < HOLD) & ~led):
         if places[k + 1] - places[k] >= LEAST_HOLD:
             yield round((places[k] + places[k + 1]) / 2), int(k)

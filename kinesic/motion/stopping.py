@@ -1,4 +1,4 @@
-"""Leaves a running motion and comes to rest in the least time, under the same limits.
+"""Stops a running motion in the least time, under the same limits.
 
 The control points that are in force at the cut are kept, so that angles, speeds and accelerations go on without a step
 and every limit holds across the cut as it does elsewhere. See `merge` for the ways over into another motion.
@@ -18,12 +18,12 @@ from kinesic.motion.transition import LEAST, roomy
 
 
 def cut_knot(running: Trajectory, time: float) -> int:
-    """The knot at which a motion can be left: the first not before a time [s]."""
+    """Finds the knot at which a motion can be left: the first not before a time [s]."""
     return int(np.clip(np.ceil((time - running.start) / STEP - EARLY), 0, len(running.controls) - 3))
 
 
 def stop(running: Trajectory, time: float, limits: Limits) -> Trajectory:
-    """Comes to rest in the least time, each hinge wherever it can.
+    """Stops a motion in the least time, each hinge wherever it comes to rest.
 
     Args:
         running: the motion, within the limits.
@@ -44,7 +44,7 @@ def stop(running: Trajectory, time: float, limits: Limits) -> Trajectory:
 
 
 def _halt(hinge: int, own: Floats, least: int, limits: Limits) -> Floats:
-    """Control points of the shortest way to rest, of at least so many pieces; at worst its own way (k + 3,)."""
+    """Control points of the shortest way to rest in at least so many pieces; at worst its own way (k + 3,)."""
     if np.ptp(own[:3]) == 0.0:
         return own[:3]
 
@@ -58,7 +58,7 @@ def _halt(hinge: int, own: Floats, least: int, limits: Limits) -> Floats:
 
 
 def _first(way: Callable[[int], Floats | None], most: int) -> tuple[int, Floats] | None:
-    """The least number of pieces more with which there is a way: doubled until there is, then halved back."""
+    """Least number of further pieces with which there is a way: doubled until there is one, then halved back."""
     low, high, found = -1, 0, way(0)
     while found is None:
         low, high = high, 2 * high + 1

@@ -1,4 +1,4 @@
-"""Ways from one motion of a hinge into another, both on one grid, without a step and within all limits."""
+"""Leads hinges from one motion into another, both on one grid, without a step and within all limits."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -20,12 +20,12 @@ MARGINS = (15, 40, 10000)  # knots about what exceeds the limits, in which a mot
 
 
 def knot_at(time: float) -> int:
-    """The first knot not before a performance time [s], beyond the end of a motion as well."""
+    """Finds the first knot not before a performance time [s], beyond the end of a motion as well."""
     return max(0, ceil(time / STEP - EARLY))
 
 
 def roomy(limits: Limits) -> Limits:
-    """A little more than the limits, within what the certificate allows."""
+    """Widens limits a little, within what the certificate allows."""
     return replace(
         limits,
         speed=sealed(ROOM * limits.speed),
@@ -38,7 +38,7 @@ def roomy(limits: Limits) -> Limits:
 def cross_over(
     own: Floats, after: Floats, knots: tuple[int, int], limits: Limits, hinge: int, *, passing: Floats = NOWHERE
 ) -> Floats | None:
-    """Leads a hinge out of one motion at a knot, into another that it is on from a later knot on.
+    """Leads a hinge out of one motion at a knot, and into another from a later knot on.
 
     What lies between the two at the beginning fades as calmly as can be.
 
@@ -67,7 +67,7 @@ def cross_over(
 
 
 def together(ways: Iterable[Floats | None]) -> Floats | None:
-    """Ways of several hinges as columns; None as soon as one has none, or where there are no hinges."""
+    """Joins the ways of several hinges as columns; None as soon as one has none, or where there are no hinges."""
     found: list[Floats] = []
     for way in ways:
         if way is None:
@@ -76,11 +76,11 @@ def together(ways: Iterable[Floats | None]) -> Floats | None:
     return np.stack(found, axis=1) if found else None
 
 
-def keep_limits(wish: Floats, first: int, last: int, limits: Limits, hinge: int) -> Floats | None:
-    """Control points nearest to those of a wish, within the limits; the same except about where it exceeds them.
+def keep_limits(controls: Floats, first: int, last: int, limits: Limits, hinge: int) -> Floats | None:
+    """Moves control points into the limits, as little as needed and only near where they exceed them.
 
     Args:
-        wish: (k + 3,) [rad] control points.
+        controls: (k + 3,) [rad].
         first: knot from which they may differ.
         last: knot until which they may differ.
         limits: of all hinges.
@@ -89,55 +89,54 @@ def keep_limits(wish: Floats, first: int, last: int, limits: Limits, hinge: int)
     Returns:
         None when the hinge cannot come from what is before to what is after.
     """
-    found: Floats | None = wish
-    begin, end = _beyond(wish, first, last, limits, hinge)
+    begin, end = _beyond(controls, first, last, limits, hinge)
     if begin > end:
-        return wish
+        return controls
+    found: Floats | None = None
     for margin in MARGINS:
         low, high = max(first, begin - margin), min(last, end + margin)
-        found = _between(wish, low, high, limits, hinge)
+        found = _between(controls, low, high, limits, hinge)
         if found is not None or (low, high) == (first, last):
             return found
     return found
 
 
-def _beyond(wish: Floats, first: int, last: int, limits: Limits, hinge: int) -> tuple[int, int]:
-    """Knots between which a spline exceeds its limits, among some."""
-    shares = grid(last - first, STEP).shares(wish[first : last + LEAST], limits, hinge)
+def _beyond(controls: Floats, first: int, last: int, limits: Limits, hinge: int) -> tuple[int, int]:
+    shares = grid(last - first, STEP).shares(controls[first : last + LEAST], limits, hinge)
     places = np.concatenate([np.flatnonzero(np.abs(share) > 1.0) for share in shares])
     return first + int(places.min(initial=last - first)), first + int(places.max(initial=0))
 
 
-def _between(wish: Floats, first: int, last: int, limits: Limits, hinge: int) -> Floats | None:
-    """Control points within the limits that are the same as the wish before a knot and after another."""
-    part = wish[first : last + LEAST]
+def _between(controls: Floats, first: int, last: int, limits: Limits, hinge: int) -> Floats | None:
+    """Control points within the limits, the same as given before a knot and after another."""
+    part = controls[first : last + LEAST]
     way = SplineSegment.between(hinge, last - first, part[:LEAST], part[-LEAST:])
     found = nearest_motion(way, way.grid.at_knots @ part, limits)
-    return None if found is None else np.concatenate([wish[: first + LEAST], found[LEAST:-LEAST], wish[last:]])
+    return None if found is None else np.concatenate([controls[: first + LEAST], found[LEAST:-LEAST], controls[last:]])
 
 
 def excesses(controls: Floats, limits: Limits) -> Floats:
-    """(n,) the largest share of any limit that splines (k + 3, n) [rad] take."""
+    """Computes (n,) the largest share of any limit that splines (k + 3, n) [rad] take."""
     whole = grid(len(controls) - 3, STEP)
     columns = enumerate(controls.T)
     return np.array([whole.largest(np.ascontiguousarray(column), limits, hinge) for hinge, column in columns])
 
 
 def delay_controls(controls: Floats, offset: int) -> Floats:
-    """Control points (k + 3, n) of a motion that begins so many knots later; earlier, where that is negative."""
+    """Delays control points (k + 3, n) by so many knots; a negative number makes them earlier."""
     if offset < 0:
         return controls[min(-offset, len(controls) - 3) :]
     return np.vstack([np.repeat(controls[:1], offset, axis=0), controls])
 
 
 def lengthen(controls: Floats, count: int) -> Floats:
-    """Control points (m, n) that stay as they end, at least so many."""
+    """Lengthens control points (m, n) to at least so many: they stay as they end."""
     more = count - len(controls)
     return controls if more <= 0 else np.vstack([controls, np.repeat(controls[-1:], more, axis=0)])
 
 
 def shorten(controls: Floats) -> Floats:
-    """Control points (m, n) without what only stays as it ends."""
+    """Cuts control points (m, n) off where they only stay as they end."""
     moving = np.flatnonzero((np.abs(controls - controls[-1]) > SAME).any(axis=1))
     return controls[: max(int(moving[-1]) + 1 if len(moving) else 0, 1) + LEAST]
 
@@ -149,7 +148,7 @@ def _angles(column: Floats, places: Floats) -> Floats:
 
 
 def _fading(away: Floats, pieces: int) -> Floats:
-    """(pieces + 1,) [rad] a quintic from three control points' angle, speed and acceleration to rest at nothing."""
+    """(pieces + 1,) [rad] quintic from the angle, speed and acceleration of three control points to rest at 0."""
     angle = (away[0] + 4 * away[1] + away[2]) / 6
     speed, acceleration = (away[2] - away[0]) / 2 * pieces, (away[0] - 2 * away[1] + away[2]) * pieces**2
     u = np.linspace(0.0, 1.0, pieces + 1)

@@ -1,4 +1,4 @@
-"""The arms of one posture: hands by their reaches, elbows by openness, shoulders by effort (thesis 8.6 and 8.7)."""
+"""Solves the arms of a posture: hands by reaches, elbows by openness, shoulders by effort (thesis 8.6 and 8.7)."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -29,7 +29,7 @@ def with_arms(
     robot: Robot,
     before: Mapping[Side, Floats] = NOT_BEFORE,
 ) -> Floats:
-    """The posture with some arms solved.
+    """Solves some arms of a posture.
 
     Args:
         angles: (n,) [rad] the posture, its torso in place; arms start from here.
@@ -72,7 +72,7 @@ def with_arms(
 
 
 def turn_reach(reach: Reach, rotation: Floats, pivot: Floats, moved: Floats, scale: float = 1.0) -> Reach:
-    """A reach turned and scaled about a pivot, which itself moves."""
+    """Turns and scales a reach about a pivot, which itself moves."""
     return Reach(
         sealed(moved + scale * (rotation @ (reach.position - pivot))),
         None if reach.pointing is None else sealed(rotation @ reach.pointing),
@@ -82,7 +82,7 @@ def turn_reach(reach: Reach, rotation: Floats, pivot: Floats, moved: Floats, sca
 
 
 def _opened(chain: Chain, angles: Floats, openness: float) -> float | None:
-    """The swivel [rad] that openness asks of an arm; None where it asks nothing."""
+    """Swivel [rad] that openness asks of an arm; None where it asks nothing."""
     present = swivel(chain, angles)
     if openness <= 0.0 or present is None or present >= OPEN:
         return None

@@ -1,4 +1,4 @@
-"""MPEG-4 body animation parameters as text (the BAP file format, ISO/IEC 14496-2 annex C): written and read.
+"""Reads and writes MPEG-4 body animation parameters as text (the BAP file format, ISO/IEC 14496-2 annex C).
 
 A header `version name rate frames`, then two lines per frame: a mask of 296 flags, and the frame's number with one
 whole number for each flag that is set. A parameter whose flag is not set stays as it was.
@@ -103,7 +103,7 @@ class _Column:
 
 @lru_cache(maxsize=8)
 def _columns(robot: Robot) -> tuple[_Column, ...]:
-    """Parameters of a robot's hinges, by number."""
+    """Those of a robot's hinges, by number."""
     found = []
     for k, hinge in enumerate(robot.skeleton.hinges):
         if hinge.name in NUMBERS:
@@ -127,7 +127,7 @@ def write_bap(trajectory: Sampled, robot: Robot, path: Path) -> None:
 
 
 def read_bap(path: Path, robot: Robot) -> BapFrames:
-    """Reads a motion, as far as the robot has the hinges for it.
+    """Reads a motion as far as the robot has the hinges for it.
 
     Angles are those of the file, exactly. A parameter that no frame has set yet is at rest.
 

@@ -25,7 +25,7 @@ def certify(
     ease: float = 1.0,
     lead_in: float = LEAD_IN,
 ) -> Conditioned:
-    """The conditioned motion through keys, no drive above its full duty if that can be.
+    """Conditions the motion through keys so that no drive exceeds its full duty, if that can be.
 
     Args:
         keys: at least two, the first and the last keyed in all hinges.
@@ -49,7 +49,7 @@ def certify(
 
 
 def duties(trajectory: Trajectory, setup: Setup) -> Floats:
-    """(n,) the largest duty of each drive at the knots of a motion."""
+    """Computes (n,) the largest duty of each drive at the knots of a motion."""
     angles, speeds, accelerations = trajectory.sample(trajectory.start + np.arange(0.0, trajectory.duration, STEP))
     torques = setup.dynamics.torques(angles, speeds, accelerations)
     return np.asarray(np.abs(torques / setup.robot.drives.stall + speeds * setup.limits.viscous).max(axis=0))

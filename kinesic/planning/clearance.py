@@ -1,4 +1,4 @@
-"""Keeps a motion clear of the body: detours first, then the name of the behaviour that must go."""
+"""Keeps a motion clear of the body by detours, or names the behaviour that must go."""
 
 from typing import Protocol
 
@@ -39,63 +39,60 @@ def keep_clear(
 ) -> tuple[Postures, Conditioned, Floats, Clearance]:
     """Conditions the postures, and leads the motion around the body where it comes too near.
 
-    Detours are looked for in the wished motion, which costs little; only where the conditioned one comes nearer,
+    Detours are looked for in the desired motion, which costs little; only where the conditioned one comes nearer,
     it is conditioned again.
+
+    Args:
+        solved: postures of a block.
+        setup: robot, limits and distances.
+        bonds: between sync points of different behaviours.
+        conditioned: makes a motion one that the servos can follow.
+
+    Returns:
+        The postures with detours, the motion, performance times (m,) [s] and the clearance at them.
     """
-    ease = 1.0
-    least = wanted = setup.robot.least_clearance + LAG_RESERVE
-    keys = _led_around(solved.postures, _times(solved.postures, setup), setup, wanted)
-    motion = _condition(keys, setup, bonds, conditioned, ease)
+    if len(solved.postures) < 2:
+        rest = setup.robot.skeleton.rest
+        still = Conditioned(stay(rest), np.zeros(0), np.zeros(0), {}, np.zeros(len(rest)))
+        return solved, still, *scan_clearance(still.trajectory, setup.distances)
+    ease, least = 1.0, setup.robot.least_clearance + LAG_RESERVE
+    keys = Keys.of(solved.postures, setup.limits)
+    planned = keys.asked if keys.spaced else relax_key_times(keys, keys.gaps, 0.0)
+    wanted, postures = least, _lead_around(solved.postures, planned, setup, least)
+    motion = conditioned(postures, setup, bonds, ease=ease)
     times, clearance = scan_clearance(motion.trajectory, setup.distances)
     for _ in range(REPAIRS):
         lacking = least - float(clearance.distances[clearance.worst])
         if lacking <= 0.0:
             break
-        around = _led_around(keys, motion.planned, setup, wanted)
-        if around == keys:  # the wish is clear: with more time and more room the motion is, too
+        around = _lead_around(postures, motion.planned, setup, wanted)
+        if around == postures:  # the desired motion is clear: with more time and more room the other one is, too
             wanted += min(lacking, LAG_RESERVE) + REPAIR
             ease *= EASIER
-            around = _led_around(keys, motion.planned, setup, wanted)
-        keys = around
-        motion = _condition(keys, setup, bonds, conditioned, ease)
+            around = _lead_around(postures, motion.planned, setup, wanted)
+        postures = around
+        motion = conditioned(postures, setup, bonds, ease=ease)
         times, clearance = scan_clearance(motion.trajectory, setup.distances)
-    return Postures(keys, solved.misses), motion, times, clearance
+    return Postures(postures, solved.misses), motion, times, clearance
 
 
-def scan_clearance(trajectory: Trajectory, distances: Distances) -> tuple[Floats, Clearance]:
-    """Times (m,) [s] and the clearance at them."""
-    times = trajectory.start + np.append(np.arange(0.0, trajectory.duration, 1.0 / SCAN_RATE), trajectory.duration)
-    return times, distances.clearance(trajectory.sample(times)[0])
-
-
-def _led_around(keys: tuple[KeyPosture, ...], planned: Floats, setup: Setup, least: float) -> tuple[KeyPosture, ...]:
-    if len(keys) < 2:
-        return keys
-    course = PostureCourse(keys, planned, setup.robot, setup.limits)
+def _lead_around(
+    postures: tuple[KeyPosture, ...], planned: Floats, setup: Setup, least: float
+) -> tuple[KeyPosture, ...]:
+    course = PostureCourse(postures, planned, setup.robot, setup.limits)
     return lead_around(course, setup.distances, least=least).postures
 
 
-def _times(postures: tuple[KeyPosture, ...], setup: Setup) -> Floats:
-    """(k,) [s] the times of the keys as asked for, where none is too near to another."""
-    if len(postures) < 2:
-        return np.zeros(len(postures))
-    keys = Keys.of(postures, setup.limits)
-    return keys.asked if keys.spaced else relax_key_times(keys, keys.gaps, 0.0)
-
-
-def _condition(
-    keys: tuple[KeyPosture, ...], setup: Setup, bonds: tuple[Bond, ...], conditioned: Conditioner, ease: float
-) -> Conditioned:
-    if len(keys) < 2:
-        still = stay(setup.robot.skeleton.rest)
-        return Conditioned(still, np.zeros(0), np.zeros(0), {}, np.zeros(len(setup.robot.skeleton.rest)))
-    return conditioned(keys, setup, bonds, ease=ease)
+def scan_clearance(trajectory: Trajectory, distances: Distances) -> tuple[Floats, Clearance]:
+    """Measures the clearance of a motion at times (m,) [s]."""
+    times = trajectory.start + np.append(np.arange(0.0, trajectory.duration, 1.0 / SCAN_RATE), trajectory.duration)
+    return times, distances.clearance(trajectory.sample(times)[0])
 
 
 def culprits(
     frames: KeyFrames, motion: Conditioned, times: Floats, clearance: Clearance, robot: Robot
 ) -> dict[str, str]:
-    """The behaviour that brings two segments too near, and why; empty when the motion is clear."""
+    """Finds the behaviour that brings two segments too near, and why; empty when the motion is clear."""
     worst = clearance.worst
     distance = float(clearance.distances[worst])
     if distance >= robot.least_clearance + LAG_RESERVE or not frames.frames:

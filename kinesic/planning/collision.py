@@ -81,7 +81,7 @@ def separate(
 
 
 def _metric(probes: Floats, robot: Robot) -> Floats:
-    """(k, k) what a step of hinges costs: turns, and the displacement of wrists and palms, for (k + 1, n) [rad]."""
+    """(k, k) cost of a step of k hinges: turns, and the displacement of wrists and palms, for (k + 1, n) [rad]."""
     frames = robot.skeleton.frames(probes)
     points = []
     for side in SIDES:
@@ -95,7 +95,7 @@ def _metric(probes: Floats, robot: Robot) -> Floats:
 
 
 def _smallest(rows: Floats, needed: Floats, metric: Floats) -> Floats | None:
-    """The smallest step with rows @ step >= needed (Lawson and Hanson's least distance programming).
+    """Smallest step with rows @ step >= needed (Lawson and Hanson's least distance programming).
 
     Rows that contradict one another are met by halves, thrice at most.
     """
@@ -140,14 +140,14 @@ def clear_hands(angles: Floats, hands: Mapping[Side, Hand], robot: Robot, distan
 
 
 def touched_pair(side: Side, touch: Touch, robot: Robot) -> int | None:
-    """Index among the counted pairs of a hand and what it touches; None when this pair does not count."""
+    """Finds the counted pair of a hand and what it touches, by index; None when this pair does not count."""
     hand, part = robot.arm(side).segments[-1], _segment(side, touch, robot)
     found = [k for k, pair in enumerate(robot.counted_pairs) if set(pair) == {hand, part}]
     return found[0] if found else None
 
 
 def _segment(side: Side, touch: Touch, robot: Robot) -> str | None:
-    """The segment that a word names, for a hand; None when the robot lacks it."""
+    """Segment that a word names, for a hand; None when the robot lacks it."""
     arm, torso, neck = robot.arm(OTHER_SIDE[side]).segments, robot.chains.get("torso"), robot.chains.get("neck")
     match touch:
         case "hand":

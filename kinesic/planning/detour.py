@@ -1,4 +1,4 @@
-"""Leads a motion around the body: keys are put into the path, or moved, where two segments would come too near."""
+"""Leads a motion around the body: adds or moves keys where two segments would come too near."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -28,7 +28,7 @@ GAIN = 0.98  # of what is lacking: a change that leaves more is none
 
 @dataclass(frozen=True, eq=False)
 class PostureCourse:
-    """Key postures, when they are planned, and the wished motion through them."""
+    """Key postures, their planned times, and the desired motion through them."""
 
     postures: tuple[KeyPosture, ...]  # in the order of their times
     planned: Floats  # (k,) [s] block time
@@ -37,22 +37,22 @@ class PostureCourse:
 
     @cached_property
     def motion(self) -> DesiredMotion:
-        """Through the keys; performance time begins with the first."""
+        """The motion through the keys; performance time begins with the first."""
         return join_keys(self.planned, Keys.of(self.postures, self.limits, room=0.0))
 
     def at(self, time: float) -> Floats:
-        """(n,) [rad] at a block time."""
+        """Looks up the angles (n,) [rad] at a block time."""
         angles: Floats = self.motion.angles(np.array([time + self.motion.zero]))[0]
         return angles
 
     def near(self, arm: Arm, time: float) -> int | None:
-        """The key of an arm that is nearer to a block time than a detour may be; None when there is none."""
+        """Finds the key of an arm that is nearer to a block time than a detour may be; None when there is none."""
         keys = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]
         nearest = min(keys, key=lambda k: abs(self.planned[k] - time))
         return nearest if abs(self.planned[nearest] - time) < LEAST_STEP else None
 
     def moved(self, key: int, angles: Floats, arm: Arm) -> "PostureCourse":
-        """With another posture of an arm at a key, and wherever else the arm is in the same one: holds stay holds."""
+        """Moves an arm at a key, and wherever else the arm is in the same posture: holds stay holds."""
         joints, old = list(arm), self.postures[key].angles[list(arm)]
         there = np.zeros(len(angles), dtype=bool)
         there[joints] = True
@@ -67,7 +67,7 @@ class PostureCourse:
         )
 
     def keyed_alike(self, arms: list[Arm]) -> list[Arm]:
-        """Arms with the same keys as one, so that mirrored arms stay mirrored."""
+        """Joins arms with the same keys, so that mirrored arms stay mirrored."""
         found: dict[tuple[bool, ...], Arm] = {}
         for arm in arms:
             keys = tuple(posture.keyed[arm[0]] for posture in self.postures)
@@ -75,7 +75,7 @@ class PostureCourse:
         return list(found.values())
 
     def extended(self, time: float, angles: Floats, arm: Arm) -> "PostureCourse":
-        """With one more key at a block time, for the hinges of an arm, or of two that have the same keys."""
+        """Adds a key at a block time, for the hinges of an arm, or of two that have the same keys."""
         own = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]
         asked = float(np.interp(time, self.planned[own], [self.postures[k].time for k in own]))
         while asked in {posture.time for posture in self.postures}:
@@ -90,7 +90,7 @@ class PostureCourse:
 
 
 def lead_around(course: PostureCourse, distances: Distances, *, least: float) -> PostureCourse:
-    """The course with changes wherever its motion comes too near to the body.
+    """Changes a course wherever its motion comes too near to the body.
 
     One stretch after the other: of several changes the one is taken that leaves least to be done. An arm that has no
     key near gets one, in the nearest posture that is clear, or in one nearer to rest; else its key moves away.
@@ -125,19 +125,19 @@ def lead_around(course: PostureCourse, distances: Distances, *, least: float) ->
 
 
 def _lacking(course: PostureCourse, distances: Distances, least: float) -> Floats:
-    """(m,) [m] by which a motion comes too near, sample by sample."""
+    """(m,) [m] that each sample lacks of the clearance."""
     times = np.arange(0.0, course.motion.duration, 1.0 / SCAN_RATE)
     return np.maximum(least - distances.clearance(course.motion.angles(times)).distances, 0.0)
 
 
 def _closest(lacking: Floats) -> Iterator[int]:
-    """The worst sample of every stretch that comes too near."""
+    """Worst sample of every stretch that comes too near."""
     stretches = np.split(np.arange(len(lacking)), np.flatnonzero(np.diff(lacking > 0)) + 1)
     return (int(s[lacking[s].argmax()]) for s in stretches if lacking[s].max(initial=0.0) > 0)
 
 
 def _changes(course: PostureCourse, time: float, distances: Distances, least: float) -> Iterator[PostureCourse]:
-    """Ways to change the motion at a block time where it comes too near."""
+    """Tries changes at a block time where the motion comes too near."""
     gaps = distances.gaps(course.at(time)[None])[0]
     close = {segment for k in np.flatnonzero(gaps < least) for segment in course.robot.counted_pairs[k]}
     arms = [arm.joints for side in SIDES if close & set((arm := course.robot.arm(side)).segments)]
@@ -152,7 +152,7 @@ def _changes(course: PostureCourse, time: float, distances: Distances, least: fl
 def _with_a_key(
     course: PostureCourse, time: float, arms: list[Arm], distances: Distances, least: float
 ) -> Iterator[PostureCourse]:
-    """With one more key for some arms: clear, and near to where they are or a part of the way to rest."""
+    """Adds a key for some arms: clear, and near to where they are or a part of the way to rest."""
     angles, joints = course.at(time), _joined(arms)
     for share in WITHDRAWALS:
         start = angles.copy()
@@ -168,7 +168,7 @@ def _with_a_key(
 def _with_a_key_away(
     course: PostureCourse, key: int, arms: list[Arm], distances: Distances, least: float
 ) -> Iterator[PostureCourse]:
-    """With those of some arms farther away that have a key; rest stays rest."""
+    """Moves the keys of some arms farther away; rest stays rest."""
     posture, angles = course.postures[key], course.at(float(course.planned[key]))
     rest = course.robot.skeleton.rest
     keyed = [arm for arm in arms if posture.keyed[arm[0]] and np.any(posture.angles[list(arm)] != rest[list(arm)])]

@@ -1,4 +1,4 @@
-"""What the face shows while a plan is performed: `Command.face`, worked out for those who look at it."""
+"""Works out what the face shows while a plan is performed: `Command.face`."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -18,26 +18,26 @@ Shift = Mapping[tuple[str, str], float]  # behaviour and sync point -> [s] later
 
 
 def commands_with_face(plan: Plan, times: Floats) -> Iterator[Command]:
-    """The reference with its face, for sinks that draw: one command at each of (m,) performance times [s]."""
+    """Yields the reference with its face, for sinks that draw: one command at each of (m,) performance times [s]."""
     angles, speeds, accelerations = (sealed(values) for values in plan.trajectory.sample(times))
     for row in zip(times.tolist(), angles, speeds, accelerations, angles, faces(plan, times), strict=True):
         yield Command(*row)
 
 
 def asks_face(plan: Plan) -> bool:
-    """Whether anything but habit moves the face: an expression, speech, or a gaze."""
+    """Tells whether anything but habit moves the face: an expression, speech, or a gaze."""
     performed = (timed.behaviour for timed in plan.keyframes.timeline.timed)
     kinds = [behaviour.action for behaviour in performed if plan.keyframes.outcomes[behaviour.id].kind != "dropped"]
     return any(isinstance(action, Face | Gaze | Speech) for action in kinds)
 
 
 def faces(plan: Plan, times: Floats) -> tuple[Mapping[str, float], ...]:
-    """What `Command.face` holds at each of (m,) performance times [s]."""
+    """Works out `Command.face` at each of (m,) performance times [s]."""
     return tuple(face_at_ticks(shown_units(plan, times), len(times)))
 
 
 def shown_units(plan: Plan, times: Floats) -> Channels:
-    """Action units during a performance: expressions, visemes, gaze, blinks.
+    """Works out the action units of a performance: expressions, visemes, gaze, blinks.
 
     Sync points that planning moved take what is tied to them along; eyes look where the head is going, and hold on to
     it whatever the head does.
@@ -53,7 +53,7 @@ def shown_units(plan: Plan, times: Floats) -> Channels:
 
 
 def heads(plan: Plan, times: Floats) -> Floats:
-    """(m, 2) [rad] left and up, where the head points in the world at (m,) performance times [s]."""
+    """Computes (m, 2) [rad] left and up, where the head points in the world at (m,) performance times [s]."""
     robot = plan.setup.robot
     if not robot.joints("neck"):
         return np.zeros((len(times), 2))
@@ -63,7 +63,7 @@ def heads(plan: Plan, times: Floats) -> Floats:
 
 
 def _planned(plan: Plan) -> Timeline:
-    """The behaviours that are performed, at the times at which they will be."""
+    """Performed behaviours at their planned times."""
     shifts = {(sync.behaviour, sync.sync): sync.planned - sync.asked for sync in plan.syncs}
     timeline, outcomes = plan.keyframes.timeline, plan.keyframes.outcomes
     own: dict[tuple[str, str], float] = {}
@@ -80,6 +80,6 @@ def _is_face(timed: TimedBehaviour) -> bool:
 
 
 def _later(timed: TimedBehaviour, shifts: Shift) -> TimedBehaviour:
-    """The behaviour with its sync points moved, none of them before an earlier one."""
+    """A behaviour with its sync points moved, none of them before an earlier one."""
     moved = [time + shifts.get((timed.behaviour.id, sync), 0.0) for sync, time in timed.times.items()]
     return replace(timed, times=dict(zip(timed.times, np.maximum.accumulate(moved).tolist(), strict=True)))

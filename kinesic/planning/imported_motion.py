@@ -1,4 +1,4 @@
-"""A motion that others made: its samples become keys, and these a plan that the servos can follow."""
+"""Plans a motion that was made elsewhere: its samples become keys of a motion that the servos can follow."""
 
 from collections.abc import Sequence
 from time import perf_counter
@@ -31,7 +31,7 @@ BEYOND = 1e-4  # [rad] outside a range, and it is worth telling
 
 
 def plan_imported(frames: BapFrames, setup: Setup, *, source: str) -> Plan:
-    """Plans a motion that was read from a file: from rest to its first frame, through it, and back to rest.
+    """Plans a motion from a file: from rest to its first frame, through it, and back to rest.
 
     Block time is the file's. The motion is passed at keys, every 0.1 s and where a hinge turns back, and smoothly
     between them; where the servos cannot follow, keys come later or earlier, and a notice says by how much.
@@ -90,7 +90,7 @@ def _keys(frames: BapFrames, setup: Setup) -> tuple[KeyPosture, ...]:
 
 
 def _turns(column: Floats) -> NDArray[np.intp]:
-    """Indices of (m,) angles at which a hinge turns back for more than a tremble."""
+    """Indices of (m,) angles at which a hinge turns back by more than a tremble."""
     from scipy.signal import find_peaks  # noqa: PLC0415 - slow to import, and few motions are others'
 
     return np.sort(np.concatenate([find_peaks(sign * column, prominence=TREMBLE)[0] for sign in (1.0, -1.0)]))
@@ -105,23 +105,21 @@ def _keyed(times: Floats, even: Floats, turns: Floats) -> Flags:
 
 
 def _at(frames: BapFrames, times: Floats) -> Floats:
-    """(m, n) [rad] the motion at (m,) times, straight between its frames."""
+    """(m, n) [rad] at (m,) times, on straight lines between the frames."""
     return np.stack([np.interp(times, frames.times, column) for column in frames.angles.T], axis=1)
 
 
 def _way(setup: Setup, start: Floats, end: Floats) -> float:
-    """[s] from one posture to another, at ease."""
+    """[s] at ease from one posture to another."""
     return max(LEAST, COMFORT * float(least_rest_times(end - start, setup.limits).max()))
 
 
 def _left_out(frames: BapFrames) -> Sequence[Notice]:
-    """A notice where the motion moves more than the robot has."""
     numbers = ", ".join(str(number) for number in frames.strangers)
     return [_notice(f"the robot has no hinge for the parameters {numbers}")] if numbers else []
 
 
 def _clipped(frames: BapFrames, setup: Setup) -> Sequence[Notice]:
-    """A notice for each hinge that the motion wants beyond its range."""
     skeleton = setup.robot.skeleton
     beyond = np.abs(frames.angles - skeleton.clamp(frames.angles)).max(axis=0)
     return [
@@ -132,7 +130,6 @@ def _clipped(frames: BapFrames, setup: Setup) -> Sequence[Notice]:
 
 
 def _shifted(motion: Conditioned) -> Sequence[Notice]:
-    """A notice where the servos need other times than the motion's."""
     shifts = motion.planned - motion.asked
     worst = int(np.abs(shifts[1:-1]).argmax()) + 1
     if abs(shifts[worst]) <= SHIFT_TO_WARN:

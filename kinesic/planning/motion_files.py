@@ -1,4 +1,4 @@
-"""A motion in a file: npz and csv of the reference, or MPEG-4 body animation parameters."""
+"""Writes a motion to a file: npz and csv of the reference, or MPEG-4 body animation parameters."""
 
 import csv
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The straight line, from a block of BML to a motion that the servos can follow; pure."""
+"""Plans a block: from BML to a motion that the servos can follow, without side effects."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -35,7 +35,7 @@ from kinesic.planning.speech import (
     required_pauses,
     synthesise_block,
 )
-from kinesic.planning.syncs import Syncs, SyncTime, find_bonds, shifts, smaller, sync_times
+from kinesic.planning.syncs import Syncs, SyncTime, find_bonds, path_notices, shift_notices, sync_times
 
 STILL = 0.1  # [s] of a wish for nothing
 ROUNDS = 3  # of planning, in which pauses are made longer
@@ -44,7 +44,7 @@ ATTEMPTS = 3  # to say it with pauses that are as long as they must be
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """Everything that is known before anything moves."""
+    """A planned block: all that is known before anything moves."""
 
     setup: Setup
     timeline: Timeline
@@ -109,7 +109,7 @@ def plan_block(
     utterances: Mapping[str, Utterance] | None = None,
     engaged: Sequence[Engaged] = (),
 ) -> Plan:
-    """Plans a whole block.
+    """Plans a block as a whole.
 
     Where the body would be late for a word and the block allows it, a pause is made before the word, and all is
     planned again. A behaviour whose motion cannot be kept clear of the body is dropped by name, and the rest is
@@ -138,7 +138,7 @@ def plan_block(
 def _add_pauses(
     found: Plan, most: Mapping[str, float], context: BlockContext, conditioned: Conditioner
 ) -> tuple[Plan, tuple[SpeechPause, ...]]:
-    """A plan with pauses before the words that the body would miss, as long as that makes it better."""
+    """A plan with pauses before words that the body would miss, as long as they make it better."""
     block, setup = context.block, found.setup
     waiting: tuple[SpeechPause, ...] = ()
     for _ in range(ROUNDS):
@@ -188,15 +188,15 @@ def _plan_once(
         syncs=syncs,
         notices=(
             *frames.notices,
-            *shifts(context.block, syncs, frames, motion, setup.robot),
-            *smaller(context.block, solved.postures, frames, motion, setup.robot),
+            *shift_notices(context.block, syncs, frames, motion, setup.robot),
+            *path_notices(context.block, solved.postures, frames, motion, setup.robot),
         ),
         seconds=0.0,
     )
 
 
 def _desired(asked: Postures, setup: Setup) -> DesiredMotion:
-    """The motion as asked: without limits and detours."""
+    """Without limits and detours."""
     rest = setup.robot.skeleton.rest
     if len(asked.postures) < 2:
         still = (KeyPosture.whole(0.0, rest), KeyPosture.whole(STILL, rest))

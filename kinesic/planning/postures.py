@@ -1,4 +1,4 @@
-"""From key frames to joint angles: the torso first, then both arms (thesis 8.6)."""
+"""Turns key frames into joint angles: the torso first, then both arms (thesis 8.6)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ class Postures:
 
 
 def postures(keyframes: KeyFrames, robot: Robot, distances: Distances) -> Postures:
-    """Solves every key frame for the parts that it gives.
+    """Solves every key frame for the parts that have a key in it.
 
     Hands keep the hover distance of `collision` from the body and from one another; an unreachable target
     becomes the best posture, and `misses` says by how much.
@@ -62,7 +62,7 @@ def postures(keyframes: KeyFrames, robot: Robot, distances: Distances) -> Postur
 
 @dataclass(frozen=True, eq=False)
 class _Held:
-    """What a hand was last asked to do, and how the arm does it."""
+    """The last target of a hand, and the arm that meets it."""
 
     hand: Hand
     torso: Floats  # [rad]
@@ -77,12 +77,12 @@ class _Held:
         return cls(hand, torso, arm, began)
 
     def still(self, hand: Hand, torso: Floats) -> bool:
-        """Whether the same is asked again: then the arm stays as it is, however it came there."""
+        """Whether the target is the same again: then the arm stays as it is, however it came there."""
         return _same_hand(hand, self.hand) and bool(np.array_equal(torso, self.torso))
 
 
 def _beginning(solved: list[KeyPosture], start: float, robot: Robot) -> list[KeyPosture]:
-    """The robot at rest at the block's start, when nothing moves so early."""
+    """The rest pose at the block's start, when nothing moves so early."""
     if not solved or solved[0].time <= start + LEAST_GAP:
         return []
     return [KeyPosture(start, robot.skeleton.rest, (True,) * len(robot.skeleton.hinges))]
@@ -114,7 +114,7 @@ def _same_hand(hand: Hand, before: Hand) -> bool:
 
 
 def _keyed(frame: KeyFrame, robot: Robot, leaning: bool, *, ends: bool) -> list[bool]:
-    """Which hinges have a key in this frame: those of given parts, and those that follow a leaning torso."""
+    """Hinges with a key in this frame: those of given parts, and those that follow a leaning torso."""
     keyed = np.zeros(len(robot.skeleton.hinges), dtype=bool)
     torso = ends or leaning or "torso" in frame.given
     if torso:
@@ -130,13 +130,13 @@ def _keyed(frame: KeyFrame, robot: Robot, leaning: bool, *, ends: bool) -> list[
 
 
 def _firm(frame: KeyFrame) -> bool:
-    """Whether anything but hands on their paths has a key in this frame."""
+    """Whether anything but hands on their paths has a key here."""
     passing = {f"{side}_hand" for side, hand in frame.hands.items() if hand.passing}
     return bool(frame.syncs) or not frame.given <= passing
 
 
 def _passages(frame: KeyFrame, robot: Robot) -> tuple[Passage, ...]:
-    """How each hinge passes a frame: as its part does, and what follows another part as that does."""
+    """How each hinge passes a frame: as its part does; parts that follow others, as these do."""
     others = next((frame.passages[part] for part in CHAINS if part in frame.passages), PLAIN)
     found = [others] * len(robot.skeleton.hinges)
     for part, chain in CHAINS.items():
@@ -153,7 +153,7 @@ def _set_torso(angles: Floats, frame: KeyFrame, lean_angles: Floats, robot: Robo
 
 
 def _in_world(hand: Hand, side: Side, frame: KeyFrame, angles: Floats, robot: Robot) -> Reach | None:
-    """The reach in the world, with the torso as it then is.
+    """A reach in the world, with the torso as it then is.
 
     The gesture box turns with the torso's own key (thesis 8.7), never with the lean; an arm that points does so
     from where its shoulder has come to.
@@ -167,7 +167,7 @@ def _in_world(hand: Hand, side: Side, frame: KeyFrame, angles: Floats, robot: Ro
 
 
 def aim_from_shoulder(reach: Reach, aim: Floats, side: Side, angles: Floats, robot: Robot) -> Reach:
-    """The same reach seen from the shoulder as it is: turned so that what pointed at the aim still does.
+    """Turns a reach so that it points at its aim from where the shoulder has come to.
 
     Args:
         reach: from where the shoulder rests, in the world.

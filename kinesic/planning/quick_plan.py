@@ -1,4 +1,4 @@
-"""A motion to begin with at once: at rest at every key, so slow that no program has to be solved.
+"""Plans a motion that can begin at once: at rest at every key, so slow that no program has to be solved.
 
 Its times come from closed forms, its path from quintics; limits hold by construction and are checked on the control
 points. A better plan goes on with it while it runs: see `replan`.
@@ -45,7 +45,7 @@ def plan_quickly(block: Block, setup: Setup, *, engaged: Sequence[Engaged] = ())
 def rest_at_keys(
     postures: tuple[KeyPosture, ...], setup: Setup, bonds: tuple[Bond, ...] = (), *, ease: float = 1.0
 ) -> Conditioned:
-    """The motion that rests at every key.
+    """Makes a motion that rests at every key.
 
     Args:
         postures: at least two, the first and the last keyed in all hinges.
@@ -69,7 +69,7 @@ def rest_at_keys(
 
 
 def duration(way: float, limits: Limits, hinge: int) -> float:
-    """Of a quintic from rest to rest over a way [rad] within all limits of a hinge [s].
+    """Computes the time [s] of a quintic from rest to rest over a way [rad], within all limits of a hinge.
 
     Its duty is bounded by that of its greatest speed and its greatest acceleration together.
     """

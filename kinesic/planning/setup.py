@@ -1,4 +1,4 @@
-"""What planning knows beside the text."""
+"""What planning is given beside the text."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -21,7 +21,7 @@ from kinesic.expressivity.style.style import Style
 
 @dataclass(frozen=True, eq=False)
 class Setup:
-    """What planning must know beside the text; nothing of it is changed by planning."""
+    """What planning is given beside the text; planning changes nothing of it."""
 
     robot: Robot
     style: Style

@@ -31,7 +31,7 @@ class SpeechPause:
 
 
 def synthesise_block(block: Block, setup: Setup, waiting: tuple[SpeechPause, ...] = ()) -> dict[str, Utterance]:
-    """Each speech of a block by its id, as it will be said.
+    """Synthesises each speech of a block, by its id.
 
     Args:
         block: what was asked.
@@ -49,7 +49,7 @@ def synthesise_block(block: Block, setup: Setup, waiting: tuple[SpeechPause, ...
 
 
 def delivery(style: Style) -> tuple[float, float]:
-    """How fast and how high a style speaks, in times the voice's own.
+    """Chooses rate and pitch of a style, in times the voice's own.
 
     Who moves faster speaks faster, up to a quarter; who moves with more power, or more at all, speaks higher, up to
     three semitones: arousal raises tempo and pitch of voices, sadness and calm lower both (Banse and Scherer 1996).
@@ -60,7 +60,7 @@ def delivery(style: Style) -> tuple[float, float]:
 
 
 def remarks(block: Block, utterances: Mapping[str, Utterance]) -> list[Notice]:
-    """What the listeners of a block do not get as asked."""
+    """Notes what listeners do not get as asked."""
     return [
         Notice(NoticeType.CANNOT_CREATE_BEHAVIOR, f"{block.id}:{name}", remark)
         for name, utterance in utterances.items()
@@ -69,7 +69,7 @@ def remarks(block: Block, utterances: Mapping[str, Utterance]) -> list[Notice]:
 
 
 def allowed_pauses(block: Block, usual: float) -> dict[str, float]:
-    """The longest pause [s] before a word of each speech that may wait; a recording cannot.
+    """Looks up the longest pause [s] before a word of each speech that may wait; a recording cannot.
 
     Args:
         block: says so for each speech, or for all.
@@ -85,7 +85,7 @@ def allowed_pauses(block: Block, usual: float) -> dict[str, float]:
 
 
 def mark_delays(timeline: Timeline, syncs: tuple[SyncTime, ...]) -> dict[Sync, tuple[float, Sync]]:
-    """By how much the body misses each mark that something is tied to [s], and the sync point that misses it most.
+    """Computes by how much [s] the body misses each mark, and the tied sync point that misses it most.
 
     Positive when the body is late. Where several are tied to a mark, the latest counts.
     """
@@ -102,7 +102,7 @@ def mark_delays(timeline: Timeline, syncs: tuple[SyncTime, ...]) -> dict[Sync, t
 def required_pauses(
     timeline: Timeline, syncs: tuple[SyncTime, ...], most: Mapping[str, float], before: tuple[SpeechPause, ...] = ()
 ) -> tuple[SpeechPause, ...]:
-    """The marks that must come later for the body to be in time, in their order, with those that wait already.
+    """Chooses the marks that must come later for the body to be in time, with those that wait already.
 
     A pause moves all that is said after it; so each mark needs only what it misses more than those before it.
 
@@ -130,7 +130,7 @@ def required_pauses(
 
 
 def lengthen_pauses(waiting: tuple[SpeechPause, ...], utterances: Mapping[str, Utterance]) -> tuple[SpeechPause, ...]:
-    """The same pauses, longer by what their marks still lack when it is said with them.
+    """Lengthens pauses by what their marks still lack when the speech is said with them.
 
     A voice may make its own pause at a comma shorter where another one is put.
     """
@@ -145,7 +145,7 @@ def lengthen_pauses(waiting: tuple[SpeechPause, ...], utterances: Mapping[str, U
 
 
 def insert_pauses(script: Script, waiting: tuple[SpeechPause, ...]) -> Script:
-    """A script with pauses before its marks, each beside those that it had."""
+    """Puts pauses before the marks of a script, each beside those that it had."""
     pauses = list(script.pauses)
     for each in (each for each in waiting if each.duration):
         marks = [mark for mark in script.stops() if isinstance(mark, Mark)]
@@ -156,7 +156,7 @@ def insert_pauses(script: Script, waiting: tuple[SpeechPause, ...]) -> Script:
 
 
 def pause_notices(block: Block, waiting: tuple[SpeechPause, ...]) -> list[Notice]:
-    """A warning for each pause."""
+    """Warns of each pause."""
     scripts = {b.id: b.action.script for b in block.behaviours if isinstance(b.action, Speech)}
     return [
         Notice(

@@ -1,4 +1,4 @@
-"""Sync points: what BML ties between them, when each of them will be, and what is said where that is not as asked."""
+"""Sync points: what BML ties between them, when each of them will be, and warnings where that is not as asked."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ SMALLER_TO_WARN = 0.1  # share of the length of a path
 
 @dataclass(frozen=True)
 class SyncTime:
-    """One sync point of a moving behaviour: when it was asked for, and when it will be."""
+    """A sync point of a behaviour: when it was asked for, and when it will be."""
 
     behaviour: str
     sync: str
@@ -75,7 +75,7 @@ class Syncs(tuple[T_co, ...]):
 
 
 def find_bonds(timeline: Timeline) -> tuple[Bond, ...]:
-    """Finds the bonds between different behaviours of a block: both ways for points that coincide, one for an order.
+    """Finds the bonds between different behaviours: both ways for points that coincide, one for an order.
 
     What a behaviour asks of its own points is no bond: its own time gives way.
     """
@@ -100,7 +100,7 @@ def _bond(earlier: SyncRef, later: SyncRef) -> Bond:
 
 
 def on_keys(frames: KeyFrames, motion: Conditioned) -> list[tuple[str, str, float, float]]:
-    """(behaviour, sync, asked, planned) of every sync point that lies on a key."""
+    """Lists (behaviour, sync, asked, planned) of every sync point that lies on a key."""
     at = dict(zip(motion.asked, motion.planned, strict=True))
     asked = {timed.behaviour.id: timed.times for timed in frames.timeline.timed}
     return [
@@ -111,7 +111,7 @@ def on_keys(frames: KeyFrames, motion: Conditioned) -> list[tuple[str, str, floa
 
 
 def sync_times(frames: KeyFrames, motion: Conditioned) -> Syncs[SyncTime]:
-    """Every sync point of every performed behaviour, in planned order."""
+    """Lists every sync point of every performed behaviour, in planned order."""
     moving = [SyncTime(*row) for row in on_keys(frames, motion)]
     seen = {sync.behaviour for sync in moving}
     still = [
@@ -123,10 +123,10 @@ def sync_times(frames: KeyFrames, motion: Conditioned) -> Syncs[SyncTime]:
     return Syncs(sorted([*moving, *still], key=lambda sync: (sync.planned, sync.behaviour)))
 
 
-def shifts(
+def shift_notices(
     block: Block, syncs: tuple[SyncTime, ...], frames: KeyFrames, motion: Conditioned, robot: Robot
 ) -> list[Notice]:
-    """A warning for each sync point that had to move."""
+    """Warns of each sync point that had to move."""
     found = []
     for sync in syncs:
         if abs(sync.planned - sync.asked) > SHIFT_TO_WARN:
@@ -138,7 +138,7 @@ def shifts(
 
 
 def limit_met(sync: SyncTime, frames: KeyFrames, motion: Conditioned, robot: Robot) -> Bottleneck | None:
-    """The limit that was met nearest to a sync point, at best by a hinge of its own behaviour; None when none was."""
+    """Finds the limit that was met nearest to a sync point, at best by a hinge of its own behaviour."""
     parts = frames.uses.get(sync.behaviour, frozenset())
     own = {joint for part in parts for joint in robot.joints(CHAINS[part])}
 
@@ -149,10 +149,10 @@ def limit_met(sync: SyncTime, frames: KeyFrames, motion: Conditioned, robot: Rob
     return motion.bottlenecks[min(motion.bottlenecks, key=away)] if motion.bottlenecks else None
 
 
-def smaller(
+def path_notices(
     block: Block, postures: Sequence[KeyPosture], frames: KeyFrames, motion: Conditioned, robot: Robot
 ) -> list[Notice]:
-    """A warning for each behaviour with a hand whose path is cut by more than a tenth.
+    """Warns of each behaviour with a hand whose path is cut by more than a tenth.
 
     Args:
         block: that is planned.

@@ -1,4 +1,4 @@
-"""The torso's own key: rotations of trunk and head as angles of their hinges, and the gesture box that goes along.
+"""Sets trunk and head by their hinges, and turns the gesture box along with the torso's own key.
 
 Each hinge of trunk and head is named after the axis it serves. The box of sectors goes along with the torso's own
 key (thesis 8.7): its orientation is that of the torso, its size goes with the distance from the first vertebra that
@@ -22,7 +22,7 @@ LEAST_ROOM = 1e-9  # [rad]
 
 
 def torso_turn(robot: Robot, chain: str, angles: Floats) -> Floats:
-    """(3,) [rad] torsion, tilt and roll of a chain; several hinges of one axis add up.
+    """Adds up torsion, tilt and roll (3,) [rad] of a chain, which may have several hinges for one axis.
 
     Args:
         robot: the robot.
@@ -81,20 +81,20 @@ def _hinges(robot: Robot, chain: str) -> _Hinges:
 
 @dataclass(frozen=True, eq=False)
 class GestureVolume:
-    """The box of sectors, relative to that of the upright torso."""
+    """The box of gesture sectors, relative to that of the upright torso."""
 
     pivot: Floats  # (3,) [m] in the world: the torso's first joint
     rotation: Floats  # (3, 3)
     scale: float  # length of the torso over its length upright
 
     def placed(self, reach: Reach) -> Reach:
-        """A reach that was written for the upright torso, in the world."""
+        """Places a reach that was written for the upright torso in the world."""
         return turn_reach(reach, self.rotation, self.pivot, self.pivot, self.scale)
 
 
 @lru_cache(maxsize=64)
 def volume(robot: Robot, turn: Turn) -> GestureVolume | None:
-    """The box of a torso's own key; None for an upright torso, or none; remembered, for it often stays as it is."""
+    """Returns the box of a torso's own key; None for an upright torso, or none. Remembered, as it often stays."""
     if turn == UPRIGHT or not robot.joints("torso"):
         return None
     angles = np.array(robot.skeleton.rest)

@@ -1,4 +1,4 @@
-"""Which of McNeill's sectors a robot's hand reaches with the torso upright."""
+"""Finds which of McNeill's sectors a robot's hand reaches with the torso upright."""
 
 from dataclasses import dataclass
 

@@ -9,7 +9,7 @@ from kinesic.controller.perform import plan, set_up
 from kinesic.controller.performance import Performance
 from kinesic.motion.key_times import Bottleneck
 from kinesic.motion.keys import Bond
-from kinesic.planning.syncs import SHIFT_TO_WARN, SMALLER_TO_WARN, find_bonds, limit_met, shifts, smaller
+from kinesic.planning.syncs import SHIFT_TO_WARN, SMALLER_TO_WARN, find_bonds, limit_met, path_notices, shift_notices
 
 BLOCK = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">
   <gesture id="one" lexeme="BEAT" start="0" stroke="1" end="3"/>
@@ -23,7 +23,7 @@ def test_every_shift_is_warned_and_nothing_else(hurried: Performance, calm: Perf
     for performance in (hurried, calm):
         plan = performance.plan
         robot = plan.setup.robot
-        notices = shifts(plan.timeline.block, plan.syncs, plan.keyframes, plan.motion, robot)
+        notices = shift_notices(plan.timeline.block, plan.syncs, plan.keyframes, plan.motion, robot)
         moved = [sync for sync in plan.syncs if abs(sync.planned - sync.asked) > SHIFT_TO_WARN]
         assert [notice.text.split()[0] for notice in notices] == [sync.sync for sync in moved]
         assert all(any(name in notice.text for name in robot.skeleton.names) for notice in notices)
@@ -89,7 +89,7 @@ def test_how_much_smaller_is_the_share_of_the_length():
             posture if posture.firm else replace(posture, angles=middle + (posture.angles - middle) * share)
             for posture in made.postures.postures
         )
-        return smaller(made.timeline.block, postures, made.keyframes, made.motion, SETUP.robot)
+        return path_notices(made.timeline.block, postures, made.keyframes, made.motion, SETUP.robot)
 
     assert not wider(1.0 + SMALLER_TO_WARN / 2)
     assert wider(2.0)
