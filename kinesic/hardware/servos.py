@@ -18,8 +18,7 @@ from kinesic.body.robot import Robot
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.channel import POLICIES, Channel, Note, Status, map_memory, memory_file, memory_size
 from kinesic.hardware.supervisor.manifest import Manifest
-from kinesic.hardware.supervisor.process import SupervisorOrder
-from kinesic.hardware.supervisor.settings import USUAL, Policy, SupervisorSettings
+from kinesic.hardware.supervisor.settings import USUAL, Policy, SupervisorOrder, SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 
 START = 30.0  # [s] until the supervisor must have told something

@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinesic.hardware.bus.bus import Bus, Servo
-from kinesic.hardware.bus.health import CELLS
+from kinesic.hardware.bus.cycle import CELLS
 from kinesic.hardware.protocol.models import MODELS
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.virtual.faults import WIRE_KINDS, FaultPlan, PlannedFault

@@ -6,10 +6,9 @@ from hypothesis import strategies as st
 from kinesic.hardware.protocol.models import MODELS, Model
 from kinesic.hardware.protocol.packet import Fault
 from kinesic.hardware.protocol.registers import Mode, Register
-from kinesic.hardware.virtual.control_table import RefusalError
+from kinesic.hardware.virtual.control_table import TURNS_MAX, RefusalError
 from kinesic.hardware.virtual.physics import Shaft
 from kinesic.hardware.virtual.servo import VirtualServo
-from kinesic.hardware.virtual.value_rules import TURNS_MAX
 
 # Registers whose value changes only when they are written, and whose range is all there is to know about them.
 PLAIN = (

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from kinesic.hardware.bus.cycle import BLOCK, SIZE
 from kinesic.hardware.bus.goals import GoalFrame
-from kinesic.hardware.bus.health import BLOCK, SIZE
 from kinesic.hardware.bus.query import FastQuery, PlainQuery
 from kinesic.hardware.protocol.crc import advance_crcs, byte_contributions, crc_contributions
 from kinesic.hardware.protocol.packet import (

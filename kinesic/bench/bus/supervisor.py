@@ -13,10 +13,10 @@ from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.models import MODELS
 from kinesic.hardware.protocol.servo_map import MID_TICKS
 from kinesic.hardware.supervisor.channel import Channel, memory_size
-from kinesic.hardware.supervisor.event_log import EventLog
 from kinesic.hardware.supervisor.manifest import Manifest, Member
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
+from kinesic.hardware.supervisor.status import EventLog
 from kinesic.hardware.supervisor.supervisor import Supervisor
 
 BUS, RANGE = "bench", 1.5  # [rad] to either side

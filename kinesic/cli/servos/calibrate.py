@@ -24,8 +24,14 @@ from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.axes import Axes, Snapshot
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.preflight import prepare_servos
-from kinesic.hardware.tools.calibration import HingeCalibration, Travel, calibration, calibration_text, marks
-from kinesic.hardware.tools.directions import positive_way
+from kinesic.hardware.tools.calibration import (
+    HingeCalibration,
+    Travel,
+    calibration,
+    calibration_text,
+    marks,
+    positive_way,
+)
 
 LOOK = 0.05  # [s] between two looks
 FIRST_LOOK = 2.0  # [s] in which all servos must have answered

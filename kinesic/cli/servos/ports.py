@@ -5,7 +5,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from kinesic.body.config import ConfigError, suggestion
-from kinesic.hardware.bus.ports import ports as ports_here
+from kinesic.hardware.bus.host import ports as ports_here
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.wire import Wire
 from kinesic.hardware.supervisor.manifest import Manifest

@@ -12,12 +12,12 @@ from rich.table import Table
 
 from kinesic.body.config import ConfigError
 from kinesic.cli.terminal import console
-from kinesic.hardware.bus.ports import ports as ports_here
-from kinesic.hardware.bus.scan import Sighting, scan_bus
+from kinesic.hardware.bus.host import ports as ports_here
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.registers import BAUD_RATES
 from kinesic.hardware.protocol.servo_map import MAX_ID, ServoMap, load_robot
 from kinesic.hardware.protocol.wire import BusError
+from kinesic.hardware.tools.survey import Sighting, scan_bus
 
 LIKELY = (57_600, 1_000_000)  # factory rate, and what most robots use: they are tried first
 

@@ -11,7 +11,7 @@ import click
 
 from kinesic.body.config import ConfigError
 from kinesic.controller.virtual_robot import TwinPhysics
-from kinesic.hardware.bus.real_time import request_real_time
+from kinesic.hardware.bus.host import request_real_time
 from kinesic.hardware.protocol.registers import BAUD_RATES
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.hardware.virtual.faults import CALM, FaultPlan

@@ -5,9 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from kinesic.hardware.bus.bus import Bus, Servo
-from kinesic.hardware.bus.health import CELLS, HEALTH, SIZE
+from kinesic.hardware.bus.cycle import CELLS, HEALTH, SIZE
 from kinesic.hardware.bus.query import FastQuery
-from kinesic.hardware.bus.scan import is_shared
 from kinesic.hardware.protocol.device import Cold
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BITS_PER_BYTE, BusError, Wire
@@ -59,7 +58,7 @@ def _problem(cold: Cold, servo: Servo) -> str:
             f"{where}: firmware {found.firmware} has no bus watchdog, must be {model.least_firmware} or newer; "
             "update it with DYNAMIXEL Wizard"
         )
-    if is_shared(cold, servo.id):
+    if cold.is_shared(servo.id):
         return f"{where}: several servos have this id; connect them one at a time and give each its own"
     volts = cold.read(servo.id, Register.PRESENT_INPUT_VOLTAGE)
     least = cold.read(servo.id, Register.MIN_VOLTAGE_LIMIT)

@@ -11,15 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kinesic.hardware.bus.cycle import Cycle, Event, Happening
+from kinesic.hardware.bus.cycle import BLOCK, CELLS, SIZE, Cycle, Event, Happening, Records
 from kinesic.hardware.bus.goals import GoalFrame
-from kinesic.hardware.bus.health import BLOCK, CELLS, SIZE, Records
 from kinesic.hardware.bus.late_replies import LateReplies
-from kinesic.hardware.bus.listener import Listener
+from kinesic.hardware.bus.listener import MOST, Listener
 from kinesic.hardware.bus.plausibility import Place, PlausibilityFilter
 from kinesic.hardware.bus.polling import PollingPlan
 from kinesic.hardware.bus.query import Query, question_to
-from kinesic.hardware.bus.timeout import MOST
 from kinesic.hardware.protocol import packet
 from kinesic.hardware.protocol.models import Model
 from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED, Register

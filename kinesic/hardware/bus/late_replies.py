@@ -9,10 +9,9 @@ from math import inf
 
 import numpy as np
 
-from kinesic.hardware.bus.listener import Listener
+from kinesic.hardware.bus.listener import MOST, Listener
 from kinesic.hardware.bus.plausibility import Place, PlausibilityFilter
 from kinesic.hardware.bus.query import Query, ServoReplies
-from kinesic.hardware.bus.timeout import MOST
 
 LAG = 0.004  # [s] beyond its own time by which an answer is clearly older than the question
 OWED = 0.05  # [s] beyond its own time during which an answer that did not come may still come

@@ -12,7 +12,7 @@ import numpy as np
 
 from kinesic.body.arrays import Flags, Floats
 from kinesic.body.servo import TICKS_PER_TURN
-from kinesic.hardware.bus.health import BLOCK, Records, signature
+from kinesic.hardware.bus.cycle import BLOCK, Records, signature
 from kinesic.hardware.bus.query import ServoReplies
 from kinesic.hardware.protocol.models import Model
 from kinesic.hardware.protocol.packet import ALERT

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from kinesic.body.arrays import Flags
-from kinesic.hardware.bus.health import BLOCK, SIZE, Records
+from kinesic.hardware.bus.cycle import BLOCK, SIZE, Records
 from kinesic.hardware.protocol.crc import Bytes, Crcs, byte_contributions, crc_contributions
 from kinesic.hardware.protocol.packet import (
     BROADCAST,

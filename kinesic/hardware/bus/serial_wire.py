@@ -10,7 +10,7 @@ from pathlib import Path
 
 import serial
 
-from kinesic.hardware.bus.ports import stable_name
+from kinesic.hardware.bus.host import stable_name
 from kinesic.hardware.protocol.wire import BusError
 
 CHUNK = 4096  # [bytes]

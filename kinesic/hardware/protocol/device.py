@@ -12,6 +12,8 @@ from kinesic.hardware.protocol.sdk import Packets, WirePort
 from kinesic.hardware.protocol.wire import BusError, Wire
 
 TRIES = 4
+LOOKS = 3  # for a servo whose answers do not collide
+_DIFFERENT = Register.REALTIME_TICK.field.address, 28  # what two servos hardly ever have in common
 
 
 @dataclass(frozen=True)
@@ -63,6 +65,16 @@ class Cold:
             if result == COMM_SUCCESS:
                 return Found(servo, number, self.read(servo, Register.FIRMWARE_VERSION))
         return None
+
+    def is_shared(self, servo: int) -> bool:
+        """Whether several servos have this id: they answer a ping alike, but not a read of clocks and sensors."""
+        for _ in range(LOOKS):
+            try:
+                self.read_span(servo, *_DIFFERENT)
+            except BusError:
+                continue
+            return False
+        return True
 
     def read(self, servo: int, register: Register) -> int:
         """The raw value of a register.

@@ -1,5 +1,112 @@
-"""`python -m kinesic.hardware.supervisor`."""
+"""The supervisor as a process of its own: `python -m kinesic.hardware.supervisor`, started by `Servos`.
 
-from kinesic.hardware.supervisor.process import main
+Its standard input is a pipe that the planner holds: the first line says what to do, its end says that the planner is
+gone.
+"""
 
-raise SystemExit(main())
+import gc
+import os
+import select
+import signal
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import FrameType
+
+import msgspec
+
+from kinesic.body.config import ConfigError
+from kinesic.body.robot import Robot
+from kinesic.hardware.bus.host import request_real_time
+from kinesic.hardware.bus.serial_wire import SerialWire
+from kinesic.hardware.protocol.wire import Wire
+from kinesic.hardware.supervisor.channel import Channel, map_memory, memory_size
+from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.hardware.supervisor.settings import SupervisorOrder
+from kinesic.hardware.supervisor.status import EventLog
+from kinesic.hardware.supervisor.supervisor import Supervisor
+
+PRIORITY = 20  # of SCHED_FIFO, where the host grants it
+EXIT_GOOD, EXIT_REFUSED = 0, 2
+
+
+def supervise(order: SupervisorOrder, planner: Callable[[], bool], asked: Callable[[], bool]) -> int:
+    """Supervises until all is over; the exit code.
+
+    Args:
+        order: what for.
+        planner: whether it lives.
+        asked: whether somebody wants it to end.
+    """
+    manifest = Manifest.of(Robot.load(Path(order.robot)))
+    joints = len(manifest.rest)
+    channel = Channel(map_memory(order.memory, memory_size(joints)), joints)
+    settings, journal = order.settings, EventLog(Path(order.log) if order.log else None)
+    watchdog = settings.watchdog if request_real_time(PRIORITY) else settings.patient_watchdog
+
+    def opens(bus: str) -> Wire:
+        return SerialWire(order.ports[bus], manifest.bauds[bus])
+
+    supervisor = Supervisor(manifest, opens, channel, settings, watchdog=watchdog, planner=planner, journal=journal)
+    supervisor.open()
+    refused = supervisor.done
+    gc.collect()
+    gc.freeze()
+    due = supervisor.now()
+    while not supervisor.done:
+        if asked():
+            channel.set("release", 1)
+        supervisor.step()
+        due += settings.period
+        behind = supervisor.now() - due
+        if behind > settings.period:
+            supervisor.late += 1
+            due += behind
+        supervisor.sleep(due)
+    journal.close()
+    return EXIT_REFUSED if refused else EXIT_GOOD
+
+
+def main() -> int:
+    """Reads the order and follows it."""
+    terminated: list[int] = []
+
+    def terminate(number: int, frame: FrameType | None) -> None:
+        terminated.append(number)
+
+    signal.signal(signal.SIGTERM, terminate)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    line = _line(sys.stdin.fileno())
+    try:
+        order = msgspec.json.decode(line, type=SupervisorOrder)
+        return supervise(order, Pipe(sys.stdin.fileno()), lambda: bool(terminated))
+    except (msgspec.DecodeError, ConfigError) as error:
+        print(f"kinesic.hardware.supervisor: {error}", file=sys.stderr)  # noqa: T201  # nobody else can tell
+        return EXIT_REFUSED
+
+
+class Pipe:
+    """Whether the planner still holds its end."""
+
+    def __init__(self, descriptor: int) -> None:
+        """Of the reading end; the parent is the planner."""
+        self._descriptor, self._parent = descriptor, os.getppid()
+        self._open = True
+
+    def __call__(self) -> bool:
+        """Looks without waiting."""
+        if self._open and select.select([self._descriptor], [], [], 0)[0]:
+            self._open = bool(os.read(self._descriptor, 4096))
+        return self._open and os.getppid() == self._parent
+
+
+def _line(descriptor: int) -> bytes:
+    """The first line, byte by byte: what follows is not ours to take."""
+    line = b""
+    while not line.endswith(b"\n") and (byte := os.read(descriptor, 1)):
+        line += byte
+    return line
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -11,9 +11,7 @@ from numpy.typing import NDArray
 from kinesic.body.arrays import Flags, Floats
 from kinesic.body.servo import TICKS_PER_TURN
 from kinesic.hardware.bus.bus import Bus
-from kinesic.hardware.bus.bus_group import BusGroup
-from kinesic.hardware.bus.cycle import Event
-from kinesic.hardware.bus.health import Records
+from kinesic.hardware.bus.cycle import Cycle, Event, Records
 from kinesic.hardware.protocol.device import Cold
 from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED, Register
 from kinesic.hardware.protocol.ticks import Ticks
@@ -62,17 +60,12 @@ class Axes:
     def __init__(self, manifest: Manifest, buses: Mapping[str, Bus]) -> None:
         """The buses by the manifest's names."""
         self.manifest = manifest
-        self._buses = BusGroup({name: buses[name] for name in manifest.bauds})
-        self._cold = {name: Cold(bus.wire) for name, bus in self._buses.buses.items()}
+        self.buses: Mapping[str, Bus] = {name: buses[name] for name in manifest.bauds}
+        self._cold = {name: Cold(bus.wire) for name, bus in self.buses.items()}
         places = {name: [k for k, m in enumerate(manifest.members) if m.bus == name] for name in manifest.bauds}
         self._parts = {name: slice(found[0], found[-1] + 1) for name, found in places.items()}
-        first = next(iter(self._buses.buses.values()))
+        first = next(iter(self.buses.values()))
         self._wire, self._period = first.wire, first.period
-
-    @property
-    def buses(self) -> Mapping[str, Bus]:
-        """By name."""
-        return self._buses.buses
 
     @property
     def everybody(self) -> tuple[int, ...]:
@@ -85,13 +78,13 @@ class Axes:
 
     def sleep(self, until: float) -> None:
         """Waits until [s]."""
-        for bus in self._buses.buses.values():
+        for bus in self.buses.values():
             bus.wire.sleep(until)
 
     def put(self, register: Register, values: Mapping[int, int]) -> None:
         """Writes a register of some members (place -> raw value) with the next cycle; who lacks it is left out."""
         members = self.manifest.members
-        for name, bus in self._buses.buses.items():
+        for name, bus in self.buses.items():
             mine = {
                 members[k].id: value
                 for k, value in values.items()
@@ -112,7 +105,7 @@ class Axes:
         """
         time = self.now()
         told = {} if goals is None else {name: goals[part] for name, part in self._parts.items()}
-        cycles = self._buses.cycle(told)
+        cycles = cycle_together(self.buses, told)
         limit = RECENT * self._period
         each = tuple(cycles.values())
         return Snapshot(
@@ -150,11 +143,24 @@ class Axes:
     def where(self, place: int) -> str:
         """A member, for messages."""
         member = self.manifest.members[place]
-        return f"{self._buses.buses[member.bus].wire.name}: servo {member.id} ({member.hinge})"
+        return f"{self.buses[member.bus].wire.name}: servo {member.id} ({member.hinge})"
 
     def close(self) -> None:
         """Gives all ports back."""
-        self._buses.close()
+        for bus in self.buses.values():
+            bus.wire.close()
+
+
+def cycle_together(buses: Mapping[str, Bus], goals: Mapping[str, Ticks]) -> dict[str, Cycle]:
+    """Runs one cycle on every bus: all are asked before the first is heard, so that they wait together.
+
+    Args:
+        buses: open ones, by name.
+        goals: (n,) [ticks] by the name of the bus; one without goals is only asked.
+    """
+    for name, bus in buses.items():
+        bus.begin(goals.get(name))
+    return {name: bus.finish() for name, bus in buses.items()}
 
 
 def _row(parts: Sequence[NDArray[Kind]]) -> NDArray[Kind]:

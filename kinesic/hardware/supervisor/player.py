@@ -1,17 +1,79 @@
-"""What the joints are to do next: the performance, a move to where it begins, or a move to rest."""
+"""Plays goals in performance time: the performance, a move to where it begins, or a move to rest."""
 
+from dataclasses import dataclass
+from math import sqrt
 from typing import Literal
 
-from kinesic.body.arrays import Floats
-from kinesic.hardware.supervisor.goal_buffer import GoalBuffer, are_numbers
-from kinesic.hardware.supervisor.move import TimedMove
-from kinesic.hardware.supervisor.settings import SupervisorSettings
-from kinesic.hardware.supervisor.time_scaling import TimeScale, advance_time
+import numpy as np
 
+from kinesic.body.arrays import Floats, sealed
+from kinesic.hardware.supervisor.goal_buffer import GoalBuffer, are_numbers
+from kinesic.hardware.supervisor.settings import SupervisorSettings
+
+PEAK = 15 / 8  # peak over mean speed of the minimum-jerk curve
+LEAST = 0.3  # [s]
 GAP = 0.5  # [s] between commands beyond which the later ones are a performance of their own
 DONE = 1e-6  # [s] before the end that is the end
 
 Source = Literal["score", "way"]
+
+
+@dataclass(frozen=True)
+class TimeScale:
+    """Where time is, and how fast it runs."""
+
+    time: float = 0.0  # [s]
+    scale: float = 0.0  # seconds of it per second
+
+    @property
+    def still(self) -> bool:
+        """Whether it stands."""
+        return self.scale <= 0.0
+
+
+def advance_time(tempo: TimeScale, seconds: float, *, wanted: float, end: float, slow: float) -> TimeScale:
+    """Time a moment later: its scale changes evenly, and it comes to a stop at the end of what is known.
+
+    Args:
+        tempo: now.
+        seconds: that pass.
+        wanted: scale, 0..1.
+        end: [s] beyond which time cannot run.
+        slow: [s] from full speed to a stop, and back.
+    """
+    left = max(0.0, end - tempo.time)
+    # the scale from which, after this moment, it can still stop evenly: scale^2 * slow / 2 is the way that this takes
+    after = max(0.0, left - tempo.scale * seconds / 2)
+    allowed = min(wanted, 1.0, (sqrt(seconds**2 / 4 + 2 * slow * after) - seconds / 2) / slow)
+    change = seconds / slow
+    scale = max(0.0, tempo.scale - change, min(allowed, tempo.scale + change))
+    way = (tempo.scale + scale) / 2 * seconds
+    return TimeScale(tempo.time + left, 0.0) if way >= left else TimeScale(tempo.time + way, scale)
+
+
+@dataclass(frozen=True, eq=False)
+class TimedMove:
+    """Minimum jerk from rest to rest (Flash and Hogan, 1985)."""
+
+    start: Floats  # (n,) [rad]
+    goal: Floats  # (n,) [rad]
+    duration: float  # [s]
+
+    @classmethod
+    def between(cls, start: Floats, goal: Floats, *, pace: float) -> "TimedMove":
+        """A way on which no joint is faster than a pace [rad/s]; of no duration between equal postures."""
+        longest = float(np.abs(goal - start).max(initial=0.0))
+        duration = 0.0 if longest < 1e-9 else max(LEAST, PEAK * longest / pace)
+        return cls(sealed(start), sealed(goal), duration)
+
+    def at(self, time: float) -> Floats:
+        """(n,) [rad] at a time [s] from its start."""
+        if time >= self.duration:
+            return self.goal
+        u = max(0.0, time / self.duration)
+        share = u**3 * (10 - 15 * u + 6 * u**2)
+        there: Floats = self.start + share * (self.goal - self.start)
+        return there
 
 
 class Player:

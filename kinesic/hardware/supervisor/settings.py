@@ -1,7 +1,9 @@
-"""The figures by which the supervisor acts."""
+"""What a supervisor is started with: the figures by which it acts, and the order that its process gets."""
 
 from dataclasses import dataclass
 from typing import Literal
+
+import msgspec
 
 from kinesic.hardware.protocol.registers import WATCHDOG
 
@@ -34,3 +36,13 @@ class SupervisorSettings:
 
 
 USUAL = SupervisorSettings()
+
+
+class SupervisorOrder(msgspec.Struct, forbid_unknown_fields=True):
+    """What a supervisor is started for."""
+
+    robot: str  # path of its file
+    ports: dict[str, str]  # bus -> path of the device
+    memory: int  # descriptor of the channel's memory
+    settings: SupervisorSettings
+    log: str | None = None  # path of the journal

@@ -1,12 +1,15 @@
-"""What the supervisor tells: its status into the channel, events into the channel and the journal."""
+"""Writes the status of the supervisor into the channel, and events into the channel and a log file."""
 
+import json
+from contextlib import suppress
 from math import inf, nan
+from pathlib import Path
+from time import time as wall_time
 
 import numpy as np
 
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.supervisor.channel import Channel, Note, Status
-from kinesic.hardware.supervisor.event_log import EventLog
 from kinesic.hardware.supervisor.goals import GoalSteering
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.monitor import CommunicationMonitor
@@ -14,6 +17,31 @@ from kinesic.hardware.supervisor.state_machine import SupervisorState
 
 SLOWLY = 0.1  # [s] between two looks at temperatures and voltages
 VOLT = Register.PRESENT_INPUT_VOLTAGE.field.scale
+
+
+class EventLog:
+    """A file of events; none if there is no path."""
+
+    def __init__(self, path: Path | None) -> None:
+        """Opens the file, to add to it.
+
+        Raises:
+            OSError: it cannot be written.
+        """
+        self._file = path.open("ab", buffering=0) if path is not None else None
+
+    def write(self, note: Note) -> None:
+        """One line; lost where the disk is full, which stops no robot."""
+        if self._file is not None:
+            line = {"time": round(note.clock, 6), "wall": round(wall_time(), 3), "kind": note.kind}
+            servo = {"servo": note.servo} if note.servo >= 0 else {}
+            with suppress(OSError):
+                self._file.write(json.dumps({**line, **servo, "text": note.text}).encode() + b"\n")
+
+    def close(self) -> None:
+        """Ends the file."""
+        if self._file is not None:
+            self._file.close()
 
 
 class StatusWriter:

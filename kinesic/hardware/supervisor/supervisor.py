@@ -10,7 +10,6 @@ from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.supervisor.axes import Axes, Snapshot
 from kinesic.hardware.supervisor.channel import POLICIES, Channel
-from kinesic.hardware.supervisor.event_log import EventLog
 from kinesic.hardware.supervisor.goals import GoalSteering
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.monitor import CommunicationMonitor
@@ -18,7 +17,7 @@ from kinesic.hardware.supervisor.player import DONE
 from kinesic.hardware.supervisor.preflight import Table, configure, take_over
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import MOVING, Action, Event, Observation, Stage, SupervisorState, step
-from kinesic.hardware.supervisor.status import StatusWriter
+from kinesic.hardware.supervisor.status import EventLog, StatusWriter
 from kinesic.hardware.supervisor.torque import RAMP, Procedure, adopt, energise, release_torque, watchdog_counts
 
 TAKEN = 32  # commands in one cycle at most: it must not take long

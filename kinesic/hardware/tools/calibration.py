@@ -1,4 +1,4 @@
-"""From a robot that is moved by hand to its calibration: where zero is, which way each servo turns, how far it goes.
+"""Calibrates a robot that is moved by hand: where zero is, which way each servo turns, how far it goes.
 
 First the robot is held in its zero posture: that gives the zeros. Then every hinge is turned, the positive way first:
 that gives the directions; and through all its range: where that ends short of the robot's file, the range is narrowed.
@@ -24,6 +24,9 @@ LEAST = 0.6  # share of a range that must be seen before its end is believed to 
 TANDEM = 12  # [ticks] that the servos of one hinge may stand apart
 
 Ways = NDArray[np.int64]
+WORDS = (("forward", "backward"), ("to its left", "to its right"), ("up", "down"))  # x, y, z of the robot
+CLEAR = 0.5  # share of the lever that must move for the words to be about the part itself
+FRONT, TOP = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,3 +186,33 @@ def calibration_text(found: Calibration, robot: Robot) -> str:
         lines += ["", "[range_deg]  # where the hinge ends short of the robot's file"]
         lines += [f"{json.dumps(hinge)} = [{least:g}, {most:g}]" for hinge, (least, most) in found.range_deg.items()]
     return "\n".join(lines) + "\n"
+
+
+def positive_way(robot: Robot, joint: int) -> str:
+    """What moves, and where to, when a hinge of the zero posture turns the positive way."""
+    skeleton = robot.skeleton
+    hinge = skeleton.hinges[joint]
+    straight = skeleton.straight
+    segment = skeleton.segment(hinge.segment)
+    axis = straight.rotations[segment] @ hinge.axis
+    lever = _tip(robot, hinge.segment) - straight.origins[segment]
+    moved = np.cross(axis, lever)
+    if np.linalg.norm(moved) > CLEAR * np.linalg.norm(lever):
+        return f"{hinge.segment} goes {_word(moved)}"
+    if abs(axis @ FRONT) > CLEAR:
+        return f"the top of {hinge.segment} turns {_word(np.cross(axis, TOP))}"
+    return f"the front of {hinge.segment} turns {_word(np.cross(axis, FRONT))}"
+
+
+def _tip(robot: Robot, name: str) -> Floats:
+    """(3,) [m] the middle of a segment's own capsules, in the world."""
+    skeleton, frames = robot.skeleton, robot.skeleton.straight
+    k = skeleton.segment(name)
+    ends = [end for capsule in skeleton.segments[k].capsules for end in (capsule.start, capsule.end)]
+    middle = np.mean(ends, axis=0) if ends else np.zeros(3)
+    return np.asarray(frames.origins[k] + frames.rotations[k] @ middle)
+
+
+def _word(direction: Floats) -> str:
+    k = int(np.abs(direction).argmax())
+    return WORDS[k][int(direction[k] < 0)]

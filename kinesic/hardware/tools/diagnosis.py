@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kinesic.hardware.bus.bring_up import problems
-from kinesic.hardware.bus.ports import SYSTEM, latency
+from kinesic.hardware.bus.host import SYSTEM, latency
 from kinesic.hardware.protocol.device import Cold
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BusError, Wire

@@ -1,19 +1,63 @@
-"""How the servos of a robot are: what each says of itself, and what its registers hold that they should not."""
+"""Finds servos on a wire, and reads how each is: what it says of itself, and which registers differ."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import degrees, nan
 
 import numpy as np
 
 from kinesic.hardware.protocol import packet
-from kinesic.hardware.protocol.device import Change, Cold
+from kinesic.hardware.protocol.device import Change, Cold, Found
 from kinesic.hardware.protocol.packet import BROADCAST
-from kinesic.hardware.protocol.registers import HardwareError, Register
+from kinesic.hardware.protocol.registers import BAUD_RATES, HardwareError, Register
 from kinesic.hardware.protocol.ticks import Scale
 from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.supervisor.manifest import Manifest, Member
 from kinesic.hardware.supervisor.preflight import ANSWERS_ALL, Table, required_registers
+
+
+@dataclass(frozen=True)
+class Sighting:
+    """A servo, and where it was found."""
+
+    servo: Found
+    baud: int  # [bit/s]
+    shared: bool  # several servos seem to have this id
+
+
+def scan_bus(
+    opened: Callable[[int], Wire],
+    *,
+    bauds: Iterable[int] = BAUD_RATES,
+    ids: Iterable[int] = (),
+    step: Callable[[], None] = lambda: None,
+) -> tuple[Sighting, ...]:
+    """Looks for servos.
+
+    Args:
+        opened: opens the port at a baud rate.
+        bauds: [bit/s] to try.
+        ids: to ask one by one as well, where nobody of this id answered all being asked.
+        step: is called after each baud rate.
+
+    Raises:
+        BusError: the port does not open.
+    """
+    found: list[Sighting] = []
+    for baud in bauds:
+        wire = opened(baud)
+        try:
+            cold = Cold(wire)
+            servos = {servo.id: servo for servo in cold.everyone()}
+            for servo in ids:
+                alone = cold.ping(servo) if servo not in servos else None
+                if alone is not None:
+                    servos[servo] = alone
+            found += [Sighting(servo, baud, cold.is_shared(servo.id)) for _, servo in sorted(servos.items())]
+        finally:
+            wire.close()
+        step()
+    return tuple(found)
 
 
 @dataclass(frozen=True)

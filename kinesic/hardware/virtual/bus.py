@@ -13,11 +13,10 @@ from typing import NamedTuple
 
 from kinesic.hardware.protocol.packet import HEADER, Packet, Reader
 from kinesic.hardware.protocol.wire import BITS_PER_BYTE
-from kinesic.hardware.virtual.faults import CALM, FaultPlan
+from kinesic.hardware.virtual.faults import CALM, FaultPlan, Transmission, WireFaults
 from kinesic.hardware.virtual.protocol import answers
 from kinesic.hardware.virtual.servo import VirtualServo
 from kinesic.hardware.virtual.shaft_simulation import ShaftSimulation
-from kinesic.hardware.virtual.wire_faults import Transmission, WireFaults
 
 PIECE = 62  # [bytes] of one USB packet of a common adapter
 LATENCY = 0.001  # [s] of its timer, set low as it should be

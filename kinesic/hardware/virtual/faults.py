@@ -1,15 +1,17 @@
-"""What goes wrong, as data: which fault, where, when, how often. A seed makes every run the same."""
+"""Faults as data (which, where, when, how often), and what they do to the bytes on a wire; a seed repeats a run."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
+from random import Random
 from typing import Literal, get_args
 
 import msgspec
 
 from kinesic.body.config import ConfigError, read_toml
 from kinesic.hardware.protocol.registers import HardwareError
+from kinesic.hardware.virtual.protocol import Sent
 
 OfWire = Literal["corrupt", "drop", "truncate", "duplicate", "noise", "lost", "late"]
 OfServo = Literal["silent", "reboot", "alert", "overheat", "undervoltage", "watchdog"]
@@ -136,3 +138,72 @@ class FaultFile(msgspec.Struct, forbid_unknown_fields=True):
 
     fault: list[FaultTable] = []
     seed: int = 0
+
+
+@dataclass(frozen=True)
+class Transmission:
+    """What arrives of one transmission."""
+
+    data: bytes
+    delay: float  # [s] of silence before
+    late: float = 0.0  # [s] that the host gets it later
+
+
+class WireFaults:
+    """Faults of one wire; the same seed and traffic meet the same faults."""
+
+    def __init__(self, plan: FaultPlan, *, since: float = 0.0) -> None:
+        """Begins.
+
+        Args:
+            plan: what goes wrong.
+            since: [s] where the plan's times count from.
+        """
+        self._since = since
+        mishaps = plan.of(WIRE_KINDS)
+        self._on_replies = tuple(mishap for mishap in mishaps if mishap.way == "reply")
+        self._on_requests = tuple(mishap for mishap in mishaps if mishap.way == "request")
+        self._random = Random(plan.seed)
+
+    def request(self, data: bytes, time: float) -> bytes:
+        """What the servos hear of what the host says."""
+        for mishap in self._on_requests:
+            if mishap.start <= time - self._since < mishap.end and self._random.random() < mishap.rate:
+                data = self._struck(mishap, data)
+        return data
+
+    def replies(self, sent: Sequence[Sent], time: float) -> list[Transmission]:
+        """What the host hears of the answer to one instruction, be it one status or several, or a joint reply.
+
+        A fault strikes one place of it. Who waits in vain for the bytes before his own keeps silent.
+        """
+        heard = [Transmission(answer.data, answer.delay) for answer in sent]
+        end = len(sent)
+        for mishap in self._on_replies:
+            struck = [k for k, answer in enumerate(sent) if mishap.strikes(answer.servo, time - self._since)]
+            if not struck or self._random.random() >= mishap.rate:
+                continue
+            if mishap.kind == "late":
+                k = struck[0]
+                heard[k] = replace(heard[k], late=heard[k].late + mishap.figure)
+                continue
+            k = self._random.choice(struck)
+            heard[k] = replace(heard[k], data=self._struck(mishap, heard[k].data))
+            if mishap.kind == "lost" and sent[k].chained:
+                end = min(end, k)
+        return [part for part in heard[:end] if part.data]
+
+    def _struck(self, mishap: PlannedFault, data: bytes) -> bytes:
+        """Bytes after a fault."""
+        dice = self._random
+        if mishap.kind == "noise":
+            return dice.randbytes(dice.randint(1, max(1, int(mishap.figure)))) + data
+        if mishap.kind == "duplicate":
+            return data + data
+        if mishap.kind == "lost" or not data:
+            return b""
+        place = dice.randrange(len(data))
+        if mishap.kind == "truncate":
+            return data[:place]
+        changed = bytes((data[place] ^ dice.randint(1, 255),)) if mishap.kind == "corrupt" else b""
+        return data[:place] + changed + data[place + 1 :]

@@ -17,8 +17,8 @@ from kinesic.hardware.protocol.registers import (
     Register,
 )
 from kinesic.hardware.virtual.control_table import Memory
-from kinesic.hardware.virtual.motion import SetPoint
 from kinesic.hardware.virtual.physics import LIMP, Demand, Shaft
+from kinesic.hardware.virtual.set_point import SetPoint
 
 BOOT = 0.13  # [s] from a reboot until it hears again
 OVERLOAD = 1.0  # [s] of full duty without motion

@@ -7,9 +7,8 @@ torque is refused as an access error.
 from kinesic.hardware.protocol.models import Model
 from kinesic.hardware.protocol.packet import Fault, Instruction
 from kinesic.hardware.protocol.registers import BAUD_RATES, Register
-from kinesic.hardware.virtual.control_table import Memory, RefusalError, RegisterWrite
+from kinesic.hardware.virtual.control_table import BY_GOAL, GOALS, Memory, RefusalError, RegisterWrite, value_fault
 from kinesic.hardware.virtual.firmware import BOOT, Firmware
-from kinesic.hardware.virtual.value_rules import BY_GOAL, GOALS, value_fault
 
 NEWEST = 52  # firmware unless said otherwise
 CLEAR_FIRMWARE = 42

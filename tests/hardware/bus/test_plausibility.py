@@ -3,7 +3,7 @@ from math import inf
 import numpy as np
 import pytest
 
-from kinesic.hardware.bus.health import BLOCK, Records
+from kinesic.hardware.bus.cycle import BLOCK, Records
 from kinesic.hardware.bus.plausibility import LEAP, LEEWAY, PlausibilityFilter
 from kinesic.hardware.bus.query import ServoReplies
 from kinesic.hardware.protocol.models import MODELS

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from kinesic.hardware.bus.health import ADDRESSES, BLOCK, CELLS, HEALTH, NAMES, REGISTERS, SIZE, signature
+from kinesic.hardware.bus.cycle import ADDRESSES, BLOCK, CELLS, HEALTH, NAMES, REGISTERS, SIZE, signature
 from kinesic.hardware.bus.query import HEAD, FastQuery, PlainQuery
 from kinesic.hardware.protocol.packet import BROADCAST, HEADER, Instruction, Reader, crc16, status
 

@@ -16,10 +16,10 @@ from kinesic.hardware.protocol.models import MODELS
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.supervisor.channel import Channel, Note, Status, memory_size
-from kinesic.hardware.supervisor.event_log import EventLog
 from kinesic.hardware.supervisor.manifest import Manifest, Member
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
+from kinesic.hardware.supervisor.status import EventLog
 from kinesic.hardware.supervisor.supervisor import Supervisor
 from kinesic.hardware.virtual.faults import CALM, FaultPlan, PlannedFault
 from kinesic.hardware.virtual.memory_wire import MemoryWire

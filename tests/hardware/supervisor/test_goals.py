@@ -8,7 +8,7 @@ import pytest
 from kinesic.hardware.supervisor.goals import GoalSteering
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.settings import USUAL
-from kinesic.hardware.virtual.profile import by_speed
+from kinesic.hardware.virtual.set_point import by_speed
 
 PERIOD = USUAL.period
 STARTING = 3  # cycles

@@ -1,10 +1,72 @@
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from kinesic.hardware.supervisor.player import Player
+from kinesic.hardware.supervisor.player import Player, TimedMove, TimeScale, advance_time
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 
 STEP = 0.01
+
+
+def run(tempo: TimeScale, steps: int, *, wanted: float = 1.0, end: float = 100.0, slow: float = 0.4) -> list[TimeScale]:
+    told = [tempo]
+    for _ in range(steps):
+        told.append(advance_time(told[-1], STEP, wanted=wanted, end=end, slow=slow))
+    return told
+
+
+def test_full_speed_is_reached_evenly_and_kept():
+    told = run(TimeScale(), 100)
+    assert np.allclose(np.diff([each.scale for each in told[:41]]), STEP / 0.4)
+    assert told[-1].scale == 1.0
+    assert np.isclose(told[-1].time - told[-2].time, STEP)
+
+
+def test_it_stops_in_the_time_that_is_given():
+    told = run(TimeScale(1.0, 1.0), 41, wanted=0.0)
+    assert told[39].scale > 0.0
+    assert told[41].still
+
+
+def test_it_stops_softly_where_nothing_more_is_known():
+    told = run(TimeScale(0.0, 1.0), 400, end=1.0)
+    assert told[-1] == TimeScale(1.0, 0.0)
+    assert max(np.abs(np.diff([each.scale for each in told]))) <= STEP / 0.4 + 1e-9
+
+
+@given(
+    st.floats(0, 1),
+    st.floats(0.02, 1),
+    st.lists(st.tuples(st.floats(0, 1), st.floats(-0.2, 3)), min_size=1, max_size=50),
+)
+def test_time_never_goes_back_nor_beyond_the_end(scale: float, slow: float, story: list[tuple[float, float]]):
+    tempo, end = TimeScale(0.0, scale), 0.0
+    for wanted, more in story:
+        end = max(end, tempo.time + more)
+        after = advance_time(tempo, STEP, wanted=wanted, end=end, slow=slow)
+        assert tempo.time <= after.time <= max(end, tempo.time)
+        assert after.time - tempo.time <= STEP + 1e-12
+        assert 0.0 <= after.scale <= 1.0
+        tempo = after
+
+
+def test_it_goes_from_rest_to_rest_and_no_joint_is_faster_than_the_pace():
+    way = TimedMove.between(np.array([0.0, 1.0]), np.array([0.5, -1.0]), pace=0.7)
+    times = np.linspace(0.0, way.duration, 2001)
+    places = np.array([way.at(float(time)) for time in times])
+    speeds = np.gradient(places, times, axis=0)
+    assert np.abs(speeds).max() == pytest.approx(0.7, rel=1e-3)
+    assert np.abs(speeds[[0, -1]]).max() < 1e-3
+    assert places[0].tolist() == [0.0, 1.0]
+    assert places[-1].tolist() == [0.5, -1.0]
+
+
+def test_a_little_way_takes_its_least_time_and_none_takes_none():
+    assert TimedMove.between(np.zeros(2), np.full(2, 0.001), pace=1.0).duration == 0.3
+    still = TimedMove.between(np.ones(2), np.ones(2), pace=1.0)
+    assert still.duration == 0.0
+    assert still.at(0.0).tolist() == [1.0, 1.0]
 
 
 def player_with(times) -> Player:

@@ -8,7 +8,7 @@ from kinesic.body.robot import Robot
 from kinesic.body.servo import TICKS_PER_TURN
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.supervisor.manifest import Manifest
-from kinesic.hardware.tools.calibration import Travel, calibration, calibration_text, marks
+from kinesic.hardware.tools.calibration import Travel, calibration, calibration_text, marks, positive_way
 
 ROBOT = Robot.load()
 MANIFEST = Manifest.of(ROBOT)
@@ -103,3 +103,20 @@ def test_a_limit_that_does_not_hold_the_rest_is_refused():
     travel = Travel(ZEROS - raised, travel.here, travel.least + raised, travel.most + raised, travel.ways)
     with pytest.raises(ConfigError, match="does not hold its rest of 25 deg"):
         found(travel)
+
+
+@pytest.mark.parametrize(
+    ("hinge", "words"),
+    [
+        ("vl5_torsion", "the front of vl5 turns to its left"),
+        ("vl5_tilt", "vl5 goes forward"),
+        ("vl5_roll", "vl5 goes to its right"),
+        ("l_shoulder_flexion", "l_shoulder goes forward"),
+        ("l_shoulder_abduct", "l_shoulder goes to its left"),
+        ("r_shoulder_abduct", "r_shoulder goes to its right"),
+        ("r_elbow_twisting", "the front of r_elbow turns to its right"),
+        ("l_sternoclavicular_abduct", "l_sternoclavicular goes up"),
+    ],
+)
+def test_the_positive_way_in_words(hinge: str, words: str):
+    assert positive_way(ROBOT, ROBOT.skeleton.joint(hinge)) == words

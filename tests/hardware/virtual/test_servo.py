@@ -7,8 +7,8 @@ import pytest
 from kinesic.hardware.protocol import packet
 from kinesic.hardware.protocol.packet import BROADCAST, Fault, Instruction
 from kinesic.hardware.protocol.registers import Mode, Register
+from kinesic.hardware.virtual.control_table import BY_GOAL, BY_TIME
 from kinesic.hardware.virtual.firmware import BOOT
-from kinesic.hardware.virtual.value_rules import BY_GOAL, BY_TIME
 
 from .conftest import Line
 

@@ -1,5 +1,7 @@
-"""The serial ports of this machine: their lasting names, and the latency timer of their USB adapters."""
+"""What this machine gives a bus: ports by lasting names, the latency timers of their USB adapters, and real time."""
 
+import os
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -56,3 +58,18 @@ def latency(path: Path, *, system: Path = SYSTEM) -> AdapterLatency | None:
         return AdapterLatency(path, int(setting.read_text()), setting)
     except (OSError, ValueError):
         return None
+
+
+def request_real_time(priority: int) -> bool:
+    """Asks the host for real time for this process; whether it grants it.
+
+    Args:
+        priority: of SCHED_FIFO, 1..99.
+    """
+    if sys.platform != "linux":
+        return False
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
+    except OSError:
+        return False
+    return True

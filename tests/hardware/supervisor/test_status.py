@@ -2,7 +2,7 @@ import json
 from pathlib import Path
 
 from kinesic.hardware.supervisor.channel import Note
-from kinesic.hardware.supervisor.event_log import EventLog
+from kinesic.hardware.supervisor.status import EventLog
 
 
 def test_every_event_is_a_line(tmp_path: Path):

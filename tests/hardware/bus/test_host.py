@@ -1,6 +1,6 @@
 from pathlib import Path
 
-from kinesic.hardware.bus.ports import AdapterLatency, latency, ports, stable_name
+from kinesic.hardware.bus.host import AdapterLatency, latency, ports, stable_name
 
 
 def links(folder: Path) -> tuple[Path, Path]:

@@ -2,8 +2,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from kinesic.hardware.bus.bus_group import BusGroup
 from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.supervisor.axes import cycle_together
 
 Make = Callable  # of a rig, see conftest
 MID = 2048
@@ -11,17 +11,16 @@ MID = 2048
 
 def test_all_buses_are_asked_before_one_is_heard(rig: Make):
     left, right = rig(7), rig(5, baud=4_000_000)
-    buses = BusGroup({"left": left.bus, "right": right.bus})
+    buses = {"left": left.bus, "right": right.bus}
     said: list[str] = []
     for name, made in (("left", left), ("right", right)):
         begin, finish = made.bus.begin, made.bus.finish
         made.bus.begin = lambda goals, n=name, f=begin: (said.append(f"ask {n}"), f(goals))[1]
         made.bus.finish = lambda n=name, f=finish: (said.append(f"hear {n}"), f())[1]
-    cycles = buses.cycle({"left": np.full(7, MID)})
+    cycles = cycle_together(buses, {"left": np.full(7, MID)})
     assert said == ["ask left", "ask right", "hear left", "hear right"]
     assert cycles["left"].fresh.all()
     assert cycles["right"].fresh.all()
-    buses.close()
 
 
 def test_a_bus_that_is_lost_holds_up_no_other(rig: Make):
@@ -29,10 +28,10 @@ def test_a_bus_that_is_lost_holds_up_no_other(rig: Make):
     left.wire.sleep(left.wire.now() + 0.1)
     for servo in left.plant.servos:
         servo.mute = True
-    buses = BusGroup({"left": left.bus, "right": right.bus})
+    buses = {"left": left.bus, "right": right.bus}
     goals = {"left": np.full(3, MID), "right": np.array([MID, MID + 5, MID + 9])}
     for _ in range(10):
-        cycles = buses.cycle(goals)
+        cycles = cycle_together(buses, goals)
         for made in (left, right):
             made.wire.sleep(made.wire.now() + 0.01)
     assert not cycles["left"].fresh.any()

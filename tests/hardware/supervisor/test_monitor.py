@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from kinesic.hardware.bus.health import BLOCK
-from kinesic.hardware.supervisor.load_scaling import STUCK, LoadRatings, LoadState, derate, update_load
+from kinesic.hardware.bus.cycle import BLOCK
+from kinesic.hardware.supervisor.monitor import STUCK, LoadRatings, LoadState, derate, update_load
 
 STRENGTH = LoadRatings(
     celsius=np.array([80.0, 80.0]), current=np.array([1000.0, 1000.0]), full=np.array([140.0, 140.0])
