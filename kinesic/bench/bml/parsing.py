@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
+from kinesic.bench.bml.constraint_sets import After, Constraints, Equals, constraints_of
 from kinesic.bench.bml.expectations import (
     ExpectationVerdict,
     Fact,
@@ -17,7 +18,7 @@ from kinesic.bench.bml.expectations import (
 from kinesic.bml.block import Block, BmlError, SyncRef
 from kinesic.bml.parse import parse
 from kinesic.bml.reading.references import Names, parse_ref, write_reference
-from kinesic.bml.timing.constraints import After, Constraints, Equals, Point, constraints_of
+from kinesic.bml.timing.constraints import Point
 
 _DIGITS = 6  # of offsets that are compared [s]
 

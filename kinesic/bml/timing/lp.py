@@ -13,9 +13,8 @@ import numpy as np
 import scipy
 
 from kinesic.bml.timing.constraints import Point
-from kinesic.bml.timing.disjoint_sets import Potentials
 from kinesic.bml.timing.negative_cycles import Edge
-from kinesic.bml.timing.network import SHORTEST, SyncChain
+from kinesic.bml.timing.network import SHORTEST, Potentials, SyncChain
 from kinesic.bml.timing.points import HOLDS, is_repeated
 
 _LONGER = {"relax": 1.0, "strokeStart": 1.5, "end": 4.0, "ready": 5.0}
@@ -66,7 +65,7 @@ class _Rows:
 class Program:
     """The linear program of some chains and orders."""
 
-    def __init__(self, potentials: Potentials[Point], known: Mapping[Point, float]) -> None:
+    def __init__(self, potentials: Potentials, known: Mapping[Point, float]) -> None:
         self._potentials, self._known = potentials, known
         self._rows = _Rows()
         self._root: dict[Point, int] = {}

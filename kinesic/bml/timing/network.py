@@ -7,7 +7,6 @@ from itertools import pairwise
 
 from kinesic.bml.block import Behaviour, Block, NoticeType, Precedence, Speech, Synchronize, SyncRef
 from kinesic.bml.timing.constraints import Point, Tie, point_of, synchronize_equalities
-from kinesic.bml.timing.disjoint_sets import Potentials
 from kinesic.bml.timing.negative_cycles import EQUAL, Edge
 from kinesic.bml.timing.points import sync_points
 from kinesic.body.utterance import Utterance
@@ -15,6 +14,42 @@ from kinesic.body.utterance import Utterance
 SHORTEST = 1e-6  # [s] of a behaviour whose length is not asked for
 
 Elsewhere = Mapping[tuple[str, str, str], float]
+
+
+class Potentials:
+    """Disjoint sets of points whose distances are known (Tarjan); in each, time(point) = time(root) + gap(point)."""
+
+    def __init__(self) -> None:
+        self._above: dict[Point, tuple[Point, float]] = {}
+
+    def find(self, point: Point) -> tuple[Point, float]:
+        """Root of a point's class, and the point's gap to it [s]; an unknown point starts a class."""
+        path: list[Point] = []
+        above = self._above.setdefault(point, (point, 0.0))[0]
+        while above != point:
+            path.append(point)
+            point = above
+            above = self._above[point][0]
+        total = 0.0
+        for below in reversed(path):
+            total += self._above[below][1]
+            self._above[below] = (point, total)
+        return point, total
+
+    def join(self, late: Point, early: Point, gap: float) -> None:
+        """Adds time(late) = time(early) + gap; without effect when both are in one class already."""
+        late_root, late_gap = self.find(late)
+        early_root, early_gap = self.find(early)
+        if late_root != early_root:
+            self._above[late_root] = (early_root, early_gap + gap - late_gap)
+
+    def classes(self) -> Iterator[dict[Point, float]]:
+        """Every class, as gaps to its root, in the order in which its points came."""
+        members: dict[Point, dict[Point, float]] = {}
+        for point in list(self._above):
+            root, gap = self.find(point)
+            members.setdefault(root, {})[point] = gap
+        yield from members.values()
 
 
 @dataclass(frozen=True)
@@ -50,9 +85,9 @@ class Network:
     orders: tuple[Edge, ...]
 
     @cached_property
-    def potentials(self) -> Potentials[Point]:
+    def potentials(self) -> Potentials:
         """Classes of equal times; of contradictory distances the first counts."""
-        potentials: Potentials[Point] = Potentials()
+        potentials = Potentials()
         for distance in self.distances:
             potentials.join(distance.late, distance.early, distance.gap)
         return potentials

@@ -12,10 +12,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from kinesic.bml.timing.constraints import Point
-from kinesic.bml.timing.disjoint_sets import Potentials
 from kinesic.bml.timing.lp import Program
 from kinesic.bml.timing.negative_cycles import Edge
-from kinesic.bml.timing.network import Network, SyncChain
+from kinesic.bml.timing.network import Network, Potentials, SyncChain
 from kinesic.bml.timing.points import HOLDS, is_repeated
 
 Spans = Mapping[str, Mapping[str, float]]
@@ -98,7 +97,7 @@ def settle_times(network: Network, spans: Spans) -> dict[Point, float]:
     return times
 
 
-def _time(point: Point, potentials: Potentials[Point], known: Mapping[Point, float]) -> float:
+def _time(point: Point, potentials: Potentials, known: Mapping[Point, float]) -> float:
     root, gap = potentials.find(point)
     return known[root] + gap
 
@@ -106,7 +105,7 @@ def _time(point: Point, potentials: Potentials[Point], known: Mapping[Point, flo
 class _Settling:
     """Settles groups; `known` holds the times of roots of classes."""
 
-    def __init__(self, potentials: Potentials[Point], spans: Spans) -> None:
+    def __init__(self, potentials: Potentials, spans: Spans) -> None:
         self._potentials, self._spans = potentials, spans
 
     def settled(
@@ -136,7 +135,7 @@ class _Settling:
         self, chains: Sequence[SyncChain], orders: Sequence[Edge], known: Mapping[Point, float]
     ) -> Iterator[_Group]:
         """Splits into groups; what has nothing left to find is left out."""
-        together: Potentials[Point] = Potentials()
+        together = Potentials()
 
         def first_free(points: Sequence[Point]) -> Point | None:
             free = [root for point in points if (root := self._root(point)) not in known]

@@ -7,9 +7,10 @@ from typing import Any
 
 import pytest
 
+from kinesic.bench.bml.constraint_sets import After, Constraints, Equals, constraints_of
 from kinesic.bml.block import Block, BmlError
 from kinesic.bml.parse import parse
-from kinesic.bml.timing.constraints import After, Constraints, Equals, Point, constraints_of
+from kinesic.bml.timing.constraints import Point
 
 CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[4] / "shared" / "corpus"))
 EXPECTED = CORPUS / "expectations" / "openbmlparser.json"
