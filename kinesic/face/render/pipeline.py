@@ -17,12 +17,10 @@ from kinesic.face.render.camera import Camera, Lights
 from kinesic.face.render.geometry import Geometry, PositionPass
 from kinesic.face.render.occlusion import OcclusionPass
 from kinesic.face.render.passes import ScreenPass, Size, Stored, Target, Value, store_pixels, texture
-from kinesic.face.render.post import PostProcessing
+from kinesic.face.render.post import PostProcessing, ScatterPass
 from kinesic.face.render.presets import Preset
-from kinesic.face.render.scattering import ScatterPass
 from kinesic.face.render.shadow import ShadowPass
-from kinesic.face.render.wrinkle_pass import WrinklePass
-from kinesic.face.render.wrinkles import shares
+from kinesic.face.render.wrinkles import WrinklePass, shares
 
 BACKDROP = (0.055, 0.075, 0.105)  # linear
 

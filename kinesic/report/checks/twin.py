@@ -84,7 +84,7 @@ def tracking_errors(performance: Performance) -> Tracking:
 
 
 @dataclass(frozen=True)
-class Following:
+class TwinFigures:
     """How well one twin followed a plan, in few figures to put beside another's; None: there is nothing to measure."""
 
     rmse_deg: float
@@ -97,11 +97,11 @@ class Following:
     min_distance_m: float
 
 
-def measure_tracking(performance: Performance) -> Following:
+def measure_tracking(performance: Performance) -> TwinFigures:
     """Measures how well the twin of a performance followed its plan."""
     found, strokes = tracking_errors(performance), stroke_errors(performance)
     errors = [abs(error) for error, _ in strokes if error is not None]
-    return Following(
+    return TwinFigures(
         rmse_deg=found.rmse,
         p95_deg=found.p95,
         max_deg=found.max,
