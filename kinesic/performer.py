@@ -1,8 +1,7 @@
 """The front door: a robot in a manner, which plans documents, performs them, and reports."""
 
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Literal, Unpack, get_args
 
@@ -18,10 +17,9 @@ from kinesic.controller.perform import dry_runs, set_up
 from kinesic.controller.perform import perform as perform_text
 from kinesic.controller.play import command_times, commands, play_together
 from kinesic.controller.servo_performance import interrupted, perform_live
-from kinesic.controller.soundtrack import SpeechPlayback, sound
+from kinesic.controller.soundtrack import speak_along
 from kinesic.expressivity.style.style import Style
 from kinesic.hardware.servos import Servos, check_ports
-from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.planning.bap import SUFFIX, read_bap
 from kinesic.planning.face_track import faces
@@ -30,8 +28,6 @@ from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
 from kinesic.report.run import Performance, performance_of
 from kinesic.sim.servo_factors import NOMINAL, TWINS, Factors, TwinName
-from kinesic.speech.loudspeaker import SpeakerError
-from kinesic.speech.speaker import Speaker
 
 Document = str | bytes | Path  # a path, or BML text
 On = Literal["twin", "servos"]
@@ -139,7 +135,7 @@ class Performer:
         if sinks:
             _play(planned, sinks, feedforward)
         if on == "servos" and run.ok:
-            with _speaking(planned) as said:
+            with speak_along(planned, _warn) as said:
                 servos = Servos(planned.setup.robot, ports or {})
                 with interrupted() as stopped:
                     live = perform_live(run, servos, wish=lambda: "end" if stopped() else "go on", shown=said)
@@ -215,17 +211,5 @@ def _play(plan: Plan, sinks: Sequence[Sink], terms: Terms) -> None:
     play_together(((command,) * len(sinks) for command in stream), sinks)
 
 
-@contextmanager
-def _speaking(plan: Plan) -> Iterator[Callable[[Status], None]]:
-    """What is said in a plan is heard meanwhile, where there is a loudspeaker."""
-    heard = sound(plan)
-    try:
-        speaker = Speaker() if heard is not None else None
-    except SpeakerError as error:
-        warnings.warn(f"voice: not heard ({error})", stacklevel=4)
-        speaker = None
-    try:
-        yield SpeechPlayback(heard, speaker) if heard is not None and speaker is not None else lambda status: None
-    finally:
-        if speaker is not None:
-            speaker.close()
+def _warn(line: str) -> None:
+    warnings.warn(line, stacklevel=7)  # of who called `perform`

@@ -15,7 +15,7 @@ from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.tools.diagnosis import Finding, diagnose
 from kinesic.ik import KERNEL
 from kinesic.sim import gl
-from kinesic.speech import espeak_pool, port_audio
+from kinesic.speech import espeak_pool, loudspeaker
 from kinesic.version import __version__
 
 CHECK_FAILED = 1
@@ -30,7 +30,7 @@ def examine_machine() -> int:
     table.add_row("film (MuJoCo, OpenGL)", gl.opengl_fault() or "works")
     table.add_row("face (moderngl, EGL)", display.available() or "works")
     table.add_row("speech (espeak-ng)", espeak_pool.espeak_fault() or "works")
-    table.add_row("loudspeaker (PortAudio)", port_audio.audio_fault() or "works")
+    table.add_row("loudspeaker (PortAudio)", loudspeaker.audio_fault() or "works")
     for name, (module, extra) in EXTRAS.items():
         present = importlib.util.find_spec(module) is not None
         table.add_row(name, "installed" if present else f"not installed: pip install 'kinesic[{extra}]'")

@@ -11,7 +11,7 @@ import numpy as np
 from kinesic.bml.block import Face
 from kinesic.body.command import Command
 from kinesic.body.config import ConfigError
-from kinesic.cli.options import CELL, SIDE, STRIP, Expression, FaceView, Planning, read_input
+from kinesic.cli.options import CELL, SIDE, STRIP, ExpressionOptions, FaceView, Planning, read_input
 from kinesic.cli.playback import play_whole
 from kinesic.controller.perform import plan
 from kinesic.controller.play import command_times, play
@@ -61,7 +61,7 @@ class Sight:
 
 
 def draw_face(
-    planning: Planning, expression: Expression, bml: str | None, out: Path | None, view: FaceView, sheet: bool
+    planning: Planning, expression: ExpressionOptions, bml: str | None, out: Path | None, view: FaceView, sheet: bool
 ) -> int:
     """Draws an expression, the face of a document, or a sheet of all action units, to a file or a window."""
     units, emotion = expression.units, expression.emotion

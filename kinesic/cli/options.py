@@ -111,7 +111,7 @@ class Output:
 
 
 @dataclass(frozen=True)
-class Expression:
+class ExpressionOptions:
     """A face by its action units, an emotion, or both."""
 
     units: str
@@ -238,7 +238,7 @@ twin_options = _together(
 )
 expression = _together(
     "expression",
-    Expression,
+    ExpressionOptions,
     click.option("--au", "units", default="", metavar="N=X,...", help=AU_HELP),
     click.option("--emotion", metavar="NAME", help=EMOTION_HELP),
     click.option("--amount", type=click.FloatRange(0.0, 1.0), default=1.0, show_default=True, help="Of the emotion."),

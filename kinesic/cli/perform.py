@@ -8,9 +8,7 @@ import click
 from rich.table import Table
 
 from kinesic.cli.options import FAULT, Output, Performers, Planning, TwinOptions, read_input
-from kinesic.cli.playback import follow_servos as following_face
-from kinesic.cli.playback import play_whole, preview_window
-from kinesic.cli.servo_run import perform_on_servos, write_live
+from kinesic.cli.playback import follow_servos, perform_on_servos, play_whole, preview_window, write_live
 from kinesic.cli.servos.ports import all_ports
 from kinesic.cli.terminal import console
 from kinesic.controller.perform import dry_runs, performances, plan
@@ -46,10 +44,10 @@ def perform_file(
     written = write_report(performance, data, folder, film=film)
     live, log, planned = None, None, performance.plan
     film_beside = written.film if "twin" in performers.sinks else None
-    with preview_window(known.robot, asked="face" in performers.sinks, beside=film_beside) as preview:
+    with preview_window(known.robot, requested="face" in performers.sinks, beside=film_beside) as preview:
         if paths and data["ok"]:
             live = perform_on_servos(
-                performance, paths, folder, quiet=output.as_json, told=following_face(planned, preview)
+                performance, paths, folder, quiet=output.as_json, listener=follow_servos(planned, preview)
             )
             data, log = write_live(live, data, written)
         elif preview is not None:

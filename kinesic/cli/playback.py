@@ -1,4 +1,4 @@
-"""What people see and hear while a document is performed: the face's window and the machine's loudspeaker."""
+"""A document performed in real time: the face's window, the voice, the servos and the keys that stop them."""
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -6,52 +6,47 @@ from pathlib import Path
 from time import monotonic
 
 import click
+from rich.console import Console
+from rich.live import Live as Display
 
 from kinesic.body.command import RATE
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
+from kinesic.cli.terminal import pressed_keys
+from kinesic.controller.performance import Performance
 from kinesic.controller.play import command_times, pace, play
-from kinesic.controller.soundtrack import sound
+from kinesic.controller.servo_performance import ServoRun, Wish, interrupted, perform_live
+from kinesic.controller.soundtrack import open_speaker, sound, speak_along
 from kinesic.face.display import DisplayError
 from kinesic.face.show.controls import HELP
 from kinesic.face.show.preview import Preview
 from kinesic.face.show.process import PreviewSettings
 from kinesic.face.show.window import has_display
+from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.planning.face_track import commands_with_face
 from kinesic.planning.plan import Plan
-from kinesic.speech.loudspeaker import SpeakerError
-from kinesic.speech.speaker import Speaker
+from kinesic.report.output import Written, rewrite
+from kinesic.report.report import Json
+from kinesic.report.servo_report import live_log, with_live
+from kinesic.sim.log import write_log
+
+KEYS = "space: stop where it is; again: let go. Ctrl-C: fold to rest and let go."
 
 
 @contextmanager
-def loudspeaker() -> Iterator[Speaker | None]:
-    """Open meanwhile; None, and a line that tells why, where nothing can be heard."""
-    try:
-        speaker = Speaker()
-    except SpeakerError as error:
-        click.echo(f"voice: not heard ({error})", err=True)
-        yield None
-        return
-    try:
-        yield speaker
-    finally:
-        speaker.close()
-
-
-@contextmanager
-def preview_window(robot: Robot, *, asked: bool, beside: Path | None = None) -> Iterator[Preview | None]:
-    """A window that is open meanwhile, where it is asked for and there is a display; else nothing is watched.
+def preview_window(robot: Robot, *, requested: bool, beside: Path | None = None) -> Iterator[Preview | None]:
+    """Opens a window of the face meanwhile, where it is requested and there is a display; else it is None.
 
     Args:
         robot: whose head turns the face.
-        asked: whether anybody wants to see it.
+        requested: whether anybody wants to see it.
         beside: a film of its body.
 
     Raises:
         ConfigError: the window does not open.
     """
-    if not asked:
+    if not requested:
         yield None
         return
     if not has_display():
@@ -71,19 +66,103 @@ def play_whole(plan: Plan, preview: Preview) -> None:
     """Shows a whole performance in its own time, and lets it be heard where there is a loudspeaker."""
     commands, heard = tuple(commands_with_face(plan, command_times(plan.duration))), sound(plan)
     with ExitStack() as opened:
-        speaker = None if heard is None else opened.enter_context(loudspeaker())
+        speaker = None if heard is None else opened.enter_context(open_speaker(warn))
         if heard is not None and speaker is not None:
             speaker.play(heard, monotonic())
         play(pace(commands), preview)
 
 
 def follow_servos(plan: Plan, preview: Preview | None) -> Callable[[Status], None]:
-    """Shows the face at the time to which servos have come, whenever they tell it."""
+    """Shows the face at the time to which servos have come, with every status of theirs."""
     if preview is None:
-        return lambda told: None
+        return lambda status: None
     commands = tuple(commands_with_face(plan, command_times(plan.duration)))
 
-    def follow(told: Status) -> None:
-        preview.write(commands[min(max(round(told.time * RATE), 0), len(commands) - 1)])
+    def follow(status: Status) -> None:
+        preview.write(commands[min(max(round(status.time * RATE), 0), len(commands) - 1)])
 
     return follow
+
+
+def perform_on_servos(
+    performance: Performance,
+    ports: dict[str, Path],
+    folder: Path,
+    *,
+    quiet: bool,
+    listener: Callable[[Status], None] = lambda status: None,
+) -> ServoRun:
+    """Performs on the servos, and aloud, what the twin has performed; events are added to FOLDER/events.jsonl.
+
+    Args:
+        performance: of the twin.
+        ports: of the robot's buses.
+        folder: of the report.
+        quiet: nothing is shown in the terminal.
+        listener: gets every status of the servos.
+
+    Raises:
+        BusError: a port or a servo is missing or wrong; nothing has moved.
+    """
+    plan = performance.plan
+    with speak_along(plan, warn) as said:
+        servos = Servos(plan.setup.robot, ports, log=folder / "events.jsonl")
+        if not quiet:
+            click.echo(KEYS, err=True)
+        with interrupted() as folding, pressed_keys() as keys, _display(quiet) as shown:
+            return perform_live(performance, servos, wish=_wish(keys, folding), shown=_all(shown, said, listener))
+
+
+def _all(*listeners: Callable[[Status], None]) -> Callable[[Status], None]:
+    def hear(status: Status) -> None:
+        for listener in listeners:
+            listener(status)
+
+    return hear
+
+
+def _wish(keys: Callable[[], str], folding: Callable[[], bool]) -> Callable[[], Wish]:
+    """What somebody at the keyboard wants."""
+
+    def wish() -> Wish:
+        if " " in keys():
+            return "stop"
+        return "end" if folding() else "go on"
+
+    return wish
+
+
+def write_live(live: ServoRun, data: dict[str, Json], written: Written) -> tuple[dict[str, Json], Path]:
+    """Writes the report anew with what the robot did, and its log; the report, and the path of the log."""
+    whole = with_live(data, live)
+    rewrite(written, live.performance, whole)
+    log = written.report.with_name("servos.npz")
+    write_log(live_log(live), live.performance.plan.setup.robot, log)
+    return whole, log
+
+
+@contextmanager
+def _display(quiet: bool) -> Iterator[Callable[[Status], None]]:
+    """One line that tells how it goes, where there is a terminal."""
+    screen = Console(stderr=True)
+    if quiet or not screen.is_terminal:
+        yield lambda status: None
+        return
+    with Display(console=screen, transient=True) as display:
+        yield lambda status: display.update(_line(status))
+
+
+def _line(status: Status) -> str:
+    parts = (
+        f"{status.stage.value:9} {status.time:6.2f} s",
+        f"{status.energised} servos on",
+        f"{status.hottest:.0f} C",
+        f"{status.volts:.1f} V",
+        *((f"{status.silent} silent",) if status.silent else ()),
+    )
+    return "  ".join(parts)
+
+
+def warn(line: str) -> None:
+    """Says on standard error what cannot be seen or heard."""
+    click.echo(line, err=True)

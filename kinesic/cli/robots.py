@@ -11,8 +11,8 @@ from kinesic.body.robot_schema import robot_text
 from kinesic.cli.terminal import console
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.planning.workspace import workspace
-from kinesic.sim import robot_check
 from kinesic.sim.importer.convert import REVIEW_BELOW, Mapped, import_humanoid
+from kinesic.sim.robot_check import check_robot
 
 WARN_TORQUE = 0.4  # of stall
 FAIL_TORQUE = 0.8
@@ -38,10 +38,10 @@ def show_robot(robot: str) -> int:
     return 0
 
 
-def check_robot(robot: str) -> int:
+def assess_robot(robot: str) -> int:
     """Computes static torque ratios, workspace and clearance of ROBOT from its model."""
     body = load_robot(robot)
-    physics, reach = robot_check.check_robot(body), workspace(body)
+    physics, reach = check_robot(body), workspace(body)
     table = Table("hinge", "at rest", "worst", "", box=None, title="static torque / stall")
     failed = False
     for name, rest, worst in zip(body.skeleton.names, physics.rest_ratios, physics.worst_ratios, strict=True):

@@ -21,7 +21,7 @@ from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.serve.quotas import USUAL, Quotas
 from kinesic.serve.server import Address, Serving, open_serving, until_done
 from kinesic.serve.sinks import AHEAD, RealServos, RealTwin, ServoSink
-from kinesic.speech import port_audio
+from kinesic.speech.loudspeaker import audio_fault
 
 
 def serve_blocks(
@@ -33,7 +33,7 @@ def serve_blocks(
     rules: tuple[str, ...],
 ) -> int:
     """Performs blocks as they come by TCP, WebSocket and standard input, until somebody ends it."""
-    why = port_audio.audio_fault() if sound is not False else "not wanted"
+    why = audio_fault() if sound is not False else "not wanted"
     if sound and why:
         raise ConfigError(f"--sound: {why}")
     address, limits = read_address(listen, token), read_rules(rules)

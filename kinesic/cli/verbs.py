@@ -145,8 +145,8 @@ def _show_robot() -> None:
 
 @robots.command("check")
 @click.argument("robot", default="upper22")
-@done_by("robots:check_robot")
-def _check_robot() -> None:
+@done_by("robots:assess_robot")
+def _assess_robot() -> None:
     """Computes static torque ratios, workspace and clearance of ROBOT from its model."""
 
 

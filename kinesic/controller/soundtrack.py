@@ -1,6 +1,8 @@
 """Mixes the utterances of a plan on performance time, and plays them in step with the servos."""
 
 import wave
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from math import gcd
 from pathlib import Path
 
@@ -11,6 +13,7 @@ from kinesic.body.utterance import Samples, Sound
 from kinesic.controller.servo_performance import FULL
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.planning.plan import Plan
+from kinesic.speech.loudspeaker import SpeakerError
 from kinesic.speech.speaker import Speaker
 
 LARGEST = 32767  # of a sample of 16 bits
@@ -90,3 +93,37 @@ class SpeechPlayback:
         if self._zero is not None:
             self._speaker.stop()
             self._zero = None
+
+
+@contextmanager
+def open_speaker(warn: Callable[[str], None]) -> Iterator[Speaker | None]:
+    """Opens the machine's loudspeaker meanwhile; where nothing can be heard it is None, and `warn` gets the reason."""
+    try:
+        speaker = Speaker()
+    except SpeakerError as error:
+        warn(f"voice: not heard ({error})")
+        yield None
+        return
+    try:
+        yield speaker
+    finally:
+        speaker.close()
+
+
+@contextmanager
+def speak_along(plan: Plan, warn: Callable[[str], None]) -> Iterator[Callable[[Status], None]]:
+    """Speaks what a plan says at the time to which servos have come, where there is a loudspeaker.
+
+    Args:
+        plan: what is performed.
+        warn: gets the reason where nothing can be heard.
+
+    Yields:
+        What must be called with every status of the servos.
+    """
+    mixed = sound(plan)
+    if mixed is None:
+        yield lambda status: None
+        return
+    with open_speaker(warn) as speaker:
+        yield SpeechPlayback(mixed, speaker) if speaker is not None else lambda status: None

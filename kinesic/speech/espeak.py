@@ -8,16 +8,16 @@ tongue is silent at first (12 to 49 ms at a normal rate).
 import math
 import re
 from bisect import bisect_left
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 
 from kinesic.body.utterance import Mark, Pause, Phoneme, Script, Sound, Utterance
 from kinesic.speech.durations import DurationModel
 from kinesic.speech.espeak_pool import EngineReply, SpeechError, engine, espeak_fault, synthesise
-from kinesic.speech.languages import voice_of
 from kinesic.speech.ssml import ssml
 
 WORDS_PER_MINUTE = 175  # of espeak-ng at rate 1
@@ -25,6 +25,16 @@ SLOWEST, FASTEST = 80, 450  # words per minute
 MIDDLE, HIGHEST = 50, 99  # espeak-ng's pitch: 50 more is an octave up
 REMEMBERED = 64  # utterances of one run
 LONGEST = 25_000  # characters, about half an hour: more than a block may last
+ENGLISH = "en-us"
+ALIASES: Mapping[str, str] = {  # tags that the files of espeak-ng spell otherwise
+    "en": ENGLISH,
+    "en-gb": "en",
+    "iw": "he",
+    "no": "nb",
+    "pt-pt": "pt",
+    "zh": "cmn",
+    "zh-hk": "yue",
+}
 
 _CLOSING = re.compile(r"^[\s\"'\u2019\u201d\u00bb)\]]*[.,;:!?\u2026\u3002\uff0c\uff01\uff1f\u3001]")
 
@@ -50,6 +60,32 @@ class Espeak:
             if not (math.isfinite(value) and value > 0):
                 raise ValueError(f"{name} is {value}, must be a finite number above 0")
         return _said(script, rate, pitch)
+
+
+@lru_cache(maxsize=4)
+def voices(data: Path) -> Mapping[str, str]:
+    """Language tag, in small letters -> name of its voice for espeak-ng, from the folder of its data."""
+    folder = data / "espeak-ng-data" / "lang"
+    return {path.name.lower(): path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
+
+
+def voice_of(language: str, data: Path) -> tuple[str, str]:
+    """The voice of a language, and a remark where it is another's.
+
+    A tag that is too precise is made shorter: `de-AT` is spoken by `de`.
+
+    Args:
+        language: BCP 47 tag, in any spelling.
+        data: folder that holds espeak-ng's data.
+    """
+    known = voices(data)
+    tag = language.strip().replace("_", "-").lower()
+    while tag:
+        found = known.get(ALIASES.get(tag, tag))
+        if found:
+            return found, ""
+        tag = tag.rpartition("-")[0]
+    return known.get(ENGLISH, ENGLISH), f"no voice speaks {language!r}: it is read as if it were English"
 
 
 @lru_cache(maxsize=REMEMBERED)

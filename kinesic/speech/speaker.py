@@ -5,8 +5,7 @@ import time
 import numpy as np
 
 from kinesic.body.utterance import Samples, Sound
-from kinesic.speech.loudspeaker import Clock, Device
-from kinesic.speech.port_audio import PortAudio
+from kinesic.speech.loudspeaker import Clock, Device, PortAudio
 
 RATE = 44100  # [Hz]
 JUMP = 0.01  # [s] by which a device may misjudge when it is heard, before that is believed

@@ -2,8 +2,8 @@ from pathlib import Path
 
 import pytest
 
+from kinesic.speech.espeak import voice_of, voices
 from kinesic.speech.espeak_pool import engine
-from kinesic.speech.languages import voice_of, voices
 
 
 @pytest.fixture(scope="module")

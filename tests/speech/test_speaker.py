@@ -2,9 +2,8 @@ import numpy as np
 import pytest
 
 from kinesic.body.utterance import Sound
-from kinesic.speech import port_audio
-from kinesic.speech.loudspeaker import Feed, SpeakerError
-from kinesic.speech.port_audio import PortAudio
+from kinesic.speech import loudspeaker
+from kinesic.speech.loudspeaker import Feed, PortAudio, SpeakerError
 from kinesic.speech.speaker import Speaker, mix
 
 RATE = 1000
@@ -115,7 +114,7 @@ def test_before_and_after_it_is_silent(begin: float):
 
 
 def test_a_machine_that_plays_nothing_says_what_mends_it():
-    if not port_audio.audio_fault():
+    if not loudspeaker.audio_fault():
         pytest.skip("this machine plays sounds")
     with pytest.raises(SpeakerError):
         Speaker()
@@ -126,8 +125,8 @@ def test_what_is_missing_is_named(error: type[Exception], line: str, monkeypatch
     def missing(_: str) -> None:
         raise error
 
-    monkeypatch.setattr(port_audio.importlib, "import_module", missing)
-    assert line in port_audio.audio_fault()
+    monkeypatch.setattr(loudspeaker.importlib, "import_module", missing)
+    assert line in loudspeaker.audio_fault()
 
 
 def test_port_audio_tells_when_a_sample_is_heard(monkeypatch: pytest.MonkeyPatch):
@@ -169,7 +168,7 @@ def test_port_audio_tells_when_a_sample_is_heard(monkeypatch: pytest.MonkeyPatch
         heard.append(time)
         return np.full(count, 0.5, dtype=np.float32)
 
-    monkeypatch.setattr(port_audio.importlib, "import_module", lambda _: Devices)
+    monkeypatch.setattr(loudspeaker.importlib, "import_module", lambda _: Devices)
     device = PortAudio(lambda: 10.0)
     device.open(RATE, feed)
     assert heard == pytest.approx([10.03, 10.02])

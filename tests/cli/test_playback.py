@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from kinesic.body.utterance import Sound
-from kinesic.cli import playback, servo_run
+from kinesic.cli import playback
+from kinesic.controller import soundtrack
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.speech.loudspeaker import SpeakerError
@@ -35,9 +36,9 @@ class Fake:
 
 def test_what_is_said_begins_with_the_performance_and_the_speaker_is_let_go(monkeypatch: pytest.MonkeyPatch):
     fake = Fake()
-    monkeypatch.setattr(servo_run, "sound", lambda plan: SAID)
-    monkeypatch.setattr(playback, "Speaker", lambda: fake)
-    with servo_run.speak_along(PLAN) as said:
+    monkeypatch.setattr(soundtrack, "sound", lambda plan: SAID)
+    monkeypatch.setattr(soundtrack, "Speaker", lambda: fake)
+    with soundtrack.speak_along(PLAN, playback.warn) as said:
         for stage, time, scale in [(Stage.HOLD, 0.0, 0.0), (Stage.ACTIVE, 0.02, 1.0), (Stage.ACTIVE, 0.04, 1.0)]:
             said(Status(stage, clock=7.0 + time, time=time, scale=scale))
         assert fake.begun == [7.0]
@@ -49,15 +50,15 @@ def test_without_a_loudspeaker_it_is_performed_in_silence(monkeypatch: pytest.Mo
     def none() -> None:
         raise SpeakerError("no device; plug one in")
 
-    monkeypatch.setattr(servo_run, "sound", lambda plan: SAID)
-    monkeypatch.setattr(playback, "Speaker", none)
-    with servo_run.speak_along(PLAN) as said:
+    monkeypatch.setattr(soundtrack, "sound", lambda plan: SAID)
+    monkeypatch.setattr(soundtrack, "Speaker", none)
+    with soundtrack.speak_along(PLAN, playback.warn) as said:
         said(Status(Stage.ACTIVE, clock=7.0, time=0.0, scale=1.0))
     assert capsys.readouterr().err == "voice: not heard (no device; plug one in)\n"
 
 
 def test_nothing_is_opened_where_nothing_is_said(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(servo_run, "sound", lambda plan: None)
-    monkeypatch.setattr(playback, "Speaker", lambda: pytest.fail("opened"))
-    with servo_run.speak_along(PLAN) as said:
+    monkeypatch.setattr(soundtrack, "sound", lambda plan: None)
+    monkeypatch.setattr(soundtrack, "Speaker", lambda: pytest.fail("opened"))
+    with soundtrack.speak_along(PLAN, playback.warn) as said:
         said(Status(Stage.ACTIVE, clock=7.0, time=0.0, scale=1.0))
