@@ -17,7 +17,7 @@ from kinesic.hardware.supervisor.manifest import Manifest, Member
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.supervisor.status import EventLog
-from kinesic.hardware.supervisor.supervisor import Supervisor
+from kinesic.hardware.supervisor.supervisor import Supervisor, Surroundings
 
 BUS, RANGE = "bench", 1.5  # [rad] to either side
 SWING = 0.2  # [rad] either way from the middle of the motion
@@ -42,12 +42,9 @@ def supervising(link: Path, *, model: str, count: int, baud: int, period: float,
     channel, settings = Channel(mmap.mmap(-1, memory_size(count)), count), SupervisorSettings(period=period)
     supervisor = Supervisor(
         manifest(model, count, baud),
-        lambda bus: SerialWire(link, baud),
-        channel,
+        Surroundings(lambda bus: SerialWire(link, baud), channel, planner=lambda: True, journal=EventLog(None)),
         settings,
         watchdog=settings.patient_watchdog,
-        planner=lambda: True,
-        journal=EventLog(None),
     )
     supervisor.open()
     for k in range(round((SETTLED + seconds + settings.lead) / period)):

@@ -24,7 +24,7 @@ from kinesic.hardware.supervisor.channel import Channel, map_memory, memory_size
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.settings import SupervisorOrder
 from kinesic.hardware.supervisor.status import EventLog
-from kinesic.hardware.supervisor.supervisor import Supervisor
+from kinesic.hardware.supervisor.supervisor import Supervisor, Surroundings
 
 PRIORITY = 20  # of SCHED_FIFO, where the host grants it
 EXIT_GOOD, EXIT_REFUSED = 0, 2
@@ -47,7 +47,7 @@ def supervise(order: SupervisorOrder, planner: Callable[[], bool], asked: Callab
     def opens(bus: str) -> Wire:
         return SerialWire(order.ports[bus], manifest.bauds[bus])
 
-    supervisor = Supervisor(manifest, opens, channel, settings, watchdog=watchdog, planner=planner, journal=journal)
+    supervisor = Supervisor(manifest, Surroundings(opens, channel, planner, journal), settings, watchdog=watchdog)
     supervisor.open()
     refused = supervisor.done
     gc.collect()

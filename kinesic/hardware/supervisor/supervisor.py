@@ -1,6 +1,7 @@
 """The supervisor's loop: one cycle of the wires, what it tells, what follows from it, and a word to the planner."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from time import monotonic
 
 import numpy as np
@@ -27,36 +28,28 @@ LEAST = 1e-4  # [s] between two cycles
 LOOKS = 100  # cycles until everybody must have been heard
 
 
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """What a supervisor stands between: wires on one side, the planner on the other; and its log."""
+
+    opens: Callable[[str], Wire]  # the wire of a bus, by its name; raises BusError
+    channel: Channel  # to the planner
+    planner: Callable[[], bool]  # whether it lives
+    journal: EventLog
+
+
 class Supervisor:
     """Drives the servos of a manifest for whoever writes into the channel. It never raises for them."""
 
     def __init__(
-        self,
-        manifest: Manifest,
-        opens: Callable[[str], Wire],
-        channel: Channel,
-        settings: SupervisorSettings,
-        *,
-        watchdog: float,
-        planner: Callable[[], bool],
-        journal: EventLog,
+        self, manifest: Manifest, surroundings: Surroundings, settings: SupervisorSettings, *, watchdog: float
     ) -> None:
-        """Nothing is opened yet.
-
-        Args:
-            manifest: what must be there.
-            opens: the wire of a bus, by its name; raises BusError.
-            channel: to the planner.
-            settings: figures.
-            watchdog: [s] of the servos' bus watchdogs.
-            planner: whether it lives.
-            journal: of events.
-        """
+        """Nothing is opened yet; `watchdog` [s] is that of the servos' bus watchdogs."""
         self.manifest, self.state = manifest, SupervisorState()
         self.late = 0  # cycles that began more than a period late, as the loop counts them
-        self._opens, self._channel, self._settings = opens, channel, settings
-        self._watchdog, self._planner = watchdog_counts(watchdog), planner
-        self._teller = StatusWriter(manifest, channel, journal)
+        self._around, self._channel, self._settings = surroundings, surroundings.channel, settings
+        self._watchdog = watchdog_counts(watchdog)
+        self._teller = StatusWriter(manifest, surroundings.channel, surroundings.journal)
         self._steering, self._watch = GoalSteering(manifest, settings), CommunicationMonitor(manifest, ())
         self._axes: Axes | None = None
         self._tables: tuple[Table, ...] = ()
@@ -86,7 +79,7 @@ class Supervisor:
         now = axes.now()
         seconds = min(max(now - self._clock, LEAST), 2 * self._settings.period)
         self._clock = now
-        self._alone = not self._planner()
+        self._alone = not self._around.planner()
         self._ended = bool(self._channel.word("ended"))  # asked before commands are taken, as it is said after them
         most = TAKEN if self._steering.player.left < AHEAD else 0
         for time, goals in self._channel.commands(most):
@@ -235,7 +228,7 @@ class Supervisor:
             self._advance("done")
 
     def _check(self) -> None:
-        axes, self._tables = take_over(self.manifest, self._opens, period=WIRE_SHARE * self._settings.period)
+        axes, self._tables = take_over(self.manifest, self._around.opens, period=WIRE_SHARE * self._settings.period)
         self._axes, self._watch = axes, CommunicationMonitor(self.manifest, self._tables)
         for _ in range(LOOKS):
             self._look(axes, None, self._settings.period)

@@ -20,7 +20,7 @@ from kinesic.hardware.supervisor.manifest import Manifest, Member
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.supervisor.status import EventLog
-from kinesic.hardware.supervisor.supervisor import Supervisor
+from kinesic.hardware.supervisor.supervisor import Supervisor, Surroundings
 from kinesic.hardware.virtual.faults import CALM, FaultPlan, PlannedFault
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus, cables
@@ -57,12 +57,9 @@ class Desk:
         self.wires = {name: MemoryWire(bus, name=name, time=self.plant.time) for name, bus in self.buses.items()}
         self.supervisor = Supervisor(
             self.manifest,
-            self.wires.__getitem__,
-            self.channel,
+            Surroundings(self.wires.__getitem__, self.channel, lambda: self.alive, self.journal_file),
             self.settings,
             watchdog=self.settings.watchdog,
-            planner=lambda: self.alive,
-            journal=self.journal_file,
         )
 
     def end(self) -> None:
