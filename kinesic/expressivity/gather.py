@@ -7,7 +7,7 @@ less is solved and what counts less goes along with what counts more.
 """
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import get_args
 
@@ -27,7 +27,10 @@ TOGETHER = 0.01  # [s] nearer than this is at the same time: a shift by less nee
 
 PARTS: tuple[PartName, ...] = get_args(PartName)
 HANDS: Mapping[Side, PartName] = {"l": "l_hand", "r": "r_hand"}
-PRIORITIES: Priorities = {"l_hand": 1.0, "r_hand": 1.0, "torso": 0.5, "head": 0.25}  # of the lazy approach
+PRIORITIES: Mapping[Gathering, Priorities] = {
+    "complex": dict.fromkeys(PARTS, 1.0),
+    "lazy": {"l_hand": 1.0, "r_hand": 1.0, "torso": 0.5, "head": 0.25},
+}
 
 
 @dataclass(frozen=True)
@@ -119,25 +122,13 @@ class Sequences:
         return {part: sorted(own, key=lambda key: key.time) for part, own in keys.items() if own}
 
 
-def complex_frames(sequences: Sequences, syncs: Sequence[SyncPoint], robot: Robot) -> tuple[KeyFrame, ...]:
-    """Makes key frames in strictly increasing time, in which every part without a key is filled.
-
-    Keys and sync points nearer than 20 ms share a frame, at the time of a stroke if one is among them.
-
-    Args:
-        sequences: of the parts.
-        syncs: points that must fall on a frame.
-        robot: whose hands hang at rest, and whose ranges bound torso and neck.
-    """
-    return _frames(sequences, syncs, robot, dict.fromkeys(PARTS, 1.0))
-
-
-def lazy_frames(
-    sequences: Sequences, syncs: Sequence[SyncPoint], robot: Robot, priorities: Priorities = PRIORITIES
+def gather_frames(
+    sequences: Sequences, syncs: Sequence[SyncPoint], robot: Robot, priorities: Priorities = PRIORITIES["complex"]
 ) -> tuple[KeyFrame, ...]:
-    """Makes the same frames, filling only those parts that no part with a key exceeds in priority.
+    """Makes key frames in strictly increasing time, filling parts that no part with a key exceeds in priority.
 
-    Where all priorities are equal it is the complex approach.
+    Keys and sync points nearer than 20 ms share a frame, at the time of a stroke if one is among them. Where all
+    priorities are equal every part is filled: the complex approach.
 
     Args:
         sequences: of the parts.
@@ -145,18 +136,6 @@ def lazy_frames(
         robot: whose hands hang at rest, and whose ranges bound torso and neck.
         priorities: of all parts.
     """
-    return _frames(sequences, syncs, robot, priorities)
-
-
-GATHER: Mapping[Gathering, Callable[[Sequences, Sequence[SyncPoint], Robot], tuple[KeyFrame, ...]]] = {
-    "complex": complex_frames,
-    "lazy": lazy_frames,
-}
-
-
-def _frames(
-    sequences: Sequences, syncs: Sequence[SyncPoint], robot: Robot, priorities: Priorities
-) -> tuple[KeyFrame, ...]:
     keys = sequences.keys()
     times = {part: [key.time for key in own] for part, own in keys.items()}
     found = gather_times(times, syncs)

@@ -40,7 +40,7 @@ from kinesic.expressivity.behaviours import (
 )
 from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.face.tracks import outcome
-from kinesic.expressivity.gather import GATHER, HANDS, Sequences, SyncPoint
+from kinesic.expressivity.gather import HANDS, PRIORITIES, Sequences, SyncPoint, gather_frames
 from kinesic.expressivity.hands.phases import Arranged, arrange_hands
 from kinesic.expressivity.idle import add_idle_motion
 from kinesic.expressivity.keyframes import KeyFrames, Outcome
@@ -93,7 +93,7 @@ def keyframes(timeline: Timeline, context: BlockContext, *, without: Mapping[str
     sequences = add_idle_motion(sequences, (timeline.start, timeline.end), shared.idling, robot)
     return KeyFrames(
         timeline,
-        GATHER[shared.gathering](sequences, syncs, robot),
+        gather_frames(sequences, syncs, robot, PRIORITIES[shared.gathering]),
         outcomes,
         uses,
         (

@@ -38,9 +38,9 @@ def document(lexeme: str, mode: Mode = "unspecified", *, stroke: float = STROKE)
     return f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="alone">{gesture}</bml>'
 
 
-def plan_gesture(form: GestureForm, known: Setup, mode: Mode = "unspecified", *, stroke: float = STROKE) -> Plan:
+def plan_gesture(form: GestureForm, setup: Setup, mode: Mode = "unspecified", *, stroke: float = STROKE) -> Plan:
     """Plans one gesture from rest to rest."""
-    return plan(document(f"{form.category}={form.id}", mode, stroke=stroke), known)
+    return plan(document(f"{form.category}={form.id}", mode, stroke=stroke), setup)
 
 
 def stroke_error(planned: Plan) -> float:

@@ -110,13 +110,13 @@ class Series:
         return all(one.in_time for one in self.played)
 
 
-def sweep_parameter(gesture: str, parameter: str, known: Setup, *, values: Sequence[float] = ()) -> Series:
+def sweep_parameter(gesture: str, parameter: str, setup: Setup, *, values: Sequence[float] = ()) -> Series:
     """Plays a gesture at several values of a parameter, all else as in the style, and measures each in the twin.
 
     Args:
         gesture: a lexeme.
         parameter: of expressivity.
-        known: with the style that the parameter is changed in.
+        setup: with the style that the parameter is changed in.
         values: within the parameter's range; evenly over all of it when none are given.
 
     Raises:
@@ -124,25 +124,25 @@ def sweep_parameter(gesture: str, parameter: str, known: Setup, *, values: Seque
     """
     if parameter not in RANGES:
         raise ConfigError(f"a style has no {parameter}{suggestion(parameter, list(RANGES))}")
-    _check(gesture, known)
+    _check(gesture, setup)
     chosen = sorted(set(values)) or np.linspace(*RANGES[parameter], COUNT).tolist()
-    styles = [known.style.changed([f"{parameter}={value!r}"]) for value in chosen]
+    styles = [setup.style.changed([f"{parameter}={value!r}"]) for value in chosen]
     rows = [
-        _played(gesture, replace(known, style=style), f"{parameter} {value:g}", value)
+        _played(gesture, replace(setup, style=style), f"{parameter} {value:g}", value)
         for style, value in zip(styles, chosen, strict=True)
     ]
     return Series(gesture, parameter, tuple(rows))
 
 
-def presets(gesture: str, known: Setup) -> Mapping[str, Played]:
+def presets(gesture: str, setup: Setup) -> Mapping[str, Played]:
     """Plays a gesture in every preset of `configs/styles/`, by name; the value of each is 0.
 
     Raises:
         ConfigError: no such gesture.
     """
-    _check(gesture, known)
+    _check(gesture, setup)
     names = sorted(path.stem for path in (CONFIGS / "styles").glob("*.toml"))
-    return {name: _played(gesture, replace(known, style=Style.load(name)), name, 0.0) for name in names}
+    return {name: _played(gesture, replace(setup, style=Style.load(name)), name, 0.0) for name in names}
 
 
 def draw_series(series: Series, path: Path) -> Path:
@@ -199,15 +199,15 @@ def _plain(axes: Axes, title: str) -> None:
     axes.grid(alpha=0.3)
 
 
-def _check(gesture: str, known: Setup) -> None:
-    match = known.lexicon.find(gesture)
+def _check(gesture: str, setup: Setup) -> None:
+    match = setup.lexicon.find(gesture)
     if match is None or match.substitute or not match.form.keys:
-        raise ConfigError(f"no gesture {gesture}{suggestion(gesture, [form.id for form in known.lexicon.forms])}")
+        raise ConfigError(f"no gesture {gesture}{suggestion(gesture, [form.id for form in setup.lexicon.forms])}")
 
 
-def _played(gesture: str, known: Setup, where: str, value: float) -> Played:
+def _played(gesture: str, setup: Setup, where: str, value: float) -> Played:
     """Performs a gesture in the twin and measures it; `where` is for the message when it cannot be performed."""
-    performance = perform(BLOCK.format(id=ID, lexeme=gesture, stroke=STROKE), known, source=gesture)
+    performance = perform(BLOCK.format(id=ID, lexeme=gesture, stroke=STROKE), setup, source=gesture)
     outcome = performance.plan.keyframes.outcomes[ID]
     if outcome.kind == "dropped":
         raise ConfigError(f"{gesture} cannot be performed at {where}: {outcome.why}")
