@@ -73,7 +73,7 @@ UNITS: Mapping[int, ActionUnit] = MappingProxyType(
 
 
 def channels(number: int, side: FaceSide = "both") -> tuple[str, ...]:
-    """Keys of `Command.face` that move one action unit.
+    """Lists the keys of `Command.face` that move one action unit.
 
     Args:
         number: of the unit, one of `UNITS`.
@@ -85,7 +85,7 @@ def channels(number: int, side: FaceSide = "both") -> tuple[str, ...]:
 
 
 def face_keys(unit: str) -> tuple[str, ...]:
-    """Keys of `Command.face` for a unit as people write it: itself with its side, or a number for both sides.
+    """Lists the keys of `Command.face` for a unit as people write it: with its side, or a number for both sides.
 
     Returns:
         Nothing for an unknown unit.
@@ -97,7 +97,7 @@ def face_keys(unit: str) -> tuple[str, ...]:
 
 
 def unknown_unit(unit: str) -> str:
-    """That there is no such unit, and which would have worked."""
+    """Says that there is no such unit, and which would have worked."""
     if unit[:1] in ("L", "R") and face_keys(unit[1:]):
         return f"no action unit {unit}: {UNITS[int(unit[1:])].name} has no sides; write {unit[1:]}"
     sided = ", ".join(str(number) for number, each in UNITS.items() if each.sided)

@@ -1,4 +1,4 @@
-"""What was measured on one robot: zeros, directions and limits of its servos, laid over its file by names of hinges."""
+"""Zeros, directions and limits measured on one robot's servos, laid over its file by names of hinges."""
 
 import os
 from pathlib import Path
@@ -12,7 +12,7 @@ SUFFIX = ".calibration.toml"
 
 
 class Calibration(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What `kinesic servos calibrate` writes. A hinge that it does not name is as the robot's file says."""
+    """Figures that `kinesic servos calibrate` measured. A hinge that it does not name is as the robot's file says."""
 
     robot: str = ""  # whose; empty: nobody's
     zero_ticks: dict[str, int] = {}  # where the servo stands when the hinge's angle is 0
@@ -21,7 +21,7 @@ class Calibration(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     @property
     def hinges(self) -> frozenset[str]:
-        """All that it names."""
+        """Names of all hinges that were measured."""
         return frozenset(self.zero_ticks) | frozenset(self.inverted) | frozenset(self.range_deg)
 
 
@@ -29,7 +29,7 @@ NONE = Calibration()
 
 
 def calibration_path(robot: Path) -> Path:
-    """Where a robot's calibration stands: beside its file; of a robot of this package, in the user's own folder."""
+    """Finds a robot's calibration: beside its file; of a robot of this package, in the user's own folder."""
     name = robot.stem + SUFFIX
     if robot.resolve().is_relative_to(CONFIGS):
         return Path(os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config") / "kinesic" / name
@@ -37,7 +37,7 @@ def calibration_path(robot: Path) -> Path:
 
 
 def read_calibration(robot: Path, name: str) -> Calibration:
-    """The calibration of a robot; `NONE` if there is no file.
+    """Reads the calibration of a robot; `NONE` if there is no file.
 
     Args:
         robot: path of the robot's file.
@@ -56,7 +56,7 @@ def read_calibration(robot: Path, name: str) -> Calibration:
 
 
 def narrow_ranges(hinges: list[HingeTable], calibration: Calibration, path: Path) -> list[HingeTable]:
-    """Hinges with the ranges that were measured.
+    """Narrows the ranges of hinges to those that were measured.
 
     Raises:
         ConfigError: the calibration names a hinge that is not there, or a range beyond the robot's.

@@ -121,7 +121,8 @@ def idealise(chain: Chain) -> Chain:
     for joint in chain.joints:
         indices = [next(rows) for _ in joint.hinges]
         hinges = _aiming(_straightened(joint))
-        kept += [index for index, hinge in zip(indices, joint.hinges, strict=True) if _named(hinge, hinges)]
+        names = {hinge.name for hinge in hinges}
+        kept += [index for index, hinge in zip(indices, joint.hinges, strict=True) if hinge.name in names]
         joints.append(joint if hinges == joint.hinges else replace(joint, hinges=hinges))
     if all(new is old for new, old in zip(joints, chain.joints, strict=True)):
         return chain
@@ -129,7 +130,6 @@ def idealise(chain: Chain) -> Chain:
 
 
 def _straightened(joint: ChainJoint) -> ChainJoint:
-    """The joint with its twist along its bone."""
     length = float(np.linalg.norm(joint.bone))
     if not joint.hinges or length == 0.0:
         return joint
@@ -155,7 +155,3 @@ def _aiming(joint: ChainJoint) -> tuple[Hinge, ...]:
 
 def _lengthwise(hinge: Hinge, bone: Floats) -> float:
     return abs(float(hinge.axis @ bone)) / max(float(np.linalg.norm(bone)), 1e-12)
-
-
-def _named(hinge: Hinge, hinges: tuple[Hinge, ...]) -> bool:
-    return any(hinge.name == other.name for other in hinges)

@@ -47,7 +47,7 @@ def read_toml(path: Path, schema: type[T]) -> T:
 
 
 def locate(kind: str, name: str | Path) -> Path:
-    """The file of a robot or a style: a path to a TOML file, or a name in `configs/KINDs/`.
+    """Finds the file of a robot or a style: a path to a TOML file, or a name in `configs/KINDs/`.
 
     Raises:
         ConfigError: there is nothing of this name.
@@ -62,12 +62,12 @@ def locate(kind: str, name: str | Path) -> Path:
 
 
 def names_of(kind: str) -> tuple[str, ...]:
-    """Names of all that `configs/KINDs/` holds."""
+    """Lists the names of all that `configs/KINDs/` holds."""
     return tuple(sorted(file.stem for file in (CONFIGS / f"{kind}s").glob("*.toml")))
 
 
 def suggestion(word: str, known: Iterator[str] | list[str] | tuple[str, ...]) -> str:
-    """'; did you mean X?' for the known word nearest to a wrong one, or '; known: ...' when none is near."""
+    """Suggests the known word nearest to a wrong one, '; did you mean X?', or lists all when none is near."""
     names = sorted(known)
     near = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
     if near:
@@ -83,7 +83,6 @@ def _parsed(text: str) -> tuple[dict[str, object], list[tuple[str, float]]]:
 
 
 def _numbers(data: object, place: str) -> Iterator[tuple[str, float]]:
-    """Every float in a TOML tree, with its place."""
     if isinstance(data, dict):
         for key, value in data.items():
             yield from _numbers(value, f"{place}.{key}")

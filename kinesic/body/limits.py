@@ -35,7 +35,7 @@ class Limits:
     duty: Floats  # (n,) what holding and friction leave for motion
 
     def times(self, share: float | Floats) -> "Limits":
-        """With a share, or (n,) shares, of the limits of acceleration, jerk and duty."""
+        """Scales the limits of acceleration, jerk and duty by a share, or by (n,) shares."""
         return replace(
             self,
             acceleration=sealed(self.acceleration * share),
@@ -44,12 +44,12 @@ class Limits:
         )
 
     def part(self, hinges: NDArray[np.intp]) -> "Limits":
-        """Those of some hinges, in their order."""
+        """Takes the limits of some hinges, in their order."""
         return Limits(*(sealed(values[hinges]) for values in vars(self).values()))
 
     @classmethod
     def box(cls, *, lower: Floats, upper: Floats, speed: Floats, acceleration: Floats, jerk: Floats) -> "Limits":
-        """Boxes alone, for hinges of which no drive is known: whatever they allow, the duty allows too.
+        """Makes boxes alone, for hinges of which no drive is known: whatever they allow, the duty allows too.
 
         Args:
             lower: (n,) [rad].
@@ -76,7 +76,7 @@ class Limits:
 
     @classmethod
     def of(cls, robot: Robot, load: Load) -> "Limits":
-        """The limits of a robot whose hinges bear a load."""
+        """Derives the limits of a robot whose hinges bear a load."""
         stall = robot.drives.stall
         still = (load.holding + robot.drives.frictionloss) / stall
         acceleration = np.maximum((STALL_SHARE - still) * stall / load.inertia, LEAST_ACCELERATION)

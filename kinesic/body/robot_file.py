@@ -31,7 +31,7 @@ Value = TypeVar("Value")
 
 
 def servo_models() -> dict[str, ServoModel]:
-    """All servo models of `configs/servos.toml`, by name."""
+    """Reads all servo models of `configs/servos.toml`, by name."""
     return _models(read_toml(CONFIGS / "servos.toml", dict[str, ServoTable]))
 
 
@@ -40,7 +40,7 @@ def _models(tables: Mapping[str, ServoTable]) -> dict[str, ServoModel]:
 
 
 def read_description(path: Path, *, calibrated: bool = True) -> Description:
-    """Reads a robot.
+    """Reads a robot's description.
 
     Args:
         path: of its file.
@@ -54,7 +54,7 @@ def read_description(path: Path, *, calibrated: bool = True) -> Description:
 
 
 def robot_from_tables(file: RobotFile, path: Path, calibration: Calibration = NONE) -> Description:
-    """A robot from its tables.
+    """Makes a robot's description of its tables.
 
     Args:
         file: as it is written.
@@ -105,7 +105,6 @@ def _hinge(hinge: HingeTable, rest: float) -> Hinge:
 
 
 def _with_both_sides(file: RobotFile) -> RobotFile:
-    """The same file with the mirrored half written out."""
     mirror = file.robot.mirror
     if mirror is None:
         return file

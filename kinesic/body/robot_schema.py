@@ -141,7 +141,7 @@ class RobotFile(Strict):
 
 
 def robot_text(file: RobotFile, *, heading: Sequence[str], remarks: Mapping[str, str]) -> str:
-    """The TOML of a robot without mirror and without buses.
+    """Writes a robot without mirror and without buses as TOML.
 
     Args:
         file: the tables.
@@ -196,7 +196,6 @@ def _plain(table: msgspec.Struct) -> dict[str, object]:
 
 
 def _value(value: object) -> str:
-    """A value of TOML on one line."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):

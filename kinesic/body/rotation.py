@@ -11,7 +11,7 @@ CROSSED[[0, 1, 2], [1, 2, 0], [2, 0, 1]] = -1.0
 
 
 def about(axis: Floats, angle: float | Floats) -> Floats:
-    """Rotation matrices of turns about an axis a: R = c I + s [a] + (1 - c) a a^T (Rodrigues' formula).
+    """Makes rotation matrices of turns about an axis a: R = c I + s [a] + (1 - c) a a^T (Rodrigues).
 
     Args:
         axis: (3,) unit vector, or (n, 3), one for each of n turns.

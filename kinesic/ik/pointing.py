@@ -16,7 +16,7 @@ from kinesic.ik.arm.mirror import is_right, mirror_chain, mirror_reach
 from kinesic.ik.arm.shoulder_elbow import place_of
 from kinesic.ik.arm.swivel_search import Cell, cell_at, present_swivel
 from kinesic.ik.arm.wrist import HandDirection, orient
-from kinesic.ik.scalar3 import Rotation, after, dot, rotated, vector
+from kinesic.ik.scalar3 import Rotation, dot, rotated, vector
 from kinesic.ik.solve import Solution, solve, wishes_of
 
 Swing = tuple[Floats, float, float | None, float | None]  # angles, residual, errors of pointing and palm
@@ -37,7 +37,7 @@ def best_swivel(
     widest: float = pi,
     kernel: Kernel = KERNEL,
 ) -> Solution:
-    """`solve`, and where the wrist cannot give the hand its directions, the elbow swings aside.
+    """Solves a reach; where the wrist cannot give the hand its directions, the elbow swings aside.
 
     Args:
         chain: the arm.
@@ -105,7 +105,6 @@ def _swung(linkage: Linkage, at: Callable[[float], Cell], widest: float) -> Cell
 
 
 def _edge(linkage: Linkage, at: Callable[[float], Cell], outside: float, inside: float, found: Cell) -> Cell:
-    """Bisects to where the directions begin to be satisfied."""
     for _ in range(BISECTIONS):
         middle = 0.5 * (outside + inside)
         cell = at(middle)
@@ -118,8 +117,7 @@ def _edge(linkage: Linkage, at: Callable[[float], Cell], outside: float, inside:
 
 def _errors(link: Link, frame: Rotation, own: Sequence[float], wishes: Sequence[HandDirection]) -> dict[str, float]:
     """What each direction is off [rad], with the hand's own angles."""
-    for pivot, angle in zip(link.pivots, own, strict=True):
-        frame = after(frame, pivot.axis, angle)
+    frame = link.turn(frame, own)
     return {wish.name: arccosine(max(-1.0, min(1.0, dot(rotated(frame, wish.own), wish.wanted)))) for wish in wishes}
 
 

@@ -115,7 +115,6 @@ def _distinct(seen: Sequence[Cell]) -> Iterator[Cell]:
 
 
 def _solution(linkage: Linkage, target: Vector, wanted: Rotation, angles: Sequence[float]) -> PoseSolution:
-    """What a posture leaves of the pose."""
     rotation, points = linkage.walk(angles, len(linkage.links))
     residual, turn = distance(points[-2], target), float(np.linalg.norm(_turn(rotation, wanted)))
     return PoseSolution(sealed(angles), residual, turn, residual <= NEAR_ENOUGH and turn <= LIKE_ENOUGH, 0, 0)
@@ -127,7 +126,7 @@ def _wrist(link: Link, frame: Rotation, wanted: Rotation, near: Sequence[float])
     inner = _product(_transposed(frame), wanted)
     ways = _three_turns(link, inner, now) if len(link.pivots) == 3 else [_few_turns(link, frame, wanted, now)]
     held = [tuple(p.held(a, b) for p, a, b in zip(link.pivots, way, now, strict=True)) for way in ways]
-    turns = [float(np.linalg.norm(_turn(_turned_by(link, way), inner))) for way in held]
+    turns = [float(np.linalg.norm(_turn(link.turn(IDENTITY, way), inner))) for way in held]
     best = min(range(len(held)), key=lambda k: (turns[k] > PERFECT and turns[k], _travel(held[k], now)))
     return held[best], turns[best]
 
@@ -185,13 +184,6 @@ def _turn(present: Rotation, wanted: Rotation) -> Floats:
         widest = max(range(3), key=lambda k: (a, e, i)[k])
         return np.pi * np.array(unit(((a + 1.0, b, c), (d, e + 1.0, f), (g, h, i + 1.0))[widest]))
     return axis * (atan2(twice_sine, twice_cosine) / twice_sine if twice_sine > 0.0 else 0.5)
-
-
-def _turned_by(link: Link, turns: Sequence[float]) -> Rotation:
-    rotation = IDENTITY
-    for pivot, turn in zip(link.pivots, turns, strict=True):
-        rotation = after(rotation, pivot.axis, turn)
-    return rotation
 
 
 def _travel(turns: Sequence[float], now: Sequence[float]) -> float:

@@ -160,18 +160,13 @@ def _found(
 
 
 def wishes_of(chain: Chain, reach: Reach) -> list[HandDirection]:
-    """What the hand's direction and palm should look at."""
+    """Lists the hand's directions that a reach asks for, and where they should look."""
     along = unit(vector(chain.joints[-1].bone))
     pairs = (("pointing", along, reach.pointing), ("palm", unit(vector(chain.palm)), reach.palm))
     return [HandDirection(name, own, unit(vector(wanted))) for name, own, wanted in pairs if wanted is not None]
 
 
 def _checked(reach: Reach) -> Reach:
-    """The reach in float64 arrays.
-
-    Raises:
-        ValueError: it is none.
-    """
     position = as_floats("reach.position", reach.position, (3,))
     pointing, palm = (
         None if direction is None else _direction(name, direction)
@@ -203,3 +198,18 @@ def as_floats(name: str, values: Floats, shape: tuple[int, ...]) -> Floats:
     if not np.isfinite(array).all():
         raise ValueError(f"{name} is {array.tolist()}; every number must be finite")
     return np.ascontiguousarray(array)
+
+
+def three(name: str, values: Floats) -> Floats:
+    """Checks a place or a direction.
+
+    Returns:
+        (3,) float64.
+
+    Raises:
+        ValueError: it is not three finite numbers.
+    """
+    array = np.asarray(values, dtype=np.float64)
+    if array.shape != (3,) or not np.isfinite(array).all():
+        raise ValueError(f"{name} is {array.tolist()}; it needs three finite numbers")
+    return array

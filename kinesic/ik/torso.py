@@ -14,11 +14,11 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot, Side
-from kinesic.body.skeleton import Hinge
 from kinesic.ik.arm.compiled import KERNEL, Kernel, arm_of
 from kinesic.ik.arm.linkage import Linkage, linkage_of
 from kinesic.ik.arm.shoulder_elbow import gap
 from kinesic.ik.scalar3 import Vector, cross, dot, minus, plus, turned, unit, vector
+from kinesic.ik.solve import three
 
 EASY = 0.96  # of the arm's reach, within which no hand asks the torso
 MOST = radians(20.0)  # of each hinge; a target beyond is pointed at
@@ -55,7 +55,7 @@ class _Arm:
 def lean_torso(
     robot: Robot, hands: Mapping[Side, Floats], *, most: float = MOST, kernel: Kernel = KERNEL
 ) -> tuple[float, float, float]:
-    """The smallest turn and lean that bring each shoulder near enough to its hand's target.
+    """Finds the smallest turn and lean that bring each shoulder near enough to its hand's target.
 
     Args:
         robot: whose arms reach.
@@ -91,7 +91,6 @@ def lean_torso(
 
 
 def _bisected(excess: Callable[[float], float], short: float, enough: float) -> float:
-    """The smallest scale between two that is enough."""
     for _ in range(BISECTIONS):
         middle = 0.5 * (short + enough)
         short, enough = (short, middle) if excess(middle) <= 0.0 else (middle, enough)
@@ -117,9 +116,7 @@ def _excess(arm: _Arm, turns: Sequence[_Turn], angles: Sequence[float]) -> float
 
 
 def _arm(robot: Robot, side: Side, target: Floats, kernel: Kernel) -> _Arm:
-    point = np.asarray(target, dtype=np.float64)
-    if point.shape != (3,) or not np.isfinite(point).all():
-        raise ValueError(f"target of hand {side} is {point.tolist()}; it needs three finite numbers")
+    point = three(f"target of hand {side}", target)
     chain = robot.arms[side]
     base = vector(robot.skeleton.straight.origins[robot.skeleton.segment(chain.base)])
     linkage = linkage_of(chain)
@@ -135,11 +132,7 @@ def _turns(robot: Robot) -> tuple[_Turn, ...]:
     for joint in robot.joints("torso"):
         hinge = skeleton.hinges[joint]
         centre = vector(origins[skeleton.segment(hinge.segment)])
-        turn = _Turn(_kind(hinge), vector(hinge.axis), centre, float(hinge.lower), float(hinge.upper))
+        kind = 2 - int(np.argmax(np.abs(hinge.axis)))  # 0, 1, 2 for an axis mostly up, left or forward
+        turn = _Turn(kind, vector(hinge.axis), centre, float(hinge.lower), float(hinge.upper))
         found.setdefault(turn.kind, turn)
     return tuple(found.values())
-
-
-def _kind(hinge: Hinge) -> int:
-    """0, 1, 2 for an axis mostly up, left or forward."""
-    return 2 - int(np.argmax(np.abs(hinge.axis)))

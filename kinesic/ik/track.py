@@ -69,7 +69,7 @@ class Tracker:
         self._follow = arm_of(chain).track if kernel == "compiled" else _Specification(chain).track
 
     def step(self, target: Floats) -> Floats:
-        """One tick.
+        """Takes one tick.
 
         Args:
             target: (3,) [m] of the hand, in the frame of the chain's base. In the last twentieth of the reach the hand
@@ -140,7 +140,7 @@ class _Specification:
 
 
 def soften_target(linkage: Linkage, target: Vector, rest: Sequence[float]) -> Vector:
-    """A target drawn softly inside the reach.
+    """Draws a target softly inside the reach.
 
     Beyond s = (1 - SOFT) D its distance d from the shoulder becomes s + w (1 - exp((s - d) / w)), w = SOFT D: equal
     in value and slope at s, and never more than the reach.

@@ -69,7 +69,7 @@ class Strand:
 
 @lru_cache(maxsize=32)
 def strand_to(skeleton: Skeleton, name: str) -> Strand:
-    """The strand that carries a segment's centre."""
+    """Finds the strand that carries a segment's centre."""
     segments: list[ChainLink] = []
     at: str | None = name
     while at is not None:
@@ -156,7 +156,6 @@ def _torsos(robot: Robot, present: Floats, weight: float) -> Iterator[Floats]:
 
 
 def _with_arms(robot: Robot, posture: Floats, targets: Mapping[Side, Floats]) -> Floats:
-    """The posture with each arm solved on its own, hands as they are."""
     solved, frames = posture.copy(), robot.skeleton.frames(posture)
     for side in SIDES:
         chain = robot.arms[side]

@@ -100,12 +100,8 @@ class MujocoDynamics:
         """What each hinge bears at worst: gravity and inertia, each the largest found in any posture."""
         return Load(
             holding=sealed(self._of_both_sides(self.worst_static.values * self._robot.drives.stall)),
-            inertia=sealed(self._of_both_sides(self._worst_inertia.values)),
+            inertia=sealed(self._of_both_sides(extremes(self._robot.skeleton, self.inertias).values)),
         )
-
-    @cached_property
-    def _worst_inertia(self) -> Extremes:
-        return extremes(self._robot.skeleton, self.inertias)
 
     def _of_both_sides(self, worst: Floats) -> Floats:
         """The larger of each hinge and its mirror image, (n,)."""

@@ -19,7 +19,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
 from kinesic.sim.fit_parameters import DEFAULT, Figure, Unknown, bounds, factors_of, unknowns
-from kinesic.sim.identifiability import SHEET, Telling, assumptions, identifiable
+from kinesic.sim.identifiability import SHEET, Identifiability, assumptions, identifiable
 from kinesic.sim.log import Log
 from kinesic.sim.servo_factors import Factors
 from kinesic.sim.twin import Twin
@@ -82,7 +82,7 @@ def fit_factors(log: Log, robot: Robot, *, free: tuple[Figure, ...] = DEFAULT) -
     values = _solved(errors, asked, [k for k in range(len(asked)) if k not in assumed])
     scatter = max(1.0, _rms(errors(values)))
     found = identifiable(asked, _slopes(errors, values, range(len(asked))), assumed=assumed, scatter=scatter)
-    values = np.where(found.told, values, 0.0)
+    values = np.where(found.known, values, 0.0)
     spacing = np.tile(noise, len(log.times))
     return Fit(
         factors_of(asked, values),
@@ -127,7 +127,7 @@ def _slopes(errors: Callable[[Floats], Floats], values: Floats, chosen: Sequence
     return slopes
 
 
-def _estimate(unknown: Unknown, value: float, found: Telling, k: int) -> Estimate:
+def _estimate(unknown: Unknown, value: float, found: Identifiability, k: int) -> Estimate:
     deviation = unknown.scale(value) * float(found.deviations[k])
     return Estimate(unknown, unknown.figure_of(value), deviation, found.reasons.get(k, ""))
 

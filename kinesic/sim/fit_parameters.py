@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import exp, log
-from typing import Literal
+from typing import Literal, get_args
 
 import msgspec
 import numpy as np
@@ -13,15 +13,7 @@ from kinesic.body.robot import Robot
 from kinesic.sim.servo_factors import DriveFactors, Factors
 
 Figure = Literal["stall", "no_load", "friction", "latency", "armature", "gain", "mass"]
-FIGURES: tuple[Figure, ...] = (
-    "stall",
-    "no_load",
-    "friction",
-    "latency",
-    "armature",
-    "gain",
-    "mass",
-)  # last yields first
+FIGURES: tuple[Figure, ...] = get_args(Figure)  # last yields first
 OF_THE_ROBOT = ("latency", "mass")
 DEFAULT: tuple[Figure, ...] = FIGURES[:-1]
 FARTHEST = log(4.0)  # a factor is between a quarter and four
@@ -49,7 +41,7 @@ class Unknown:
 
 
 def unknowns(robot: Robot, free: Sequence[Figure]) -> tuple[Unknown, ...]:
-    """The free figures of each servo model of a robot; those first that yield last to others.
+    """Lists the free figures of each servo model of a robot; those first that yield last to others.
 
     Raises:
         ValueError: both stall and mass are free.
@@ -66,13 +58,13 @@ def unknowns(robot: Robot, free: Sequence[Figure]) -> tuple[Unknown, ...]:
 
 
 def bounds(of: Sequence[Unknown]) -> tuple[Floats, Floats]:
-    """Lowest and highest values (u,)."""
+    """Finds the lowest and highest values (u,)."""
     late = np.array([unknown.figure == "latency" for unknown in of])
     return np.where(late, -1e-9, -FARTHEST), np.where(late, MOST_LATENCY / LATENCY_UNIT, FARTHEST)
 
 
 def factors_of(of: Sequence[Unknown], values: Floats) -> Factors:
-    """The factors that a vector (u,) means."""
+    """Translates a vector (u,) into factors."""
     whole: dict[str, float] = {}
     servos: dict[str, dict[str, float]] = {}
     for unknown, value in zip(of, values.tolist(), strict=True):

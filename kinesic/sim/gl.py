@@ -45,7 +45,7 @@ def prepare(environment: MutableMapping[str, str] = os.environ) -> str:
 
 @cache
 def opengl_fault() -> str | None:
-    """What hinders drawing, with the line that mends it; None when a picture was really drawn.
+    """Finds what hinders drawing, with the line that mends it; None when a picture was really drawn.
 
     Draws once in another process, since a missing driver may end the process that tries.
     """
@@ -67,7 +67,6 @@ def opengl_fault() -> str | None:
 
 
 def _absent(environment: MutableMapping[str, str]) -> list[str]:
-    """What EGL needs and the loader does not find."""
     absent = [] if _loads("libEGL.so.1") else ["libEGL.so.1"]
     if not (_loads("libOpenGL.so.0") or _loads("libGL.so.1")):
         absent.append("libOpenGL.so.0")

@@ -1,4 +1,4 @@
-"""What a log tells: which unknowns show in it, and show apart from one another."""
+"""Identifiability: which unknowns of a robot a log determines, whatever the others are."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -9,20 +9,20 @@ from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.sim.fit_parameters import Unknown
 
 SHEET = 0.5  # standard deviation of a value about the data sheet's, before any log
-TOLD = 0.02  # standard deviation up to which a value is told
+KNOWN = 0.02  # standard deviation up to which a value is known
 
 
 @dataclass(frozen=True, eq=False)
-class Telling:
-    """Which unknowns are told, and how well."""
+class Identifiability:
+    """Which unknowns a log determines, and how well."""
 
-    told: Flags  # (u,)
+    known: Flags  # (u,)
     deviations: Floats  # (u,) standard deviation of each value, whatever the others are
-    reasons: Mapping[int, str]  # why those that are not told are not
+    reasons: Mapping[int, str]  # why the others are not
 
 
 def assumptions(of: Sequence[Unknown], slopes: Floats) -> dict[int, str]:
-    """Gains that a log cannot tell from stall torques: they are taken as described, which tells the stall torques.
+    """Finds gains that a log cannot tell from stall torques: taken as described, they tell the stall torques.
 
     Args:
         of: (u,) unknowns.
@@ -35,12 +35,14 @@ def assumptions(of: Sequence[Unknown], slopes: Floats) -> dict[int, str]:
     return {
         k: f"the log cannot tell it from {of[likest[k]]}"
         for k, unknown in enumerate(of)
-        if unknown.figure == "gain" and deviations[k] > TOLD
+        if unknown.figure == "gain" and deviations[k] > KNOWN
     }
 
 
-def identifiable(of: Sequence[Unknown], slopes: Floats, *, assumed: Mapping[int, str], scatter: float) -> Telling:
-    """Which unknowns a log tells.
+def identifiable(
+    of: Sequence[Unknown], slopes: Floats, *, assumed: Mapping[int, str], scatter: float
+) -> Identifiability:
+    """Finds the unknowns that a log determines.
 
     Args:
         of: (u,) unknowns.
@@ -53,13 +55,13 @@ def identifiable(of: Sequence[Unknown], slopes: Floats, *, assumed: Mapping[int,
     spread, likest = _spread(slopes[:, free], scatter=scatter)
     deviations[free] = spread
     for place, k in enumerate(free):
-        if deviations[k] <= TOLD:
+        if deviations[k] <= KNOWN:
             continue
         alone = scatter / max(float(np.linalg.norm(slopes[:, k])), np.finfo(float).tiny)
         twin = of[free[likest[place]]]
-        reasons[k] = "the log hardly depends on it" if alone > TOLD else f"the log cannot tell it from {twin}"
-    told = np.array([k not in reasons for k in range(len(of))])
-    return Telling(told, sealed(deviations), reasons)
+        reasons[k] = "the log hardly depends on it" if alone > KNOWN else f"the log cannot tell it from {twin}"
+    known = np.array([k not in reasons for k in range(len(of))])
+    return Identifiability(known, sealed(deviations), reasons)
 
 
 def _spread(slopes: Floats, *, scatter: float) -> tuple[Floats, list[int]]:

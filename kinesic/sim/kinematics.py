@@ -22,7 +22,7 @@ class MotionFrames:
 
 
 def motion_frames(skeleton: Skeleton, angles: Floats) -> MotionFrames:
-    """Forward kinematics, one hinge at a time over all postures.
+    """Solves the forward kinematics, one hinge at a time over all postures.
 
     Args:
         skeleton: the robot.

@@ -1,4 +1,4 @@
-"""A log of servos: what they were told and where they were, from a bus or from a twin."""
+"""A log of servos: goals sent and angles measured, on a bus or in a twin."""
 
 from dataclasses import dataclass
 from pathlib import Path

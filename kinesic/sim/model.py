@@ -33,7 +33,7 @@ LEAST_INERTIA = 1e-7  # [kg m^2]
 
 
 def build_model(robot: Robot, *, servos: Factors = NOMINAL) -> mujoco.MjModel:
-    """The compiled model of a robot.
+    """Builds the compiled model of a robot.
 
     Args:
         robot: the description.
@@ -53,7 +53,7 @@ def _compiled(robot: Robot, servos: Factors) -> mujoco.MjModel:
 
 
 def describe(robot: Robot) -> mujoco.MjSpec:
-    """The same model before it is compiled, for whoever adds scenery."""
+    """Describes the same model before it is compiled, for whoever adds scenery."""
     spec = mujoco.MjSpec()
     spec.modelname = robot.name
     spec.compiler.degree = False  # MjSpec reads degrees by default, and would shrink every range 57 times
@@ -74,17 +74,17 @@ def describe(robot: Robot) -> mujoco.MjSpec:
 
 
 def joint_order(robot: Robot, model: mujoco.MjModel) -> NDArray[np.intp]:
-    """Positions (n,) of the skeleton's hinges in MuJoCo's `qpos` and `qvel`, found by name."""
+    """Finds the positions (n,) of the skeleton's hinges in MuJoCo's `qpos` and `qvel`, by name."""
     return np.array([model.joint(name).qposadr[0] for name in robot.skeleton.names], dtype=np.intp)
 
 
 def actuator_order(robot: Robot, model: mujoco.MjModel) -> NDArray[np.intp]:
-    """Positions (n,) of the skeleton's hinges in MuJoCo's `ctrl`, found by name."""
+    """Finds the positions (n,) of the skeleton's hinges in MuJoCo's `ctrl`, by name."""
     return np.array([model.actuator(name).id for name in robot.skeleton.names], dtype=np.intp)
 
 
 def capsule_name(segment: str, index: int) -> str:
-    """The geom's name of a segment's capsule."""
+    """Names the geom of a segment's capsule."""
     return f"{segment}_{index}"
 
 
@@ -100,12 +100,11 @@ def _add_body(spec: mujoco.MjSpec, segment: Segment) -> None:
 
 
 def _add_capsule(body: mujoco.MjsBody, capsule: Capsule, name: str, mass: float) -> None:
+    size = [capsule.radius, 0, 0]
     if np.linalg.norm(capsule.end - capsule.start) < SHORTEST_AXIS:
-        size = [capsule.radius, 0, 0]
         body.add_geom(name=name, type=mujoco.mjtGeom.mjGEOM_SPHERE, pos=capsule.start, size=size, mass=mass)
         return
     ends: Floats = np.concatenate([capsule.start, capsule.end])
-    size = [capsule.radius, 0, 0]
     body.add_geom(name=name, type=mujoco.mjtGeom.mjGEOM_CAPSULE, fromto=ends, size=size, mass=mass)
 
 

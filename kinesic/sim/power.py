@@ -27,7 +27,7 @@ class DriveEffort:
 
 
 def effort(drives: Drives, errors: Floats, speeds: Floats) -> DriveEffort:
-    """The law of the servos.
+    """Applies the law of the servos to each step of the physics.
 
     Args:
         drives: in joint order.
@@ -40,7 +40,7 @@ def effort(drives: Drives, errors: Floats, speeds: Floats) -> DriveEffort:
 
 
 def power(names: tuple[str, ...], drives: Drives, given: DriveEffort, *, spans: Floats, counts: list[int]) -> Power:
-    """What the servos took from the supply.
+    """Sums up what the servos took from the supply.
 
     Args:
         names: of the hinges.

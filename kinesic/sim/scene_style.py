@@ -35,7 +35,7 @@ VIEW_HEIGHT = 2.6  # of the picture at the robot, in arm lengths
 
 
 def styled_model(robot: Robot, *, width: int, height: int) -> mujoco.MjModel:
-    """The robot's model with colours and scenery, for pictures of a size in pixels."""
+    """Adds colours and scenery to the model of a robot, for pictures of a size in pixels."""
     spec = describe(robot)
     _paint(spec, robot)
     _add_eyes(spec, robot)
@@ -61,7 +61,7 @@ class Eyeball:
 
 
 def parts(robot: Robot) -> dict[str, Part]:
-    """What each segment is painted as."""
+    """Says what each segment is painted as."""
     limbs = {segment for side in SIDES for segment in robot.arm(side).segments}
     limbs |= set(robot.chains.get("neck", ()))
     painted: dict[str, Part] = {s.name: "limb" if s.name in limbs else "trunk" for s in robot.skeleton.segments}
@@ -69,7 +69,7 @@ def parts(robot: Robot) -> dict[str, Part]:
 
 
 def eyeballs(robot: Robot) -> tuple[Eyeball, ...]:
-    """Two white balls with pupils beside the site between the eyes, looking where it faces; none without that site."""
+    """Places two white balls with pupils beside the site between the eyes; none without that site."""
     eyes = robot.sites.get("eyes")
     if eyes is None:
         return ()
@@ -96,24 +96,18 @@ def _paint(spec: mujoco.MjSpec, robot: Robot) -> None:
 
 def _add_eyes(spec: mujoco.MjSpec, robot: Robot) -> None:
     for ball in eyeballs(robot):
-        body = spec.body(robot.sites["eyes"].segment)
-        _add_ball(body, ball.centre, ball.radius, BLACK if ball.dark else WHITE)
-
-
-def _add_ball(body: mujoco.MjsBody, centre: Floats, radius: float, colour: tuple[float, ...]) -> None:
-    body.add_geom(
-        type=mujoco.mjtGeom.mjGEOM_SPHERE,
-        pos=centre,
-        size=[radius, 0, 0],
-        rgba=colour,
-        mass=0,
-        contype=0,
-        conaffinity=0,
-    )
+        spec.body(robot.sites["eyes"].segment).add_geom(
+            type=mujoco.mjtGeom.mjGEOM_SPHERE,
+            pos=ball.centre,
+            size=[ball.radius, 0, 0],
+            rgba=BLACK if ball.dark else WHITE,
+            mass=0,
+            contype=0,
+            conaffinity=0,
+        )
 
 
 def _add_room(spec: mujoco.MjSpec, robot: Robot) -> None:
-    """A sky, a floor, lights and a camera."""
     spec.add_texture(
         name="sky",
         type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,

@@ -65,7 +65,7 @@ class Factors(DriveFactors, frozen=True, forbid_unknown_fields=True):
         return read_toml(path, cls)
 
     def applied(self, robot: Robot) -> Robot:
-        """The same robot with these factors on its drives and masses.
+        """Applies these factors to a robot's drives and masses.
 
         Raises:
             ConfigError: the robot has no servo of a name in `servos`.

@@ -8,8 +8,8 @@ import numpy as np
 from kinesic.body.arrays import Floats
 
 
-class Tape:
-    """Postures, speeds and goals of all steps, and which of them a command saw."""
+class StepLog:
+    """Postures, speeds and goals of all steps, and the steps at which commands came."""
 
     def __init__(self, angles: Floats, speeds: Floats, goals: Floats) -> None:
         """Begins with a posture that no step led to.
@@ -30,15 +30,15 @@ class Tape:
         self.sent: list[Floats] = []  # (n,) [rad] goals of each command
 
     def aim(self, goals: Floats) -> None:
-        """Goals (n,) [rad] in force from the next step on."""
+        """Sets the goals (n,) [rad] in force from the next step on."""
         self._goals.append((len(self._steps), goals))
 
     def stepped(self, count: int, span: float) -> None:
-        """So many steps of the physics were kept, each of a length in [s]."""
+        """Counts steps of the physics that were kept, each of a length in [s]."""
         self._steps.extend([span] * count)
 
     def mark(self, time: float, goals: Floats) -> None:
-        """A command at a time [s], with its goals (n,) [rad]."""
+        """Marks a command at a time [s], with its goals (n,) [rad]."""
         self.times.append(time)
         self.counts.append(len(self._steps))
         self.sent.append(goals)

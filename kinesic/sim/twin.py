@@ -12,11 +12,11 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import Command, Measurements, State
 from kinesic.body.robot import SIDES, Robot
 from kinesic.sim.distances import CapsuleDistances
-from kinesic.sim.kinematics import MotionFrames, motion_frames
+from kinesic.sim.kinematics import motion_frames
 from kinesic.sim.model import actuator_order, build_model, joint_order
 from kinesic.sim.power import effort, power
 from kinesic.sim.servo_factors import NOMINAL, Factors
-from kinesic.sim.step_log import Tape
+from kinesic.sim.step_log import StepLog
 
 STEP = 0.004  # [s] longest physics step: angles stay within 0.05 deg of those with steps of 1 ms
 SAME_TIME = 1e-9  # [s] below which two times are one
@@ -38,7 +38,7 @@ class Twin:
         rounds: bool = True,
         touches: bool = True,
     ) -> None:
-        """Stands still, its servos holding the posture it starts from.
+        """Builds the physics; its servos hold the posture it starts from.
 
         Args:
             robot: what is simulated.
@@ -71,7 +71,7 @@ class Twin:
         self._control[self._actuators] = goals
         self._time = -inf  # [s] of the performance, before the first command
         self._waiting: deque[tuple[float, Floats]] = deque()  # goals under way, with the time they arrive
-        self._tape = Tape(self._data.qpos, self._data.qvel, goals)
+        self._log = StepLog(self._data.qpos, self._data.qvel, goals)
 
     def write(self, command: Command, /) -> None:
         """Steps up to the command's time, then takes its goals.
@@ -86,11 +86,11 @@ class Twin:
         while self._waiting and self._waiting[0][0] <= command.time - SAME_TIME:
             arrival, goals = self._waiting.popleft()
             self._advance(arrival)
-            self._tape.aim(goals)
+            self._log.aim(goals)
             self._control[self._actuators] = goals
         self._advance(command.time)
         sent = self._rounded(command.goals)
-        self._tape.mark(command.time, sent)
+        self._log.mark(command.time, sent)
         self._waiting.append((command.time + self._latency, sent))
 
     def close(self) -> None:
@@ -98,22 +98,22 @@ class Twin:
 
     def positions(self) -> Floats:
         """(n,) [rad] at the last command, as the servos' registers have them."""
-        return self._rounded(self._tape.posture[self._order])
+        return self._rounded(self._log.posture[self._order])
 
     def state(self) -> State:
         """What the robot is doing now."""
         return State(
-            angles=sealed(self._tape.posture[self._order]),
+            angles=sealed(self._log.posture[self._order]),
             speeds=sealed(self._data.qvel[self._order]),
             accelerations=sealed(self._data.qacc[self._order]),
         )
 
     def forget(self) -> None:
-        """Drops what was measured so far, for performances without end; the robot moves on."""
-        self._tape.forget()
+        """Drops all measurements so far, for performances without end; the robot moves on."""
+        self._log.forget()
 
     def measurements(self) -> Measurements:
-        """What was seen so far, sampled at the times of the commands.
+        """Samples all that was measured so far at the times of the commands.
 
         Duties and torques are those of the servos' law for the goals in force just before each command. The clearance
         of a command is that of the closest posture since the command before, wherever one is nearer than the robot's
@@ -122,27 +122,27 @@ class Twin:
         Raises:
             ValueError: no command was written yet.
         """
-        tape = self._tape
-        if not tape.times:
+        log = self._log
+        if not log.times:
             raise ValueError("no command was written, so nothing was measured: write commands first")
-        at = np.array(tape.counts, dtype=np.intp) - 1
-        postures, speeds, spans = tape.steps()
+        at = np.array(log.counts, dtype=np.intp) - 1
+        postures, speeds, spans = log.steps()
         postures, speeds = postures[:, self._order], speeds[:, self._order]
         drives = self._robot.drives
-        given = effort(drives, tape.goals() - postures, speeds)
+        given = effort(drives, log.goals() - postures, speeds)
         angles = postures[at]
         frames = motion_frames(self._robot.skeleton, angles)
         return Measurements(
-            times=sealed(tape.times),
+            times=sealed(log.times),
             angles=sealed(angles),
             speeds=sealed(speeds[at]),
             torques=sealed(given.loads[at] * drives.stall),
             duties=sealed(given.duties[at]),
-            goals=sealed(tape.sent),
-            hands=self._hands(frames),
+            goals=sealed(log.sent),
+            hands={side: sealed(frames.origins[self._robot.arm(side).wrist].T) for side in SIDES},
             clearance=self._distances.approach(postures, at, near=self._robot.least_clearance, frames=frames),
             latency=self._latency,
-            power=power(self._robot.skeleton.names, drives, given, spans=spans, counts=tape.counts),
+            power=power(self._robot.skeleton.names, drives, given, spans=spans, counts=log.counts),
         )
 
     def _advance(self, time: float) -> None:
@@ -151,23 +151,19 @@ class Twin:
         if span <= SAME_TIME:
             return
         model, data, step = self._model, self._data, mujoco.mj_step
-        keep_angles, keep_speeds = self._tape.keep_angles, self._tape.keep_speeds
+        keep_angles, keep_speeds = self._log.keep_angles, self._log.keep_speeds
         count = ceil(span / self._step - SAME_TIME)
         self._options.timestep = span / count
         for _ in range(count):
             step(model, data)
             keep_angles()
             keep_speeds()
-        self._tape.stepped(count, span / count)
+        self._log.stepped(count, span / count)
         self._time = time
 
     def _rounded(self, goals: Floats) -> Floats:
         """(n,) [rad] as the servos' registers hold them."""
         return goals.copy() if self._ticks is None else np.rint(goals / self._ticks) * self._ticks
-
-    def _hands(self, frames: MotionFrames) -> dict[str, Floats]:
-        """Side -> (m, 3) [m] the wrist's centre in the world."""
-        return {side: sealed(frames.origins[self._robot.arm(side).wrist].T) for side in SIDES}
 
 
 def _place(order: NDArray[np.intp]) -> NDArray[np.intp] | slice:

@@ -22,7 +22,7 @@ class Extremes:
 
 
 def random_postures(skeleton: Skeleton, count: int, *, seed: int = 0) -> Floats:
-    """Rest and zero, then random postures: in every second one about half the hinges stand at a stop.
+    """Draws random postures after rest and zero; in every second one about half the hinges stand at a stop.
 
     Args:
         skeleton: whose ranges.

@@ -22,7 +22,7 @@ MOST_SWINGS = 2  # of one joint
 
 
 def accept_chain(chain: Chain) -> Chain:
-    """The same chain in the form that the solver takes.
+    """Brings a chain to the form that the solver takes.
 
     A joint's first hinge that lies along the parent's bone slides down that bone and becomes the parent's twist:
     the motion is the same. So a wrist written as twist, pitch, roll leaves two hinges to aim the hand.
@@ -66,7 +66,6 @@ def _slid(joints: Sequence[ChainJoint]) -> tuple[ChainJoint, ...]:
 
 
 def _check_joint(where: str, joint: ChainJoint) -> None:
-    """Refuses hinges that double one another, and a third hinge that aims."""
     for first, second in zip(joint.hinges, joint.hinges[1:], strict=False):
         if _parallel(first.axis, second.axis):
             raise ConfigError(

@@ -123,7 +123,6 @@ def extract(linkage: Linkage, points: Sequence[Vector], near: Sequence[float]) -
 def _grow(
     branch: _Branch, link: Link, turns: tuple[float, ...], point: Vector, near: Sequence[float], size: float
 ) -> _Branch:
-    """The branch with one more link turned."""
     frame, travel = branch.frame, 0.0
     for k, (pivot, turn) in enumerate(zip(link.pivots, turns, strict=True), link.first):
         frame = after(frame, pivot.axis, turn)

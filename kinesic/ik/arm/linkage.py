@@ -48,6 +48,12 @@ class Link:
     length: float  # [m] of the bone
     first: int  # index of its first hinge in the chain
 
+    def turn(self, frame: Rotation, angles: Sequence[float]) -> Rotation:
+        """Turns a frame by the angles [rad] of the link's hinges."""
+        for pivot, angle in zip(self.pivots, angles, strict=True):
+            frame = after(frame, pivot.axis, angle)
+        return frame
+
 
 @dataclass(frozen=True, eq=False)
 class Linkage:
@@ -112,7 +118,8 @@ def linkage_of(chain: Chain) -> Linkage:
     first = 0
     for joint in chain.joints:
         hinges, bone = [*carried, *joint.hinges], vector(joint.bone)
-        twists = bool(joint.hinges) and joint is not chain.joints[-1] and _parallel(hinges[-1], bone)
+        twists = bool(joint.hinges) and joint is not chain.joints[-1]
+        twists = twists and float(np.linalg.norm(np.cross(hinges[-1].axis, unit(bone)))) < PARALLEL
         carried = [hinges.pop()] if twists else []
         pivots = tuple(Pivot(vector(h.axis), float(h.lower), float(h.upper), float(h.rest)) for h in hinges)
         links.append(Link(pivots, bone, unit(bone), norm(bone), first))
@@ -120,10 +127,6 @@ def linkage_of(chain: Chain) -> Linkage:
     origin = vector(chain.origin_in_base)
     aside = origin[1] + sum(link.bone[1] for link in links[:-3])
     return Linkage(origin, tuple(links), -1.0 if aside < 0.0 else 1.0, _reach(links[-3], links[-2]))
-
-
-def _parallel(hinge: Hinge, bone: Vector) -> bool:
-    return float(np.linalg.norm(np.cross(hinge.axis, unit(bone)))) < PARALLEL
 
 
 def _reach(upper: Link, fore: Link) -> float:

@@ -28,7 +28,7 @@ class Settled:
 
 
 def clamp(target: Vector, base: Vector, reach: float) -> Vector:
-    """The target, or the point at the reach in its direction (thesis eq. 7.3.7).
+    """Pulls a target back to the reach in its direction (thesis eq. 7.3.7); a nearer one stays.
 
     The thesis prints the factor as d / D_max; it is D_max / d.
 

@@ -8,7 +8,6 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain, ChainJoint
 from kinesic.body.reach import Reach
-from kinesic.body.skeleton import Hinge
 
 ACROSS = sealed([1.0, -1.0, 1.0])  # a place or direction in the mirror (the xz plane)
 ABOUT = sealed([-1.0, 1.0, -1.0])  # an axis in the mirror, for the same angle
@@ -21,9 +20,13 @@ def is_right(chain: Chain) -> bool:
 
 @lru_cache(maxsize=32)
 def mirror_chain(chain: Chain) -> Chain:
-    """The chain in the mirror; equal angles are mirror postures."""
+    """Mirrors a chain; equal angles are mirror postures."""
     joints = tuple(
-        ChainJoint(joint.name, tuple(_hinge(hinge) for hinge in joint.hinges), _seen(joint.bone, ACROSS))
+        ChainJoint(
+            joint.name,
+            tuple(replace(hinge, axis=_seen(hinge.axis, ABOUT)) for hinge in joint.hinges),
+            _seen(joint.bone, ACROSS),
+        )
         for joint in chain.joints
     )
     return replace(
@@ -32,7 +35,7 @@ def mirror_chain(chain: Chain) -> Chain:
 
 
 def mirror_reach(reach: Reach) -> Reach:
-    """The reach in the mirror; the swivel stays, since it counts outward on both sides."""
+    """Mirrors a reach; the swivel stays, since it counts outward on both sides."""
     return Reach(
         _seen(reach.position, ACROSS),
         None if reach.pointing is None else _seen(reach.pointing, ACROSS),
@@ -42,12 +45,8 @@ def mirror_reach(reach: Reach) -> Reach:
 
 
 def mirror_place(place: Floats) -> Floats:
-    """(3,) in the mirror."""
+    """Mirrors a place (3,)."""
     return _seen(place, ACROSS)
-
-
-def _hinge(hinge: Hinge) -> Hinge:
-    return replace(hinge, axis=_seen(hinge.axis, ABOUT))
 
 
 def _seen(values: Floats, signs: Floats) -> Floats:

@@ -32,7 +32,7 @@ class _Shape:
 
 
 def finish(linkage: Linkage, target: Vector, angles: Sequence[float]) -> Polished:
-    """The nearest that the hand comes to a target, downhill from a posture.
+    """Brings a hand as near to a target as it comes, downhill from a posture.
 
     Args:
         linkage: the arm.

@@ -24,7 +24,7 @@ SHORT = 0.2  # of the longest bone: a shorter one within the arm is an offset in
 
 
 def nominal(chain: Chain) -> Chain:
-    """The arm with one centre for all hinges of a joint.
+    """Gives all hinges of a joint one centre.
 
     Args:
         chain: the true arm.
@@ -47,7 +47,7 @@ def nominal(chain: Chain) -> Chain:
 
 
 def solve_offset(chain: Chain, reach: Reach, *, start: Floats) -> Solution:
-    """`solve` for an arm whose hinges need not meet.
+    """Solves a reach as `solve` does, for an arm whose hinges need not meet.
 
     Args:
         chain: the true arm, joints with offsets written as two joints with a short bone between them.

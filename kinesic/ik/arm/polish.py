@@ -85,7 +85,7 @@ def polish(
 
 
 def columns(linkage: Linkage, angles: Sequence[float]) -> tuple[Vector, list[Vector]]:
-    """The hand [m], and how it moves per radian of each hinge [m]: the columns of its Jacobian."""
+    """Finds the hand [m] and the columns of its Jacobian: how it moves per radian of each hinge [m]."""
     rotation, centre = IDENTITY, linkage.origin
     axes: list[tuple[Vector, Vector]] = []
     for link in linkage.links[:-1]:

@@ -60,7 +60,7 @@ class TrueArm:
 
 @lru_cache(maxsize=8)
 def true_arm(robot: Robot, side: Side) -> TrueArm:
-    """The arm of a robot, packed once."""
+    """Packs a robot's arm, once."""
     skeleton, chain, arm = robot.skeleton, robot.arms[side], robot.arm(side)
     origins = skeleton.straight.origins
     base = origins[skeleton.segment(chain.base)]

@@ -19,7 +19,7 @@ class Seed:
 
 @lru_cache(maxsize=32)
 def seeds(linkage: Linkage) -> tuple[Seed, ...]:
-    """Evenly spread postures inside the ranges: the additive recurrence of the generalised golden ratio."""
+    """Spreads postures evenly inside the ranges: the additive recurrence of the generalised golden ratio."""
     pivots = linkage.pivots[: linkage.links[-1].first]
     ratio = _golden(len(pivots))
     postures = [
@@ -30,7 +30,7 @@ def seeds(linkage: Linkage) -> tuple[Seed, ...]:
 
 
 def nearest_seeds(linkage: Linkage, target: Vector, count: int) -> list[Seed]:
-    """The seeds whose hands are nearest to a target [m], best first."""
+    """Lists the seeds whose hands are nearest to a target [m], best first."""
     return sorted(seeds(linkage), key=lambda seed: distance(seed.hand, target))[:count]
 
 

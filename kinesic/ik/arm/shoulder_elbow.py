@@ -63,22 +63,23 @@ def place_shoulder(linkage: Linkage, target: Vector, *, near: Sequence[float], r
     elbow = plus(resting[-1], scaled(unit(minus(target, resting[-1])), upper))
     lengths = (*(link.length for link in linkage.girdle), upper, fore)
     settled = settle_masses((*resting, elbow, target), lengths, target)
-    pulled = _girdle(linkage, settled.points[1:-2], near)
+    ends = settled.points[1:-2]
+    pulled = linkage.walk(extract(linkage, ends, near).angles, len(ends))[1]
     return _place(pulled, target, settled.iterations)
 
 
 def place_of(linkage: Linkage, angles: Sequence[float], target: Vector) -> ShoulderPlace:
-    """The place that a posture [rad] gives its shoulder."""
+    """Finds the place that a posture [rad] gives its shoulder."""
     return _place(linkage.walk(angles, len(linkage.girdle))[1], target, 0)
 
 
 def gap(linkage: Linkage, target: Vector) -> float:
-    """Distance [m] of a target from the shoulder, when the girdle does what it can."""
+    """Measures the distance [m] of a target from the shoulder, when the girdle does what it can."""
     return distance(helpful(linkage, target, [pivot.rest for pivot in linkage.pivots])[-1], target)
 
 
 def helpful(linkage: Linkage, target: Vector, near: Sequence[float]) -> list[Vector]:
-    """The girdle's joints [m] when the shoulder comes as near to a target as it can."""
+    """Finds the girdle's joints [m] when the shoulder comes as near to a target as it can."""
     return linkage.walk(_helpful_angles(linkage, target, near), len(linkage.girdle))[1]
 
 
@@ -93,11 +94,6 @@ def _helpful_angles(linkage: Linkage, target: Vector, near: Sequence[float]) -> 
 
 def _place(points: Sequence[Vector], target: Vector, iterations: int) -> ShoulderPlace:
     return ShoulderPlace(tuple(points[1:]), points[-1], target, iterations)
-
-
-def _girdle(linkage: Linkage, ends: Sequence[Vector], near: Sequence[float]) -> list[Vector]:
-    """The girdle's joints [m] when it aims at these ends."""
-    return linkage.walk(extract(linkage, ends, near).angles, len(ends))[1]
 
 
 @dataclass(frozen=True)
@@ -155,7 +151,6 @@ def _nearest_exact(at: Callable[[float], Extraction], towards: float, tolerance:
 def _edge(
     at: Callable[[float], Extraction], outside: float, inside: float, found: Extraction, tolerance: float
 ) -> Extraction:
-    """Bisects to where the ranges begin to allow the posture."""
     for _ in range(BISECTIONS):
         middle = 0.5 * (outside + inside)
         tried = at(middle)
@@ -167,7 +162,7 @@ def _edge(
 
 
 def carry_shoulder(chain: Chain, target: Floats, effort: float) -> Floats:
-    """The posture that the collar bone rests in while its hand is at a target.
+    """Finds the posture that the collar bone rests in while its hand is at a target.
 
     Args:
         chain: the arm.

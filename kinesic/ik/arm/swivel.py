@@ -19,7 +19,7 @@ BACKWARD = -1.0 + 1e-9  # cosine to the forward axis at which the hanging direct
 
 
 def hanging_direction(line: Vector) -> Vector:
-    """The direction of a hanging elbow, off the line from shoulder to hand.
+    """Finds the direction of a hanging elbow, off the line from shoulder to hand.
 
     Args:
         line: unit, from the shoulder to the hand.
@@ -35,7 +35,7 @@ def hanging_direction(line: Vector) -> Vector:
 
 
 def swivel_of(linkage: Linkage, points: Sequence[Vector]) -> float | None:
-    """The swivel of three points [m], shoulder, elbow and hand, in [rad]; None for a straight arm."""
+    """Measures the swivel [rad] of shoulder, elbow and hand, three points [m]; None for a straight arm."""
     shoulder, elbow, hand = points
     line = unit(minus(hand, shoulder))
     off = across(minus(elbow, shoulder), line)
@@ -46,7 +46,7 @@ def swivel_of(linkage: Linkage, points: Sequence[Vector]) -> float | None:
 
 
 def elbow_at(linkage: Linkage, shoulder: Vector, hand: Vector, swivel: float) -> Vector:
-    """The elbow's place [m] on its circle, for shoulder and hand [m] and a swivel [rad].
+    """Places the elbow [m] on its circle, for shoulder and hand [m] and a swivel [rad].
 
     Where the bones cannot span the distance, the elbow lies on the line.
     """
@@ -63,7 +63,7 @@ def elbow_at(linkage: Linkage, shoulder: Vector, hand: Vector, swivel: float) ->
 
 
 def swivel(chain: Chain, angles: Floats) -> float | None:
-    """How far the elbow is turned about the line from shoulder to hand.
+    """Measures how far the elbow is turned about the line from shoulder to hand.
 
     Args:
         chain: the arm.

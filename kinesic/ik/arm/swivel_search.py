@@ -84,6 +84,5 @@ def _girdles(linkage: Linkage, near: Sequence[float]) -> list[tuple[float, ...]]
 
 
 def _steps(pivot: Pivot, angle: float) -> list[float]:
-    """Angles over a hinge's range, and the present one."""
     width = (pivot.upper - pivot.lower) / (GIRDLE_STEPS - 1)
     return [angle, *(pivot.lower + k * width for k in range(GIRDLE_STEPS))]

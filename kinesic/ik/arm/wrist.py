@@ -29,7 +29,7 @@ class HandDirection:
 
 
 def orient(link: Link, frame: Rotation, wishes: Sequence[HandDirection], rest: Sequence[float]) -> tuple[float, ...]:
-    """The angles of the hand's own hinges.
+    """Finds the angles of the hand's own hinges.
 
     Args:
         link: the last link.
@@ -87,7 +87,6 @@ def _outward(link: Link, angles: Sequence[float], k: int, own: Vector) -> Vector
 
 
 def _best(pivot: Pivot, pairs: Sequence[tuple[Vector, Vector]], rest: float) -> tuple[float, float]:
-    """The best angle inside the range, and the agreement there."""
     a, b = (POSTURE * part for part in cosine_sine(rest))
     level = 0.0
     for look, own in pairs:

@@ -66,7 +66,7 @@ class EulerBoxes:
 
 
 def angles_of(rotation: Floats, order: EulerOrder) -> Floats:
-    """(3,) [rad] about x, y, z of a rotation R = R_k R_j R_i, where order = "ijk".
+    """Finds the angles (3,) [rad] about x, y, z of a rotation R = R_k R_j R_i, where order = "ijk".
 
     In gimbal lock the first angle is zero.
     """
@@ -85,7 +85,7 @@ def angles_of(rotation: Floats, order: EulerOrder) -> Floats:
 
 
 def rotation_of(angles: Floats, order: EulerOrder) -> Floats:
-    """(3, 3) from (3,) [rad] about x, y, z, turned in an order about fixed axes."""
+    """Makes a rotation (3, 3) of (3,) [rad] about x, y, z, turned in an order about fixed axes."""
     turns = [angles["xyz".index(axis)] for axis in order]
     matrix: Floats = Rotation.from_euler(order, turns).as_matrix()
     return matrix

@@ -142,7 +142,7 @@ class BallChain:
 
 
 def perpendicular(wish: Floats, along: Floats) -> Floats:
-    """Unit vectors across directions, as near to a wish as possible.
+    """Finds unit vectors across directions, as near to a wish as possible.
 
     Args:
         wish: (3,) or (n, 3).

@@ -40,7 +40,7 @@ class Stance:
 
 
 def transport_up(up: Floats, start: Floats, end: Floats) -> Floats:
-    """An up vector (3,) carried along when its bone swings from one direction to another by the smallest turn.
+    """Carries an up vector (3,) along when its bone swings from one direction to another by the smallest turn.
 
     The turn is about start x end; between opposite directions it is a half turn about the up vector itself.
 
@@ -58,7 +58,7 @@ def transport_up(up: Floats, start: Floats, end: Floats) -> Floats:
 
 
 def stance_of(chain: BallChain, rotations: Floats, carrier: Carrier) -> Stance:
-    """Forward kinematics.
+    """Solves the forward kinematics.
 
     Args:
         chain: at rest.

@@ -16,10 +16,11 @@ from scipy.spatial.transform import Rotation
 from kinesic.body.arrays import Floats, sealed
 from kinesic.ik.arm.masses import clamp
 from kinesic.ik.scalar3 import vector
+from kinesic.ik.solve import three
 from kinesic.ik.thesis.limbs import Limb, Limbs
 from kinesic.ik.thesis.limits import within_limits
 from kinesic.ik.thesis.rotations import Carrier, Stance, aim_bones, stance_of
-from kinesic.ik.thesis.solve import ChainStart, Method, solve_ball_chain, three, unbent
+from kinesic.ik.thesis.solve import ChainStart, Method, solve_ball_chain, unbent
 from kinesic.ik.thesis.springs import Springs
 from kinesic.ik.thesis.task import Effort, Rest
 from kinesic.ik.thesis.verlet import swing_to_rest

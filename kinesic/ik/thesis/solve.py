@@ -13,6 +13,7 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.ik.arm.masses import clamp
 from kinesic.ik.scalar3 import vector
+from kinesic.ik.solve import three
 from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.direct import balance_springs
 from kinesic.ik.thesis.limits import within_limits
@@ -108,16 +109,8 @@ def _begun(chain: BallChain, start: Floats | None) -> Floats:
     return start
 
 
-def three(name: str, values: Floats) -> Floats:
-    """(3,) finite numbers, or an error that says what came instead."""
-    array = np.asarray(values, dtype=np.float64)
-    if array.shape != (3,) or not np.isfinite(array).all():
-        raise ValueError(f"{name} is {array.tolist()}; it needs three finite numbers")
-    return array
-
-
 def unbent(points: Floats, ups: Floats) -> Floats:
-    """A chain that lies on one line with its target never leaves it: its inner masses are moved a little aside.
+    """Bends a chain that lies on one line with its target a little, by its inner masses: it would never leave the line.
 
     Args:
         points: (n + 1, 3) in units of the chain, the last on the target.

@@ -65,7 +65,7 @@ class Centres:
 
 
 def splits(count: int) -> list[Split]:
-    """All ways to divide a row of hinges."""
+    """Lists all ways to divide a row of hinges."""
     return [
         Split(girdle, shoulder, min(count - girdle - shoulder - 1, MOST_WRIST))
         for girdle in range(MOST_GIRDLE + 1)
@@ -75,7 +75,7 @@ def splits(count: int) -> list[Split]:
 
 
 def centres(limb: HingeRow, split: Split) -> Centres:
-    """Where shoulder, elbow and wrist are in the limb's pose."""
+    """Finds shoulder, elbow and wrist in the limb's pose."""
     e = split.elbow
     arm, behind = slice(split.girdle, e), slice(e + 1, split.hinges)
     shoulder = common_point(limb.anchors[arm], limb.axes[arm], limb.anchors[e - 1])
@@ -99,7 +99,7 @@ def _twist(limb: HingeRow, split: Split, shoulder: Floats) -> int | None:
 
 
 def likeness(limb: HingeRow, split: Split) -> float:
-    """How much a split looks like a human arm: about 3 for a good one, below 2 doubtful."""
+    """Scores how much a split looks like a human arm: about 3 for a good one, below 2 doubtful."""
     at = centres(limb, split)
     upper, fore = at.lengths
     if min(upper, fore) < SHORTEST:

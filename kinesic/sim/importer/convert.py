@@ -88,7 +88,6 @@ def _confidence(figure: HumanoidGeometry) -> float:
 
 
 def _review(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...]) -> list[str]:
-    """What a person should look at."""
     assumed = [hinge.name for hinge in hinges if hinge.assumed]
     leaning = degrees(max(arm.off for arm in figure.arms.values()))
     said = {

@@ -49,7 +49,7 @@ class Posed:
 
 
 def elbow_sense(limb: HingeRow, split: Split, lower: float, upper: float) -> float:
-    """+1 when positive angles bend the elbow, -1 when negative ones do, 0 when its range says neither.
+    """Finds in which sense an elbow bends: +1 by positive angles, -1 by negative ones, 0 when its range says neither.
 
     Args:
         limb: of the arm, in any pose.
@@ -70,7 +70,7 @@ def elbow_sense(limb: HingeRow, split: Split, lower: float, upper: float) -> flo
 
 
 def pose_arm(limb: HingeRow, split: Split, wish: HangingPose, ranges: Ranges, first: list[Floats]) -> Posed:
-    """The angles that bring an arm nearest to a wish, close to the pose of its file where that leaves a choice.
+    """Finds angles that bring an arm nearest to a wish, close to the pose of its file where that leaves a choice.
 
     Args:
         limb: in the pose of the file.

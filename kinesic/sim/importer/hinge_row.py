@@ -54,7 +54,7 @@ class HingeRow:
 
 
 def common_point(anchors: Floats, axes: Floats, near: Floats, pull: float = 1e-3) -> Floats:
-    """(3,) [m] nearest to all lines; where they leave it open, nearest to a point."""
+    """Finds the point (3,) [m] nearest to all lines; where they leave it open, nearest to a point."""
     across = UNTURNED - axes[:, :, None] * axes[:, None, :]
     matrix = sum(across, pull * UNTURNED)
     right = sum(_each(across, anchors), pull * near)
@@ -62,18 +62,18 @@ def common_point(anchors: Floats, axes: Floats, near: Floats, pull: float = 1e-3
 
 
 def distances(point: Floats, anchors: Floats, axes: Floats) -> Floats:
-    """(k,) [m] from a point to each line."""
+    """Measures the distance [m] of a point from each line, (k,)."""
     found: Floats = np.linalg.norm(_cross(point - anchors, axes), axis=1)
     return found
 
 
 def foot(point: Floats, anchor: Floats, axis: Floats) -> Floats:
-    """(3,) [m] the point of a line that is nearest to a point."""
+    """Finds the point (3,) [m] of a line that is nearest to a point."""
     return sealed(anchor + axis * (axis @ (point - anchor)))
 
 
 def nearest_to_line(anchor: Floats, axis: Floats, other: Floats, direction: Floats) -> Floats:
-    """(3,) [m] the point of a line that is nearest to another line; to its anchor where they are parallel."""
+    """Finds the point (3,) [m] of a line that is nearest to another line; its anchor where they are parallel."""
     across = _cross(axis, direction)
     size = float(across @ across)
     if size < 1e-6:
@@ -83,7 +83,7 @@ def nearest_to_line(anchor: Floats, axis: Floats, other: Floats, direction: Floa
 
 
 def unit_vector(vector: Floats) -> Floats:
-    """The vector in length 1; zero stays zero."""
+    """Scales a vector to length 1; zero stays zero."""
     length = sqrt(vector @ vector)
     return vector / length if length > 0 else vector
 

@@ -54,7 +54,7 @@ class MappedHinge:
 
 
 def named_hinges(figure: HumanoidGeometry) -> tuple[MappedHinge, ...]:
-    """All hinges that kinesic moves, trunk and neck first."""
+    """Names all hinges that kinesic moves, trunk and neck first."""
     found = [*_spine(figure, "vl5", figure.trunk), *_spine(figure, "skullbase", figure.neck)]
     for side in SIDES:
         found += _arm(figure, side)
@@ -113,17 +113,15 @@ def _turns(part: str, axes: list[Floats], along: Floats) -> list[str]:
 
 
 def _distinct(names: list[str]) -> list[str]:
-    """Repeated names with a number."""
     return [name if name not in names[:k] else f"{name}{names[:k].count(name) + 1}" for k, name in enumerate(names)]
 
 
 def _sense(figure: HumanoidGeometry, side: Side, joint: int) -> float:
     """The sign in which an elbow bends, by its range."""
-    arm, told = figure.arms[side], figure.tree.joints
-    lower = sealed([-np.inf if (a := told[k].lower) is None else a - told[k].zero for k in arm.joints])
-    upper = sealed([np.inf if (a := told[k].upper) is None else a - told[k].zero for k in arm.joints])
-    at = arm.joints.index(joint)
-    return elbow_sense(arm.limb, figure.split, lower[at], upper[at])
+    elbow = figure.tree.joints[joint]
+    lower = -np.inf if elbow.lower is None else elbow.lower - elbow.zero
+    upper = np.inf if elbow.upper is None else elbow.upper - elbow.zero
+    return elbow_sense(figure.arms[side].limb, figure.split, lower, upper)
 
 
 def _sign(name: str, axis: Floats, side: Side) -> float:
@@ -155,5 +153,5 @@ def _default(name: str) -> tuple[float, float]:
 
 
 def spell_angle(hinge: MappedHinge, joint: str) -> str:
-    """How the foreign robot's angle follows from kinesic's."""
+    """Spells how the foreign robot's angle follows from kinesic's."""
     return f"{joint} = {'' if hinge.sign > 0 else '-'}angle {degrees(hinge.zero):+.4f} deg"

@@ -42,9 +42,9 @@ def sides(tree: Tree) -> Sides:
     pairs = named if by_names else found
     told = [_side_of(tree.joints[a].name, tree.joints[b].name) for a, b in pairs.items()]
     vote = sum(told)
-    across = sum((_aside(tree.joints[a].anchor - tree.joints[b].anchor) for a, b in pairs.items()), np.zeros(2))
+    across = sum(((tree.joints[a].anchor - tree.joints[b].anchor)[:2] for a, b in pairs.items()), np.zeros(2))
     left = _axis(across)
-    if vote < 0 or (vote == 0 and _backwards(tree, pairs, left)):
+    if vote < 0 or (vote == 0 and _sense(tree, pairs, left) < 0.0):
         pairs = {b: a for a, b in pairs.items()}
         left = (-left[0], -left[1])
     return Sides(pairs, left, vote != 0 or _sense(tree, pairs, left) != 0.0, by_names)
@@ -108,7 +108,6 @@ def _named(tree: Tree) -> dict[int, int]:
 
 
 def _images(name: str) -> list[str]:
-    """Names that a left hinge's partner may have."""
     words = [name.replace(left, right) for left, right in _WORDS if left in name]
     letters = [re.sub(rf"(^|_){left}(?=_|$|[A-Z])", rf"\g<1>{right}", name) for left, right in _LETTERS]
     return [image for image in (*words, *letters) if image != name]
@@ -119,19 +118,10 @@ def _side_of(a: str, b: str) -> int:
     return int(b in _images(a)) - int(a in _images(b))
 
 
-def _aside(step: Floats) -> Floats:
-    return np.array(step[:2])
-
-
 def _axis(across: Floats) -> tuple[float, float]:
-    """The axis of the world nearest to a direction."""
     lateral = int(np.argmax(np.abs(across)))
     sign = 1.0 if across[lateral] >= 0 else -1.0
     return (sign, 0.0) if lateral == 0 else (0.0, sign)
-
-
-def _backwards(tree: Tree, pairs: dict[int, int], left: tuple[float, float]) -> bool:
-    return _sense(tree, pairs, left) < 0.0
 
 
 def _sense(tree: Tree, pairs: dict[int, int], left: tuple[float, float]) -> float:

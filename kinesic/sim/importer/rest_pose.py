@@ -26,14 +26,14 @@ ROOM = 0.008  # [m] beyond the clearance that a pair must have at rest
 
 
 def nearest_to_zero(hinges: tuple[MappedHinge, ...]) -> dict[str, float]:
-    """Hinge -> [deg], where its range does not hold zero."""
+    """Finds the angle [deg] nearest to zero of each hinge whose range does not hold zero."""
     return {h.name: _inside(h, 0.0) for h in hinges if not h.lower <= 0.0 <= h.upper}
 
 
 def rest_pose(
     figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...], file: RobotFile, path: Path
 ) -> dict[str, float]:
-    """Arms hanging, a little ahead, elbows a little bent, as near to the body as their shapes allow."""
+    """Lets the arms hang, a little ahead, elbows a little bent, as near to the body as their shapes allow."""
     rest: dict[str, float] = {}
     for tilt in TILTS:
         rest = nearest_to_zero(hinges) | _resting_arms(figure, hinges, np.radians(tilt))

@@ -7,7 +7,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Side
-from kinesic.body.robot_schema import BodyTable, CapsuleTable
+from kinesic.body.robot_schema import BodyTable, CapsuleTable, Triple
 from kinesic.body.skeleton import Capsule
 from kinesic.sim.importer.hinge_row import common_point
 from kinesic.sim.importer.hinges import MappedHinge
@@ -69,7 +69,7 @@ def lay_out_segments(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...]) 
 
 
 def housing(figure: HumanoidGeometry, side: Side) -> str:
-    """What carries the shoulder: a collar bone that moves, or the motors' housing that does not."""
+    """Names what carries the shoulder: a collar bone that moves, or the motors' housing that does not."""
     return f"{side}_sternoclavicular" if figure.split.girdle else f"{side}_acromioclavicular"
 
 
@@ -79,7 +79,7 @@ def _centre(rows: list[MappedHinge], near: Floats) -> Floats:
 
 
 def bodies(figure: HumanoidGeometry, where: SegmentLayout, hinges: tuple[MappedHinge, ...]) -> list[BodyTable]:
-    """The [[body]] tables."""
+    """Makes the [[body]] tables."""
     carried = _carried(figure, where, hinges)
     tables = []
     for name, parent in where.parents.items():
@@ -90,7 +90,7 @@ def bodies(figure: HumanoidGeometry, where: SegmentLayout, hinges: tuple[MappedH
             BodyTable(
                 name=name,
                 parent=parent,
-                pos=_triple(origin),
+                pos=rounded_triple(origin),
                 mass=round(part.mass, 4),
                 capsules=made,
             )
@@ -118,7 +118,6 @@ def _carried(figure: HumanoidGeometry, where: SegmentLayout, hinges: tuple[Mappe
 
 
 def _made(figure: HumanoidGeometry, where: SegmentLayout, name: str, part: Part) -> list[CapsuleTable]:
-    """Capsules by proportion."""
     arm = figure.arms["l"].centres
     upper, fore = arm.lengths
     side, _, kind = name.rpartition("_")
@@ -156,24 +155,27 @@ def _trunk(figure: HumanoidGeometry, where: SegmentLayout, name: str) -> list[Ca
 
 
 def hand_vector(figure: HumanoidGeometry, where: SegmentLayout, side: Side) -> Floats:
-    """(3,) [m] from the wrist along the hand, in the last segment."""
+    """Finds the vector (3,) [m] from the wrist along the hand, in the last segment."""
     at = figure.arms[side].centres
     return sealed(at.fore * HAND_LENGTH * at.lengths[1])
 
 
 def bone_capsule(start: Floats, end: Floats, radius: float, *, spared: float = 0.0) -> CapsuleTable:
-    """A capsule along a bone that keeps a share of it free at its start."""
+    """Makes a capsule along a bone that keeps a share of it free at its start."""
     begin = start + spared * (end - start)
-    return CapsuleTable(_triple(begin), _triple(end), round(max(radius, LEAST_GIRTH), DIGITS))
+    return CapsuleTable(rounded_triple(begin), rounded_triple(end), round(max(radius, LEAST_GIRTH), DIGITS))
 
 
 def own_capsules(shapes: Sequence[Capsule], origin: Floats) -> list[CapsuleTable]:
-    """The model's shapes in the frame of a segment."""
-    return [CapsuleTable(_triple(s.start - origin), _triple(s.end - origin), round(s.radius, DIGITS)) for s in shapes]
+    """Moves the model's shapes into the frame of a segment."""
+    return [
+        CapsuleTable(rounded_triple(s.start - origin), rounded_triple(s.end - origin), round(s.radius, DIGITS))
+        for s in shapes
+    ]
 
 
 def trunk_capsules(waist: Floats, shoulders: Floats, half_width: float, arm_radius: float) -> list[CapsuleTable]:
-    """Chest and belly between the shoulders and the waist.
+    """Makes chest and belly between the shoulders and the waist.
 
     Args:
         waist: (3,) [m] in the segment.
@@ -191,6 +193,7 @@ def trunk_capsules(waist: Floats, shoulders: Floats, half_width: float, arm_radi
     return [bone_capsule(chest - side, chest + side, radius), bone_capsule(belly, (belly + chest) / 2, 0.9 * radius)]
 
 
-def _triple(point: Floats) -> tuple[float, float, float]:
+def rounded_triple(point: Floats) -> Triple:
+    """Rounds a place or direction (3,) as a file holds it."""
     x, y, z = (round(float(value), DIGITS) + 0.0 for value in point)
     return x, y, z

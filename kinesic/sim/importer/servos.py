@@ -23,7 +23,7 @@ MOST_FRICTION, MOST_DAMPING = 0.1, 0.2  # of the same
 
 
 def servo(joint: Joint, *, gravity: float, inertia: float) -> tuple[ServoTable, str]:
-    """The servo that turns a hinge.
+    """Chooses the servo that turns a hinge.
 
     Args:
         joint: what the file says.

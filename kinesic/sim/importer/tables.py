@@ -5,7 +5,6 @@ from math import degrees
 
 import numpy as np
 
-from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES, Side
 from kinesic.body.robot_schema import (
     CollisionTable,
@@ -19,7 +18,7 @@ from kinesic.body.robot_schema import (
 )
 from kinesic.sim.importer.hinge_row import foot
 from kinesic.sim.importer.hinges import MappedHinge
-from kinesic.sim.importer.segments import HEAD, HEAD_GIRTH, TRUNK, SegmentLayout, bodies, hand_vector
+from kinesic.sim.importer.segments import HEAD, HEAD_GIRTH, TRUNK, SegmentLayout, bodies, hand_vector, rounded_triple
 from kinesic.sim.importer.zero_pose import HumanoidGeometry
 
 CLEARANCE = 0.010  # [m]
@@ -41,7 +40,7 @@ def robot_tables(
     servos: Mapping[str, ServoTable],
     rest: Mapping[str, float],
 ) -> RobotFile:
-    """The file of a robot, without what is excluded from collisions.
+    """Makes the file of a robot, without what is excluded from collisions.
 
     Args:
         figure: the robot, arms hanging.
@@ -66,13 +65,13 @@ def robot_tables(
 
 
 def servo_of(hinge: MappedHinge) -> str:
-    """The name of a hinge's servo model; mirror images share it."""
+    """Names a hinge's servo model; mirror images share it."""
     return hinge.name.removeprefix("l_").removeprefix("r_")
 
 
 def _hinge(where: SegmentLayout, hinge: MappedHinge) -> HingeTable:
     origin = where.origins[hinge.segment]
-    at = _triple(foot(origin, hinge.anchor, hinge.axis) - origin, 6)
+    at = rounded_triple(foot(origin, hinge.anchor, hinge.axis) - origin)
     x, y, z = (round(float(value), 9) + 0.0 for value in hinge.axis)
     return HingeTable(
         name=hinge.name,
@@ -101,20 +100,15 @@ def _palm(figure: HumanoidGeometry, where: SegmentLayout, side: Side) -> SiteTab
     inward = np.array([0.0, -1.0 if side == "l" else 1.0, 0.0])
     direction = along / np.linalg.norm(along)
     facing = inward - direction * (direction @ inward)
-    return SiteTable(f"{side}_wrist", _triple(PALM * along, 6), _triple(facing / np.linalg.norm(facing), 6))
+    return SiteTable(f"{side}_wrist", rounded_triple(PALM * along), rounded_triple(facing / np.linalg.norm(facing)))
 
 
 def _eyes(figure: HumanoidGeometry, where: SegmentLayout) -> SiteTable:
     size = figure.arm_length
     if figure.neck:
         centre = figure.tree.lump(figure.tree.below(figure.neck[0])).centre - where.origins[HEAD]
-        return SiteTable(HEAD, _triple(centre + HEAD_GIRTH * size * np.array([1.0, 0.0, 0.2]), 6), (1.0, 0.0, 0.0))
+        return SiteTable(HEAD, rounded_triple(centre + HEAD_GIRTH * size * np.array([1.0, 0.0, 0.2])), (1.0, 0.0, 0.0))
     shoulder = figure.arms["l"].centres.shoulder
     between = np.array([shoulder[0], 0.0, shoulder[2]])
     place = where.inside(where.carrier, between + size * np.array([HEAD_GIRTH, 0.0, 0.35]))
-    return SiteTable(where.carrier, _triple(place, 6), (1.0, 0.0, 0.0))
-
-
-def _triple(point: Floats, digits: int) -> Triple:
-    x, y, z = (round(float(value), digits) + 0.0 for value in point)
-    return x, y, z
+    return SiteTable(where.carrier, rounded_triple(place), (1.0, 0.0, 0.0))

@@ -31,7 +31,7 @@ class Branches:
 
 
 def branches(tree: Tree, sides: Sides) -> Branches:
-    """Arms are the pair of limbs that begins highest; the trunk is what carries them, the head what is above.
+    """Finds arms, trunk and head: arms are the pair of limbs that begins highest, the trunk carries them.
 
     Raises:
         ConfigError: there is no pair of limbs with enough hinges.
@@ -111,7 +111,7 @@ class HumanoidGeometry:
 
 
 def geometry_of(tree: Tree) -> HumanoidGeometry:
-    """Maps a robot.
+    """Finds trunk, neck and arms of a robot, and lets the arms hang.
 
     Raises:
         ConfigError: it has no arms.
@@ -136,12 +136,12 @@ def geometry_of(tree: Tree) -> HumanoidGeometry:
 def hang_arm(
     tree: Tree, row: tuple[int, ...], split: Split, wish: HangingPose, *, strict: bool, first: Floats | None = None
 ) -> Posed:
-    """The angles that bring an arm of a tree nearest to a wish."""
+    """Finds the angles that bring an arm of a tree nearest to a wish."""
     return pose_arm(HingeRow.of(tree, row), split, wish, _ranges(tree, row, strict), [] if first is None else [first])
 
 
 def mirror_angles(tree: Tree, row: tuple[int, ...], image: tuple[int, ...], angles: Floats) -> Floats:
-    """(k,) [rad] of the other arm that mirror an arm's, if the tree's pose is symmetric."""
+    """Mirrors an arm's angles (k,) [rad] to the other one, if the tree's pose is symmetric."""
     signs = [
         np.sign(tree.joints[a].axis * -ACROSS @ tree.joints[b].axis) or 1.0 for a, b in zip(row, image, strict=True)
     ]
