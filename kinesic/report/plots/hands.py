@@ -11,12 +11,9 @@ from kinesic.body.robot import SIDES, PartName, Robot, Side
 from kinesic.controller.arrival import part_paths
 from kinesic.controller.performance import Performance
 from kinesic.report.plots.svg import (
-    ASKED,
     DASHES,
-    GRID,
-    PERFORMED,
-    PLANNED,
     WIDTH,
+    Colour,
     empty_figure,
     plain,
     svg,
@@ -70,7 +67,7 @@ def hands(performance: Performance) -> Markup:
         left += scale * span + GAP
         _frame(axes, view, low, high)
         for bone in bones:
-            axes.plot(bone[:, view.across], bone[:, 2], color=GRID, linewidth=3, solid_capstyle="round")
+            axes.plot(bone[:, view.across], bone[:, 2], color=Colour.GRID, linewidth=3, solid_capstyle="round")
         for side in view.sides:
             _path(axes, view, reference[side], performance.measured.hands[side], keys[side])
     return svg(drawn)
@@ -86,9 +83,11 @@ def _frame(axes: "Axes", view: View, low: Floats, high: Floats) -> None:
 
 def _path(axes: "Axes", view: View, planned: Floats, performed: Floats, keys: Floats) -> None:
     planned, performed = (path[:: len(path) // MOST_POINTS + 1] for path in (planned, performed))
-    axes.plot(planned[:, view.across], planned[:, 2], color=PLANNED, linewidth=1.2)
-    axes.plot(performed[:, view.across], performed[:, 2], color=PERFORMED, linewidth=1.0, linestyle=DASHES)
-    axes.scatter(keys[:, view.across], keys[:, 2], s=8, facecolor=ASKED, edgecolor=PLANNED, linewidth=0.8, zorder=3)
+    axes.plot(planned[:, view.across], planned[:, 2], color=Colour.PLANNED, linewidth=1.2)
+    axes.plot(performed[:, view.across], performed[:, 2], color=Colour.PERFORMED, linewidth=1.0, linestyle=DASHES)
+    axes.scatter(
+        keys[:, view.across], keys[:, 2], s=8, facecolor=Colour.ASKED, edgecolor=Colour.PLANNED, linewidth=0.8, zorder=3
+    )
 
 
 def _keys(performance: Performance, side: Side) -> Floats:

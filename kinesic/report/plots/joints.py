@@ -12,15 +12,9 @@ from kinesic.body.robot import CHAINS, Robot
 from kinesic.controller.performance import Performance
 from kinesic.planning.syncs import SyncTime
 from kinesic.report.plots.svg import (
-    ASKED,
     DASHES,
-    FAINT,
-    GRID,
-    INK,
-    OUTSIDE,
-    PERFORMED,
-    PLANNED,
     WIDTH,
+    Colour,
     empty_figure,
     fit_text,
     spaced_indices,
@@ -99,7 +93,7 @@ def _figure(
             _panel(axes, performance, joint, curves, syncs)
             axes.tick_params(labelbottom=row == shown[-1][0])
             if row == shown[0][0]:
-                drawn.text(left, bottom + (PANEL + 0.2) / height, NAMES.get(name, name), fontsize=9, color=INK)
+                drawn.text(left, bottom + (PANEL + 0.2) / height, NAMES.get(name, name), fontsize=9, color=Colour.INK)
                 _label(axes, performance, syncs, width)
         left += (width + GAP) / WIDTH if shown else 0.0
     return svg(drawn)
@@ -115,7 +109,7 @@ def _panel(
     times, robot = performance.measured.times, performance.plan.setup.robot
     time_axes(axes, end=float(times[-1]))
     _mark(axes, performance, syncs)
-    styles = ((ASKED, 2.6, "-"), (PLANNED, 1.2, "-"), (PERFORMED, 1.0, DASHES))
+    styles = ((Colour.ASKED, 2.6, "-"), (Colour.PLANNED, 1.2, "-"), (Colour.PERFORMED, 1.0, DASHES))
     for curve, (colour, width, dashes) in zip(curves, styles, strict=True):
         axes.plot(*thin_line(times, curve[:, joint]), color=colour, linewidth=width, linestyle=dashes)
     low, high = min(c[:, joint].min() for c in curves), max(c[:, joint].max() for c in curves)
@@ -133,9 +127,9 @@ def _shade(axes: "Axes", robot: Robot, joint: int) -> None:
     hinge = robot.skeleton.hinges[joint]
     lower, upper = float(np.degrees(hinge.lower)), float(np.degrees(hinge.upper))
     if low < lower:
-        axes.axhspan(low, lower, color=OUTSIDE, linewidth=0)
+        axes.axhspan(low, lower, color=Colour.OUTSIDE, linewidth=0)
     if high > upper:
-        axes.axhspan(upper, high, color=OUTSIDE, linewidth=0)
+        axes.axhspan(upper, high, color=Colour.OUTSIDE, linewidth=0)
 
 
 def _syncs(performance: Performance, chain: str) -> list[SyncTime]:
@@ -150,7 +144,7 @@ def _mark(axes: "Axes", performance: Performance, syncs: list[SyncTime]) -> None
     zero = performance.plan.trajectory.zero
     for strong in (False, True) if len(syncs) <= MOST_LINES else (True,):
         times = [zero + sync.planned for sync in syncs if sync.is_stroke == strong]
-        colour, width = (FAINT, 0.9) if strong else (GRID, 0.7)
+        colour, width = (Colour.FAINT, 0.9) if strong else (Colour.GRID, 0.7)
         axes.vlines(times, 0, 1, transform=axes.get_xaxis_transform(), colors=colour, linewidth=width)
 
 
@@ -161,4 +155,4 @@ def _label(axes: "Axes", performance: Performance, syncs: list[SyncTime], width:
     per_second = width / float(performance.measured.times[-1])
     for k in spaced_indices([sync.planned for sync in strokes], LABEL / per_second):
         label = fit_text(strokes[k].behaviour, LABEL)
-        write_text(axes, (zero + strokes[k].planned, 1.3), label, colour=FAINT, place="time", align="center")
+        write_text(axes, (zero + strokes[k].planned, 1.3), label, colour=Colour.FAINT, place="time", align="center")

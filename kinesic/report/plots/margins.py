@@ -8,15 +8,9 @@ from markupsafe import Markup
 from kinesic.body.arrays import Floats
 from kinesic.controller.performance import Performance
 from kinesic.report.plots.svg import (
-    ASKED,
     DASHES,
-    FAINT,
-    LIMIT,
-    OUTSIDE,
-    PERFORMED,
-    PLANNED,
-    SPEECH,
     WIDTH,
+    Colour,
     empty_figure,
     svg,
     thin_line,
@@ -53,15 +47,15 @@ def _clearance(axes: "Axes", performance: Performance) -> None:
     plan, measured = performance.plan, performance.measured
     least = 1000 * plan.setup.robot.least_clearance
     curves = (
-        (plan.clearance_times, plan.clearance, PLANNED, "-"),
-        (measured.times, measured.clearance, PERFORMED, DASHES),
+        (plan.clearance_times, plan.clearance, Colour.PLANNED, "-"),
+        (measured.times, measured.clearance, Colour.PERFORMED, DASHES),
     )
     for times, clearance, colour, dashes in curves:
         axes.plot(*thin_line(times, 1000 * clearance.distances), color=colour, linewidth=1.2, linestyle=dashes)
     lowest = 1000 * min(float(clearance.distances.min()) for _, clearance, _, _ in curves)
     axes.set_ylim(min(0.0, lowest - 5.0), None)
-    axes.axhspan(axes.get_ylim()[0], least, color=OUTSIDE, linewidth=0)
-    axes.axhline(least, color=LIMIT, linewidth=0.8)
+    axes.axhspan(axes.get_ylim()[0], least, color=Colour.OUTSIDE, linewidth=0)
+    axes.axhline(least, color=Colour.FAIL, linewidth=0.8)
     worst = measured.clearance.worst
     a, b = measured.clearance.pairs[worst]
     write_heading(
@@ -74,17 +68,17 @@ def _shares(axes: "Axes", performance: Performance) -> None:
     limits, times = performance.plan.setup.limits, performance.measured.times
     speeds, accelerations = performance.reference.speeds, performance.reference.accelerations
     shares = (
-        ("speed", np.abs(speeds) / limits.speed, PLANNED),
-        ("acceleration", np.abs(accelerations) / limits.acceleration, FAINT),
-        ("jerk", np.abs(performance.plan.trajectory.jerks(times)) / limits.jerk, ASKED),
-        ("duty", np.abs(performance.reference.duties), SPEECH),
+        ("speed", np.abs(speeds) / limits.speed, Colour.PLANNED),
+        ("acceleration", np.abs(accelerations) / limits.acceleration, Colour.FAINT),
+        ("jerk", np.abs(performance.plan.trajectory.jerks(times)) / limits.jerk, Colour.ASKED),
+        ("duty", np.abs(performance.reference.duties), Colour.SPEECH),
     )
     for _, share, colour in shares:
         axes.plot(*thin_line(times, share.max(axis=1)), color=colour, linewidth=1.1)
     top = max(1.1, *(1.05 * float(share.max()) for _, share, _ in shares))
     axes.set_ylim(0.0, top)
-    axes.axhline(1.0, color=LIMIT, linewidth=0.8)
-    axes.axhspan(1.0, top, color=OUTSIDE, linewidth=0)
+    axes.axhline(1.0, color=Colour.FAIL, linewidth=0.8)
+    axes.axhspan(1.0, top, color=Colour.OUTSIDE, linewidth=0)
     write_heading(axes, "share of limit, worst hinge", "", height=HEADING)
     for k, (name, share, colour) in enumerate(shares):
         write_text(axes, (1.0 - 0.21 * (3 - k), HEADING), _peak(name, share, performance), colour=colour, align="right")
@@ -94,7 +88,7 @@ def _tracking(axes: "Axes", performance: Performance) -> None:
     """Measured minus planned angle of the hinge that is furthest off; in grey also those that hardly move."""
     everything = np.degrees(np.abs(performance.measured.angles - performance.reference.angles))
     counted = np.degrees(np.abs(np.nan_to_num(performance.errors)))
-    for errors, colour in ((everything, ASKED), (counted, PERFORMED)):
+    for errors, colour in ((everything, Colour.ASKED), (counted, Colour.PERFORMED)):
         axes.plot(*thin_line(performance.measured.times, errors.max(axis=1)), color=colour, linewidth=1.1)
     axes.set_ylim(0.0, None)
     title = "tracking error of the twin, worst hinge [deg]; grey: with hinges that hardly move"

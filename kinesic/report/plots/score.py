@@ -11,12 +11,8 @@ from kinesic.bml.block import Speech
 from kinesic.controller.performance import Performance
 from kinesic.planning.plan import Plan
 from kinesic.report.plots.svg import (
-    ASKED,
-    FAINT,
-    INK,
-    PLANNED,
-    SPEECH,
     WIDTH,
+    Colour,
     empty_figure,
     fit_text,
     svg,
@@ -82,7 +78,9 @@ def score(performance: Performance) -> Markup | None:
         else:
             _phases(axes, row, behaviour.id, performance)
     if len(behaviours) > ROWS:
-        write_text(axes, (0.0, ROWS + 0.7), f"and {len(behaviours) - ROWS} more behaviours", colour=FAINT, place="data")
+        write_text(
+            axes, (0.0, ROWS + 0.7), f"and {len(behaviours) - ROWS} more behaviours", colour=Colour.FAINT, place="data"
+        )
     return svg(drawn)
 
 
@@ -94,24 +92,24 @@ def _phases(axes: "Axes", row: int, name: str, performance: Performance) -> None
         return
     at = {sync.sync: zero + sync.planned for sync in syncs}
     begin, end = min(at.values()), max(at.values())
-    axes.broken_barh([(begin, end - begin)], (row + 0.2, 0.5), color=PLANNED, alpha=0.3, linewidth=0)
+    axes.broken_barh([(begin, end - begin)], (row + 0.2, 0.5), color=Colour.PLANNED, alpha=0.3, linewidth=0)
     for first, last in CORES:
         if first in at and last in at:
-            axes.broken_barh([(at[first], at[last] - at[first])], (row + 0.2, 0.5), color=PLANNED, linewidth=0)
+            axes.broken_barh([(at[first], at[last] - at[first])], (row + 0.2, 0.5), color=Colour.PLANNED, linewidth=0)
             break
     strokes = [sync for sync in syncs if sync.is_stroke]
-    axes.vlines([zero + sync.planned for sync in strokes], row + 0.08, row + 0.82, colors=INK, linewidth=1.2)
+    axes.vlines([zero + sync.planned for sync in strokes], row + 0.08, row + 0.82, colors=Colour.INK, linewidth=1.2)
     asked = [zero + sync.asked for sync in syncs]
-    axes.hlines(row + 0.86, min(asked), max(asked), colors=ASKED, linewidth=1.8)
-    axes.vlines([zero + sync.asked for sync in strokes], row + 0.74, row + 0.98, colors=ASKED, linewidth=1.8)
+    axes.hlines(row + 0.86, min(asked), max(asked), colors=Colour.ASKED, linewidth=1.8)
+    axes.vlines([zero + sync.asked for sync in strokes], row + 0.74, row + 0.98, colors=Colour.ASKED, linewidth=1.8)
 
 
 def _words(axes: "Axes", row: int, pieces: Iterable[Caption], per_second: float) -> None:
     """The text between its marks, each piece where it is said."""
     for said in pieces:
         axes.broken_barh(
-            [(said.begin, said.end - said.begin)], (row + 0.1, 0.8), facecolor=SPEECH, alpha=0.25, linewidth=0
+            [(said.begin, said.end - said.begin)], (row + 0.1, 0.8), facecolor=Colour.SPEECH, alpha=0.25, linewidth=0
         )
-        axes.vlines(said.begin, row + 0.1, row + 0.9, colors=SPEECH, linewidth=1.0)
+        axes.vlines(said.begin, row + 0.1, row + 0.9, colors=Colour.SPEECH, linewidth=1.0)
         words = fit_text(said.text, (said.end - said.begin) * per_second - 0.06)
         write_text(axes, (said.begin + 0.03 / per_second, row + 0.7), words, place="data")

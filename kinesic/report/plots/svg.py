@@ -4,6 +4,7 @@ import io
 import re
 import warnings
 from collections.abc import Iterable
+from enum import StrEnum
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -16,20 +17,21 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Stand-ins that become variables of the page's style sheet, so that one figure suits light and dark.
-INK, FAINT, GRID, OUTSIDE = "#010101", "#020202", "#030303", "#040404"
-ASKED, PLANNED, PERFORMED, SPEECH, LIMIT = "#050505", "#060606", "#070707", "#080808", "#090909"
-_VARIABLES = {
-    INK: "--ink",
-    FAINT: "--faint",
-    GRID: "--grid",
-    OUTSIDE: "--outside",
-    ASKED: "--asked",
-    PLANNED: "--planned",
-    PERFORMED: "--performed",
-    SPEECH: "--speech",
-    LIMIT: "--fail",
-}
+
+class Colour(StrEnum):
+    """Stand-ins that become variables of the page's style sheet, so that one figure suits light and dark."""
+
+    INK = "#010101"
+    FAINT = "#020202"
+    GRID = "#030303"
+    OUTSIDE = "#040404"
+    ASKED = "#050505"
+    PLANNED = "#060606"
+    PERFORMED = "#070707"
+    SPEECH = "#080808"
+    FAIL = "#090909"
+
+
 _NO_METADATA = dict.fromkeys(("Creator", "Date", "Format", "Type"))
 _UNNEEDED_ID = re.compile(r' id="(?:figure|axes|patch|line2d|text|matplotlib\.axis|xtick|ytick|legend)\w*"')
 _SIZE = re.compile(r' (?:width|height)="[^"]*"')
@@ -67,8 +69,8 @@ def svg(drawn: "Figure") -> Markup:
     opening, rest = body.split(">", 1)
     body = _SIZE.sub("", opening) + ">" + rest
     body = _PATH.sub(lambda found: _LONG_NUMBER.sub(r"\1", found.group()), _UNNEEDED_ID.sub("", body))
-    for colour, variable in _VARIABLES.items():
-        body = body.replace(colour, f"var({variable})")
+    for colour in Colour:
+        body = body.replace(colour, f"var(--{colour.name.lower()})")
     columns = sorted(
         {(box.x0, box.x1) for axes in drawn.axes if axes.get_label() == TIME and (box := axes.get_position())}
     )
@@ -88,11 +90,11 @@ def plain(axes: "Axes", *, ticks: int = 3) -> None:
     from matplotlib.ticker import MaxNLocator  # noqa: PLC0415 - as above
 
     axes.yaxis.set_major_locator(MaxNLocator(ticks))
-    axes.tick_params(length=2, width=0.5, labelsize=SMALL, color=FAINT, labelcolor=FAINT)
-    axes.grid(visible=True, color=GRID, linewidth=0.5)
+    axes.tick_params(length=2, width=0.5, labelsize=SMALL, color=Colour.FAINT, labelcolor=Colour.FAINT)
+    axes.grid(visible=True, color=Colour.GRID, linewidth=0.5)
     axes.set_axisbelow(True)
     for spine in axes.spines.values():
-        spine.set(color=GRID, linewidth=0.5)
+        spine.set(color=Colour.GRID, linewidth=0.5)
 
 
 def write_text(
@@ -100,7 +102,7 @@ def write_text(
     at: tuple[float, float],
     words: str,
     *,
-    colour: str = INK,
+    colour: str = Colour.INK,
     place: Literal["axes", "time", "data"] = "axes",
     align: Literal["left", "center", "right"] = "left",
 ) -> None:
@@ -122,7 +124,7 @@ def write_text(
 def write_heading(axes: "Axes", what: str, note: str, *, height: float) -> None:
     """Writes what is shown above the left end of axes, and a note above the right end, at a share of their height."""
     write_text(axes, (0.0, height), what)
-    write_text(axes, (1.0, height), note, colour=FAINT, align="right")
+    write_text(axes, (1.0, height), note, colour=Colour.FAINT, align="right")
 
 
 def fit_text(words: str, width: float) -> str:
