@@ -1,16 +1,21 @@
-"""One hand in time: its keys, where it is between them, and what lies on its path as keys of their own."""
+"""One hand in time: its keys, where it is and how it turns between them, and what lies on its path.
+
+A hand turns through its keys on Kochanek-Bartels splines of rotations. Between two keys the logarithm of the rotation
+from the first is a cubic (Hermite), whose ends have the turning speeds of the keys; these are weighted as those of
+positions are (sheet of the trajectory, 8.2). Speeds are the same before and after each key, so that nothing jumps.
+"""
 
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from msgspec import structs
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.reach import Reach
 from kinesic.expressivity.hands.poses import REST, between
-from kinesic.expressivity.hands.rotation_spline import Turning, facing_rotations
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.paths import HandPath
 from kinesic.expressivity.turns import MERGE
@@ -20,6 +25,7 @@ PARALLEL = 0.99  # cosine of pointing and palm from which on they say no rotatio
 SAMPLING = 0.01  # [arm lengths] that a path may be off the straight way between two of its samples
 STEP = 0.2  # [arm lengths] from sample to sample at most: between them hinges turn evenly, and the hand leaves its path
 SURGE = 0.5  # by how much longer full power makes the hand speed up along a path
+SMALL = 1e-6  # [rad] turns that are none
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +35,57 @@ class HandKey:
     time: float  # [s] block time
     hand: Hand
     passage: Passage = PLAIN
+
+
+@dataclass(frozen=True, eq=False)
+class Turning:
+    """A rotation as a function of time; constant before its first key and after its last."""
+
+    times: Floats  # (k,) [s]
+    keys: "scipy.spatial.transform.Rotation"  # k of them
+    turns: "scipy.interpolate.PPoly"  # (3,) rotation vector from the key before, in that key's frame
+
+    @classmethod
+    def through(
+        cls, times: Sequence[float], keys: "scipy.spatial.transform.Rotation", passages: Sequence[Passage]
+    ) -> "Turning":
+        """Through at least two keys, the short way from each to the next; at rest at both ends and in holds.
+
+        Args:
+            times: of the keys, increasing [s].
+            keys: as many rotations.
+            passages: as many, of which tension, continuity and bias count.
+        """
+        at = np.asarray(times, dtype=float)
+        steps = np.diff(at)[:, None]
+        ways = (keys[:-1].inv() * keys[1:]).as_rotvec()
+        tension, continuity, bias = (
+            np.array([[getattr(each, name)] for each in passages[1:-1]]).reshape(-1, 1)
+            for name in ("tension", "continuity", "bias")
+        )
+        speeds = np.zeros((len(at), 3))
+        earlier, later = ways[:-1] / steps[:-1] * steps[1:], ways[1:] / steps[1:] * steps[:-1]
+        chords = (1 + bias) * earlier + (1 - bias) * later
+        speeds[1:-1] = (1 - tension) * (1 + continuity) * chords / (steps[:-1] + steps[1:])
+        still = np.linalg.norm(ways, axis=1) < SMALL
+        speeds[:-1][still] = speeds[1:][still] = 0.0
+        ends = np.einsum("kij,kj->ki", _inverse_jacobians(ways), speeds[1:])
+        square = (3 * ways / steps - 2 * speeds[:-1] - ends) / steps
+        cube = (speeds[:-1] + ends - 2 * ways / steps) / steps**2
+        return cls(at, keys, scipy.interpolate.PPoly(np.stack([cube, square, speeds[:-1], np.zeros_like(ways)]), at))
+
+    def at(self, times: Floats) -> "scipy.spatial.transform.Rotation":
+        """The rotations at (m,) times [s]."""
+        inside = np.clip(times, self.times[0], self.times[-1])
+        way = np.clip(np.searchsorted(self.times, inside, side="right") - 1, 0, len(self.times) - 2)
+        return self.keys[way] * scipy.spatial.transform.Rotation.from_rotvec(self.turns(inside))
+
+
+def facing_rotations(pointing: Floats, palm: Floats) -> "scipy.spatial.transform.Rotation":
+    """The rotations of hands from the directions (..., 3) in which they point and in which their palms face."""
+    aside = np.cross(palm, pointing)
+    aside /= np.linalg.norm(aside, axis=-1, keepdims=True)
+    return scipy.spatial.transform.Rotation.from_matrix(np.stack([pointing, aside, np.cross(pointing, aside)], axis=-1))
 
 
 def hand_at(keys: Sequence[HandKey], time: float, rest: Reach) -> Hand:
@@ -89,6 +146,16 @@ def along(keys: Sequence[HandKey], k: int, path: HandPath | None, *, unit: float
             hand = _face_between(between(a.hand, b.hand, float(share), start), keys, k, time)
             found.append(HandKey(time, _moved(hand, position)))
     return found
+
+
+def _inverse_jacobians(ways: Floats) -> Floats:
+    """(k, 3, 3) from turning speeds in the body to the change of (k, 3) rotation vectors (right Jacobian, inverted)."""
+    angles = np.maximum(np.linalg.norm(ways, axis=1), SMALL)[:, None, None]
+    x, y, z = ways.T
+    none = np.zeros_like(x)
+    cross = np.stack([none, -z, y, z, none, -x, -y, x, none], axis=1).reshape(-1, 3, 3)
+    bend = 1 / angles**2 - (1 + np.cos(angles)) / (2 * angles * np.sin(angles))
+    return np.asarray(np.eye(3) + cross / 2 + bend * cross @ cross)
 
 
 def _when(shares: Floats, swings: int, power: float) -> Floats:

@@ -3,7 +3,7 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation, Slerp
 
-from kinesic.expressivity.hands.rotation_spline import Turning, facing_rotations
+from kinesic.expressivity.hands.keys import Turning, facing_rotations
 from kinesic.motion.keys import PLAIN, Passage
 
 TIMES = (0.0, 0.4, 1.1, 1.5, 2.3)
