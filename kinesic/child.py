@@ -1,13 +1,18 @@
-"""Starts child processes: what a server, a pool of workers and a planner begin with."""
+"""Child processes: how a server, a pool of workers and a window begin, watch and end theirs."""
 
 import multiprocessing
+from collections.abc import Callable
+from multiprocessing.connection import Connection
 from multiprocessing.context import ForkServerContext, SpawnContext
+from typing import TypeVarTuple
 
 SLOW = ("scipy.interpolate", "scipy.optimize", "scipy.spatial.transform")  # to import, and all that plans needs them
 
+Arguments = TypeVarTuple("Arguments")
+
 
 def child_context(*preload: str) -> ForkServerContext | SpawnContext:
-    """Forks of a clean process where the system can, else new processes; never forks of one with threads.
+    """Chooses how processes begin: as forks of a clean one where the system can, never of one with threads.
 
     Args:
         preload: modules that forks begin with, imported once; those that the first caller names hold for all.
@@ -17,3 +22,44 @@ def child_context(*preload: str) -> ForkServerContext | SpawnContext:
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(["__main__", *preload, *SLOW])
     return context
+
+
+class Child:
+    """A process that does one thing, and ends at the latest with the one that began it."""
+
+    def __init__(
+        self,
+        context: ForkServerContext | SpawnContext,
+        work: Callable[[*Arguments], None],
+        *arguments: *Arguments,
+        name: str | None = None,
+    ) -> None:
+        """Begins.
+
+        Args:
+            context: how processes begin, such as `child_context()`.
+            work: called in the process.
+            arguments: of the work, picklable. An end of a pipe belongs to the process from now on: it is closed here,
+                so that our end is told when the process dies.
+            name: in lists of processes.
+        """
+        self._process = context.Process(target=work, args=arguments, name=name, daemon=True)
+        self._process.start()
+        for argument in arguments:
+            if isinstance(argument, Connection):
+                argument.close()
+
+    @property
+    def is_alive(self) -> bool:
+        """Whether it has not ended."""
+        return self._process.is_alive()
+
+    def wait(self, seconds: float | None = None) -> int | None:
+        """Waits until it ends, or for some time [s]; its exit code, negative for a signal, and None while it lives."""
+        self._process.join(seconds)
+        return self._process.exitcode
+
+    def kill(self) -> None:
+        """Ends it at once, and waits until it has."""
+        self._process.kill()
+        self._process.join()

@@ -1,20 +1,17 @@
 """Processes that work through a list of tasks; one that dies takes only its own task with it."""
 
 import faulthandler
-import multiprocessing
 import os
 import signal
 from collections import deque
 from collections.abc import Callable, Generator, Iterable
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
-from multiprocessing.context import ForkServerContext, SpawnContext
-from multiprocessing.process import BaseProcess
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Generic, TypeVar
 
-from kinesic.child import child_context
+from kinesic.child import Child, child_context
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -32,7 +29,7 @@ class WorkerCrash:
 
 @dataclass
 class _Worker(Generic[Task, Result]):
-    process: BaseProcess
+    child: Child
     line: Connection
     errors: Path  # its standard error
     task: Task
@@ -42,16 +39,13 @@ class _Worker(Generic[Task, Result]):
         try:
             result: Result = self.line.recv()
         except (EOFError, ConnectionError):
-            self.process.join()
             self.line.close()
-            return _crash(self.process.exitcode or 0, self.errors.read_text(errors="replace"))
+            return _crash(self.child.wait() or 0, self.errors.read_text(errors="replace"))
         return result
 
     def dismiss(self) -> None:
-        """Ends it."""
         self.line.close()
-        self.process.terminate()
-        self.process.join()
+        self.child.kill()
 
 
 def run_pool(
@@ -77,8 +71,10 @@ def run_pool(
 
         def hire() -> None:
             errors = Path(folder) / f"{len(left)}.txt"
-            worker: _Worker[Task, Result] = _hired(context, prepare, left.popleft(), errors)
-            working[worker.line] = worker
+            ours, theirs = context.Pipe()
+            task = left.popleft()
+            child = Child(context, _work, theirs, prepare, task, errors)
+            working[ours] = _Worker(child, ours, errors, task)
 
         try:
             while left and len(working) < jobs:
@@ -99,17 +95,6 @@ def run_pool(
         finally:
             for worker in working.values():
                 worker.dismiss()
-
-
-def _hired(
-    context: ForkServerContext | SpawnContext, prepare: Callable[[], Callable[[Task], Result]], task: Task, errors: Path
-) -> _Worker[Task, Result]:
-    """A process that has begun with a task."""
-    ours, theirs = multiprocessing.Pipe()
-    process = context.Process(target=_work, args=(theirs, prepare, task, errors), daemon=True)
-    process.start()
-    theirs.close()  # so that our end is told when the process dies
-    return _Worker(process, ours, errors, task)
 
 
 def _work(line: Connection, prepare: Callable[[], Callable[[Task], Result]], task: Task, errors: Path) -> None:

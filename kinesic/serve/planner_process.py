@@ -3,9 +3,8 @@
 from asyncio import TimerHandle, get_running_loop
 from collections.abc import Callable
 from multiprocessing.connection import Connection
-from multiprocessing.process import BaseProcess
 
-from kinesic.child import child_context
+from kinesic.child import Child, child_context
 from kinesic.controller import perform
 from kinesic.planning.setup import Setup
 from kinesic.serve import planner, refiner
@@ -40,7 +39,7 @@ class Planner:
         """
         self._make_setup, self._loop, self._clock, self._rules = make_setup, loop, clock, rules
         self._idle, self._lost = idle, lost
-        self._processes: list[BaseProcess] = []
+        self._children: list[Child] = []
         self._wishes: Connection | None = None
         self._watch: TimerHandle | None = None
         self._present: Wanted | None = None  # what it is doing
@@ -64,19 +63,12 @@ class Planner:
         there, self._wishes = context.Pipe(duplex=False)
         loop_end, planner_end = context.Pipe()
         improver_end, leisure_end = context.Pipe()
-        ends = (there, planner_end, leisure_end)
         beginning = self._loop.beginning()
-        arguments = (self._make_setup, *ends, self._clock, beginning, self._rules)
-        self._processes = [
-            context.Process(target=planner.run_planner, args=arguments, name="planner", daemon=True),
-            context.Process(
-                target=refiner.run_refiner, args=(self._make_setup, improver_end), name="improver", daemon=True
-            ),
+        given = (self._make_setup, there, planner_end, leisure_end, self._clock, beginning, self._rules)
+        self._children = [
+            Child(context, planner.run_planner, *given, name="planner"),
+            Child(context, refiner.run_refiner, self._make_setup, improver_end, name="improver"),
         ]
-        for process in self._processes:
-            process.start()
-        for end in (*ends, improver_end):
-            end.close()
         self._loop.link(loop_end, beginning)
 
     def send(self, wanted: Wanted) -> None:
@@ -112,10 +104,8 @@ class Planner:
         """Ends the processes."""
         if self._wishes is not None:
             self._wishes.close()
-        for process in self._processes:
-            process.kill()
-            process.join()
+        self._kill()
 
     def _kill(self) -> None:
-        for process in self._processes:
-            process.kill()
+        for child in self._children:
+            child.kill()

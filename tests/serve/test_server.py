@@ -1,9 +1,7 @@
 """Clients of all kinds at real sockets: each gets what the rules say, and the performance goes on."""
 
 import json
-import os
 import re
-import signal
 import socket
 from dataclasses import replace
 from functools import cache
@@ -262,7 +260,7 @@ def test_a_planner_that_dies_is_replaced_while_the_motion_goes_on(server, become
         messages = []
         while not progress(messages, "survivor"):
             messages.append(client.receive(20))
-        os.kill(performer.planner._processes[0].pid, signal.SIGKILL)
+        performer.planner._children[0].kill()
         while progress(messages, "survivor")[-1] != "end":
             messages.append(client.receive(20))
         assert becomes(lambda: performer.planner.free)

@@ -8,6 +8,7 @@ from types import TracebackType
 
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
+from kinesic.child import Child
 from kinesic.face.display import DisplayError
 from kinesic.face.render.head_pose import turns
 from kinesic.face.show.process import PreviewSettings, show_face
@@ -49,20 +50,17 @@ class Preview:
         self._robot, self._shared = robot, SharedCommand(context)
         self._number, self._last, self._waiting = 0, -PACE, False
         here, there = context.Pipe(duplex=False)
-        self._process = context.Process(target=show_face, args=(self._shared, there, look), daemon=True)
-        self._process.start()
-        there.close()
+        self._child = Child(context, show_face, self._shared, there, look)
         with here:
             why = _answer(here)
         if why:
-            self._process.kill()
-            self._process.join()
+            self._child.kill()
             raise DisplayError(why)
 
     @property
     def closed(self) -> bool:
         """Whether somebody closed the window, or nothing is drawn any more for another reason."""
-        return not self._process.is_alive()
+        return not self._child.is_alive
 
     def write(self, command: Command) -> None:
         """Puts up a command's face; those that come too fast to be seen wait for a later one.
@@ -79,17 +77,15 @@ class Preview:
 
     def wait(self) -> None:
         """Returns when somebody has closed the window."""
-        self._process.join()
+        self._child.wait()
 
     def close(self) -> None:
         """Shows the last command, and closes the window."""
         if self._waiting and not self.closed:
             self._put(wait=True)
         self._shared.end()
-        self._process.join(CLOSING)
-        if self._process.is_alive():
-            self._process.kill()
-            self._process.join()
+        if self._child.wait(CLOSING) is None:
+            self._child.kill()
 
     def _put(self, *, wait: bool = False) -> bool:
         command, turn = self._command, UPRIGHT

@@ -113,8 +113,7 @@ def test_commands_go_on_when_nothing_is_drawn_any_more(drawable: None, robot: Ro
     with Preview(robot, look=SMALL, windowed=False) as preview:
         preview.write(command(0.0, {"12": 0.5}, robot.skeleton.rest))
         assert not preview.closed
-        preview._process.kill()
-        preview._process.join()
+        preview._child.kill()
         assert preview.closed
         play((command(k / 100, {"12": 0.5}, robot.skeleton.rest) for k in range(100)), preview)
 
@@ -225,4 +224,4 @@ def test_a_preview_opens_a_window_where_there_is_a_display(
     with Preview(look=SMALL) as preview:
         preview.write(command(0.0, {"12": 0.5}))
         assert not preview.closed
-    assert preview._process.exitcode == 0
+    assert preview._child.wait() == 0

@@ -1,0 +1,41 @@
+"""Child processes: begun, watched and ended."""
+
+import signal
+from multiprocessing.connection import Connection
+
+import pytest
+
+from kinesic.child import Child, child_context
+
+pytestmark = pytest.mark.realtime
+
+CONTEXT = child_context()
+
+
+def answer(line: Connection, word: str) -> None:
+    """A child's work: says a word, and then waits for one."""
+    line.send(word)
+    line.recv()
+
+
+def test_a_child_ends_when_its_work_is_done():
+    ours, theirs = CONTEXT.Pipe()
+    child = Child(CONTEXT, answer, theirs, "ready", name="answer")
+    assert ours.recv() == "ready"
+    assert child.is_alive
+    assert child.wait(0.0) is None
+    ours.send("enough")
+    assert child.wait() == 0
+    assert not child.is_alive
+
+
+def test_a_child_that_is_killed_closes_its_end_of_the_pipe():
+    ours, theirs = CONTEXT.Pipe()
+    child = Child(CONTEXT, answer, theirs, "ready")
+    assert theirs.closed
+    assert ours.recv() == "ready"
+    child.kill()
+    with pytest.raises(EOFError):
+        ours.recv()
+    assert child.wait() == -signal.SIGKILL
+    child.kill()  # once more does no harm
