@@ -8,6 +8,7 @@ failure, twice at most, which the summary tells. Examples of theorems are the sa
 ones each time.
 """
 
+import atexit
 import gc
 import os
 import signal
@@ -58,8 +59,7 @@ def pytest_collection() -> Generator[None, object, object]:
         gc.set_threshold(20_000, 20, 20)
 
 
-def pytest_unconfigure() -> None:
-    gc.unfreeze()  # so that nothing seems to leak when the interpreter ends
+atexit.register(gc.unfreeze)  # so that nothing seems to leak when the interpreter ends
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -73,6 +73,7 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> ClockBe
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    items.sort(key=lambda item: "theorems" not in item.path.parts)  # the longest first: all processes end together
     for item in items:
         if item.get_closest_marker("realtime"):
             item.add_marker(pytest.mark.flaky(reruns=2))
