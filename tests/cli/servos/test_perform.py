@@ -28,8 +28,10 @@ def test_servos_perform_what_the_twin_has(kinesic, served, nod: Path, tmp_path: 
     options = ("--on", "servos,twin", "--port", f"body={served.port}", "--no-film", "--out", out, "--force")
     for _ in range(TRIES):
         ended = kinesic("perform", nod, *options)
-        told = json.loads((out / "report.json").read_text(encoding="utf-8"))["servos"]
-        if ended.code == 0 or told["late_cycles"] == 0:  # else the machine was too busy with others for servos
+        told = json.loads((out / "report.json").read_text(encoding="utf-8")).get("servos", {})
+        if (
+            ended.code == 0 or told.get("late_cycles") == 0
+        ):  # else servos were late, or began too late to be performed on
             break
     assert ended.code == 0, ended.out + ended.err
     assert served.energised == 0
