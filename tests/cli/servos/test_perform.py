@@ -29,9 +29,7 @@ def test_servos_perform_what_the_twin_has(kinesic, served, nod: Path, tmp_path: 
     for _ in range(TRIES):
         ended = kinesic("perform", nod, *options)
         told = json.loads((out / "report.json").read_text(encoding="utf-8")).get("servos", {})
-        if (
-            ended.code == 0 or told.get("late_cycles") == 0
-        ):  # else servos were late, or began too late to be performed on
+        if ended.code == 0 or told.get("late_cycles") == 0:  # else the machine was too busy with others for servos
             break
     assert ended.code == 0, ended.out + ended.err
     assert served.energised == 0
