@@ -1,4 +1,4 @@
-"""A block that plays or waits is performed by another plan: a better one, or one in another manner."""
+"""Changes the plan of a block that plays or waits: to a better one, or to one in another style."""
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import asdict, replace
@@ -6,7 +6,6 @@ from dataclasses import asdict, replace
 from kinesic.bml.block import (
     RANGES,
     Behaviour,
-    Block,
     BmlError,
     Face,
     Head,
@@ -20,10 +19,10 @@ from kinesic.body.config import ConfigError
 from kinesic.expressivity.style.style import Style, style_preset
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SHIFT_TO_WARN
-from kinesic.realizer.feedback import order_feedback, retime_feedback, times_of
+from kinesic.realizer.feedback import order_feedback, retime_feedback, times_of, without_doubts
 from kinesic.realizer.pointing import aim_again
 from kinesic.realizer.replan import replan
-from kinesic.realizer.request import TimedRequest, again
+from kinesic.realizer.request import TimedRequest, retime_request
 from kinesic.realizer.running_block import PreparedBlock, RunningBlock
 from kinesic.realizer.scene import Scene
 
@@ -31,7 +30,7 @@ Change = Callable[[Behaviour], Behaviour]
 
 
 def improve_block(scene: Scene, block_id: str, better: Plan, now: float) -> Scene | None:
-    """Goes on with a block by another plan of it.
+    """Continues a block by another plan of it.
 
     Args:
         scene: with the block.
@@ -40,38 +39,38 @@ def improve_block(scene: Scene, block_id: str, better: Plan, now: float) -> Scen
         now: [s] global time.
 
     Returns:
-        The scene, whose next messages tell what changed in time. None when the block is over, or the motion cannot go
-        over into the other plan any more: what plays then plays to its end.
+        The scene, whose agenda says what changed in time. None when the block is over, or the motion cannot go over
+        into the other plan any more: what plays then plays to its end.
     """
-    staged = scene.find(block_id)
-    if staged is None:
+    running = scene.find(block_id)
+    if running is None:
         return None
-    if not staged.state.is_playing:
-        left = replace(staged, ready=PreparedBlock(staged.ready.asked, better), times=times_of(better.syncs))
-        return _told(scene, staged, left, now)
-    if staged.merged is None or not _says_the_same(better, staged.ready.plan):
+    if not running.state.is_playing:
+        prepared = PreparedBlock(running.prepared.request, better)
+        return _announce(scene, running, replace(running, prepared=prepared, times=times_of(better.syncs)), now)
+    if running.merged is None or not _says_the_same(better, running.prepared.plan):
         return None
-    better = replace(better, utterances=staged.ready.plan.utterances)
-    others = scene.busy_but(block_id)
-    over = replan(scene.motion, scene.first_change(now), staged.merged, better, others=others)
-    if over is None:
+    better = replace(better, utterances=running.prepared.plan.utterances)
+    others = scene.occupancy_without(block_id)
+    merged = replan(scene.motion, scene.first_change(now), running.merged, better, others=others)
+    if merged is None:
         return None
-    kept = {id: at for id, at in times_of(over.syncs).items() if id in staged.times}
-    left = replace(staged, ready=PreparedBlock(staged.ready.asked, better), merged=over, times=kept)
-    agenda = retime_feedback(scene.agenda, block_id, left.agenda(), now)
-    after = _told(replace(scene, motion=over.trajectory, agenda=agenda), staged, left, now)
+    times = {id: at for id, at in times_of(merged.syncs).items() if id in running.times}
+    improved = replace(running, prepared=PreparedBlock(running.prepared.request, better), merged=merged, times=times)
+    agenda = retime_feedback(scene.agenda, block_id, improved.agenda(), now)
+    after = _announce(replace(scene, motion=merged.trajectory, agenda=agenda), running, improved, now)
     after = aim_again(scene, after, now)
-    astray = after.said[len(scene.said) :]
-    return replace(after, said=scene.said, agenda=order_feedback(astray, after.agenda))
+    warnings = after.said[len(scene.said) :]  # in the agenda they are proposed again until they are sent
+    return replace(after, said=scene.said, agenda=order_feedback(warnings, after.agenda))
 
 
 def _says_the_same(better: Plan, plan: Plan) -> bool:
-    """Whether what is under way is said as it is."""
+    """Whether speech of both plans sounds at the same times."""
 
-    def said(of: Plan) -> dict[str, tuple[float, dict[str, float]]]:
+    def speech(of: Plan) -> dict[str, tuple[float, dict[str, float]]]:
         return {id: (each.duration, dict(each.marks)) for id, each in of.utterances.items()}
 
-    return said(better) == said(plan)
+    return speech(better) == speech(plan)
 
 
 def change_manner(
@@ -82,7 +81,7 @@ def change_manner(
     amount: float | None = None,
     block: str | None = None,
 ) -> Scene:
-    """Asks for another manner, of one block or of all; `take_replans` says what is to be planned for it.
+    """Changes the style or the amount of one block or of all; `take_replans` says what is to be planned for it.
 
     What was said before is taken away.
 
@@ -94,7 +93,7 @@ def change_manner(
         block: its id; None: every block, and the style is that of all to come.
 
     Returns:
-        The scene with wishes, in which is said what is to be sent now.
+        The scene with requests to plan blocks anew, in which is said what is to be sent now.
 
     Raises:
         ConfigError: there is no style of this name.
@@ -114,7 +113,7 @@ def change_manner(
         sized = behaviour if amount is None else _with_amount(behaviour, amount)
         return sized if name is None else _with(sized, "style", name)
 
-    return _wished(scene, change, now, [each.id for each in scene.blocks if block in (None, each.id)])
+    return _request_replans(scene, change, now, [each.id for each in scene.blocks if block in (None, each.id)])
 
 
 def change_parameter(scene: Scene, by: RunningBlock, behaviour: str, action: ParameterChange, now: float) -> Scene:
@@ -127,7 +126,7 @@ def change_parameter(scene: Scene, by: RunningBlock, behaviour: str, action: Par
         action: what is to change.
         now: [s] global time.
     """
-    target, _, one = action.target.partition(":")
+    target, _, target_behaviour = action.target.partition(":")
     try:
         change = _change_of(action.parameter, action.value)
     except (ValueError, ConfigError) as error:
@@ -135,37 +134,34 @@ def change_parameter(scene: Scene, by: RunningBlock, behaviour: str, action: Par
         return scene.say(by.warning(notice, now))
 
     def only(each: Behaviour) -> Behaviour:
-        return change(each) if one in ("", each.id) else each
+        return change(each) if target_behaviour in ("", each.id) else each
 
-    return _wished(scene, only, now, [target])
+    return _request_replans(scene, only, now, [target])
 
 
 def take_replans(scene: Scene) -> tuple[Scene, tuple[TimedRequest, ...]]:
-    """Blocks that are to be planned anew, each to be handed to `ready` and its plan to `improve_block`; told once."""
-    return replace(scene, wishes=()), scene.wishes
+    """Takes the blocks to be planned anew: each goes to `prepare`, and its plan to `improve_block`."""
+    return replace(scene, replans=()), scene.replans
 
 
-def _wished(scene: Scene, change: Change, now: float, ids: Collection[str]) -> Scene:
-    """Blocks with changed behaviours, as wishes; one that cannot be timed so stays as it is."""
-    wishes: Mapping[str, TimedRequest] = {wish.block.id: wish for wish in scene.wishes}
-    for staged in scene.blocks:
-        if staged.id in ids:
-            wish = wishes.get(staged.id, staged.ready.wish)
-            changed = replace(wish, block=_changed(wish.block, change), is_decided=staged.state.is_playing)
+def _request_replans(scene: Scene, change: Change, now: float, ids: Collection[str]) -> Scene:
+    """Has blocks planned anew with changed behaviours; one that cannot be timed so stays as it is."""
+    replans: Mapping[str, TimedRequest] = {request.block.id: request for request in scene.replans}
+    for running in scene.blocks:
+        if running.id in ids:
+            request = replans.get(running.id, running.prepared.replan_request)
+            block = replace(request.block, behaviours=tuple(map(change, request.block.behaviours)))
+            changed = replace(request, block=block, is_decided=running.state.is_playing)
             try:
-                wishes = {**wishes, staged.id: again(changed, scene.setup)}
+                replans = {**replans, running.id: retime_request(changed, scene.setup)}
             except BmlError as error:
-                notice = Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, staged.id, f"it stays as it is: {error}")
-                scene = scene.say(staged.warning(notice, now))
-    return replace(scene, wishes=tuple(wishes.values()))
-
-
-def _changed(block: Block, change: Change) -> Block:
-    return replace(block, behaviours=tuple(map(change, block.behaviours)))
+                notice = Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, running.id, f"it stays as it is: {error}")
+                scene = scene.say(running.warning(notice, now))
+    return replace(scene, replans=tuple(replans.values()))
 
 
 def _change_of(parameter: str, value: str) -> Change:
-    """What a parameter does to a behaviour.
+    """The change of a behaviour that a parameter stands for.
 
     Raises:
         ValueError: it is not known, or its value is no number in its range.
@@ -201,13 +197,13 @@ def _with_amount(behaviour: Behaviour, amount: float) -> Behaviour:
     return _with(behaviour, "spatial", 2.0 * amount - 1.0)
 
 
-def _told(scene: Scene, before: RunningBlock, staged: RunningBlock, now: float) -> Scene:
-    """The scene with a block that goes on otherwise: its times are told where they differ, and what is new of it."""
-    doubts = [due for due in scene.agenda if due.unless_improved == staged.id]
-    known = before.certain if doubts else before.ready.plan.notices
-    news = [staged.warning(notice, now) for notice in staged.certain if notice not in known]
-    if staged.differs(SHIFT_TO_WARN):
-        news.insert(0, staged.prediction(now))
-        staged = replace(staged, told=(staged.zero, staged.times))
-    agenda = [due for due in scene.agenda if due.unless_improved != staged.id]
-    return replace(scene.put(staged), agenda=order_feedback(news, agenda))
+def _announce(scene: Scene, before: RunningBlock, running: RunningBlock, now: float) -> Scene:
+    """Puts a block with another plan in its place, and schedules a prediction where times differ, and new warnings."""
+    agenda = without_doubts(scene.agenda, running.id)
+    is_doubtful = len(agenda) < len(scene.agenda)
+    known = before.certain_notices if is_doubtful else before.prepared.plan.notices
+    news = [running.warning(notice, now) for notice in running.certain_notices if notice not in known]
+    if running.differs_from_prediction(SHIFT_TO_WARN):
+        news.insert(0, running.prediction(now))
+        running = replace(running, predicted=(running.zero, running.times))
+    return replace(scene.with_block(running), agenda=order_feedback(news, agenda))

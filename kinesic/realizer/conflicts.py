@@ -1,4 +1,4 @@
-"""What stands against a block beside what runs: the body comes too near to itself, or a drive bears too much.
+"""Checks a block that was laid over a running motion: the body may come too near to itself, or a drive be overloaded.
 
 Each of both motions is clear of the body by itself, so that only what is neither of them is measured; inertia and
 gravity couple the hinges, so that the load of a drive is known only from both together.
@@ -20,10 +20,10 @@ FULL = 1.0  # of a drive's duty
 
 
 def find_conflict(work: Overlay, found: Floats, setup: Setup) -> MergeFailure | None:
-    """The behaviour of a block to blame, and why; None when nothing stands against it.
+    """Names the behaviour of a block that brings the body too near to itself or overloads a drive; None: there is none.
 
     Args:
-        work: what was laid over what.
+        work: the block and the running motion.
         found: (k + 3, n) [rad] control points of both together.
         setup: distances and dynamics.
     """
@@ -46,7 +46,7 @@ def _too_near(coming: Trajectory, work: Overlay, setup: Setup) -> MergeFailure |
     for side in SIDES:
         if set(pair) & set(robot.arm(side).segments):
             hinges[list(robot.arm(side).joints)] = True
-    name = _blamed(work, hinges, at)
+    name = _nearest(work, hinges, at)
     return MergeFailure(name, f"brings {pair[0]} within {1000 * distance:.0f} mm of {pair[1]} beside what runs")
 
 
@@ -60,12 +60,12 @@ def _too_heavy(coming: Trajectory, work: Overlay, setup: Setup) -> MergeFailure 
         return None
     worst = int(np.where(over, peaks, 0.0).argmax())
     joint = setup.robot.skeleton.names[worst]
-    name = _blamed(work, np.arange(len(peaks)) == worst, work.cut * STEP)
+    name = _nearest(work, np.arange(len(peaks)) == worst, work.cut * STEP)
     return MergeFailure(name, f"asks {100 * peaks[worst]:.0f} % of the duty of {joint} beside what runs")
 
 
-def _blamed(work: Overlay, hinges: Flags, at: float) -> str:
-    """The behaviour of the block that moves some hinges (n,) nearest to a time [s]; none where it performs none."""
+def _nearest(work: Overlay, hinges: Flags, at: float) -> str:
+    """Names the behaviour that moves some hinges (n,) nearest to a time [s]; empty where the block performs none."""
 
     def away(each: Occupancy) -> tuple[bool, float]:
         return not (each.hinges & hinges).any(), max(each.begin - at, at - each.end, 0.0)

@@ -1,4 +1,4 @@
-"""What a block meets when it begins: speech and parts of the body that are busy, unless they are interrupted before."""
+"""Finds speech and parts of the body that other blocks occupy when a block begins, unless it interrupts them."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -21,24 +21,24 @@ class IncomingBlock(Protocol):
 
     @property
     def block(self) -> Block:
-        """What was asked."""
+        """As it was requested."""
 
     @property
     def zero(self) -> float:
-        """Global time of its time 0 [s]."""
+        """Global time [s] of its time 0."""
 
     @property
     def times(self) -> Times:
-        """Of its sync points, block time [s]."""
+        """Times of its sync points, in block time [s]."""
 
 
-def interrupted_by(action: Interrupt, staged: RunningBlock) -> frozenset[str]:
-    """The behaviours of a block that an interrupt stops."""
-    return (frozenset(action.include) or frozenset(staged.times)) & staged.times.keys() - frozenset(action.exclude)
+def interrupted_by(action: Interrupt, running: RunningBlock) -> frozenset[str]:
+    """Names the behaviours of a block that an interrupt stops."""
+    return (frozenset(action.include) or frozenset(running.times)) & running.times.keys() - frozenset(action.exclude)
 
 
 def planned_interruptions(scene: Scene, coming: IncomingBlock) -> Cuts:
-    """What blocks that play, and one that comes, are going to interrupt."""
+    """Finds the behaviours that blocks that play, and one that comes, are going to interrupt."""
     found: dict[tuple[str, str], float] = {}
     blocks: tuple[IncomingBlock, ...] = (*scene.playing, coming)
     for by in blocks:
@@ -53,50 +53,50 @@ def planned_interruptions(scene: Scene, coming: IncomingBlock) -> Cuts:
 
 
 def occupancy_of_others(scene: Scene, coming: IncomingBlock) -> tuple[Occupancy, ...]:
-    """What other blocks need of the body, each as long as it will be let."""
+    """Finds which hinges other blocks occupy, each until it is interrupted."""
     ends = {f"{block}:{id}": time for (block, id), time in planned_interruptions(scene, coming).items()}
-    return tuple(_until(each, ends[each.behaviour]) if each.behaviour in ends else each for each in scene.busy)
+    return tuple(_until(each, ends[each.behaviour]) if each.behaviour in ends else each for each in scene.occupancy)
 
 
-def among(scene: Scene, asked: TimedRequest) -> TimedRequest:
-    """The block with the hands that others need meanwhile, as far as one can tell before it is planned.
+def with_engaged_hands(scene: Scene, request: TimedRequest) -> TimedRequest:
+    """Adds to a request the hands that other blocks need meanwhile, so that planning takes the free one.
 
-    It may begin later than expected by the time to plan it. One that takes the place of others, or stops them, finds
-    their hands free; when one begins that waits to be activated, nobody knows.
+    The block may begin later than expected by the time to plan it. One that takes the place of others, or stops them,
+    finds their hands free; nobody knows when a block begins that waits to be activated.
     """
-    succession, zero = asked.block.succession, asked.zero
-    if asked.block.composition is Composition.REPLACE or succession.preplanned:
-        return asked
+    succession, zero = request.block.succession, request.zero
+    if request.block.composition is Composition.REPLACE or succession.preplanned:
+        return request
     engaged = [
         Engaged(side, each.ready - zero - LEAD, each.relax - zero, each.behaviour)
-        for each in occupancy_of_others(scene, asked)
-        if each.relax > zero + asked.timeline.start and each.behaviour.partition(":")[0] not in succession.interrupts
+        for each in occupancy_of_others(scene, request)
+        if each.relax > zero + request.timeline.start and each.behaviour.partition(":")[0] not in succession.interrupts
         for side in SIDES
         if f"{side}_hand" in each.roles
     ]
-    return replace(asked, engaged=tuple(engaged))
+    return replace(request, engaged=tuple(engaged))
 
 
 def silence_overlap(scene: Scene, coming: RunningBlock) -> tuple[RunningBlock, tuple[Notice, ...]]:
-    """The block without speech that would be said while another one speaks, and what is to be told of it."""
+    """Leaves out speech of a block that would sound while another block speaks, and says so in notices."""
     ends = planned_interruptions(scene, coming)
-    met: dict[str, PlayingSpeech] = {}
+    overlaps: dict[str, PlayingSpeech] = {}
     for own in coming.speeches:
         for other in scene.speeches:
             until = min(other.end, ends.get((other.block, other.behaviour), other.end))
             if other.block != coming.id and own.begin < until and other.begin < own.end:
-                met[own.behaviour] = other
+                overlaps[own.behaviour] = other
     notices = tuple(
         Notice(
             NoticeType.IMPOSSIBLE_TO_SCHEDULE,
             f"{coming.id}:{id}",
             f"left out: {other.block}:{other.behaviour} speaks until {other.end:.2f} s; APPEND would wait for it",
         )
-        for id, other in met.items()
+        for id, other in overlaps.items()
     )
-    return coming.without(frozenset(met)), notices
+    return coming.without(frozenset(overlaps)), notices
 
 
-def _until(busy: Occupancy, time: float) -> Occupancy:
-    relax = min(busy.relax, max(time, busy.begin))
-    return replace(busy, ready=min(busy.ready, relax), relax=relax)
+def _until(occupancy: Occupancy, time: float) -> Occupancy:
+    relax = min(occupancy.relax, max(time, occupancy.begin))
+    return replace(occupancy, ready=min(occupancy.ready, relax), relax=relax)

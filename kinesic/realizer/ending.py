@@ -1,4 +1,4 @@
-"""Blocks that end before their time: stopped while they play, or taken back while they wait."""
+"""Ends blocks before their time: stops those that play, and revokes those that wait."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -9,72 +9,74 @@ from kinesic.bml.block import Notice, NoticeType
 from kinesic.bml.composition import BlockState
 from kinesic.body.arrays import Flags
 from kinesic.motion.trajectory import Trajectory
-from kinesic.realizer.feedback import Progress, ScheduledFeedback, retime_feedback, without
+from kinesic.realizer.feedback import Progress, ScheduledFeedback, retime_feedback, without, without_doubts
 from kinesic.realizer.occupancy import Occupancy, freed_hinges
 from kinesic.realizer.release import release_motion
 from kinesic.realizer.running_block import RunningBlock
 from kinesic.realizer.scene import Scene
 
 
-def stop_block(scene: Scene, staged: RunningBlock, now: float, why: str) -> Scene:
-    """A block ends now: what it does is taken back while all others go on; one that waits is revoked.
+def stop_block(scene: Scene, running: RunningBlock, now: float, why: str) -> Scene:
+    """Ends a block now: its motion is taken back while all others go on; one that waits is revoked.
 
     Args:
         scene: with the block.
-        staged: the block.
+        running: the block.
         now: [s] global time.
         why: for the sender.
     """
-    after = end_block(scene, staged, now, why)
-    merged = staged.merged
-    if merged is None or not merged.busy:
+    after = end_block(scene, running, now, why)
+    if running.merged is None or not running.occupancy:
         return after
-    moved = np.ptp(merged.layer.controls, axis=0) > 0.0
-    return replace(after, motion=_taken_back(scene, staged, staged.busy, moved, now))
+    moved = np.ptp(running.merged.layer.controls, axis=0) > 0.0
+    return replace(after, motion=_take_back(scene, running, running.occupancy, moved, now))
 
 
-def end_block(scene: Scene, staged: RunningBlock, now: float, why: str) -> Scene:
-    """The same, while its motion is somebody else's matter."""
-    agenda = tuple(due for due in without(scene.agenda, staged.id) if due.unless_improved != staged.id)
+def end_block(scene: Scene, running: RunningBlock, now: float, why: str) -> Scene:
+    """Ends a block now, and leaves its motion as it is to a block that takes its place."""
+    agenda = without_doubts(without(scene.agenda, running.id), running.id)
     waits_for_start = any(
-        isinstance(due.told, Progress) and due.told.key == (None, "start")
-        for due in scene.agenda
-        if due.block == staged.id
+        isinstance(message.content, Progress) and message.content.key == (None, "start")
+        for message in scene.agenda
+        if message.block == running.id
     )
-    if not staged.state.is_playing or waits_for_start:
-        notice = Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, staged.id, f"revoked before it began: {why}")
-        return replace(scene.gone(staged, BlockState.REVOKED), agenda=agenda).say(staged.warning(notice, now))
-    point = Progress(staged.id, None, "end", now - staged.zero, staged.block.character, BlockState.INTERRUPTED)
-    cut = replace(staged, times=_until(staged, now))
-    after = replace(scene.gone(cut, BlockState.INTERRUPTED), agenda=agenda)
-    return after.say(ScheduledFeedback(now, point, staged.sender))
+    if not running.state.is_playing or waits_for_start:
+        notice = Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, running.id, f"revoked before it began: {why}")
+        return replace(scene.without_block(running, BlockState.REVOKED), agenda=agenda).say(
+            running.warning(notice, now)
+        )
+    point = Progress(running.id, None, "end", now - running.zero, running.block.character, BlockState.INTERRUPTED)
+    cut = replace(running, times=_passed(running, now))
+    after = replace(scene.without_block(cut, BlockState.INTERRUPTED), agenda=agenda)
+    return after.say(ScheduledFeedback(now, point, running.sender))
 
 
-def leave_out(scene: Scene, staged: RunningBlock, behaviours: frozenset[str], now: float) -> Scene:
-    """Some behaviours of a block end now; what nobody else moves goes back."""
-    left = staged.without(behaviours)
-    if not left.times:
-        return stop_block(scene, staged, now, "all its behaviours are interrupted")
-    after = scene.put(left)
-    gone = [each for each in staged.busy if each.behaviour in behaviours]
-    motion = _taken_back(scene, staged, gone, scene.hinges(gone) & ~scene.hinges(left.busy), now)
-    agenda = retime_feedback(without(scene.agenda, staged.id, behaviours), staged.id, left.agenda(), now)
-    return replace(after, motion=motion, agenda=agenda).say(left.prediction(now))
+def leave_out(scene: Scene, running: RunningBlock, behaviours: frozenset[str], now: float) -> Scene:
+    """Ends some behaviours of a block now; hinges that no other behaviour moves go back."""
+    remaining = running.without(behaviours)
+    if not remaining.times:
+        return stop_block(scene, running, now, "all its behaviours are interrupted")
+    ended = [each for each in running.occupancy if each.behaviour in behaviours]
+    moved = scene.hinges_of(ended) & ~scene.hinges_of(remaining.occupancy)
+    motion = _take_back(scene, running, ended, moved, now)
+    agenda = retime_feedback(without(scene.agenda, running.id, behaviours), running.id, remaining.agenda(), now)
+    after = replace(scene.with_block(remaining), motion=motion, agenda=agenda)
+    return after.say(remaining.prediction(now))
 
 
-def _taken_back(scene: Scene, staged: RunningBlock, gone: Sequence[Occupancy], moved: Flags, now: float) -> Trajectory:
-    """The motion without what some behaviours of a block do with the hinges (n,) that they move."""
-    if staged.merged is None:
+def _take_back(scene: Scene, running: RunningBlock, ended: Sequence[Occupancy], moved: Flags, now: float) -> Trajectory:
+    """The motion without what ended behaviours of a block do with the hinges (n,) that they move."""
+    if running.merged is None:
         return scene.motion
-    at, left = scene.first_change(now), [each for each in staged.busy if each not in gone]
-    others = (*scene.busy_but(staged.id), *left)
-    free = freed_hinges(gone, moved, at, scene.setup.robot, others=others)
+    at, remaining = scene.first_change(now), [each for each in running.occupancy if each not in ended]
+    others = (*scene.occupancy_without(running.id), *remaining)
+    free = freed_hinges(ended, moved, at, scene.setup.robot, others=others)
     if not free.any():
         return scene.motion
-    return release_motion(scene.motion, at, free, scene.setup, layer=staged.merged.layer, others=others)
+    return release_motion(scene.motion, at, free, scene.setup, layer=running.merged.layer, others=others)
 
 
-def _until(staged: RunningBlock, now: float) -> dict[str, dict[str, float]]:
-    """The sync points that were passed."""
-    own = {id: {sync: t for sync, t in at.items() if staged.zero + t <= now} for id, at in staged.times.items()}
-    return {id: at for id, at in own.items() if at}
+def _passed(running: RunningBlock, now: float) -> dict[str, dict[str, float]]:
+    """Sync points that were passed, by behaviour, in block time [s]."""
+    passed = {id: {sync: t for sync, t in at.items() if running.zero + t <= now} for id, at in running.times.items()}
+    return {id: at for id, at in passed.items() if at}

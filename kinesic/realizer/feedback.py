@@ -1,8 +1,9 @@
-"""What will be told, and when: the feedback of blocks that play, in time."""
+"""Schedules the feedback of blocks that play: which message is sent when."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from operator import attrgetter
 
 from kinesic.bml.composition import BlockState
 from kinesic.bml.feedback import block_progress, sync_point_progress
@@ -14,7 +15,7 @@ Times = Mapping[str, Mapping[str, float]]  # behaviour -> sync point -> [s] bloc
 
 @dataclass(frozen=True)
 class Progress:
-    """A point that a block passes."""
+    """A point that a block passes, as block progress or sync point progress is sent of it."""
 
     block: str
     behaviour: str | None  # None: the block itself
@@ -25,7 +26,7 @@ class Progress:
 
     @property
     def key(self) -> tuple[str | None, str]:
-        """What tells it from all others of its block."""
+        """Behaviour and point: unique in a block."""
         return self.behaviour, self.point
 
 
@@ -34,15 +35,15 @@ class ScheduledFeedback:
     """A message for the sender of a block."""
 
     time: float  # [s] global
-    told: Progress | str  # a point, or a message that is written already
+    content: Progress | str  # a point, or a message that is written already
     sender: int = 0
     measured: float | None = None  # [s] global time at which the point was seen to be passed
-    unless_improved: str | None = None  # id of a block: it is not told when that one gets a better plan
+    unless_improved: str | None = None  # id of a block: not sent when that one gets a better plan
 
     @cached_property
     def xml(self) -> str:
-        """The message."""
-        point = self.told
+        """The message as XML."""
+        point = self.content
         if isinstance(point, str):
             return point
         state = point.state.value if point.state else None
@@ -53,18 +54,18 @@ class ScheduledFeedback:
         passed = Point(point.block, point.behaviour, point.point)
         return sync_point_progress(passed, point.time, self.time, character=point.character, measured=self.measured)
 
-    def seen(self, time: float) -> "ScheduledFeedback":
-        """The same with the global time [s] at which servos or twin were there."""
+    def measured_at(self, time: float) -> "ScheduledFeedback":
+        """Adds the global time [s] at which servos or twin were there."""
         return replace(self, measured=time)
 
     @property
     def block(self) -> str | None:
         """Id of the block that passes a point."""
-        return None if isinstance(self.told, str) else self.told.block
+        return None if isinstance(self.content, str) else self.content.block
 
 
 def span(times: Times) -> tuple[float, float, float]:
-    """Start, subsiding and end of a block, block time [s]: the start is no later than 0, the end no earlier."""
+    """Finds start, subsiding and end of a block, block time [s]: the start is no later than 0, the end no earlier."""
     points = [time for own in times.values() for time in own.values()]
     relaxed = [own.get("relax", max(own.values())) for own in times.values() if own]
     return min([0.0, *points]), max([0.0, *relaxed]), max([0.0, *points])
@@ -73,68 +74,73 @@ def span(times: Times) -> tuple[float, float, float]:
 def agenda(
     block: str, times: Times, zero: float, *, sender: int, character: str | None = None
 ) -> tuple[ScheduledFeedback, ...]:
-    """Everything that a block will tell, in order.
+    """Schedules feedback of all points of a block, in order.
 
     Args:
         block: its id.
         times: of its sync points.
         zero: [s] global time of its time 0.
-        sender: who is told.
+        sender: who gets it.
         character: that performs.
     """
     start, relax, end = span(times)
 
-    def due(behaviour: str | None, point: str, time: float) -> ScheduledFeedback:
+    def progress(behaviour: str | None, point: str, time: float) -> ScheduledFeedback:
         return ScheduledFeedback(zero + time, Progress(block, behaviour, point, time, character), sender)
 
-    points = [due(behaviour, sync, time) for behaviour, own in times.items() for sync, time in _forward(own)]
-    subsides = due(None, "relax", relax)
-    inner = sorted([*points, subsides], key=lambda one: one.time)
-    return due(None, "start", start), *inner, due(None, "end", end)
+    points = [progress(behaviour, sync, time) for behaviour, at in times.items() for sync, time in _forward(at)]
+    subsides = progress(None, "relax", relax)
+    inner = sorted([*points, subsides], key=attrgetter("time"))
+    return progress(None, "start", start), *inner, progress(None, "end", end)
 
 
-def _forward(own: Mapping[str, float]) -> Iterator[tuple[str, float]]:
+def _forward(at: Mapping[str, float]) -> Iterator[tuple[str, float]]:
     """Sync points of a behaviour in their order, none before its predecessor."""
     latest = -float("inf")
-    for sync, time in own.items():
+    for sync, time in at.items():
         latest = max(latest, time)
         yield sync, latest
 
 
 def order_feedback(*agendas: Sequence[ScheduledFeedback]) -> tuple[ScheduledFeedback, ...]:
-    """Several agendas as one; what is told at the same time keeps its order."""
-    return tuple(sorted((due for each in agendas for due in each), key=lambda due: due.time))
+    """Joins agendas into one in order of time; messages of the same time keep their order."""
+    return tuple(sorted((message for each in agendas for message in each), key=attrgetter("time")))
 
 
 def without(
-    dues: Sequence[ScheduledFeedback], block: str, behaviours: frozenset[str] | None = None
+    agenda: Sequence[ScheduledFeedback], block: str, behaviours: frozenset[str] | None = None
 ) -> tuple[ScheduledFeedback, ...]:
-    """The agenda without a block, or without some of its behaviours."""
+    """Takes the points of a block out of an agenda, or those of some of its behaviours."""
 
-    def goes(due: ScheduledFeedback) -> bool:
-        told = due.told
-        return (
-            isinstance(told, Progress) and told.block == block and (behaviours is None or told.behaviour in behaviours)
-        )
+    def is_dropped(point: Progress | str) -> bool:
+        if isinstance(point, str) or point.block != block:
+            return False
+        return behaviours is None or point.behaviour in behaviours
 
-    return tuple(due for due in dues if not goes(due))
+    return tuple(message for message in agenda if not is_dropped(message.content))
+
+
+def without_doubts(agenda: Sequence[ScheduledFeedback], block: str) -> tuple[ScheduledFeedback, ...]:
+    """Takes out of an agenda what would be sent if a block got no better plan."""
+    return tuple(message for message in agenda if message.unless_improved != block)
 
 
 def retime_feedback(
-    dues: Sequence[ScheduledFeedback], block: str, fresh: Sequence[ScheduledFeedback], now: float
+    agenda: Sequence[ScheduledFeedback], block: str, fresh: Sequence[ScheduledFeedback], now: float
 ) -> tuple[ScheduledFeedback, ...]:
-    """The agenda with new times of a block: what was told is not told again, what is past is told at once."""
-    left = {due.told.key for due in dues if isinstance(due.told, Progress) and due.told.block == block}
-    again = [
-        replace(due, time=max(due.time, now))
-        for due in fresh
-        if isinstance(due.told, Progress) and due.told.key in left
+    """Gives the points of a block new times in an agenda: those that were sent stay out, past ones are due now."""
+    points = [message.content for message in agenda if isinstance(message.content, Progress)]
+    pending = {point.key for point in points if point.block == block}
+    retimed = [
+        replace(message, time=max(message.time, now))
+        for message in fresh
+        if isinstance(message.content, Progress) and message.content.key in pending
     ]
-    return order_feedback(without(dues, block), again)
+    return order_feedback(without(agenda, block), retimed)
 
 
 def times_of(syncs: tuple[SyncTime, ...]) -> dict[str, dict[str, float]]:
-    """Sync points by behaviour, each behaviour's in their order."""
+    """Sorts sync points by behaviour, each behaviour's in their order."""
     times: dict[str, dict[str, float]] = {}
     for sync in syncs:
         times.setdefault(sync.behaviour, {})[sync.sync] = sync.planned

@@ -7,6 +7,7 @@ the same hand, or one gaze another gaze, is left out by name.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import ceil
 
 import numpy as np
@@ -28,23 +29,23 @@ MOST_LATER = 60  # knots by which a block may come later
 
 @dataclass(frozen=True, eq=False)
 class MergedMotion:
-    """A block among what runs."""
+    """A block that was laid over a running motion."""
 
     trajectory: Trajectory  # from the running motion's start on, the same before the cut
     zero: float  # [s] of the block's zero
     layer: Trajectory  # what the block adds to the running motion, from the same start on
-    busy: tuple[Occupancy, ...]  # its behaviours that move
+    occupancy: tuple[Occupancy, ...]  # of its behaviours that move
     syncs: tuple[SyncTime, ...]  # as performed, in block time; of dropped behaviours none
     dropped: tuple[str, ...]  # behaviours that are left out
     notices: tuple[Notice, ...]
 
     def since(self, time: float) -> "MergedMotion":
-        """The same without what both motions did before a time [s]."""
+        """Forgets what both motions did before a time [s]."""
         return replace(self, trajectory=self.trajectory.since(time), layer=self.layer.since(time))
 
 
 def merge(
-    running: Trajectory, time: float, coming: Plan, *, begin: float, busy: Sequence[Occupancy] = ()
+    running: Trajectory, time: float, coming: Plan, *, begin: float, occupied: Sequence[Occupancy] = ()
 ) -> MergedMotion:
     """Lays a block over a running motion.
 
@@ -55,10 +56,11 @@ def merge(
         running: the motion, within the limits and clear of the body.
         time: [s] from which it may change, at the next knot.
         coming: the block.
-        begin: [s] at which the block's zero is wished.
-        busy: what the running motion does.
+        begin: [s] at which the block's zero is desired.
+        occupied: what the running motion does.
     """
-    return _laid_over(running, time, coming, begin, busy, waits=not coming.utterances)
+    laid = _Merge.of(running, time, coming, occupied)
+    return laid.merged(begin - running.start, waits=not coming.utterances)
 
 
 def replace_motion(running: Trajectory, time: float, coming: Plan, *, begin: float | None = None) -> MergedMotion:
@@ -70,81 +72,108 @@ def replace_motion(running: Trajectory, time: float, coming: Plan, *, begin: flo
         running: the motion, within the limits and clear of the body.
         time: [s] from which it may be left, at the next knot.
         coming: the block.
-        begin: [s] at which the block's zero is wished; at once by default.
+        begin: [s] at which the block's zero is desired; at once by default.
     """
     every = np.ones(len(coming.setup.limits.lower), dtype=np.bool_)
     leaving = release_motion(running, time, every, coming.setup)
-    wished = time + coming.trajectory.zero if begin is None else begin
-    return _laid_over(leaving, time, coming, wished, (), waits=True)
-
-
-def _laid_over(
-    running: Trajectory, time: float, coming: Plan, begin: float, busy: Sequence[Occupancy], *, waits: bool
-) -> MergedMotion:
-    """A block over what runs, later where it may wait and then has a place for everything."""
-    knot, wished = knot_at(time - running.start), begin - running.start
-    soonest = max(ceil((wished - coming.trajectory.zero) / STEP - EARLY), knot)
-    own = occupancy_of(coming)
-    others = still_occupied([each.later(-running.start) for each in busy], knot * STEP)
-    first = found = _tried(running, coming, knot, soonest, own, others)
-    if first.gone and waits:
-        tries = (
-            _tried(running, coming, knot, soonest + more, own, others, whole=True) for more in _later(first, others)
-        )
-        found = next((each for each in tries if not each.gone), first)
-    return _told(running, found, coming, wished)
+    desired = time + coming.trajectory.zero if begin is None else begin
+    return _Merge.of(leaving, time, coming, ()).merged(desired - leaving.start, waits=True)
 
 
 @dataclass(frozen=True, eq=False)
-class _Tried:
-    """A block at one time."""
+class _Attempt:
+    """A block laid over what runs, beginning at one knot."""
 
     offset: int  # knot at which its own motion begins
-    every: Sequence[Occupancy]  # of the block
-    base: Floats  # (k + 3, n) [rad] control points of what ran
+    every: Sequence[Occupancy]  # of its behaviours
+    base: Floats  # (k + 3, n) [rad] control points of what runs
     controls: Floats  # (k + 3, n) [rad] of both
     performed: Sequence[Occupancy]
-    gone: Mapping[str, str]  # what is left out, and why
+    left_out: Mapping[str, str]  # behaviours that are left out, and why
 
 
-def _later(first: _Tried, others: Sequence[Occupancy]) -> list[int]:
-    """By how many knots a block may come later, so that nothing it needs is busy: that, and a little more."""
+@dataclass(frozen=True, eq=False)
+class _Merge:
+    """What is laid over what; times [s] are since the running motion's start."""
+
+    running: Trajectory
+    coming: Plan
+    cut: int  # knot until which nothing may change
+    others: Sequence[Occupancy]  # what the running motion does, where it has not given way at the cut
+
+    @classmethod
+    def of(cls, running: Trajectory, time: float, coming: Plan, occupied: Sequence[Occupancy]) -> "_Merge":
+        cut = knot_at(time - running.start)
+        others = still_occupied([each.later(-running.start) for each in occupied], cut * STEP)
+        return cls(running, coming, cut, others)
+
+    @cached_property
+    def own(self) -> tuple[Occupancy, ...]:
+        """What the behaviours of the block need, in its plan's own time."""
+        return occupancy_of(self.coming)
+
+    def merged(self, desired: float, *, waits: bool) -> MergedMotion:
+        """The block with its zero at a time [s]; later where it may wait and then nothing is left out."""
+        soonest = max(ceil((desired - self.coming.trajectory.zero) / STEP - EARLY), self.cut)
+        first = found = self.attempt(soonest)
+        if first.left_out and waits:
+            later = (self.attempt(soonest + more, whole=True) for more in _delays(first, self.others))
+            found = next((attempt for attempt in later if not attempt.left_out), first)
+        return self.result(found, desired)
+
+    def attempt(self, offset: int, *, whole: bool = False) -> _Attempt:
+        """Lays the block over what runs from a knot on, without behaviours that have no place there.
+
+        If `whole`, the first that has none is enough to give up.
+        """
+        setup = self.coming.setup
+        every = [each.later(offset * STEP) for each in self.own]
+        left_out = _conflicts(every, self.others)
+        delayed = delay_controls(self.coming.trajectory.controls, offset)
+        count = max(len(delayed), len(self.running.controls), self.cut + LEAST)
+        base, delayed = lengthen(self.running.controls, count), lengthen(delayed, count)
+        while True:
+            performed = [each for each in every if each.behaviour not in left_out]
+            if not performed or (whole and left_out):
+                return _Attempt(offset, every, base, base, performed, left_out)
+            dropped = [each for each in every if each.behaviour in left_out]
+            work = Overlay(base, delayed, self.cut, self.others, performed, dropped)
+            found = overlay(work, setup, roomy(setup.limits))
+            failed = found if isinstance(found, MergeFailure) else find_conflict(work, found, setup)
+            if failed is None and not isinstance(found, MergeFailure):
+                return _Attempt(offset, every, base, found, performed, left_out)
+            if failed is not None:
+                left_out[failed.behaviour] = failed.why
+
+    def result(self, attempt: _Attempt, desired: float) -> MergedMotion:
+        """The merged motion, with notices of what is left out or later than its zero was desired [s]."""
+        block, zero = self.coming.timeline.block, attempt.offset * STEP + self.coming.trajectory.zero
+        syncs = tuple(sync for sync in self.coming.syncs if sync.behaviour not in attempt.left_out)
+        texts = [(name, f"left out: {why}") for name, why in attempt.left_out.items()]
+        if zero - desired > SHIFT_TO_WARN:
+            late = f"comes {zero - desired:.3f} s later, with the block"
+            texts += [(sync.behaviour, f"{sync.sync} {late}") for sync in syncs if sync.sync == "stroke"]
+        running, layer = self.running, attempt.controls - lengthen(attempt.base, len(attempt.controls))
+        return MergedMotion(
+            trajectory=replace(running, controls=sealed(shorten(attempt.controls))) if np.any(layer) else running,
+            zero=running.start + zero,
+            layer=replace(running, controls=sealed(layer)),
+            occupancy=tuple(each.with_offset(layer[-1]).later(running.start) for each in attempt.performed),
+            syncs=syncs,
+            dropped=tuple(attempt.left_out),
+            notices=tuple(
+                Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, f"{block.id}:{name}", text) for name, text in texts
+            ),
+        )
+
+
+def _delays(first: _Attempt, others: Sequence[Occupancy]) -> list[int]:
+    """By how many knots a block may come later, so that nothing it needs is occupied: that, and a little more."""
     lacking = [
         other.relax - each.ready for each in first.every for other in others if each.meets(other) and not other.stays
     ]
     least = ceil(max(lacking, default=0.0) / STEP - EARLY)
     return [least + more for more in WAITS if 0 < least + more <= MOST_LATER]
-
-
-def _tried(
-    running: Trajectory,
-    coming: Plan,
-    knot: int,
-    offset: int,
-    own: Sequence[Occupancy],
-    others: Sequence[Occupancy],
-    *,
-    whole: bool = False,
-) -> _Tried:
-    """A block that begins at a knot, without what has no place there; whether anything has none, if `whole`."""
-    every = [each.later(offset * STEP) for each in own]
-    gone = _conflicts(every, others)
-    limits = roomy(coming.setup.limits)
-    begun = delay_controls(coming.trajectory.controls, offset)
-    count = max(len(begun), len(running.controls), knot + LEAST)
-    base, begun = lengthen(running.controls, count), lengthen(begun, count)
-    while True:
-        performed = [each for each in every if each.behaviour not in gone]
-        if not performed or (whole and gone):
-            return _Tried(offset, every, base, base, performed, gone)
-        dropped = [each for each in every if each.behaviour in gone]
-        work = Overlay(base, begun, knot, others, performed, dropped)
-        found = overlay(work, coming.setup, limits)
-        failed = found if isinstance(found, MergeFailure) else find_conflict(work, found, coming.setup)
-        if failed is None and not isinstance(found, MergeFailure):
-            return _Tried(offset, every, base, found, performed, gone)
-        if failed is not None:
-            gone[failed.behaviour] = failed.why
 
 
 def _conflicts(own: Sequence[Occupancy], others: Sequence[Occupancy]) -> dict[str, str]:
@@ -156,23 +185,3 @@ def _conflicts(own: Sequence[Occupancy], others: Sequence[Occupancy]) -> dict[st
             parts = " and ".join(sorted(each.roles & met.roles))
             found[each.behaviour] = f"{parts} busy with {met.behaviour} for {met.relax - each.ready:.2f} s more"
     return found
-
-
-def _told(running: Trajectory, tried: _Tried, coming: Plan, wished: float) -> MergedMotion:
-    """A block as it was laid, with what the sender should know; its zero was wished some time [s] after the start."""
-    block, zero = coming.timeline.block, tried.offset * STEP + coming.trajectory.zero
-    syncs = tuple(sync for sync in coming.syncs if sync.behaviour not in tried.gone)
-    notices = [(name, f"left out: {why}") for name, why in tried.gone.items()]
-    if zero - wished > SHIFT_TO_WARN:
-        late = f"comes {zero - wished:.3f} s later, with the block"
-        notices += [(sync.behaviour, f"{sync.sync} {late}") for sync in syncs if sync.sync == "stroke"]
-    layer = tried.controls - lengthen(tried.base, len(tried.controls))
-    return MergedMotion(
-        trajectory=replace(running, controls=sealed(shorten(tried.controls))) if np.any(layer) else running,
-        zero=running.start + zero,
-        layer=replace(running, controls=sealed(layer)),
-        busy=tuple(each.left(layer[-1]).later(running.start) for each in tried.performed),
-        syncs=syncs,
-        dropped=tuple(tried.gone),
-        notices=tuple(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, f"{block.id}:{name}", text) for name, text in notices),
-    )

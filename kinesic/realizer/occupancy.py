@@ -1,4 +1,4 @@
-"""Which hinges each behaviour occupies, and when: of a running motion, and of a block that is laid over it."""
+"""Finds which hinges each behaviour occupies, and when."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -36,25 +36,25 @@ class Occupancy:
 
     @property
     def stays(self) -> bool:
-        """Whether its end is where others of its kind return to."""
+        """Whether others of its kind return to where it ends."""
         return self.offset is not None
 
     def later(self, seconds: float) -> "Occupancy":
-        """The same at another time."""
+        """Shifts all its times by some seconds."""
         begin, ready, relax, end = (time + seconds for time in (self.begin, self.ready, self.relax, self.end))
         return replace(self, begin=begin, ready=ready, relax=relax, end=end)
 
-    def left(self, change: Floats) -> "Occupancy":
-        """The same with what it has really changed in the end (n,) [rad], where it stays."""
+    def with_offset(self, change: Floats) -> "Occupancy":
+        """Takes what a motion has really changed in the end (n,) [rad] as its offset, where it stays."""
         return replace(self, offset=sealed(np.where(self.hinges, change, 0.0))) if self.stays else self
 
     def meets(self, other: "Occupancy") -> bool:
-        """Whether both must be somewhere at the same time with the same part of the body."""
+        """Whether both need the same part of the body at the same time."""
         return bool(self.roles & other.roles) and self.ready < other.relax and other.ready < self.relax
 
 
 def occupancy_of(plan: Plan) -> tuple[Occupancy, ...]:
-    """What the moving behaviours of a plan need, in the order of their beginnings.
+    """Finds what the moving behaviours of a plan occupy, in the order of their beginnings.
 
     Args:
         plan: whose own time counts.
@@ -71,7 +71,7 @@ def occupancy_of(plan: Plan) -> tuple[Occupancy, ...]:
 def freed_hinges(
     own: Sequence[Occupancy], moved: Flags, time: float, robot: Robot, *, others: Sequence[Occupancy] = ()
 ) -> Flags:
-    """(n,) hinges that a block gives free when it is interrupted.
+    """Finds the hinges (n,) that a block gives free when it is interrupted.
 
     Args:
         own: what its behaviours need.
@@ -90,9 +90,9 @@ def freed_hinges(
     return found
 
 
-def settle_occupancy(busy: Iterable[Occupancy]) -> tuple[Occupancy, ...]:
-    """Of what is busy, what stays when all is over, the latest of each kind: at any time, as it takes none."""
-    last = {role: each for each in sorted(busy, key=lambda each: each.end) for role in each.roles if each.stays}
+def settle_occupancy(occupancy: Iterable[Occupancy]) -> tuple[Occupancy, ...]:
+    """Keeps what stays when all behaviours are over, the latest of each kind; its times are all -inf."""
+    last = {role: each for each in sorted(occupancy, key=lambda each: each.end) for role in each.roles if each.stays}
     return tuple(each.later(-np.inf) for each in dict.fromkeys(last.values()))
 
 
@@ -110,12 +110,9 @@ def _one(id: str, action: Action, at: Mapping[str, float], plan: Plan) -> Occupa
     return Occupancy(id, _roles(action, parts), hinges, begin, ready, relax, end, offset)
 
 
-def still_occupied(busy: Iterable[Occupancy], time: float) -> tuple[Occupancy, ...]:
-    """Of what is busy, what still counts from a time on [s].
-
-    That is what has not given way, and of what stays the latest of its kind.
-    """
-    every = tuple(busy)
+def still_occupied(occupancy: Iterable[Occupancy], time: float) -> tuple[Occupancy, ...]:
+    """Keeps what has not given way at a time [s], and of what stays the latest of its kind."""
+    every = tuple(occupancy)
     last = {role: each for each in sorted(every, key=lambda each: each.end) for role in each.roles if each.stays}
     return tuple(each for each in every if each.relax > time or each in last.values())
 
@@ -144,7 +141,7 @@ def _roles(action: Action, parts: frozenset[PartName]) -> frozenset[Role]:
 
 
 def arm_hinges(role: Role, robot: Robot) -> tuple[int, ...]:
-    """Hinges of a hand's arm, in joint order."""
+    """Lists the hinges of a hand's arm, in joint order."""
     sides = {f"{side}_hand": robot.arm(side).joints for side in SIDES}
     return sides[role]
 
@@ -159,16 +156,16 @@ class MergeFailure:
 
 @dataclass(frozen=True, eq=False)
 class Overlay:
-    """What is laid over what: both from the same time on."""
+    """A block's motion and the running one over which it is laid, both from the same knot on."""
 
     base: Floats  # (k + 3, n) [rad] control points of what runs
     coming: Floats  # (k + 3, n) [rad] of the block's own motion
     cut: int  # knot until which nothing may change
-    held: Sequence[Occupancy]  # of what runs, what has not given way at the cut
+    holding: Sequence[Occupancy]  # of what runs, what has not given way at the cut
     performed: Sequence[Occupancy]  # behaviours of the block
     dropped: Sequence[Occupancy]  # behaviours of the block that are left out
 
-    def blamed(self, why: str) -> MergeFailure:
-        """The last behaviour of the block that moves the trunk fails; none where it performs none."""
+    def trunk_failure(self, why: str) -> MergeFailure:
+        """Blames the last behaviour of the block that moves the trunk; none where it performs none."""
         performed = sorted(self.performed, key=lambda each: not each.roles <= set(ARMS))
         return MergeFailure(performed[-1].behaviour if performed else "", why)

@@ -1,4 +1,4 @@
-"""One block's motion laid over what runs.
+"""Lays one block's motion over a running one.
 
 Movements of the trunk add up: a nod goes over a gaze, the lean of one reach over that of another. A hand does one
 work after the other: it leaves a hold or a retraction for what comes next (co-articulation).
@@ -28,10 +28,10 @@ KEPT = 1.0 + 1e-6  # share of a limit
 
 
 def add_motions(work: Overlay, alone: Flags, limits: Limits, names: Sequence[str]) -> Floats | MergeFailure:
-    """Both motions added, nearest to their sum where that exceeds a limit.
+    """Adds both motions; where the sum exceeds a limit, the nearest one that does not.
 
     Args:
-        work: what is laid over what.
+        work: the block and the running motion.
         alone: (n,) hinges of which only what runs counts.
         limits: of all hinges.
         names: of all hinges.
@@ -44,10 +44,10 @@ def add_motions(work: Overlay, alone: Flags, limits: Limits, names: Sequence[str
     base, coming = lengthen(work.base, count), lengthen(work.coming, count)
     change = coming - coming[0]
     change[:, alone] = 0.0
-    for gone in work.dropped:
-        _flatten(change, gone, work, limits)
+    for dropped in work.dropped:
+        _flatten(change, dropped, work, limits)
     for turn in turns:
-        change -= turn.share(count)[:, None] * turn.left
+        change -= turn.share(count)[:, None] * turn.offset
     found = np.asarray(base + change)
     rows, moved = np.flatnonzero(np.abs(change).max(axis=1) > SAME), np.flatnonzero(np.abs(change).max(axis=0) > SAME)
     if not len(rows):
@@ -57,19 +57,19 @@ def add_motions(work: Overlay, alone: Flags, limits: Limits, names: Sequence[str
         return found
     over = excesses(found[first : last + LEAST, moved], limits.part(moved)) > 1.0
     for hinge in moved[over].tolist():
-        wish = np.clip(found[:, hinge], limits.lower[hinge], limits.upper[hinge])
-        column = keep_limits(wish, first, last, limits, hinge)
+        desired = np.clip(found[:, hinge], limits.lower[hinge], limits.upper[hinge])
+        column = keep_limits(desired, first, last, limits, hinge)
         if column is None:
-            return work.blamed(f"{names[hinge]} cannot do both within its limits")
+            return work.trunk_failure(f"{names[hinge]} cannot do both within its limits")
         found[:, hinge] = column
     return found
 
 
-def _flatten(change: Floats, gone: Occupancy, work: Overlay, limits: Limits) -> None:
-    """Takes out of what a block changes (k + 3, n) [rad] what a behaviour did that is left out."""
-    begin, end = max(0, floor(gone.begin / STEP)), min(ceil(gone.end / STEP), len(change) - LEAST)
-    beside = [each for each in work.performed if each.begin < gone.end and gone.begin < each.end]
-    own = gone.hinges & ~np.any([each.hinges for each in beside], axis=0) if beside else np.ones_like(gone.hinges)
+def _flatten(change: Floats, dropped: Occupancy, work: Overlay, limits: Limits) -> None:
+    """Takes the part of a behaviour that is left out away from what a block changes (k + 3, n) [rad]."""
+    begin, end = max(0, floor(dropped.begin / STEP)), min(ceil(dropped.end / STEP), len(change) - LEAST)
+    beside = [each for each in work.performed if each.begin < dropped.end and dropped.begin < each.end]
+    own = dropped.hinges & ~np.any([each.hinges for each in beside], axis=0) if beside else np.ones_like(dropped.hinges)
     for hinge in np.flatnonzero(own).tolist() if begin < end else ():
         column = change[:, hinge]
         way = cross_over(column, np.full(len(column), column[end + 1]), (begin, end), limits, hinge)
@@ -79,13 +79,13 @@ def _flatten(change: Floats, gone: Occupancy, work: Overlay, limits: Limits) -> 
 
 @dataclass(frozen=True, eq=False)
 class _Turn:
-    """What an earlier behaviour has left gives way to one of its kind, while that lasts or for good."""
+    """The offset of an earlier behaviour that gives way to one of its kind, while that lasts or for good."""
 
-    left: Floats  # (n,) [rad]
-    begin: float  # [s] from here
-    gone: float  # [s] until here it gives way
-    back: float  # [s] from here
-    end: float  # [s] until here it comes back, or never
+    offset: Floats  # (n,) [rad]
+    begin: float  # [s] from here it gives way
+    gone: float  # [s] until here
+    back: float  # [s] from here it comes back
+    end: float  # [s] until here; infinite: never
 
     @property
     def over(self) -> float:
@@ -93,7 +93,7 @@ class _Turn:
         return self.end if np.isfinite(self.end) else self.gone
 
     def share(self, count: int) -> Floats:
-        """(count,) of what was left that is taken out, by control points."""
+        """(count,) share of the offset that is taken out, by control points."""
         times = np.asarray((np.arange(count) - LEAST) * STEP, dtype=np.float64)
         back = rise(times, self.back, self.end) if np.isfinite(self.end) else 0.0
         return np.asarray(rise(times, self.begin, self.gone) * (1.0 - back))
@@ -101,11 +101,11 @@ class _Turn:
 
 def _turns(each: Occupancy, work: Overlay, limits: Limits) -> Iterator[_Turn]:
     for role in each.roles - set(ARMS):
-        left = next((other.offset for other in work.held if role in other.roles and other.end <= each.begin), None)
-        if left is not None:
-            least = EASE * max(duration(float(way), limits, hinge) for hinge, way in enumerate(left))
+        offset = next((other.offset for other in work.holding if role in other.roles and other.end <= each.begin), None)
+        if offset is not None:
+            least = EASE * max(duration(float(way), limits, hinge) for hinge, way in enumerate(offset))
             gone, end = max(each.ready, each.begin + least), np.inf if each.stays else each.end
-            yield _Turn(left, each.begin, gone, min(each.relax, each.end - least), end)
+            yield _Turn(offset, each.begin, gone, min(each.relax, each.end - least), end)
 
 
 def rise(times: Floats, begin: float, end: float) -> Floats:
@@ -114,16 +114,16 @@ def rise(times: Floats, begin: float, end: float) -> Floats:
 
 
 def hand_over(work: Overlay, role: Role, hinge: int, limits: Limits) -> Floats | MergeFailure:
-    """One hinge of an arm, through all that its hand has to do.
+    """Leads one hinge of an arm through all that its hand has to do.
 
     Args:
-        work: what is laid over what.
+        work: the block and the running motion.
         role: of the hand.
         hinge: of its arm.
         limits: of all hinges.
 
     Returns:
-        (k + 3,) [rad] control points, maybe of more pieces than what is laid over what; the behaviour of the block for
+        (k + 3,) [rad] control points, maybe of more pieces than both motions; the behaviour of the block for
         which there is no time between two works.
     """
     sources = {"base": work.base[:, hinge], "coming": work.coming[:, hinge]}
@@ -141,23 +141,23 @@ def hand_over(work: Overlay, role: Role, hinge: int, limits: Limits) -> Floats |
         left, done = max(left, stop.relax), stop
     if source == "base" or done is None:
         return column
-    return _home(column, sources, done, work, role, limits, hinge)
+    return _return(column, done, work, role, limits, hinge)
 
 
 def _stops(work: Overlay, role: Role) -> list[tuple[Occupancy, Literal["base", "coming"]]]:
-    """What a hand has to do, in order; empty where the block asks nothing of it."""
+    """What a hand has to do, in order; empty where the block does not need it."""
     own: list[tuple[Occupancy, Literal["base", "coming"]]] = [(b, "coming") for b in work.performed if role in b.roles]
     if not own:
         return []
-    return sorted([*own, *((b, "base") for b in work.held if role in b.roles)], key=lambda stop: stop[0].ready)
+    return sorted([*own, *((b, "base") for b in work.holding if role in b.roles)], key=lambda stop: stop[0].ready)
 
 
 def _between(dropped: Sequence[Occupancy], role: Role, before: Occupancy, after: Occupancy) -> bool:
-    return any(role in gone.roles and before.ready <= gone.ready <= after.ready for gone in dropped)
+    return any(role in each.roles and before.ready <= each.ready <= after.ready for each in dropped)
 
 
 def _led(own: Floats, after: Floats, left: float, stop: Occupancy, limits: Limits, hinge: int) -> Floats | None:
-    """From one work to the next: where both are one, else when the next begins, or as soon as the one gives way."""
+    """Goes over from one work to the next where both meet, else when the next begins, or once the one gives way."""
     land, soonest = floor(stop.ready / STEP + EARLY), ceil(left / STEP - EARLY)
     apart = np.abs(own[soonest : land + LEAST] - after[soonest : land + LEAST]) > SAME
     together = np.flatnonzero(~(apart[:-2] | apart[1:-1] | apart[2:]))
@@ -168,12 +168,12 @@ def _led(own: Floats, after: Floats, left: float, stop: Occupancy, limits: Limit
     return next((way for way in ways if way is not None), None)
 
 
-def _home(
-    column: Floats, sources: dict[str, Floats], done: Occupancy, work: Overlay, role: Role, limits: Limits, hinge: int
+def _return(
+    column: Floats, done: Occupancy, work: Overlay, role: Role, limits: Limits, hinge: int
 ) -> Floats | MergeFailure:
-    """After its last work the hand rests as it did before, unless the block ends elsewhere."""
-    base, coming = sources["base"], sources["coming"]
-    cleanly = not any(role in gone.roles and gone.ready >= done.ready for gone in work.dropped)
+    """Brings a hand back to where it rested before its last work, unless the block ends elsewhere."""
+    base, coming = work.base[:, hinge], work.coming[:, hinge]
+    cleanly = not any(role in each.roles and each.ready >= done.ready for each in work.dropped)
     other_rest = abs(coming[-1] - coming[0]) > SAME
     if cleanly and (other_rest or abs(base[-1] - coming[-1]) <= SAME):
         return column
@@ -191,15 +191,16 @@ def _home(
 
 
 def overlay(work: Overlay, setup: Setup, limits: Limits) -> Floats | MergeFailure:
-    """Both together, at rest in the end.
+    """Lays a block's motion over a running one: sums for the trunk, one work after the other for each hand.
 
     Args:
-        work: what is laid over what.
+        work: the block and the running motion.
         setup: the robot.
         limits: of its hinges.
 
     Returns:
-        (k + 3, n) [rad] control points, the same as what runs until the cut; or a behaviour that has no way.
+        (k + 3, n) [rad] control points, until the cut those of what runs, and at rest in the end; or the behaviour that
+        has no way.
     """
     arms = {hinge: role for role in ARMS for hinge in arm_hinges(role, setup.robot)}
     names = setup.robot.skeleton.names
@@ -217,5 +218,5 @@ def overlay(work: Overlay, setup: Setup, limits: Limits) -> Floats | MergeFailur
     changed = np.flatnonzero((np.abs(whole - lengthen(work.base, count)) > SAME).any(axis=0))
     over = changed[excesses(whole[work.cut :, changed], limits.part(changed)) > KEPT]
     if len(over):
-        return work.blamed(f"{names[over[0]]} cannot do both within its limits")
+        return work.trunk_failure(f"{names[over[0]]} cannot do both within its limits")
     return whole

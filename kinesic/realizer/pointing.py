@@ -1,6 +1,6 @@
-"""Hands that point at something keep to it when other blocks move the trunk below them.
+"""Keeps hands pointing at their targets when other blocks move the trunk below them.
 
-When what other blocks do with the trunk has changed, they point again, or the sender is told that they do not.
+Where an arm cannot make up for the trunk, the sender is warned.
 """
 
 from collections.abc import Sequence
@@ -60,8 +60,21 @@ class PointingHand:
         return with_arms(angles, {self.side: self.hand}, {self.side: reach}, robot)
 
 
+@dataclass(frozen=True, eq=False)
+class PointingStroke:
+    """The moment at which a hand of a motion points."""
+
+    pointer: PointingHand
+    time: float  # [s]
+    occupancy: Occupancy  # of its behaviour
+
+    def miss(self, motion: Trajectory, robot: Robot) -> float:
+        """By how much the hand points past its aim [rad]."""
+        return self.pointer.miss(motion.sample(np.array([self.time]))[0][0], robot)
+
+
 def pointing_hands(plan: Plan) -> tuple[PointingHand, ...]:
-    """The hands that point in a plan."""
+    """Finds the hands that point in a plan."""
     return tuple(
         PointingHand(id, side, hand, hand.aim)
         for frame in plan.keyframes.frames
@@ -73,38 +86,30 @@ def pointing_hands(plan: Plan) -> tuple[PointingHand, ...]:
 
 
 def correct_pointing(
-    motion: Trajectory,
-    time: float,
-    one: PointingHand,
-    stroke: float,
-    busy: Occupancy,
-    others: Sequence[Occupancy],
-    setup: Setup,
+    motion: Trajectory, time: float, stroke: PointingStroke, others: Sequence[Occupancy], setup: Setup
 ) -> Trajectory | None:
-    """The motion with an arm that points again in its stroke, and from there until it relaxes, or as far as it can.
+    """Turns an arm so that its hand points again in its stroke and until it relaxes, or as far as it can.
 
     Args:
         motion: within the limits and clear of the body.
         time: [s] from which it may change, at the next knot.
-        one: the hand.
-        stroke: [s] at which it points.
-        busy: what its behaviour needs.
+        stroke: of the hand.
         others: what else the motion does; other works of the hand stay as they are.
         setup: the robot.
 
     Returns:
-        None where servos cannot, or the body would come too near to itself.
+        The motion with the arm turned; None where servos cannot, or the body would come too near to itself.
     """
     robot, limits = setup.robot, roomy(setup.limits)
-    posture = motion.sample(np.array([stroke]))[0][0]
-    change = one.arm(posture, robot) - posture
-    time, stroke, busy = time - motion.start, stroke - motion.start, busy.later(-motion.start)
-    same = [other.later(-motion.start) for other in others if f"{one.side}_hand" in other.roles]
-    begin = max([busy.begin, time, *(other.relax for other in same if other.ready < stroke)])
-    end = min([busy.end, *(other.ready for other in same if other.ready > stroke)])
+    posture = motion.sample(np.array([stroke.time]))[0][0]
+    change = stroke.pointer.arm(posture, robot) - posture
+    at, own = stroke.time - motion.start, stroke.occupancy.later(-motion.start)
+    same = [other.later(-motion.start) for other in others if f"{stroke.pointer.side}_hand" in other.roles]
+    begin = max([own.begin, time - motion.start, *(other.relax for other in same if other.ready < at)])
+    end = min([own.end, *(other.ready for other in same if other.ready > at)])
     count = max(len(motion.controls), ceil(end / STEP) + 3 * LEAST)
     times = np.asarray((np.arange(count) - LEAST) * STEP, dtype=np.float64)
-    share = rise(times, begin, stroke - LEAST * STEP) * (1.0 - rise(times, busy.relax, end))
+    share = rise(times, begin, at - LEAST * STEP) * (1.0 - rise(times, own.relax, end))
     first, last = knot_at(begin), min(ceil(end / STEP) + LEAST, count - LEAST)
     for part in PARTS if last - first >= LEAST else ():
         found = np.array(lengthen(motion.controls, count))
@@ -129,7 +134,7 @@ def _clear(found: Floats, motion: Trajectory, first: int, last: int, setup: Setu
 
 
 def aim_again(before: Scene, scene: Scene, now: float) -> Scene:
-    """Has hands that point keep to it, where the motion was so changed that they miss by more than `ASTRAY`.
+    """Turns hands back to their targets where the motion was so changed that they miss by more than `ASTRAY`.
 
     Args:
         before: with the motion as it was; of a block that has just begun, or is improved, its own plan counts.
@@ -140,60 +145,57 @@ def aim_again(before: Scene, scene: Scene, now: float) -> Scene:
         The scene in which arms are turned back to what they point at in strokes to come; it says a warning for each
         that servos cannot turn so far, or not without coming too near to the body.
     """
-    for staged in scene.playing if scene.motion is not before.motion else ():
-        for one in pointing_hands(staged.ready.plan):
-            scene = _one(before, scene, staged.id, one, now)
+    for running in scene.playing if scene.motion is not before.motion else ():
+        for pointer in pointing_hands(running.prepared.plan):
+            scene = _aim_one_again(before, scene, running.id, pointer, now)
     return scene
 
 
-def _one(before: Scene, scene: Scene, block: str, one: PointingHand, now: float) -> Scene:
-    staged = scene.find(block)
-    busy = next((each for each in staged.busy if each.behaviour == one.behaviour), None) if staged else None
-    if staged is None or staged.merged is None or busy is None:
+def _aim_one_again(before: Scene, scene: Scene, block: str, pointer: PointingHand, now: float) -> Scene:
+    running, robot = scene.find(block), scene.setup.robot
+    occupancy = running.occupancy if running is not None else ()
+    own = next((each for each in occupancy if each.behaviour == pointer.behaviour), None)
+    if running is None or running.merged is None or own is None:
         return scene
-    time = staged.zero + staged.times[one.behaviour]["stroke"]
-    change, usual = scene.first_change(now), _usual(before, staged, one, time)
-    if time <= change or _miss(scene.motion, time, one, scene) <= usual + ASTRAY:
+    stroke = PointingStroke(pointer, running.zero + running.times[pointer.behaviour]["stroke"], own)
+    change, usual = scene.first_change(now), _usual_miss(before, running, stroke)
+    if stroke.time <= change or stroke.miss(scene.motion, robot) <= usual + ASTRAY:
         return scene
-    others = [*scene.busy_but(block), *(each for each in staged.busy if each is not busy)]
-    found = correct_pointing(scene.motion, change, one, time, busy, others, scene.setup)
-    if found is not None and _miss(found, time, one, scene) < _miss(scene.motion, time, one, scene):
-        scene = _with(scene, staged, one.behaviour, found)
-    left = _miss(scene.motion, time, one, scene)
-    if left <= usual + ASTRAY:
+    others = [*scene.occupancy_without(block), *(each for each in occupancy if each is not own)]
+    corrected = correct_pointing(scene.motion, change, stroke, others, scene.setup)
+    if corrected is not None and stroke.miss(corrected, robot) < stroke.miss(scene.motion, robot):
+        scene = _with_motion(scene, running, pointer.behaviour, corrected)
+    miss = stroke.miss(scene.motion, robot)
+    if miss <= usual + ASTRAY:
         return scene
-    text = f"its hand points {np.degrees(left):.0f} deg past its target: other blocks move the trunk meanwhile"
-    notice = Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, f"{block}:{one.behaviour}", text)
-    return scene.say(staged.warning(notice, now))
+    text = f"its hand points {np.degrees(miss):.0f} deg past its target: other blocks move the trunk meanwhile"
+    notice = Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, f"{block}:{pointer.behaviour}", text)
+    return scene.say(running.warning(notice, now))
 
 
-def _usual(before: Scene, staged: RunningBlock, one: PointingHand, time: float) -> float:
+def _usual_miss(before: Scene, running: RunningBlock, stroke: PointingStroke) -> float:
     """By how much a hand pointed past its aim before, or does in its own plan [rad]."""
-    earlier, plan = before.find(staged.id), staged.ready.plan
-    if earlier is not None and earlier.merged is not None and earlier.ready.plan is plan:
-        return _miss(before.motion, time, one, before)
-    asked = next(sync.planned for sync in plan.syncs if (sync.behaviour, sync.sync) == (one.behaviour, "stroke"))
-    return _miss(plan.trajectory, plan.trajectory.zero + asked, one, before)
+    earlier, plan, robot = before.find(running.id), running.prepared.plan, before.setup.robot
+    if earlier is not None and earlier.merged is not None and earlier.prepared.plan is plan:
+        return stroke.miss(before.motion, robot)
+    name = (stroke.pointer.behaviour, "stroke")
+    planned = next(sync.planned for sync in plan.syncs if (sync.behaviour, sync.sync) == name)
+    return replace(stroke, time=plan.trajectory.zero + planned).miss(plan.trajectory, robot)
 
 
-def _miss(motion: Trajectory, time: float, one: PointingHand, scene: Scene) -> float:
-    return one.miss(motion.sample(np.array([time]))[0][0], scene.setup.robot)
-
-
-def _with(scene: Scene, staged: RunningBlock, behaviour: str, motion: Trajectory) -> Scene:
-    """The scene with another motion, whose difference is the behaviour's of a block."""
-    if staged.merged is None:
+def _with_motion(scene: Scene, running: RunningBlock, behaviour: str, motion: Trajectory) -> Scene:
+    """The scene with another motion, whose difference is due to a behaviour of a block."""
+    if running.merged is None:
         return replace(scene, motion=motion)
-    layer = staged.merged.layer
+    layer = running.merged.layer
     count = max(len(motion.controls), len(scene.motion.controls), len(layer.controls))
     own, was, after = (lengthen(each.controls, count) for each in (layer, scene.motion, motion))
     change = after - was
     moved = np.abs(change).max(axis=0) > STILL
-    needs = [
+    occupancy = tuple(
         replace(each, hinges=each.hinges | moved) if each.behaviour == behaviour else each
-        for each in staged.merged.busy
-    ]
-    merged = replace(
-        staged.merged, trajectory=motion, layer=replace(layer, controls=sealed(own + change)), busy=tuple(needs)
+        for each in running.merged.occupancy
     )
-    return replace(scene, motion=motion).put(replace(staged, merged=merged))
+    layer = replace(layer, controls=sealed(own + change))
+    merged = replace(running.merged, trajectory=motion, layer=layer, occupancy=occupancy)
+    return replace(scene, motion=motion).with_block(replace(running, merged=merged))

@@ -1,7 +1,7 @@
-"""Blocks of BML one after the other and at once: what becomes of a scene when something is asked or time passes.
+"""Performs blocks of BML one after the other and at once: how a scene changes with requests and with time.
 
-Everything here is a pure function of a scene and a time; no clock, no threads. Whoever performs asks `ready` for the
-plan of a block wherever there is time, hands it to `begin`, and calls `advance` again and again.
+Everything here is a pure function of a scene and a time; no clock, no threads. Whoever performs plans a block by
+`prepare` wherever there is time, hands it to `begin`, and calls `advance` again and again.
 """
 
 from dataclasses import replace
@@ -21,7 +21,7 @@ from kinesic.realizer.feedback import ScheduledFeedback, order_feedback
 from kinesic.realizer.pointing import aim_again
 from kinesic.realizer.request import TimedRequest
 from kinesic.realizer.running_block import PreparedBlock, RunningBlock
-from kinesic.realizer.scene import Scene, forgotten
+from kinesic.realizer.scene import Scene, forget_past
 from kinesic.realizer.starting import activate_block, start_block
 
 __all__ = [
@@ -33,7 +33,7 @@ __all__ = [
     "change_manner",
     "improve_block",
     "interrupt",
-    "ready",
+    "prepare",
     "take_replans",
 ]
 
@@ -43,30 +43,29 @@ SMALL = 4  # moving behaviours of a block that is planned well as quickly as not
 BRIEF = 20.0  # [s] such a block may move
 
 
-def ready(asked: TimedRequest, setup: Setup) -> PreparedBlock:
+def prepare(request: TimedRequest, setup: Setup) -> PreparedBlock:
     """Plans a block so that it can begin at once: a small one well, a large one quickly, to be improved while it plays.
 
     Raises:
         BmlError: something `required` cannot be performed.
     """
-    moving = [each for each in asked.timeline.timed if modality_of(each.behaviour.action) not in (None, "face")]
+    moving = [each for each in request.timeline.timed if modality_of(each.behaviour.action) not in (None, "face")]
     times = [time for each in moving for time in each.times.values()]
-    block, engaged = asked.block, asked.engaged
-    if asked.is_decided:
-        return PreparedBlock(
-            asked, plan_block(block, setup, conditioned=AT_ONCE, utterances=asked.utterances, engaged=engaged)
-        )
+    block, engaged = request.block, request.engaged
+    if request.is_decided:
+        plan = plan_block(block, setup, conditioned=AT_ONCE, utterances=request.utterances, engaged=engaged)
+        return PreparedBlock(request, plan)
     if len(moving) <= SMALL and max(times, default=0.0) - min(times, default=0.0) <= BRIEF:
-        return PreparedBlock(asked, plan_block(block, setup, conditioned=AT_ONCE, engaged=engaged))
-    return PreparedBlock(asked, plan_quickly(block, setup, engaged=engaged), is_provisional=True)
+        return PreparedBlock(request, plan_block(block, setup, conditioned=AT_ONCE, engaged=engaged))
+    return PreparedBlock(request, plan_quickly(block, setup, engaged=engaged), is_provisional=True)
 
 
-def begin(scene: Scene, ready: PreparedBlock, now: float) -> Scene:
-    """Takes a block into the scene: it begins now, or waits for its turn.
+def begin(scene: Scene, prepared: PreparedBlock, now: float) -> Scene:
+    """Takes a block into the scene: it begins now, or waits until it may start.
 
     Args:
         scene: at some time before.
-        ready: the block.
+        prepared: the block.
         now: [s] global time.
 
     Returns:
@@ -74,29 +73,29 @@ def begin(scene: Scene, ready: PreparedBlock, now: float) -> Scene:
         that plays.
     """
     scene = advance(scene, now)
-    block = ready.plan.timeline.block
-    refusal = _refusal(scene, ready)
+    block = prepared.plan.timeline.block
+    refusal = _refusal(scene, prepared)
     if refusal is not None:
         text = warning(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, block.id, refusal), character=block.character)
-        return scene.say(ScheduledFeedback(now, text, ready.asked.sender))
+        return scene.say(ScheduledFeedback(now, text, prepared.request.sender))
     waits = awaited(block, scene.states)
-    staged = RunningBlock.of(ready, BlockState.PENDING if block.succession.preplanned else BlockState.LURKING, waits)
-    staged = replace(staged, zero=max(now + scene.ahead, scene.turn(staged)) + staged.lead)
-    scene = _held_back(scene.put(staged), staged)
-    if ready.is_provisional:
-        scene = replace(
-            scene, wishes=(*scene.wishes, ready.wish), agenda=order_feedback(scene.agenda, staged.doubts(now))
-        )
-    notices = tuple(staged.warning(notice, now) for notice in staged.certain)
-    if scene.has_turn(staged, now):
-        scene = start_block(scene, staged, now)
+    state = BlockState.PENDING if block.succession.preplanned else BlockState.LURKING
+    running = RunningBlock.of(prepared, state, waits)
+    running = replace(running, zero=max(now + scene.ahead, scene.earliest_start(running)) + running.lead)
+    scene = _hold_back(scene.with_block(running), running)
+    if prepared.is_provisional:
+        agenda = order_feedback(scene.agenda, running.doubtful_warnings(now))
+        scene = replace(scene, replans=(*scene.replans, prepared.replan_request), agenda=agenda)
+    warnings = tuple(running.warning(notice, now) for notice in running.certain_notices)
+    if scene.may_start(running, now):
+        scene = start_block(scene, running, now)
     else:
-        scene = scene.put(replace(staged, told=(staged.zero, staged.times))).say(staged.prediction(now))
-    return scene.say(*notices)
+        scene = scene.with_block(replace(running, predicted=(running.zero, running.times))).say(running.prediction(now))
+    return scene.say(*warnings)
 
 
 def advance(scene: Scene, now: float) -> Scene:
-    """Lets time pass: blocks whose turn has come begin, feedback that is due is said, what is over is forgotten.
+    """Lets time pass: blocks that may start begin, feedback that is due is said, and what is over is forgotten.
 
     What was said before is taken away.
 
@@ -106,14 +105,14 @@ def advance(scene: Scene, now: float) -> Scene:
     """
     scene = replace(scene, said=())
     while True:
-        coming = next((each for each in scene.blocks if scene.has_turn(each, now)), None)
+        coming = next((each for each in scene.blocks if scene.may_start(each, now)), None)
         if coming is not None:
             scene = start_block(scene, coming, now)
         elif scene.agenda and scene.agenda[0].time <= now:
-            due = scene.agenda[0]
-            scene = _happened(replace(scene, agenda=scene.agenda[1:]).say(due), due, now)
+            message = scene.agenda[0]
+            scene = _follow_up(replace(scene, agenda=scene.agenda[1:]).say(message), message, now)
         else:
-            return forgotten(scene, now)
+            return forget_past(scene, now)
 
 
 def interrupt(scene: Scene, now: float, block: str | None = None) -> Scene:
@@ -125,65 +124,64 @@ def interrupt(scene: Scene, now: float, block: str | None = None) -> Scene:
         block: its id; None: all, those that wait too.
     """
     before = scene = advance(scene, now)
-    for staged in before.blocks:
-        if block in (None, staged.id):
-            scene = stop_block(scene, staged, now, "it was interrupted")
+    for running in before.blocks:
+        if block in (None, running.id):
+            scene = stop_block(scene, running, now, "it was interrupted")
     return aim_again(before, scene, now)
 
 
-def _happened(scene: Scene, due: ScheduledFeedback, now: float) -> Scene:
-    """What follows from a point that a block has passed."""
-    point = due.told
-    staged = None if isinstance(point, str) else scene.find(point.block)
-    if isinstance(point, str) or staged is None:
+def _follow_up(scene: Scene, message: ScheduledFeedback, now: float) -> Scene:
+    """Does what follows from a point that a block has passed: its state changes, or it commands another block."""
+    point = message.content
+    running = None if isinstance(point, str) else scene.find(point.block)
+    if isinstance(point, str) or running is None:
         return scene
     match point.key:
         case (None, "relax"):
-            return scene.put(replace(staged, state=BlockState.SUBSIDING))
+            return scene.with_block(replace(running, state=BlockState.SUBSIDING))
         case (None, "end"):
-            return scene.gone(staged, BlockState.DONE)
+            return scene.without_block(running, BlockState.DONE)
         case (str(id), "start"):
-            action = next(behaviour.action for behaviour in staged.block.behaviours if behaviour.id == id)
+            action = next(behaviour.action for behaviour in running.block.behaviours if behaviour.id == id)
             if isinstance(action, Interrupt | Activate | ParameterChange):
-                return _commanded(scene, staged, id, action, now)
+                return _command(scene, running, id, action, now)
     return scene
 
 
-def _commanded(scene: Scene, staged: RunningBlock, behaviour: str, action: Command, now: float) -> Scene:
-    """What a block does to another one."""
+def _command(scene: Scene, running: RunningBlock, behaviour: str, action: Command, now: float) -> Scene:
+    """Does to another block what a behaviour of a running one asks for."""
     name = action.target.partition(":")[0]
     other = scene.find(name)
     if other is None:
-        notice = Notice(
-            NoticeType.IMPOSSIBLE_TO_SCHEDULE, f"{staged.id}:{behaviour}", f"no block {name} plays or waits"
-        )
-        return scene.say(staged.warning(notice, now))
+        text = f"no block {name} plays or waits"
+        notice = Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, f"{running.id}:{behaviour}", text)
+        return scene.say(running.warning(notice, now))
     if isinstance(action, Activate):
         return activate_block(scene, name, now)
     if isinstance(action, ParameterChange):
-        return change_parameter(scene, staged, behaviour, action, now)
+        return change_parameter(scene, running, behaviour, action, now)
     chosen = interrupted_by(action, other)
     if chosen == other.times.keys():
-        after = stop_block(scene, other, now, f"{staged.id} interrupts it")
+        after = stop_block(scene, other, now, f"{running.id} interrupts it")
     else:
         after = leave_out(scene, other, chosen, now)
     return aim_again(scene, after, now)
 
 
-def _held_back(scene: Scene, staged: RunningBlock) -> Scene:
-    """Blocks that wait, and by this block's wish go after it, unless they would wait for themselves."""
-    for id, until in waiting_blocks(staged.block, scene.states).items():
+def _hold_back(scene: Scene, running: RunningBlock) -> Scene:
+    """Has blocks wait for this one where it says so, unless they would wait for themselves."""
+    for id, until in waiting_blocks(running.block, scene.states).items():
         other = scene.find(id)
         if other is not None:
-            after = scene.put(replace(other, waits={**other.waits, staged.id: until}))
+            after = scene.with_block(replace(other, waits={**other.waits, running.id: until}))
             if not goes_round({each.id: each.waits for each in after.blocks}, id):
                 scene = after
     return scene
 
 
-def _refusal(scene: Scene, ready: PreparedBlock) -> str | None:
+def _refusal(scene: Scene, prepared: PreparedBlock) -> str | None:
     """Why a block is not taken; None when it is."""
-    block = ready.plan.timeline.block
+    block = prepared.plan.timeline.block
     same = scene.find(block.id)
     if same is not None:
         how = "plays" if same.state.is_playing else "waits"

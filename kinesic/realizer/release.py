@@ -1,4 +1,4 @@
-"""Takes back what an interrupted block does, and forgets what is past of a motion."""
+"""Takes back what an interrupted block does."""
 
 from collections.abc import Sequence
 from math import ceil
@@ -48,7 +48,7 @@ def release_motion(
     Args:
         running: the motion, within the limits and clear of the body.
         time: [s] from which it may change, at the next knot.
-        hinges: (n,) that are given free: see `occupancy.freed`.
+        hinges: (n,) that are given free: see `occupancy.freed_hinges`.
         setup: limits, rest pose and distances.
         layer: what the block adds to the running motion; without it the hinges come to the rest pose.
         others: what else the running motion does.
@@ -68,7 +68,7 @@ def release_motion(
 def _from(
     running: Trajectory, knot: int, hinges: Flags, setup: Setup, layer: Trajectory | None, others: Sequence[Occupancy]
 ) -> Trajectory | None:
-    """The way back from a knot on; None where it is not clear of the body."""
+    """Takes the block back from a knot on; None where the way is not clear of the body."""
     limits, free = roomy(setup.limits), np.flatnonzero(hinges).tolist()
     if not free:
         return running
@@ -90,7 +90,7 @@ def _from(
 
 
 def _least(own: Floats, after: Floats, knot: int, limits: Limits) -> Floats:
-    """(n,) [s] that each hinge takes at least from one motion to another, were that at rest."""
+    """(n,) [s] least time of each hinge from one motion to another, as if that were at rest."""
     begin = own[knot : knot + LEAST]
     ways = np.abs(begin - after[knot : knot + LEAST]).max(axis=0)
     speed, acceleration = (begin[2] - begin[0]) / (2 * STEP), (begin[0] - 2 * begin[1] + begin[2]) / STEP**2
@@ -99,7 +99,7 @@ def _least(own: Floats, after: Floats, knot: int, limits: Limits) -> Floats:
 
 
 def _without(own: Floats, layer: Trajectory | None, robot: Robot) -> Floats:
-    """(k + 3, n) [rad] what goes on when a block is taken back: hands rest, and nothing leaves its range."""
+    """(k + 3, n) [rad] of the motion without the block: hands rest, and nothing leaves its range."""
     if layer is None:
         return np.repeat(robot.skeleton.rest[None], len(own), axis=0)
     found = own - lengthen(layer.controls, len(own))[: len(own)]
@@ -110,7 +110,7 @@ def _without(own: Floats, layer: Trajectory | None, robot: Robot) -> Floats:
 
 
 def _take_up(back: Floats, own: Floats, knot: int, others: Sequence[Occupancy], setup: Setup) -> None:
-    """Arms that came to rest take up again what else runs, when that begins; where it is too soon, all goes on."""
+    """Lets arms that came to rest take up what else runs, when that begins; where it is too soon, all goes on."""
     limits = roomy(setup.limits)
     for role in ARMS:
         stop = min((each for each in others if role in each.roles), key=lambda each: each.ready, default=None)
@@ -123,7 +123,7 @@ def _take_up(back: Floats, own: Floats, knot: int, others: Sequence[Occupancy], 
 
 
 def _checked(found: Floats, running: Trajectory, knot: int, setup: Setup) -> Trajectory | None:
-    """A motion in which what is left keeps the limits and the distances after a knot."""
+    """Makes control points a motion that keeps the limits; None where it cannot, or comes too near to the body."""
     limits = roomy(setup.limits)
     for hinge in np.flatnonzero(excesses(found[knot:], limits) > 1.0).tolist():
         column = keep_limits(found[:, hinge], knot, len(found) - 3, limits, hinge)

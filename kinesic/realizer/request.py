@@ -1,6 +1,6 @@
-"""A message becomes a block with times: all that can be said of it at once, before its motion is planned.
+"""Reads a message into a block with times, before its motion is planned.
 
-What plays and what waits meanwhile comes with it, as plain data.
+Other blocks, to which it may refer, are given as plain data.
 """
 
 import re
@@ -32,13 +32,13 @@ from kinesic.expressivity.hands.coarticulation import Engaged
 from kinesic.planning.setup import Setup
 from kinesic.planning.speech import synthesise_block
 
-LEAD = 0.15  # [s] from the asking to the beginning of a block that refers to others: time to plan it
+LEAD = 0.15  # [s] from the request to the beginning of a block that refers to others: time to plan it
 _ID = re.compile(rb"""<(?:\w+:)?bml\b[^>]*?\sid\s*=\s*["']([^"']+)["']""")
 
 
 @dataclass(frozen=True)
 class SceneContext:
-    """Other blocks, in global time [s]."""
+    """The other blocks of a scene, in global time [s]."""
 
     now: float = 0.0
     states: Mapping[str, BlockState] = field(default_factory=dict)  # of blocks that are not over, in their order
@@ -46,13 +46,13 @@ class SceneContext:
     ends: Mapping[str, float] = field(default_factory=dict)  # id -> when it will be over
     times: Mapping[Point, float] = field(default_factory=dict)  # sync points, of blocks that are over too
 
-    def begin(self, block: Block) -> float:
-        """When a block will begin, as far as one can tell before it is planned."""
-        turns = [
+    def expected_start(self, block: Block) -> float:
+        """When a block will begin [s], as far as is known before it is planned."""
+        waits = [
             (self.relaxes if until == "relax" else self.ends).get(id, self.now)
             for id, until in awaited(block, self.states).items()
         ]
-        return max([self.now + (LEAD if refers_elsewhere(block) else 0.0), *turns])
+        return max([self.now + (LEAD if refers_elsewhere(block) else 0.0), *waits])
 
 
 def refers_elsewhere(block: Block) -> bool:
@@ -60,17 +60,17 @@ def refers_elsewhere(block: Block) -> bool:
     return any(ref.block != block.id for ref in _refs(block))
 
 
-def anchor_references(block: Block, around: SceneContext, zero: float) -> Block:
-    """The block with references to other blocks turned into times of its own; unknown ones stay.
+def anchor_references(block: Block, context: SceneContext, zero: float) -> Block:
+    """Turns references to other blocks into times of the block's own; unknown ones stay.
 
     Args:
         block: as written.
-        around: what plays.
+        context: the other blocks.
         zero: [s] global time of the block's time 0.
     """
 
     def own(ref: SyncRef) -> SyncRef:
-        time = around.times.get(point_of(ref)) if ref.block != block.id else None
+        time = context.times.get(point_of(ref)) if ref.block != block.id else None
         return ref if time is None else SyncRef(block.id, "bml", "start", offset=time - zero + ref.offset)
 
     def behaviour(one: Behaviour) -> Behaviour:
@@ -109,7 +109,7 @@ class Message:
 
 @dataclass(frozen=True, eq=False)
 class TimedRequest:
-    """A block with times, from somebody."""
+    """A block with times, as a client requests it."""
 
     sender: int
     block: Block  # its references to other blocks are times of its own
@@ -122,12 +122,12 @@ class TimedRequest:
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """What is known already not to be as asked."""
+        """What is known already not to be performed as it was requested."""
         return self.timeline.notices
 
     @property
     def times(self) -> Mapping[str, Mapping[str, float]]:
-        """Sync points by behaviour, block time [s]."""
+        """Times of sync points by behaviour, in block time [s]."""
         return {timed.behaviour.id: timed.times for timed in self.timeline.timed}
 
     @property
@@ -137,14 +137,14 @@ class TimedRequest:
 
 
 def read_request(
-    message: Message, setup: Setup, *, around: SceneContext = ALONE, bounds: Bounds = BOUNDS
+    message: Message, setup: Setup, *, context: SceneContext = ALONE, bounds: Bounds = BOUNDS
 ) -> TimedRequest:
-    """Reads, says and times a block.
+    """Reads a block, synthesises its speech, and times it.
 
     Args:
         message: with one <bml>.
-        setup: of planning.
-        around: what plays and waits; references to other blocks lead there.
+        setup: robot, style and all else that planning is given.
+        context: the other blocks; references lead there.
         bounds: largest size and depth.
 
     Raises:
@@ -154,17 +154,17 @@ def read_request(
         message.text,
         source=message.source,
         dialect=setup.dialect,
-        known_blocks=around.states,
+        known_blocks=context.states,
         bounds=bounds,
     )
-    zero, is_anchored = around.begin(block), refers_elsewhere(block)
-    own = anchor_references(block, around, zero)
-    found = again(TimedRequest(message.sender, own, {}, Timeline(own, ()), zero, is_anchored), setup)
+    zero, is_anchored = context.expected_start(block), refers_elsewhere(block)
+    own = anchor_references(block, context, zero)
+    found = retime_request(TimedRequest(message.sender, own, {}, Timeline(own, ()), zero, is_anchored), setup)
     return found if is_anchored else replace(found, zero=zero - found.timeline.start)
 
 
-def again(earlier: TimedRequest, setup: Setup) -> TimedRequest:
-    """Says and times a block anew, with another setup or after it was changed.
+def retime_request(earlier: TimedRequest, setup: Setup) -> TimedRequest:
+    """Synthesises the speech of a block anew and times it, with another setup or after it was changed.
 
     Raises:
         BmlError: something `required` cannot be timed.
@@ -176,11 +176,11 @@ def again(earlier: TimedRequest, setup: Setup) -> TimedRequest:
 
 
 def refusal_feedback(message: Message, error: BmlError) -> str:
-    """The warningFeedback for a document that is refused, by the id of its block where that can be read."""
+    """Writes the warningFeedback for a document that is refused, by the id of its block where that can be read."""
     return warning(Notice(NoticeType.PARSING_FAILURE, block_id(message.text), str(error)))
 
 
 def block_id(text: str | bytes) -> str:
-    """The id of a document's block as its first tag has it; that of a block without one if it has none."""
+    """Reads the id of a document's block from its first tag; `UNNAMED` where it has none."""
     found = _ID.search(text.encode() if isinstance(text, str) else text)
     return found[1].decode(errors="replace") if found else UNNAMED

@@ -1,4 +1,4 @@
-"""One block in a scene: what it will do and when, and how far it is."""
+"""One block of a scene: what it will do and when, and how far it is."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -24,24 +24,24 @@ PATIENCE = 1.0  # [s] for a better plan than a provisional one
 class PreparedBlock:
     """A block that can begin at once."""
 
-    asked: TimedRequest
+    request: TimedRequest
     plan: Plan
     is_provisional: bool = False  # planned quickly, to be planned well while it plays
 
     @property
-    def wish(self) -> TimedRequest:
-        """The block to be planned anew, which says what it says."""
-        return replace(self.asked, block=self.plan.timeline.block, utterances=self.plan.utterances, is_decided=True)
+    def replan_request(self) -> TimedRequest:
+        """The request to plan the block anew with the same speech."""
+        return replace(self.request, block=self.plan.timeline.block, utterances=self.plan.utterances, is_decided=True)
 
     @property
     def moves(self) -> bool:
-        """Whether the body takes part in it."""
+        """Whether the body moves in it."""
         return len(self.plan.postures.postures) > 1
 
 
 @dataclass(frozen=True)
 class PlayingSpeech:
-    """A speech in a scene."""
+    """A speech of a block that plays."""
 
     block: str
     behaviour: str
@@ -58,33 +58,33 @@ class PlayingSpeech:
 class RunningBlock:
     """A block that waits or plays."""
 
-    ready: PreparedBlock
+    prepared: PreparedBlock
     state: BlockState
     zero: float  # [s] global time of its time 0; as expected while it waits
     times: Times  # of its sync points, as performed; of behaviours that are left out none
     waits: dict[str, Until] = field(default_factory=dict)  # other blocks, and what must come of them
     merged: MergedMotion | None = None  # how its motion was laid over the scene's
-    told: tuple[float, Times] | None = None  # zero and times of its last prediction
+    predicted: tuple[float, Times] | None = None  # zero and times of its last predictionFeedback
 
     @classmethod
-    def of(cls, ready: PreparedBlock, state: BlockState, waits: dict[str, Until]) -> "RunningBlock":
-        """A block that has not begun."""
-        return cls(ready, state, ready.asked.zero, times_of(ready.plan.syncs), waits)
+    def of(cls, prepared: PreparedBlock, state: BlockState, waits: dict[str, Until]) -> "RunningBlock":
+        """Makes a block that has not begun."""
+        return cls(prepared, state, prepared.request.zero, times_of(prepared.plan.syncs), waits)
 
     @property
     def block(self) -> Block:
-        """What was asked."""
-        return self.ready.plan.timeline.block
+        """As it was requested."""
+        return self.prepared.plan.timeline.block
 
     @cached_property
     def id(self) -> str:
-        """Of the block."""
+        """Id of the block."""
         return self.block.id
 
     @property
     def sender(self) -> int:
-        """Who asked."""
-        return self.ready.asked.sender
+        """Number of the client that requested it."""
+        return self.prepared.request.sender
 
     @cached_property
     def _span(self) -> tuple[float, float, float]:
@@ -92,17 +92,17 @@ class RunningBlock:
 
     @property
     def lead(self) -> float:
-        """From its start to its time 0 [s]."""
+        """Time from its start to its time 0 [s]."""
         return -self._span[0]
 
     @property
     def relax(self) -> float:
-        """When it subsides [s] global."""
+        """Time at which it subsides [s] global."""
         return self.zero + self._span[1]
 
     @property
     def end(self) -> float:
-        """[s] global."""
+        """Time at which it ends [s] global."""
         return self.zero + self._span[2]
 
     @cached_property
@@ -113,39 +113,39 @@ class RunningBlock:
 
     @property
     def speeches(self) -> tuple[PlayingSpeech, ...]:
-        """What is said in it."""
+        """Its speech that is not left out."""
         return tuple(
             PlayingSpeech(self.id, behaviour.id, self.zero + self.times[behaviour.id]["start"], utterance)
             for behaviour in self.block.behaviours
             if isinstance(behaviour.action, Speech)
             and behaviour.id in self.times
-            and (utterance := self.ready.plan.utterances.get(behaviour.id)) is not None
+            and (utterance := self.prepared.plan.utterances.get(behaviour.id)) is not None
         )
 
     @property
-    def busy(self) -> tuple[Occupancy, ...]:
-        """What its behaviours need."""
-        return () if self.merged is None else self.merged.busy
+    def occupancy(self) -> tuple[Occupancy, ...]:
+        """Which hinges its behaviours occupy, and when [s] global."""
+        return () if self.merged is None else self.merged.occupancy
 
     def agenda(self) -> tuple[ScheduledFeedback, ...]:
-        """All it will tell."""
+        """Feedback of all its points, in order."""
         return agenda(self.id, self.times, self.zero, sender=self.sender, character=self.block.character)
 
     def prediction(self, now: float) -> ScheduledFeedback:
-        """The predictionFeedback."""
+        """Writes its predictionFeedback."""
         start, _, end = span(self.times)
         text = prediction(self.block, start, end, self.times, zero=self.zero)
         return ScheduledFeedback(now, text, self.sender)
 
     def warning(self, notice: Notice, now: float) -> ScheduledFeedback:
-        """A warningFeedback."""
+        """Writes a warningFeedback about it."""
         return ScheduledFeedback(now, warning(notice, character=self.block.character), self.sender)
 
-    def differs(self, by: float) -> bool:
-        """Whether a time is not as it was told, by more than so many seconds."""
-        if self.told is None:
+    def differs_from_prediction(self, by: float) -> bool:
+        """Whether a time is not as it was predicted, by more than so many seconds."""
+        if self.predicted is None:
             return True
-        zero, times = self.told
+        zero, times = self.predicted
         if abs(zero - self.zero) > by or times.keys() != self.times.keys():
             return True
         return any(
@@ -153,33 +153,35 @@ class RunningBlock:
         )
 
     @property
-    def certain(self) -> tuple[Notice, ...]:
-        """What can be told at once: of a provisional plan nothing about its times."""
-        plan = self.ready.plan
-        return plan.keyframes.notices if self.ready.is_provisional else plan.notices
+    def certain_notices(self) -> tuple[Notice, ...]:
+        """Notices to be sent at once: of a provisional plan none about its times."""
+        plan = self.prepared.plan
+        return plan.keyframes.notices if self.prepared.is_provisional else plan.notices
 
-    def doubts(self, now: float) -> tuple[ScheduledFeedback, ...]:
-        """What is told when no better plan comes in time."""
-        doubtful = [notice for notice in self.ready.plan.notices if notice not in self.certain]
+    def doubtful_warnings(self, now: float) -> tuple[ScheduledFeedback, ...]:
+        """Warnings to be sent when no better plan comes in time."""
+        doubtful = [notice for notice in self.prepared.plan.notices if notice not in self.certain_notices]
         late = now + PATIENCE
         return tuple(replace(self.warning(notice, late), unless_improved=self.id) for notice in doubtful)
 
     def without(self, behaviours: frozenset[str]) -> "RunningBlock":
-        """The block with some of its behaviours left out from now on."""
+        """Leaves out some of its behaviours from now on."""
         merged = self.merged
         if merged is not None:
-            merged = replace(merged, busy=tuple(each for each in merged.busy if each.behaviour not in behaviours))
+            merged = replace(
+                merged, occupancy=tuple(each for each in merged.occupancy if each.behaviour not in behaviours)
+            )
         times = {id: own for id, own in self.times.items() if id not in behaviours}
         return replace(self, merged=merged, times=times)
 
     def since(self, time: float) -> "RunningBlock":
-        """The same without what it did before a time [s]."""
+        """Forgets what it did before a time [s]."""
         return self if self.merged is None else replace(self, merged=self.merged.since(time))
 
 
 @dataclass(frozen=True)
-class EndedBlocks:
-    """What is remembered of a block that is over."""
+class EndedBlock:
+    """A block that is over, as later blocks may refer to it."""
 
     id: str
     state: BlockState

@@ -1,4 +1,4 @@
-"""What is performed and what waits, at one moment: the state of a realizer as a frozen value."""
+"""The state of a realizer as a frozen value: what is performed and what waits at one moment."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -14,35 +14,35 @@ from kinesic.planning.setup import Setup
 from kinesic.realizer.feedback import ScheduledFeedback
 from kinesic.realizer.occupancy import Occupancy, settle_occupancy
 from kinesic.realizer.request import SceneContext, TimedRequest
-from kinesic.realizer.running_block import EndedBlocks, PlayingSpeech, RunningBlock
+from kinesic.realizer.running_block import EndedBlock, PlayingSpeech, RunningBlock
 
 KEPT = 0.5  # [s] of the past that the motion keeps
-LONGEST_PAST = 2.0  # [s] after which it is cut away
-SOON = 0.05  # [s] before its turn a block is laid over what still plays
+LONGEST_PAST = 2.0  # [s] of the past beyond which it is cut away
+SOON = 0.05  # [s] before it may start a block is merged into what still plays
 REMEMBERED = 32  # blocks that are over and can be referred to
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """All blocks that are not over, the motion that performs them, and what will be told."""
+    """All blocks that are not over, the motion that performs them, and their feedback; times are global seconds."""
 
     setup: Setup
     motion: Trajectory
     blocks: tuple[RunningBlock, ...] = ()  # in the order in which they came
     agenda: tuple[ScheduledFeedback, ...] = ()  # feedback to come, in order of time
     said: tuple[ScheduledFeedback, ...] = ()  # feedback to be sent now; the next `advance` takes it away
-    past: tuple[EndedBlocks, ...] = ()  # the last blocks that are over
-    wishes: tuple[TimedRequest, ...] = ()  # blocks that are to be planned anew, and handed to `improved`
-    character: str | None = None  # who performs here; None: whoever is asked
+    ended: tuple[EndedBlock, ...] = ()  # the last blocks that are over
+    replans: tuple[TimedRequest, ...] = ()  # blocks to be planned anew, each plan for `improve_block`
+    character: str | None = None  # who performs here; None: blocks for every character
     ahead: float = 0.0  # [s] the motion is handed over so early: changes begin no sooner
-    left: tuple[Occupancy, ...] = ()  # what stays of blocks that are over
+    lasting: tuple[Occupancy, ...] = ()  # of blocks that are over, what stays: the last gaze shift and posture
 
     @classmethod
     def of(cls, setup: Setup, now: float = 0.0, *, character: str | None = None, ahead: float = 0.0) -> "Scene":
-        """At rest, with nothing asked.
+        """Makes a scene at rest, without blocks.
 
         Args:
-            setup: of planning.
+            setup: robot, style and all else that planning is given.
             now: [s] global time.
             character: who performs here: blocks for others are refused. None: every block is performed.
             ahead: [s] by which the motion is handed over before it is performed.
@@ -54,12 +54,12 @@ class Scene:
         return {each.id: each for each in self.blocks}
 
     def find(self, id: str) -> RunningBlock | None:
-        """A block that is not over."""
+        """Finds a block that is not over; None where there is none of this id."""
         return self._by_id.get(id)
 
     @property
     def states(self) -> dict[str, BlockState]:
-        """Of blocks that are not over, in the order in which they came."""
+        """State of each block that is not over, in the order in which they came."""
         return {each.id: each.state for each in self.blocks}
 
     @property
@@ -68,30 +68,30 @@ class Scene:
         return tuple(each for each in self.blocks if each.state.is_playing)
 
     @property
-    def busy(self) -> tuple[Occupancy, ...]:
-        """What all blocks that play need, by the names of blocks and behaviours."""
-        return self.busy_but(None)
+    def occupancy(self) -> tuple[Occupancy, ...]:
+        """Which hinges all behaviours occupy, each under the name `block:behaviour`."""
+        return self.occupancy_without(None)
 
-    def busy_but(self, block: str | None) -> tuple[Occupancy, ...]:
-        """What all blocks need but one."""
+    def occupancy_without(self, block: str | None) -> tuple[Occupancy, ...]:
+        """Which hinges the behaviours of all blocks but one occupy."""
         playing = (
-            replace(busy, behaviour=f"{each.id}:{busy.behaviour}")
+            replace(need, behaviour=f"{each.id}:{need.behaviour}")
             for each in self.blocks
             if each.id != block
-            for busy in each.busy
+            for need in each.occupancy
         )
-        return (*self.left, *playing)
+        return (*self.lasting, *playing)
 
     @property
     def speeches(self) -> tuple[PlayingSpeech, ...]:
-        """What is said and will be, by blocks that play."""
+        """All speech of blocks that play, past and to come."""
         return tuple(spoken for each in self.playing for spoken in each.speeches)
 
-    def around(self, now: float) -> SceneContext:
-        """What a block that is asked now has to know of the others."""
+    def context(self, now: float) -> SceneContext:
+        """Tells a block that is requested now [s] of the others, as `read_request` takes it."""
         times: dict[Point, float] = {}
-        for over in self.past:
-            times |= over.points
+        for ended in self.ended:
+            times |= ended.points
         for each in self.blocks:
             times |= each.points
         return SceneContext(
@@ -102,70 +102,70 @@ class Scene:
             times,
         )
 
-    def turn(self, staged: RunningBlock) -> float:
-        """When the last block that another one waits for lets it begin [s] global; those that are over always do."""
+    def earliest_start(self, running: RunningBlock) -> float:
+        """When the last of the blocks that a block waits for lets it start [s]; -inf where none is left."""
         latest = -np.inf
-        for id, until in staged.waits.items():
+        for id, until in running.waits.items():
             other = self.find(id)
             if other is not None:
                 latest = max(latest, other.relax if until == "relax" else other.end)
         return latest
 
-    def _look(self, staged: RunningBlock) -> float:
-        """When to see whether a block that waits has its turn [s] global; never, as long as one it waits for waits."""
-        if staged.state is not BlockState.LURKING:
+    def _next_look(self, running: RunningBlock) -> float:
+        """When to see whether a block may start [s]; never, as long as a block that it waits for waits itself."""
+        if running.state is not BlockState.LURKING:
             return np.inf
-        for id in reversed(staged.waits):  # the last that came has its turn last
+        for id in reversed(running.waits):  # the last that came has its turn last
             other = self.find(id)
             if other is not None and not other.state.is_playing:
                 return np.inf
-        return self.turn(staged) - self.ahead - SOON
+        return self.earliest_start(running) - self.ahead - SOON
 
-    def has_turn(self, staged: RunningBlock, now: float) -> bool:
-        """Whether a block that waits may begin now [s]."""
-        return self._look(staged) <= now
+    def may_start(self, running: RunningBlock, now: float) -> bool:
+        """Whether a block that waits may start now [s]."""
+        return self._next_look(running) <= now
 
     @property
     def next_time(self) -> float:
-        """When `passed` will have something to do [s] global; infinite when nothing is awaited."""
-        told = self.agenda[0].time if self.agenda else np.inf
-        return min([told, *map(self._look, self.blocks)])
+        """When `advance` will have something to do [s]; infinite when nothing is awaited."""
+        feedback = self.agenda[0].time if self.agenda else np.inf
+        return min([feedback, *map(self._next_look, self.blocks)])
 
     def first_change(self, now: float) -> float:
-        """Global time [s] from which the motion may change."""
+        """Time from which the motion may change [s]."""
         return max(self.motion.start, now + self.ahead)
 
     def say(self, *messages: ScheduledFeedback) -> "Scene":
         """Adds feedback that is to be sent now."""
         return replace(self, said=(*self.said, *messages))
 
-    def put(self, staged: RunningBlock) -> "Scene":
-        """With a block in the place of its earlier version, or as the last one."""
-        if self.find(staged.id) is None:
-            return replace(self, blocks=(*self.blocks, staged))
-        return replace(self, blocks=tuple(staged if each.id == staged.id else each for each in self.blocks))
+    def with_block(self, running: RunningBlock) -> "Scene":
+        """Puts a block in the place of its earlier version, or behind all others."""
+        if self.find(running.id) is None:
+            return replace(self, blocks=(*self.blocks, running))
+        return replace(self, blocks=tuple(running if each.id == running.id else each for each in self.blocks))
 
-    def gone(self, staged: RunningBlock, state: BlockState) -> "Scene":
-        """Without a block that is over."""
-        past = EndedBlocks(staged.id, state, staged.points)
+    def without_block(self, running: RunningBlock, state: BlockState) -> "Scene":
+        """Takes out a block that is over, and remembers in which state it ended."""
+        ended = EndedBlock(running.id, state, running.points)
         return replace(
             self,
-            left=settle_occupancy((*self.left, *staged.busy)) if state is BlockState.DONE else self.left,
-            blocks=tuple(each for each in self.blocks if each.id != staged.id),
-            wishes=tuple(wish for wish in self.wishes if wish.block.id != staged.id),
-            past=(*(each for each in self.past if each.id != past.id), past)[-REMEMBERED:],
+            lasting=settle_occupancy((*self.lasting, *running.occupancy)) if state is BlockState.DONE else self.lasting,
+            blocks=tuple(each for each in self.blocks if each.id != running.id),
+            replans=tuple(request for request in self.replans if request.block.id != running.id),
+            ended=(*(each for each in self.ended if each.id != ended.id), ended)[-REMEMBERED:],
         )
 
-    def hinges(self, busy: Iterable[Occupancy]) -> Flags:
-        """(n,) that some behaviours move."""
-        found = np.zeros(len(self.setup.limits.lower), dtype=np.bool_)
-        for each in busy:
-            found |= each.hinges
-        return found
+    def hinges_of(self, occupancy: Iterable[Occupancy]) -> Flags:
+        """Which hinges (n,) some behaviours move."""
+        hinges = np.zeros(len(self.setup.limits.lower), dtype=np.bool_)
+        for each in occupancy:
+            hinges |= each.hinges
+        return hinges
 
 
-def forgotten(scene: Scene, now: float) -> Scene:
-    """The scene with the past of its motion cut away, once there is enough of it."""
+def forget_past(scene: Scene, now: float) -> Scene:
+    """Cuts the past of the motion away, once there is enough of it."""
     if now - scene.motion.start < LONGEST_PAST:
         return scene
     blocks = tuple(each.since(now - KEPT) for each in scene.blocks)

@@ -1,4 +1,4 @@
-"""A block begins: beside what plays, in its place, or after it."""
+"""Starts blocks: beside what plays, or in its place."""
 
 from dataclasses import replace
 
@@ -7,109 +7,111 @@ from kinesic.bml.composition import BlockState
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.realizer.contention import occupancy_of_others, silence_overlap
 from kinesic.realizer.ending import end_block, stop_block
-from kinesic.realizer.feedback import order_feedback, times_of, without
+from kinesic.realizer.feedback import order_feedback, times_of, without, without_doubts
 from kinesic.realizer.merge import MergedMotion, merge, replace_motion
 from kinesic.realizer.pointing import aim_again
 from kinesic.realizer.running_block import RunningBlock
 from kinesic.realizer.scene import Scene
 
 
-def start_block(scene: Scene, staged: RunningBlock, now: float) -> Scene:
-    """Begins a block now, or as soon as its turn has come.
+def start_block(scene: Scene, running: RunningBlock, now: float) -> Scene:
+    """Starts a block now, or at the time that it waits for.
 
     Args:
         scene: with or without the block.
-        staged: the block, which has not begun.
+        running: the block, which has not begun.
         now: [s] global time.
     """
-    wished = _wished(scene, staged, now)
-    before = scene = scene.put(staged)
-    for id in staged.block.succession.interrupts:
-        if (other := scene.find(id)) is not None and id != staged.id:
-            scene = stop_block(scene, other, now, f"{staged.id} interrupts it")
-    if staged.block.composition is Composition.REPLACE:
+    desired = _desired_zero(scene, running, now)
+    before = scene = scene.with_block(running)
+    for id in running.block.succession.interrupts:
+        if (other := scene.find(id)) is not None and id != running.id:
+            scene = stop_block(scene, other, now, f"{running.id} interrupts it")
+    if running.block.composition is Composition.REPLACE:
         for other in scene.blocks:
-            if other.id != staged.id and other.state is not BlockState.PENDING:
-                ends = end_block if staged.ready.moves else stop_block  # where it moves, it moves all that did
-                scene = ends(scene, other, now, f"{staged.id} replaces it")
-    if staged.block.composition is Composition.REPLACE and staged.ready.moves:
-        scene, staged, notices = _in_place(scene, staged, wished, now)
+            if other.id != running.id and other.state is not BlockState.PENDING:
+                end = end_block if running.prepared.moves else stop_block  # a block that moves takes over their motion
+                scene = end(scene, other, now, f"{running.id} replaces it")
+    if running.block.composition is Composition.REPLACE and running.prepared.moves:
+        scene, running, notices = _replace_motion(scene, running, desired, now)
     else:
-        scene, staged, notices = _beside(scene, staged, wished, now)
-    staged, speech_notices = silence_overlap(scene, staged)
-    notices = (*notices, *speech_notices, *_late(staged))
-    left_out = times_of(staged.ready.plan.syncs).keys() - staged.times.keys()
-    missing = [each.id for each in staged.block.behaviours if each.required and each.id in left_out]
+        scene, running, notices = _merge_motion(scene, running, desired, now)
+    running, speech_notices = silence_overlap(scene, running)
+    notices = (*notices, *speech_notices, *_lateness(running))
+    left_out = times_of(running.prepared.plan.syncs).keys() - running.times.keys()
+    missing = [each.id for each in running.block.behaviours if each.required and each.id in left_out]
     if missing:
-        return _failed(before, staged, missing, notices, now)
-    staged = replace(staged, state=BlockState.IN_EXEC)
-    if staged.differs(SHIFT_TO_WARN):
-        scene = scene.say(staged.prediction(now))
-    scene = scene.say(*(staged.warning(notice, now) for notice in notices))
-    staged = replace(staged, told=(staged.zero, staged.times))
-    own = (replace(due, time=max(due.time, now)) for due in staged.agenda())  # what lies in the past is told at once
-    scene = replace(scene.put(staged), agenda=order_feedback(scene.agenda, tuple(own)))
+        return _fail(before, running, missing, notices, now)
+    running = replace(running, state=BlockState.IN_EXEC)
+    if running.differs_from_prediction(SHIFT_TO_WARN):
+        scene = scene.say(running.prediction(now))
+    scene = scene.say(*(running.warning(notice, now) for notice in notices))
+    running = replace(running, predicted=(running.zero, running.times))
+    coming = tuple(replace(message, time=max(message.time, now)) for message in running.agenda())
+    scene = replace(scene.with_block(running), agenda=order_feedback(scene.agenda, coming))
     scene = aim_again(before, scene, now)
-    for id in staged.block.succession.activates:
+    for id in running.block.succession.activates:
         scene = activate_block(scene, id, now)
     return scene
 
 
-def _failed(scene: Scene, staged: RunningBlock, missing: list[str], notices: tuple[Notice, ...], now: float) -> Scene:
-    """Nothing of a block is performed when something that it requires meets what plays."""
+def _fail(scene: Scene, running: RunningBlock, missing: list[str], notices: tuple[Notice, ...], now: float) -> Scene:
+    """Performs nothing of a block when something that it requires is left out."""
     text = f"not performed, because it requires {', '.join(missing)}"
-    every = (*notices, Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, staged.id, text))
-    agenda = tuple(due for due in without(scene.agenda, staged.id) if due.unless_improved != staged.id)
-    after = replace(scene.gone(staged, BlockState.FAILED), agenda=agenda)
-    return after.say(*(staged.warning(each, now) for each in every))
+    every = (*notices, Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, running.id, text))
+    agenda = without_doubts(without(scene.agenda, running.id), running.id)
+    after = replace(scene.without_block(running, BlockState.FAILED), agenda=agenda)
+    return after.say(*(running.warning(notice, now) for notice in every))
 
 
 def activate_block(scene: Scene, id: str, now: float) -> Scene:
-    """Begins a block that was sent early, or lets it wait for its turn; others stay as they are."""
-    staged = scene.find(id)
-    if staged is None or staged.state is not BlockState.PENDING:
+    """Starts a block that waits to be activated, or lets it wait for other blocks; others stay as they are."""
+    running = scene.find(id)
+    if running is None or running.state is not BlockState.PENDING:
         return scene
-    waiting = replace(staged, state=BlockState.LURKING)
-    scene = scene.put(waiting)
-    return start_block(scene, waiting, now) if scene.has_turn(waiting, now) else scene
+    waiting = replace(running, state=BlockState.LURKING)
+    scene = scene.with_block(waiting)
+    return start_block(scene, waiting, now) if scene.may_start(waiting, now) else scene
 
 
-def _wished(scene: Scene, staged: RunningBlock, now: float) -> float:
-    """Global time [s] at which the block's time 0 is wished."""
-    asked = staged.ready.asked
-    earliest = max(now + scene.ahead, scene.turn(staged))
-    return max(earliest, asked.zero) if asked.is_anchored else earliest + staged.lead
+def _desired_zero(scene: Scene, running: RunningBlock, now: float) -> float:
+    """Global time [s] at which the block's time 0 is to be."""
+    request = running.prepared.request
+    earliest = max(now + scene.ahead, scene.earliest_start(running))
+    return max(earliest, request.zero) if request.is_anchored else earliest + running.lead
 
 
-def _beside(
-    scene: Scene, staged: RunningBlock, wished: float, now: float
+def _merge_motion(
+    scene: Scene, running: RunningBlock, desired: float, now: float
 ) -> tuple[Scene, RunningBlock, tuple[Notice, ...]]:
-    """Laid over what plays; what meets it is left out."""
-    if not staged.ready.moves:
-        return scene, replace(staged, zero=wished), ()
-    others = occupancy_of_others(scene, replace(staged, zero=wished))
-    laid = merge(scene.motion, scene.first_change(now), staged.ready.plan, begin=wished, busy=others)
-    return _with(scene, staged, laid)
+    """Lays the block over what plays; behaviours without a place are left out."""
+    if not running.prepared.moves:
+        return scene, replace(running, zero=desired), ()
+    others = occupancy_of_others(scene, replace(running, zero=desired))
+    merged = merge(scene.motion, scene.first_change(now), running.prepared.plan, begin=desired, occupied=others)
+    return _with_motion(scene, running, merged)
 
 
-def _in_place(
-    scene: Scene, staged: RunningBlock, wished: float, now: float
+def _replace_motion(
+    scene: Scene, running: RunningBlock, desired: float, now: float
 ) -> tuple[Scene, RunningBlock, tuple[Notice, ...]]:
-    """In the place of all that moves."""
-    over = replace_motion(scene.motion, scene.first_change(now), staged.ready.plan, begin=wished)
-    return _with(replace(scene, left=()), staged, over)
+    """Puts the block in the place of all that moves."""
+    merged = replace_motion(scene.motion, scene.first_change(now), running.prepared.plan, begin=desired)
+    return _with_motion(replace(scene, lasting=()), running, merged)
 
 
-def _late(staged: RunningBlock) -> tuple[Notice, ...]:
-    """Says when a block that refers to others begins too late to meet them."""
-    asked = staged.ready.asked
-    late = staged.zero - asked.zero
-    if not asked.is_anchored or late <= SHIFT_TO_WARN:
+def _lateness(running: RunningBlock) -> tuple[Notice, ...]:
+    """Warns when a block that refers to others begins too late to meet them."""
+    request = running.prepared.request
+    late = running.zero - request.zero
+    if not request.is_anchored or late <= SHIFT_TO_WARN:
         return ()
     text = f"it begins {late:.3f} s too late to meet the sync points of other blocks"
-    return (Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, staged.id, text),)
+    return (Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, running.id, text),)
 
 
-def _with(scene: Scene, staged: RunningBlock, laid: MergedMotion) -> tuple[Scene, RunningBlock, tuple[Notice, ...]]:
-    own = replace(staged, merged=laid, zero=laid.zero, times=times_of(laid.syncs))
-    return replace(scene, motion=laid.trajectory), own, laid.notices
+def _with_motion(
+    scene: Scene, running: RunningBlock, merged: MergedMotion
+) -> tuple[Scene, RunningBlock, tuple[Notice, ...]]:
+    running = replace(running, merged=merged, zero=merged.zero, times=times_of(merged.syncs))
+    return replace(scene, motion=merged.trajectory), running, merged.notices

@@ -233,10 +233,10 @@ def feedback(plan: Plan, lags: Mapping[SyncTime, float | None] = UNSEEN) -> Iter
     for notice in plan.notices:
         yield warning(notice, character=block.character)
     seen_at = {(s.behaviour, s.sync): s.planned + lag for s, lag in lags.items() if lag is not None}
-    for due in agenda(block.id, times, 0.0, sender=0, character=block.character):
-        point = due.told
+    for message in agenda(block.id, times, 0.0, sender=0, character=block.character):
+        point = message.content
         measured = seen_at.get((point.behaviour or "", point.point)) if isinstance(point, Progress) else None
-        yield due.xml if measured is None else due.seen(measured).xml
+        yield message.xml if measured is None else message.measured_at(measured).xml
 
 
 def _timing(performance: Performance, checking: float) -> dict[str, Json]:

@@ -149,7 +149,7 @@ class Loop(Thread):
 
     def _measured(self, due: ScheduledFeedback, now: float) -> ScheduledFeedback | None:
         """With the time at which the body was there, where that can be told; None: it is worth waiting a little."""
-        point = due.told
+        point = due.content
         if self._body is None or isinstance(point, str) or point.behaviour is None:
             return due
         hinges = self._moving.get((point.block, point.behaviour))
@@ -158,7 +158,7 @@ class Loop(Thread):
         late = self._gauge.lateness(due.time, hinges, self.motion)
         if late is None and now < due.time + PATIENCE:
             return None
-        return due if late is None or isnan(late) else due.seen(due.time + late)
+        return due if late is None or isnan(late) else due.measured_at(due.time + late)
 
     def _now(self) -> float:
         """[s] now, by a sink that owns the time, if there is one; never before what is out."""

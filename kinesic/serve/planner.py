@@ -10,7 +10,7 @@ from kinesic.bml.block import BmlError, Bounds
 from kinesic.body.config import ConfigError
 from kinesic.expressivity.style.style import Style
 from kinesic.planning.setup import Setup
-from kinesic.realizer.contention import among
+from kinesic.realizer.contention import with_engaged_hands
 from kinesic.realizer.realizer import (
     Scene,
     advance,
@@ -18,7 +18,7 @@ from kinesic.realizer.realizer import (
     change_manner,
     improve_block,
     interrupt,
-    ready,
+    prepare,
 )
 from kinesic.realizer.release import release_motion
 from kinesic.realizer.request import Message, read_request, refusal_feedback
@@ -113,9 +113,9 @@ class PlannerState:
         self._stops, self._took = beginning.stops, 0.0
         self._senses, self._versions = beginning.senses, dict[str, Version]()  # of the tracks that the loop has
         self._improving = False  # whether the improver is at work
-        warming = begin(Scene.of(setup), ready(read_request(Message(WARMING), setup), setup), 0.0)
-        for staged in warming.playing:
-            track(staged, beginning.senses)
+        warming = begin(Scene.of(setup), prepare(read_request(Message(WARMING), setup), setup), 0.0)
+        for running in warming.playing:
+            track(running, beginning.senses)
         advance(warming, 0.1)
         self._scene = replace(Scene.of(setup), motion=beginning.motion, agenda=beginning.agenda)
 
@@ -145,10 +145,10 @@ class PlannerState:
 
     def ask_for_better(self) -> None:
         """Has the improver plan the first block that could be planned better, when it has nothing else to do."""
-        if self._improving or not self._scene.wishes:
+        if self._improving or not self._scene.replans:
             return
-        first, *others = self._scene.wishes
-        self._scene = replace(self._scene, wishes=tuple(others))
+        first, *others = self._scene.replans
+        self._scene = replace(self._scene, replans=tuple(others))
         self._improver.send_bytes(pack(RefinementJob(first, self._scene.setup.style)))
         self._improving = True
 
@@ -179,8 +179,10 @@ class PlannerState:
     def _plan(self, document: DocumentRequest) -> None:
         message = Message(document.text, document.sender, document.source)
         try:
-            around = self._scene.around(self._clock.now())
-            known = among(self._scene, read_request(message, self._scene.setup, around=around, bounds=self._bounds))
+            around = self._scene.context(self._clock.now())
+            known = with_engaged_hands(
+                self._scene, read_request(message, self._scene.setup, context=around, bounds=self._bounds)
+            )
             if known.timeline.end - known.timeline.start > self._rules.duration:
                 what = (
                     f"{known.block.id} lasts {known.timeline.end:.0f} s, at most {self._rules.duration:g} s are taken"
@@ -192,7 +194,7 @@ class PlannerState:
                 )
                 return
             self._loop.send(FeedbackNotice(known.prediction, document.sender))
-            coming = ready(known, self._scene.setup)
+            coming = prepare(known, self._scene.setup)
         except BmlError as error:
             self._loop.send(FeedbackNotice(refusal_feedback(message, error), document.sender))
             return
@@ -226,8 +228,10 @@ class PlannerState:
             self._took = min(LONGEST, max(self._clock.now() - now, SLOWER * self._took))
             motion = scene.motion if moves and scene.motion is not self._scene.motion else None
             versions, tracks = self._tracks(scene)
-            owed = frozenset(staged.sender for staged in scene.blocks)
-            moving = {(staged.id, busy.behaviour): busy.hinges for staged in scene.blocks for busy in staged.busy}
+            owed = frozenset(running.sender for running in scene.blocks)
+            moving = {
+                (running.id, busy.behaviour): busy.hinges for running in scene.blocks for busy in running.occupancy
+            }
             self._loop.send(
                 Proposal(self._stops, now, now + ahead, motion, (*scene.said, *scene.agenda), owed, moving, tracks)
             )
@@ -247,8 +251,8 @@ class PlannerState:
         """What is seen and heard of the blocks that play, where the loop does not know it yet."""
         if not (self._senses.face or self._senses.sound):
             return {}, {}
-        playing = {staged.id: staged for staged in scene.playing}
-        versions = {id: version(staged) for id, staged in playing.items()}
+        playing = {running.id: running for running in scene.playing}
+        versions = {id: version(running) for id, running in playing.items()}
         over: dict[str, Track | None] = dict.fromkeys(self._versions.keys() - versions.keys())
         fresh = [id for id, own in versions.items() if self._versions.get(id) != own]
         return versions, over | {id: track(playing[id], self._senses) for id in fresh}

@@ -40,16 +40,18 @@ Sounds = Mapping[tuple[str, float], Sound]  # by block and the time [s] of the c
 Version = tuple[int, float, float, int]  # of a block: it has another one when its track has to be made anew
 
 
-def version(staged: RunningBlock) -> Version:
+def version(running: RunningBlock) -> Version:
     """By which one knows whether a block's track is still right."""
-    return id(staged.ready.plan), staged.zero, staged.end, len(staged.times)
+    return id(running.prepared.plan), running.zero, running.end, len(running.times)
 
 
-def track(staged: RunningBlock, senses: SoundAndFace) -> Track:
+def track(running: RunningBlock, senses: SoundAndFace) -> Track:
     """What is seen and heard of a block that plays."""
-    plan, zero = staged.ready.plan, staged.zero
+    plan, zero = running.prepared.plan, running.zero
     begin = zero - plan.trajectory.zero
-    sounds = tuple((spoken.begin, found) for spoken in staged.speeches if (found := spoken.utterance.sound) is not None)
+    sounds = tuple(
+        (spoken.begin, found) for spoken in running.speeches if (found := spoken.utterance.sound) is not None
+    )
     is_seen = senses.face and asks_face(plan)
     times = np.arange(int(plan.duration * RATE) + 1) / RATE
     return Track(begin, shown_units(plan, times) if is_seen else {}, sounds if senses.sound else ())

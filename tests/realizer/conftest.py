@@ -8,8 +8,8 @@ import pytest
 
 from kinesic.bml.composition import BlockState
 from kinesic.planning.setup import Setup
-from kinesic.realizer.contention import among
-from kinesic.realizer.realizer import PreparedBlock, Scene, ScheduledFeedback, advance, begin, ready
+from kinesic.realizer.contention import with_engaged_hands
+from kinesic.realizer.realizer import PreparedBlock, Scene, ScheduledFeedback, advance, begin, prepare
 from kinesic.realizer.request import Message, read_request
 
 TICK = 0.01  # [s]
@@ -29,8 +29,8 @@ class Play:
 
     def ready(self, id: str, inside: str = "", attributes: str = "", sender: int = 0) -> PreparedBlock:
         text = f'<bml {NAMESPACES} id="{id}" {attributes}>{inside}</bml>'
-        known = read_request(Message(text, sender), self.scene.setup, around=self.scene.around(self.now))
-        return ready(among(self.scene, known), self.scene.setup)
+        known = read_request(Message(text, sender), self.scene.setup, context=self.scene.context(self.now))
+        return prepare(with_engaged_hands(self.scene, known), self.scene.setup)
 
     def send(self, id: str, inside: str = "", attributes: str = "", sender: int = 0) -> "Play":
         return self.take(begin(self.scene, self.ready(id, inside, attributes, sender), self.now))
@@ -39,7 +39,7 @@ class Play:
         """A plan that costs nothing."""
         block = replace(made.plan.timeline.block, id=id)
         plan = replace(made.plan, timeline=replace(made.plan.timeline, block=block))
-        return replace(made, plan=plan, asked=replace(made.asked, block=block))
+        return replace(made, plan=plan, request=replace(made.request, block=block))
 
     def take(self, after: Scene) -> "Play":
         self.scene = after
@@ -53,7 +53,7 @@ class Play:
         return self
 
     def state(self, id: str) -> BlockState | None:
-        return self.scene.states.get(id) or next((past.state for past in self.scene.past if past.id == id), None)
+        return self.scene.states.get(id) or next((past.state for past in self.scene.ended if past.id == id), None)
 
     def at(self, id: str) -> float:
         """When a point was told, as `block:behaviour:point` or `block:point`; exactly once."""

@@ -1,4 +1,4 @@
-"""Another manner while a block plays."""
+"""Another style and better plans while a block plays or waits."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from kinesic.body.config import ConfigError
 from kinesic.expressivity.style.style import Style
 from kinesic.motion.limit_check import peaks
 from kinesic.planning.setup import Setup
-from kinesic.realizer.realizer import Scene, advance, begin, change_manner, improve_block, ready, take_replans
+from kinesic.realizer.realizer import Scene, advance, begin, change_manner, improve_block, prepare, take_replans
 from kinesic.realizer.request import Message, TimedRequest, read_request
 
 BML = (
@@ -20,16 +20,18 @@ SPEECH = '<speech id="s"><text>One two three four five six seven</text></speech>
 
 
 def sent(scene: Scene, id: str, inside: str, now: float) -> Scene:
-    coming = ready(read_request(Message(BML.format(id, inside)), scene.setup, around=scene.around(now)), scene.setup)
+    coming = prepare(
+        read_request(Message(BML.format(id, inside)), scene.setup, context=scene.context(now)), scene.setup
+    )
     return begin(scene, coming, now)
 
 
-def granted(scene: Scene, now: float) -> tuple[Scene, tuple[TimedRequest, ...]]:
-    """The scene with all its wishes planned, as far as that can be."""
-    scene, wishes = take_replans(scene)
-    for wish in wishes:
-        scene = improve_block(scene, wish.block.id, ready(wish, scene.setup).plan, now) or scene
-    return scene, wishes
+def replanned(scene: Scene, now: float) -> tuple[Scene, tuple[TimedRequest, ...]]:
+    """The scene with all blocks planned anew, as far as that can be."""
+    scene, requests = take_replans(scene)
+    for request in requests:
+        scene = improve_block(scene, request.block.id, prepare(request, scene.setup).plan, now) or scene
+    return scene, requests
 
 
 def swing(scene: Scene, first: float, last: float) -> float:
@@ -48,8 +50,8 @@ def test_amount_changes_what_is_still_to_come(nodding: Scene) -> None:
     before = swing(nodding, 1.8, 2.6)
     scene = change_manner(advance(nodding, 1.0), 1.0, amount=0.3)
     assert scene.said == ()
-    scene, (wish,) = granted(scene, 1.0)
-    action = wish.block.behaviours[0].action
+    scene, (request,) = replanned(scene, 1.0)
+    action = request.block.behaviours[0].action
     assert isinstance(action, Head)
     assert action.amount == 0.3
     assert swing(scene, 1.8, 2.6) == pytest.approx(before * 0.3 / 0.8, rel=0.1)
@@ -63,22 +65,22 @@ def test_a_style_for_all_is_that_of_what_comes_too(nodding: Scene) -> None:
     tense = Style.load("neutral").changed(["spatial=-0.8"])
     scene = change_manner(nodding, 0.2, style=tense)
     assert scene.setup.style is tense
-    assert [wish.block.id for wish in scene.wishes] == ["a"]
+    assert [request.block.id for request in scene.replans] == ["a"]
 
 
 def test_a_style_for_one_block_leaves_the_others(nodding: Scene) -> None:
     scene = sent(nodding, "b", '<gesture id="g" lexeme="BEAT"/>', 0.2)
     scene = change_manner(scene, 0.3, style="neutral", block="b")
-    (wish,) = scene.wishes
-    assert (wish.block.id, wish.block.behaviours[0].manner.style) == ("b", "neutral")
+    (request,) = scene.replans
+    assert (request.block.id, request.block.behaviours[0].manner.style) == ("b", "neutral")
     assert scene.setup.style is nodding.setup.style
 
 
 def test_changes_add_up(nodding: Scene) -> None:
     scene = change_manner(nodding, 0.2, amount=0.4)
     scene = change_manner(scene, 0.2, style="neutral", block="a")
-    (wish,) = scene.wishes
-    behaviour = wish.block.behaviours[0]
+    (request,) = scene.replans
+    behaviour = request.block.behaviours[0]
     assert isinstance(behaviour.action, Head)
     assert (behaviour.action.amount, behaviour.manner.style) == (0.4, "neutral")
 
@@ -87,8 +89,8 @@ def test_what_is_said_already_stays(known: Setup) -> None:
     scene = sent(Scene.of(known), "a", SPEECH + NODS, 0.0)
     before = scene.speeches
     scene = change_manner(scene, 0.5, style=Style.load("neutral").changed(["temporal=0.9"]))
-    scene, (wish,) = granted(scene, 0.5)
-    assert wish.is_decided
+    scene, (request,) = replanned(scene, 0.5)
+    assert request.is_decided
     assert scene.speeches == before
 
 
@@ -112,10 +114,10 @@ def test_a_block_changes_another(nodding: Scene, target: str, parameter: str, va
     scene = sent(nodding, "b", CHANGE.format(target, parameter, value), 0.2)
     scene = advance(scene, 0.21)
     assert not [due for due in scene.said if "<warning" in due.xml]
-    (wish,) = scene.wishes
-    changed_ = wish.block.behaviours[0]
+    (request,) = scene.replans
+    changed_ = request.block.behaviours[0]
     assert changed_ != nodding.blocks[0].block.behaviours[0]
-    assert improve_block(scene, "a", ready(wish, scene.setup).plan, 0.25) is not None
+    assert improve_block(scene, "a", prepare(request, scene.setup).plan, 0.25) is not None
 
 
 @pytest.mark.parametrize(
@@ -132,4 +134,54 @@ def test_what_cannot_be_changed_is_warned(nodding: Scene, parameter: str, value:
     warnings = [due.xml for due in scene.said if 'id="b:p"' in due.xml]
     assert len(warnings) == 1
     assert said in warnings[0]
-    assert scene.wishes == ()
+    assert scene.replans == ()
+
+
+HURRIED = "".join(f'<gesture id="g{k}" lexeme="BEAT" mode="RIGHT_HAND" stroke="{1.2 + 0.5 * k}"/>' for k in range(5))
+
+
+def test_a_large_block_is_improved_while_it_plays(play):
+    play.send("a", HURRIED)
+    assert play.warnings() == []
+    play.scene, (request,) = take_replans(play.scene)
+    better = prepare(request, play.scene.setup).plan
+    play.until(0.2)
+    after = improve_block(play.scene, "a", better, play.now)
+    assert after is not None
+    assert take_replans(after)[1] == ()
+    play.scene = after
+    play.until(8.0)
+    strokes = {sync.behaviour: sync.planned for sync in better.syncs if sync.sync == "stroke"}
+    assert {id: play.at(f"a:{id}:stroke") for id in strokes} == pytest.approx(strokes, abs=0.011)
+    assert len(play.predictions("a")) == 2
+    assert len(play.warnings()) == len(better.notices)
+    assert improve_block(play.scene, "a", better, play.now) is None
+
+
+def test_a_better_plan_keeps_to_the_hand_that_others_leave_free(play):
+    play.send("a", '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND"/>').until(0.3)
+    open_ = "".join(f'<gesture id="g{k}" lexeme="BEAT" stroke="{0.8 + 1.2 * k}"/>' for k in range(5))
+    play.send("b", open_)
+    play.scene, (request,) = take_replans(play.scene)
+    better = prepare(request, play.scene.setup).plan
+    before = play.scene.find("b").prepared.plan
+    assert better.keyframes.uses == before.keyframes.uses
+    assert before.keyframes.uses["g0"] == {"l_hand"}
+    assert before.keyframes.uses["g4"] == {"r_hand"}
+    assert improve_block(play.scene, "b", better, play.now) is not None
+
+
+def test_what_no_better_plan_mends_is_warned(play):
+    coming = play.ready("a", HURRIED)
+    play.take(begin(play.scene, coming, play.now)).until(8.0)
+    assert len(play.warnings()) == len(coming.plan.notices) > 0
+
+
+def test_a_block_that_waits_gets_a_better_plan(play):
+    play.send("w", '<wait id="w" duration="1"/>').send("a", HURRIED, 'composition="APPEND"')
+    play.scene, (request,) = take_replans(play.scene)
+    after = improve_block(play.scene, "a", prepare(request, play.scene.setup).plan, play.now)
+    assert after is not None
+    play.scene = after
+    play.until(9.0)
+    assert play.at("a:g4:stroke") == pytest.approx(1.0 + 1.2 + 0.5 * 4, abs=0.03)

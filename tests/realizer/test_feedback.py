@@ -17,7 +17,7 @@ TIMES = {"h": {"start": 0.0, "stroke": 1.0, "relax": 1.5, "end": 2.0}, "s": {"st
 
 
 def keys(dues: tuple[ScheduledFeedback, ...]) -> list[str]:
-    return [f"{due.told.behaviour or ''}:{due.told.point}" for due in dues if isinstance(due.told, Progress)]
+    return [f"{due.content.behaviour or ''}:{due.content.point}" for due in dues if isinstance(due.content, Progress)]
 
 
 def test_span() -> None:
@@ -79,11 +79,11 @@ def test_agendas_are_joined_in_time() -> None:
 
 
 def test_measured_times_are_told_in_our_namespace() -> None:
-    due = ScheduledFeedback(12.0, Progress("b", "h", "stroke", 2.0, "Anna")).seen(12.034)
+    due = ScheduledFeedback(12.0, Progress("b", "h", "stroke", 2.0, "Anna")).measured_at(12.034)
     assert 'xmlns:kinesic="urn:kinesic"' in due.xml
     assert 'kinesic:measuredGlobalTime="12.034" kinesic:lag="0.034"' in due.xml
     assert 'characterId="Anna"' in due.xml
-    ended = ScheduledFeedback(3.0, Progress("b", None, "end", 2.0, state=BlockState.INTERRUPTED)).seen(3.1)
+    ended = ScheduledFeedback(3.0, Progress("b", None, "end", 2.0, state=BlockState.INTERRUPTED)).measured_at(3.1)
     assert 'kinesic:state="INTERRUPTED" kinesic:measuredGlobalTime="3.1"' in ended.xml
     assert "kinesic" not in ScheduledFeedback(3.0, Progress("b", None, "end", 2.0)).xml
 

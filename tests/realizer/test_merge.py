@@ -81,7 +81,7 @@ def test_a_block_on_a_body_at_rest_is_its_own_plan(planned, running):
 
 @pytest.mark.parametrize("time", [2.0, 3.7, 5.2, 9.0])
 def test_a_nod_goes_over_gestures_that_go_on(planned, running, known, time):
-    found = merge(running.trajectory, time, planned(NOD), begin=time, busy=running.busy)
+    found = merge(running.trajectory, time, planned(NOD), begin=time, occupied=running.occupancy)
     certified(found.trajectory, known, running.trajectory, time)
     assert found.dropped == ()
     arms = [*arm_hinges("l_hand", known.robot), *arm_hinges("r_hand", known.robot)]
@@ -94,7 +94,7 @@ def test_a_nod_goes_over_gestures_that_go_on(planned, running, known, time):
 
 def test_a_nod_adds_to_a_gaze(planned, rest, known):
     gaze = merge(rest, 0.0, planned('<gaze id="z" target="left" start="0" end="4"/>'), begin=0.0)
-    found = merge(gaze.trajectory, 1.2, planned(NOD), begin=1.2, busy=gaze.busy)
+    found = merge(gaze.trajectory, 1.2, planned(NOD), begin=1.2, occupied=gaze.occupancy)
     certified(found.trajectory, known, gaze.trajectory, 1.2)
     torsion, tilt, _ = known.robot.joints("neck")
     times = np.linspace(0.0, 5.0, 200)
@@ -106,7 +106,7 @@ def test_a_nod_adds_to_a_gaze(planned, rest, known):
 def test_one_hand_goes_while_the_other_does_something_else(planned, rest, known):
     left = merge(rest, 0.0, planned(gesture("LEFT", id="l", lexeme="offer")), begin=0.0)
     plan = planned(gesture("RIGHT"))
-    found = merge(left.trajectory, 0.4, plan, begin=0.4, busy=left.busy)
+    found = merge(left.trajectory, 0.4, plan, begin=0.4, occupied=left.occupancy)
     certified(found.trajectory, known, left.trajectory, 0.4)
     assert found.dropped == ()
     strokes(plan, found, list(arm_hinges("r_hand", known.robot)))
@@ -122,7 +122,7 @@ def test_the_lean_of_one_reach_adds_to_that_of_the_other(planned, rest, known):
         for side in ("left", "right")
     ]
     first = merge(rest, 0.0, plans[0], begin=0.0)
-    found = merge(first.trajectory, 0.3, plans[1], begin=0.3, busy=first.busy)
+    found = merge(first.trajectory, 0.3, plans[1], begin=0.3, occupied=first.occupancy)
     certified(found.trajectory, known, first.trajectory, 0.3)
     assert found.dropped == ()
 
@@ -130,14 +130,14 @@ def test_the_lean_of_one_reach_adds_to_that_of_the_other(planned, rest, known):
 def test_a_hand_that_is_busy_leaves_the_behaviour_out_by_name(planned, rest, known):
     first = merge(rest, 0.0, planned(gesture("RIGHT", 1.5, lexeme="offer")), begin=0.0)
     plan = planned(SPOKEN + gesture("RIGHT", 1.2, id="beat") + '<head id="n" lexeme="NOD" start="0.4"/>')
-    found = merge(first.trajectory, 0.2, plan, begin=0.2, busy=first.busy)
+    found = merge(first.trajectory, 0.2, plan, begin=0.2, occupied=first.occupancy)
     certified(found.trajectory, known, first.trajectory, 0.2)
     assert found.dropped == ("beat",)
     (notice,) = found.notices
     assert (notice.type, notice.id) == (NoticeType.IMPOSSIBLE_TO_SCHEDULE, "b:beat")
     assert "r_hand busy with g for" in notice.text
     assert {sync.behaviour for sync in found.syncs} == {"s", "n"}
-    assert {each.behaviour for each in found.busy} == {"n"}
+    assert {each.behaviour for each in found.occupancy} == {"n"}
     hinges = list(arm_hinges("r_hand", known.robot))
     times = np.linspace(0.0, 4.0, 100)
     before, after = (each.trajectory.sample(times)[0][:, hinges] for each in (first, found))
@@ -146,20 +146,20 @@ def test_a_hand_that_is_busy_leaves_the_behaviour_out_by_name(planned, rest, kno
 
 def test_a_silent_block_waits_a_little_where_that_helps(planned, rest, known):
     first = merge(rest, 0.0, planned(NOD), begin=0.0)
-    found = merge(first.trajectory, 0.1, planned('<head id="m" lexeme="SHAKE"/>'), begin=0.1, busy=first.busy)
+    found = merge(first.trajectory, 0.1, planned('<head id="m" lexeme="SHAKE"/>'), begin=0.1, occupied=first.occupancy)
     certified(found.trajectory, known, first.trajectory, 0.1)
     assert found.dropped == ()
     assert 0.1 < found.zero - 0.1 <= 0.61
     assert [notice.id for notice in found.notices] == ["b:m"]
     assert f"{found.zero - 0.1:.3f} s later" in found.notices[0].text
-    (need,) = found.busy
-    assert need.ready >= first.busy[0].relax - 1e-9
+    (need,) = found.occupancy
+    assert need.ready >= first.occupancy[0].relax - 1e-9
 
 
 def test_a_block_that_speaks_does_not_wait(planned, rest):
     first = merge(rest, 0.0, planned(NOD), begin=0.0)
     plan = planned(SPOKEN + '<head id="m" lexeme="SHAKE"/>')
-    found = merge(first.trajectory, 0.1, plan, begin=0.1, busy=first.busy)
+    found = merge(first.trajectory, 0.1, plan, begin=0.1, occupied=first.occupancy)
     assert found.dropped == ("m",)
     assert found.zero == pytest.approx(0.1)
     assert found.trajectory is first.trajectory
@@ -168,7 +168,9 @@ def test_a_block_that_speaks_does_not_wait(planned, rest):
 def test_arms_that_would_meet_are_not_moved_at_once(planned, rest, known):
     point = '<pointing id="{}" target="{}" mode="{}_HAND"/>'
     first = merge(rest, 0.0, planned(point.format("r", "left", "RIGHT")), begin=0.0)
-    found = merge(first.trajectory, 0.3, planned(point.format("l", "right", "LEFT")), begin=0.3, busy=first.busy)
+    found = merge(
+        first.trajectory, 0.3, planned(point.format("l", "right", "LEFT")), begin=0.3, occupied=first.occupancy
+    )
     assert found.dropped == ("l",)
     assert "mm of" in found.notices[0].text
     assert found.trajectory is first.trajectory
@@ -177,14 +179,14 @@ def test_arms_that_would_meet_are_not_moved_at_once(planned, rest, known):
 def test_a_retraction_gives_way_to_the_next_gesture(planned, rest, known):
     plan = planned(gesture("RIGHT"))
     first = merge(rest, 0.0, planned(gesture("RIGHT", 1.0, lexeme="offer")), begin=0.0)
-    relax, end = first.busy[0].relax, first.busy[0].end
+    relax, end = first.occupancy[0].relax, first.occupancy[0].end
     time = relax + 0.2 * (end - relax)
-    found = merge(first.trajectory, time, plan, begin=time, busy=first.busy)
+    found = merge(first.trajectory, time, plan, begin=time, occupied=first.occupancy)
     certified(found.trajectory, known, first.trajectory, time)
     assert found.dropped == ()
     hinges = list(arm_hinges("r_hand", known.robot))
     strokes(plan, found, hinges)
-    times = np.linspace(time, found.busy[0].ready, 50)
+    times = np.linspace(time, found.occupancy[0].ready, 50)
     away = np.abs(found.trajectory.sample(times)[0][:, hinges] - known.robot.skeleton.rest[hinges]).max(axis=1)
     assert away.min() > 0.05  # it does not go home in between
 
@@ -193,20 +195,22 @@ def test_a_look_goes_where_it_is_asked_to_from_one_that_stays(planned, rest, kno
     torsion = known.robot.joints("neck")[0]
     left = merge(rest, 0.0, planned('<gazeShift id="l" target="left" start="0" end="1"/>'), begin=0.0)
     right = planned('<gaze id="r" target="right" start="0" end="3"/>')
-    found = merge(left.trajectory, 2.0, right, begin=2.0, busy=left.busy)
+    found = merge(left.trajectory, 2.0, right, begin=2.0, occupied=left.occupancy)
     certified(found.trajectory, known, left.trajectory, 2.0)
     wanted = right.trajectory.at(1.6 + right.trajectory.zero).angles[torsion]
     assert found.trajectory.at(found.zero + 1.6).angles[torsion] == pytest.approx(wanted, abs=0.02)
     back = found.trajectory.controls[-1]
     np.testing.assert_allclose(back, left.trajectory.controls[-1], atol=1e-6)
-    stays = merge(left.trajectory, 2.0, planned('<gazeShift id="r" target="right"/>'), begin=2.0, busy=left.busy)
+    stays = merge(
+        left.trajectory, 2.0, planned('<gazeShift id="r" target="right"/>'), begin=2.0, occupied=left.occupancy
+    )
     assert stays.trajectory.controls[-1][torsion] == pytest.approx(-left.trajectory.controls[-1][torsion], abs=0.02)
 
 
 def test_two_looks_at_once_are_a_conflict(planned, rest):
     looks = '<gaze id="{}" target="{}" start="0" ready="0.8" relax="{}" end="9"/>'
     first = merge(rest, 0.0, planned(looks.format("z", "left", 6)), begin=0.0)
-    found = merge(first.trajectory, 0.3, planned(looks.format("y", "right", 3)), begin=0.3, busy=first.busy)
+    found = merge(first.trajectory, 0.3, planned(looks.format("y", "right", 3)), begin=0.3, occupied=first.occupancy)
     assert found.dropped == ("y",)
     assert "look busy with z" in found.notices[0].text
 
@@ -217,8 +221,8 @@ def test_a_past_that_is_cut_away_changes_nothing(planned, running, known):
     one, other = later.trajectory.sample(times)[0], running.trajectory.sample(times)[0]
     np.testing.assert_allclose(one, other, atol=1e-12)
     plan = planned(NOD)
-    one = merge(running.trajectory, 3.7, plan, begin=3.7, busy=running.busy)
-    other = merge(later.trajectory, 3.7, plan, begin=3.7, busy=later.busy)
+    one = merge(running.trajectory, 3.7, plan, begin=3.7, occupied=running.occupancy)
+    other = merge(later.trajectory, 3.7, plan, begin=3.7, occupied=later.occupancy)
     assert other.zero == pytest.approx(one.zero)
     np.testing.assert_allclose(other.trajectory.controls, one.trajectory.controls[200:], atol=1e-9)
 
@@ -228,10 +232,12 @@ def test_what_begins_at_another_time_of_the_clock_is_the_same(planned, known):
     found = []
     for start in (0.0, 1e4):
         one = merge(stay(known.robot.skeleton.rest, start=start), start, first, begin=start)
-        found.append(merge(one.trajectory, start + 0.5, second, begin=start + 0.5, busy=one.busy))
+        found.append(merge(one.trajectory, start + 0.5, second, begin=start + 0.5, occupied=one.occupancy))
     soon, late = found
     assert late.zero - soon.zero == pytest.approx(1e4)
-    assert [each.begin - soon_.begin for each, soon_ in zip(late.busy, soon.busy, strict=True)] == pytest.approx([1e4])
+    assert [
+        each.begin - soon_.begin for each, soon_ in zip(late.occupancy, soon.occupancy, strict=True)
+    ] == pytest.approx([1e4])
     np.testing.assert_allclose(late.trajectory.controls, soon.trajectory.controls, atol=1e-9)
     assert late.layer.start == late.trajectory.start == 1e4
 

@@ -4,15 +4,24 @@ import numpy as np
 import pytest
 
 from kinesic.bml.parse import parse
+from kinesic.motion.limit_check import peaks
 from kinesic.motion.trajectory import Trajectory
 from kinesic.motion.transition import knot_at, lengthen
+from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.quick_plan import plan_quickly
+from kinesic.realizer import pointing
 from kinesic.realizer.occupancy import occupancy_of
-from kinesic.realizer.pointing import correct_pointing, pointing_hands
+from kinesic.realizer.pointing import PointingStroke, correct_pointing, pointing_hands
+from kinesic.realizer.realizer import begin, improve_block, interrupt, prepare, take_replans
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 POINT = '<pointing id="p" target="user" mode="RIGHT_HAND" stroke="1.4"/>'
 TURN = np.radians(8.0)  # of the trunk
+LEAN = '<torso id="t" lexeme="lean" amount="1" start="0" end="3"/>'
+GAZE = '<gaze id="t" target="left" influence="WAIST" start="0" end="3"/>'
+BESIDE = '<pointing id="p" target="audience" mode="RIGHT_HAND"/>'
+LEFT = '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND"/>'
+SLIGHT = np.radians(0.2)
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +70,7 @@ def test_a_turned_trunk_makes_it_miss_and_the_arm_mends_it(leaning, alone, strok
 def test_a_corrected_motion_differs_only_in_the_arm_and_only_while_it_points(leaning, alone, stroke, known):
     (one,), needs = pointing_hands(alone), {each.behaviour: each for each in occupancy_of(alone)}
     cut = stroke - 0.4
-    found = correct_pointing(leaning, cut, one, stroke, needs["p"], [needs["g"]], known)
+    found = correct_pointing(leaning, cut, PointingStroke(one, stroke, needs["p"]), [needs["g"]], known)
     assert found is not None
     assert one.miss(posture(found, stroke), known.robot) < np.radians(0.5)
     count = max(len(found.controls), len(leaning.controls))
@@ -73,4 +82,114 @@ def test_a_corrected_motion_differs_only_in_the_arm_and_only_while_it_points(lea
 
 def test_no_motion_is_corrected_that_may_not_change_in_time(leaning, alone, stroke, known):
     (one,), needs = pointing_hands(alone), {each.behaviour: each for each in occupancy_of(alone)}
-    assert correct_pointing(leaning, needs["p"].end + 1.0, one, stroke, needs["p"], [], known) is None
+    moment = PointingStroke(one, stroke, needs["p"])
+    assert correct_pointing(leaning, needs["p"].end + 1.0, moment, [], known) is None
+
+
+def missed(play, block: str, *, motion=None) -> float:
+    """By how much the hand of a block points past its target in its stroke [rad]."""
+    running = play.scene.find(block)
+    (one,) = pointing_hands(running.prepared.plan)
+    stroke = running.zero + running.times[one.behaviour]["stroke"]
+    return one.miss((motion or play.scene.motion).sample(np.array([stroke]))[0][0], play.scene.setup.robot)
+
+
+def check(play) -> None:
+    known = play.scene.setup
+    for name, peak in peaks(play.scene.motion, known.limits).shares.items():
+        assert peak.ratios.max() <= 1.001, name
+    nearest = scan_clearance(play.scene.motion, known.distances)[1].distances.min()
+    assert nearest >= known.robot.least_clearance + LAG_RESERVE - 1e-4
+
+
+@pytest.mark.parametrize("other", [LEAN, GAZE])
+def test_a_hand_that_comes_to_point_allows_for_the_trunk(play, other):
+    play.send("a", other).until(0.4).send("b", BESIDE)
+    assert missed(play, "b") < SLIGHT
+    check(play)
+    play.until(6.0)
+    assert play.warnings() == []
+    assert play.scene.motion.controls[-1] == pytest.approx(play.scene.setup.robot.skeleton.rest, abs=1e-6)
+
+
+@pytest.mark.parametrize("other", [LEAN, GAZE])
+def test_a_hand_that_is_going_to_point_allows_for_a_trunk_that_moves_then(play, other):
+    play.send("a", BESIDE).until(0.2)
+    before = play.scene.motion
+    play.send("b", other)
+    assert missed(play, "a") < SLIGHT
+    check(play)
+    knot = knot_at(0.2 - play.scene.motion.start)
+    np.testing.assert_allclose(play.scene.motion.controls[:knot], before.controls[:knot], atol=1e-8)
+    play.until(6.0)
+    assert play.warnings() == []
+
+
+def test_a_trunk_that_comes_back_sooner_leaves_the_hand_where_it_points(play):
+    play.send("a", LEAN).until(0.4).send("b", BESIDE).until(0.5)
+    play.take(interrupt(play.scene, play.now, "a"))
+    assert missed(play, "b") < pointing.ASTRAY
+    check(play)
+
+
+def test_a_hand_that_is_interrupted_rests_while_the_trunk_goes_on(play):
+    play.send("a", LEAN).until(0.4).send("b", BESIDE).until(0.8)
+    play.take(interrupt(play.scene, play.now, "b"))
+    check(play)
+    play.until(6.0)
+    assert play.scene.motion.controls[-1] == pytest.approx(play.scene.setup.robot.skeleton.rest, abs=1e-6)
+    assert play.was_told("a:t:end")
+
+
+def test_other_works_of_the_hand_stay_as_they_are(play):
+    row = BESIDE.replace("/>", ' stroke="1.2"/>') + '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND" stroke="3.2"/>'
+    play.send("b", row)
+    before = play.scene.motion
+    beat = play.scene.find("b").times["g"]
+    play.until(0.2).send("a", LEAN.replace('end="3"', 'end="2"'))
+    assert missed(play, "b") < SLIGHT
+    times = np.arange(beat["ready"], beat["relax"], 0.01)
+    arm = list(play.scene.setup.robot.joints("r_arm"))
+    np.testing.assert_allclose(play.scene.motion.sample(times)[0][:, arm], before.sample(times)[0][:, arm], atol=1e-6)
+
+
+def test_what_servos_cannot_mend_is_told_by_name(play, monkeypatch):
+    monkeypatch.setattr(pointing, "correct_pointing", lambda *_: None)
+    play.send("a", LEAN).until(0.4).send("b", BESIDE)
+    (text,) = play.warnings()
+    assert 'id="b:p" type="IMPOSSIBLE_TO_SCHEDULE"' in text
+    assert f"points {np.degrees(missed(play, 'b')):.0f} deg past its target" in text
+    play.until(0.6).send("c", LEFT)
+    assert len(play.warnings()) == 1
+
+
+def test_a_trunk_that_leans_when_it_is_too_late_is_told(play):
+    play.send("a", BESIDE)
+    stroke = play.scene.find("a").times["p"]["stroke"]
+    play.until(stroke - 0.12).send("b", LEAN.replace("lean", "turn left"))
+    off = missed(play, "a")
+    assert (len(play.warnings("a:p")) == 1) == (off > pointing.ASTRAY)
+    check(play)
+
+
+def test_a_hand_beside_an_arm_stays_as_planned(play):
+    play.send("a", LEFT).until(0.3).send("b", BESIDE)
+    alone = play.ready("c", BESIDE).plan.trajectory.controls
+    arm = list(play.scene.setup.robot.joints("r_arm"))
+    own = play.scene.find("b").merged.layer.controls[:, arm]
+    assert np.ptp(own, axis=0) == pytest.approx(np.ptp(alone[:, arm], axis=0), abs=1e-6)
+
+
+def test_a_better_plan_points_as_well(play):
+    nods = "".join(f'<head id="h{k}" lexeme="NOD" stroke="{1.0 + 1.2 * k}"/>' for k in range(4))
+    play.send("a", LEAN).until(0.3)
+    coming = play.ready("b", BESIDE.replace("/>", ' stroke="1.3"/>') + nods)
+    assert coming.is_provisional
+    play.take(begin(play.scene, coming, play.now))
+    assert missed(play, "b") < SLIGHT
+    play.scene, (request,) = take_replans(play.scene)
+    after = improve_block(play.scene, "b", prepare(request, play.scene.setup).plan, play.now)
+    assert after is not None
+    play.scene = after
+    assert missed(play, "b") < SLIGHT
+    check(play)

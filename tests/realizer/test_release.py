@@ -55,10 +55,10 @@ def test_some_hinges_come_to_rest_and_the_others_go_on(planned, known):
 def test_a_block_is_taken_back_from_over_another(planned, known, rest):
     gaze = merge(rest, 0.0, planned(GAZE), begin=0.0)
     shake = planned('<head id="s" lexeme="SHAKE" repetition="3" start="0"/>')
-    both = merge(gaze.trajectory, 1.5, shake, begin=1.5, busy=gaze.busy)
+    both = merge(gaze.trajectory, 1.5, shake, begin=1.5, occupied=gaze.occupancy)
     moved = np.ptp(both.layer.controls, axis=0) > 0.0
-    free = freed_hinges(both.busy, moved, 2.2, known.robot, others=gaze.busy)
-    found = release_motion(both.trajectory, 2.2, free, known, layer=both.layer, others=gaze.busy)
+    free = freed_hinges(both.occupancy, moved, 2.2, known.robot, others=gaze.occupancy)
+    found = release_motion(both.trajectory, 2.2, free, known, layer=both.layer, others=gaze.occupancy)
     certified(found, known, both.trajectory, 2.2)
     times = np.linspace(3.2, 8.0, 100)
     np.testing.assert_allclose(found.sample(times)[0], gaze.trajectory.sample(times)[0], atol=1e-6)
@@ -67,15 +67,15 @@ def test_a_block_is_taken_back_from_over_another(planned, known, rest):
 def test_an_arm_goes_to_rest_until_another_block_needs_it(planned, known, rest):
     first = merge(rest, 0.0, planned(OFFER.format("one", "RIGHT", 0, 1.0, 2.0)), begin=0.0)
     plan = planned(OFFER.format("two", "RIGHT", 3.5, 4.8, 5.3))
-    both = merge(first.trajectory, 0.5, plan, begin=0.5, busy=first.busy)
+    both = merge(first.trajectory, 0.5, plan, begin=0.5, occupied=first.occupancy)
     assert both.dropped == ()
     moved = np.ptp(first.layer.controls, axis=0) > 0.0
-    free = freed_hinges(first.busy, moved, 1.1, known.robot, others=both.busy)
-    found = release_motion(both.trajectory, 1.1, free, known, layer=first.layer, others=both.busy)
+    free = freed_hinges(first.occupancy, moved, 1.1, known.robot, others=both.occupancy)
+    found = release_motion(both.trajectory, 1.1, free, known, layer=first.layer, others=both.occupancy)
     certified(found, known, both.trajectory, 1.1)
     hinges = list(arm_hinges("r_hand", known.robot))
     np.testing.assert_allclose(found.at(3.2).angles[hinges], known.robot.skeleton.rest[hinges], atol=1e-6)
-    times = np.linspace(both.busy[0].ready + STEP, 9.0, 100)
+    times = np.linspace(both.occupancy[0].ready + STEP, 9.0, 100)
     np.testing.assert_allclose(
         found.sample(times)[0][:, hinges], both.trajectory.sample(times)[0][:, hinges], atol=1e-9
     )

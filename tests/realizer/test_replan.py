@@ -71,7 +71,7 @@ def test_another_manner_comes_at_any_moment(known, playing, others, time, style)
 
 
 def test_a_gesture_that_has_begun_is_ended_as_it_was(known, playing, others):
-    begun = next(need for need in playing.busy if need.behaviour == "g3")
+    begun = next(need for need in playing.occupancy if need.behaviour == "g3")
     time = begun.ready + 0.1
     found = replan(playing.trajectory, time, playing, others["joyful"])
     kept = [sync for sync in playing.syncs if sync.behaviour == "g3"]
@@ -80,9 +80,9 @@ def test_a_gesture_that_has_begun_is_ended_as_it_was(known, playing, others):
 
 def test_what_was_merged_later_goes_on(known, playing, others):
     nod = plan_quickly(parse(ROOT.format('<gesture id="late" lexeme="beat" mode="RIGHT_HAND"/>')), known)
-    both = merge(playing.trajectory, 0.3, nod, begin=5.6, busy=playing.busy)
+    both = merge(playing.trajectory, 0.3, nod, begin=5.6, occupied=playing.occupancy)
     assert both.dropped == ()
-    found = replan(both.trajectory, 0.4, playing, others["neutral"], others=both.busy)
+    found = replan(both.trajectory, 0.4, playing, others["neutral"], others=both.occupancy)
     certified(found.trajectory, known, both.trajectory, 0.4)
     hinges = list(arm_hinges("r_hand", known.robot))
     (stroke,) = (sync for sync in both.syncs if sync.sync == "stroke")

@@ -14,16 +14,16 @@ from kinesic.realizer.request import (
     LEAD,
     Message,
     SceneContext,
-    again,
     anchor_references,
     read_request,
     refers_elsewhere,
     refusal_feedback,
+    retime_request,
 )
 
 BML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b" {}>{}</bml>'
 NOD = '<head id="h" lexeme="NOD" start="{}"/>'
-AROUND = SceneContext(
+CONTEXT = SceneContext(
     now=10.0,
     states={"a": BlockState.IN_EXEC, "p": BlockState.PENDING},
     relaxes={"a": 12.0, "p": 20.0},
@@ -37,7 +37,7 @@ def message(inside: str = "", attributes: str = "", sender: int = 0) -> Message:
 
 
 def test_a_block_is_timed_and_told_at_once(known: Setup) -> None:
-    found = read_request(message(NOD.format("1"), 'characterId="Anna"', sender=3), known, around=AROUND)
+    found = read_request(message(NOD.format("1"), 'characterId="Anna"', sender=3), known, context=CONTEXT)
     assert found.sender == 3
     assert found.timeline.timed[0].times["start"] == 1.0
     assert found.zero == 10.0
@@ -48,7 +48,7 @@ def test_a_block_is_timed_and_told_at_once(known: Setup) -> None:
 
 
 def test_a_block_that_begins_before_its_zero_is_expected_so_much_earlier(known: Setup) -> None:
-    found = read_request(message(NOD.format("-0.5")), known, around=AROUND)
+    found = read_request(message(NOD.format("-0.5")), known, context=CONTEXT)
     assert (found.zero, found.timeline.start) == (10.5, -0.5)
     assert 'globalStart="10.0"' in found.prediction
 
@@ -58,7 +58,7 @@ def test_a_block_that_begins_before_its_zero_is_expected_so_much_earlier(known: 
     [("", 10.0), ('composition="APPEND"', 13.0), ('bmla:chunkAfter="a"', 12.0), ('composition="REPLACE"', 10.0)],
 )
 def test_when_it_is_expected(known: Setup, attributes: str, zero: float) -> None:
-    assert read_request(message("", attributes), known, around=AROUND).zero == zero
+    assert read_request(message("", attributes), known, context=CONTEXT).zero == zero
 
 
 def test_what_is_said_takes_its_time(known: Setup) -> None:
@@ -67,7 +67,7 @@ def test_what_is_said_takes_its_time(known: Setup) -> None:
 
 
 def test_references_to_other_blocks_become_times(known: Setup) -> None:
-    found = read_request(message(NOD.format("a:g:stroke+0.25")), known, around=AROUND)
+    found = read_request(message(NOD.format("a:g:stroke+0.25")), known, context=CONTEXT)
     assert found.is_anchored
     assert found.zero == 10.0 + LEAD
     assert found.zero + found.timeline.timed[0].times["start"] == pytest.approx(11.25)
@@ -80,7 +80,7 @@ def test_references_in_constraints_become_times() -> None:
     )
     block = parse(BML.format("", inside))
     assert refers_elsewhere(block)
-    own = anchor_references(block, AROUND, 10.0)
+    own = anchor_references(block, CONTEXT, 10.0)
     assert not refers_elsewhere(own)
     offsets = [ref.offset for ref in (own.constraints[0].refs[1], own.constraints[1].earlier)]
     assert offsets == pytest.approx([3.0, 1.0])
@@ -88,7 +88,7 @@ def test_references_in_constraints_become_times() -> None:
 
 def test_unknown_references_stay_and_are_warned(known: Setup) -> None:
     found = read_request(
-        message(NOD.format("gone:g:stroke") + NOD.replace('"h"', '"i"').format("1")), known, around=AROUND
+        message(NOD.format("gone:g:stroke") + NOD.replace('"h"', '"i"').format("1")), known, context=CONTEXT
     )
     assert [drop.behaviour.id for drop in found.timeline.dropped] == ["h"]
     assert "gone:g:stroke" in found.notices[0].text
@@ -96,16 +96,16 @@ def test_unknown_references_stay_and_are_warned(known: Setup) -> None:
 
 def test_blocks_without_id_get_free_ones(known: Setup) -> None:
     text = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0"/>'
-    busy = replace(AROUND, states={"block": BlockState.IN_EXEC, "block.2": BlockState.LURKING})
+    taken = replace(CONTEXT, states={"block": BlockState.IN_EXEC, "block.2": BlockState.LURKING})
     assert read_request(Message(text), known).block.id == "block"
-    found = read_request(Message(text), known, around=busy)
+    found = read_request(Message(text), known, context=taken)
     assert (found.block.id, len(found.notices)) == ("block.3", 1)
 
 
 def test_what_is_decided_is_not_said_again(known: Setup) -> None:
     found = read_request(message('<speech id="s"><text>Hello</text></speech>'), known)
-    assert again(replace(found, is_decided=True), known).utterances is found.utterances
-    assert again(found, known).utterances is not found.utterances
+    assert retime_request(replace(found, is_decided=True), known).utterances is found.utterances
+    assert retime_request(found, known).utterances is not found.utterances
 
 
 def test_a_bad_document_is_refused_by_the_id_of_its_block(known: Setup) -> None:
@@ -121,4 +121,4 @@ def test_a_bad_document_is_refused_by_the_id_of_its_block(known: Setup) -> None:
 
 def test_expectations_count_only_what_is_known() -> None:
     block = replace(parse(BML.format("", "")), composition=Composition.APPEND, succession=Succession(after=("gone",)))
-    assert AROUND.begin(block) == 10.0
+    assert CONTEXT.expected_start(block) == 10.0

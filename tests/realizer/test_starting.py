@@ -55,7 +55,7 @@ def test_a_gesture_whose_hand_is_busy_takes_the_other(play):
 
 def test_a_gesture_of_two_hands_is_done_by_the_free_one(play):
     play.send("a", BEAT).until(0.5).send("b", '<gesture id="g" lexeme="WELCOME"/>')
-    assert [busy.roles for busy in play.scene.find("b").busy] == [{"l_hand"}]
+    assert [need.roles for need in play.scene.find("b").occupancy] == [{"l_hand"}]
     (text,) = play.until(6.0).warnings()
     assert "done by the left hand alone: its stroke begins at" in text
     assert "the right hand is busy with a:g until" in text
@@ -70,8 +70,8 @@ def test_a_gesture_that_is_to_be_of_two_hands_waits_or_is_left_out(play):
 
 def test_it_is_the_other_hand_that_moves(play):
     play.send("a", BEAT).until(0.5).send("b", OPEN)
-    assert [busy.roles for busy in play.scene.find("b").busy] == [{"l_hand"}]
-    assert play.scene.find("b").ready.plan.keyframes.outcomes["g"].kind == "substituted"
+    assert [need.roles for need in play.scene.find("b").occupancy] == [{"l_hand"}]
+    assert play.scene.find("b").prepared.plan.keyframes.outcomes["g"].kind == "substituted"
 
 
 def test_what_is_required_may_take_the_other_hand(play):
@@ -105,7 +105,7 @@ def test_a_gesture_for_which_both_hands_are_busy_is_left_out(play):
 )
 def test_a_hand_that_will_be_free_by_then_is_taken(play, how):
     play.send("a", BEAT).until(0.5)
-    assert play.ready("b", OPEN, how).asked.engaged == ()
+    assert play.ready("b", OPEN, how).request.engaged == ()
 
 
 def test_a_gesture_that_interrupts_another_takes_its_hand(play):

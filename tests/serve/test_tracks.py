@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.utterance import Sound
-from kinesic.realizer.realizer import Scene, begin, ready
+from kinesic.realizer.realizer import Scene, begin, prepare
 from kinesic.realizer.request import Message, read_request
 from kinesic.serve.tracks import Effects, SoundAndFace, Track, track, version
 from kinesic.speech.loudspeaker import SpeakerError
@@ -37,22 +37,22 @@ def shows(begin, **units):
 
 
 @pytest.fixture(scope="module")
-def staged(known):
-    coming = ready(read_request(Message(BLOCK.encode()), known), known)
+def running(known):
+    coming = prepare(read_request(Message(BLOCK.encode()), known), known)
     return begin(Scene.of(known), coming, 10.0).playing[0]
 
 
-def test_a_block_s_face_is_on_the_clock(staged):
-    one = track(staged, SoundAndFace(face=True))
-    brows = {time: one.at(staged.zero + time).get("L1", 0.0) for time in (0.0, 0.3, 0.5, 0.89)}
+def test_a_block_s_face_is_on_the_clock(running):
+    one = track(running, SoundAndFace(face=True))
+    brows = {time: one.at(running.zero + time).get("L1", 0.0) for time in (0.0, 0.3, 0.5, 0.89)}
     assert brows[0.0] < 0.1 < 0.5 < brows[0.3] == pytest.approx(brows[0.5], abs=0.05)
     assert brows[0.89] < 0.1
-    assert one.at(staged.zero - 1.0) == one.at(staged.zero + 60.0) == {}
+    assert one.at(running.zero - 1.0) == one.at(running.zero + 60.0) == {}
 
 
-def test_what_is_not_wanted_is_not_made(staged):
-    assert track(staged, SoundAndFace()).face == {}
-    assert version(staged) == version(staged)
+def test_what_is_not_wanted_is_not_made(running):
+    assert track(running, SoundAndFace()).face == {}
+    assert version(running) == version(running)
 
 
 def test_the_strongest_of_several_faces_is_shown():

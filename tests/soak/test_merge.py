@@ -65,19 +65,21 @@ def test_an_endless_stream_of_blocks(seed, known):
         now += chance.expovariate(1 / 0.6)
         motion = motion.since(now - PAST)
         playing = [each.since(now - PAST) for each in playing]
-        playing = [each for each in playing if any(need.end > now or need.stays for need in each.busy)]
-        needs = still_occupied((need for each in playing for need in each.busy), now)
+        playing = [each for each in playing if any(need.end > now or need.stays for need in each.occupancy)]
+        needs = still_occupied((need for each in playing for need in each.occupancy), now)
         deed = chance.random()
         if deed < 0.85:
-            found = merge(motion, now, chance.choice(pool), begin=now, busy=needs)
+            found = merge(motion, now, chance.choice(pool), begin=now, occupied=needs)
             after, playing = found.trajectory, [*playing, found]
         elif deed < 0.93:
             found = replace_motion(motion, now, chance.choice(pool))
             after, playing = found.trajectory, [found]
         elif playing:
             gone = playing.pop(chance.randrange(len(playing)))
-            others = [need for each in playing for need in each.busy]
-            free = freed_hinges(gone.busy, np.ptp(gone.layer.controls, axis=0) > 0.0, now, known.robot, others=others)
+            others = [need for each in playing for need in each.occupancy]
+            free = freed_hinges(
+                gone.occupancy, np.ptp(gone.layer.controls, axis=0) > 0.0, now, known.robot, others=others
+            )
             after = release_motion(motion, now, free, known, layer=gone.layer, others=others)
         else:
             continue

@@ -69,24 +69,26 @@ def test_whatever_comes_over_whatever(deeds, quickly):
     motion, time, playing = stay(known().robot.skeleton.rest), 0.0, []
     for what, index, later in deeds:
         time += later
-        needs = [need for _, each in playing for need in each.busy]
+        needs = [need for _, each in playing for need in each.occupancy]
         if what == "instead":
             found = replace_motion(motion, time, planned(index, quickly=quickly))
             after, playing = found.trajectory, [(index, found)]
         elif what == "back" and playing:
             _, gone = playing.pop(0)
-            others = [need for _, each in playing for need in each.busy]
+            others = [need for _, each in playing for need in each.occupancy]
             moved = np.ptp(gone.layer.controls, axis=0) > 0.0
-            free = freed_hinges(gone.busy, moved, time, known().robot, others=others)
+            free = freed_hinges(gone.occupancy, moved, time, known().robot, others=others)
             after = release_motion(motion, time, free, known(), layer=gone.layer, others=others)
         elif what == "otherwise" and playing:
             own, gone = playing.pop()
-            others = [need for _, each in playing for need in each.busy]
+            others = [need for _, each in playing for need in each.occupancy]
             found = replan(motion, time, gone, planned(own, quickly=not quickly), others=others) or gone
             after = motion if found is gone else found.trajectory
             playing.append((own, found))
         else:
-            found = merge(motion, time, planned(index, quickly=quickly), begin=time, busy=still_occupied(needs, time))
+            found = merge(
+                motion, time, planned(index, quickly=quickly), begin=time, occupied=still_occupied(needs, time)
+            )
             after = found.trajectory
             playing.append((index, found))
         check(motion, after, time)
@@ -99,8 +101,8 @@ def test_the_past_that_is_forgotten_changes_nothing_to_come(first, second, time,
     pieces = min(pieces, knot_at(time))
     one = merge(stay(known().robot.skeleton.rest), 0.0, planned(first, quickly=True), begin=0.0)
     other = one.since(pieces * STEP)
-    over = merge(one.trajectory, time, planned(second, quickly=True), begin=time, busy=one.busy)
-    again = merge(other.trajectory, time, planned(second, quickly=True), begin=time, busy=other.busy)
+    over = merge(one.trajectory, time, planned(second, quickly=True), begin=time, occupied=one.occupancy)
+    again = merge(other.trajectory, time, planned(second, quickly=True), begin=time, occupied=other.occupancy)
     assert again.dropped == over.dropped
     times = pieces * STEP + np.linspace(0.0, 6.0, 100)
     np.testing.assert_allclose(again.trajectory.sample(times)[0], over.trajectory.sample(times)[0], atol=1e-6)

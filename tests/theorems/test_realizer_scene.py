@@ -13,7 +13,7 @@ from kinesic.bml.block import Composition, Succession
 from kinesic.controller.perform import set_up
 from kinesic.motion.limit_check import peaks
 from kinesic.planning.setup import Setup
-from kinesic.realizer.realizer import PreparedBlock, Scene, ScheduledFeedback, advance, begin, interrupt, ready
+from kinesic.realizer.realizer import PreparedBlock, Scene, ScheduledFeedback, advance, begin, interrupt, prepare
 from kinesic.realizer.request import Message, read_request
 
 TEXT = (
@@ -46,7 +46,7 @@ def known() -> Setup:
 
 @lru_cache(maxsize=16)
 def made(inside: str) -> PreparedBlock:
-    return ready(read_request(Message(TEXT.format(inside)), known()), known())
+    return prepare(read_request(Message(TEXT.format(inside)), known()), known())
 
 
 def named(id: str, inside: str, composition: Composition, succession: Succession) -> PreparedBlock:
@@ -54,7 +54,7 @@ def named(id: str, inside: str, composition: Composition, succession: Succession
     found = made(inside)
     block = replace(found.plan.timeline.block, id=id, composition=composition, succession=succession)
     plan = replace(found.plan, timeline=replace(found.plan.timeline, block=block))
-    return replace(found, plan=plan, asked=replace(found.asked, block=block))
+    return replace(found, plan=plan, request=replace(found.request, block=block))
 
 
 ids = st.integers(0, 11).map("b{}".format)

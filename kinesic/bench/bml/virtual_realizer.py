@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from kinesic.bml.block import BmlError
 from kinesic.bml.reading.tree import read_tree
 from kinesic.planning.setup import Setup
-from kinesic.realizer.contention import among
-from kinesic.realizer.realizer import Scene, advance, begin, ready
+from kinesic.realizer.contention import with_engaged_hands
+from kinesic.realizer.realizer import Scene, advance, begin, prepare
 from kinesic.realizer.request import Message, read_request, refusal_feedback
 
 
@@ -89,8 +89,8 @@ class Realizer:
         """Sends a document now; one that is refused is answered by a warning."""
         message = Message(text, source=source)
         try:
-            known = read_request(message, self._setup, around=self._scene.around(self.now))
-            coming = ready(among(self._scene, known), self._setup)
+            known = read_request(message, self._setup, context=self._scene.context(self.now))
+            coming = prepare(with_engaged_hands(self._scene, known), self._setup)
         except BmlError as error:
             self.feedback.messages.append(read_message(refusal_feedback(message, error)))
             return
