@@ -61,7 +61,6 @@ def keyframes(timeline: Timeline, context: BlockContext, *, without: Mapping[str
     Raises:
         BmlError: a behaviour inside `required` cannot be performed.
     """
-    robot, shared = context.robot, context.shared
     moves = _moves([timed for timed in timeline.timed if timed.behaviour.id not in without], context)
     moves |= {id: drop_behaviour(why) for id, why in without.items()}
     strokes = [stroke for move in moves.values() for stroke in move.strokes]
@@ -78,6 +77,18 @@ def keyframes(timeline: Timeline, context: BlockContext, *, without: Mapping[str
         if uses[timed.behaviour.id]
         for sync, time in timed.times.items()
     ]
+    notices = [
+        Notice(warned.type, f"{timeline.block.id}:{id}", warned.text)
+        for id, move in moves.items()
+        for warned in move.warnings
+    ]
+    sequences = _sequences(timeline, context, moves, hands)
+    frames = gather_frames(sequences, syncs, context.robot, PRIORITIES[context.shared.gathering])
+    return KeyFrames(timeline, frames, outcomes, uses, (*timeline.notices, *notices))
+
+
+def _sequences(timeline: Timeline, context: BlockContext, moves: Mapping[str, Move], hands: Arranged) -> Sequences:
+    """Joins all moves part by part, with the trunk's share in gestures, and idle motion in the pauses."""
     trunk = [
         taking_part(work, context.manner(timed.behaviour, "torso"), context.pace)
         for timed in timeline.timed
@@ -90,21 +101,7 @@ def keyframes(timeline: Timeline, context: BlockContext, *, without: Mapping[str
         head=tuple(layer for move in moves.values() for layer in move.head),
         hands=hands.hands,
     )
-    sequences = add_idle_motion(sequences, (timeline.start, timeline.end), shared.idling, robot)
-    return KeyFrames(
-        timeline,
-        gather_frames(sequences, syncs, robot, PRIORITIES[shared.gathering]),
-        outcomes,
-        uses,
-        (
-            *timeline.notices,
-            *(
-                Notice(warned.type, f"{timeline.block.id}:{id}", warned.text)
-                for id, move in moves.items()
-                for warned in move.warnings
-            ),
-        ),
-    )
+    return add_idle_motion(sequences, (timeline.start, timeline.end), context.shared.idling, context.robot)
 
 
 def _move_syncs(timed: TimedBehaviour, times: Mapping[str, Mapping[str, float]]) -> TimedBehaviour:
