@@ -2,7 +2,7 @@ from dataclasses import replace
 
 import pytest
 
-from kinesic.bml.block import Gesture, Head, Manner, Posture, Torso
+from kinesic.bml.block import Head, Manner, Posture, Torso
 from kinesic.expressivity.behaviours import head_move, torso_move
 from kinesic.expressivity.posture import posture_moves
 from kinesic.expressivity.style.style import Expressivity, Style, passage_of
@@ -20,19 +20,6 @@ def scene(timeline, context):
         return context(replace(built.block, behaviours=(timed.behaviour,), manners=manners or {}), STYLE), timed
 
     return of
-
-
-@pytest.mark.parametrize(("action", "power"), [(Gesture("beat"), 0.1), (Head("NOD"), 0.2), (Torso("BodyLean"), 0.3)])
-def test_a_behaviour_has_the_manner_of_its_modality(scene, phases, action, power):
-    here, timed = scene(action, phases(0, 1, 1, 2, 2, 2, 3))
-    assert here.manner(timed.behaviour).power == power
-    assert here.manner(timed.behaviour, "torso").power == 0.3
-
-
-def test_the_document_goes_over_the_style(scene, phases):
-    manners = {"head": Manner(power=0.6, spatial=0.4)}
-    here, timed = scene(Head("NOD"), phases(0, 1, 1, 2, 2, 2, 3), Manner(power=0.7), manners)
-    assert here.manner(timed.behaviour) == Expressivity(power=0.7, spatial=0.4)
 
 
 def test_head_torso_and_postures_pass_their_keys_in_their_manner(scene, phases):

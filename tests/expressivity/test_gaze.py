@@ -1,12 +1,8 @@
 """Gazes beside one another, parts that take part, and where targets are."""
 
-import numpy as np
 import pytest
 
-from kinesic.bml.block import GAZE_SYNCS, Block, Gaze, HeadDirectionShift, NoticeType
-from kinesic.body.arrays import sealed
-
-LAMP = sealed([0.5, -1.0, 1.0])
+from kinesic.bml.block import GAZE_SYNCS, Gaze, HeadDirectionShift, NoticeType
 
 
 def gaze_times(*times):
@@ -51,10 +47,3 @@ def test_parts_that_are_not_asked_stay_where_they_look_for_good(perform, influen
     for part in ("head", "torso"):
         torsions = {round(getattr(frame, part).torsion, 9) for frame in later}
         assert (len(torsions) == 1) is (part in still)
-
-
-def test_a_part_of_somebody_is_where_the_whole_is(context):
-    known = context(Block("b", ()), targets={"Ann": LAMP, "bob:hand": sealed([1.0, 0.0, 0.0])})
-    assert known.find_target("ann:l_wrist") is LAMP
-    assert np.array_equal(known.find_target("Bob:Hand"), [1.0, 0.0, 0.0])
-    assert known.find_target("bob:foot") is None
