@@ -1,4 +1,4 @@
-"""Servos on wires as a sink: commands go to a supervisor in a process of its own, which no crash here can stop."""
+"""Makes servos on wires a sink: commands go to a supervisor in a process of its own, which no crash here can stop."""
 
 import os
 import subprocess
@@ -27,7 +27,7 @@ READY = frozenset({Stage.LIMP, Stage.HOLD})  # what a start ends with
 
 
 class Servos:
-    """The servos of a robot. `write` never waits; `close` waits until the robot has folded and is released."""
+    """The servos of a robot: `write` never waits, `close` waits until the robot has folded and is released."""
 
     def __init__(
         self,
@@ -78,7 +78,7 @@ class Servos:
 
     @property
     def pid(self) -> int:
-        """Of the supervisor's process."""
+        """Id of the supervisor's process."""
         return self._process.pid
 
     @property
@@ -100,31 +100,31 @@ class Servos:
             raise BusError(self._epitaph())
 
     def positions(self) -> Floats:
-        """(n,) [rad] where the joints are; NaN for a servo that did not answer."""
+        """Returns (n,) [rad] where the joints are; NaN for a servo that did not answer."""
         return self.state().angles
 
     def state(self) -> Status:
-        """What the supervisor told last."""
+        """Returns the last status of the supervisor."""
         self._pass_on()
         return self._channel.status()
 
     def history(self) -> tuple[Status, ...]:
-        """What the supervisor told in every cycle since the last call: goals and angles for reports and fits."""
+        """Returns the status in every cycle since the last call: goals and angles for reports and fits."""
         return self._channel.history()
 
     def events(self) -> tuple[Note, ...]:
-        """What has happened since the last call."""
+        """Returns what has happened since the last call."""
         self._collect()
         with self._lock:
             found, self._notes = tuple(self._notes), []
         return found
 
     def stop(self, policy: Policy = "hold") -> None:
-        """Emergency stop: hold where it is until `release`, or let go."""
+        """Stops in an emergency: holds where the robot is until `release`, or lets go."""
         self._channel.set("estop", POLICIES.index(policy) + 1)
 
     def release(self) -> None:
-        """Ends the performance now: fold to rest, then no torque. After an emergency stop: no torque."""
+        """Ends the performance now: folds to rest, then takes the torque; after an emergency stop, at once."""
         self._channel.set("release", 1)
 
     def close(self) -> None:
@@ -187,7 +187,6 @@ class Servos:
             time.sleep(LOOK)
 
     def _epitaph(self) -> str:
-        """Why there is no supervisor any more."""
         self._collect()
         code, why = self._process.returncode, f": {self._reasons[-1]}" if self._reasons else ""
         if code:
@@ -201,7 +200,7 @@ class Servos:
 
 
 def check_ports(robot: Robot, manifest: Manifest, ports: Mapping[str, str | Path]) -> None:
-    """Makes sure that every bus has a port, and every port a bus.
+    """Checks that every bus has a port, and every port a bus.
 
     Raises:
         BusError: names what is missing.

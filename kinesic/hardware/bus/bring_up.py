@@ -1,4 +1,4 @@
-"""From an open wire to a bus: who must be there is there, and shows its record. Nothing is energised."""
+"""Brings up a bus on an open wire: checks that all servos are there and show their records. Nothing is energised."""
 
 from collections.abc import Sequence
 
@@ -36,7 +36,7 @@ def open_bus(wire: Wire, servos: Sequence[Servo], *, period: float = 0.01) -> Bu
 
 
 def problems(cold: Cold, servos: Sequence[Servo]) -> tuple[str, ...]:
-    """What is wrong with the servos that must be there; one line each, empty if nothing."""
+    """Returns what is wrong with the servos that must be there: one line each, empty if nothing."""
     found = {servo.id: line for servo in servos if (line := _problem(cold, servo))}
     if len(found) == len(servos) and all("no answer" in line for line in found.values()):
         others = ", ".join(f"{other.id} ({other.name})" for other in cold.everyone())
@@ -46,7 +46,6 @@ def problems(cold: Cold, servos: Sequence[Servo]) -> tuple[str, ...]:
 
 
 def _problem(cold: Cold, servo: Servo) -> str:
-    """What is wrong with one servo, as one line; nothing: an empty one."""
     where, model = f"{cold.wire.name}: servo {servo.id}", servo.model
     found = cold.ping(servo.id)
     if found is None:
@@ -68,7 +67,7 @@ def _problem(cold: Cold, servo: Servo) -> str:
 
 
 def show_record(cold: Cold, servo: Servo) -> None:
-    """Sets the indirect cells of a servo, and makes sure that they show what they should.
+    """Sets the indirect cells of a servo to its record, and checks that they show it.
 
     Raises:
         BusError: they do not.
@@ -86,7 +85,7 @@ def show_record(cold: Cold, servo: Servo) -> None:
 
 
 def answers_fast(wire: Wire, servos: Sequence[Servo]) -> bool:
-    """Whether all servos answer one fast read together, as older firmware does not."""
+    """Returns whether all servos answer one fast read together, which older firmware does not."""
     question = FastQuery(tuple(servo.id for servo in servos), tuple(servo.cells for servo in servos))
     if len(question.servos) == 1:
         return False

@@ -1,4 +1,4 @@
-"""Servos on one wire, at the rate of the wire: goals out and a record of every servo back, cycle by cycle.
+"""Drives the servos on one wire at its rate: goals out and a record of every servo back, cycle by cycle.
 
 One write holds the goals and the question; the joint reply is checked block by block, what is missing is asked again
 while the cycle has time, and what stays missing is only old. Faults of servos and of the port are data: `cycle` never
@@ -32,19 +32,19 @@ RETRY = 0.05  # [s] between two looks for a lost port
 
 @dataclass(frozen=True)
 class Servo:
-    """One servo of a bus."""
+    """A servo on a bus: its id and its model."""
 
     id: int
     model: Model
 
     @property
     def cells(self) -> int:
-        """Where its record shows."""
+        """Address at which its record shows."""
         return self.model.cells[0].data
 
 
 class Bus:
-    """Servos that `bring_up` has prepared: their cells show the record."""
+    """Servos on one wire that `bring_up` has prepared, so that their cells show the record."""
 
     def __init__(self, wire: Wire, servos: Sequence[Servo], *, period: float = 0.01, fast: bool = True) -> None:
         """Nothing is sent yet.
@@ -58,19 +58,19 @@ class Bus:
         self.wire, self.servos, self.period, self.fast = wire, tuple(servos), period, fast
         self.ids = tuple(servo.id for servo in servos)
         self._frame = GoalFrame(self.ids)
-        self._gate = PlausibilityFilter(tuple(servo.model for servo in servos), period)
-        self._roster = PollingPlan(len(servos))
+        self._believed = PlausibilityFilter(tuple(servo.model for servo in servos), period)
+        self._polling = PollingPlan(len(servos))
         self._listener = Listener(wire)
-        self._overdue = LateReplies(self._gate, self._listener)
+        self._late = LateReplies(self._believed, self._listener)
         self._queue: deque[bytes] = deque()
         self._events: list[Event] = []
-        self._told, self._signature = self._gate.blocks, self._gate.signature
+        self._reported, self._signature = self._believed.blocks, self._believed.signature
         self._lost = False
         self._looked = -RETRY
-        self._begun = self._asked = 0.0  # [s] this cycle, and everybody in it
+        self._begun = self._sent_at = 0.0  # [s] this cycle, and everybody in it
         self._question, self._places = self._next_question()
         self._whole = True  # whether its answer has come
-        self._mum = False  # whether nobody was asked in this cycle
+        self._only_listens = False  # whether nobody was asked in this cycle
 
     def put(self, register: Register, values: Mapping[int, int]) -> None:
         """Writes a register of some servos (id -> raw value) with the next cycle, before its goals.
@@ -85,7 +85,7 @@ class Bus:
         self._queue.append(packet.sync_write(field.address, field.size, rows))
 
     def cycle(self, goals: Ticks | None = None) -> Cycle:
-        """Sends goals, asks everybody, and tells what came.
+        """Sends goals, asks all servos, and returns what came.
 
         Args:
             goals: (n,) GOAL_POSITION [ticks], clipped to one turn; None: asks only.
@@ -94,45 +94,45 @@ class Bus:
         return self.finish()
 
     def begin(self, goals: Ticks | None = None) -> None:
-        """The first half of a cycle, up to the question; several buses may begin before the first finishes."""
+        """Runs the first half of a cycle, up to the question; several buses may begin before the first finishes."""
         self._begun = self.wire.now()
-        self._gate.begin()
+        self._believed.begin()
         try:
             if self._lost and not self._regained():
                 self._queue.clear()
                 return
-            self._overdue.catch_up(self.wire.read(self._begun), self._begun)
+            self._late.catch_up(self.wire.read(self._begun), self._begun)
             self._listener.forget()
-            self._mum = self._overdue.in_doubt
+            self._only_listens = self._late.in_doubt
             goal_frame = self._frame.filled(goals) if goals is not None else b""
-            question = b"" if self._mum else self._question.data
-            self._listener.say(b"".join((*self._queue, goal_frame, question)))
-            self._asked = self._listener.asked
+            question = b"" if self._only_listens else self._question.data
+            self._listener.send(b"".join((*self._queue, goal_frame, question)))
+            self._sent_at = self._listener.sent_at
             self._queue.clear()
         except BusError as error:
             self._lose(error)
 
     def finish(self) -> Cycle:
-        """The second half of a cycle."""
+        """Runs the second half of a cycle: takes the answers, and asks again for those that are missing."""
         if not self._lost:
             try:
-                self._hear()
+                self._receive_all()
             except BusError as error:
                 self._lose(error)
         self._note()
-        ended, gate = self.wire.now(), self._gate
+        ended, believed = self.wire.now(), self._believed
         events, self._events = tuple(self._events), []
         return Cycle(
             time=self._begun,
             duration=ended - self._begun,
             servos=self.ids,
-            records=gate.blocks,
-            times=gate.times,
-            fresh=gate.fresh,
-            late=gate.late,
-            silent=self._roster.silent,
+            records=believed.blocks,
+            times=believed.times,
+            fresh=believed.fresh,
+            late=believed.late,
+            silent=self._polling.silent,
             lost=self._lost,
-            signature=gate.signature,
+            signature=believed.signature,
             events=events,
         )
 
@@ -141,74 +141,72 @@ class Bus:
         """[s] when the cycle should be over."""
         return self._begun + max(SHARE * self.period, self.period - HOST)
 
-    def _hear(self) -> None:
-        """The answer to all, and what can be mended of it."""
-        overdue, mute = self._overdue, self._listener.mute
-        if self._mum:
-            overdue.overhear(self._question, self._places, self._end)
+    def _receive_all(self) -> None:
+        late, mute = self._late, self._listener.mute
+        if self._only_listens:
+            late.overhear(self._question, self._places, self._end)
             return
-        self._whole = self._listen(self._question, self._places, patient=mute)
-        overdue.note(fresh=bool(self._gate.fresh.any()))
+        self._whole = self._receive(self._question, self._places, patient=mute)
+        late.note(fresh=bool(self._believed.fresh.any()))
         self._repair()
-        if self._gate.late.any() or (mute and self._gate.fresh.any()):
-            self._listener.tardy = bool(self._gate.late.any())
-        overdue.keep(self._question, self._places, asked=self._asked, whole=self._whole)
+        if self._believed.late.any() or (mute and self._believed.fresh.any()):
+            self._listener.tardy = bool(self._believed.late.any())
+        late.keep(self._question, self._places, sent_at=self._sent_at, whole=self._whole)
 
-    def _listen(self, question: Query, places: Place, *, strict: bool = False, patient: bool = False) -> bool:
+    def _receive(self, question: Query, places: Place, *, strict: bool = False, patient: bool = False) -> bool:
         """Waits for the answer to what was said last, and believes what is plausible of it; whether it was whole."""
-        listener, overdue, end = self._listener, self._overdue, self._end
-        answer = listener.hear(question, end=end, strict=strict, patient=patient)
-        while answer is not None and overdue.is_of_earlier(question, places, answer):
-            answer = listener.hear(question, end=end, strict=strict, patient=patient, again=True)
+        listener, late, end = self._listener, self._late, self._end
+        answer = listener.receive(question, end=end, strict=strict, patient=patient)
+        while answer is not None and late.is_of_earlier(question, places, answer):
+            answer = listener.receive(question, end=end, strict=strict, patient=patient, again=True)
         if answer is not None:
-            answer = overdue.without_earlier(question, places, answer)
+            answer = late.without_earlier(question, places, answer)
         if answer is not None and answer.whole:
-            overdue.catch_up(listener.before, self._begun)
+            late.catch_up(listener.before, self._begun)
         if answer is None or not answer.whole:
-            overdue.missed(question)
+            late.missed(question)
         if answer is not None:
-            self._gate.admit(places, answer, min(listener.asked, self.wire.now()))
+            self._believed.admit(places, answer, min(listener.sent_at, self.wire.now()))
         return answer is not None and answer.whole
 
     def _repair(self) -> None:
         """Uses what is left of the cycle: asks again who is missing, sets cells anew, tries a silent servo."""
-        gate, roster, listener = self._gate, self._roster, self._listener
-        if gate.fresh.all():
+        believed, polling, listener = self._believed, self._polling, self._listener
+        if believed.fresh.all():
             return
         for _ in range(ROUNDS):
-            missing = [k for k in roster.order if not gate.fresh[k] and k not in gate.forgetful]
+            missing = [k for k in polling.order if not believed.fresh[k] and k not in believed.forgetful]
             # who is missing first may have cut off the others: he is asked last
             suspect_last = (*missing[1:], *missing[:1])
             mute = listener.mute
-            if not missing or not self._ask(suspect_last[: self._room()]):
+            if not missing or not self._request(suspect_last[: self._room()]):
                 break
             if mute and not listener.mute:
                 # what was only lost is made good now; what was late has been spoilt by asking again
-                listener.tardy = 2 * int(gate.fresh.sum()) < len(missing)
+                listener.tardy = 2 * int(believed.fresh.sum()) < len(missing)
             self._look_again()
-        for place in tuple(gate.forgetful):
+        for place in tuple(believed.forgetful):
             self._remind(place)
-        if not gate.fresh.all():
-            self._overdue.catch_up(self._listener.heard, self._begun)
-        alone = roster.next_alone(self.wire.now())
-        if alone is not None and self._ask((alone[0],), must=alone[1]):
-            roster.asked_alone(alone[0], self.wire.now())
+        if not believed.fresh.all():
+            self._late.catch_up(self._listener.received, self._begun)
+        alone = polling.next_alone(self.wire.now())
+        if alone is not None and self._request((alone[0],), must=alone[1]):
+            polling.note_alone(alone[0], self.wire.now())
 
     def _room(self) -> int:
-        """How many servos can be asked again in what is left of the cycle."""
         spoken, each = self._listener.spoken, packet.STATUS_OVERHEAD + SIZE + 1
         left = self._end - self.wire.now() - self._listener.slack.usual - spoken(ASKING)
         return max(1, int(left / spoken(BLOCK.itemsize + 1 if self.fast else each)))
 
-    def _ask(self, places: tuple[int, ...], *, must: bool = False) -> bool:
+    def _request(self, places: tuple[int, ...], *, must: bool = False) -> bool:
         """Asks some servos again if the cycle has time for it; whether it did."""
         question = self._question_to(places)
         listener = self._listener
         ends = self.wire.now() + listener.spoken(len(question.data) + question.length) + listener.slack.usual
         if ends > self._end and not must:
             return False
-        listener.say(question.data)
-        self._listen(question, np.array(places), strict=not must)
+        listener.send(question.data)
+        self._receive(question, np.array(places), strict=not must)
         return True
 
     def _remind(self, place: int) -> None:
@@ -221,68 +219,67 @@ class Bus:
         if shown != CELLS:
             if exchange(packet.write_packet(servo.id, cells, CELLS), servo.id, 0) is None:
                 return
-            self._gate.forget(place)
-            self._tell(servo.id, "rebooted", "its RAM is as at power-on: torque off, no profile, no watchdog")
-        self._gate.forgetful.discard(place)
+            self._believed.forget(place)
+            self._report(servo.id, "rebooted", "its RAM is as at power-on: torque off, no profile, no watchdog")
+        self._believed.forgetful.discard(place)
 
     def _look_again(self) -> None:
         """While others were asked again, the rest of the answer to all may have come."""
-        answer, gate = self._question.answer(self._listener.heard), self._gate
+        answer, believed = self._question.answer(self._listener.received), self._believed
         if not answer.whole:
-            answer = self._overdue.without_earlier(self._question, self._places, answer)
-        news = answer.found & ~gate.fresh[self._places]
+            answer = self._late.without_earlier(self._question, self._places, answer)
+        news = answer.found & ~believed.fresh[self._places]
         if news.any():
-            gate.admit(self._places, answer._replace(found=news, whole=False), self._asked)
+            believed.admit(self._places, answer._replace(found=news, whole=False), self._sent_at)
         if answer.whole and not self._whole:
             self._whole = True
             self._listener.slack.took(MOST)
 
     def _note(self) -> None:
-        """Draws the conclusions of a cycle: who is asked next, and what is worth telling."""
-        gate, roster = self._gate, self._roster
-        if not (gate.fresh.all() and roster.whole) and not (self._lost or self._mum):
-            gone, back = roster.heard(gate.fresh | gate.late)
+        """Decides who is asked next, and which events to report."""
+        believed, polling = self._believed, self._polling
+        if not (believed.fresh.all() and polling.whole) and not (self._lost or self._only_listens):
+            gone, back = polling.note(believed.fresh | believed.late)
             for place in gone:
-                self._tell(self.ids[place], "silent", "no answer in five cycles")
+                self._report(self.ids[place], "silent", "no answer in five cycles")
             for place in back:
-                self._tell(self.ids[place], "heard", "answers again")
+                self._report(self.ids[place], "heard", "answers again")
             self._question, self._places = self._next_question()
-        for place in gate.doubted:
-            self._tell(self.ids[place], "doubted", "said something surprising")
-        gate.doubted.clear()
-        if gate.signature != self._signature:
-            self._compare(self._told, gate.blocks)
-            self._signature = gate.signature
-        self._told = gate.blocks
+        for place in believed.doubted:
+            self._report(self.ids[place], "doubted", "said something surprising")
+        believed.doubted.clear()
+        if believed.signature != self._signature:
+            self._compare(self._reported, believed.blocks)
+            self._signature = believed.signature
+        self._reported = believed.blocks
 
     def _compare(self, before: Records, after: Records) -> None:
-        """Tells what has changed between two cycles."""
         for servo, was, now in zip(self.ids, before, after, strict=True):
             if was["hardware_error"] != now["hardware_error"]:
-                self._tell(
+                self._report(
                     servo, "error", f"hardware error {was['hardware_error']:#04x} -> {now['hardware_error']:#04x}"
                 )
             if was["watchdog"] != now["watchdog"] == WATCHDOG_TRIPPED:
-                self._tell(servo, "watchdog", "stopped: the bus was quiet for too long")
+                self._report(servo, "watchdog", "stopped: the bus was quiet for too long")
             if was["torque"] != now["torque"]:
-                self._tell(servo, "torque", "on" if now["torque"] else "off")
+                self._report(servo, "torque", "on" if now["torque"] else "off")
 
     def _lose(self, error: BusError) -> None:
         self._lost = True
-        self._tell(None, "port lost", str(error))
+        self._report(None, "port lost", str(error))
 
     def _regained(self) -> bool:
-        """Looks for the port, twenty times a second at most."""
+        """Looks for the lost port, twenty times a second at most."""
         if self._begun - self._looked < RETRY:
             return False
         self._looked = self._begun
         if self.wire.reopen():
             self._lost = False
-            self._tell(None, "port back", self.wire.name)
+            self._report(None, "port back", self.wire.name)
         return not self._lost
 
     def _next_question(self) -> tuple[Query, Place]:
-        order = self._roster.order
+        order = self._polling.order
         places: Place = slice(None) if order == tuple(range(len(self.ids))) else np.array(order)
         return self._question_to(order), places
 
@@ -291,5 +288,5 @@ class Bus:
         cells = tuple(self.servos[k].cells for k in places)
         return question_to(servos, cells, fast=self.fast)
 
-    def _tell(self, servo: int | None, kind: Happening, text: str) -> None:
+    def _report(self, servo: int | None, kind: Happening, text: str) -> None:
         self._events.append(Event(self.wire.now(), servo, kind, text))

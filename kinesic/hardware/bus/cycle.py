@@ -66,13 +66,13 @@ _PLACES = np.array([0, *(2 + sum(_SIZES[: NAMES.index(name)]) for name in _STEAD
 
 
 def signature(blocks: Records) -> bytes:
-    """What stays the same while all is well: error bytes, torque, errors, watchdogs and temperatures of all."""
+    """Returns the bytes that stay the same while all is well: error bytes, torque, errors, watchdogs, temperatures."""
     return blocks.view(np.uint8).reshape(-1, BLOCK.itemsize).take(_PLACES, axis=1).tobytes()
 
 
 @dataclass(frozen=True)
 class Event:
-    """Something worth a line in the log."""
+    """Something that happened on a bus and is worth a line in the log."""
 
     time: float  # [s] on the wire's clock
     servo: int | None  # its id; None: the port
@@ -82,7 +82,7 @@ class Event:
 
 @dataclass(frozen=True, eq=False)
 class Cycle:
-    """Servos stand in the order in which the bus was given them."""
+    """What came of one cycle; servos stand in the order in which the bus was given them."""
 
     time: float  # [s] when it began, on the wire's clock
     duration: float  # [s]
@@ -102,7 +102,7 @@ class Cycle:
         return self.time + self.duration - self.times
 
     def each(self, name: Name) -> Ticks:
-        """(n,) one register of all servos, raw."""
+        """Returns (n,) one register of all servos, raw."""
         return self.records[name].astype(np.int64)
 
     @property

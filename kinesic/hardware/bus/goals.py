@@ -1,4 +1,4 @@
-"""The sync write of goal positions: one buffer, in which each cycle changes two bytes per servo and the CRC."""
+"""Writes the frame of goal positions: one buffer, in which each cycle changes two bytes per servo and the CRC."""
 
 from collections.abc import Sequence
 
@@ -16,10 +16,10 @@ _ROW = 1 + _GOAL.size
 
 
 class GoalFrame:
-    """Goals of one turn (0..4095) never need stuffing: their upper bytes are zero, and no id is 0xFF."""
+    """A sync write of goals: those of one turn need no stuffing, as their upper bytes are 0 and no id is 0xFF."""
 
     def __init__(self, servos: Sequence[int]) -> None:
-        """A frame for these ids, in this order."""
+        """Makes a frame for these ids, in this order."""
         zeros = dict.fromkeys(servos, bytes(_GOAL.size))
         self._frame = bytearray(sync_write(_GOAL.address, _GOAL.size, zeros))
         self._still = int.from_bytes(self._frame[-2:], "little")  # the CRC of goals that are all 0
@@ -29,7 +29,7 @@ class GoalFrame:
         self._rows = TICKS_PER_TURN * np.arange(count)
 
     def filled(self, goals: Ticks) -> bytearray:
-        """The frame for these goals, valid until the next call.
+        """Returns the frame for these goals, valid until the next call.
 
         Args:
             goals: (n,) ticks, 0..4095; what lies outside is clipped.

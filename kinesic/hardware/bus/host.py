@@ -13,7 +13,7 @@ RULE = 'ACTION=="add", SUBSYSTEM=="usb-serial", DRIVER=="ftdi_sio", ATTR{latency
 
 
 def stable_name(path: Path, *, names: Path = BY_ID) -> Path:
-    """The name of a port that outlives unplugging, if it has one: ttyUSBn counts up, by-id does not."""
+    """Returns the name of a port that outlives unplugging, if it has one: ttyUSBn counts up, by-id does not."""
     if path.exists() and names.is_dir() and path.parent != names:
         for name in sorted(names.iterdir()):
             if name.resolve() == path.resolve():
@@ -22,7 +22,7 @@ def stable_name(path: Path, *, names: Path = BY_ID) -> Path:
 
 
 def ports(*, names: Path = BY_ID) -> tuple[Path, ...]:
-    """All USB serial ports, by their lasting names."""
+    """Returns all USB serial ports, by their lasting names."""
     return tuple(sorted(names.iterdir())) if names.is_dir() else ()
 
 
@@ -52,7 +52,7 @@ class AdapterLatency:
 
 
 def latency(path: Path, *, system: Path = SYSTEM) -> AdapterLatency | None:
-    """The latency timer of a port's adapter; None where there is none (a pseudo-terminal, an adapter without timer)."""
+    """Returns the latency timer of a port's adapter; None where it has none, as a pseudo-terminal."""
     setting = system / "bus/usb-serial/devices" / path.resolve().name / "latency_timer"
     try:
         return AdapterLatency(path, int(setting.read_text()), setting)
@@ -61,7 +61,7 @@ def latency(path: Path, *, system: Path = SYSTEM) -> AdapterLatency | None:
 
 
 def request_real_time(priority: int) -> bool:
-    """Asks the host for real time for this process; whether it grants it.
+    """Asks the host for real time for this process, and returns whether it grants it.
 
     Args:
         priority: of SCHED_FIFO, 1..99.

@@ -1,4 +1,4 @@
-"""Answers that did not come in their cycle, and may come in a later one.
+"""Keeps track of answers that did not come in their cycle, and may come in a later one.
 
 Protocol 2.0 numbers no answers, so a servo's clock tells which question one answers. When the two clocks have moved
 apart, since a host stood still or a servo started anew, every answer seems to be an earlier one. What tells is a
@@ -20,11 +20,10 @@ SETTLED = 100  # cycles without another such trial, when answers proved to be la
 
 
 class LateReplies:
-    """What one bus still waits for."""
+    """The answers that one bus still waits for."""
 
-    def __init__(self, gate: PlausibilityFilter, listener: Listener) -> None:
-        """Nothing yet."""
-        self._gate, self._listener = gate, listener
+    def __init__(self, believed: PlausibilityFilter, listener: Listener) -> None:
+        self._believed, self._listener = believed, listener
         self._until = -inf  # [s] when nothing more will come
         self._unfinished: tuple[Query, Place, bytes, float] | None = None  # its answer so far; when it was asked
         self._set_aside = False  # whether this cycle brought what seems to be older
@@ -32,42 +31,45 @@ class LateReplies:
 
     @property
     def in_doubt(self) -> bool:
-        """Whether a cycle without a question should tell if answers are really late."""
+        """Whether a cycle without a question should find out if answers are really late."""
         return self._seeming >= STUCK
 
     def missed(self, question: Query) -> None:
-        """What was asked last has not been answered in full."""
-        self._until = self._listener.asked + self._listener.spoken(question.length) + OWED
+        """Notes that what was asked last has not been answered in full."""
+        self._until = self._listener.sent_at + self._listener.spoken(question.length) + OWED
 
     def is_of_earlier(self, question: Query, places: Place, answer: ServoReplies) -> bool:
-        """Whether a whole answer is one to an earlier question; then what is news of it is believed."""
-        listener, gate, asked = self._listener, self._gate, self._listener.asked
-        if not answer.whole or asked > self._until:
+        """Returns whether a whole answer is one to an earlier question; then what is news of it is taken."""
+        listener, believed, sent_at = self._listener, self._believed, self._listener.sent_at
+        if not answer.whole or sent_at > self._until:
             return False
-        asked_of = np.arange(len(gate.blocks))[places].tolist()
+        places_of = np.arange(len(believed.blocks))[places].tolist()
         leeway = LAG + listener.spoken(question.length)
-        late = [gate.is_late(k, block, asked, leeway=leeway) for k, block in zip(asked_of, answer.blocks, strict=True)]
+        late = [
+            believed.is_late(k, block, sent_at, leeway=leeway)
+            for k, block in zip(places_of, answer.blocks, strict=True)
+        ]
         if not listener.early and 2 * sum(late) <= len(late):
             return False
         self._set_aside = self._set_aside or not listener.early
-        gate.admit_late(places, answer, asked)
+        believed.admit_late(places, answer, sent_at)
         return True
 
     def without_earlier(self, question: Query, places: Place, answer: ServoReplies) -> ServoReplies:
-        """An answer less what of a broken one belongs to an earlier question."""
+        """Returns a broken answer without the records that belong to an earlier question."""
         listener = self._listener
-        if answer.whole or listener.asked > self._until:
+        if answer.whole or listener.sent_at > self._until:
             return answer
         leeway = LAG + listener.spoken(question.length)
-        return self._gate.without_late(places, answer, listener.asked, leeway=leeway)
+        return self._believed.without_late(places, answer, listener.sent_at, leeway=leeway)
 
-    def keep(self, question: Query, places: Place, *, asked: float, whole: bool) -> None:
-        """The cycle is over; unless the answer to what was asked [s] was whole, the rest may still come."""
-        self._unfinished = None if whole else (question, places, self._listener.heard, asked)
+    def keep(self, question: Query, places: Place, *, sent_at: float, whole: bool) -> None:
+        """Ends a cycle: unless the answer to what was sent at a time [s] was whole, the rest may still come."""
+        self._unfinished = None if whole else (question, places, self._listener.received, sent_at)
         self._set_aside = False
 
     def catch_up(self, more: bytes, time: float) -> None:
-        """What comes after its cycle may still complete its answer.
+        """Completes an earlier answer with what has come after its cycle.
 
         Args:
             more: what has come.
@@ -75,16 +77,16 @@ class LateReplies:
         """
         if self._unfinished is None or not more:
             return
-        question, places, heard, asked = self._unfinished
-        answer = question.answer(heard + more)
+        question, places, received, sent_at = self._unfinished
+        answer = question.answer(received + more)
         if answer.found.any():
-            self._gate.admit_late(places, answer, time, asked=asked)
+            self._believed.admit_late(places, answer, time, sent_at=sent_at)
         if answer.whole:
             self._listener.slack.took(MOST)
-        self._unfinished = None if answer.whole else (question, places, heard + more, asked)
+        self._unfinished = None if answer.whole else (question, places, received + more, sent_at)
 
     def note(self, *, fresh: bool) -> None:
-        """Everybody has been asked, and something fresh has come or not."""
+        """Notes whether something fresh has come after all servos were asked."""
         self._seeming = 0 if fresh else self._seeming + self._set_aside
 
     def overhear(self, question: Query, places: Place, end: float) -> None:
@@ -94,8 +96,8 @@ class LateReplies:
             raw += chunk
         answer = question.answer(raw)
         if answer.found.any():
-            self._gate.admit_late(places, answer, self._listener.wire.now())
+            self._believed.admit_late(places, answer, self._listener.wire.now())
             self._seeming = -SETTLED
         else:
-            self._gate.distrust_clocks()
+            self._believed.distrust_clocks()
             self._seeming = 0

@@ -45,7 +45,7 @@ class TimeoutEstimate:
         return self._usual
 
     def took(self, excess: float) -> None:
-        """Learns from an answer that came [s] later than its bytes needed."""
+        """Learns from an answer that came some time [s] later than its bytes needed."""
         if excess > self._usual:
             self._usual = min(self._usual + STEP * QUANTILE / (1 - QUANTILE), excess + 2 * STEP, MOST)
         else:
@@ -53,20 +53,19 @@ class TimeoutEstimate:
 
 
 class Listener:
-    """One wire, and what experience says about it.
+    """Waits for answers on one wire, by what experience says about it.
 
     While all is well it sleeps until the last byte of an answer must have come. For a while after a damaged answer it
     looks at every burst, so that one which breaks off is noticed at once.
     """
 
     def __init__(self, wire: Wire) -> None:
-        """Knows nothing yet."""
         self.wire, self.slack = wire, TimeoutEstimate()
         # until the first bytes of an answer come
         self._burst = TimeoutEstimate(BURST * BITS_PER_BYTE / wire.baud, fall=HASTE)
-        self.heard = b""  # all bytes since `forget`
+        self.received = b""  # all bytes since `forget`
         self._byte = BITS_PER_BYTE / wire.baud
-        self.asked = 0.0  # [s] when the last byte of what was said last is out
+        self.sent_at = 0.0  # [s] when the last byte of what was said last is out
         self._restless = 0
         self.before = self._rest = b""  # what came before the last whole answer, and behind it
         self.mute = False  # whether nothing came when it listened last
@@ -74,23 +73,23 @@ class Listener:
         self.tardy = False  # whether what did not come in time came later, when that happened last
 
     def spoken(self, octets: int) -> float:
-        """[s] that so many bytes are on the wire."""
+        """Returns how long [s] so many bytes are on the wire."""
         return octets * self._byte
 
     def forget(self) -> None:
-        """What was heard so far belongs to nothing that is asked from now on."""
-        self.heard = b""
+        """Drops what was received so far: it belongs to nothing that is asked from now on."""
+        self.received = b""
 
-    def say(self, data: bytes) -> None:
+    def send(self, data: bytes) -> None:
         """Sends.
 
         Raises:
             BusError: the port is gone.
         """
         self.wire.write(data)
-        self.asked = self.wire.now() + self.spoken(len(data))
+        self.sent_at = self.wire.now() + self.spoken(len(data))
 
-    def hear(
+    def receive(
         self, question: Query, *, end: float, strict: bool = False, patient: bool = False, again: bool = False
     ) -> ServoReplies | None:
         """Waits for the answer to what was said last.
@@ -111,7 +110,7 @@ class Listener:
         wait = self._wait(question, end, strict=strict, patient=patient)
         ideal = wait.ideal
         raw, self._rest = self._rest if again else b"", b""
-        begun, limit = self._begun(wait)
+        begun, limit = self._wait_for_begin(wait)
         raw += begun
         if begun:
             limit = wait.until(self.wire.now(), len(raw))
@@ -119,7 +118,7 @@ class Listener:
             if len(raw) >= question.length or question.complete(raw):
                 answer = question.answer(raw)
                 if answer.whole:
-                    self._understood(raw, answer, question.length, ideal, wait.began)
+                    self._learn(raw, answer, question.length, ideal, wait.began)
                     return answer
                 if not patient and (len(raw) >= answer.end or question.complete(raw)):
                     break
@@ -134,20 +133,19 @@ class Listener:
             wait.came(self.wire.now(), len(raw), len(chunk))
             limit = wait.until(self.wire.now(), len(raw))
         self._restless = RESTLESS
-        self.heard += raw
+        self.received += raw
         self.mute = not raw
         return question.answer(raw) if raw else None
 
     def _wait(self, question: Query, end: float, *, strict: bool, patient: bool) -> "_Wait":
-        """How long to wait for what was said last; see `hear`."""
         usual, length = self.slack.usual, self.spoken(question.length)
         again = GAP + self.spoken(len(question.data)) + usual  # [s] of asking again, but for the bytes of the answer
-        ideal = self.asked + length
+        ideal = self.sent_at + length
         last = end if patient else min(ideal + self.slack.wait, end)
         if not strict:
             last = max(last, ideal + LEAST)
         return _Wait(
-            asked=self.asked,
+            sent_at=self.sent_at,
             byte=self._byte,
             length=question.length,
             usual=usual,
@@ -160,11 +158,11 @@ class Listener:
             tardy=self.tardy or self.mute,
         )
 
-    def _begun(self, wait: "_Wait") -> tuple[bytes, float]:
+    def _wait_for_begin(self, wait: "_Wait") -> tuple[bytes, float]:
         """Sleeps while nothing can be missed; what has come by then, and until when more may come [s]."""
-        wire, due = self.wire, self.asked + wait.burst + self.slack.wait
+        wire, due = self.wire, self.sent_at + wait.burst + self.slack.wait
         if (self._restless or wait.tight) and not wait.patient:
-            return b"", wait.until(self.asked, 0)
+            return b"", wait.until(self.sent_at, 0)
         if wait.patient or wait.spare or due >= wait.ideal:
             wire.sleep(wait.ideal)
             return b"", wait.last if wait.patient or not wait.spare else wait.mute(due)
@@ -175,25 +173,25 @@ class Listener:
         wire.sleep(wait.ideal)
         return begun + wire.read(wait.ideal), wait.last
 
-    def _understood(self, raw: bytes, answer: ServoReplies, length: int, ideal: float, began: float) -> None:
+    def _learn(self, raw: bytes, answer: ServoReplies, length: int, ideal: float, began: float) -> None:
         """Learns from a whole answer of a length [bytes], which began at a time, and was not due before another [s]."""
         now = self.wire.now()
         self.slack.took(now - ideal)
-        if self.asked <= began < ideal:
-            self._burst.took(began - self.asked)
+        if self.sent_at <= began < ideal:
+            self._burst.took(began - self.sent_at)
         self._restless = max(0, self._restless - 1)
-        self.heard += raw
+        self.received += raw
         self.before = raw[: max(0, answer.end - length)]
         self._rest, self.mute, self.early = raw[answer.end :], False, now < ideal
 
     def exchange(self, data: bytes, servo: int, size: int) -> bytes | None:
-        """One packet to one servo, and the data of its status; None when it does not come in time.
+        """Sends a packet to one servo, and returns the data of its status; None when it does not come in time.
 
         Raises:
             BusError: the port is gone.
         """
-        self.say(data)
-        limit = self.asked + self.spoken(STATUS_OVERHEAD + size) + self.slack.wait
+        self.send(data)
+        limit = self.sent_at + self.spoken(STATUS_OVERHEAD + size) + self.slack.wait
         reader = Reader()
         while chunk := self.wire.read(limit):
             for status in reader.feed(chunk):
@@ -204,9 +202,9 @@ class Listener:
 
 @dataclass
 class _Wait:
-    """How long an answer is waited for: what breaks off falls behind the bytes that the wire could have brought."""
+    """How long to wait for an answer: one that breaks off falls behind the bytes that the wire could have brought."""
 
-    asked: float  # [s] when the question is out
+    sent_at: float  # [s] when the question is out
     byte: float  # [s]
     length: int  # [bytes] of the answer
     usual: float  # [s] that its last bytes stay in the adapter
@@ -223,7 +221,7 @@ class _Wait:
     @property
     def ideal(self) -> float:
         """[s] when its last byte is out."""
-        return self.asked + self.byte * self.length
+        return self.sent_at + self.byte * self.length
 
     @property
     def handed(self) -> float:
@@ -231,13 +229,13 @@ class _Wait:
         return self.ideal + self.usual / 2
 
     def came(self, now: float, octets: int, news: int) -> None:
-        """Bytes have come; so many are here, and so many are new: a few have stayed in the adapter for its timer."""
+        """Notes that bytes have come: so many are here, and so many new; a few stay in the adapter for its timer."""
         self.began = min(self.began, now)
         stayed = self.usual if news < FEW * self.burst / self.byte else 0.0
-        self.behind = max(0.0, min(self.behind, now - self.asked - self.byte * octets - stayed))
+        self.behind = max(0.0, min(self.behind, now - self.sent_at - self.byte * octets - stayed))
 
     def until(self, now: float, octets: int) -> float:
-        """Until when more may come [s], when so many bytes are here."""
+        """Returns until when more may come [s], when so many bytes are here."""
         if self.patient:
             return self.last
         lacking = self.byte * (self.length - octets)
@@ -245,24 +243,24 @@ class _Wait:
             pause = lacking + self.usual if lacking < self.burst else max(self.burst, self.usual)
             behind = self.behind if isfinite(self.behind) else 0.0
             last = min(max(self.last, self.ideal + behind + self.usual + GAP), self.end)
-            found = min(self.asked + behind + self.byte * octets + pause + GAP, last)
+            found = min(self.sent_at + behind + self.byte * octets + pause + GAP, last)
         else:
             # what is neither here nor in the adapter when all of it must be out never was
             gap = self.burst + self.usual + GAP
-            found = now if now >= self.ideal and lacking > gap else min(self.last, max(now, self.asked) + gap)
+            found = now if now >= self.ideal and lacking > gap else min(self.last, max(now, self.sent_at) + gap)
         return found if octets else self.mute(found)
 
     def mute(self, due: float) -> float:
-        """Until when to wait for an answer that has not begun when it is due [s].
+        """Returns until when to wait [s] for an answer that has not begun when it is due [s].
 
-        Who asks again while servos speak spoils what they say, which is a pity if it was only late.
+        Asking again while servos speak spoils what they say, which is a loss if it was only late.
         """
         if self.spare:
             return max(due, self.ideal + GAP)
         return self.end if self.tardy else due
 
     def longer(self, length: int) -> bool:
-        """Whether bytes were added to the answer, so that its end comes later."""
+        """Returns whether bytes were added to the answer, so that its end comes later."""
         added = length > self.length
         if added:
             self.length, self.last = length, self.end

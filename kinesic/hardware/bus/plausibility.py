@@ -1,4 +1,4 @@
-"""What is believed of what servos say.
+"""Filters the records of servos: a record counts if it is plausible, a surprise only when it is repeated.
 
 A CRC of 16 bits lets about one random error in 65536 pass, and Protocol 2.0 numbers no answers. So a record must be
 newer by the servo's own clock than the one before, and what is surprising must be said twice: a joint that jumped, a
@@ -29,10 +29,10 @@ Place = slice | np.ndarray[tuple[int], np.dtype[np.intp]]
 
 
 class PlausibilityFilter:
-    """The last believed record of every servo of a bus, and the way in."""
+    """Keeps the last believed record of every servo of a bus, and decides which new ones count."""
 
     def __init__(self, models: tuple[Model, ...], period: float) -> None:
-        """Nothing is known at first.
+        """Knows no record yet.
 
         Args:
             models: of the servos, in the order of the bus.
@@ -43,7 +43,7 @@ class PlausibilityFilter:
         self.signature = signature(self.blocks)
         self.times: Floats = np.full(count, -inf)
         self.fresh: Flags = np.zeros(count, dtype=np.bool_)
-        self.late: Flags = self.fresh  # (n,) heard in this cycle, but of an earlier one
+        self.late: Flags = self.fresh  # (n,) came in this cycle, but of an earlier one
         self.forgetful: set[int] = set()  # places of those whose cells must be set again
         self.doubted: set[int] = set()  # places where doubt arose in this cycle
         limits = np.array([model.starts(Register.VELOCITY_LIMIT) * SPEED / TICK for model in models])
@@ -57,18 +57,18 @@ class PlausibilityFilter:
         self._ones = np.ones(count)
 
     def begin(self) -> None:
-        """A new cycle: nothing in it is fresh yet."""
+        """Starts a cycle, in which nothing is fresh yet."""
         self.fresh = self.late = self._none
 
     def admit(self, places: Place, answer: ServoReplies, time: float) -> None:
-        """Believes what is plausible.
+        """Takes the plausible records of an answer.
 
         Args:
             places: of the answer's servos among all.
             answer: CRC and id checked.
             time: [s] when the servos were asked.
         """
-        if answer.whole and isinstance(places, slice) and self._unsurprising(answer.blocks):
+        if answer.whole and isinstance(places, slice) and self._continues(answer.blocks):
             self.blocks = answer.blocks
             self.times = self._ones * time
             self.fresh = self._every
@@ -77,40 +77,39 @@ class PlausibilityFilter:
             self._unset.clear()
             return
         blocks, times, fresh = self.blocks.copy(), self.times.copy(), self.fresh.copy()
-        for index, block in self._heard(places, answer):
-            if self._believed(index, block, time):
+        for index, block in self._answers(places, answer):
+            if self._accepts(index, block, time):
                 blocks[index], times[index], fresh[index] = block, time, True
                 self._doubts.pop(index, None)
                 self._stale.pop(index, None)
                 self._unset.discard(index)
         self.blocks, self.times, self.fresh, self.signature = blocks, times, fresh, signature(blocks)
 
-    def admit_late(self, places: Place, answer: ServoReplies, now: float, *, asked: float | None = None) -> None:
-        """Believes answers to an earlier question, if they are news; when they were given, the servo's clock tells.
+    def admit_late(self, places: Place, answer: ServoReplies, now: float, *, sent_at: float | None = None) -> None:
+        """Takes the answers to an earlier question that are news, dated by the servo's clock.
 
         Args:
             places: of the answer's servos among all.
             answer: CRC and id checked.
             now: [s].
-            asked: [s] when that question was asked, if it is known: who is heard for the first time is dated by it.
+            sent_at: [s] when that question was asked, if known: it dates the first record of a servo.
         """
         blocks, times, late = self.blocks.copy(), self.times.copy(), self.late.copy()
-        for index, block in self._heard(places, answer):
+        for index, block in self._answers(places, answer):
             since, known = self._since(index, block), times[index] > -inf
-            given = times[index] + since / 1000 if known else asked
+            given = times[index] + since / 1000 if known else sent_at
             if given is None:
                 continue
-            if (not known or 0 < since < LATEST) and self._believed(index, block, now):
+            if (not known or 0 < since < LATEST) and self._accepts(index, block, now):
                 blocks[index], times[index], late[index] = block, min(now, given), True
         self.blocks, self.times, self.late, self.signature = blocks, times, late, signature(blocks)
 
-    def _heard(self, places: Place, answer: ServoReplies) -> list[tuple[int, np.void]]:
-        """Places and blocks of those who answered."""
+    def _answers(self, places: Place, answer: ServoReplies) -> list[tuple[int, np.void]]:
         indices = np.arange(len(self.blocks))[places][answer.found].tolist()
         return list(zip(indices, answer.blocks[answer.found], strict=True))
 
-    def _unsurprising(self, blocks: Records) -> bool:
-        """Whether a joint answer looks like the one before it, a moment later: nothing needs a second look."""
+    def _continues(self, blocks: Records) -> bool:
+        """Whether a joint answer looks like the one before it, a moment later, so that nothing needs a second look."""
         before = self.blocks
         if signature(blocks) != self.signature:
             return False
@@ -121,14 +120,14 @@ class PlausibilityFilter:
         return not (jumps.view(np.uint32) > self._span).any()
 
     def is_late(self, place: int, block: np.void, time: float, *, leeway: float) -> bool:
-        """Whether a record was taken clearly before a time [s], more than a leeway [s], by the servo's clock."""
+        """Returns whether a record is older than a time [s] by more than a leeway [s], by the servo's clock."""
         elapsed = time - self.times[place]
         if place in self._unset:
             return False
         return bool(elapsed < LATEST / 1000 and self._since(place, block) / 1000 < elapsed - leeway)
 
     def without_late(self, places: Place, answer: ServoReplies, time: float, *, leeway: float) -> ServoReplies:
-        """What of a broken answer was given after a time [s]; the rest answers an earlier question, and is news of it.
+        """Splits a broken answer: returns what was given after a time [s], and takes the rest as late.
 
         Args:
             places: of the answer's servos among all.
@@ -136,8 +135,8 @@ class PlausibilityFilter:
             time: [s] when the servos were asked.
             leeway: [s] by which a record may seem older.
         """
-        heard = self._heard(places, answer)
-        late = {index for index, block in heard if self.is_late(index, block, time, leeway=leeway)}
+        answers = self._answers(places, answer)
+        late = {index for index, block in answers if self.is_late(index, block, time, leeway=leeway)}
         if not late:
             return answer
         overdue = np.array([index in late for index in np.arange(len(self.blocks))[places].tolist()], dtype=np.bool_)
@@ -145,7 +144,7 @@ class PlausibilityFilter:
         return answer._replace(found=answer.found & ~overdue)
 
     def forget(self, place: int) -> None:
-        """The servo starts anew: whatever it says first is believed."""
+        """Forgets a servo that has rebooted, so that its next record is believed."""
         times = self.times.copy()
         times[place] = -inf
         self.times = times
@@ -153,14 +152,14 @@ class PlausibilityFilter:
         self._stale.pop(place, None)
 
     def distrust_clocks(self) -> None:
-        """Servos' clocks and the wire's have moved apart: the next answer in time tells anew by how much."""
+        """Stops comparing servos' clocks with the wire's, until the next answer in time sets them anew."""
         self._unset = set(range(len(self.blocks)))
 
     def _since(self, index: int, block: np.void) -> int:
         """[ms] of the servo's clock since the last record."""
         return (int(block["tick"]) - int(self.blocks[index]["tick"])) % CLOCK_WRAP
 
-    def _believed(self, index: int, block: np.void, time: float) -> bool:
+    def _accepts(self, index: int, block: np.void, time: float) -> bool:
         if block["volts"] == 0:
             self.forgetful.add(index)
             return False
@@ -170,24 +169,22 @@ class PlausibilityFilter:
         if elapsed < LATEST / 1000 and not 0 < self._since(index, block) < LATEST:
             self._stale[index] = self._stale.get(index, 0) + 1
             return self._stale[index] > TRUST
-        if self._ordinary(block, self.blocks[index], self._pace[index], elapsed):
+        if self._is_ordinary(block, self.blocks[index], self._pace[index], elapsed):
             return True
         doubt = self._doubts.get(index)
-        if doubt is not None and self._repeated(block, doubt):
+        if doubt is not None and self._confirms(block, doubt):
             return True
         self._doubts[index] = block.copy()
         self.doubted.add(index)
         return False
 
-    def _ordinary(self, block: np.void, before: np.void, pace: float, elapsed: float) -> bool:
-        """Whether nothing about a record surprises."""
+    def _is_ordinary(self, block: np.void, before: np.void, pace: float, elapsed: float) -> bool:
         jump = abs(int(block["position"]) - int(before["position"]))
         leap = abs(int(block["temperature"]) - int(before["temperature"]))
         confirmed = (block["error"] >= ALERT) == (block["hardware_error"] > 0)
         return bool(jump <= pace * elapsed + LEEWAY and leap <= LEAP + RUSH * elapsed and confirmed)
 
-    def _repeated(self, block: np.void, doubt: np.void) -> bool:
-        """Whether a surprise was said twice."""
+    def _confirms(self, block: np.void, doubt: np.void) -> bool:
         jump = abs(int(block["position"]) - int(doubt["position"]))
         leap = abs(int(block["temperature"]) - int(doubt["temperature"]))
         return bool(jump <= 2 * LEEWAY and leap <= LEAP and block["hardware_error"] == doubt["hardware_error"])

@@ -1,4 +1,4 @@
-"""Whom the bus asks: everybody in time, the doubtful last, the silent not at all, except one by one.
+"""Chooses which servos a cycle asks: the doubtful last, the silent only one by one.
 
 In a joint reply each servo waits for the one before it, so a silent one may cut off those that stand behind it: the
 first who is missing is the suspect. He is asked last of all, and after five misses no longer with the others. Then he
@@ -14,22 +14,21 @@ REST = 0.2  # [s] after which a silent servo is asked even when there is no time
 
 
 class PollingPlan:
-    """Misses, and what follows from them, by places on the bus."""
+    """The order in which servos are asked, by what they missed; by places on the bus."""
 
     def __init__(self, count: int) -> None:
-        """Everybody is expected to answer."""
         self.silent: Flags = np.zeros(count, dtype=np.bool_)
         self.order: tuple[int, ...] = tuple(range(count))
         self._misses = [0] * count
-        self._asked = [0.0] * count  # [s] when a silent one was asked last
+        self._requested = [0.0] * count  # [s] when a silent one was asked last
 
     @property
     def whole(self) -> bool:
         """Whether everybody is asked in the natural order."""
         return not any(self._misses)
 
-    def heard(self, fresh: Flags) -> tuple[tuple[int, ...], tuple[int, ...]]:
-        """Notes who answered in a cycle; who fell silent, and who came back."""
+    def note(self, fresh: Flags) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        """Notes who answered in a cycle, and returns who fell silent and who came back."""
         if fresh.all() and self.whole:
             return (), ()
         answered = fresh.tolist()
@@ -43,18 +42,18 @@ class PollingPlan:
         gone = tuple(k for k, quiet in enumerate(silent) if quiet and not self.silent[k])
         back = tuple(k for k, quiet in enumerate(silent) if not quiet and self.silent[k])
         self.silent = np.array(silent, dtype=np.bool_)
-        asked = [k for k, quiet in enumerate(silent) if not quiet] or range(len(silent))
-        self.order = tuple(sorted(asked, key=lambda k: (self._misses[k] > 0, k == suspect)))
+        due = [k for k, quiet in enumerate(silent) if not quiet] or range(len(silent))
+        self.order = tuple(sorted(due, key=lambda k: (self._misses[k] > 0, k == suspect)))
         return gone, back
 
     def next_alone(self, now: float) -> tuple[int, bool] | None:
-        """The silent servo whose turn it is, and whether it must be asked now; None when all are heard."""
+        """Returns the silent servo whose turn it is, and whether it must be asked now; None when all answer."""
         quiet = np.flatnonzero(self.silent).tolist()
         if not quiet or len(quiet) == len(self.silent):
             return None
-        place: int = min(quiet, key=lambda k: self._asked[k])
-        return place, now - self._asked[place] >= REST
+        place: int = min(quiet, key=lambda k: self._requested[k])
+        return place, now - self._requested[place] >= REST
 
-    def asked_alone(self, place: int, now: float) -> None:
+    def note_alone(self, place: int, now: float) -> None:
         """Notes that a silent servo was asked."""
-        self._asked[place] = now
+        self._requested[place] = now

@@ -1,4 +1,4 @@
-"""One question to several servos, and what its answer says of each.
+"""Asks several servos for their records in one packet, and reads the answer, damaged or not.
 
 A fast read is answered by one joint reply: a header, then a block per servo in the order asked, each ending with the
 CRC of everything so far (Protocol 2.0, never stuffed). A block is checked against the CRC that stands before it, so a
@@ -43,7 +43,7 @@ class ServoReplies(NamedTuple):
 
 
 class Query(Protocol):
-    """What to send, and how to read the answer."""
+    """A question to servos: what to send, and how to read the answer."""
 
     @property
     def servos(self) -> tuple[int, ...]:
@@ -62,10 +62,10 @@ class Query(Protocol):
         """Whether a servo that keeps silent ends the answer."""
 
     def answer(self, raw: bytes) -> ServoReplies:
-        """Reads what has come: all bytes so far, noise and older answers included."""
+        """Reads what has come so far, noise and older answers included."""
 
     def complete(self, raw: bytes) -> bool:
-        """Whether the last servo has said its last byte, whatever came of the others."""
+        """Returns whether the last servo has sent its last byte, whatever came of the others."""
 
 
 @dataclass(frozen=True)
@@ -251,7 +251,7 @@ class PlainQuery:
 
 @lru_cache(256)
 def question_to(servos: tuple[int, ...], addresses: tuple[int, ...], *, fast: bool) -> Query:
-    """Asks servos for their records.
+    """Returns the question that asks servos for their records.
 
     Args:
         servos: ids, in the order to ask.

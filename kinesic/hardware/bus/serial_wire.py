@@ -1,4 +1,4 @@
-"""A serial port as a wire: one program at a time, no busy waiting, and a name that survives unplugging."""
+"""Makes a serial port a wire: one program at a time, no busy waiting, and a name that survives unplugging."""
 
 import errno
 import os
@@ -17,7 +17,7 @@ CHUNK = 4096  # [bytes]
 
 
 class SerialWire:
-    """A port of this machine."""
+    """A serial port of this machine as a `Wire`."""
 
     def __init__(self, path: str | Path, baud: int) -> None:
         """Opens the port for this program alone.
@@ -110,7 +110,6 @@ class SerialWire:
 
 
 def _refusal(path: Path, baud: int, error: Exception) -> BusError:
-    """Why a port does not open, and what would make it."""
     if not path.exists():
         near = sorted(str(other) for other in path.parent.glob("*")) if path.parent.name == "by-id" else []
         known = f"; there are {', '.join(near)}" if near else "; is the adapter plugged in? see `ls /dev/serial/by-id`"

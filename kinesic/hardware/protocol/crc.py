@@ -1,4 +1,4 @@
-"""The CRC of `packet`, many bytes at a time.
+"""Computes the CRC of `packet`, many bytes at a time.
 
 The CRC is linear: that of a message is the exclusive or of what each byte contributes by its place, and of what the
 CRC before it has become by then. So one table per place replaces the loop over bytes.
@@ -18,7 +18,7 @@ _TABLE: Crcs = np.array(CRC_TABLE, dtype=np.uint16)
 
 
 def advance_crcs(crcs: Crcs, data: Bytes | int = 0) -> Crcs:
-    """CRCs after one more byte each."""
+    """Advances each CRC by one more byte."""
     after: Crcs = (crcs << 8) ^ _TABLE[(crcs >> 8) ^ data]
     return after
 

@@ -1,4 +1,4 @@
-"""Servos one by one, with all the time it takes: finding, reading, setting. Through dynamixel-sdk, see `sdk`."""
+"""Finds, reads and sets servos one by one, with all the time it takes, through dynamixel-sdk (see `sdk`)."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -49,17 +49,16 @@ class Cold:
     """The slow, careful way to the servos of one wire. Answers that do not come are asked for again."""
 
     def __init__(self, wire: Wire) -> None:
-        """On an open wire."""
         self.wire = wire
         self._port, self._packets = WirePort(wire), Packets()
 
     def everyone(self) -> tuple[Found, ...]:
-        """Who answers a ping to all, by id. Servos that share an id do not, unless their answers are the same."""
+        """Returns who answers a ping to all, by id; of servos with the same id only those whose answers agree."""
         answers, _ = self._packets.broadcastPing(self._port)
         return tuple(Found(servo, number, firmware) for servo, (number, firmware) in sorted(answers.items()))
 
     def ping(self, servo: int) -> Found | None:
-        """One servo; None if it does not answer."""
+        """Pings one servo; None if it does not answer."""
         for _ in range(TRIES):
             number, result, _ = self._packets.ping(self._port, servo)
             if result == COMM_SUCCESS:
@@ -77,7 +76,7 @@ class Cold:
         return True
 
     def read(self, servo: int, register: Register) -> int:
-        """The raw value of a register.
+        """Reads the raw value of a register.
 
         Raises:
             BusError: the servo does not answer, or has no such register.
@@ -155,7 +154,7 @@ class Cold:
         return f"{self.wire.name}: servo {servo}"
 
     def _tried(self, servo: int, what: str, attempt: Callable[[], tuple[list[int], int, int]]) -> list[int]:
-        """What an attempt yields, made again while nothing comes; an alert is no failure."""
+        """Repeats an attempt until something comes; an alert is no failure."""
         result = COMM_SUCCESS
         for _ in range(TRIES):
             data, result, error = attempt()

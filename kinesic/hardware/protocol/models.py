@@ -41,15 +41,15 @@ class Model:
     modes: frozenset[Mode]
 
     def has(self, register: Register) -> bool:
-        """Whether the model has this register at all."""
+        """Returns whether the model has this register at all."""
         return register not in self.missing
 
     def starts(self, register: Register) -> int:
-        """Its factory value."""
+        """Returns the factory value of a register."""
         return self.initial.get(register, register.field.initial)
 
     def range(self, register: Register) -> tuple[int, int]:
-        """The least and the largest value that may be written."""
+        """Returns the least and the largest value that may be written."""
         return self.ranges.get(register, (register.field.lower, register.field.upper))
 
     @property
@@ -151,7 +151,7 @@ class FactorySheet:
         return frozenset(absent | (set(_CURRENTS) if self.amperes is None else set()))
 
     def model(self) -> Model:
-        """The model that it describes."""
+        """Returns the model that it describes."""
         senses = self.amperes is not None
         return Model(
             name=self.name,

@@ -1,4 +1,4 @@
-"""Dynamixel Protocol 2.0 in bytes: packets, stuffing, CRC, and a reader that finds packets in a stream.
+"""Writes and reads the bytes of Dynamixel Protocol 2.0: packets, stuffing, CRC, and packets in a stream.
 
 A packet is FF FF FD 00, id, length (2 bytes), instruction, parameters, CRC (2 bytes); the length counts what follows
 it. A status has instruction 0x55 and its error byte before the data. Inside the body FF FF FD becomes FF FF FD FD, so
@@ -76,7 +76,6 @@ class Packet:
 
 
 def _row(byte: int) -> int:
-    """The CRC of one byte."""
     crc = byte << 8
     for _ in range(8):
         crc = (crc << 1) ^ (_POLYNOMIAL if crc & 0x8000 else 0)
@@ -87,7 +86,7 @@ CRC_TABLE = tuple(_row(byte) for byte in range(256))
 
 
 def crc16(data: bytes | bytearray | memoryview, crc: int = 0) -> int:
-    """The CRC of data, continued from `crc` (polynomial 0x8005, not reflected, starting at 0)."""
+    """Returns the CRC of data, continued from `crc` (polynomial 0x8005, not reflected, starting at 0)."""
     table = CRC_TABLE
     for byte in data:
         crc = ((crc << 8) & 0xFF00) ^ table[crc >> 8 ^ byte]
@@ -95,17 +94,17 @@ def crc16(data: bytes | bytearray | memoryview, crc: int = 0) -> int:
 
 
 def stuff(body: bytes) -> bytes:
-    """A body in which no header can be found."""
+    """Stuffs a body, so that no header can be found in it."""
     return body.replace(_MARK, _STUFFED)
 
 
 def unstuff(body: bytes) -> bytes:
-    """The inverse of `stuff`."""
+    """Undoes `stuff`."""
     return body.replace(_STUFFED, _MARK)
 
 
 def packet(servo: int, instruction: int, parameters: bytes = b"") -> bytes:
-    """The bytes of a packet.
+    """Returns the bytes of a packet.
 
     Raises:
         ValueError: the id is none, or the packet would be longer than servos read.
@@ -121,7 +120,7 @@ def packet(servo: int, instruction: int, parameters: bytes = b"") -> bytes:
 
 
 def status(servo: int, error: int, data: bytes = b"") -> bytes:
-    """The bytes of a servo's answer."""
+    """Returns the bytes of a servo's answer."""
     return packet(servo, Instruction.STATUS, bytes((error,)) + data)
 
 

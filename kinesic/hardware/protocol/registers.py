@@ -51,7 +51,7 @@ class Field:
         return self.address < RAM_START
 
     def pack(self, value: int) -> bytes:
-        """The bytes of a value.
+        """Returns the bytes of a value.
 
         Raises:
             ValueError: it does not fit into the register's size.
@@ -64,7 +64,7 @@ class Field:
             raise ValueError(message) from None
 
     def unpack(self, data: bytes) -> int:
-        """The value of `size` bytes.
+        """Returns the value of `size` bytes.
 
         Raises:
             ValueError: there are more or fewer bytes.

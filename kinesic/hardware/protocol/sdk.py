@@ -24,7 +24,6 @@ class WirePort(PortHandler):  # type: ignore[misc]  # the SDK ships no types
     """The SDK's port on a wire: time, and waiting, are the wire's."""
 
     def __init__(self, wire: Wire) -> None:
-        """A port that is open."""
         super().__init__(wire.name)
         self._wire, self._spare = wire, bytearray()
         self.baudrate, self.is_open = wire.baud, True
@@ -54,12 +53,12 @@ class WirePort(PortHandler):  # type: ignore[misc]  # the SDK ships no types
         return data
 
     def writePort(self, packet: Sequence[int]) -> int:
-        """Sends."""
+        """Sends a packet."""
         self._wire.write(bytes(packet))
         return len(packet)
 
     def setPacketTimeout(self, packet_length: int) -> None:
-        """Waits for so many bytes, and what was said before them."""
+        """Sets the time to wait for so many bytes, and for what was sent before them."""
         self.setPacketTimeoutMillis(self.tx_time_per_byte * packet_length + 2 * LATENCY_MS + LEAST_MS)
 
     def getCurrentTime(self) -> float:
@@ -71,11 +70,11 @@ class WirePort(PortHandler):  # type: ignore[misc]  # the SDK ships no types
         return bool(self.getTimeSinceStart() >= self.packet_timeout - 1e-6)
 
     def getCFlagBaud(self, baudrate: int) -> int:
-        """Every baud rate is the wire's business."""
+        """Takes every baud rate: it is the wire's business."""
         return baudrate
 
     def setupPort(self, cflag_baud: int) -> bool:
-        """The wire is open already, at its own rate."""
+        """Says whether this is the rate at which the wire is open already."""
         return cflag_baud == self._wire.baud
 
 
@@ -91,7 +90,7 @@ class Packets(Protocol2PacketHandler):  # type: ignore[misc]  # the SDK ships no
         return packet
 
     def removeStuffing(self, packet: list[int]) -> list[int]:
-        """Undoes it, in place."""
+        """Undoes the stuffing of a packet in place."""
         length = packet[5] | packet[6] << 8
         end = BODY + length - 2
         body = unstuff(bytes(packet[BODY:end]))
@@ -100,7 +99,7 @@ class Packets(Protocol2PacketHandler):  # type: ignore[misc]  # the SDK ships no
         return packet
 
     def txPacket(self, port: WirePort, txpacket: list[int]) -> int:
-        """Sends, and leaves the port free when that fails."""
+        """Sends a packet, and leaves the port free when that fails."""
         try:
             return int(super().txPacket(port, txpacket))
         except BaseException:
@@ -108,7 +107,7 @@ class Packets(Protocol2PacketHandler):  # type: ignore[misc]  # the SDK ships no
             raise
 
     def rxPacket(self, port: WirePort, fast_option: bool = False) -> tuple[list[int], int]:
-        """Receives, and leaves the port free when that fails."""
+        """Receives a packet, and leaves the port free when that fails."""
         try:
             packet, result = super().rxPacket(port, fast_option)
         except BaseException:
@@ -128,6 +127,6 @@ class Packets(Protocol2PacketHandler):  # type: ignore[misc]  # the SDK ships no
                 return [], result, packet[8]
 
     def readTxRx(self, port: WirePort, dxl_id: int, address: int, length: int) -> tuple[list[int], int, int]:
-        """Reads, with the same care."""
+        """Reads registers with the care of `readRx`."""
         result = self.readTx(port, dxl_id, address, length)
         return self.readRx(port, dxl_id, length) if result == COMM_SUCCESS else ([], result, 0)

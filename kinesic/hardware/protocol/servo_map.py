@@ -1,4 +1,4 @@
-"""Which servo turns which hinge: the `[[bus]]` tables of the robot's TOML and its calibration, checked against it."""
+"""Reads which servo turns which hinge from the `[[bus]]` tables of a robot and its calibration, and checks it."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -155,7 +155,7 @@ def _check_servos(robot: Robot, servos: HingeServos) -> None:
 
 
 def load_robot(name: str | Path = "upper22") -> Robot:
-    """Reads a robot and checks its buses too.
+    """Reads a robot, and checks its buses too.
 
     Raises:
         ConfigError: the file is missing or wrong.

@@ -1,4 +1,4 @@
-"""The one place where radians become ticks, and ticks radians."""
+"""Converts radians to ticks and back; nothing else does."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,7 +20,7 @@ class Scale:
     turns: Floats  # (n,) signed servo turns per hinge turn; negative where the servo is mounted the other way round
 
     def ticks(self, angles: Floats) -> Ticks:
-        """The nearest ticks; what the servo's range allows is not its business.
+        """Converts angles to the nearest ticks, whatever the servo's range allows.
 
         Args:
             angles: (..., n) [rad].
@@ -34,14 +34,14 @@ class Scale:
         return self.nearest(angles).astype(np.int64)
 
     def nearest(self, angles: Floats) -> Floats:
-        """`ticks`, as whole numbers of floating point."""
+        """Converts like `ticks`, to whole numbers of floating point."""
         if not np.isfinite(angles).all():
             raise ValueError(f"angles are {angles}, must be finite")
         nearest: Floats = np.rint(self.zeros + self._per_radian * angles)
         return nearest
 
     def angles(self, ticks: Ticks | Floats) -> Floats:
-        """(..., n) [rad] of (..., n) ticks."""
+        """Converts (..., n) ticks to (..., n) [rad]."""
         return (ticks - self.zeros) / self._per_radian
 
     @cached_property

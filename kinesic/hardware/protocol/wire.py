@@ -1,4 +1,4 @@
-"""What the bus needs of a wire: bytes out, bytes in, and a clock. Real ports and virtual ones are wires."""
+"""Says what the bus needs of a wire: bytes out, bytes in, and a clock; real and virtual ports have it."""
 
 from typing import Protocol
 
@@ -21,7 +21,7 @@ class Wire(Protocol):
         """[bit/s]."""
 
     def now(self) -> float:
-        """[s] never goes back."""
+        """Returns the time [s], which never goes back."""
 
     def write(self, data: bytes | bytearray, /) -> None:
         """Hands bytes to the wire without waiting until they are out.
@@ -44,7 +44,7 @@ class Wire(Protocol):
         """Waits until the wire's clock says `until` [s]."""
 
     def reopen(self) -> bool:
-        """Tries once to get a lost port back; whether it is there. Never raises."""
+        """Tries once to get a lost port back, and returns whether it is there; never raises."""
 
     def close(self) -> None:
         """Gives the port back; may be called twice."""

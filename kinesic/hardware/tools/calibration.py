@@ -31,7 +31,7 @@ FRONT, TOP = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
 @dataclass(frozen=True, eq=False)
 class Travel:
-    """What has been seen of each servo since the zero posture, by members of the manifest."""
+    """How each servo has been turned since the zero posture, by members of the manifest."""
 
     zeros: Ticks  # (m,) [ticks], of any turn
     here: Ticks  # (m,) [ticks] from zero
@@ -41,12 +41,12 @@ class Travel:
 
     @classmethod
     def begin(cls, positions: Ticks) -> "Travel":
-        """In the zero posture: (m,) [ticks]."""
+        """Begins in the zero posture, at (m,) [ticks]."""
         nothing = np.zeros(len(positions), dtype=np.int64)
         return cls(positions.copy(), nothing, nothing, nothing, nothing)
 
     def seen(self, positions: Ticks, manifest: Manifest) -> "Travel":
-        """With one more look at (m,) positions [ticks]; without torque they count turns."""
+        """Adds one more look at (m,) positions [ticks], which count turns without torque."""
         here = positions - self.zeros
         far = np.abs(here) >= FIRST * TICKS_PER_RADIAN * reductions(manifest)
         return replace(
@@ -90,12 +90,12 @@ class HingeCalibration:
 
 
 def reductions(manifest: Manifest) -> Floats:
-    """(m,) servo turns per hinge turn, without sign."""
+    """Returns (m,) servo turns per hinge turn, without sign."""
     return sealed([abs(member.turns) for member in manifest.members])
 
 
 def marks(travel: Travel, manifest: Manifest, robot: Robot) -> tuple[HingeCalibration, ...]:
-    """What is known of each hinge, in joint order; a tandem is told by its first servo."""
+    """Returns what is known of each hinge, in joint order; a tandem is judged by its first servo."""
     return tuple(_mark(joint, travel, manifest, robot) for joint in range(len(robot.skeleton.hinges)))
 
 
@@ -121,7 +121,7 @@ def _mark(joint: int, travel: Travel, manifest: Manifest, robot: Robot) -> Hinge
 
 
 def calibration(travel: Travel, manifest: Manifest, robot: Robot, before: Calibration) -> Calibration:
-    """What is to be written.
+    """Makes the calibration of a robot from what was seen.
 
     Args:
         travel: all that was seen.
@@ -149,7 +149,6 @@ def calibration(travel: Travel, manifest: Manifest, robot: Robot, before: Calibr
 
 
 def _fault(mark: HingeCalibration, inverted: bool, travel: Travel, manifest: Manifest, robot: Robot) -> str:
-    """Why a hinge cannot be calibrated; empty if it can."""
     where = f"{mark.hinge} (servo {', '.join(str(servo) for servo in mark.ids)})"
     lower, upper = mark.range or (mark.lower, mark.upper)
     places = [k for k, member in enumerate(manifest.members) if member.hinge == mark.hinge]
@@ -171,7 +170,7 @@ def _fault(mark: HingeCalibration, inverted: bool, travel: Travel, manifest: Man
 
 
 def calibration_text(found: Calibration, robot: Robot) -> str:
-    """The TOML of a calibration."""
+    """Writes the TOML of a calibration."""
     lines = [
         f"# Written by `kinesic servos calibrate`; laid over {robot.path.name} by the names of hinges.",
         f"robot = {json.dumps(found.robot)}",
@@ -189,7 +188,7 @@ def calibration_text(found: Calibration, robot: Robot) -> str:
 
 
 def positive_way(robot: Robot, joint: int) -> str:
-    """What moves, and where to, when a hinge of the zero posture turns the positive way."""
+    """Says what moves, and where to, when a hinge of the zero posture turns the positive way."""
     skeleton = robot.skeleton
     hinge = skeleton.hinges[joint]
     straight = skeleton.straight

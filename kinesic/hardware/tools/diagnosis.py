@@ -1,4 +1,4 @@
-"""What keeps servos from being driven, from the port to the last register, and the line that mends each."""
+"""Finds what keeps servos from being driven, from the port to the last register, and says what mends it."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ COOL = 10  # [K] below its limit that a resting servo should be
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that was looked at."""
+    """One thing that was looked at, and how it is."""
 
     bus: str
     about: str
@@ -29,7 +29,7 @@ class Finding:
 def diagnose(
     manifest: Manifest, ports: dict[str, Path], opens: Callable[[str], Wire], *, system: Path = SYSTEM
 ) -> Iterator[Finding]:
-    """Looks at ports, adapters and servos; nothing is changed, and nothing stops at the first fault.
+    """Examines ports, adapters and servos; nothing is changed, and nothing stops at the first fault.
 
     Args:
         manifest: of the robot.
@@ -87,7 +87,6 @@ def _servos(bus: str, cold: Cold, members: list[Member]) -> Iterator[Finding]:
 
 
 def _doubts(cold: Cold, member: Member) -> list[str]:
-    """What is wrong with a servo that is the right one."""
     try:
         table = Table.read(cold, member)
     except BusError as error:

@@ -1,4 +1,4 @@
-"""Takes the torque of every servo and looks that it is gone; nobody is forgotten because of another."""
+"""Takes the torque of every servo and checks that it is gone; no servo is left out because of another."""
 
 from collections.abc import Mapping, Sequence
 
@@ -14,7 +14,7 @@ OFF = packet.write_packet(BROADCAST, Register.TORQUE_ENABLE.field.address, b"\0"
 
 
 def release_servos(wires: Mapping[str, Wire], servos: Mapping[str, Sequence[int]]) -> tuple[str, ...]:
-    """Lets go of all servos.
+    """Takes the torque of all servos.
 
     Args:
         wires: open ones, by name.
@@ -38,7 +38,6 @@ def release_servos(wires: Mapping[str, Wire], servos: Mapping[str, Sequence[int]
 
 
 def _doubts(cold: Cold, servos: Sequence[int]) -> list[str]:
-    """Asks each one."""
     try:
         others = [servo.id for servo in cold.everyone() if servo.id not in servos]
         return [line for servo in (*servos, *others) if (line := _doubt(cold, servo))]
@@ -47,7 +46,6 @@ def _doubts(cold: Cold, servos: Sequence[int]) -> list[str]:
 
 
 def _doubt(cold: Cold, servo: int) -> str:
-    """Why it is not sure that a servo is limp; empty if it is."""
     where = f"{cold.wire.name}: servo {servo}"
     try:
         if cold.read(servo, Register.TORQUE_ENABLE):

@@ -32,7 +32,7 @@ def scan_bus(
     ids: Iterable[int] = (),
     step: Callable[[], None] = lambda: None,
 ) -> tuple[Sighting, ...]:
-    """Looks for servos.
+    """Looks for servos at every id and baud rate.
 
     Args:
         opened: opens the port at a baud rate.
@@ -81,7 +81,7 @@ class SurveyedServo:
 
 
 def survey(manifest: Manifest, wires: Mapping[str, Wire]) -> tuple[SurveyedServo, ...]:
-    """Looks at every servo, and changes nothing.
+    """Reads the state of every servo, and changes nothing.
 
     Args:
         manifest: of the robot.
@@ -95,7 +95,7 @@ def survey(manifest: Manifest, wires: Mapping[str, Wire]) -> tuple[SurveyedServo
 
 
 def talkative(wire: Wire) -> Cold:
-    """The slow way to servos that have been told to answer everything.
+    """Tells all servos to answer everything, and returns the slow way to them.
 
     Raises:
         BusError: the port is gone.
@@ -129,7 +129,7 @@ def _seen(cold: Cold, member: Member) -> SurveyedServo:
 
 
 def error_names(bits: int) -> tuple[str, ...]:
-    """What the bits of HARDWARE_ERROR_STATUS say."""
+    """Names the bits of HARDWARE_ERROR_STATUS."""
     return tuple(bit.name.lower().replace("_", " ") for bit in HardwareError if bit.value & bits)
 
 
@@ -140,7 +140,7 @@ def _angle(member: Member, ticks: int) -> float:
 
 
 def strangers(cold: Cold, expected: Sequence[int]) -> tuple[str, ...]:
-    """Servos that answer and that nobody expects: id and model.
+    """Returns id and model of servos that answer and are not expected.
 
     Raises:
         BusError: the port is gone.

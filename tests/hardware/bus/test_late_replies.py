@@ -38,7 +38,7 @@ def test_clocks_that_have_moved_apart_are_compared_anew(rig: Make):
 def test_records_that_seem_to_be_old_are_put_to_the_test(rig: Make, apart: float):
     made = rig(7)
     made.run(10)
-    made.bus._gate.times = made.bus._gate.times - apart
+    made.bus._believed.times = made.bus._believed.times - apart
     miss_a_cycle(made)
     cycles = made.run(20)
     assert not cycles[0].fresh.any()
@@ -49,7 +49,7 @@ def test_records_that_seem_to_be_old_are_put_to_the_test(rig: Make, apart: float
 def test_goals_go_out_while_nothing_is_asked(rig: Make):
     made = rig(7)
     made.energise()
-    made.bus._overdue._seeming = STUCK
+    made.bus._late._seeming = STUCK
     (cycle,) = made.run(1, np.full(7, MID + 9))
     assert not cycle.fresh.any()
     assert (made.true(Register.GOAL_POSITION) == MID + 9).all()

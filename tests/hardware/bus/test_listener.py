@@ -91,7 +91,7 @@ def listener(*arrivals: tuple[float, bytes]) -> Listener:
     made = Listener(Arrivals(*arrivals))
     for _ in range(200):
         made.slack.took(0.001)
-    made.say(QUESTION.data)
+    made.send(QUESTION.data)
     return made
 
 
@@ -100,25 +100,25 @@ READY = 28e-5 + QUESTION.length * 1e-5  # [s] when the last byte is out
 
 def test_an_answer_in_time_is_heard_when_it_has_come():
     made = listener((READY - 0.002, joint()[:186]), (READY + 0.001, joint()[186:]))
-    answer = made.hear(QUESTION, end=END)
+    answer = made.receive(QUESTION, end=END)
     assert answer is not None
     assert answer.whole
     assert made.wire.now() == pytest.approx(READY + 0.001)
-    assert made.heard == joint()
+    assert made.received == joint()
     assert not made.mute
     assert not made.early
 
 
 def test_an_answer_that_does_not_begin_is_given_up_in_time_to_ask_again():
     made = listener()
-    assert made.hear(QUESTION, end=END) is None
+    assert made.receive(QUESTION, end=END) is None
     assert made.mute
     assert made.wire.now() < READY + 0.001
 
 
 def test_an_answer_that_breaks_off_is_given_up_when_its_bytes_should_be_here():
     made = listener((0.002, joint()[:BURST]))
-    answer = made.hear(QUESTION, end=END)
+    answer = made.receive(QUESTION, end=END)
     assert answer is not None
     assert answer.found.sum() == 2
     assert made.wire.now() == pytest.approx(READY)
@@ -126,7 +126,7 @@ def test_an_answer_that_breaks_off_is_given_up_when_its_bytes_should_be_here():
 
 def test_where_time_is_short_an_answer_that_breaks_off_is_given_up_at_once():
     made = listener((28e-5 + BURST * 1e-5, joint()[:BURST]), (0.0018, joint()[BURST:100]))
-    answer = made.hear(QUESTION, end=READY + 0.003)
+    answer = made.receive(QUESTION, end=READY + 0.003)
     assert answer is not None
     assert answer.found.sum() == 4
     assert made.wire.now() < READY - 0.0005
@@ -136,17 +136,17 @@ def test_an_answer_to_which_bytes_were_added_is_heard_to_its_end():
     at = 8 + 22 * 3
     longer = joint()[: at + 22] + joint()[at:]
     made = listener((READY - 0.001, longer[:300]), (READY, longer[300 : len(joint())]), (READY + 0.0013, longer[-22:]))
-    answer = made.hear(QUESTION, end=END)
+    answer = made.receive(QUESTION, end=END)
     assert answer is not None
     assert answer.whole
 
 
 def test_after_a_damaged_answer_every_burst_is_looked_at():
     made = listener((0.002, joint()[:BURST]), (0.0085, joint()[:30]), (0.2, b""))
-    made.hear(QUESTION, end=END)
-    made.say(QUESTION.data)
+    made.receive(QUESTION, end=END)
+    made.send(QUESTION.data)
     began = made.wire.now()
-    made.hear(QUESTION, end=began + END)
+    made.receive(QUESTION, end=began + END)
     assert made.wire.now() < began + 0.0065
 
 
@@ -155,34 +155,34 @@ def test_it_calms_down():
     made = Listener(Arrivals((0.0, b"\xff"), *answers))
     for k in range(RESTLESS + 2):
         made.wire.sleep(k * 0.01 + 0.005)
-        made.say(QUESTION.data)
-        answer = made.hear(QUESTION, end=k * 0.01 + 0.0149)
+        made.send(QUESTION.data)
+        answer = made.receive(QUESTION, end=k * 0.01 + 0.0149)
         assert answer is not None
 
 
 def test_a_patient_one_waits_to_the_end():
     made = listener((0.009, joint()))
-    answer = made.hear(QUESTION, end=END, patient=True)
+    answer = made.receive(QUESTION, end=END, patient=True)
     assert answer is not None
     assert answer.whole
 
 
 def test_two_answers_at_once_are_heard_one_after_the_other():
     made = listener((0.002, joint(1)[:200]), (READY + 0.001, joint(1)[200:] + joint(0)))
-    first = made.hear(QUESTION, end=END)
-    second = made.hear(QUESTION, end=END, again=True)
+    first = made.receive(QUESTION, end=END)
+    second = made.receive(QUESTION, end=END, again=True)
     assert first is not None
     assert second is not None
     assert (first.blocks["torque"][0], second.blocks["torque"][0]) == (1, 0)
-    assert made.hear(QUESTION, end=END, again=True) is None
+    assert made.receive(QUESTION, end=END, again=True) is None
 
 
 def test_an_answer_before_its_time_is_an_earlier_one():
     single = PlainQuery((1,), (224,))
     made = Listener(Arrivals((1e-5, status(1, 0, bytes(18)))))
-    made.say(single.data)
+    made.send(single.data)
     made._restless = 1
-    assert made.hear(single, end=END) is not None
+    assert made.receive(single, end=END) is not None
     assert made.early
 
 
