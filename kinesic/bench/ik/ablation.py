@@ -36,18 +36,7 @@ from kinesic.ik.solve import solve
 TARGETS = {"compiled": 2000, "numpy": 60}
 TENTH_MM, MM = 1e-4, 1e-3
 
-Row = Literal[
-    "masses_guess",
-    "masses_branches",
-    "circle",
-    "masses_guess_polish",
-    "masses_branches_polish",
-    "masses_branches_polish_seeds",
-    "polish",
-    "polish_seeds",
-    "whole",
-]
-ENTRIES: tuple[Row, ...] = ("polish_seeds", "whole")  # one call for one target, as a user makes it
+ENTRIES = ("polish_seeds", "whole")  # one call for one target, as a user makes it
 TARGET = (0.075, -0.064, 0.164)  # [m] of the hand, in the frame of the chain's base
 SWIVELS = 73
 PALE = "#bbbbbb"
@@ -69,15 +58,15 @@ def bench() -> list[Figure]:
     chain = Robot.load().arms["l"]
     arm = AblationArm(chain, linkage_of(chain), tuple(chain.rest.tolist()))
     goals = targets(default_rng(93), chain, TARGETS[KERNEL])
-    return [figure for row, answer in ROWS.items() for figure in _figures(row, answer, arm, goals)]
+    return [figure for name, row in ROWS.items() for figure in _figures(name, row.answer, arm, goals)]
 
 
-def ablation_name(row: Row, quantity: Literal["mm", "tenth_mm", "travel", "us"]) -> str:
+def ablation_name(row: str, quantity: Literal["mm", "tenth_mm", "travel", "us"]) -> str:
     """Names a figure."""
     return f"ik.ablation_{row}_{quantity}"
 
 
-def _figures(row: Row, answer: Answer, arm: AblationArm, goals: Floats) -> list[Figure]:
+def _figures(row: str, answer: Answer, arm: AblationArm, goals: Floats) -> list[Figure]:
     misses: list[float] = []
     travels: list[float] = []
     seconds: list[float] = []
@@ -151,29 +140,30 @@ def _polished(arm: AblationArm, target: Floats, begin: Sequence[float]) -> Seque
     return polish(arm.linkage, vector(target), begin, posture=arm.rest, mobility=mobility).angles
 
 
-ROWS: dict[Row, Answer] = {
-    "masses_guess": _masses_guess,
-    "masses_branches": _masses_branches,
-    "circle": _circle,
-    "masses_guess_polish": lambda arm, goal: _polished(arm, goal, _masses_guess(arm, goal)),
-    "masses_branches_polish": lambda arm, goal: _polished(arm, goal, _masses_branches(arm, goal)),
-    "masses_branches_polish_seeds": _masses_branches_polish_seeds,
-    "polish": _polish,
-    "polish_seeds": _polish_seeds,
-    "whole": lambda arm, goal: solve(arm.chain, Reach(goal), start=arm.chain.rest).angles,
-}
+@dataclass(frozen=True)
+class AblationRow:
+    """One selection of stages."""
+
+    words: str
+    answer: Answer
 
 
-WORDS: dict[Row, str] = {
-    "masses_guess": "masses, one guess each",
-    "masses_branches": "masses, all branches",
-    "circle": "elbow's circle",
-    "masses_guess_polish": "masses, one guess, LM",
-    "masses_branches_polish": "masses, branches, LM",
-    "masses_branches_polish_seeds": "masses, branches, LM, seeds",
-    "polish": "LM alone",
-    "polish_seeds": "LM, seeds",
-    "whole": "the whole solver",
+ROWS = {
+    "masses_guess": AblationRow("masses, one guess each", _masses_guess),
+    "masses_branches": AblationRow("masses, all branches", _masses_branches),
+    "circle": AblationRow("elbow's circle", _circle),
+    "masses_guess_polish": AblationRow(
+        "masses, one guess, LM", lambda arm, goal: _polished(arm, goal, _masses_guess(arm, goal))
+    ),
+    "masses_branches_polish": AblationRow(
+        "masses, branches, LM", lambda arm, goal: _polished(arm, goal, _masses_branches(arm, goal))
+    ),
+    "masses_branches_polish_seeds": AblationRow("masses, branches, LM, seeds", _masses_branches_polish_seeds),
+    "polish": AblationRow("LM alone", _polish),
+    "polish_seeds": AblationRow("LM, seeds", _polish_seeds),
+    "whole": AblationRow(
+        "the whole solver", lambda arm, goal: solve(arm.chain, Reach(goal), start=arm.chain.rest).angles
+    ),
 }
 
 
@@ -232,7 +222,7 @@ def _bars(axes: Axes, values: Mapping[str, float]) -> None:
         share = 100.0 * values[ablation_name(key, "mm")]
         axes.barh(-row, share, height=0.66, color=OTHERS if key == "whole" else OURS, zorder=2)
         axes.text(share - 1.0, -row, f"{share:.1f}", ha="right", va="center", fontsize=SMALL, color="white")
-    name_rows(axes, [WORDS[key] for key in ROWS])
+    name_rows(axes, [row.words for row in ROWS.values()])
     axes.set_xlim(0.0, 100.0)
     axes.set_title("targets below 1 mm [%]", fontsize=10, color=INK)
 

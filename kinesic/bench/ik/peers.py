@@ -66,14 +66,7 @@ def _one_round(chain: Chain, goals: Floats) -> list[Figure]:
     present = [peer for peer in PEERS if installed(peer)]
     calls = interleave(chain, ours(chain) | {peer.name: peer.build(chain) for peer in present}, goals)
     return [
-        Figure(
-            f"ik.peer_{peer.name}_one_round_{entry.removeprefix('kinesic_')}",
-            calls[peer.name].microseconds / calls[entry].microseconds,
-            "x ours",
-            GOALS.get((peer.name, entry)),
-            "higher",
-            f"with {len(present) - 1} other libraries between the calls",
-        )
+        _ratio(peer, "one_round", entry, calls, f"with {len(present) - 1} other libraries between the calls")
         for peer in present
         for entry in (SOLVE, REACH)
     ]
@@ -133,19 +126,14 @@ def _own(calls: Mapping[str, Calls], why: str) -> list[Figure]:
 
 
 def _figures(peer: Peer, calls: Mapping[str, Calls], why: str) -> list[Figure]:
-    theirs = calls.get(peer.name)
-    ratios = [
-        Figure(
-            f"ik.peer_{peer.name}_ratio_{entry.removeprefix('kinesic_')}",
-            theirs.microseconds / calls[entry].microseconds if theirs else None,
-            "x ours",
-            GOALS.get((peer.name, entry)),
-            "higher",
-            why,
-        )
-        for entry in (SOLVE, REACH)
-    ]
-    return [*_measured(peer.name, theirs, why), *ratios]
+    ratios = [_ratio(peer, "ratio", entry, calls, why) for entry in (SOLVE, REACH)]
+    return [*_measured(peer.name, calls.get(peer.name), why), *ratios]
+
+
+def _ratio(peer: Peer, kind: str, entry: str, calls: Mapping[str, Calls], why: str) -> Figure:
+    name, theirs = f"ik.peer_{peer.name}_{kind}_{entry.removeprefix('kinesic_')}", calls.get(peer.name)
+    ratio = theirs.microseconds / calls[entry].microseconds if theirs else None
+    return Figure(name, ratio, "x ours", GOALS.get((peer.name, entry)), "higher", why)
 
 
 def _measured(name: str, calls: Calls | None, why: str) -> list[Figure]:

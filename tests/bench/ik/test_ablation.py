@@ -79,7 +79,7 @@ def test_a_guess_stays_in_range_and_is_never_better_than_all_branches(arm: Ablat
 def test_the_picture_shows_a_target_that_masses_alone_miss(arm: AblationArm) -> None:
     held = extract(arm.linkage, masses(arm, ablation.TARGET), arm.rest)
     assert held.miss > 0.01
-    assert distance(arm.linkage.hand(ROWS["circle"](arm, np.array(ablation.TARGET))), ablation.TARGET) < 1e-5
+    assert distance(arm.linkage.hand(ROWS["circle"].answer(arm, np.array(ablation.TARGET))), ablation.TARGET) < 1e-5
 
 
 def test_the_picture_is_drawn_from_the_figures_alone(figures: list[Figure], tmp_path: Path) -> None:
