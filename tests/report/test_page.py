@@ -1,4 +1,4 @@
-"""The page of the report."""
+"""The page of the report, and the tiles and numbers on it."""
 
 import base64
 import json
@@ -18,8 +18,10 @@ from kinesic.report.page import (
     Recordings,
     breakable,
     format_number,
+    quantity,
     shift,
     style_departures,
+    tiles,
     verdict,
     write_page,
 )
@@ -220,3 +222,70 @@ def test_a_behaviour_tells_where_it_departs_from_its_style(known: Setup, tmp_pat
 
 def test_the_table_has_no_manner_where_no_behaviour_departs(text: str) -> None:
     assert '<th class="wide">manner</th>' not in text
+
+
+def row(name: str, status: str, value: float, limit: float, unit: str = "ratio") -> dict[str, Json]:
+    floor = name.startswith("collision")
+    return {
+        "name": name,
+        "status": status,
+        "value": value,
+        "limit": limit,
+        "unit": unit,
+        "where": "there",
+        "at_least": floor,
+    }
+
+
+def test_one_tile_for_a_group_with_what_matters_most() -> None:
+    found = tiles(
+        [
+            row("limits.speed", "pass", 0.5, 1.0),
+            row("limits.duty", "pass", 0.9, 1.0),
+            row("timing.shift", "warn", 0.0832, 0.01, "s"),
+            row("timing.twin", "pass", 0.0199, 0.02, "s"),
+            row("collision.plan", "pass", 0.05, 0.01, "m"),
+            row("collision.twin", "fail", 0.004, 0.01, "m"),
+        ]
+    )
+    assert [(tile.title, tile.status, tile.name) for tile in found] == [
+        ("Limits", "pass", "duty"),
+        ("Timing", "warn", "shift"),
+        ("Clearance", "fail", "twin"),
+    ]
+    assert [(tile.value, tile.unit, tile.limit) for tile in found] == [
+        ("0.90", "", "at most 1.00"),
+        ("83.2", "ms", "at most 10 ms"),
+        ("4", "mm", "at least 10 mm"),
+    ]
+
+
+def test_a_value_just_over_its_limit_shows_it() -> None:
+    (tile,) = tiles([row("limits.jerk", "fail", 1.00123, 1.0)])
+    assert (tile.value, tile.limit) == ("1.00123", "at most 1.00")
+
+
+def test_unknown_groups_and_zero_limits_have_tiles_too() -> None:
+    found = tiles([row("weather.rain", "pass", 0.0, 0.0, "strokes"), row("weather.wind", "pass", 3.0, 5.0, "deg")])
+    assert [(tile.title, tile.name, tile.limit) for tile in found] == [("Weather", "wind", "at most 5\u00b0")]
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "shown"),
+    [
+        (0.0214, "m", ("21.4", "mm")),
+        (2.0, "s", ("2", "s")),
+        (-0.00638, "times", ("\u22120.0064", "\u00d7")),
+        (None, "s", ("\u2013", "s")),
+    ],
+)
+def test_quantity(value: Json, unit: str, shown: tuple[str, str]) -> None:
+    assert quantity(value, unit) == shown
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(None, "\u2013"), (0.012345, "0.0123"), (12345.6, "12346"), (True, "True"), (-0.0, "0"), ("a", "a")],
+)
+def test_number(value: Json, text: str) -> None:
+    assert format_number(value) == text

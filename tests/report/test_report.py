@@ -1,13 +1,16 @@
-"""What the report says of style and manners."""
+"""What the report says of style and manners, and the feedback: prediction first, a warning for each shift above 10 ms."""
 
+import xml.etree.ElementTree as ElementTree
+from collections import Counter
 from dataclasses import replace
 
 import pytest
 
-from kinesic.controller.perform import perform
+from kinesic.controller.perform import perform, plan, set_up
 from kinesic.expressivity.style.style import RANGES, style_preset
 from kinesic.planning.setup import Setup
-from kinesic.report.report import Json, report
+from kinesic.planning.syncs import SHIFT_TO_WARN
+from kinesic.report.report import Json, feedback, report
 
 BML = """
 <bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:kinesic="urn:kinesic" id="b" kinesic:head.fluidity="0.5">
@@ -15,6 +18,21 @@ BML = """
   <wait id="w" duration="0.1"/>
 </bml>
 """
+ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+BLOCKS = {
+    "feasible": '<gesture id="g" lexeme="beat" mode="RIGHT_HAND" stroke="2.5"/><head id="h" lexeme="NOD" start="2"/>',
+    "still": '<faceLexeme id="f" lexeme="OPEN_MOUTH"/>',
+    "empty": "",
+    "too soon": '<gesture id="g" lexeme="up" mode="RIGHT_HAND" stroke="0.05"/>',
+    "too fast": '<gesture id="a" lexeme="up" mode="RIGHT_HAND" stroke="1.5"/>'
+    '<gesture id="z" lexeme="belly" mode="RIGHT_HAND" stroke="1.65"/>'
+    '<head id="h" lexeme="SHAKE" start="1" end="1.2"/>',
+    "both": '<gesture id="a" lexeme="large" mode="BOTH_HANDS" stroke="0.1"/><head id="h" lexeme="NOD" start="6"/>',
+    "with speech": '<speech id="s"><text>Well, <sync id="m"/>hello.</text></speech>'
+    '<gesture id="g" lexeme="offer" mode="RIGHT_HAND" stroke="s:m"/>',
+}
+MOVED = ("too soon", "too fast", "both")
+KEPT = ("feasible", "still", "empty")
 
 
 @pytest.fixture(scope="module")
@@ -40,3 +58,74 @@ def test_a_behaviour_has_its_numbers_and_who_said_them(data: dict[str, Json]) ->
         assert (nod["manner"]["values"][name], nod["manner"]["sources"][name]) == (value, source)
     assert (nod["manner"]["modality"], nod["manner"]["intensity"]) == ("head", None)
     assert wait["manner"] is None
+
+
+@pytest.fixture(scope="module")
+def plans():
+    known = set_up()
+    return {name: plan(ROOT.format(text), known) for name, text in BLOCKS.items()}
+
+
+def local(element):
+    return element.tag.rpartition("}")[2]
+
+
+def messages_of(planned):
+    return [ElementTree.fromstring(message) for message in feedback(planned)]
+
+
+def shifts_told(messages):
+    """(id, sync point) of each warning that says that something is later or earlier than asked."""
+    return Counter(
+        (message.get("id"), message.text.split()[0])
+        for message in messages
+        if local(message) == "warningFeedback" and " is planned at " in message.text
+    )
+
+
+@pytest.mark.parametrize("name", BLOCKS)
+def test_the_prediction_comes_first_and_warnings_before_anything_moves(plans, name):
+    names = [local(message) for message in messages_of(plans[name])]
+    moves = names.index("blockProgress")
+    assert names[0] == "predictionFeedback"
+    assert names.count("predictionFeedback") == 1
+    assert set(names[1:moves]) <= {"warningFeedback"}
+    assert "warningFeedback" not in names[moves:]
+
+
+@pytest.mark.parametrize("name", BLOCKS)
+def test_each_shift_above_10_ms_is_warned_and_no_other(plans, name):
+    planned = plans[name]
+    moved = Counter(
+        (f"b:{sync.behaviour}", sync.sync) for sync in planned.syncs if abs(sync.planned - sync.asked) > SHIFT_TO_WARN
+    )
+    assert shifts_told(messages_of(planned)) == moved
+
+
+def test_the_blocks_have_shifts_and_none(plans):
+    for name in MOVED:
+        assert shifts_told(messages_of(plans[name])), name
+    for name in KEPT:
+        assert not shifts_told(messages_of(plans[name])), name
+
+
+@pytest.mark.parametrize("name", BLOCKS)
+def test_the_prediction_tells_planned_times_not_asked_ones(plans, name):
+    planned = plans[name]
+    prediction = messages_of(planned)[0]
+    times = {}
+    for element in list(prediction)[1:]:
+        behaviour = element.get("id").removeprefix("b:")
+        times |= {(behaviour, key): float(value) for key, value in element.attrib.items() if key != "id"}
+        times |= {(behaviour, sync.get("id")): float(sync.get("time")) for sync in element}
+    assert times == pytest.approx({(sync.behaviour, sync.sync): sync.planned for sync in planned.syncs}, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", MOVED)
+def test_a_warning_names_both_times_and_the_limit(plans, name):
+    planned = plans[name]
+    texts = [m.text for m in messages_of(planned) if local(m) == "warningFeedback" and " is planned at " in m.text]
+    hinges = planned.setup.robot.skeleton.names
+    for text in texts:
+        assert " asked at " in text
+        assert any(hinge in text for hinge in hinges), text

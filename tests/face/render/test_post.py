@@ -1,4 +1,4 @@
-"""Depth of field, and edges."""
+"""Scattering, depth of field, and edges."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -8,12 +8,14 @@ import pytest
 from numpy.typing import NDArray
 
 from kinesic.face.render.camera import FRONT, Camera
-from kinesic.face.render.presets import DRAFT, NORMAL, Focus, Preset
+from kinesic.face.render.portrait import Pixels
+from kinesic.face.render.presets import DRAFT, NORMAL, Focus, Occlusion, Preset, Scattering
 
 from ..conftest import Gallery
 
 SIZE = (256, 256)
 ASIDE = Camera(yaw_deg=60.0)
+PLAIN = replace(NORMAL, scattering=None, occlusion=Occlusion(size=5), smooth=False)
 
 
 @pytest.fixture
@@ -64,3 +66,40 @@ def test_smooth_edges_change_edges_alone(drawn):
 def test_more_samples_are_the_mean_of_a_larger_picture(drawn):
     mean = drawn(DRAFT, size=(512, 512)).astype(np.float64).reshape(256, 2, 256, 2, 3).mean(axis=(1, 3))
     assert np.abs(drawn(replace(DRAFT, samples=2)) - mean).max() <= 1.0
+
+
+@pytest.fixture(scope="module")
+def smiling(gallery: Gallery) -> Callable[[Preset], Pixels]:
+    """A picture of a faint smile."""
+
+    def draw(preset: Preset) -> Pixels:
+        with gallery(preset, (192, 192)) as portrait:
+            return portrait.draw({"12": 0.5})
+
+    return draw
+
+
+def apart(one: Pixels, other: Pixels) -> float:
+    return float(np.abs(one.astype(float) - other.astype(float)).mean())
+
+
+@pytest.fixture(scope="module")
+def unscattered(smiling) -> Pixels:
+    return smiling(PLAIN)
+
+
+def test_nothing_below_the_threshold_is_nothing_scattered(smiling, unscattered: Pixels):
+    np.testing.assert_array_equal(smiling(replace(PLAIN, scattering=Scattering(threshold=-1.0))), unscattered)
+
+
+def test_a_higher_threshold_scatters_more(smiling, unscattered: Pixels):
+    effects = [
+        apart(smiling(replace(PLAIN, scattering=Scattering(threshold=each))), unscattered) for each in (0.7, 0.93, 1.0)
+    ]
+    assert 0.0 < effects[0] < effects[1] < effects[2]
+
+
+def test_light_is_spread_not_lost(smiling, unscattered: Pixels):
+    full = smiling(replace(PLAIN, scattering=Scattering(threshold=1.0)))
+    assert abs(full.astype(float).mean() - unscattered.astype(float).mean()) < 0.5
+    assert np.abs(full.astype(int) - unscattered.astype(int)).max() > 5
