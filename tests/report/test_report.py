@@ -1,4 +1,4 @@
-"""What the report says of style and manners, and the feedback: prediction first, a warning for each shift above 10 ms."""
+"""What the report says of style and manners, and its feedback: the prediction first, then a warning for each shift."""
 
 import xml.etree.ElementTree as ElementTree
 from collections import Counter
