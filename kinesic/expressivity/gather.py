@@ -172,7 +172,7 @@ def _parts_to_fill(given: frozenset[PartName], priorities: Priorities) -> frozen
 
 
 def _read_times(
-    part: PartName, found: Sequence[Moment], times: Sequence[float], filled: Sequence[frozenset[PartName]]
+    part: PartName, moments: Sequence[Moment], times: Sequence[float], filled: Sequence[frozenset[PartName]]
 ) -> list[float]:
     """When the sequence of a part is read for each frame [s].
 
@@ -180,12 +180,12 @@ def _read_times(
     outer frames at its outermost key, so that rest stays rest.
     """
     looked = []
-    for k, moment in enumerate(found):
+    for k, moment in enumerate(moments):
         own = moment.among(times)
         if own is None:
             last = bisect_right(times, moment.time) - 1
             looked.append(moment.time if part in filled[k] or last < 0 else times[last])
-        elif k in (0, len(found) - 1):
+        elif k in (0, len(moments) - 1):
             looked.append(times[0 if k == 0 else -1])
         else:
             looked.append(own)

@@ -64,14 +64,14 @@ def words(lexeme: str) -> tuple[str, ...]:
     return tuple(word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])", lexeme))
 
 
-def amplitude_factor(found: tuple[str, ...]) -> float:
+def amplitude_factor(lexeme_words: tuple[str, ...]) -> float:
     """Reads the factor on amplitude of words such as big and small."""
-    return next((_SCALES[word] for word in found if word in _SCALES), 1.0)
+    return next((_SCALES[word] for word in lexeme_words if word in _SCALES), 1.0)
 
 
-def names_stem(found: tuple[str, ...], *stems: str) -> bool:
+def names_stem(lexeme_words: tuple[str, ...], *stems: str) -> bool:
     """Whether a word begins with one of some stems."""
-    return any(word.startswith(stems) for word in found)
+    return any(word.startswith(stems) for word in lexeme_words)
 
 
 def head_form(head: Head, robot: Robot, manner: Expressivity) -> HeadForm:
@@ -102,11 +102,11 @@ def swing_time(form: HeadForm, pace: Pace, manner: Expressivity) -> float:
     return pace.turn_time("neck", form.peak, manner.temporal, manner.power, usual=SWING)
 
 
-def direction(found: tuple[str, ...]) -> Turn:
+def direction(lexeme_words: tuple[str, ...]) -> Turn:
     """Finds the rotation that words such as up, left and aside name, one `DIRECTION` on each axis."""
-    tilt = DIRECTION * (names_stem(found, "down", "forward") - names_stem(found, "up", "back", "toss"))
-    side = DIRECTION * (names_stem(found, "left") - names_stem(found, "right"))
-    if names_stem(found, "aside", "tilt", "lean", "roll", "inclin"):
+    tilt = DIRECTION * (names_stem(lexeme_words, "down", "forward") - names_stem(lexeme_words, "up", "back", "toss"))
+    side = DIRECTION * (names_stem(lexeme_words, "left") - names_stem(lexeme_words, "right"))
+    if names_stem(lexeme_words, "aside", "tilt", "lean", "roll", "inclin"):
         return Turn(tilt=tilt, roll=-side if side or tilt else DIRECTION)
     return Turn(torsion=side, tilt=tilt)
 
@@ -180,16 +180,16 @@ def _pin_swings(times: Mapping[str, float], last: int, natural: float) -> dict[i
     return pinned
 
 
-def _meaning(lexeme: str, found: tuple[str, ...]) -> tuple[Literal["nod", "shake", "direction"], Turn, str]:
+def _meaning(lexeme: str, lexeme_words: tuple[str, ...]) -> tuple[Literal["nod", "shake", "direction"], Turn, str]:
     """Kind, peak at amount 1, and why it is a substitute."""
-    if names_stem(found, "nod"):
+    if names_stem(lexeme_words, "nod"):
         return "nod", Turn(tilt=NOD), ""
-    if names_stem(found, "shake"):
+    if names_stem(lexeme_words, "shake"):
         return "shake", Turn(torsion=SHAKE), ""
-    if names_stem(found, "neutral"):
+    if names_stem(lexeme_words, "neutral"):
         return "direction", UPRIGHT, ""
-    if names_stem(found, "tilt", "aside", "toss", "roll", *_DIRECTIONS):
-        return "direction", direction(found), ""
-    if names_stem(found, *_SHAKES):
+    if names_stem(lexeme_words, "tilt", "aside", "toss", "roll", *_DIRECTIONS):
+        return "direction", direction(lexeme_words), ""
+    if names_stem(lexeme_words, *_SHAKES):
         return "shake", Turn(torsion=SHAKE), f"a shake stands for {lexeme}"
     return "nod", Turn(tilt=NOD), f"a nod stands for {lexeme or 'a head movement without lexeme'}"

@@ -73,18 +73,20 @@ def hold_trunk(turn: Turn, times: Mapping[str, float], *, stays: bool, pace: Pac
     return hold_turn(turn, times, natural=natural, stays=stays)
 
 
-def trunk_direction(found: tuple[str, ...]) -> Turn | None:
+def trunk_direction(lexeme_words: tuple[str, ...]) -> Turn | None:
     """Finds the rotation of amount 1 that words name; None when they name none."""
-    turning = names_stem(found, "turn", "twist", "look", "rotat")
-    tilt = LEAN * (names_stem(found, "forward", "down", "front") - names_stem(found, "recline", "back", "up"))
-    side = LEAN * (names_stem(found, "left") - names_stem(found, "right"))
+    turning = names_stem(lexeme_words, "turn", "twist", "look", "rotat")
+    tilt = LEAN * (
+        names_stem(lexeme_words, "forward", "down", "front") - names_stem(lexeme_words, "recline", "back", "up")
+    )
+    side = LEAN * (names_stem(lexeme_words, "left") - names_stem(lexeme_words, "right"))
     if side or tilt:
         return Turn(torsion=side if turning else 0.0, tilt=tilt, roll=0.0 if turning else -side)
-    if names_stem(found, "lean", "inclin", "bow", "tilt"):
+    if names_stem(lexeme_words, "lean", "inclin", "bow", "tilt"):
         return Turn(tilt=LEAN)
     if turning:
         return Turn(torsion=LEAN)
-    return UPRIGHT if names_stem(found, "neutral", "nothing", "upright") else None
+    return UPRIGHT if names_stem(lexeme_words, "neutral", "nothing", "upright") else None
 
 
 def limit_trunk(turn: Turn, robot: Robot) -> Lean:

@@ -159,11 +159,11 @@ def pass_layer(layer: Layer, manner: Expressivity) -> Layer:
     return tuple(keys)
 
 
-def departure_time(wanted: float, arrival: float, natural: float) -> float:
-    """Finds when to leave [s]: as wanted, or early enough when no time was given for the way."""
-    return wanted if arrival - wanted >= MERGE else arrival - natural
+def departure_time(desired: float, arrival: float, natural: float) -> float:
+    """Finds when to leave [s]: as desired, or early enough when no time was given for the way."""
+    return desired if arrival - desired >= MERGE else arrival - natural
 
 
-def arrival(leave: float, wanted: float, natural: float) -> float:
-    """Finds when to be back [s]: as wanted, or late enough when no time was given for the way."""
-    return wanted if wanted - leave >= MERGE else leave + natural
+def arrival(leave: float, desired: float, natural: float) -> float:
+    """Finds when to be back [s]: as desired, or late enough when no time was given for the way."""
+    return desired if desired - leave >= MERGE else leave + natural

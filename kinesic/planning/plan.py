@@ -136,23 +136,23 @@ def plan_block(
 
 
 def _add_pauses(
-    found: Plan, most: Mapping[str, float], context: BlockContext, conditioned: Conditioner
+    plan: Plan, most: Mapping[str, float], context: BlockContext, conditioned: Conditioner
 ) -> tuple[Plan, tuple[SpeechPause, ...]]:
     """A plan with pauses before words that the body would miss, as long as they make it better."""
-    block, setup = context.block, found.setup
+    block, setup = context.block, plan.setup
     waiting: tuple[SpeechPause, ...] = ()
     for _ in range(ROUNDS):
-        more, said = required_pauses(found.timeline, found.syncs, most, waiting), found.utterances
+        more, said = required_pauses(plan.timeline, plan.syncs, most, waiting), plan.utterances
         for _ in range(ATTEMPTS):
             more = lengthen_pauses(more, said)
             said = synthesise_block(block, setup, more)
         if more == waiting:
             break
         better = _plan_once(context, setup, said, conditioned)
-        if _worst(better) >= _worst(found):
+        if _worst(better) >= _worst(plan):
             break
-        found, waiting = better, more
-    return found, waiting
+        plan, waiting = better, more
+    return plan, waiting
 
 
 def _worst(planned: Plan) -> float:

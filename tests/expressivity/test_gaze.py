@@ -1,4 +1,4 @@
-"""Gazes beside one another, parts that take part, and where targets are."""
+"""Gazes beside one another, and the parts that take part."""
 
 import pytest
 

@@ -137,12 +137,12 @@ def first_choices(answers: Sequence[Rating]) -> Choices:
     )
 
 
-def _cell(one: Sequence[int], other: Sequence[int]) -> ComparedMeans:
+def _cell(left: Sequence[int], right: Sequence[int]) -> ComparedMeans:
     from scipy.stats import mannwhitneyu  # noqa: PLC0415 - slow to import, and only answers need it
 
-    means = (fmean(one) if one else float("nan"), fmean(other) if other else float("nan"))
-    p = float(mannwhitneyu(one, other, alternative="two-sided").pvalue) if one and other else float("nan")
-    return ComparedMeans(means, (len(one), len(other)), p)
+    means = (fmean(left) if left else float("nan"), fmean(right) if right else float("nan"))
+    p = float(mannwhitneyu(left, right, alternative="two-sided").pvalue) if left and right else float("nan")
+    return ComparedMeans(means, (len(left), len(right)), p)
 
 
 def _read(path: Path, rows: "csv.DictReader[str]") -> Iterable[Rating]:

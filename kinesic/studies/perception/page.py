@@ -78,12 +78,12 @@ def file_of(stimulus: Stimulus) -> str:
 
 
 def draw_stimuli(
-    wanted: Sequence[Stimulus], folder: Path, *, size: int = 384, preset: Preset = NORMAL
+    selected: Sequence[Stimulus], folder: Path, *, size: int = 384, preset: Preset = NORMAL
 ) -> Iterator[Path]:
     """Draws stimuli into a folder, which is made; yields each file when it is there.
 
     Args:
-        wanted: which.
+        selected: those that are drawn.
         folder: where to.
         size: [pixels] along a side.
         preset: how much is drawn; wrinkles are switched by the stimulus.
@@ -92,7 +92,7 @@ def draw_stimuli(
         DisplayError: nothing can be drawn here.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    for agent, own in groupby(sorted(wanted, key=lambda each: each.agent), key=lambda each: each.agent):
+    for agent, own in groupby(sorted(selected, key=lambda each: each.agent), key=lambda each: each.agent):
         with Portrait(agent, preset=preset, size=(size, size)) as portrait:
             for stimulus in own:
                 path = folder / file_of(stimulus)
