@@ -1,6 +1,6 @@
 """Pointing and palm where the swivel is free: the elbow swings as far as the hand's directions need it."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from math import inf, pi
 
 import numpy as np
@@ -9,15 +9,15 @@ from msgspec.structs import replace
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
-from kinesic.ik.angles import arccosine
 from kinesic.ik.arm.compiled import KERNEL, Kernel, arm_of
-from kinesic.ik.arm.linkage import Link, Linkage, linkage_of
+from kinesic.ik.arm.linkage import Linkage, linkage_of
 from kinesic.ik.arm.mirror import is_right, mirror_chain, mirror_reach
 from kinesic.ik.arm.shoulder_elbow import place_of
+from kinesic.ik.arm.swivel import bisect_edge
 from kinesic.ik.arm.swivel_search import Cell, cell_at, present_swivel
-from kinesic.ik.arm.wrist import HandDirection, orient
-from kinesic.ik.scalar3 import Rotation, dot, rotated, vector
-from kinesic.ik.solve import Solution, solve, wishes_of
+from kinesic.ik.arm.wrist import direction_errors, orient
+from kinesic.ik.scalar3 import Rotation, vector
+from kinesic.ik.solve import Solution, hand_directions, solve
 
 Swing = tuple[Floats, float, float | None, float | None]  # angles, residual, errors of pointing and palm
 
@@ -73,22 +73,26 @@ def _specified(chain: Chain, reach: Reach, home: Floats, angles: Floats, widest:
     """From a solved posture [rad], with a hand that rests at `home` [rad]."""
     if is_right(chain):
         chain, reach = mirror_chain(chain), mirror_reach(reach)
-    linkage, wishes, near = linkage_of(chain), wishes_of(chain, reach), angles.tolist()
+    linkage, directions, near = linkage_of(chain), hand_directions(chain, reach), angles.tolist()
     last = linkage.links[-1]
 
     def hand(frame: Rotation) -> tuple[tuple[float, ...], float]:
-        own = orient(last, frame, wishes, home[last.first :].tolist())
-        return own, sum(_errors(last, frame, own, wishes).values())
+        own = orient(last, frame, directions, home[last.first :].tolist())
+        return own, sum(direction_errors(last.turn(frame, own), directions).values())
 
     place, begin = place_of(linkage, near, vector(reach.position)), present_swivel(linkage, near)
     found = _swung(linkage, lambda offset: cell_at(linkage, place, begin + offset, hand, near=near), widest)
     frame = linkage.walk(found.angles, len(linkage.links) - 1)[0]
-    errors = _errors(last, frame, found.angles[last.first :], wishes)
+    errors = direction_errors(last.turn(frame, found.angles[last.first :]), directions)
     return sealed(found.angles), found.miss, errors.get("pointing"), errors.get("palm")
 
 
 def _swung(linkage: Linkage, at: Callable[[float], Cell], widest: float) -> Cell:
     """The smallest swing that satisfies, looked for outward; else the best for its width [rad]."""
+
+    def fits(cell: Cell) -> bool:
+        return cell.miss <= OFF * linkage.farthest and cell.error <= SATISFIED
+
     best, least = at(0.0), inf
     for step in range(STEPS + 1):
         for side in (1.0, -1.0):
@@ -96,29 +100,12 @@ def _swung(linkage: Linkage, at: Callable[[float], Cell], widest: float) -> Cell
             cell = at(offset)
             if cell.miss > OFF * linkage.farthest:
                 continue
-            if cell.error <= SATISFIED:
-                return _edge(linkage, at, outside, offset, cell)
+            if fits(cell):
+                return bisect_edge(at, outside, offset, cell, fits=fits, rounds=BISECTIONS)
             price = cell.error + PRICE * abs(offset)
             if price < least:
                 best, least = cell, price
     return best
-
-
-def _edge(linkage: Linkage, at: Callable[[float], Cell], outside: float, inside: float, found: Cell) -> Cell:
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (outside + inside)
-        cell = at(middle)
-        if cell.miss <= OFF * linkage.farthest and cell.error <= SATISFIED:
-            inside, found = middle, cell
-        else:
-            outside = middle
-    return found
-
-
-def _errors(link: Link, frame: Rotation, own: Sequence[float], wishes: Sequence[HandDirection]) -> dict[str, float]:
-    """What each direction is off [rad], with the hand's own angles."""
-    frame = link.turn(frame, own)
-    return {wish.name: arccosine(max(-1.0, min(1.0, dot(rotated(frame, wish.own), wish.wanted)))) for wish in wishes}
 
 
 def _left(solution: Solution) -> float:

@@ -74,8 +74,8 @@ def _compiled(
     chain: Chain, reach: Reach, start: Floats, rest: Floats | None, mobility: Floats | None
 ) -> Solution | None:
     """The kernel's answer; None where the question is not made of finite float64 arrays of the right size."""
-    told = arm_of(chain).solve(reach.position, reach.pointing, reach.palm, reach.swivel, start, rest, mobility)
-    return None if told is None else Solution(*told)
+    answer = arm_of(chain).solve(reach.position, reach.pointing, reach.palm, reach.swivel, start, rest, mobility)
+    return None if answer is None else Solution(*answer)
 
 
 def _examined(
@@ -113,11 +113,14 @@ def _with_wrist(
     """An arm bent to its place [rad], its hand turned, and what is left of the reach."""
     linkage, asked = linkage_of(chain), vector(reach.position)
     frame, points = linkage.walk(bent_angles, len(linkage.links) - 1)
-    wishes = wishes_of(chain, reach)
-    angles = (*bent_angles, *orient(linkage.links[-1], frame, wishes, rest[len(bent_angles) :]))
+    directions = hand_directions(chain, reach)
+    angles = (*bent_angles, *orient(linkage.links[-1], frame, directions, rest[len(bent_angles) :]))
     hand = linkage.walk(angles, len(linkage.links))[0]
     residual = distance(points[-1], asked)
-    errors = {wish.name: arccosine(max(-1.0, min(1.0, dot(rotated(hand, wish.own), wish.wanted)))) for wish in wishes}
+    errors = {
+        direction.name: arccosine(max(-1.0, min(1.0, dot(rotated(hand, direction.own), direction.wanted))))
+        for direction in directions
+    }
     pointing_error, palm_error = errors.get("pointing"), errors.get("palm")
     reached = residual <= REACHED
     return Solution(sealed(angles), residual, pointing_error, palm_error, reached, iterations, sealed(target), 0.0)
@@ -159,7 +162,7 @@ def _found(
     return Bend(second.angles if second.exact else best.angles, second.exact, iterations + second.iterations)
 
 
-def wishes_of(chain: Chain, reach: Reach) -> list[HandDirection]:
+def hand_directions(chain: Chain, reach: Reach) -> list[HandDirection]:
     """Lists the hand's directions that a reach asks for, and where they should look."""
     along = unit(vector(chain.joints[-1].bone))
     pairs = (("pointing", along, reach.pointing), ("palm", unit(vector(chain.palm)), reach.palm))

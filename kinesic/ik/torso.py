@@ -37,7 +37,7 @@ class _Turn:
     lower: float  # [rad]
     upper: float  # [rad]
 
-    def held(self, angle: float, most: float) -> float:
+    def clamp(self, angle: float, most: float) -> float:
         """The angle inside the range and within `most` of upright [rad]."""
         return min(max(angle, self.lower, -most), self.upper, most)
 
@@ -78,7 +78,7 @@ def lean_torso(
     strongest = max((abs(pull) for pull in pulls), default=0.0) or 1.0
 
     def turned_by(scale: float) -> list[float]:
-        return [turn.held(scale * pull / strongest, most) for turn, pull in zip(turns, pulls, strict=True)]
+        return [turn.clamp(scale * pull / strongest, most) for turn, pull in zip(turns, pulls, strict=True)]
 
     def excess(scale: float) -> float:
         return max(_excess(arm, turns, turned_by(scale)) for arm in arms)

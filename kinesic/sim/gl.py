@@ -70,8 +70,8 @@ def _absent(environment: MutableMapping[str, str]) -> list[str]:
     absent = [] if _loads("libEGL.so.1") else ["libEGL.so.1"]
     if not (_loads("libOpenGL.so.0") or _loads("libGL.so.1")):
         absent.append("libOpenGL.so.0")
-    platform_asked = environment.get("PYOPENGL_PLATFORM", "egl").lower()
-    return absent if platform_asked == "egl" else [*absent, f"EGL, since PYOPENGL_PLATFORM is {platform_asked}"]
+    platform_requested = environment.get("PYOPENGL_PLATFORM", "egl").lower()
+    return absent if platform_requested == "egl" else [*absent, f"EGL, since PYOPENGL_PLATFORM is {platform_requested}"]
 
 
 @cache

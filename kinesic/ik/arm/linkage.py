@@ -97,6 +97,17 @@ class Linkage:
             points.append(plus(points[-1], rotated(rotation, link.bone)))
         return rotation, points
 
+    def hinge_lines(self, angles: Sequence[float]) -> tuple[Vector, list[tuple[Vector, Vector]]]:
+        """Finds the hand [m] in the base, and for each hinge before its own the axis and a point [m] of it."""
+        rotation, centre = IDENTITY, self.origin
+        lines: list[tuple[Vector, Vector]] = []
+        for link in self.links[:-1]:
+            for k, pivot in enumerate(link.pivots, link.first):
+                lines.append((rotated(rotation, pivot.axis), centre))
+                rotation = after(rotation, pivot.axis, angles[k])
+            centre = plus(centre, rotated(rotation, link.bone))
+        return centre, lines
+
     def hand(self, angles: Sequence[float]) -> Vector:
         """[m] the wrist's centre in the base."""
         return self.walk(angles, len(self.links) - 1)[1][-1]

@@ -12,7 +12,7 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.ik.arm.linkage import Linkage
 from kinesic.ik.arm.polish import Polished
-from kinesic.ik.scalar3 import IDENTITY, Vector, after, cross, dot, minus, norm, plus, rotated
+from kinesic.ik.scalar3 import Vector, cross, dot, minus, norm
 
 ROUNDS = 30
 GAIN = 1e-9  # a round that wins less than this share of the squared distance is the last
@@ -75,18 +75,12 @@ def _newton(slope: Floats, curvature: Floats, damping: float) -> Floats:
 
 def _shape(linkage: Linkage, target: Vector, angles: Floats) -> _Shape:
     """Distance, slope and curvature at a posture (n,) [rad]."""
-    rotation, centre = IDENTITY, linkage.origin
-    axes: list[tuple[Vector, Vector]] = []
-    for link in linkage.links[:-1]:
-        for k, pivot in enumerate(link.pivots, link.first):
-            axes.append((rotated(rotation, pivot.axis), centre))
-            rotation = after(rotation, pivot.axis, float(angles[k]))
-        centre = plus(centre, rotated(rotation, link.bone))
-    error = minus(target, centre)
-    columns = [cross(axis, minus(centre, pole)) for axis, pole in axes]
-    curvature = np.empty((len(axes), len(axes)))
+    hand, lines = linkage.hinge_lines(angles.tolist())
+    error = minus(target, hand)
+    columns = [cross(axis, minus(hand, pole)) for axis, pole in lines]
+    curvature = np.empty((len(lines), len(lines)))
     for j, column in enumerate(columns):
         for i in range(j + 1):
-            turning = cross(axes[i][0], column)
+            turning = cross(lines[i][0], column)
             curvature[i, j] = curvature[j, i] = dot(columns[i], column) - dot(error, turning)
     return _Shape(norm(error), np.array([-dot(error, column) for column in columns]), curvature)

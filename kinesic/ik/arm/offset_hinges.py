@@ -18,7 +18,7 @@ from kinesic.ik.arm.linkage import linkage_of
 from kinesic.ik.arm.multistart import approach
 from kinesic.ik.arm.wrist import orient
 from kinesic.ik.scalar3 import distance, dot, rotated, vector
-from kinesic.ik.solve import REACHED, Solution, solve, wishes_of
+from kinesic.ik.solve import REACHED, Solution, hand_directions, solve
 
 SHORT = 0.2  # of the longest bone: a shorter one within the arm is an offset inside a joint
 
@@ -68,10 +68,13 @@ def solve_offset(chain: Chain, reach: Reach, *, start: Floats) -> Solution:
     polished = approach(linkage, target, guess.angles.tolist(), posture=chain.rest.tolist(), mobility=mobility)
     moving = polished.angles
     frame, points = linkage.walk(moving, len(linkage.links) - 1)
-    wishes = wishes_of(chain, reach)
-    angles = (*moving, *orient(linkage.links[-1], frame, wishes, chain.rest.tolist()[len(moving) :]))
+    directions = hand_directions(chain, reach)
+    angles = (*moving, *orient(linkage.links[-1], frame, directions, chain.rest.tolist()[len(moving) :]))
     hand = linkage.walk(angles, len(linkage.links))[0]
-    errors = {wish.name: acos(max(-1.0, min(1.0, dot(rotated(hand, wish.own), wish.wanted)))) for wish in wishes}
+    errors = {
+        direction.name: acos(max(-1.0, min(1.0, dot(rotated(hand, direction.own), direction.wanted))))
+        for direction in directions
+    }
     residual = distance(points[-1], target)
     return structs.replace(
         guess,

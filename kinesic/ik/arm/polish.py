@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from kinesic.ik.arm.linkage import Linkage
-from kinesic.ik.scalar3 import IDENTITY, Vector, after, cross, dot, minus, norm, plus, rotated, scaled
+from kinesic.ik.scalar3 import Vector, cross, dot, minus, norm, scaled
 
 ROUNDS = 24
 TOLERANCE = 1e-7  # of the arm's length
@@ -86,14 +86,8 @@ def polish(
 
 def columns(linkage: Linkage, angles: Sequence[float]) -> tuple[Vector, list[Vector]]:
     """Finds the hand [m] and the columns of its Jacobian: how it moves per radian of each hinge [m]."""
-    rotation, centre = IDENTITY, linkage.origin
-    axes: list[tuple[Vector, Vector]] = []
-    for link in linkage.links[:-1]:
-        for k, pivot in enumerate(link.pivots, link.first):
-            axes.append((rotated(rotation, pivot.axis), centre))
-            rotation = after(rotation, pivot.axis, angles[k])
-        centre = plus(centre, rotated(rotation, link.bone))
-    return centre, [cross(axis, minus(centre, pole)) for axis, pole in axes]
+    hand, lines = linkage.hinge_lines(angles)
+    return hand, [cross(axis, minus(hand, pole)) for axis, pole in lines]
 
 
 def polish_step(linkage: Linkage, angles: Sequence[float], error: Vector, slope: HandSlope) -> list[float]:

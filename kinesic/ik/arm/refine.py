@@ -96,14 +96,14 @@ def refine_posture(robot: Robot, side: Side, reach: Reach, angles: Floats, *, ne
     arm = true_arm(robot, side)
     if arm.exact:
         return angles
-    asked = _in_base(reach, robot.skeleton.frames(angles), robot.skeleton.segment(robot.arms[side].base))
+    desired = _in_base(reach, robot.skeleton.frames(angles), robot.skeleton.segment(robot.arms[side].base))
     joints = list(arm.joints)
     lower, upper, rest = (getattr(robot.skeleton, name)[joints] for name in ("lower", "upper", "rest"))
     guess = np.clip(angles[joints], lower, upper)
     elbow = arm.posture(guess)[0][0] if reach.swivel is not None else None
     present = np.clip(near[joints], lower, upper)
     size = robot.arm_length
-    led, there = _errors(arm, asked, elbow, size), _errors(arm, Reach(asked.position), None, size)
+    led, there = _errors(arm, desired, elbow, size), _errors(arm, Reach(desired.position), None, size)
     best, least = guess, np.inf
     for k, start in enumerate((guess, present, rest, (lower + upper) / 2)):
         if k > 1 and least < LOST:
@@ -128,15 +128,15 @@ def _in_base(reach: Reach, frames: Frames, base: int) -> Reach:
 
 def _errors(arm: TrueArm, reach: Reach, elbow: Floats | None, size: float) -> Errors:
     """Rows for the hand's place, its directions and the elbow, as far as they are asked."""
-    wanted = [reach.pointing, reach.palm]
-    asked = [k for k in range(2) if wanted[k] is not None]
-    aims = np.array([direction for direction in wanted if direction is not None]).reshape(-1, 3)
+    given = [reach.pointing, reach.palm]
+    rows_of = [k for k in range(2) if given[k] is not None]
+    aims = np.array([direction for direction in given if direction is not None]).reshape(-1, 3)
     aims = aims / np.linalg.norm(aims, axis=1, keepdims=True) if len(aims) else aims
 
     def errors(angles: Floats) -> tuple[Floats, Floats]:
         points, directions, moves = arm.posture(angles)
-        rows = [(reach.position - points[1]) / size, *(DIRECTION_WEIGHT * (aims - directions[asked]))]
-        columns = [moves[1] / size, *(DIRECTION_WEIGHT * moves[2:][asked])]
+        rows = [(reach.position - points[1]) / size, *(DIRECTION_WEIGHT * (aims - directions[rows_of]))]
+        columns = [moves[1] / size, *(DIRECTION_WEIGHT * moves[2:][rows_of])]
         if elbow is not None:
             rows.append(ELBOW_WEIGHT * (elbow - points[0]) / size)
             columns.append(ELBOW_WEIGHT * moves[0] / size)

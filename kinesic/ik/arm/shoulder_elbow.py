@@ -18,7 +18,7 @@ from kinesic.ik.arm.hinges import Extraction, extract
 from kinesic.ik.arm.linkage import Linkage, linkage_of
 from kinesic.ik.arm.masses import clamp, settle_masses
 from kinesic.ik.arm.mirror import ACROSS, is_right, mirror_chain
-from kinesic.ik.arm.swivel import elbow_at, swivel_of
+from kinesic.ik.arm.swivel import bisect_edge, elbow_at, swivel_of
 from kinesic.ik.scalar3 import Vector, distance, minus, plus, scaled, unit, vector
 
 STRETCH = 0.9999  # of the reach, to which targets beyond it come: the elbow keeps a side to bend to
@@ -136,29 +136,21 @@ def bend_elbow(linkage: Linkage, place: ShoulderPlace, *, near: Sequence[float],
 
 def _nearest_exact(at: Callable[[float], Extraction], towards: float, tolerance: float) -> tuple[Extraction, bool]:
     """Looks outward from offset zero for the first posture that misses nothing."""
+
+    def fits(posture: Extraction) -> bool:
+        return posture.miss <= tolerance
+
     best = at(0.0)
-    if best.miss <= tolerance:
+    if fits(best):
         return best, True
     for step in range(1, STEPS + 1):
         for side in (towards, -towards):
             found = at(side * step * pi / STEPS)
-            if found.miss <= tolerance:
-                return _edge(at, side * (step - 1) * pi / STEPS, side * step * pi / STEPS, found, tolerance), True
+            if fits(found):
+                outside, inside = side * (step - 1) * pi / STEPS, side * step * pi / STEPS
+                return bisect_edge(at, outside, inside, found, fits=fits, rounds=BISECTIONS), True
             best = min(best, found, key=lambda candidate: candidate.miss)
     return best, False
-
-
-def _edge(
-    at: Callable[[float], Extraction], outside: float, inside: float, found: Extraction, tolerance: float
-) -> Extraction:
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (outside + inside)
-        tried = at(middle)
-        if tried.miss <= tolerance:
-            inside, found = middle, tried
-        else:
-            outside = middle
-    return found
 
 
 def carry_shoulder(chain: Chain, target: Floats, effort: float) -> Floats:

@@ -6,8 +6,9 @@ to the side, forward with the arm up. So the zero is defined and smooth wherever
 vertical plane is not.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import sqrt
+from typing import TypeVar
 
 from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
@@ -15,7 +16,38 @@ from kinesic.ik.angles import arctangent, cosine_sine
 from kinesic.ik.arm.linkage import Linkage, linkage_of
 from kinesic.ik.scalar3 import Vector, across, cross, dot, minus, norm, plus, scaled, unit, vector
 
+Posture = TypeVar("Posture")
+
 BACKWARD = -1.0 + 1e-9  # cosine to the forward axis at which the hanging direction is undefined
+
+
+def bisect_edge(
+    at: Callable[[float], Posture],
+    outside: float,
+    inside: float,
+    found: Posture,
+    *,
+    fits: Callable[[Posture], bool],
+    rounds: int,
+) -> Posture:
+    """Bisects to where the swivel begins to fit.
+
+    Args:
+        at: the posture of a swivel [rad].
+        outside: [rad] a swivel that does not fit.
+        inside: [rad] one that does.
+        found: its posture.
+        fits: whether a posture does.
+        rounds: of bisection.
+    """
+    for _ in range(rounds):
+        middle = 0.5 * (outside + inside)
+        tried = at(middle)
+        if fits(tried):
+            inside, found = middle, tried
+        else:
+            outside = middle
+    return found
 
 
 def hanging_direction(line: Vector) -> Vector:

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
-from kinesic.ik.angles import arctangent, cosine_sine
+from kinesic.ik.angles import arccosine, arctangent, cosine_sine
 from kinesic.ik.arm.linkage import Link, Pivot
-from kinesic.ik.scalar3 import Rotation, Vector, cross, dot, turned, within
+from kinesic.ik.scalar3 import Rotation, Vector, cross, dot, rotated, turned, within
 
 ROUNDS = 40
 TOLERANCE = 1e-6  # [rad] the largest change of a round at rest
@@ -28,42 +28,50 @@ class HandDirection:
     wanted: Vector  # unit, in the base
 
 
-def orient(link: Link, frame: Rotation, wishes: Sequence[HandDirection], rest: Sequence[float]) -> tuple[float, ...]:
+def orient(
+    link: Link, frame: Rotation, directions: Sequence[HandDirection], rest: Sequence[float]
+) -> tuple[float, ...]:
     """Finds the angles of the hand's own hinges.
 
     Args:
         link: the last link.
         frame: of the segment that its first hinge turns in, in the base.
-        wishes: directions; without any the hinges rest.
+        directions: directions; without any the hinges rest.
         rest: [rad] of these hinges.
 
     Returns:
         [rad] inside the ranges.
     """
-    if not wishes:
+    if not directions:
         return tuple(rest)
-    best, height = _climbed(link, frame, wishes, rest, rest)
+    best, height = _climbed(link, frame, directions, rest, rest)
     for start in product(*((pivot.lower, pivot.upper) for pivot in link.pivots)):
-        if height > len(wishes) - PERFECT:
+        if height > len(directions) - PERFECT:
             break
-        found, agreement = _climbed(link, frame, wishes, rest, start)
+        found, agreement = _climbed(link, frame, directions, rest, start)
         if agreement > height:
             best, height = found, agreement
     return best
 
 
+def direction_errors(frame: Rotation, directions: Sequence[HandDirection]) -> dict[str, float]:
+    """Measures the angle [rad] from each direction of the hand, in this frame, to where it should look, by its name."""
+    agreements = {each.name: dot(rotated(frame, each.own), each.wanted) for each in directions}
+    return {name: arccosine(max(-1.0, min(1.0, agreement))) for name, agreement in agreements.items()}
+
+
 def _climbed(
-    link: Link, frame: Rotation, wishes: Sequence[HandDirection], rest: Sequence[float], start: Sequence[float]
+    link: Link, frame: Rotation, directions: Sequence[HandDirection], rest: Sequence[float], start: Sequence[float]
 ) -> tuple[tuple[float, ...], float]:
     """Hinge after hinge to its best angle until none moves; the angles and how well they agree."""
     angles, height = list(start), 0.0
-    wanted = [within(frame, wish.wanted) for wish in wishes]
+    wanted = [within(frame, direction.wanted) for direction in directions]
     for _ in range(ROUNDS):
         change = 0.0
         for k, pivot in enumerate(link.pivots):
             pairs = [
-                (_inward(link, angles, k, look), _outward(link, angles, k, wish.own))
-                for look, wish in zip(wanted, wishes, strict=True)
+                (_inward(link, angles, k, look), _outward(link, angles, k, direction.own))
+                for look, direction in zip(wanted, directions, strict=True)
             ]
             best, height = _best(pivot, pairs, rest[k])
             change, angles[k] = max(change, abs(best - angles[k])), best

@@ -49,7 +49,7 @@ class EulerBoxes:
         """(3,) [rad] about x, y, z: limits of +- this leave a joint free."""
         return sealed([np.pi / 2.0 if axis == self.order[1] else np.pi for axis in "xyz"])
 
-    def held(self, rotation: Floats, joint: int) -> Floats:
+    def clamp(self, rotation: Floats, joint: int) -> Floats:
         """A rotation (3, 3) away from rest with each angle cut off at its limit; itself when inside."""
         angles = angles_of(rotation, self.order)
         cut = _nearest(angles, self.lower[joint], self.upper[joint])

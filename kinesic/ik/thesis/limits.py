@@ -34,14 +34,14 @@ def within_limits(chain: BallChain, stance: Stance, target: Floats, carrier: Car
     rotations = stance.rotations.copy()
     arms = np.linalg.norm(target - stance.points[:-1], axis=1)
     for k in range(len(rotations) - 1, -1, -1):
-        held = chain.limits.held(rotations[k], k)
-        if held is rotations[k]:
+        clamped = chain.limits.clamp(rotations[k], k)
+        if clamped is rotations[k]:
             continue
         if k > 0 and arms[k - 1] > NO_ARM * chain.size:
             into_parent = chain.frames[k - 1].T @ chain.frames[k]
-            excess = into_parent @ Rotation.from_matrix(rotations[k] @ held.T).as_rotvec()
+            excess = into_parent @ Rotation.from_matrix(rotations[k] @ clamped.T).as_rotvec()
             rotations[k - 1] = rotations[k - 1] @ _arc(excess, float(arms[k] / arms[k - 1]))
-        rotations[k] = held
+        rotations[k] = clamped
     return stance_of(chain, rotations, carrier)
 
 

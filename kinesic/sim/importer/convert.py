@@ -73,8 +73,8 @@ def _servos(
     found: dict[str, tuple[ServoTable, str]] = {}
     for hinge in hinges:
         joint = robot.skeleton.joint(hinge.name)
-        told = figure.tree.joints[hinge.joint]
-        model = servo(told, gravity=float(load.holding[joint]), inertia=float(load.inertia[joint]))
+        foreign = figure.tree.joints[hinge.joint]
+        model = servo(foreign, gravity=float(load.holding[joint]), inertia=float(load.inertia[joint]))
         found.setdefault(servo_of(hinge), model)
     return {name: table for name, (table, _) in found.items()}, {name: why for name, (_, why) in found.items()}
 

@@ -101,8 +101,8 @@ def pose_arm(limb: HingeRow, split: Split, wish: HangingPose, ranges: Ranges, fi
 
 def _unwound(angles: Floats, ranges: Ranges) -> Floats:
     """The same pose with each hinge turned by whole turns to where it is nearest to the middle of its range."""
-    told = np.isfinite(ranges.lower)
-    middle = np.where(told, np.where(told, ranges.lower, 0.0) + np.where(told, ranges.upper, 0.0), 0.0) / 2
+    bounded = np.isfinite(ranges.lower)
+    middle = np.where(bounded, np.where(bounded, ranges.lower, 0.0) + np.where(bounded, ranges.upper, 0.0), 0.0) / 2
     found: Floats = angles - TURN * np.round((angles - middle) / TURN)
     return found
 

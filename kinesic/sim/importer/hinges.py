@@ -136,14 +136,16 @@ def _sign(name: str, axis: Floats, side: Side) -> float:
 
 
 def _named(figure: HumanoidGeometry, joint: int, name: str, segment: str, sign: float) -> MappedHinge:
-    told = figure.tree.joints[joint]
-    lower, upper, assumed, zero = *_default(name), True, told.zero
-    if told.lower is not None and told.upper is not None and told.upper - told.lower < WHOLE:
-        turns = np.round(((told.lower + told.upper) / 2 - zero) / (2 * pi))
+    foreign = figure.tree.joints[joint]
+    lower, upper, assumed, zero = *_default(name), True, foreign.zero
+    if foreign.lower is not None and foreign.upper is not None and foreign.upper - foreign.lower < WHOLE:
+        turns = np.round(((foreign.lower + foreign.upper) / 2 - zero) / (2 * pi))
         zero += 2 * pi * turns
-        ends = sorted((sign * (told.lower - zero), sign * (told.upper - zero)))
+        ends = sorted((sign * (foreign.lower - zero), sign * (foreign.upper - zero)))
         lower, upper, assumed = max(ends[0], -pi), min(ends[1], pi), False
-    return MappedHinge(name, segment, joint, sign, zero, told.anchor, sealed(sign * told.axis), lower, upper, assumed)
+    return MappedHinge(
+        name, segment, joint, sign, zero, foreign.anchor, sealed(sign * foreign.axis), lower, upper, assumed
+    )
 
 
 def _default(name: str) -> tuple[float, float]:

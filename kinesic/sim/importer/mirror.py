@@ -40,8 +40,7 @@ def sides(tree: Tree) -> Sides:
     named = _named(tree)
     by_names = len(found) < ENOUGH and len(named) > len(found)
     pairs = named if by_names else found
-    told = [_side_of(tree.joints[a].name, tree.joints[b].name) for a, b in pairs.items()]
-    vote = sum(told)
+    vote = sum(_side_of(tree.joints[a].name, tree.joints[b].name) for a, b in pairs.items())
     across = sum(((tree.joints[a].anchor - tree.joints[b].anchor)[:2] for a, b in pairs.items()), np.zeros(2))
     left = _axis(across)
     if vote < 0 or (vote == 0 and _sense(tree, pairs, left) < 0.0):

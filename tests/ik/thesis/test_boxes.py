@@ -40,16 +40,16 @@ def test_the_default_order_is_the_thesis_eq_13_0_7():
 def test_a_rotation_is_cut_off_at_its_box_and_left_alone_inside():
     boxes = EulerBoxes.of([-0.2, -0.5, -1.0], [0.2, 0.5, 1.0], joints=1)
     inside = rotation_of(np.array([0.1, -0.4, 0.9]), "xyz")
-    assert boxes.held(inside, 0) is inside
+    assert boxes.clamp(inside, 0) is inside
     outside = rotation_of(np.array([0.9, -0.4, -1.4]), "xyz")
-    assert angles_of(boxes.held(outside, 0), "xyz") == pytest.approx([0.2, -0.4, -1.0])
+    assert angles_of(boxes.clamp(outside, 0), "xyz") == pytest.approx([0.2, -0.4, -1.0])
     assert boxes.excess(outside[None]) == pytest.approx(0.7)
     assert boxes.excess(inside[None]) == 0.0
 
 
 def test_the_limit_that_is_nearer_on_the_circle_is_taken():
     boxes = EulerBoxes.of([0.0, -0.5, -0.5], [3.0, 0.5, 0.5], joints=1)
-    held = boxes.held(rotation_of(np.array([-3.1, 0.0, 0.0]), "xyz"), 0)
+    held = boxes.clamp(rotation_of(np.array([-3.1, 0.0, 0.0]), "xyz"), 0)
     assert angles_of(held, "xyz")[0] == pytest.approx(3.0)
 
 
