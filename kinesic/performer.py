@@ -138,7 +138,7 @@ class Performer:
             with speak_along(planned, _warn) as said:
                 servos = Servos(planned.setup.robot, ports or {})
                 with interrupted() as stopped:
-                    live = perform_live(run, servos, wish=lambda: "end" if stopped() else "go on", shown=said)
+                    live = perform_live(run, servos, requested=lambda: "end" if stopped() else "go on", shown=said)
             run = performance_of(found, beside=tuple(beside), seed=self.setup.idling.seed, servos=live)
         return run
 

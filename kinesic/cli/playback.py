@@ -15,7 +15,7 @@ from kinesic.body.robot import Robot
 from kinesic.cli.terminal import pressed_keys
 from kinesic.controller.performance import Performance
 from kinesic.controller.play import command_times, pace, play
-from kinesic.controller.servo_performance import ServoRun, Wish, interrupted, perform_live
+from kinesic.controller.servo_performance import Request, ServoRun, interrupted, perform_live
 from kinesic.controller.soundtrack import open_speaker, sound, speak_along
 from kinesic.face.display import DisplayError
 from kinesic.face.show.controls import HELP
@@ -110,7 +110,8 @@ def perform_on_servos(
         if not quiet:
             click.echo(KEYS, err=True)
         with interrupted() as folding, pressed_keys() as keys, _display(quiet) as shown:
-            return perform_live(performance, servos, wish=_wish(keys, folding), shown=_all(shown, said, listener))
+            listeners = _all(shown, said, listener)
+            return perform_live(performance, servos, requested=_requested(keys, folding), shown=listeners)
 
 
 def _all(*listeners: Callable[[Status], None]) -> Callable[[Status], None]:
@@ -121,15 +122,15 @@ def _all(*listeners: Callable[[Status], None]) -> Callable[[Status], None]:
     return hear
 
 
-def _wish(keys: Callable[[], str], folding: Callable[[], bool]) -> Callable[[], Wish]:
+def _requested(keys: Callable[[], str], folding: Callable[[], bool]) -> Callable[[], Request]:
     """What somebody at the keyboard wants."""
 
-    def wish() -> Wish:
+    def request() -> Request:
         if " " in keys():
             return "stop"
         return "end" if folding() else "go on"
 
-    return wish
+    return request
 
 
 def write_live(live: ServoRun, data: dict[str, Json], written: Written) -> tuple[dict[str, Json], Path]:

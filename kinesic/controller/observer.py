@@ -16,12 +16,12 @@ duty is overestimated, and push whatever else disturbs, all but load and share a
 3. c = share load - RESTORING (e, e', push); bounded in size and in rate; goals stay within the ranges.
 
 Stability: whatever share is learned, share load enters as a bounded disturbance; what is left is linear. Closed over a
-plant with a bus latency from 0 to 20 ms, told to the observer or not, all poles of all hinges lie within the unit
+plant with a bus latency from 0 to 20 ms, known to the observer or not, all poles of all hinges lie within the unit
 circle when stall torque, no-load speed or inertia is wrong by a factor of 2, and for the pessimistic twin. Two such
 errors at once may oscillate where they leave the servo's own loop hardly damped or double its stiffness at 20 ms:
 then only the bounds hold, and servos that wrong are better fitted first.
 
-A goal further than 1 / g from the measured position gives no more duty: the observer is told what could act, so that
+A goal further than 1 / g from the measured position gives no more duty: the observer knows what could act, so that
 nothing winds up.
 """
 
@@ -140,18 +140,18 @@ class Observer:
         """Function of rows of belief, measured deviation and rows of lessons, with CasADi's own memory."""
         hinges, late = len(self.lower), len(self.arrival)
         gains: Floats = np.concatenate([self.forecast.reshape(9, hinges), self.gain, [self.step, self.full]])
-        told = np.zeros((6 + late, hinges)), np.zeros(hinges), np.zeros((7, hinges))
+        inputs = np.zeros((6 + late, hinges)), np.zeros(hinges), np.zeros((7, hinges))
         constant, found = (gains, np.array(self.arrival)), np.zeros((6 + late, hinges))
         function = tick_law(hinges, late)
         memory, run = function.buffer()
-        for k, values in enumerate((*told, *constant)):
+        for k, values in enumerate((*inputs, *constant)):
             memory.set_arg(k, values.data)  # type: ignore[call-arg]  # the stub asks for C's arguments
         memory.set_res(0, found.data)  # type: ignore[call-arg]  # the same
         kept = function, memory, constant  # CasADi has only their addresses
 
         def step(*given: Floats, _kept: object = kept) -> Floats:
-            for held, values in zip(told, given, strict=True):
-                held[:] = values
+            for memory_of, values in zip(inputs, given, strict=True):
+                memory_of[:] = values
             run()
             rows = found.copy()
             rows.setflags(write=False)
@@ -226,12 +226,9 @@ def correct_goals(
         else:
             measured = np.concatenate([body.positions() for body in bodies])
             belief = observer.after(belief, measured - lessons.angles[tick - 1], lessons, tick)
-            yield tuple(_with(command, goals) for goals in belief.goals.reshape(len(bodies), -1))
-
-
-def _with(command: Command, goals: Floats) -> Command:
-    """The same with other goals; `dataclasses.replace` takes three times as long."""
-    return Command(command.time, command.angles, command.speeds, command.accelerations, goals, command.face)
+            state = command.time, command.angles, command.speeds, command.accelerations
+            rows = belief.goals.reshape(len(bodies), -1)
+            yield tuple(Command(*state, goals, command.face) for goals in rows)  # `replace` takes three times as long
 
 
 def _forecast(stiffness: Floats, drag: Floats, period: float) -> Floats:

@@ -15,7 +15,7 @@ from kinesic.body.robot import SIDES, PartName, Robot
 from kinesic.controller.arrival import Arrival, arrivals, lags, part_paths
 from kinesic.controller.smoothness import dimensionless_jerk
 from kinesic.controller.tracking_delay import tracking_delay
-from kinesic.motion.limit_check import Peaks, peaks
+from kinesic.motion.limit_check import Peaks, check_limits
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SyncTime
 from kinesic.sim.kinematics import motion_frames
@@ -56,7 +56,7 @@ class Reference:
     @cached_property
     def peaks(self) -> Peaks:
         """The plan against its limits, at 1 kHz."""
-        return peaks(self.plan.trajectory, self.plan.setup.limits)
+        return check_limits(self.plan.trajectory, self.plan.setup.limits)
 
     @cached_property
     def hands(self) -> Mapping[str, Floats]:

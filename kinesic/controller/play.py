@@ -31,7 +31,7 @@ def commands(
     Args:
         trajectory: of the motion.
         times: (m,) [s] performance time.
-        setpoints: what servos are told at these times.
+        setpoints: goals of the servos at these times.
         faces: what the face shows at these times; None: nothing, for sinks that have none.
     """
     angles, speeds, accelerations = (sealed(values) for values in trajectory.sample(times))
@@ -65,6 +65,6 @@ def play_together(stream: Iterable[Sequence[Command]], sinks: Sequence[Sink]) ->
     with ExitStack() as closing:
         for sink in sinks:
             closing.callback(sink.close)
-        for told in stream:
-            for sink, command in zip(sinks, told, strict=True):
+        for tick in stream:
+            for sink, command in zip(sinks, tick, strict=True):
                 sink.write(command)

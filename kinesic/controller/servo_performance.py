@@ -31,7 +31,7 @@ DELAY = 0.002  # [s] from a command's time until its goals have gone over the wi
 LOOK = 0.02  # [s] between two looks at supervisor and keyboard
 FULL = 0.999  # scale of time that is all of it
 
-Wish = Literal["go on", "stop", "end"]  # "stop": at once; "end": fold to rest
+Request = Literal["go on", "stop", "end"]  # "stop": at once; "end": fold to rest
 Ending = Literal["performed", "ended", "stopped", "failed"]
 
 
@@ -49,22 +49,22 @@ class ServoRun:
     def _rows(self) -> tuple[Status, ...]:
         """Those in which time went on and every servo had been read."""
         found: list[Status] = []
-        for told in self.history:
-            if (not found or told.time > found[-1].time) and np.isfinite(
-                [*told.angles, *told.goals, *told.taken]
+        for status in self.history:
+            if (not found or status.time > found[-1].time) and np.isfinite(
+                [*status.angles, *status.goals, *status.taken]
             ).all():
-                found.append(told)
+                found.append(status)
         return tuple(found)
 
     @cached_property
     def clocks(self) -> Floats:
         """(k,) [s] since the first."""
-        return sealed([told.clock - self._rows[0].clock for told in self._rows])
+        return sealed([status.clock - self._rows[0].clock for status in self._rows])
 
     @cached_property
     def times(self) -> Floats:
         """(k,) [s] performance time."""
-        return sealed([told.time for told in self._rows])
+        return sealed([status.time for status in self._rows])
 
     @cached_property
     def angles(self) -> Floats:
@@ -91,7 +91,7 @@ class ServoRun:
 
     def _table(self, name: Literal["angles", "goals", "taken"]) -> Floats:
         joints = len(self.performance.plan.setup.robot.skeleton.hinges)
-        return sealed(np.reshape([getattr(told, name) for told in self._rows], (len(self._rows), joints)))
+        return sealed(np.reshape([getattr(status, name) for status in self._rows], (len(self._rows), joints)))
 
     @cached_property
     def errors(self) -> Floats:
@@ -108,15 +108,15 @@ class ServoRun:
             found = trajectory.sample(np.interp(taken, self.clocks, self.times))
             planned[:, :, k] = found[0][:, k], found[1][:, k]
         moving: Flags = np.abs(planned[1]) > MOVING * self.performance.plan.setup.limits.speed
-        whole = np.array([[told.scale > FULL] for told in self._rows], dtype=np.bool_).reshape(-1, 1)
+        whole = np.array([[status.scale > FULL] for status in self._rows], dtype=np.bool_).reshape(-1, 1)
         news: Flags = np.diff(self.taken, axis=0, prepend=-np.inf) > 0.0
         return np.where(moving & whole & news, self.angles - planned[0], np.nan)
 
     @cached_property
     def performed(self) -> float:
-        """Share of the plan that was performed, whether every servo was heard or not."""
+        """Share of the plan that was performed, whether every servo was read or not."""
         end = self.performance.reference.times[-1]
-        reached = max((told.time for told in self.history if np.isfinite(told.time)), default=0.0)
+        reached = max((status.time for status in self.history if np.isfinite(status.time)), default=0.0)
         return float(reached / end) if end > 0.0 else 0.0
 
     @cached_property
@@ -132,23 +132,23 @@ def perform_live(
     performance: Performance,
     servos: Servos,
     *,
-    wish: Callable[[], Wish] = lambda: "go on",
-    shown: Callable[[Status], None] = lambda told: None,
+    requested: Callable[[], Request] = lambda: "go on",
+    shown: Callable[[Status], None] = lambda status: None,
 ) -> ServoRun:
     """Lets the servos perform what a twin has performed before; returns when the robot is limp again.
 
     Args:
         performance: of the twin.
         servos: opened, and closed here.
-        wish: asked every `LOOK` seconds. A second "stop" lets go of servos that hold.
-        shown: is told how it goes.
+        requested: looked up every `LOOK` seconds. A second "stop" lets go of servos that hold.
+        shown: gets each new status.
     """
     plan = performance.plan
     times = command_times(plan.duration)
     setpoints = FeedForward(plan.setup.robot, plan.setup.dynamics, delay=DELAY).lead(plan.trajectory, times)
     history: list[Status] = []
     notes: list[Note] = []
-    asked: list[Wish] = []
+    requests: list[Request] = []
     with ThreadPoolExecutor(1) as pool:
         try:
             for command in commands(plan.trajectory, times, setpoints):
@@ -157,14 +157,14 @@ def perform_live(
             closing = pool.submit(servos.close)
         while not closing.done():
             _listen(servos, history, notes, shown)
-            _obey(servos, wish(), asked)
+            _obey(servos, requested(), requests)
             time.sleep(LOOK)
     _listen(servos, history, notes, shown)
     error = closing.exception()
     if error is not None and not isinstance(error, BusError):
         raise error
-    ran = tuple(told for told in history if told.stage.runs)
-    ending, why = _ending(history, asked, error)
+    ran = tuple(status for status in history if status.stage.runs)
+    ending, why = _ending(history, requests, error)
     return ServoRun(performance, ran, tuple(notes), ending, why or _last_failure(notes) if ending == "failed" else why)
 
 
@@ -197,23 +197,23 @@ def _listen(servos: Servos, history: list[Status], notes: list[Note], shown: Cal
         shown(news[-1])
 
 
-def _obey(servos: Servos, wish: Wish, asked: list[Wish]) -> None:
-    if wish == "go on":
+def _obey(servos: Servos, request: Request, requests: list[Request]) -> None:
+    if request == "go on":
         return
-    if wish == "stop" and "stop" not in asked:
+    if request == "stop" and "stop" not in requests:
         servos.stop()
     else:
         servos.release()
-    asked.append(wish)
+    requests.append(request)
 
 
-def _ending(history: list[Status], asked: list[Wish], error: BaseException | None) -> tuple[Ending, str]:
+def _ending(history: list[Status], requests: list[Request], error: BaseException | None) -> tuple[Ending, str]:
     if error is not None:
         return "failed", str(error)
-    if any(told.faulty for told in history):
+    if any(status.faulty for status in history):
         return "failed", ""
-    if asked:
-        return ("stopped" if "stop" in asked else "ended"), ""
+    if requests:
+        return ("stopped" if "stop" in requests else "ended"), ""
     return "performed", ""
 
 

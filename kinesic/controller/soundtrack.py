@@ -77,12 +77,12 @@ class SpeechPlayback:
         self._sound, self._speaker = sound, speaker
         self._zero: float | None = None  # [s] on the clock of performance time 0; None: silent
 
-    def __call__(self, told: Status) -> None:
+    def __call__(self, status: Status) -> None:
         """Follows the status of the servos."""
-        if not told.stage.runs or not told.scale > FULL:
+        if not status.stage.runs or not status.scale > FULL:
             self._hush()
             return
-        zero = told.clock - told.time
+        zero = status.clock - status.time
         if self._zero is not None and abs(zero - self._zero) <= ASTRAY:
             return
         self._hush()

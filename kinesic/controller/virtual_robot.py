@@ -28,7 +28,7 @@ class TwinPhysics:
 
         Args:
             robot: whose servos they are.
-            wires: all of them, in the order in which they are told and asked.
+            wires: all of them, in the order of demands and shafts.
             factors: how far the twin is from its description.
         """
         wiring = ServoMap.of(robot)

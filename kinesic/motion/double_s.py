@@ -73,5 +73,5 @@ def least_stop(speed: ArrayLike, acceleration: ArrayLike, most: ArrayLike, jerk:
     v, a = way * v, way * a
     peak = np.sqrt(np.maximum(j * v + a**2 / 2, 0.0))
     braking = np.minimum(peak, most)
-    held = np.maximum(peak**2 - braking**2, 0.0) / (j * braking + np.finfo(float).tiny)
-    return np.asarray((a + 2 * braking) / j + held)
+    holding = np.maximum(peak**2 - braking**2, 0.0) / (j * braking + np.finfo(float).tiny)
+    return np.asarray((a + 2 * braking) / j + holding)

@@ -193,7 +193,7 @@ class Search:
         if np.abs(found.slopes).max() > FLAT:
             slopes = self._spread(segment, found.slopes)
             cuts.append(CuttingPlane(slopes, float(slopes @ self.times) - amount))
-        else:  # at a kink, where no direction is told: the gaps themselves grow
+        else:  # at a kink, where there is no direction: the gaps themselves grow
             for k, quantity in enumerate(found.binding):
                 slopes = self._spread(segment, np.eye(len(segment.marks))[k] - np.eye(len(segment.marks))[k + 1])
                 if quantity is not None:

@@ -37,7 +37,7 @@ class Peaks:
     rms_jerk: float  # [rad/s^3] over all hinges and the whole motion
 
 
-def peaks(trajectory: Trajectory, limits: Limits) -> Peaks:
+def check_limits(trajectory: Trajectory, limits: Limits) -> Peaks:
     """Compares a motion with its limits.
 
     Position counts from the middle of the range, so that 1 is a stop; duty is what the drive needs at most for this

@@ -25,12 +25,12 @@ class Conditioner(Protocol):
     def __call__(
         self, keys: tuple[KeyPosture, ...], setup: Setup, bonds: tuple[Bond, ...] = ..., /, *, ease: float = ...
     ) -> Conditioned:
-        """At `ease` below 1 the times are found with less than the limits, so that the path is nearer to the wish."""
+        """At `ease` below 1 key times leave room, so that the path is nearer to the desired one."""
 
 
 LAG_RESERVE = 0.004  # [m] kept in the plan for what the servos lag behind it
-REPAIRS = 2  # times that a motion is conditioned again because it comes nearer than wished
-EASIER = 0.8  # times the limits, for a motion that strays from a clear wish
+REPAIRS = 2  # times that a motion is conditioned again because it comes nearer than it should
+EASIER = 0.8  # times the limits, for a motion that strays from a clear desired one
 REPAIR = 0.002  # [m] over what it then lacks
 
 

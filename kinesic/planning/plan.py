@@ -37,7 +37,7 @@ from kinesic.planning.speech import (
 )
 from kinesic.planning.syncs import Syncs, SyncTime, find_bonds, path_notices, shift_notices, sync_times
 
-STILL = 0.1  # [s] of a wish for nothing
+STILL = 0.1  # [s] of rest, where nothing is asked
 ROUNDS = 3  # of planning, in which pauses are made longer
 ATTEMPTS = 3  # to say it with pauses that are as long as they must be
 

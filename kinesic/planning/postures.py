@@ -37,7 +37,7 @@ def postures(keyframes: KeyFrames, robot: Robot, distances: Distances) -> Postur
     misses: dict[str, float] = {}
     leans = [_lean(frame, robot) for frame in keyframes.frames]
     angles = np.array(robot.skeleton.rest)
-    held: dict[Side, _Held] = {}
+    holding: dict[Side, _Holding] = {}
     for k, frame in enumerate(keyframes.frames):
         leaning = any(bool(np.any(leans[j])) for j in range(max(0, k - 1), min(len(leans), k + 2)))
         keyed = _keyed(frame, robot, leaning, ends=k in (0, len(leans) - 1))
@@ -46,14 +46,14 @@ def postures(keyframes: KeyFrames, robot: Robot, distances: Distances) -> Postur
         hands = {side: hand for side, hand in frame.hands.items() if keyed[robot.arm(side).joints[0]]}
         wanted = {side: _in_world(hand, side, frame, angles, robot) for side, hand in hands.items()}
         torso = angles[list(robot.joints("torso"))]
-        for side in hands.keys() & held.keys():
-            if held[side].still(hands[side], torso):
-                angles[list(robot.arm(side).joints)] = held[side].arm
-        moved = {side for side in hands if side not in held or not held[side].still(hands[side], torso)}
-        before = {side: held[side].began for side in held}
+        for side in hands.keys() & holding.keys():
+            if holding[side].still(hands[side], torso):
+                angles[list(robot.arm(side).joints)] = holding[side].arm
+        moved = {side for side in hands if side not in holding or not holding[side].still(hands[side], torso)}
+        before = {side: holding[side].began for side in holding}
         angles = with_arms(angles, {side: hands[side] for side in hands if side in moved}, wanted, robot, before)
         angles = robot.skeleton.clamp(clear_hands(angles, hands, robot, distances))
-        held |= {side: _Held.of(side, hand, angles, robot, held.get(side)) for side, hand in hands.items()}
+        holding |= {side: _Holding.of(side, hand, angles, robot, holding.get(side)) for side, hand in hands.items()}
         _note_misses(misses, keyframes, k, wanted, angles, robot)
         firm = _firm(frame) or k in (0, len(leans) - 1)
         solved.append(KeyPosture(frame.time, sealed(angles), tuple(keyed), frame.syncs, _passages(frame, robot), firm))
@@ -61,7 +61,7 @@ def postures(keyframes: KeyFrames, robot: Robot, distances: Distances) -> Postur
 
 
 @dataclass(frozen=True, eq=False)
-class _Held:
+class _Holding:
     """The last target of a hand, and the arm that meets it."""
 
     hand: Hand
@@ -70,8 +70,8 @@ class _Held:
     began: Floats  # [rad] the arm; on a path, as it was in the key before the path
 
     @classmethod
-    def of(cls, side: Side, hand: Hand, angles: Floats, robot: Robot, before: "_Held | None") -> "_Held":
-        """One hand of a posture (n,) [rad], after what it held before."""
+    def of(cls, side: Side, hand: Hand, angles: Floats, robot: Robot, before: "_Holding | None") -> "_Holding":
+        """One hand of a posture (n,) [rad], after what it was holding."""
         torso, arm = angles[list(robot.joints("torso"))], angles[list(robot.arm(side).joints)]
         began = before.began if hand.passing and before else angles[list(robot.arms[side].indices)]
         return cls(hand, torso, arm, began)
@@ -123,8 +123,8 @@ def _keyed(frame: KeyFrame, robot: Robot, leaning: bool, *, ends: bool) -> list[
         keyed[list(robot.joints("neck"))] = True
     for side in SIDES:
         hand = frame.hands[side]
-        held = hand.reach is not None and (leaning or (torso and hand.aim is not None))
-        if ends or f"{side}_hand" in frame.given or (held and f"{side}_hand" in frame.known):
+        holding = hand.reach is not None and (leaning or (torso and hand.aim is not None))
+        if ends or f"{side}_hand" in frame.given or (holding and f"{side}_hand" in frame.known):
             keyed[list(robot.arm(side).joints)] = True
     return [bool(key) for key in keyed]
 

@@ -87,10 +87,10 @@ def duration(way: float, limits: Limits, hinge: int) -> float:
 def _stepwise(times: Floats, keys: Keys, limits: Limits) -> Trajectory | None:
     """Quintics on the grid; None where one exceeds a limit after all."""
     count = pieces(times, STEP)
-    wished = join_keys(times, keys.passed(STOPPING)).angles(grid(count, STEP).knots)
+    desired = join_keys(times, keys.passed(STOPPING)).angles(grid(count, STEP).knots)
     controls = np.empty((count + 3, keys.angles.shape[1]))
     for segment in segments(times, keys, STEP):
-        found = nearest_motion(segment, wished[segment.knots, segment.hinge], limits)
+        found = nearest_motion(segment, desired[segment.knots, segment.hinge], limits)
         if found is None:
             return None
         controls[segment.controls, segment.hinge] = found

@@ -26,7 +26,7 @@ class SpeechPause:
     mark: str
     until: float  # [s] of the utterance, when the mark is wanted
     sync: Sync  # that would be late without it
-    held: float = 0.0  # [s] by which the mark is to come later than without it
+    later: float = 0.0  # [s] by which the mark is to come later than without it
     duration: float = 0.0  # [s] of the silence, that of punctuation included
 
 
@@ -121,11 +121,11 @@ def required_pauses(
         for mark in sorted(times.keys() - {"start", "end"}, key=lambda mark: times[mark]) if name in most else ():
             late, sync = missed.get((name, mark), (reached, ("", "")))
             waiting = made.get((name, mark), SpeechPause(name, mark, 0.0, sync))
-            more = min(late - reached, most[name] - waiting.held) if late - reached > SHIFT_TO_WARN else 0.0
+            more = min(late - reached, most[name] - waiting.later) if late - reached > SHIFT_TO_WARN else 0.0
             moved, reached = moved + more, late
             if more or waiting.duration:
                 until = times[mark] - times["start"] + moved
-                found.append(replace(waiting, until=until, held=waiting.held + more))
+                found.append(replace(waiting, until=until, later=waiting.later + more))
     return tuple(found)
 
 
@@ -162,7 +162,7 @@ def pause_notices(block: Block, waiting: tuple[SpeechPause, ...]) -> list[Notice
         Notice(
             NoticeType.IMPOSSIBLE_TO_SCHEDULE,
             f"{block.id}:{each.speech}",
-            f"a pause of {each.held:.3f} s is made before {_word(scripts[each.speech], each.mark)}, "
+            f"a pause of {each.later:.3f} s is made before {_word(scripts[each.speech], each.mark)}, "
             f"so that {each.sync[1]} of '{each.sync[0]}' is in time",
         )
         for each in waiting

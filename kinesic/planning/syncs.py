@@ -59,7 +59,7 @@ class Syncs(tuple[T_co, ...]):
         """One by its place or its name, or a part of them.
 
         Raises:
-            KeyError: no sync point has this name; names near to it are told.
+            KeyError: no sync point has this name; names near to it are suggested.
         """
         if not isinstance(place, str):
             return super().__getitem__(place)

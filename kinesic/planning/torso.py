@@ -36,7 +36,7 @@ def torso_turn(robot: Robot, chain: str, angles: Floats) -> Floats:
 
 
 def set_turn(robot: Robot, chain: str, turn: Floats, angles: Floats) -> None:
-    """Writes the angles of a chain that make a rotation, held in their ranges.
+    """Writes the angles of a chain that make a rotation, clipped to their ranges.
 
     Hinges of one axis share it in proportion to how far they go; an axis without hinge is left out.
 

@@ -8,7 +8,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
 from kinesic.controller.perform import perform
 from kinesic.controller.performance import Performance
-from kinesic.controller.servo_performance import ServoRun, Wish, perform_live
+from kinesic.controller.servo_performance import Request, ServoRun, perform_live
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.channel import Note, Status
 from kinesic.hardware.supervisor.state_machine import Stage
@@ -121,10 +121,10 @@ def test_the_log_is_what_was_sent_and_seen(performance: Performance):
         ([], [], "performed"),
     ],
 )
-def test_what_the_keyboard_wants_is_done(performance: Performance, wishes: list[Wish], done: list[str], ending: str):
+def test_what_the_keyboard_wants_is_done(performance: Performance, wishes: list[Request], done: list[str], ending: str):
     actor, left = Actor(part=0.4 if wishes else 1.0), [*wishes]
     actor.waiting = lambda: bool(left)
-    live = perform_live(performance, actor, wish=lambda: left.pop(0) if left else "go on")
+    live = perform_live(performance, actor, requested=lambda: left.pop(0) if left else "go on")
     assert [word for word in actor.done if word != "close"] == done
     assert live.ending == ending
     status = live_checks(live)[0].status

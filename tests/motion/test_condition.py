@@ -7,7 +7,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.condition import LEAD_IN, condition
 from kinesic.motion.keys import Bond, KeyPosture, Passage
-from kinesic.motion.limit_check import peaks
+from kinesic.motion.limit_check import check_limits
 
 BOXES = ([-2] * 2, [2] * 2, [4, 6], [40, 60], [1e3, 1.5e3])
 DUTY = ([0.01] * 2, [0.15] * 2, [0.7] * 2)
@@ -20,7 +20,7 @@ def posture(time: float, angles: tuple[float, float], *syncs: str, behaviour: st
 
 def highest(motion) -> float:
     """Largest share of any limit."""
-    return max(float(peak.ratios.max()) for peak in peaks(motion.trajectory, LIMITS).shares.values())
+    return max(float(peak.ratios.max()) for peak in check_limits(motion.trajectory, LIMITS).shares.values())
 
 
 def test_a_feasible_motion_keeps_its_times():

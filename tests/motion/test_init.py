@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from kinesic import motion
-from kinesic.motion.limit_check import peaks
 
 BOX = {
     "lower": np.array([-1.5, -0.2]),
@@ -20,7 +19,7 @@ def test_a_motion_keeps_its_boxes_and_passes_its_keys():
     rows = ((0.0, [0.0, 0.0]), (0.5, [1.2, 2.0]), (2.5, [-0.4, 0.3]), (3.5, [0.0, 0.0]))
     keys = tuple(motion.KeyPosture.whole(time, angles) for time, angles in rows)
     found = motion.condition(keys, limits)
-    shares = peaks(found.trajectory, limits).shares
+    shares = motion.check_limits(found.trajectory, limits).shares
     assert all(float(peak.ratios.max()) <= 1.0 + 1e-6 for peak in shares.values())
     assert float(shares["duty"].ratios.max()) < 1e-5  # no drive is known
     passed = found.trajectory.sample(found.planned + found.trajectory.zero)[0]

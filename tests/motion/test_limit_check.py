@@ -3,7 +3,7 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.limit_check import CHUNK, peaks
+from kinesic.motion.limit_check import CHUNK, check_limits
 from kinesic.motion.trajectory import STEP, Trajectory
 
 LIMITS = Limits(
@@ -41,7 +41,7 @@ def sampled(trajectory):
 @pytest.mark.parametrize("pieces", [1, 10, CHUNK, CHUNK + 1, 3 * CHUNK + 7])
 def test_peaks_are_those_of_the_trajectory_at_1_khz(pieces):
     motion = wandering(pieces)
-    found = peaks(motion, LIMITS).shares
+    found = check_limits(motion, LIMITS).shares
     times, expected = sampled(motion)
     assert found.keys() == expected.keys()
     for name, ratios in expected.items():
@@ -54,13 +54,13 @@ def test_peaks_are_those_of_the_trajectory_at_1_khz(pieces):
 def test_rms_jerk():
     motion = wandering(300)
     jerks = motion.jerks((np.arange(300) + 0.5) * STEP)
-    assert peaks(motion, LIMITS).rms_jerk == pytest.approx(np.sqrt(np.mean(jerks**2)))
+    assert check_limits(motion, LIMITS).rms_jerk == pytest.approx(np.sqrt(np.mean(jerks**2)))
 
 
 def test_a_peak_at_the_very_end_counts():
     controls = np.zeros((43, 2))
     controls[-1, 1] = 1.0
     motion = Trajectory(sealed(controls), 0.0)
-    speed = peaks(motion, LIMITS).shares["speed"]
+    speed = check_limits(motion, LIMITS).shares["speed"]
     assert speed.hinge == 1
     assert speed.time == pytest.approx(motion.duration)

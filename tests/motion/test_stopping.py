@@ -8,7 +8,7 @@ from kinesic.body.limits import Limits
 from kinesic.motion.condition import condition
 from kinesic.motion.double_s import least_stop
 from kinesic.motion.keys import KeyPosture
-from kinesic.motion.limit_check import peaks
+from kinesic.motion.limit_check import check_limits
 from kinesic.motion.stopping import cut_knot, stop
 from kinesic.motion.trajectory import STEP, stay
 
@@ -29,7 +29,7 @@ def moving(seed: int):
 
 
 def largest(trajectory) -> float:
-    return max(float(peak.ratios.max()) for peak in peaks(trajectory, LIMITS).shares.values())
+    return max(float(peak.ratios.max()) for peak in check_limits(trajectory, LIMITS).shares.values())
 
 
 @pytest.mark.parametrize("seed", range(6))

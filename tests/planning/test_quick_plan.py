@@ -4,7 +4,7 @@ import pytest
 from kinesic.bml.parse import parse
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.limit_check import peaks
+from kinesic.motion.limit_check import check_limits
 from kinesic.planning.quick_plan import duration, plan_quickly
 
 from ..passage import passage_text
@@ -18,7 +18,7 @@ def slow(known):
 
 
 def largest(trajectory, limits) -> float:
-    return max(float(peak.ratios.max()) for peak in peaks(trajectory, limits).shares.values())
+    return max(float(peak.ratios.max()) for peak in check_limits(trajectory, limits).shares.values())
 
 
 def test_a_quintic_of_its_duration_keeps_every_limit():

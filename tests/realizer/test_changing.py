@@ -6,7 +6,7 @@ import pytest
 from kinesic.bml.block import Head
 from kinesic.body.config import ConfigError
 from kinesic.expressivity.style.style import Style
-from kinesic.motion.limit_check import peaks
+from kinesic.motion.limit_check import check_limits
 from kinesic.planning.setup import Setup
 from kinesic.realizer.realizer import Scene, advance, begin, change_manner, improve_block, prepare, take_replans
 from kinesic.realizer.request import Message, TimedRequest, read_request
@@ -57,7 +57,7 @@ def test_amount_changes_what_is_still_to_come(nodding: Scene) -> None:
     assert swing(scene, 1.8, 2.6) == pytest.approx(before * 0.3 / 0.8, rel=0.1)
     past = np.arange(0.0, 1.0, 0.01)
     np.testing.assert_allclose(scene.motion.sample(past)[0], nodding.motion.sample(past)[0], atol=1e-12)
-    assert max(peak.ratios.max() for peak in peaks(scene.motion, scene.setup.limits).shares.values()) <= 1.001
+    assert max(peak.ratios.max() for peak in check_limits(scene.motion, scene.setup.limits).shares.values()) <= 1.001
     assert take_replans(scene)[1] == ()
 
 

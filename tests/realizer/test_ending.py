@@ -3,7 +3,7 @@
 import pytest
 
 from kinesic.bml.composition import BlockState
-from kinesic.motion.limit_check import peaks
+from kinesic.motion.limit_check import check_limits
 from kinesic.realizer.realizer import interrupt
 
 NOD = '<head id="h" lexeme="NOD"/>'
@@ -31,7 +31,7 @@ def test_replace_stops_everything(play):
 
 def test_replacing_in_mid_stroke_keeps_the_limits(play):
     play.send("a", BEAT).until(0.7).send("b", LEFT, 'composition="REPLACE"')
-    for name, peak in peaks(play.scene.motion, play.scene.setup.limits).shares.items():
+    for name, peak in check_limits(play.scene.motion, play.scene.setup.limits).shares.items():
         assert peak.ratios.max() <= 1.001, name
 
 

@@ -8,7 +8,7 @@ import pytest
 from kinesic.bench.bml import merging
 from kinesic.bml.block import NoticeType
 from kinesic.bml.parse import parse
-from kinesic.motion.limit_check import peaks
+from kinesic.motion.limit_check import check_limits
 from kinesic.motion.trajectory import stay
 from kinesic.motion.transition import knot_at, lengthen
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
@@ -49,7 +49,7 @@ def gesture(hand: str, stroke: float = 0.9, id: str = "g", lexeme: str = "beat")
 
 
 def certified(motion, known, before=None, time: float = 0.0) -> None:
-    for name, peak in peaks(motion, known.limits).shares.items():
+    for name, peak in check_limits(motion, known.limits).shares.items():
         assert peak.ratios.max() <= 1.001, name
     assert (
         scan_clearance(motion, known.distances)[1].distances.min() >= known.robot.least_clearance + LAG_RESERVE - 1e-4

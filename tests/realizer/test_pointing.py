@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from kinesic.bml.parse import parse
-from kinesic.motion.limit_check import peaks
+from kinesic.motion.limit_check import check_limits
 from kinesic.motion.trajectory import Trajectory
 from kinesic.motion.transition import knot_at, lengthen
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
@@ -96,7 +96,7 @@ def missed(play, block: str, *, motion=None) -> float:
 
 def check(play) -> None:
     known = play.scene.setup
-    for name, peak in peaks(play.scene.motion, known.limits).shares.items():
+    for name, peak in check_limits(play.scene.motion, known.limits).shares.items():
         assert peak.ratios.max() <= 1.001, name
     nearest = scan_clearance(play.scene.motion, known.distances)[1].distances.min()
     assert nearest >= known.robot.least_clearance + LAG_RESERVE - 1e-4

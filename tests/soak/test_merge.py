@@ -8,7 +8,7 @@ import pytest
 from kinesic.bench.bml.merging import CUTS, replace_at_random
 from kinesic.bml.parse import parse
 from kinesic.controller.perform import set_up
-from kinesic.motion.limit_check import peaks
+from kinesic.motion.limit_check import check_limits
 from kinesic.motion.trajectory import stay
 from kinesic.motion.transition import knot_at, lengthen
 from kinesic.planning.certify import duties
@@ -86,7 +86,7 @@ def test_an_endless_stream_of_blocks(seed, known):
         count = knot_at(now - motion.start) + 3
         same = [lengthen(each.controls, count)[:count] for each in (motion, after)]
         np.testing.assert_allclose(*same, atol=1e-8, err_msg=f"step {step}")
-        for name, peak in peaks(after, known.limits).shares.items():
+        for name, peak in check_limits(after, known.limits).shares.items():
             assert peak.ratios.max() <= 1.001, (step, name)
         assert duties(after, known).max() <= 1.0, step
         assert scan_clearance(after, known.distances)[1].distances.min() >= least - 1e-4, step

@@ -11,7 +11,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.condition import LEAD_IN, condition
 from kinesic.motion.keys import KeyPosture
-from kinesic.motion.limit_check import peaks
+from kinesic.motion.limit_check import check_limits
 from kinesic.planning.syncs import SHIFT_TO_WARN
 
 # of a trunk, a shoulder, an elbow and a wrist with common servos
@@ -112,7 +112,7 @@ def check(rows, wishes):
         for k, (time, (_, share, mask, sync)) in enumerate(zip(times, rows, strict=True))
     )
     motion = condition(keys, LIMITS, make_desired=wishes)
-    for name, peak in peaks(motion.trajectory, LIMITS).shares.items():
+    for name, peak in check_limits(motion.trajectory, LIMITS).shares.items():
         assert peak.ratios.max() <= 1.001, name
     met = motion.trajectory.sample(motion.planned + motion.trajectory.zero)[0]
     for k, key in enumerate(keys):

@@ -11,7 +11,7 @@ from kinesic.body.limits import Limits
 from kinesic.motion.condition import condition
 from kinesic.motion.easing import Easing
 from kinesic.motion.keys import KeyPosture, Passage
-from kinesic.motion.limit_check import peaks
+from kinesic.motion.limit_check import check_limits
 
 BOXES = ([-1.5] * 3, [1.5] * 3, [1.0, 4.0, 6.0], [10.0, 59.0, 350.0], [250.0, 1500.0, 8750.0])
 DUTY = ([0.05, 0.01, 0.002], [0.8, 0.18, 0.134], [0.58, 0.65, 0.79])
@@ -42,7 +42,7 @@ def test_limits_hold_and_keys_are_met(rows):
         for k, (time, (_, angles, mask, passed)) in enumerate(zip(times, rows, strict=True))
     )
     motion = condition(keys, LIMITS)
-    for peak in peaks(motion.trajectory, LIMITS).shares.values():
+    for peak in check_limits(motion.trajectory, LIMITS).shares.values():
         assert peak.ratios.max() <= 1.001
     met = motion.trajectory.sample(motion.planned + motion.trajectory.zero)[0]
     for k, key in enumerate(keys):

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kinesic.controller.perform import plan, set_up
-from kinesic.motion.limit_check import peaks
+from kinesic.motion.limit_check import check_limits
 from kinesic.motion.stopping import cut_knot, stop
 from kinesic.motion.trajectory import STEP
 from kinesic.planning.plan import Plan
@@ -28,7 +28,7 @@ def known():
 def check(before, after, knot: int) -> None:
     np.testing.assert_array_equal(after.controls[:knot], before.controls[:knot])
     np.testing.assert_allclose(after.controls[knot : knot + 3], before.controls[knot : knot + 3], atol=1e-9)
-    for name, peak in peaks(after, known().limits).shares.items():
+    for name, peak in check_limits(after, known().limits).shares.items():
         assert peak.ratios.max() <= 1.001, name
 
 

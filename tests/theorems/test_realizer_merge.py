@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from kinesic.bml.parse import parse
 from kinesic.controller.perform import set_up
-from kinesic.motion.limit_check import peaks
+from kinesic.motion.limit_check import check_limits
 from kinesic.motion.trajectory import STEP, Trajectory, stay
 from kinesic.motion.transition import knot_at, lengthen
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
@@ -56,7 +56,7 @@ def check(before: Trajectory, after: Trajectory, time: float) -> None:
     count = knot_at(time) + 3
     same = [lengthen(each.controls, count)[:count] for each in (before, after)]
     np.testing.assert_allclose(*same, atol=1e-8)
-    for name, peak in peaks(after, known().limits).shares.items():
+    for name, peak in check_limits(after, known().limits).shares.items():
         assert peak.ratios.max() <= 1.001, name
     least = known().robot.least_clearance + LAG_RESERVE
     assert scan_clearance(after, known().distances)[1].distances.min() >= least - 1e-4

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from kinesic.bml.block import Composition, Succession
 from kinesic.controller.perform import set_up
-from kinesic.motion.limit_check import peaks
+from kinesic.motion.limit_check import check_limits
 from kinesic.planning.setup import Setup
 from kinesic.realizer.realizer import PreparedBlock, Scene, ScheduledFeedback, advance, begin, interrupt, prepare
 from kinesic.realizer.request import Message, read_request
@@ -90,7 +90,7 @@ class Watched:
         was, after = before.motion.sample(times), scene.motion.sample(times)
         for one, other, alike in zip(was, after, ALIKE, strict=True):
             np.testing.assert_allclose(other, one, rtol=0.0, atol=alike)
-        for name, peak in peaks(scene.motion, known().limits).shares.items():
+        for name, peak in check_limits(scene.motion, known().limits).shares.items():
             assert peak.ratios.max() <= FULL, name
 
 

@@ -11,7 +11,7 @@ from kinesic.bench.blocks import passage_text
 from kinesic.bench.figure import Figure
 from kinesic.bml.parse import parse
 from kinesic.controller.perform import set_up
-from kinesic.motion.limit_check import peaks
+from kinesic.motion.limit_check import check_limits
 from kinesic.motion.trajectory import Trajectory
 from kinesic.motion.transition import knot_at
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
@@ -73,7 +73,7 @@ def replace_at_random(known: Setup, count: int, *, seed: int = 0) -> list[MergeC
         over = replace_motion(running, time, chance.choice(coming))
         knot = knot_at(time)
         left = Trajectory(over.trajectory.controls[knot:], 0.0)
-        largest = max(float(peak.ratios.max()) for peak in peaks(left, known.limits).shares.values())
+        largest = max(float(peak.ratios.max()) for peak in check_limits(left, known.limits).shares.values())
         step = np.abs(over.trajectory.controls[: knot + 3] - running.controls[: knot + 3]).max()
         least = known.robot.least_clearance + LAG_RESERVE
         near = float(scan_clearance(left, known.distances)[1].distances.min()) - least

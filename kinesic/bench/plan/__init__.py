@@ -16,7 +16,7 @@ from kinesic.ik import KERNEL
 from kinesic.motion.condition import LEAD_IN, condition
 from kinesic.motion.key_times import strain
 from kinesic.motion.keys import Keys
-from kinesic.motion.limit_check import RATE, peaks
+from kinesic.motion.limit_check import RATE, check_limits
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN, find_bonds
@@ -71,7 +71,7 @@ def _timed(text_of: Callable[[int], str], known: Setup) -> tuple[list[float], li
 def violations(planned: Plan) -> int:
     """Counts limits of hinges that a motion exceeds at 1 kHz, those of the drives' true duty included."""
     known = planned.setup
-    shares = peaks(planned.trajectory, known.limits).shares.values()
+    shares = check_limits(planned.trajectory, known.limits).shares.values()
     return sum(int((peak.ratios > TOLERANCE).sum()) for peak in shares) + int((duty(planned) > TOLERANCE).sum())
 
 
