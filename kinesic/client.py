@@ -80,11 +80,11 @@ class Client:
         self.send(json.dumps({"do": verb} | values))
 
     def stop(self) -> None:
-        """Emergency stop: comes to rest in the least time and takes no block until `resume`."""
+        """Stops the robot in the least time; no block is taken until `resume`."""
         self.do("stop")
 
     def receive(self, timeout: float | None = None) -> str | None:
-        """The next message; None when none came in time.
+        """Receives the next message; None when none came in time.
 
         Args:
             timeout: [s] to wait; None: as long as it takes.
@@ -125,11 +125,11 @@ class Client:
                 return
 
     def close(self) -> None:
-        """Leaves; what was sent is performed all the same."""
+        """Closes the connection; what was sent is performed all the same."""
         self._socket.close()
 
     def _is_heard(self, timeout: float | None) -> bool:
-        """Whether something comes in time; the socket's own timeout is that of sending, maybe in another thread."""
+        """Waits for a message; the socket's own timeout is that of sending, maybe in another thread."""
         with DefaultSelector() as waiting:
             waiting.register(self._socket, EVENT_READ)
             return bool(waiting.select(timeout))
@@ -144,7 +144,7 @@ class Client:
 
 
 def _refuses(message: str, name: str) -> bool:
-    """Whether a message says that nothing will come of a block."""
+    """Says whether a message refuses a block."""
     head, _, text = message.partition(">")
     nothing = "PARSING_FAILURE" in head or text.startswith(("rule ", "not performed"))
     return head.startswith("<warningFeedback") and f' id="{name}"' in head and nothing

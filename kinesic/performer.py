@@ -1,4 +1,4 @@
-"""The front door: a robot in a manner, which plans documents, performs them, and reports."""
+"""The front door: `Performer` plans documents for a robot in a style, performs and reports them."""
 
 import warnings
 from collections.abc import Mapping, Sequence
@@ -34,7 +34,7 @@ On = Literal["twin", "servos"]
 
 
 class Performer:
-    """A robot in a manner: plans documents, performs them, and reports.
+    """A robot in a style: plans documents, performs them, and reports.
 
     Example:
         ```python
@@ -69,12 +69,12 @@ class Performer:
 
     @property
     def robot(self) -> Robot:
-        """Who performs."""
+        """The robot that performs."""
         return self.setup.robot
 
     @property
     def style(self) -> Style:
-        """In which manner."""
+        """The style in which it performs."""
         return self.setup.style
 
     def plan(self, document: Document, *, source: str | None = None) -> Plan:
@@ -176,7 +176,7 @@ def perform(
 
 
 def _read(document: Document) -> tuple[str | bytes | None, str]:
-    """Text and name of a document; no text of one that is a motion.
+    """Reads text and name of a document; no text of a motion.
 
     Raises:
         BmlError: there is no such file, or it cannot be read.

@@ -42,7 +42,6 @@ def print_figures(part: str, matrix: bool, as_json: bool, plots: Path | None) ->
 
 
 def _print_matrix(*, as_json: bool) -> int:
-    """Every driver under every fault of the wire."""
     from kinesic.bench.bus import faults  # noqa: PLC0415 - no other part needs the drivers of others
 
     if as_json:

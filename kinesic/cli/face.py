@@ -45,11 +45,11 @@ class Sight:
     camera: Camera
 
     def side(self, usual: int) -> int:
-        """[pixels] along a side: what was requested, or else the usual."""
+        """Says how many pixels are drawn along a side: those requested, or else the usual ones."""
         return usual if self.view.size is None else self.view.size
 
     def portrait(self, usual: int) -> Portrait:
-        """Ready to be drawn."""
+        """Opens a portrait of the requested size, or else of the usual one [pixels]."""
         side = self.side(usual)
         return Portrait(self.view.variant, preset=PRESETS[self.view.preset], size=(side, side))
 
@@ -86,7 +86,7 @@ def draw_face(
 
 
 def read_units(text: str) -> dict[str, float]:
-    """Action units and intensities of `1=0.8,L12=0.5`.
+    """Reads action units and intensities such as `1=0.8,L12=0.5`.
 
     Raises:
         DisplayError: it is not written so, an unknown unit, or an intensity outside 0..1.
@@ -103,7 +103,7 @@ def read_units(text: str) -> dict[str, float]:
 
 
 def read_emotion(name: str | None, amount: float) -> dict[str, float]:
-    """Action units of an emotion or a lexeme at an amount 0..1; none for None.
+    """Finds the action units of an emotion or a lexeme at an amount 0..1; none for None.
 
     Raises:
         DisplayError: no expression has such a name.
@@ -118,7 +118,6 @@ def read_emotion(name: str | None, amount: float) -> dict[str, float]:
 
 
 def _draw(told: Mapping[str, float], sight: Sight, out: Path, *, sheet: bool) -> None:
-    """A still, a short film, or a sheet."""
     moving = out.suffix.lower() not in ("", ".png") and not sheet
     (check_film if moving else check_ending)(out)
     with sight.portrait(CELL if sheet else SIDE) as portrait:
@@ -131,7 +130,7 @@ def _draw(told: Mapping[str, float], sight: Sight, out: Path, *, sheet: bool) ->
 
 
 def _film(portrait: Portrait, told: Mapping[str, float], sight: Sight) -> Iterator[Pixels]:
-    """The expression rising from rest, held, and gone again."""
+    """Yields the expression as it rises from rest, stays and goes again."""
     for frame in range(round(SECONDS * FILM_RATE)):
         time = frame / FILM_RATE
         t = min(1.0, time / RISE, (SECONDS - time) / RISE)
@@ -140,7 +139,7 @@ def _film(portrait: Portrait, told: Mapping[str, float], sight: Sight) -> Iterat
 
 
 def _show(told: Mapping[str, float], sight: Sight) -> None:
-    """One expression in a window, until somebody closes it."""
+    """Shows one expression in a window, until somebody closes it."""
     none = np.zeros(0)
     click.echo(KEYS, err=True)
     with Preview(look=sight.look, windowed=True) as preview:
@@ -149,7 +148,6 @@ def _show(told: Mapping[str, float], sight: Sight) -> None:
 
 
 def _perform(planned: Plan, sight: Sight, out: Path | None) -> None:
-    """The face of a document, in a window or a file."""
     robot, times = planned.setup.robot, command_times(planned.duration)
     if out is None:
         click.echo(KEYS, err=True)

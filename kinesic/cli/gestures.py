@@ -40,7 +40,7 @@ def list_gestures(lexicon: Path | None, robot: str, category: str | None, as_jso
 
 
 def show_gesture(lexeme: str, lexicon: Path | None) -> int:
-    """Shows what LEXEME becomes: the gesture or its substitute, key by key."""
+    """Prints the gesture of a lexeme, or its substitute, key by key."""
     known = Lexicon.load(lexicon)
     match = _found(lexeme, known)
     form = match.form
@@ -64,7 +64,7 @@ def show_gesture(lexeme: str, lexicon: Path | None) -> int:
 
 
 def render_gestures(lexeme: str | None, whole: bool, out: Path, lexicon: Path | None, robot: str) -> int:
-    """Draws LEXEME as key postures side by side, or all gestures at their strokes."""
+    """Draws the key postures of one gesture side by side, or all gestures at their strokes."""
     if (lexeme is None) != whole:
         raise click.UsageError("name one gesture, or give --all")
     known = set_up(load_robot(robot), lexicon=lexicon)
@@ -86,7 +86,7 @@ def render_gestures(lexeme: str | None, whole: bool, out: Path, lexicon: Path | 
 
 
 def _drawable(known: Setup) -> Iterator[Show]:
-    """All gestures that the robot can play; the others are named."""
+    """Yields all gestures that the robot can play; the others are named on standard error."""
     for form in known.lexicon.forms:
         try:
             yield key_postures(form, plan_gesture(form, known), MOST)

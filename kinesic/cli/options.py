@@ -1,4 +1,4 @@
-"""Options that several verbs share or that go together, handed on as one value; light, so that help is quick."""
+"""Options that several verbs share or that belong together, handed on as one value; quick to import."""
 
 import sys
 from collections.abc import Callable
@@ -39,7 +39,7 @@ Decorator = Callable[[Verb], Verb]
 
 
 def read_input(file: str) -> bytes:
-    """The bytes of a file, or of standard input for `-`.
+    """Reads a file, or standard input for `-`.
 
     Raises:
         BmlError: there is no such file, or it cannot be read.
@@ -58,7 +58,7 @@ class SinkNames(click.ParamType[frozenset[str]]):
     name = "sinks"
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> frozenset[str]:
-        """Their set."""
+        """Reads names of sinks."""
         names = frozenset(str(value).split(","))
         if names - set(SINKS):
             self.fail(f"{value!r} is not one of {', '.join(SINKS)}, or several with commas between them", param, ctx)
@@ -74,7 +74,7 @@ class Planning:
     options: PlanningOptions
 
     def set_up(self) -> "Setup":
-        """Reads everything that the options name.
+        """Loads everything that the options name.
 
         Raises:
             ConfigError: something is missing or wrong.
@@ -131,7 +131,7 @@ class FaceView:
 
 
 def done_by(place: str) -> Callable[[Callable[[], None]], Verb]:
-    """Has a verb done by a function of another module of this package, imported when it is called."""
+    """Has a verb done by a function MODULE:NAME of this package, which is imported when the verb is called."""
     module, name = place.split(":")
 
     def decorate(verb: Callable[[], None]) -> Verb:
@@ -190,7 +190,7 @@ def _together(name: str, kind: "type[DataclassInstance]", *options: Decorator) -
 
 
 def _decorated(verb: Verb, *options: Decorator) -> Verb:
-    """With options in the order in which help lists them."""
+    """Adds options in the order in which help lists them."""
     for option in reversed(options):
         verb = option(verb)
     return verb

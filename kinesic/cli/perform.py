@@ -73,7 +73,6 @@ def _print_report(performances: tuple[Performance, ...], live: ServoRun | None, 
 
 
 def _performed(file: str, known: Setup, way: TwinOptions) -> tuple[Performance, ...]:
-    """A document, or a motion that others made, in all twins."""
     twins, terms, correction = read_twins(way.twin), way.feedforward, way.correction
     if file.endswith(SUFFIX):
         return dry_runs(_imported(file, known), twins, feedforward=terms, correction=correction)
@@ -98,7 +97,7 @@ def _imported(file: str, known: Setup) -> Plan:
 
 
 def _name(file: str) -> str:
-    """As messages and reports have it."""
+    """Names a document as messages and reports have it."""
     return "stdin" if file == "-" else file
 
 
@@ -111,7 +110,6 @@ def _table(verdicts: tuple[Check, ...]) -> Table:
 
 
 def _side_by_side(performances: tuple[Performance, ...]) -> Table:
-    """Errors of every twin."""
     table = Table("error", *(each.twin_name for each in performances), box=None, header_style="bold")
     found = [asdict(measure_tracking(each)) for each in performances]
     for figure in found[0]:

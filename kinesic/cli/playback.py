@@ -63,7 +63,7 @@ def preview_window(robot: Robot, *, requested: bool, beside: Path | None = None)
 
 
 def play_whole(plan: Plan, preview: Preview) -> None:
-    """Shows a whole performance in its own time, and lets it be heard where there is a loudspeaker."""
+    """Shows a whole performance in its own time, with its voice where there is a loudspeaker."""
     commands, heard = tuple(commands_with_face(plan, command_times(plan.duration))), sound(plan)
     with ExitStack() as opened:
         speaker = None if heard is None else opened.enter_context(open_speaker(warn))
@@ -123,8 +123,6 @@ def _all(*listeners: Callable[[Status], None]) -> Callable[[Status], None]:
 
 
 def _requested(keys: Callable[[], str], folding: Callable[[], bool]) -> Callable[[], Request]:
-    """What somebody at the keyboard wants."""
-
     def request() -> Request:
         if " " in keys():
             return "stop"
@@ -134,7 +132,7 @@ def _requested(keys: Callable[[], str], folding: Callable[[], bool]) -> Callable
 
 
 def write_live(live: ServoRun, data: dict[str, Json], written: Written) -> tuple[dict[str, Json], Path]:
-    """Writes the report anew with what the robot did, and its log; the report, and the path of the log."""
+    """Writes the report anew with what the robot did, and a log; returns the report and the path of the log."""
     whole = with_live(data, live)
     rewrite(written, live.performance, whole)
     log = written.report.with_name("servos.npz")
@@ -144,7 +142,7 @@ def write_live(live: ServoRun, data: dict[str, Json], written: Written) -> tuple
 
 @contextmanager
 def _display(quiet: bool) -> Iterator[Callable[[Status], None]]:
-    """One line that tells how it goes, where there is a terminal."""
+    """Opens a line that shows how it goes, where there is a terminal."""
     screen = Console(stderr=True)
     if quiet or not screen.is_terminal:
         yield lambda status: None
@@ -165,5 +163,5 @@ def _line(status: Status) -> str:
 
 
 def warn(line: str) -> None:
-    """Says on standard error what cannot be seen or heard."""
+    """Prints to standard error what cannot be seen or heard."""
     click.echo(line, err=True)

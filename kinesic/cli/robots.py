@@ -1,4 +1,4 @@
-"""`kinesic robots`: which robots there are, what they are made of, whether they can work, and others' made ours."""
+"""`kinesic robots`: which robots there are, what they are made of, whether they can work; imports other ones."""
 
 from pathlib import Path
 
@@ -26,7 +26,7 @@ def list_robots() -> int:
 
 
 def show_robot(robot: str) -> int:
-    """Shows the hinges of ROBOT: range, servo, limits."""
+    """Prints range, servo and limits of every hinge of a robot."""
     body = load_robot(robot)
     table = Table("hinge", "range deg", "rest deg", "servo", "reduction", "stall Nm", "speed limit rad/s", box=None)
     for hinge, drive, speed in zip(body.skeleton.hinges, body.drives, body.speed_limits, strict=True):
@@ -39,7 +39,7 @@ def show_robot(robot: str) -> int:
 
 
 def assess_robot(robot: str) -> int:
-    """Computes static torque ratios, workspace and clearance of ROBOT from its model."""
+    """Prints static torque ratios, workspace and clearance of a robot."""
     body = load_robot(robot)
     physics, reach = check_robot(body), workspace(body)
     table = Table("hinge", "at rest", "worst", "", box=None, title="static torque / stall")
@@ -62,7 +62,7 @@ def assess_robot(robot: str) -> int:
 
 
 def import_robot(file: Path, out: Path | None, force: bool) -> int:
-    """Maps the hinges of an MJCF or URDF humanoid, and writes a robot's TOML to edit."""
+    """Maps the hinges of a humanoid's MJCF or URDF, and writes a robot's TOML to edit."""
     target = out or Path(f"{file.stem}.toml")
     if target.exists() and not force:
         raise ConfigError(f"{target}: exists already; give another --out, or --force to replace it")
@@ -80,7 +80,7 @@ def import_robot(file: Path, out: Path | None, force: bool) -> int:
 
 
 def _mapping(found: Mapped) -> Table:
-    """Which hinge became which."""
+    """Tabulates which hinge of the file became which."""
     table = Table("hinge", "of the file", "range deg", "rest deg", box=None)
     for hinge in found.hinges:
         low, high = np.degrees([hinge.lower, hinge.upper])
@@ -91,7 +91,6 @@ def _mapping(found: Mapped) -> Table:
 
 
 def _heading(found: Mapped, name: str) -> list[str]:
-    """The comment at the top of the file."""
     doubt = [f"REVIEW before it moves: {_doubt(found)}.", ""] if found.doubtful else []
     return [
         *doubt,

@@ -51,7 +51,7 @@ def serve_blocks(
 
 
 def read_address(text: str, token: str | None) -> Address | None:
-    """Where to listen.
+    """Reads HOST:PORT to listen at; None for `none`.
 
     Raises:
         ConfigError: it is no address, or others than this machine could connect without a token.
@@ -68,7 +68,7 @@ def read_address(text: str, token: str | None) -> Address | None:
 
 
 def read_rules(changes: tuple[str, ...]) -> Quotas:
-    """The usual rules with some changes.
+    """Reads changes of single limits, NAME=VALUE.
 
     Raises:
         ConfigError: no such rule, or a value that makes no sense.
@@ -93,7 +93,6 @@ def _is_here(host: str) -> bool:
 
 
 def _followers(planning: Planning, performers: Performers) -> list[ServoSink]:
-    """Who performs, opened."""
     robot, sinks = planning.set_up().robot, performers.sinks
     followers = [ServoSink(RealTwin(robot))] if "twin" in sinks else []
     if "servos" in sinks:

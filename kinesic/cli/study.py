@@ -36,7 +36,7 @@ EFFECTS = {
 
 
 def make_study(out: Path | None, force: bool, size: int, preset: str, post_to: str) -> int:
-    """Draws all 128 faces and writes the page that shows them and asks."""
+    """Draws all faces of the study, and the page that shows them and asks."""
     folder = empty_folder(free_folder(out, "study", force=force))
     wanted = stimuli()
     try:
@@ -52,7 +52,7 @@ def make_study(out: Path | None, force: bool, size: int, preset: str, post_to: s
 
 
 def analyse_study(files: tuple[Path, ...], as_json: bool) -> int:
-    """Compares the conditions in FILES, the answers (CSV) of all participants."""
+    """Prints how the conditions compare in the answers of all participants."""
     answers = read_answers(files)
     effects = {name: compare_sides(answers, *sides) for name, sides in EFFECTS.items()}
     choices = first_choices(answers)

@@ -47,7 +47,6 @@ def sweep_gesture(
 
 
 def _numbers(text: str | None) -> list[float]:
-    """`-1,0,1` as numbers."""
     if text is None:
         return []
     try:

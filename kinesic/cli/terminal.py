@@ -15,13 +15,13 @@ MOST = 64  # [bytes] taken at once
 
 
 def console() -> Console:
-    """A console on standard output."""
+    """Opens standard output for tables: as wide as the terminal, or as `WIDTH` in a file."""
     return Console() if sys.stdout.isatty() else Console(width=WIDTH)
 
 
 @contextmanager
 def pressed_keys() -> Iterator[Callable[[], str]]:
-    """What has been pressed since the last call, without waiting; nothing where no terminal is."""
+    """Yields a function that gives the keys since its last call, at once; none where there is no terminal."""
     if not sys.stdin.isatty():
         yield lambda: ""
         return

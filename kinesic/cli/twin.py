@@ -18,7 +18,7 @@ from kinesic.sim.log import read_log
 
 
 def fit_twin(log: Path, robot: str, free: tuple[str, ...], out: Path | None, force: bool, as_json: bool) -> int:
-    """Fits servo factors to LOG, and says which of them it cannot tell."""
+    """Fits servo factors to a log, and says which of them it cannot tell."""
     if out is not None and out.exists() and not force:
         raise ConfigError(f"{out} exists already; --force replaces it, --out names another")
     body = load_robot(robot)
@@ -62,7 +62,7 @@ def _data(found: Fit) -> dict[str, object]:
 
 
 def _toml(found: Fit, log: Path) -> str:
-    """The factors, each with its standard deviation, and in comments what the log does not tell."""
+    """Writes the factors with their deviations; in comments, what the log does not tell."""
     lines = [f"# Fitted by `kinesic twin fit` from {log.name}. {_summary(found)}."]
     servos = list(dict.fromkeys(estimate.unknown.servo for estimate in found.estimates))
     for servo in sorted(servos):  # the whole robot's first

@@ -68,7 +68,7 @@ def validate_paths(paths: tuple[Path, ...], planning: Planning, twin: str, jobs:
 
 
 def _folder(out: Path, *, force: bool) -> Path:
-    """The folder of the reports, new, emptied, or of a run that did not finish.
+    """Makes or empties the folder of the reports, or takes that of a run that did not finish.
 
     Raises:
         ConfigError: it holds something else, or a run that did finish.
@@ -83,7 +83,7 @@ def _folder(out: Path, *, force: bool) -> Path:
 
 
 def fingerprint(planning: Planning, *others: str) -> str:
-    """A text that changes with anything that could change a verdict.
+    """Hashes everything that could change a verdict: options, files that they name, and the program.
 
     Args:
         planning: the options of planning.
@@ -99,12 +99,11 @@ def fingerprint(planning: Planning, *others: str) -> str:
 
 
 def _program() -> Iterator[Path]:
-    """The package's own code and facts."""
     return (file for file in sorted(PACKAGE.rglob("*")) if file.suffix in PARTS)
 
 
 def _named(options: Iterable[str | Path]) -> Iterator[Path]:
-    """Files that options name, and those in folders that they name."""
+    """Yields files that options name, and those in folders that they name."""
     for option in options:
         path = Path(option)
         if path.is_file():
@@ -114,7 +113,7 @@ def _named(options: Iterable[str | Path]) -> Iterator[Path]:
 
 
 def _gathered(found: Generator[DocumentVerdict, None, None], count: int) -> tuple[list[DocumentVerdict], bool]:
-    """All verdicts, or those until the run was interrupted, and whether it finished."""
+    """Gathers verdicts under a progress bar; says, too, whether the run finished before an interruption."""
     verdicts: list[DocumentVerdict] = []
     columns = (
         TextColumn("dry-running"),

@@ -13,7 +13,7 @@ MOST_ROWS = 16  # of folders; with more, folders are counted together
 
 
 def summarise(verdicts: list[DocumentVerdict], screen: Console) -> None:
-    """Prints everything that somebody who looks for trouble wants to know."""
+    """Prints refusals and failures, then documents by folder, then all checks."""
     if not verdicts:
         screen.print("no documents")
         return
@@ -23,7 +23,7 @@ def summarise(verdicts: list[DocumentVerdict], screen: Console) -> None:
 
 
 def _print_trouble(verdicts: list[DocumentVerdict], screen: Console) -> None:
-    """One line for each document that is refused or crashed, and each check that failed."""
+    """Prints a line for each document that is refused or crashed, and each check that failed."""
     lines = [f"{verdict.outcome:8} {verdict.error}" for verdict in verdicts if verdict.error]
     lines += [
         f"failed   {verdict.file}: {check.name} {check.value:.4g} {check.unit} (limit {check.limit:.4g}) {check.where}"
@@ -38,7 +38,6 @@ def _print_trouble(verdicts: list[DocumentVerdict], screen: Console) -> None:
 
 
 def _folders(verdicts: list[DocumentVerdict]) -> Table:
-    """Documents and behaviours by folder."""
     columns = ("documents", *OUTCOMES, "failed", *SHARES)
     shown = [column for column in columns if column != "crashed" or counts(verdicts)[column]]
     table = Table("folder", box=None, header_style="bold")
@@ -55,7 +54,7 @@ def _folders(verdicts: list[DocumentVerdict]) -> Table:
 
 
 def _groups(folders: list[Path]) -> list[str]:
-    """For each folder, the part of its name that tells it from the others, cut so that there are few of them."""
+    """Finds the part of each folder's name that differs from the others, cut so that there are few."""
     root = Path(commonpath([str(folder.absolute()) for folder in folders]))
     parts = [folder.absolute().relative_to(root).parts for folder in folders]
     deepest = max(len(part) for part in parts)
@@ -65,7 +64,7 @@ def _groups(folders: list[Path]) -> list[str]:
 
 
 def _checks(verdicts: list[DocumentVerdict]) -> Table:
-    """Every check over all documents, with its worst value."""
+    """Tabulates every check over all documents, with its worst value."""
     table = Table("check", box=None, header_style="bold")
     for column in ("pass", "warn", "fail", "worst", "limit"):
         table.add_column(column, justify="right")

@@ -1,4 +1,4 @@
-"""The options of planning, each once: a keyword of `kinesic.Performer`, and an option of every verb that plans."""
+"""The options of planning, each once: a keyword of `kinesic.Performer`, and an option of the command line."""
 
 import difflib
 from collections.abc import Mapping, Sequence
@@ -65,12 +65,12 @@ CHOICES: Mapping[str, tuple[str, ...]] = {
 
 
 def offers() -> dict[str, Offer]:
-    """Every option of planning as the command line offers it."""
+    """Lists every option of planning as the command line offers it."""
     return {name: get_args(hint)[-1] for name, hint in PlanningOptions.__annotations__.items()}
 
 
 def check_options(options: PlanningOptions) -> None:
-    """Refuses what nobody can plan with.
+    """Checks names and values of options.
 
     Raises:
         ConfigError: a value is none of the choices, or out of range; says what would have worked.

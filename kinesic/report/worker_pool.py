@@ -1,4 +1,4 @@
-"""Processes that work through a list of tasks; one that dies takes only its own task with it."""
+"""Works through a list of tasks in several processes; one that dies takes only its own task with it."""
 
 import faulthandler
 import os
@@ -35,7 +35,7 @@ class _Worker(Generic[Task, Result]):
     task: Task
 
     def result(self) -> Result | WorkerCrash:
-        """What it has to say of its task."""
+        """Receives the result of its task, or why it crashed."""
         try:
             result: Result = self.line.recv()
         except (EOFError, ConnectionError):
@@ -98,7 +98,7 @@ def run_pool(
 
 
 def _work(line: Connection, prepare: Callable[[], Callable[[Task], Result]], task: Task, errors: Path) -> None:
-    """A process' life: does its first task, then those it is sent, until there are no more."""
+    """Does the first task, then those that are sent, until there are no more."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # an interruption is the caller's to handle
     with errors.open("wb") as file:
         os.dup2(file.fileno(), 2)

@@ -1,4 +1,4 @@
-"""The planning processes as the server sees them: one wish at a time, killed when they hang, and begun anew."""
+"""Keeps planner and refiner as child processes: one request at a time, killed when they hang, and begun anew."""
 
 from asyncio import TimerHandle, get_running_loop
 from collections.abc import Callable
@@ -15,7 +15,7 @@ from kinesic.serve.quotas import Quotas
 
 
 class Planner:
-    """One process at a time; everything here happens in the server's asyncio loop."""
+    """The planner as the server sees it; everything here happens in the asyncio loop of the server."""
 
     def __init__(
         self,
@@ -33,14 +33,14 @@ class Planner:
             make_setup: makes what planning needs, in the other process.
             loop: gets what is planned.
             clock: of everybody.
-            rules: how large a document may be, and how long one wish may take.
-            idle: called whenever it can take a wish.
+            rules: how large a document may be, and how long one request may take.
+            idle: called whenever it can take a request.
             lost: called with what it was doing, when it has died; it is then started again, unless it failed.
         """
         self._make_setup, self._loop, self._clock, self._rules = make_setup, loop, clock, rules
         self._idle, self._lost = idle, lost
         self._children: list[Child] = []
-        self._wishes: Connection | None = None
+        self._requests: Connection | None = None
         self._watch: TimerHandle | None = None
         self._present: Wanted | None = None  # what it is doing
         self.warm = False
@@ -57,33 +57,33 @@ class Planner:
         return isinstance(self._present, DocumentRequest) and self._present.sender == sender
 
     def start(self) -> None:
-        """Begins a process, which tells when it is warm."""
+        """Begins both processes; the planner reports when it is warm."""
         slow = (planner.__name__, perform.__name__, self._make_setup.__module__)
         context = child_context(*slow)  # nothing of the server's threads
-        there, self._wishes = context.Pipe(duplex=False)
+        there, self._requests = context.Pipe(duplex=False)
         loop_end, planner_end = context.Pipe()
-        improver_end, leisure_end = context.Pipe()
+        refiner_end, jobs_end = context.Pipe()
         beginning = self._loop.beginning()
-        given = (self._make_setup, there, planner_end, leisure_end, self._clock, beginning, self._rules)
+        given = (self._make_setup, there, planner_end, jobs_end, self._clock, beginning, self._rules)
         self._children = [
             Child(context, planner.run_planner, *given, name="planner"),
-            Child(context, refiner.run_refiner, self._make_setup, improver_end, name="improver"),
+            Child(context, refiner.run_refiner, self._make_setup, refiner_end, name="refiner"),
         ]
         self._loop.link(loop_end, beginning)
 
     def send(self, wanted: Wanted) -> None:
-        """Has it do something; only while it is free."""
-        if self._wishes is None or not self.free:
+        """Hands over a request; only while it is free."""
+        if self._requests is None or not self.free:
             raise RuntimeError("the planner is at work: send when it is free")
         self._present = wanted
         self._watch = get_running_loop().call_later(self._rules.planning, self._kill)
         try:
-            self._wishes.send(wanted)
+            self._requests.send(wanted)
         except OSError:
             return  # it has died, as the loop will find out
 
     def heard(self, news: PlannerReady | RequestDone | None) -> None:
-        """What came of it; None: it has died."""
+        """Takes what came of a request; None: the process has died."""
         if self._watch is not None:
             self._watch.cancel()
         present, self._present = self._present, None
@@ -102,8 +102,8 @@ class Planner:
 
     def close(self) -> None:
         """Ends the processes."""
-        if self._wishes is not None:
-            self._wishes.close()
+        if self._requests is not None:
+            self._requests.close()
         self._kill()
 
     def _kill(self) -> None:

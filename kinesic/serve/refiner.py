@@ -1,4 +1,4 @@
-"""The process that plans again, at leisure, what has begun already: the planner is free for what comes meanwhile."""
+"""Plans again, in a process of its own, what has begun already: the planner stays free for what comes meanwhile."""
 
 import io
 import os
@@ -21,7 +21,7 @@ SETUP = "setup"  # stands for it where a plan is sent: either side has its own
 
 @dataclass(frozen=True, eq=False)
 class RefinementJob:
-    """To the improver: a block that could be planned better, or in another manner."""
+    """To the refiner: a block that could be planned better, or in another manner."""
 
     asked: TimedRequest
     style: Style  # of those that do not say theirs
@@ -29,7 +29,7 @@ class RefinementJob:
 
 @dataclass(frozen=True, eq=False)
 class RefinedPlan:
-    """From the improver."""
+    """From the refiner: the new plan of a block."""
 
     block: str  # its id
     plan: Plan | None  # None: it cannot be performed so
@@ -52,14 +52,14 @@ class _Unpickler(pickle.Unpickler):
 
 
 def pack(thing: RefinementJob | RefinedPlan) -> bytes:
-    """As bytes, without the setup."""
+    """Pickles a job or its result without the setup."""
     stream = io.BytesIO()
     _Pickler(stream, pickle.HIGHEST_PROTOCOL).dump(thing)
     return stream.getvalue()
 
 
 def unpack(data: bytes, setup: Setup) -> RefinementJob | RefinedPlan:
-    """From bytes, with the setup of this side."""
+    """Unpickles a job or its result with the setup of this side."""
     found = _Unpickler(data, setup).load()
     if not isinstance(found, RefinementJob | RefinedPlan):
         raise pickle.UnpicklingError(
@@ -69,7 +69,7 @@ def unpack(data: bytes, setup: Setup) -> RefinementJob | RefinedPlan:
 
 
 def run_refiner(make_setup: Callable[[], Setup], planner: Connection) -> None:
-    """Plans whatever the planner sends, one after the other, until it is gone."""
+    """Plans whatever the planner sends, one after the other, until the planner is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         os.nice(NICE)

@@ -1,4 +1,4 @@
-"""What of a scene is seen and heard beside the motion: faces as tracks of action units, and sounds, on the clock."""
+"""Faces and sounds of running blocks: tracks of action units, and sounds on the clock."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from kinesic.speech.speaker import Speaker
 
 @dataclass(frozen=True)
 class SoundAndFace:
-    """What is wanted of a scene."""
+    """Whether faces and sounds of a scene have sinks."""
 
     face: bool = False
     sound: bool = False
@@ -24,14 +24,14 @@ class SoundAndFace:
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """Of one block."""
+    """Face and sounds of one running block."""
 
     begin: float  # [s] of the clock, of the first row
     face: Mapping[str, Floats]  # action unit -> (m,) 0..1, 100 a second
     sounds: tuple[tuple[float, Sound], ...]  # [s] of the clock at which each begins
 
     def at(self, time: float) -> dict[str, float]:
-        """Action units at a time [s] of the clock; none before and after."""
+        """Looks up action units at a time [s] of the clock; none before and after."""
         row = int((time - self.begin) * RATE)
         return {unit: float(values[row]) for unit, values in self.face.items() if 0 <= row < len(values)}
 
@@ -58,7 +58,7 @@ def track(running: RunningBlock, senses: SoundAndFace) -> Track:
 
 
 class Effects:
-    """The tracks of all blocks that play, as the loop has them."""
+    """The tracks of all running blocks, as the loop has them."""
 
     def __init__(self, speaker: Speaker | None = None, *, face: bool = False) -> None:
         """None yet.
@@ -83,7 +83,7 @@ class Effects:
             self._speaker = None
 
     def _play(self, before: Sounds, after: Sounds) -> None:
-        """Lets the loudspeaker play what is new; what is no more heard can only be ended with all others."""
+        """Plays new sounds; one that is gone can only be ended together with all others."""
         if self._speaker is None:
             return
         if before.keys() - after.keys():
@@ -97,7 +97,7 @@ class Effects:
         self.take(dict.fromkeys(self._tracks))
 
     def face(self, time: float) -> dict[str, float]:
-        """Of each action unit the greatest intensity at a time [s] of the clock."""
+        """Finds the greatest intensity of each action unit at a time [s] of the clock."""
         found: dict[str, float] = {}
         for one in self._tracks.values():
             for unit, value in one.at(time).items():

@@ -1,4 +1,4 @@
-"""Speech without an engine: a voice that makes no sound and knows how long everything would take."""
+"""Speech without an engine: how long everything would take, without a sound."""
 
 import math
 import re
@@ -86,7 +86,7 @@ class DurationModel:
 
 
 def _pieces(script: Script) -> Iterator[Mark | Pause | re.Match[str]]:
-    """Marks, pauses and tokens of the text in their order; what stands inside a word comes after it."""
+    """Yields marks, pauses and tokens in their order; a stop inside a word comes after the word."""
     stops = list(script.stops())
     for token in _TOKEN.finditer(script.text):
         while stops and stops[0].position <= token.start():
@@ -96,7 +96,7 @@ def _pieces(script: Script) -> Iterator[Mark | Pause | re.Match[str]]:
 
 
 def _spoken(kind: str, text: str, language: str) -> tuple[tuple[str, ...], float]:
-    """Sounds and duration [s] of a word, a number or a character, at rate 1."""
+    """Finds sounds and duration [s] at rate 1 of a word, a number or a character."""
     if kind == "mora":
         return mora_sounds(text), MORA
     sounds = number_sounds(text) if kind == "number" else word_sounds(text, language=language)
@@ -104,7 +104,7 @@ def _spoken(kind: str, text: str, language: str) -> tuple[tuple[str, ...], float
 
 
 def _spread(sounds: Sequence[str], start: float, duration: float) -> list[Phoneme]:
-    """Sounds one after the other from start to start + duration."""
+    """Spreads sounds over a duration [s], one after the other."""
     shares = [VOWEL_SHARE if sound in VOWELS else 1.0 for sound in sounds]
     whole = sum(shares)
     ends = [start + duration * part / whole for part in accumulate(shares, initial=0.0)]

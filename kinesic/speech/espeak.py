@@ -64,13 +64,13 @@ class Espeak:
 
 @lru_cache(maxsize=4)
 def voices(data: Path) -> Mapping[str, str]:
-    """Language tag, in small letters -> name of its voice for espeak-ng, from the folder of its data."""
+    """Lists espeak-ng's voices by language tag in small letters, from the folder of its data."""
     folder = data / "espeak-ng-data" / "lang"
     return {path.name.lower(): path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
 
 
 def voice_of(language: str, data: Path) -> tuple[str, str]:
-    """The voice of a language, and a remark where it is another's.
+    """Finds the voice of a language, and remarks where it is that of another.
 
     A tag that is too precise is made shorter: `de-AT` is spoken by `de`.
 
@@ -108,7 +108,7 @@ def _said(script: Script, rate: float, pitch: float) -> Utterance:
 
 
 def _timed(script: Script, heard: EngineReply) -> Utterance:
-    """An answer in seconds, without the silence that the engine puts after the last word."""
+    """Converts a reply to seconds, without the silence that the engine adds after the last word."""
     ends = [sample for _, sample in heard.phonemes[1:]]
     sounds = [(symbol, begin, end) for (symbol, begin), end in zip(heard.phonemes, ends, strict=False) if symbol]
     spoken = sounds[-1][2] if sounds else 0
@@ -133,7 +133,7 @@ def _timed(script: Script, heard: EngineReply) -> Utterance:
 
 
 def _places(script: Script, heard: EngineReply, onsets: Sequence[int], spoken: int) -> tuple[list[int], list[str]]:
-    """The sample of each stop of a script, never going back, and the marks of which the engine told nothing.
+    """Finds the sample of each stop of a script, never going back, and marks without an event of the engine.
 
     A mark moves on to the onset of the next word, unless a pause or closing punctuation is between them.
     """
@@ -157,7 +157,6 @@ def _places(script: Script, heard: EngineReply, onsets: Sequence[int], spoken: i
 
 
 def _is_before_word(script: Script, number: int) -> bool:
-    """Whether nothing separates a stop from the word after it."""
     position = script.stops()[number].position
     later = (stop.position for stop in script.stops()[number + 1 :] if isinstance(stop, Pause))
     if any(not _has_word(script.text[position:pause]) for pause in later):

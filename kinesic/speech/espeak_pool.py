@@ -1,4 +1,4 @@
-"""The way to espeak-ng: one process for each utterance, the next of which waits ready to speak.
+"""Runs espeak-ng: one process for each utterance, the next of which waits ready to speak.
 
 Starting a process and reading the library takes most of the time of a short utterance; so that nobody waits for it,
 the process of the next utterance is started when one has been said.
@@ -25,7 +25,7 @@ _ready: dict[int, "subprocess.Popen[bytes]"] = {}  # the one that waits, by the 
 
 
 class SpeechError(RuntimeError):
-    """The engine does not say it; the text tells why."""
+    """The engine fails; the text tells why."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class EngineReply:
 
 @lru_cache(maxsize=1)
 def engine() -> Engine | None:
-    """The engine that the extra `speech` brings; None when it is not installed."""
+    """Finds the engine that the extra `speech` brings; None when it is not installed."""
     found = importlib.util.find_spec("espeakng_loader")
     if found is None or not found.submodule_search_locations:
         return None
@@ -58,7 +58,7 @@ def engine() -> Engine | None:
 
 @lru_cache(maxsize=1)
 def espeak_fault() -> str:
-    """Why nothing can be said here, and what mends it; empty when it can."""
+    """Says why espeak-ng cannot speak here, and what mends it; empty when it can."""
     found = engine()
     if found is None:
         return f"espeak-ng is not installed: {INSTALL}"
@@ -70,7 +70,7 @@ def espeak_fault() -> str:
 
 
 def synthesise(text: str, place: Engine, *, voice: str, words_per_minute: int, pitch: int) -> EngineReply:
-    """Has one text said.
+    """Synthesises one text.
 
     Args:
         text: in SSML.
@@ -106,7 +106,7 @@ def synthesise(text: str, place: Engine, *, voice: str, words_per_minute: int, p
 
 
 def _started(place: Engine) -> "subprocess.Popen[bytes]":
-    """A process that has read the library, or is about to, and waits for what it is to say."""
+    """Starts a process that reads the library and waits for its text."""
     return subprocess.Popen(
         [sys.executable, "-I", "-S", str(_PROGRAM), str(place.library), str(place.data)],
         stdin=subprocess.PIPE,
@@ -116,7 +116,7 @@ def _started(place: Engine) -> "subprocess.Popen[bytes]":
 
 
 def _ask(process: "subprocess.Popen[bytes]", text: bytes) -> None:
-    """Hands over what is to be said; a process that has ended already tells why when it is listened to."""
+    """Hands over a text; a process that has ended already tells why when its answer is read."""
     assert process.stdin is not None  # a pipe, since `_started`
     with suppress(BrokenPipeError):
         process.stdin.write(text)
@@ -131,7 +131,6 @@ def _end(process: "subprocess.Popen[bytes]") -> None:
 
 @atexit.register
 def _dismiss() -> None:
-    """Ends the process that waits."""
     process = _ready.pop(os.getpid(), None)
     if process is not None:
         _end(process)

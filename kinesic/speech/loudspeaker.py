@@ -15,7 +15,7 @@ Feed = Callable[[int, float], Samples]  # so many samples, heard from this time 
 
 
 class SpeakerError(RuntimeError):
-    """Nothing can be played here; the text tells why, and what mends it."""
+    """Nothing can be played here; the text says why, and what mends it."""
 
 
 class Device(Protocol):
@@ -88,7 +88,7 @@ class PortAudio:
 
 
 def audio_fault() -> str:
-    """Why nothing can be played here, and what mends it; empty when it can."""
+    """Says why nothing can be played here, and what mends it; empty when it can."""
     try:
         devices = importlib.import_module("sounddevice")
     except ImportError:

@@ -1,4 +1,4 @@
-"""Speech that was recorded before: a WAV file in place of an engine's sound."""
+"""Recorded speech: a WAV file in place of an engine's sound."""
 
 import wave
 from dataclasses import dataclass, replace
@@ -19,7 +19,7 @@ class RecordingError(ValueError):
 
 @dataclass(frozen=True)
 class Recorded:
-    """A voice that plays what is recorded, and has another one say the rest."""
+    """A voice that plays recordings, and has another voice say everything else."""
 
     voice: Voice
 
@@ -66,7 +66,7 @@ def read_wav(path: Path) -> Sound:
 
 
 def _samples(data: bytes, width: int) -> NDArray[np.float64]:
-    """Samples -1..1 from bytes; those of one byte have no sign, those of three are widened to four."""
+    """Converts bytes to samples -1..1; those of one byte have no sign, those of three are widened to four."""
     if width == 1:
         return np.frombuffer(data, dtype=np.uint8) / 128.0 - 1.0
     if width == 3:

@@ -1,4 +1,4 @@
-"""Plays sounds on a loudspeaker, so that each is heard at the time that it is meant for."""
+"""Plays sounds on a loudspeaker, each at its time on a clock."""
 
 import time
 
@@ -47,23 +47,23 @@ class Speaker:
         self._playing = (*going_on, (at, sound))
 
     def stop(self) -> None:
-        """Forgets all sounds: silent as soon as what the device has already is over."""
+        """Drops all sounds: silent as soon as what the device has already is over."""
         self._playing = ()
 
     def close(self) -> None:
-        """Is silent at once, and lets the device go."""
+        """Ends all sounds at once, and closes the device."""
         self.stop()
         self._device.close()
 
     def _feed(self, count: int, heard: float) -> Samples:
-        """The next samples; a device that misjudges its time by a little does not make them stumble."""
+        """Mixes the next samples; they follow on where the device misjudges its time by a little."""
         begin = self._next if abs(heard - self._next) < JUMP else heard
         self._next = begin + count / self._rate
         return mix(self._playing, begin, count, self._rate)
 
 
 def mix(playing: tuple[tuple[float, Sound], ...], begin: float, count: int, rate: int) -> Samples:
-    """(count,) samples at a rate [Hz] of what is heard from a time on, -1..1.
+    """Mixes (count,) samples -1..1 of all sounds from a time on, at a rate [Hz].
 
     Args:
         playing: each sound after the time of its first sample [s].

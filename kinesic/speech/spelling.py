@@ -1,4 +1,4 @@
-"""How a written word sounds, roughly: enough to count syllables and to move lips, in any language of Latin script."""
+"""Sounds of written words, roughly: enough to count syllables and move lips, in any language of Latin script."""
 
 import re
 import unicodedata
@@ -63,7 +63,7 @@ _SILENT_E_LANGUAGES = ("en", "fr")
 
 
 def word_sounds(word: str, *, language: str = "en") -> tuple[str, ...]:
-    """Sounds of a word, in order, at least one of them a vowel.
+    """Finds the sounds of a word in order, at least one of them a vowel.
 
     Args:
         word: letters of one word; accents do not matter.
@@ -84,13 +84,13 @@ def word_sounds(word: str, *, language: str = "en") -> tuple[str, ...]:
 
 
 def number_sounds(number: str) -> tuple[str, ...]:
-    """Sounds of a number that is read digit by digit; characters that are no digits are silent."""
+    """Finds the sounds of a number read digit by digit; characters that are no digits are silent."""
     digits = [unicodedata.digit(character, None) for character in number]
     return tuple(sound for digit in digits if digit is not None for sound in word_sounds(DIGITS[digit]))
 
 
 def mora_sounds(character: str) -> tuple[str, ...]:
-    """Sounds of a Chinese, Japanese or Korean character; one that hides its sound is a neutral vowel."""
+    """Finds the sounds of a Chinese, Japanese or Korean character; a neutral vowel where it hides its sound."""
     name = unicodedata.name(character, "")
     if name.startswith(SYLLABIC_SCRIPTS):
         return word_sounds(name.split()[-1], language="")
@@ -98,12 +98,11 @@ def mora_sounds(character: str) -> tuple[str, ...]:
 
 
 def syllables(sounds: tuple[str, ...]) -> int:
-    """Number of vowel groups."""
+    """Counts vowel groups."""
     return sum(sound in VOWELS and before not in VOWELS for before, sound in zip(("", *sounds), sounds, strict=False))
 
 
 def _plain(word: str) -> str:
-    """Small letters without accents."""
     return "".join(c for c in unicodedata.normalize("NFD", word.casefold()) if c.isalpha())
 
 

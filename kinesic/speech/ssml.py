@@ -49,7 +49,7 @@ def ssml(script: Script) -> str:
 
 
 def _is_swallowed(text: str, place: int) -> bool:
-    """Whether an element at a place would stand between a full stop, which is no decimal point, and a beginning."""
+    """Says whether an element would stand between a full stop, no decimal point, and a new sentence."""
     first = text[place:].lstrip()[:1]
     is_decimal = first.isdigit() and text[place - 1 : place + 1] == f".{first}"
     return bool(first and _FULL_STOP.search(text[:place])) and not (first.islower() or is_decimal)

@@ -1,4 +1,4 @@
-"""Who speaks: an engine where one is installed, else the model that only knows how long it would take."""
+"""Chooses who speaks: an engine where one is installed, else the model of durations."""
 
 from kinesic.body.choices import VoiceName
 from kinesic.body.config import ConfigError
@@ -10,7 +10,7 @@ from kinesic.speech.recorded import Recorded
 
 
 def voice(name: VoiceName = "durations") -> Voice:
-    """The voice of a name; each plays recordings, too.
+    """Makes the voice of a name; each plays recordings, too.
 
     Args:
         name: `espeak` is heard; `durations` is silent and the same on every machine; `auto` is espeak where it works,

@@ -1,4 +1,4 @@
-"""`kinesic servos`: servos on wires, one file per verb; what does it is imported when it is to be done."""
+"""`kinesic servos`: its verbs with their options; a file per verb, imported when it is to be done, does it."""
 
 from pathlib import Path
 

@@ -44,7 +44,7 @@ ENTER = {"\n", "\r"}
 
 
 def calibrate_robot(robot: str, ports: tuple[str, ...], yes: bool, seconds: float | None) -> int:
-    """Writes ROBOT.calibration.toml, after every hinge was moved by hand. No servo gets torque."""
+    """Writes a robot's calibration, after every hinge was moved by hand; no servo gets torque."""
     raw = Robot.load(robot, calibrated=False)
     manifest = Manifest.of(raw)
     paths = all_ports(ports, manifest.bauds)
@@ -79,7 +79,7 @@ def _written(found: Calibration, robot: Robot) -> Path:
 
 
 def limp(axes: Axes) -> Snapshot:
-    """How all servos are, none of which has torque.
+    """Looks at all servos, and refuses those that have torque.
 
     Raises:
         BusError: a servo has torque, or is silent.
@@ -106,7 +106,7 @@ def free_servos(axes: Axes) -> list[Change]:
 
 
 def read_zero_posture(axes: Axes, *, ask: bool) -> Travel:
-    """Where the servos stand in the zero posture.
+    """Reads where the servos stand in the zero posture.
 
     Raises:
         BusError: a servo has torque, or is silent.
@@ -118,7 +118,7 @@ def read_zero_posture(axes: Axes, *, ask: bool) -> Travel:
 
 
 def watch_hands(axes: Axes, robot: Robot, travel: Travel, *, seconds: float, keys: Callable[[], str]) -> Travel:
-    """Watches hands at work, until Enter, until the time is over, or until all has been seen."""
+    """Watches hands move the robot until Enter, until the time is over, or until all has been seen."""
     manifest = axes.manifest
     click.echo(f"{TURN} Enter ends.")
     with Live(console=console(), refresh_per_second=8) as live:
@@ -134,12 +134,12 @@ def watch_hands(axes: Axes, robot: Robot, travel: Travel, *, seconds: float, key
 
 
 def counted_ticks(snapshot: Snapshot) -> Ticks:
-    """(m,) where the servos are, the turns counted; of one that was not heard, where it was."""
+    """(m,) positions with the turns counted; of a silent servo, the last one."""
     return snapshot.records["position"].astype(np.int64)
 
 
 def _looks(axes: Axes, seconds: float) -> Iterator[Snapshot]:
-    """Looks again and again, for some time [s]."""
+    """Yields a look at all servos after another, for some time [s]."""
     end = axes.now() + seconds
     while axes.now() <= end:
         snapshot = axes.cycle(None)
@@ -167,7 +167,7 @@ def _table(found: tuple[HingeCalibration, ...], robot: Robot) -> Table:
 
 
 def _tell(found: Calibration, seen: tuple[HingeCalibration, ...]) -> None:
-    """What the file says that one may not expect."""
+    """Names hinges that were not turned, and ranges that are narrower than in the robot's file."""
     still = [mark.hinge for mark in seen if mark.way == 0]
     if still:
         click.echo(f"not turned, so their directions and limits stay as they were: {', '.join(still)}")

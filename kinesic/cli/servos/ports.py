@@ -12,7 +12,7 @@ from kinesic.hardware.supervisor.manifest import Manifest
 
 
 def read_ports(given: Iterable[str], buses: Iterable[str]) -> dict[str, Path]:
-    """The port of each bus that is named.
+    """Reads the port of each bus that is named.
 
     Args:
         given: NAME=PATH, or PATH if there is one bus.
@@ -39,7 +39,7 @@ def read_ports(given: Iterable[str], buses: Iterable[str]) -> dict[str, Path]:
 
 
 def all_ports(given: Iterable[str], buses: Iterable[str]) -> dict[str, Path]:
-    """The same, where every bus must have its port.
+    """Reads the ports of all buses.
 
     Raises:
         ConfigError: one has none.
@@ -54,7 +54,7 @@ def all_ports(given: Iterable[str], buses: Iterable[str]) -> dict[str, Path]:
 
 @contextmanager
 def open_ports(manifest: Manifest, ports: Mapping[str, Path]) -> Iterator[dict[str, Wire]]:
-    """Open wires, at the baud rates of the robot's buses; closed at the end.
+    """Opens wires at the baud rates of the robot's buses, and closes them at the end.
 
     Raises:
         BusError: a port does not open.

@@ -15,7 +15,7 @@ FAULT = 3
 
 
 def release_robot(robot: str, ports: tuple[str, ...], yes: bool) -> int:
-    """Takes the torque of every servo, and looks that it is gone. The robot goes limp: hold its arms."""
+    """Takes the torque of every servo, and looks that it is gone."""
     manifest = Manifest.of(load_robot(robot))
     paths = all_ports(ports, manifest.bauds)
     if not yes:

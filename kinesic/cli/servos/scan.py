@@ -23,7 +23,7 @@ LIKELY = (57_600, 1_000_000)  # factory rate, and what most robots use: they are
 
 
 def scan_ports(robot: str, ports: tuple[str, ...], bauds: tuple[int, ...], thorough: bool, as_json: bool) -> int:
-    """Looks for servos at every baud rate; nothing is changed."""
+    """Prints the servos that answer at any of the baud rates; nothing is changed."""
     hinges = {servo: row.hinge for row in ServoMap.of(load_robot(robot)).servos for servo in row.ids}
     paths = [Path(text.partition("=")[2] or text) for text in ports] or list(ports_here())
     if not paths:
@@ -52,7 +52,7 @@ def scan_ports(robot: str, ports: tuple[str, ...], bauds: tuple[int, ...], thoro
 def _scanned(
     path: Path, rates: Sequence[int], thorough: bool, notes: list[str], step: Callable[[], None]
 ) -> Iterator[Sighting]:
-    """What is on one port. A rate that it does not do is noted; a port that does not open at all is an error."""
+    """Yields the servos of a port. A rate that it does not do is noted; a port that never opens is an error."""
     first = True
     for rate in rates:
         try:

@@ -17,7 +17,7 @@ FAULT = 3
 
 
 def show_servos(robot: str, ports: tuple[str, ...], as_json: bool) -> int:
-    """Shows every servo, and what in it differs from what the robot's file wants; nothing is changed."""
+    """Prints how every servo is and where it differs from the robot's file; nothing is changed."""
     manifest = Manifest.of(load_robot(robot))
     with open_ports(manifest, read_ports(ports, manifest.bauds)) as wires:
         found = survey(manifest, wires)

@@ -25,7 +25,7 @@ PRIORITY = 30  # above a supervisor on the same machine: servos are never late
 def simulate_servos(
     robot: str, physics: str, twin: str, faults: Path | None, baud: int | None, folder: Path | None
 ) -> int:
-    """Simulates a robot's servos behind pseudo-terminals, and prints their paths, until it is stopped."""
+    """Simulates a robot's servos behind pseudo-terminals until it is stopped."""
     if baud is not None and baud not in BAUD_RATES:
         raise ConfigError(f"--baud is {baud}, must be one of {', '.join(str(rate) for rate in BAUD_RATES)}")
     body = load_robot(robot)
@@ -54,7 +54,7 @@ def simulate_servos(
 
 
 def _stopped_by_signals() -> Event:
-    """Set when somebody wants this process to end."""
+    """Makes an event that SIGINT and SIGTERM set."""
     stopped = Event()
 
     def stop(_number: int, _frame: FrameType | None) -> None:

@@ -63,7 +63,7 @@ class Preview:
         return not self._child.is_alive
 
     def write(self, command: Command) -> None:
-        """Puts up a command's face; those that come too fast to be seen wait for a later one.
+        """Shows a command's face; one that comes too fast to be seen waits for a later one.
 
         Raises:
             DisplayError: an unknown action unit, or an intensity outside 0..1.
@@ -76,7 +76,7 @@ class Preview:
             self._last = now
 
     def wait(self) -> None:
-        """Returns when somebody has closed the window."""
+        """Waits until somebody has closed the window."""
         self._child.wait()
 
     def close(self) -> None:
@@ -104,7 +104,7 @@ class Preview:
 
 
 def _answer(pipe: Connection) -> str:
-    """What the process says of its first picture: nothing, or what hinders it."""
+    """Waits for the first picture; what hinders it, or nothing."""
     if not pipe.poll(OPENING):
         return f"nothing was drawn within {OPENING:g} s"
     try:
