@@ -1,1 +1,1 @@
-"""What the robot is and what it can be told."""
+"""The robot as data, and the types that all rooms share."""

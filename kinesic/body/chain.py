@@ -83,7 +83,7 @@ class Chain:
         return sealed([np.linalg.norm(joint.bone) for joint in self.joints])
 
     def frames(self, angles: Floats) -> tuple[Floats, Floats]:
-        """Forward kinematics in the frame of the base.
+        """Solves the forward kinematics in the frame of the base.
 
         Args:
             angles: (k,) [rad] of this chain's hinges.
@@ -105,7 +105,7 @@ class Chain:
         return rotations, centres
 
     def hand(self, angles: Floats) -> Floats:
-        """(3,) [m] the wrist's centre in the frame of the base, for (k,) [rad]."""
+        """Finds the wrist's centre (3,) [m] in the frame of the base, for (k,) [rad]."""
         return np.array(self.frames(angles)[1][-2])
 
 

@@ -19,7 +19,7 @@ class Dynamics(Protocol):
     """Inverse dynamics of a robot, in joint order."""
 
     def torques(self, angles: Floats, speeds: Floats, accelerations: Floats) -> Floats:
-        """Torque that each motion needs, gravity, inertia, armature and friction included.
+        """Computes the torque that each motion needs, gravity, inertia, armature and friction included.
 
         Args:
             angles: (m, n) [rad].
@@ -52,7 +52,7 @@ class Distances(Protocol):
     """Self-distance of a robot."""
 
     def clearance(self, angles: Floats) -> Clearance:
-        """Smallest distance between the capsules of counted pairs, for (m, n) [rad]."""
+        """Finds the smallest distance between the capsules of counted pairs, for (m, n) [rad]."""
 
     def gaps(self, angles: Floats) -> Floats:
-        """(m, p) [m] between the segments of each of the robot's counted pairs, in their order, for (m, n) [rad]."""
+        """Measures (m, p) [m] between the segments of each counted pair, in their order, for (m, n) [rad]."""

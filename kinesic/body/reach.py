@@ -1,4 +1,4 @@
-"""What a hand is asked to do: the word that expressivity says and ik hears."""
+"""Where a hand should be and how it is held: what `expressivity` asks for and `ik` solves."""
 
 from msgspec import Struct
 

@@ -84,7 +84,7 @@ class Robot(Description):
         return idealise(chain)
 
     def arm(self, side: Side) -> RobotArm:
-        """Where an arm is in the skeleton; `arms` has its chain."""
+        """Finds an arm in the skeleton; `arms` has its chain."""
         return self._robot_arms[side]
 
     @cached_property
@@ -92,7 +92,7 @@ class Robot(Description):
         return {side: RobotArm.of(self, side) for side in SIDES}
 
     def joints(self, chain: str) -> tuple[int, ...]:
-        """Indices of a chain's hinges in joint order; empty for a chain that the robot lacks."""
+        """Finds the indices of a chain's hinges in joint order; none for a chain that the robot lacks."""
         return self._joints.get(chain, ())
 
     @cached_property

@@ -120,24 +120,24 @@ class Skeleton:
         )
 
     def joint(self, name: str) -> int:
-        """Index of a hinge in joint order."""
+        """Finds the index of a hinge in joint order."""
         return self._joint_of[name]
 
     def joints_of(self, segments: tuple[str, ...]) -> tuple[int, ...]:
-        """Indices of the hinges that move these segments, in joint order."""
+        """Finds the indices of the hinges that move these segments, in joint order."""
         return tuple(k for k, hinge in enumerate(self.hinges) if hinge.segment in segments)
 
     def segment(self, name: str) -> int:
-        """Index of a segment."""
+        """Finds the index of a segment."""
         return self._segment_of[name]
 
     def clamp(self, angles: Floats) -> Floats:
-        """The nearest angles inside the ranges, for (..., n) [rad]."""
+        """Finds the nearest angles inside the ranges, for (..., n) [rad]."""
         clamped: Floats = np.clip(angles, self.lower, self.upper)
         return clamped
 
     def frames(self, angles: Floats) -> Frames:
-        """Forward kinematics.
+        """Solves the forward kinematics.
 
         Args:
             angles: (..., n) [rad] in joint order, one posture or any shape of them.

@@ -59,7 +59,7 @@ class Script:
     recording: Recording | None = None
 
     def stops(self) -> tuple[Mark | Pause, ...]:
-        """Marks and pauses in their order."""
+        """Lists marks and pauses in their order."""
         placed: list[tuple[int, float, Mark | Pause]] = []
         count: dict[int, int] = {}
         for mark in self.marks:

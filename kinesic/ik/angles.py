@@ -11,7 +11,7 @@ NARROW = 0.41421356237309504880  # tangent of pi / 8
 
 
 def cosine_sine(angle: float) -> tuple[float, float]:
-    """Cosine and sine of an angle of a few turns [rad].
+    """Computes cosine and sine of an angle of a few turns [rad].
 
     Cody and Waite's reduction to an eighth of a turn, then the minimax polynomials of fdlibm.
     """
@@ -63,7 +63,7 @@ def cosine_sine(angle: float) -> tuple[float, float]:
 
 
 def arctangent(y: float, x: float) -> float:
-    """The angle of the point (x, y), as `math.atan2` of finite numbers."""
+    """Computes the angle of the point (x, y), as `math.atan2` of finite numbers."""
     across, along = abs(y), abs(x)
     less, more = min(across, along), max(across, along)
     angle = 0.0
@@ -79,7 +79,7 @@ def arctangent(y: float, x: float) -> float:
 
 
 def arccosine(x: float) -> float:
-    """The angle from 0 to pi whose cosine is x, of -1 to 1."""
+    """Computes the angle from 0 to pi whose cosine is x, of -1 to 1."""
     return 2.0 * arctangent(sqrt(1.0 - x), sqrt(1.0 + x))
 
 

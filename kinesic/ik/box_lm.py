@@ -24,7 +24,7 @@ Errors = Callable[[Floats], tuple[Floats, Floats]]  # (n,) -> wanted minus prese
 
 @dataclass(frozen=True, eq=False)
 class Box:
-    """Where the variables may go, and how readily."""
+    """Ranges of the variables, and how readily each moves."""
 
     lower: Floats  # (n,)
     upper: Floats  # (n,)
@@ -34,7 +34,7 @@ class Box:
 
 @dataclass(frozen=True, eq=False)
 class Descent:
-    """Where it came to rest."""
+    """The point at which a descent came to rest."""
 
     angles: Floats  # (n,) inside the box
     error: Floats  # (m,) in the units of the rows
@@ -47,7 +47,7 @@ class Descent:
 
 
 def descend(errors: Errors, start: Floats, box: Box, *, tolerance: float) -> Descent:
-    """Makes errors small.
+    """Makes errors small by Levenberg-Marquardt.
 
     Args:
         errors: rows of order one, such as metres in units of the arm's length.

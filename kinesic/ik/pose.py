@@ -47,7 +47,7 @@ ORTHONORMAL = 1e-6  # how far R^T R may be from 1
 
 @dataclass(frozen=True, eq=False)
 class PoseSolution:
-    """An unreachable pose is an answer, not an error: read residual and turn."""
+    """The posture found for a pose. An unreachable one is an answer, not an error: read residual and turn."""
 
     angles: Floats  # (k,) [rad] inside the ranges
     residual: float  # [m] from the hand to the position that was asked

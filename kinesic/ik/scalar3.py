@@ -12,23 +12,23 @@ IDENTITY: Rotation = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
 def vector(array: Floats) -> Vector:
-    """The three numbers of a (3,) array."""
+    """Takes the three numbers of a (3,) array."""
     x, y, z = array.tolist()
     return x, y, z
 
 
 def plus(a: Vector, b: Vector) -> Vector:
-    """Sum."""
+    """Adds two vectors."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
 def minus(a: Vector, b: Vector) -> Vector:
-    """Difference: from b to a."""
+    """Subtracts b from a: the way from b to a."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
 def scaled(a: Vector, factor: float) -> Vector:
-    """Product with a number."""
+    """Multiplies by a number."""
     return a[0] * factor, a[1] * factor, a[2] * factor
 
 
@@ -48,23 +48,23 @@ def norm(a: Vector) -> float:
 
 
 def distance(a: Vector, b: Vector) -> float:
-    """Between two points."""
+    """Measures the distance of two points."""
     return norm(minus(a, b))
 
 
 def unit(a: Vector) -> Vector:
-    """The direction of a vector; the null vector has none and stays null."""
+    """Scales a vector to length 1; the null vector has no direction and stays null."""
     length = norm(a)
     return scaled(a, 1.0 / length) if length > 0.0 else a
 
 
 def across(a: Vector, axis: Vector) -> Vector:
-    """The part of a vector perpendicular to a unit axis."""
+    """Takes the part of a vector perpendicular to a unit axis."""
     return minus(a, scaled(axis, dot(a, axis)))
 
 
 def turned(a: Vector, axis: Vector, angle: float) -> Vector:
-    """A vector turned about a unit axis (Rodrigues' formula), angle in [rad]."""
+    """Turns a vector about a unit axis (Rodrigues' formula), angle in [rad]."""
     c, s = cosine_sine(angle)
     d = dot(axis, a) * (1.0 - c)
     x, y, z = cross(axis, a)
@@ -72,19 +72,19 @@ def turned(a: Vector, axis: Vector, angle: float) -> Vector:
 
 
 def rotated(r: Rotation, a: Vector) -> Vector:
-    """Out of a frame: R a."""
+    """Rotates a vector out of a frame: R a."""
     x, y, z = a
     return r[0] * x + r[1] * y + r[2] * z, r[3] * x + r[4] * y + r[5] * z, r[6] * x + r[7] * y + r[8] * z
 
 
 def within(r: Rotation, a: Vector) -> Vector:
-    """Into a frame: R transposed, times a."""
+    """Rotates a vector into a frame: R transposed, times a."""
     x, y, z = a
     return r[0] * x + r[3] * y + r[6] * z, r[1] * x + r[4] * y + r[7] * z, r[2] * x + r[5] * y + r[8] * z
 
 
 def after(r: Rotation, axis: Vector, angle: float) -> Rotation:
-    """The frame that a hinge with a unit axis in frame R makes of it: R about(axis, angle), angle in [rad]."""
+    """Turns a frame R by a hinge with a unit axis in it: R about(axis, angle), angle in [rad]."""
     x, y, z = axis
     c, s = cosine_sine(angle)
     d = 1.0 - c

@@ -27,7 +27,7 @@ REACHED = 1e-3  # [m] residual at which the hand is there
 
 
 class Solution(Struct, frozen=True, eq=False):
-    """An unreachable goal is an answer, not an error: read the residual."""
+    """The posture found for a reach. An unreachable goal is an answer, not an error: read the residual."""
 
     angles: Floats  # (k,) [rad] inside the ranges
     residual: float  # [m] from the hand to the position that was asked
@@ -81,7 +81,7 @@ def _compiled(
 def _examined(
     chain: Chain, reach: Reach, start: Floats, rest: Floats | None, mobility: Floats | None, kernel: Kernel
 ) -> Solution:
-    """The answer to a question that is refused in words, or first brought to its form."""
+    """Answers a question that is refused in words, or first brought to its form."""
     reach = _checked(reach)
     start = as_floats("start", start, (len(chain.rest),))
     rest = chain.rest if rest is None else as_floats("rest", rest, (len(chain.rest),))
@@ -187,7 +187,7 @@ def _direction(name: str, values: Floats) -> Floats:
 
 
 def as_floats(name: str, values: Floats, shape: tuple[int, ...]) -> Floats:
-    """Checks an array that was asked with.
+    """Checks that an array has a shape and finite numbers.
 
     Returns:
         The values as contiguous float64.
@@ -204,7 +204,7 @@ def as_floats(name: str, values: Floats, shape: tuple[int, ...]) -> Floats:
 
 
 def three(name: str, values: Floats) -> Floats:
-    """Checks a place or a direction.
+    """Checks that an array is three finite numbers.
 
     Returns:
         (3,) float64.

@@ -46,7 +46,7 @@ class CapsuleDistances:
         self._reaches = _reaches(robot.skeleton, self._capsules, pairs)  # (p, n) [m]
 
     def clearance(self, angles: Floats) -> Clearance:
-        """Smallest distance between the capsules of counted pairs.
+        """Finds the smallest distance between the capsules of counted pairs.
 
         Args:
             angles: (m, n) [rad] in joint order.
@@ -57,7 +57,7 @@ class CapsuleDistances:
         return self._named(*self._nearest(angles))
 
     def gaps(self, angles: Floats) -> Floats:
-        """Distances between the segments of every counted pair.
+        """Measures the distances between the segments of every counted pair.
 
         Args:
             angles: (m, n) [rad] in joint order.
@@ -74,7 +74,7 @@ class CapsuleDistances:
         return sealed(gaps.T)
 
     def approach(self, angles: Floats, ends: Indices, *, near: float, frames: MotionFrames | None = None) -> Clearance:
-        """Closest approach of each stretch of a motion; of its postures only those are measured that may count.
+        """Finds the closest approach in each stretch of a motion, and measures only postures that may count.
 
         A turn of a hinge brings no two capsules nearer than by its angle times what the hinge can reach, so most
         postures between two measured ones are known to be further.
@@ -192,7 +192,7 @@ def _reach(skeleton: Skeleton, owner: int, capsule: Capsule) -> Floats:
 
 
 def segment_distances(a0: Floats, a1: Floats, b0: Floats, b1: Floats) -> Floats:
-    """Distances between straight segments, after Ericson, Real-Time Collision Detection, 5.1.9.
+    """Measures distances between straight segments, after Ericson, Real-Time Collision Detection, 5.1.9.
 
     Args:
         a0: (k, 3) [m] one end of the first segments; may equal the other.

@@ -32,7 +32,7 @@ class MujocoDynamics:
         self._hinges = np.argsort(self._order)  # MuJoCo's order, as positions of the skeleton's hinges
 
     def torques(self, angles: Floats, speeds: Floats, accelerations: Floats) -> Floats:
-        """Torque that each motion needs: gravity, inertia, armature, damping and friction.
+        """Computes the torque that each motion needs: gravity, inertia, armature, damping and friction.
 
         Args:
             angles: (m, n) [rad].
@@ -59,7 +59,7 @@ class MujocoDynamics:
         return torques
 
     def holding(self, angles: Floats) -> Floats:
-        """Torque (m, n) [Nm] that holds postures (m, n) [rad] against gravity, without help from friction."""
+        """Computes the torque (m, n) [Nm] that holds postures (m, n) [rad] against gravity; friction does not help."""
         model, data, qpos = self._model, self._data, self._data.qpos
         data.qvel[:] = 0.0
         mujoco.mj_comVel(model, data)  # nothing moves in any posture
@@ -73,12 +73,12 @@ class MujocoDynamics:
         return torques
 
     def static_ratios(self, angles: Floats) -> Floats:
-        """Share (m, n) of the stall torque that holds each hinge in postures (m, n) [rad]."""
+        """Computes the share (m, n) of the stall torque that holds each hinge in postures (m, n) [rad]."""
         ratios: Floats = np.abs(self.holding(angles)) / self._robot.drives.stall
         return ratios
 
     def inertias(self, angles: Floats) -> Floats:
-        """Diagonal (m, n) [kg m^2] of the joint-space inertia, armature included, for (m, n) [rad]."""
+        """Computes the diagonal (m, n) [kg m^2] of the joint-space inertia, armature included, for (m, n) [rad]."""
         model, data, qpos = self._model, self._data, self._data.qpos
         matrix, diagonal = data.M, model.M_rowadr + model.M_rownnz - 1  # each row of its lower half ends there
         inertias = np.empty(angles.shape)

@@ -1,4 +1,4 @@
-"""What a robot's description is worth before anything moves: torque, mass and room to itself."""
+"""Checks a robot's description before anything moves: torque, mass and room to itself."""
 
 from dataclasses import dataclass
 

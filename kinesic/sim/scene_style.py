@@ -1,4 +1,4 @@
-"""What makes a picture of the robot pleasant: colours, eyes, ground, lights and a camera. None of it has weight."""
+"""Colours, eyes, ground, lights and a camera for pictures of the robot. None of it has weight."""
 
 from dataclasses import dataclass
 from typing import Literal

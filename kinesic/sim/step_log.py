@@ -1,4 +1,4 @@
-"""What is kept of every step of the physics, in MuJoCo's order, cheaply: it happens 300 times a second."""
+"""Keeps every step of the physics, in MuJoCo's order and cheaply: there are 300 a second."""
 
 from array import array
 from functools import partial
@@ -52,13 +52,13 @@ class StepLog:
         return now
 
     def steps(self) -> tuple[Floats, Floats, Floats]:
-        """Postures (s, n) [rad], speeds (s, n) [rad/s] and lengths (s,) [s] of all steps."""
+        """Takes postures (s, n) [rad], speeds (s, n) [rad/s] and lengths (s,) [s] of all steps."""
         spans = np.array(self._steps)
         angles, speeds = (np.array(kept).reshape(len(spans), -1) for kept in (self._angles, self._speeds))
         return angles - (spans / 2)[:, None] * speeds, speeds, spans
 
     def goals(self) -> Floats:
-        """(s, n) [rad] in force during each step."""
+        """Lists the goals (s, n) [rad] in force during each step."""
         first = [*(begin for begin, _ in self._goals), len(self._steps)]
         return np.repeat([goals for _, goals in self._goals], np.diff(first), axis=0)
 

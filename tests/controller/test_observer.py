@@ -37,7 +37,7 @@ def closed_loop(observer: Observer, factors: tuple[float, float, float], latency
     """Largest pole (n,) of observer and plant, whose stall torque, no-load speed and inertia have factors."""
     stall, no_load, heavier = factors
     inertia = heavier * DYNAMICS.load.inertia
-    torque = stall * np.array([drive.stall for drive in ROBOT.drives])
+    torque = stall * ROBOT.drives.stall
     back = np.array([drive.stall / drive.no_load * stall / no_load + drive.rate_gain * stall for drive in ROBOT.drives])
     spring = torque * [drive.gain for drive in ROBOT.drives]
     drag = back + [drive.damping for drive in ROBOT.drives]
@@ -115,7 +115,7 @@ def test_a_hinge_that_hangs_low_is_raised():
 def test_size_rate_and_range_are_bounded(deviation):
     belief, one = OBSERVER.begin(), np.ones((1, COUNT))
     taught = lessons(load=0.1, noticed=0.1 * one, trust=one)
-    step = (1 - SPEED_SHARE) * np.array([drive.no_load for drive in ROBOT.drives]) * PERIOD
+    step = (1 - SPEED_SHARE) * ROBOT.drives.no_load * PERIOD
     for _ in range(200):
         before = belief.correction
         belief = OBSERVER.after(belief, NOTHING + deviation, taught, 0)

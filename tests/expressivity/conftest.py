@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping
 
-import numpy as np
 import pytest
 
 from kinesic.bml.block import GESTURE_SYNCS, Action, Behaviour, Block, Place, TimedBehaviour, Timeline
@@ -29,7 +28,7 @@ def limits() -> Callable[[Robot], Limits]:
     """Limits of a robot whose hinges bear what the default one's do at worst, roughly."""
 
     def of(robot: Robot) -> Limits:
-        stall = np.array([drive.stall for drive in robot.drives])
+        stall = robot.drives.stall
         return Limits.of(robot, Load(inertia=stall / 100, holding=0.2 * stall))
 
     return of

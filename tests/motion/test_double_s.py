@@ -64,7 +64,7 @@ def test_arrays_broadcast():
 @pytest.fixture(scope="module")
 def limits():
     robot = Robot.load()
-    stall = np.array([drive.stall for drive in robot.drives])
+    stall = robot.drives.stall
     return Limits.of(robot, Load(inertia=stall / 100, holding=0.2 * stall))
 
 

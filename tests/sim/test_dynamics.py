@@ -99,7 +99,7 @@ def test_mujoco_finds_the_same_torques():
     model = build_model(ROBOT)
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
     data, order = mujoco.MjData(model), joint_order(ROBOT, model)
-    friction = np.array([drive.frictionloss for drive in ROBOT.drives])
+    friction = ROBOT.drives.frictionloss
     found = MujocoDynamics(ROBOT).torques(postures, speeds, accelerations)
     for k in range(40):
         data.qpos[order], data.qvel[order], data.qacc[order] = postures[k], speeds[k], accelerations[k]

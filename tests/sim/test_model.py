@@ -102,7 +102,7 @@ def test_actuators_follow_the_servos_law(duty, speed):
     drives = ROBOT.drives
     data.qvel[:] = speed
     rates = np.array([drive.rate_gain / drive.stall for drive in drives])
-    data.ctrl[:] = (duty + rates * speed) / np.array([drive.gain for drive in drives])
+    data.ctrl[:] = (duty + rates * speed) / drives.gain
     mujoco.mj_forward(MODEL, data)
     for k, drive in enumerate(drives):
         torque = drive.stall * min(1.0, max(-1.0, duty)) - drive.stall / drive.no_load * speed

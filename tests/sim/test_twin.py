@@ -41,9 +41,9 @@ def motion(seed=0, *, seconds=2.0):
     ahead = np.minimum(times + PERIOD / 2, seconds)  # goals are held for a period
     angles, speeds, accelerations = path(ahead), path(ahead, 1), path(ahead, 2)
     torques = DYNAMICS.torques(angles, speeds, accelerations)
-    stall = np.array([drive.stall for drive in ROBOT.drives])
-    gain = np.array([drive.gain for drive in ROBOT.drives])
-    no_load = np.array([drive.no_load for drive in ROBOT.drives])
+    stall = ROBOT.drives.stall
+    gain = ROBOT.drives.gain
+    no_load = ROBOT.drives.no_load
     goals = np.clip(angles + (torques / stall + speeds / no_load) / gain, SKELETON.lower, SKELETON.upper)
     return [Command(t, path(t), path(t, 1), path(t, 2), goal) for t, goal in zip(times, goals, strict=True)]
 
@@ -130,7 +130,7 @@ def test_mujoco_delays_alike():
     model.opt.timestep = step
     data = mujoco.MjData(model)
     order, actuators = joint_order(ROBOT, model), actuator_order(ROBOT, model)
-    ticks = np.array([drive.tick for drive in ROBOT.drives])
+    ticks = ROBOT.drives.tick
     goals = [np.rint(command.goals / ticks) * ticks for command in COMMANDS]
     data.qpos[order] = REST
     for joint, actuator in enumerate(actuators):
@@ -151,7 +151,7 @@ def test_mujoco_delays_alike():
 
 def test_what_was_sent_is_kept_in_ticks():
     seen = performed(COMMANDS)
-    ticks = np.array([drive.tick for drive in ROBOT.drives])
+    ticks = ROBOT.drives.tick
     assert seen.goals.shape == seen.angles.shape
     assert np.abs(seen.goals - [command.goals for command in COMMANDS]).max() <= ticks.max() / 2 + 1e-12
     assert seen.goals / ticks == pytest.approx(np.rint(seen.goals / ticks), abs=1e-6)
@@ -159,7 +159,7 @@ def test_what_was_sent_is_kept_in_ticks():
 
 def test_positions_are_those_of_the_last_command_in_ticks():
     twin = Twin(ROBOT)
-    ticks = np.array([drive.tick for drive in ROBOT.drives])
+    ticks = ROBOT.drives.tick
     for command in COMMANDS[:100]:
         twin.write(command)
         positions = twin.positions()

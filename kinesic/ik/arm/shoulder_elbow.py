@@ -98,7 +98,7 @@ def _place(points: Sequence[Vector], target: Vector, iterations: int) -> Shoulde
 
 @dataclass(frozen=True)
 class Bend:
-    """The arm's angles for a place."""
+    """An arm's angles for a place."""
 
     angles: tuple[float, ...]  # [rad] of the hinges before the hand's own
     exact: bool  # the hand is on the target
@@ -106,7 +106,7 @@ class Bend:
 
 
 def bend_elbow(linkage: Linkage, place: ShoulderPlace, *, near: Sequence[float], swivel: float | None) -> Bend:
-    """Chooses the elbow's place on its circle: as near to the wished swivel as the ranges allow.
+    """Chooses the elbow's place on its circle: as near to the desired swivel as the ranges allow.
 
     Args:
         linkage: the arm.

@@ -34,7 +34,7 @@ class Cell:
 def cells(
     linkage: Linkage, target: Vector, hand: Hand, *, near: Sequence[float], girdle: bool = True
 ) -> Iterator[Cell]:
-    """Postures with the hand on its place, those like the present one first.
+    """Lists postures with the hand on its place, those like the present one first.
 
     Args:
         linkage: the arm.
@@ -54,7 +54,7 @@ def cells(
 
 
 def cell_at(linkage: Linkage, place: ShoulderPlace, swivel: float, hand: Hand, *, near: Sequence[float]) -> Cell:
-    """The posture of one swivel [rad]."""
+    """Finds the posture of one swivel [rad]."""
     elbow = elbow_at(linkage, place.shoulder, place.target, swivel)
     found = extract(linkage, (*place.girdle, elbow, place.target), near)
     frame, points = linkage.walk(found.angles, len(linkage.links) - 1)
@@ -64,7 +64,7 @@ def cell_at(linkage: Linkage, place: ShoulderPlace, swivel: float, hand: Hand, *
 
 
 def present_swivel(linkage: Linkage, near: Sequence[float]) -> float:
-    """The swivel of a posture [rad]; the natural one for a straight arm."""
+    """Measures the swivel of a posture [rad]; a straight arm gets the natural one."""
     swivel = swivel_of(linkage, linkage.walk(near, len(linkage.links) - 1)[1][-3:])
     return NATURAL_SWIVEL if swivel is None else swivel
 

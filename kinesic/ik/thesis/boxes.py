@@ -15,7 +15,7 @@ GIMBAL = 1e-9  # cosine of the middle angle below which the outer two turn about
 
 @dataclass(frozen=True, eq=False)
 class EulerBoxes:
-    """What rotation away from rest each joint allows, in the frame of its bone: x along it, z its up vector."""
+    """Rotations away from rest that each joint allows, in the frame of its bone: x along it, z its up vector."""
 
     lower: Floats  # (n, 3) [rad] about x, y, z
     upper: Floats  # (n, 3) [rad] about x, y, z
@@ -23,7 +23,7 @@ class EulerBoxes:
 
     @classmethod
     def of(cls, lower: ArrayLike, upper: ArrayLike, *, joints: int, order: EulerOrder = "xyz") -> "EulerBoxes":
-        """Boxes from (3,) for all joints, or (n, 3) [rad].
+        """Makes boxes from (3,) for all joints, or (n, 3) [rad].
 
         Raises:
             ValueError: a lower limit above its upper one, or a limit that no decomposition can return.
@@ -50,17 +50,17 @@ class EulerBoxes:
         return sealed([np.pi / 2.0 if axis == self.order[1] else np.pi for axis in "xyz"])
 
     def clamp(self, rotation: Floats, joint: int) -> Floats:
-        """A rotation (3, 3) away from rest with each angle cut off at its limit; itself when inside."""
+        """Cuts off each angle of a rotation (3, 3) away from rest at its limit; one inside comes back itself."""
         angles = angles_of(rotation, self.order)
         cut = _nearest(angles, self.lower[joint], self.upper[joint])
         return rotation if np.array_equal(cut, angles) else rotation_of(cut, self.order)
 
     def beyond(self, joints: int) -> "EulerBoxes":
-        """The boxes without those of the first joints."""
+        """Leaves out the boxes of the first joints."""
         return EulerBoxes(self.lower[joints:], self.upper[joints:], self.order)
 
     def excess(self, rotations: Floats) -> float:
-        """How far the worst angle of (n, 3, 3) rotations lies outside its box [rad]; 0 inside."""
+        """Measures how far the worst angle of (n, 3, 3) rotations lies outside its box [rad]; 0 inside."""
         angles = np.array([angles_of(rotation, self.order) for rotation in rotations])
         return float(np.maximum(0.0, np.maximum(self.lower - angles, angles - self.upper)).max())
 

@@ -39,7 +39,7 @@ class BallChain:
         damping: float | None = None,
         limits: EulerBoxes | None = None,
     ) -> "BallChain":
-        """A chain from its points at rest.
+        """Makes a chain from its points at rest.
 
         Args:
             points: (n + 1, 3) [m].
@@ -77,7 +77,7 @@ class BallChain:
     def curved(
         cls, lengths: ArrayLike, *, bend: float = np.radians(10.0), base: ArrayLike = (0.0, 0.0, 0.0)
     ) -> "BallChain":
-        """A chain that rests in a gentle curve in the x-z plane, beginning along x.
+        """Makes a chain that rests in a gentle curve in the x-z plane, beginning along x.
 
         A straight rest is the one posture that springs along the bones cannot leave by themselves.
 
@@ -93,7 +93,7 @@ class BallChain:
 
     @classmethod
     def of_limb(cls, chain: Chain, angles: Floats) -> "BallChain":
-        """The ball joints of a robot's limb, at rest in a posture.
+        """Makes a chain of the ball joints of a robot's limb, at rest in a posture.
 
         Args:
             chain: the limb; its hand is the end effector.
@@ -129,7 +129,7 @@ class BallChain:
         return sealed(np.stack([along, np.cross(self.ups, along), self.ups], axis=2))
 
     def beyond(self, joints: int) -> "BallChain":
-        """The chain without its first joints."""
+        """Leaves out the first joints."""
         limits = None if self.limits is None else self.limits.beyond(joints)
         return BallChain(
             self.points[joints:],

@@ -42,7 +42,7 @@ class Limbs:
 
     @classmethod
     def of_robot(cls, robot: Robot) -> "Limbs":
-        """Torso and both arms of a robot as ball joints: "torso", "l_arm", "r_arm", at the robot's rest posture.
+        """Takes torso and both arms of a robot as ball joints, at its rest posture: "torso", "l_arm", "r_arm".
 
         The torso runs from its first segment to the one that carries the arms, which is the sub-base joint.
         """
@@ -70,13 +70,13 @@ class Limbs:
         return max(self.reach.values())
 
     def root(self, name: str) -> Floats:
-        """(3,) [m] where the limb that carries all others below a limb stands in the world."""
+        """Finds where the limb that carries a limb in the end stands in the world, (3,) [m]."""
         limb = next(limb for limb in self.members if limb.name == name)
         return limb.chain.points[0] if limb.on is None else self.root(limb.on)
 
     @cached_property
     def indices(self) -> dict[str, list[int]]:
-        """Of each limb's points among all masses of the tree; a sub-base joint is one mass."""
+        """Indices of each limb's points among all masses of the tree; a sub-base joint is one mass."""
         found: dict[str, list[int]] = {}
         masses = 0
         for limb in self.members:
@@ -87,7 +87,7 @@ class Limbs:
         return found
 
     def hanging_on(self, name: str) -> list[Limb]:
-        """The limbs that a limb carries."""
+        """Lists the limbs that a limb carries."""
         return [limb for limb in self.members if limb.on == name]
 
     def _check(self, limb: Limb, ends: dict[str, Floats]) -> None:

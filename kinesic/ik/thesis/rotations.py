@@ -25,7 +25,7 @@ class Carrier:
 
     @classmethod
     def at_rest(cls, chain: BallChain) -> "Carrier":
-        """The ground that a chain stands on."""
+        """Makes the ground that a chain stands on."""
         return cls(chain.points[0], np.eye(3))
 
 

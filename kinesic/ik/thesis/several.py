@@ -30,7 +30,7 @@ FAINT = 1e-3  # the least pull that is left: weaker springs would hardly settle
 
 
 def standing_limbs(limbs: Limbs) -> dict[str, Stance]:
-    """All limbs at rest."""
+    """Lets all limbs stand at rest."""
     stances: dict[str, Stance] = {}
     for limb in limbs.members:
         carrier = Carrier.at_rest(limb.chain) if limb.on is None else stances[limb.on].end
@@ -40,7 +40,7 @@ def standing_limbs(limbs: Limbs) -> dict[str, Stance]:
 
 @dataclass(frozen=True, eq=False)
 class Wishes:
-    """What the skeleton of a tree is turned after."""
+    """Points and targets towards which a tree's joints are turned."""
 
     points: Mapping[str, Floats]  # (n + 1, 3) [m] masses at rest, per limb
     targets: Mapping[str, Floats]  # (3,) [m] of the limbs that have one, within reach

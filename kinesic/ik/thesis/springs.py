@@ -30,14 +30,14 @@ class Springs:
     def between(
         cls, pairs: list[tuple[int, int]], *, rests: Floats, stiffness: Floats, masses: Floats, pinned: set[int]
     ) -> "Springs":
-        """Springs between pairs of masses; the pinned masses stay where they are."""
+        """Joins pairs of masses by springs; the pinned masses stay where they are."""
         incidence = np.zeros((len(pairs), len(masses)))
         for row, (near, far) in enumerate(pairs):
             incidence[row, near], incidence[row, far] = -1.0, 1.0
         return cls(incidence, rests, stiffness, masses, np.array([mass not in pinned for mass in range(len(masses))]))
 
     def forces(self, points: Floats) -> Floats:
-        """(p, 3) the sum of the forces on each mass (eq. 7.3.1 and 7.3.2); zero on the pinned ones."""
+        """Sums the forces on each mass, (p, 3) (eq. 7.3.1 and 7.3.2); zero on the pinned ones."""
         stretches = self.incidence @ points
         lengths = np.sqrt((stretches * stretches).sum(axis=1))
         pulls = (self.stiffness * (1.0 - self.rests / np.maximum(lengths, NO_LENGTH)))[:, None] * stretches
@@ -46,7 +46,7 @@ class Springs:
         return forces
 
     def energy(self, forces: Floats) -> float:
-        """What Algorithm 1 calls energy: the summed size of the forces, here per unit of mean stiffness."""
+        """Sums the sizes of the forces, per unit of mean stiffness: what Algorithm 1 calls energy."""
         return float(np.sqrt((forces * forces).sum(axis=1)).sum() / self.stiffness.mean())
 
     @property

@@ -24,7 +24,7 @@ TURN = 2 * np.pi
 
 @dataclass(frozen=True, eq=False)
 class HangingPose:
-    """How an arm should be."""
+    """Directions that an arm should have."""
 
     upper: Floats  # (3,) unit, along the upper arm
     fore: Floats  # (3,) unit, along the forearm
@@ -33,7 +33,7 @@ class HangingPose:
 
 @dataclass(frozen=True, eq=False)
 class Ranges:
-    """Of an arm's hinges, about the pose of the file."""
+    """Ranges of an arm's hinges, about the pose of the file."""
 
     lower: Floats  # (k,) [rad], -inf where none is told
     upper: Floats  # (k,) [rad]

@@ -23,7 +23,7 @@ class HingeRow:
 
     @classmethod
     def of(cls, tree: Tree, joints: Sequence[int]) -> "HingeRow":
-        """The limb in the pose of the file."""
+        """Takes a limb in the pose of the file."""
         return cls(
             sealed([tree.joints[k].anchor for k in joints]),
             sealed([tree.joints[k].axis for k in joints]),
@@ -31,7 +31,7 @@ class HingeRow:
         )
 
     def turned(self, angles: Floats) -> "HingeRow":
-        """The same limb with each hinge turned by (k,) [rad]."""
+        """Turns each hinge of the limb by (k,) [rad]."""
         motion = self.motion(angles)
         rotations = np.array([UNTURNED, *(rotation for rotation, _ in motion[:-1])])
         shifts = np.array([NOWHERE, *(shift for _, shift in motion[:-1])])
@@ -42,7 +42,7 @@ class HingeRow:
         )
 
     def motion(self, angles: Floats) -> list[tuple[Floats, Floats]]:
-        """Rotation (3, 3) and shift (3,) [m] of what each hinge moves, from this pose."""
+        """Finds rotation (3, 3) and shift (3,) [m] of what each hinge moves, from this pose."""
         rotation, shift = UNTURNED, NOWHERE
         turns = about(self.axes, angles)
         found = []

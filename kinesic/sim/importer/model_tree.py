@@ -61,7 +61,7 @@ class Tree:
         return found
 
     def way(self, joint: int) -> tuple[int, ...]:
-        """The hinges from the base to one, itself included."""
+        """Lists the hinges from the base to one, itself included."""
         row: list[int] = []
         while joint != BASE:
             row.append(joint)
@@ -69,11 +69,11 @@ class Tree:
         return tuple(reversed(row))
 
     def below(self, joint: int) -> tuple[int, ...]:
-        """A hinge and all that hang on it."""
+        """Lists a hinge and all that hang on it."""
         return (joint, *(k for child in self.children[joint] for k in self.below(child)))
 
     def lump(self, parts: Sequence[int]) -> Part:
-        """Several parts as one; BASE stands for the base."""
+        """Joins several parts to one; BASE stands for the base."""
         rows = [self.base if k == BASE else self.parts[k] for k in parts]
         mass = sum(row.mass for row in rows)
         weighted = sum((row.mass * row.centre for row in rows), np.zeros(3))
@@ -81,12 +81,12 @@ class Tree:
         return Part(mass, sealed(centre), tuple(shape for row in rows for shape in row.shapes))
 
     def moved(self, rotation: Floats, shift: Floats) -> "Tree":
-        """The whole robot turned by (3, 3), then shifted by (3,) [m]."""
+        """Turns the whole robot by (3, 3), then shifts it by (3,) [m]."""
         motion = dict.fromkeys(range(BASE, len(self.joints)), (rotation, shift))
         return self._with(motion, motion, {})
 
     def turned(self, turns: Mapping[int, float]) -> "Tree":
-        """The robot in another pose: hinge -> [rad] from this one."""
+        """Brings the robot into another pose: hinge -> [rad] from this one."""
         before: dict[int, Motion] = {}
         after: dict[int, Motion] = {BASE: (np.eye(3), np.zeros(3))}
         for k, joint in enumerate(self.joints):

@@ -1,4 +1,4 @@
-"""From a figure to the tables of a robot's file."""
+"""Turns a figure into the tables of a robot's file."""
 
 from collections.abc import Mapping
 from math import degrees

@@ -22,7 +22,7 @@ RIVAL = 0.8  # likeness behind the best at which a split is still hung up and lo
 
 @dataclass(frozen=True)
 class Branches:
-    """Indices of hinges from the base outward."""
+    """Indices of the hinges of trunk, neck and arms, from the base outward."""
 
     trunk: tuple[int, ...]  # carries the arms
     neck: tuple[int, ...]  # moves the head; without the eyes

@@ -19,7 +19,7 @@ def test_the_most_strained_comes_first(hurried: Performance) -> None:
 
 def test_figures_are_those_of_the_samples(hurried: Performance) -> None:
     measured, robot = hurried.measured, hurried.plan.setup.robot
-    stall = np.array([drive.stall for drive in robot.drives])
+    stall = robot.drives.stall
     duties = np.zeros_like(measured.duties)
     duties[10:15, 3], torques = -1.5, np.tile(0.6 * stall, (len(duties), 1))
     first = loads(replace(hurried, measured=replace(measured, duties=duties, torques=torques)))[0]
