@@ -73,7 +73,7 @@ class Servos:
             start_new_session=True,  # Ctrl-C in the terminal is not for it
         )
         os.close(memory)
-        self._tell(msgspec.json.encode(order) + b"\n")
+        self._send_order(msgspec.json.encode(order) + b"\n")
         self._wait_until_ready()
 
     @property
@@ -170,7 +170,7 @@ class Servos:
             self._notes += found
             self._reasons += [note.text for note in found if note.kind in ("refused", "failed")]
 
-    def _tell(self, line: bytes) -> None:
+    def _send_order(self, line: bytes) -> None:
         if self._process.stdin is not None:
             self._process.stdin.write(line)
             self._process.stdin.flush()

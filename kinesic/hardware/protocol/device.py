@@ -132,14 +132,14 @@ class Cold:
 
         self._tried(servo, "reboot", attempt)
 
-    def configure(self, servo: int, wanted: Mapping[Register, int]) -> tuple[Change, ...]:
+    def configure(self, servo: int, required: Mapping[Register, int]) -> tuple[Change, ...]:
         """Sets only what differs, and reads it back.
 
         Raises:
             BusError: a register of EEPROM differs while torque is on, or one does not take its value.
         """
-        before = {register: self.read(servo, register) for register in wanted}
-        changes = [Change(servo, r, before[r], value) for r, value in wanted.items() if before[r] != value]
+        before = {register: self.read(servo, register) for register in required}
+        changes = [Change(servo, r, before[r], value) for r, value in required.items() if before[r] != value]
         locked = [change.register.name for change in changes if change.register.field.eeprom]
         if locked and self.read(servo, Register.TORQUE_ENABLE):
             raise BusError(f"{self._who(servo)}: {', '.join(locked)} cannot be set while its torque is on; release it")

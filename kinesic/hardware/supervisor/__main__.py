@@ -1,4 +1,4 @@
-"""The supervisor as a process of its own: `python -m kinesic.hardware.supervisor`, started by `Servos`.
+"""Runs the supervisor as a process of its own: `python -m kinesic.hardware.supervisor`, started by `Servos`.
 
 Its standard input is a pipe that the planner holds: the first line says what to do, its end says that the planner is
 gone.
@@ -30,13 +30,13 @@ PRIORITY = 20  # of SCHED_FIFO, where the host grants it
 EXIT_GOOD, EXIT_REFUSED = 0, 2
 
 
-def supervise(order: SupervisorOrder, planner: Callable[[], bool], asked: Callable[[], bool]) -> int:
-    """Supervises until all is over; the exit code.
+def supervise(order: SupervisorOrder, planner: Callable[[], bool], ended: Callable[[], bool]) -> int:
+    """Supervises until all is over, and returns the exit code.
 
     Args:
         order: what for.
         planner: whether it lives.
-        asked: whether somebody wants it to end.
+        ended: whether somebody wants it to end.
     """
     manifest = Manifest.of(Robot.load(Path(order.robot)))
     joints = len(manifest.rest)
@@ -54,7 +54,7 @@ def supervise(order: SupervisorOrder, planner: Callable[[], bool], asked: Callab
     gc.freeze()
     due = supervisor.now()
     while not supervisor.done:
-        if asked():
+        if ended():
             channel.set("release", 1)
         supervisor.step()
         due += settings.period
@@ -89,19 +89,19 @@ class Pipe:
     """Whether the planner still holds its end."""
 
     def __init__(self, descriptor: int) -> None:
-        """Of the reading end; the parent is the planner."""
+        """Watches the reading end of a pipe; the parent is the planner."""
         self._descriptor, self._parent = descriptor, os.getppid()
         self._open = True
 
     def __call__(self) -> bool:
-        """Looks without waiting."""
+        """Looks without waiting whether it does."""
         if self._open and select.select([self._descriptor], [], [], 0)[0]:
             self._open = bool(os.read(self._descriptor, 4096))
         return self._open and os.getppid() == self._parent
 
 
 def _line(descriptor: int) -> bytes:
-    """The first line, byte by byte: what follows is not ours to take."""
+    """Reads the first line byte by byte: what follows is not ours to take."""
     line = b""
     while not line.endswith(b"\n") and (byte := os.read(descriptor, 1)):
         line += byte

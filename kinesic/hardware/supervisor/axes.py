@@ -1,4 +1,4 @@
-"""All servos of all buses as one row, in the manifest's order."""
+"""Drives all servos of all buses as one row, in the manifest's order."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ Kind = TypeVar("Kind", bound=np.generic)
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """What one cycle of all buses told, by members."""
+    """What came of one cycle of all buses, by members."""
 
     time: float  # [s] when it began
     records: Records  # (m,)
@@ -55,10 +55,9 @@ class Snapshot:
 
 
 class Axes:
-    """Open buses, whose servos stand where the manifest has them."""
+    """Open buses, whose servos stand in the order of the manifest."""
 
     def __init__(self, manifest: Manifest, buses: Mapping[str, Bus]) -> None:
-        """The buses by the manifest's names."""
         self.manifest = manifest
         self.buses: Mapping[str, Bus] = {name: buses[name] for name in manifest.bauds}
         self._cold = {name: Cold(bus.wire) for name, bus in self.buses.items()}
@@ -73,11 +72,11 @@ class Axes:
         return tuple(range(len(self.manifest.members)))
 
     def now(self) -> float:
-        """[s]."""
+        """Returns the time [s] of the first wire."""
         return self._wire.now()
 
     def sleep(self, until: float) -> None:
-        """Waits until [s]."""
+        """Waits until a time [s]."""
         for bus in self.buses.values():
             bus.wire.sleep(until)
 
@@ -94,18 +93,18 @@ class Axes:
                 bus.put(register, mine)
 
     def put_all(self, register: Register, places: Sequence[int], value: int) -> None:
-        """The same value for several."""
+        """Writes the same value for several."""
         self.put(register, dict.fromkeys(places, value))
 
     def cycle(self, goals: Ticks | None) -> Snapshot:
-        """One cycle of every bus.
+        """Runs one cycle of every bus.
 
         Args:
             goals: (m,) [ticks]; None: asks only.
         """
         time = self.now()
-        told = {} if goals is None else {name: goals[part] for name, part in self._parts.items()}
-        cycles = cycle_together(self.buses, told)
+        by_bus = {} if goals is None else {name: goals[part] for name, part in self._parts.items()}
+        cycles = cycle_together(self.buses, by_bus)
         limit = RECENT * self._period
         each = tuple(cycles.values())
         return Snapshot(
@@ -119,7 +118,7 @@ class Axes:
         )
 
     def read(self, place: int, register: Register) -> int:
-        """A register of one member, asked alone.
+        """Reads a register of one member, asked alone.
 
         Raises:
             BusError: it does not answer, or the port is gone.
@@ -137,11 +136,11 @@ class Axes:
         self._cold[member.bus].write(member.id, register, value)
 
     def cold(self, bus: str) -> Cold:
-        """The slow way on a bus."""
+        """Returns the slow way on a bus."""
         return self._cold[bus]
 
     def where(self, place: int) -> str:
-        """A member, for messages."""
+        """Names a member in messages."""
         member = self.manifest.members[place]
         return f"{self.buses[member.bus].wire.name}: servo {member.id} ({member.hinge})"
 
@@ -164,11 +163,10 @@ def cycle_together(buses: Mapping[str, Bus], goals: Mapping[str, Ticks]) -> dict
 
 
 def _row(parts: Sequence[NDArray[Kind]]) -> NDArray[Kind]:
-    """What all buses say, one behind the other."""
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def fold_turns(positions: Floats) -> Floats:
-    """Positions [ticks] within one turn, as torque coming on makes them."""
+    """Folds positions [ticks] into one turn, as torque coming on does."""
     turned: Floats = np.mod(positions, TICKS_PER_TURN)
     return turned

@@ -1,4 +1,4 @@
-"""Memory that planner and supervisor share: commands and wishes one way, status and events the other.
+"""Shares memory between planner and supervisor: commands and requests one way, status and events the other.
 
 Each word has one writer. A row is complete when its CRC says so, whatever order a processor writes in; rows are counted
 by their number, so that nobody waits for anybody. The memory has no name: when both are gone, so is it.
@@ -26,7 +26,7 @@ HISTORY = 4096  # cycles: more than half a minute of them
 LOOKS = 50  # at a row that is being written
 STAGES = tuple(Stage)
 POLICIES: tuple[Policy, ...] = ("hold", "limp")
-_WORDS = ("written", "read", "ended", "release", "estop", "told", "cycles")
+_WORDS = ("written", "read", "ended", "release", "estop", "noted", "cycles")
 _PLACES = {name: place for place, name in enumerate(_WORDS)}
 _TEXT = 400  # [bytes] of an event
 
@@ -37,7 +37,7 @@ def _nothing() -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class Status:
-    """What the supervisor tells in every cycle."""
+    """How the supervisor and its servos are in one cycle."""
 
     stage: Stage = Stage.CLOSED
     clock: float = 0.0  # [s] of the machine's monotonic clock, when it was this performance time
@@ -54,7 +54,7 @@ class Status:
     taken: Floats = field(default_factory=_nothing)  # (n,) [s] of that clock, of each angle; NaN likewise
 
     def time_at(self, clock: float) -> float:
-        """[s] performance time at another time [s] of the machine's monotonic clock, a moment later."""
+        """Returns the performance time [s] at another time [s] of the machine's monotonic clock, a moment later."""
         return self.time + self.scale * (clock - self.clock)
 
 
@@ -85,14 +85,14 @@ class Channel:
         self._events: Rows = np.frombuffer(memory, _EVENT, EVENTS, start)
         start += self._events.nbytes
         self._ring: Rows = np.frombuffer(memory, self._commands, capacity, start)
-        self._taken = self._heard = self._seen = 0  # rows that this side has read
+        self._taken = self._noted = self._seen = 0  # rows that this side has read
 
     def word(self, name: str) -> int:
-        """A counter or a wish."""
+        """Reads a counter or a request."""
         return self._words[_PLACES[name]]
 
     def set(self, name: str, value: int) -> None:
-        """Sets a counter or a wish of this side."""
+        """Sets a counter or a request of this side."""
         self._words[_PLACES[name]] = value
 
     @property
@@ -101,7 +101,7 @@ class Channel:
         return self.capacity - (self.word("written") - self.word("read"))
 
     def write(self, time: float, goals: Floats) -> bool:
-        """The planner adds a command; False, and nothing happens, while there is no room."""
+        """Adds a command of the planner; returns False, and does nothing, while there is no room."""
         if self.room <= 0:
             return False
         number = self.word("written")
@@ -110,7 +110,7 @@ class Channel:
         return True
 
     def commands(self, most: int) -> list[tuple[float, Floats]]:
-        """The supervisor takes commands that are new, so many at most: times [s] and goals (n,) [rad]."""
+        """Takes new commands for the supervisor, so many at most: times [s] and goals (n,) [rad]."""
         found: list[tuple[float, Floats]] = []
         while self._taken < self.word("written") and len(found) < most:
             row = _load(self._ring, self._taken % self.capacity, self._taken + 1)
@@ -122,14 +122,14 @@ class Channel:
             self.set("read", self._taken)
         return found
 
-    def tell(self, status: Status) -> None:
-        """The supervisor tells how it is."""
+    def write_status(self, status: Status) -> None:
+        """Adds a status of the supervisor."""
         number = self.word("cycles")
         _store(self._status, number % HISTORY, number + 1, STAGES.index(status.stage), *_row(status))
         self.set("cycles", number + 1)
 
     def status(self) -> Status:
-        """The planner asks how it is; what was told last."""
+        """Returns the last status."""
         for _ in range(LOOKS):
             number = self.word("cycles")
             row = _load(self._status, (number - 1) % HISTORY, number)
@@ -138,7 +138,7 @@ class Channel:
         return _SILENT
 
     def history(self) -> tuple[Status, ...]:
-        """The planner asks how it was in every cycle since it asked last; of too many, the last."""
+        """Returns the status of every cycle since the last call; of too many, the last."""
         cycles, found = self.word("cycles"), []
         self._seen = max(self._seen, cycles - HISTORY)
         while self._seen < cycles:
@@ -149,22 +149,22 @@ class Channel:
         return tuple(found)
 
     def note(self, note: Note) -> None:
-        """The supervisor tells of an event."""
-        number = self.word("told")
+        """Adds an event of the supervisor."""
+        number = self.word("noted")
         kind, text = note.kind.encode(), note.text.encode()[:_TEXT]
         _store(self._events, number % EVENTS, number + 1, note.clock, note.servo, kind, text)
-        self.set("told", number + 1)
+        self.set("noted", number + 1)
 
     def notes(self) -> tuple[Note, ...]:
-        """The planner takes all events that are new; of too many, the last."""
-        told, found = self.word("told"), []
-        self._heard = max(self._heard, told - EVENTS)
-        while self._heard < told:
-            row = _load(self._events, self._heard % EVENTS, self._heard + 1)
+        """Takes all new events for the planner; of too many, the last."""
+        noted, found = self.word("noted"), []
+        self._noted = max(self._noted, noted - EVENTS)
+        while self._noted < noted:
+            row = _load(self._events, self._noted % EVENTS, self._noted + 1)
             if row is not None:
                 kind, text = (bytes(row[name]).decode(errors="replace") for name in ("kind", "text"))
                 found.append(Note(float(row["clock"]), int(row["servo"]), kind, text))
-            self._heard += 1
+            self._noted += 1
         return tuple(found)
 
 
@@ -208,13 +208,13 @@ _EVENT = np.dtype(
 
 
 def memory_size(joints: int, capacity: int = CAPACITY) -> int:
-    """[bytes] of the memory for so many joints."""
+    """Returns the size [bytes] of the memory for so many joints."""
     rows = HISTORY * _status(joints).itemsize + EVENTS * _EVENT.itemsize + capacity * _command(joints).itemsize
     return 8 * len(_WORDS) + rows
 
 
 def memory_file(octets: int) -> int:
-    """A descriptor of new, nameless memory of so many bytes."""
+    """Makes new, nameless memory of so many bytes, and returns its descriptor."""
     if sys.platform == "linux":
         descriptor = os.memfd_create("kinesic")
     else:
@@ -225,7 +225,7 @@ def memory_file(octets: int) -> int:
 
 
 def map_memory(descriptor: int, octets: int) -> mmap.mmap:
-    """The memory behind a descriptor."""
+    """Maps the memory behind a descriptor."""
     return mmap.mmap(descriptor, octets)
 
 

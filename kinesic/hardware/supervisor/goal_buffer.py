@@ -1,4 +1,4 @@
-"""The goals that are to come, and the smooth curve through them."""
+"""Keeps the goals that are to come, and draws a smooth curve through them."""
 
 from bisect import bisect_right
 from collections import deque
@@ -19,7 +19,6 @@ class GoalBuffer:
     """
 
     def __init__(self) -> None:
-        """Empty."""
         self._times: deque[float] = deque()
         self._goals: deque[Floats] = deque()
 
@@ -37,7 +36,7 @@ class GoalBuffer:
         return len(self._times)
 
     def add(self, time: float, goals: Floats) -> None:
-        """One more command; a time that is not later than the last replaces it.
+        """Adds a command, which replaces those that are not earlier.
 
         Args:
             time: [s].
@@ -56,7 +55,7 @@ class GoalBuffer:
             self._goals.popleft()
 
     def at(self, time: float) -> Floats:
-        """(n,) [rad] at a time [s]; the first or last goals outside of what is known.
+        """Returns (n,) [rad] at a time [s]; the first or last goals outside of what is known.
 
         Raises:
             LookupError: nothing is known at all.
@@ -85,5 +84,5 @@ class GoalBuffer:
 
 
 def are_numbers(goals: Floats) -> bool:
-    """Whether goals are numbers."""
+    """Returns whether all goals are finite numbers."""
     return bool(np.isfinite(goals).all())

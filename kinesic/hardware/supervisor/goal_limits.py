@@ -1,4 +1,4 @@
-"""The host's own limits on goals: whatever is asked, no goal leaves its range, jumps, or runs away from its servo."""
+"""Limits goals on the host: whatever is requested, no goal leaves its range, jumps, or runs away from its servo."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -36,30 +36,30 @@ class GoalCourse:
 
     @classmethod
     def still(cls, goals: Floats) -> "GoalCourse":
-        """Goals that stand."""
+        """Makes a course that stands."""
         return cls(sealed(goals), sealed(np.zeros(len(goals))))
 
 
 def limit_goals(
-    course: GoalCourse, wanted: Floats, present: Floats, seconds: float, bounds: GoalBounds
+    course: GoalCourse, desired: Floats, present: Floats, seconds: float, bounds: GoalBounds
 ) -> tuple[GoalCourse, Flags]:
-    """The next goals: those that are wanted where they keep the limits, else the nearest that do.
+    """Returns the next goals: the desired ones where they keep the limits, else the nearest that do.
 
     Args:
         course: the goals before.
-        wanted: (m,) [ticks].
+        desired: (m,) [ticks].
         present: (m,) [ticks] where the servos are; NaN where nobody knows.
         seconds: since the goals before.
         bounds: the limits.
 
     Returns:
-        The course, and (m,) whose wish was not granted.
+        The course, and (m,) whose desired goals were not granted.
     """
-    near = bool((np.abs(wanted - present) <= bounds.lead).all())  # that is so in nearly every cycle; not if one is NaN
-    if near and bool((wanted >= bounds.lower).all()) and bool((wanted <= bounds.upper).all()):
-        target = wanted
+    near = bool((np.abs(desired - present) <= bounds.lead).all())  # that is so in nearly every cycle; not if one is NaN
+    if near and bool((desired >= bounds.lower).all()) and bool((desired <= bounds.upper).all()):
+        target = desired
     else:
-        target = _granted(course, wanted, present, bounds)
+        target = _granted(course, desired, present, bounds)
     speeds = (target - course.goals) / seconds
     change = bounds.acceleration * seconds
     steady = np.abs(speeds) <= bounds.speed * (1 + SLACK)
@@ -68,16 +68,16 @@ def limit_goals(
         caught = _catching(course, target, seconds, bounds)
         speeds = np.where(steady, speeds, caught)
     goals = course.goals + speeds * seconds
-    refused = ~steady if target is wanted else ~steady | (np.abs(target - wanted) > 0.5)
+    refused = ~steady if target is desired else ~steady | (np.abs(target - desired) > 0.5)
     return GoalCourse(_locked(goals), _locked(speeds)), refused
 
 
-def _granted(course: GoalCourse, wanted: Floats, present: Floats, bounds: GoalBounds) -> Floats:
-    """(m,) [ticks] what is wanted, but inside the range and not too far ahead of the servo."""
+def _granted(course: GoalCourse, desired: Floats, present: Floats, bounds: GoalBounds) -> Floats:
+    """(m,) [ticks] what is desired, but inside the range and not too far ahead of the servo."""
     known = np.where(np.isfinite(present), present, course.goals)
     low = np.maximum(bounds.lower, np.minimum(known - bounds.lead, course.goals))
     high = np.minimum(bounds.upper, np.maximum(known + bounds.lead, course.goals))
-    target: Floats = np.clip(wanted, np.minimum(low, bounds.upper), np.maximum(high, bounds.lower))
+    target: Floats = np.clip(desired, np.minimum(low, bounds.upper), np.maximum(high, bounds.lower))
     return target
 
 

@@ -1,4 +1,4 @@
-"""From what is to be performed to the goals on the wire, through the host's own limits."""
+"""Steers the goals on the wire to what is to be performed, within the host's own limits."""
 
 from collections.abc import Sequence
 
@@ -17,13 +17,12 @@ class GoalSteering:
     """The goals of all members, and where they are to go."""
 
     def __init__(self, manifest: Manifest, settings: SupervisorSettings) -> None:
-        """Goals are not known yet."""
         self.player = Player(settings)
         self._manifest = manifest
         self._bounds = GoalBounds(*manifest.spans, manifest.speeds, LEAD * manifest.full)
         self._lag = settings.period / (2 * manifest.speeds)  # (m,) [s^2/tick] see `ticks`
         self._course: GoalCourse | None = None
-        self._wish: Floats = np.zeros(len(manifest.members))  # (m,) [ticks]
+        self._target: Floats = np.zeros(len(manifest.members))  # (m,) [ticks]
         self._given_up: Flags = np.zeros(len(manifest.members), dtype=np.bool_)  # (m,) who move no more
 
     @property
@@ -41,51 +40,51 @@ class GoalSteering:
     @property
     def arrived(self) -> bool:
         """Whether the goals are where they are to go."""
-        return self._course is not None and float(np.abs(self._course.goals - self._wish).max()) < 1.0
+        return self._course is not None and float(np.abs(self._course.goals - self._target).max()) < 1.0
 
     def hold(self) -> None:
-        """Goals stand from now on."""
+        """Lets the goals stand from now on."""
         self.player.hold()
         if self._course is not None:
-            self._wish = self._course.goals.copy()
+            self._target = self._course.goals.copy()
 
     def approach(self) -> None:
-        """To where the performance goes on."""
+        """Moves to where the performance goes on."""
         self.player.approach(self.angles)
 
-    def fold(self, held: frozenset[int]) -> None:
-        """To rest, but for joints that must not move."""
+    def fold(self, holding: frozenset[int]) -> None:
+        """Moves to rest, but for joints that must not move."""
         here = self.angles
-        still = np.isin(np.arange(len(here)), list(held))
+        still = np.isin(np.arange(len(here)), list(holding))
         self.player.fold(here, np.where(still, here, self._manifest.rest))
 
-    def move(self, seconds: float, present: Floats, *, wanted: float, slow: float) -> Flags:
+    def move(self, seconds: float, present: Floats, *, target: float, slow: float) -> Flags:
         """Brings the goals on by a moment.
 
         Args:
             seconds: that pass.
             present: (m,) [ticks] where the servos are; NaN where nobody knows.
-            wanted: scale of time.
+            target: scale of time.
             slow: [s] in which time comes to a stop.
 
         Returns:
-            (m,) whose goals were not where they were asked.
+            (m,) whose goals were not where they were requested.
         """
-        angles = self.player.advance(seconds, wanted=wanted, slow=slow)
+        angles = self.player.advance(seconds, target=target, slow=slow)
         if self._course is None:
-            return np.zeros(len(self._wish), dtype=np.bool_)
-        asked = self._wish
+            return np.zeros(len(self._target), dtype=np.bool_)
+        desired = self._target
         if angles is not None:
-            asked = self._manifest.scale.nearest(angles.take(self._manifest.joints))
+            desired = self._manifest.scale.nearest(angles.take(self._manifest.joints))
             if self._given_up.any():
-                asked = np.where(self._given_up, self._wish, asked)
-        self._wish = np.maximum(np.minimum(asked, self._bounds.upper), self._bounds.lower)
-        self._course, refused = limit_goals(self._course, self._wish, present, seconds, self._bounds)
-        refused |= self._wish != asked
+                desired = np.where(self._given_up, self._target, desired)
+        self._target = np.maximum(np.minimum(desired, self._bounds.upper), self._bounds.lower)
+        self._course, refused = limit_goals(self._course, self._target, present, seconds, self._bounds)
+        refused |= self._target != desired
         return refused
 
     def give_up(self, stuck: Flags, present: Floats) -> None:
-        """Servos that cannot move are pushed no more: from now on they hold where they are.
+        """Pushes servos that cannot move no more: from now on they hold where they are.
 
         Args:
             stuck: (m,) who they are; those on the same hinge hold with them.
@@ -100,13 +99,13 @@ class GoalSteering:
     def put(self, places: Flags | Sequence[int], goals: Floats) -> None:
         """Sets the goals of some members, who do not move by them: they are limp, or just being taken over."""
         if self._course is None:
-            self._course = GoalCourse.still(self._wish)
-        now, speeds, wish = self._course.goals.copy(), self._course.speeds.copy(), self._wish.copy()
-        now[places], speeds[places], wish[places] = goals, 0.0, goals
-        self._course, self._wish = GoalCourse(now, speeds), wish
+            self._course = GoalCourse.still(self._target)
+        now, speeds, target = self._course.goals.copy(), self._course.speeds.copy(), self._target.copy()
+        now[places], speeds[places], target[places] = goals, 0.0, goals
+        self._course, self._target = GoalCourse(now, speeds), target
 
     def ticks(self) -> Ticks | None:
-        """(m,) what goes out: the goals, ahead by what the servos' own profiles cost.
+        """Returns (m,) what goes out: the goals, ahead by what the servos' own profiles cost.
 
         A servo's set point comes to a goal at the speed v of its profile, not at once. While goals move at a speed s,
         that takes s / v of each period T, and leaves the set point s^2 T / 2v behind on the mean.
@@ -118,7 +117,7 @@ class GoalSteering:
         return np.rint(np.minimum(np.maximum(course.goals + ahead, bounds.lower), bounds.upper)).astype(np.int64)
 
     def follow_limp(self, limp: Flags, present: Floats) -> None:
-        """Servos without torque are told to be where they are: none of them may jump when torque comes.
+        """Sets the goals of limp servos to where they are, so that none of them jumps when torque comes.
 
         Args:
             limp: (m,) who they are.

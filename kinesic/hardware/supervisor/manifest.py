@@ -1,4 +1,4 @@
-"""What must hang on the wires of a robot: every servo with its model, its hinge, its limits and its registers."""
+"""Lists what must hang on the wires of a robot: every servo with its model, hinge, limits and registers."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -90,7 +90,7 @@ class Manifest:
 
     @classmethod
     def of(cls, robot: Robot) -> "Manifest":
-        """The manifest of a robot with servos on wires.
+        """Makes the manifest of a robot with servos on wires.
 
         Raises:
             ConfigError: the robot has no [[bus]], its tables are wrong, or a servo is none that the bus knows.
@@ -148,11 +148,11 @@ class Manifest:
         return sealed([member.full for member in self.members])
 
     def angles(self, ticks: Floats, *, whole: bool = False) -> Floats:
-        """(n,) [rad] of (m,) ticks; tandems are averaged, and joints of which nothing is known (NaN) are NaN."""
+        """Converts (m,) ticks to (n,) [rad]; tandems are averaged, and joints of which nothing is known are NaN."""
         return self.means(self.scale.angles(ticks), whole=whole)
 
     def means(self, values: Floats, *, whole: bool = False) -> Floats:
-        """(n,) means over the servos of each joint of (m,) values; NaN where nothing is known.
+        """Averages (m,) values over the servos of each joint (n,); NaN where nothing is known.
 
         Args:
             values: NaN where nothing is known.
@@ -175,7 +175,6 @@ class Manifest:
 
 
 def _members(robot: Robot, servos: HingeServos, joint: int) -> list[Member]:
-    """The servos of one hinge."""
     drive: Drive = robot.drives[joint]
     model = BY_NUMBER.get(drive.servo.model)
     if model is None:

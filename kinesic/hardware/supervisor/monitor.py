@@ -36,7 +36,7 @@ class LoadRatings:
 
     @classmethod
     def of(cls, tables: Sequence[Table]) -> "LoadRatings":
-        """By the servos' own limits."""
+        """Reads the ratings from the servos' own limits."""
         return cls(
             celsius=sealed([table[Register.TEMPERATURE_LIMIT] for table in tables]),
             current=sealed([_current(table) for table in tables]),
@@ -57,7 +57,7 @@ class LoadState:
 
     @classmethod
     def none(cls, count: int) -> "LoadState":
-        """Of servos that have rested."""
+        """Makes the state of servos that have rested."""
         return cls(sealed(np.zeros(count)), sealed(np.zeros(count)))
 
     @property
@@ -66,36 +66,36 @@ class LoadState:
         return self.stalled >= STUCK
 
 
-def update_load(strain: LoadState, records: Records, goals: Floats, seconds: float, strength: LoadRatings) -> LoadState:
-    """What a moment adds.
+def update_load(load: LoadState, records: Records, goals: Floats, seconds: float, ratings: LoadRatings) -> LoadState:
+    """Adds a moment to the load of servos.
 
     Args:
-        strain: before.
+        load: before.
         records: (m,) of this moment.
         goals: (m,) [ticks].
         seconds: that passed.
-        strength: of the servos.
+        ratings: of the servos.
     """
-    share = np.minimum(np.abs(records["current"].astype(float)) / strength.current, 1.0)
-    work = strain.work + (share**2 - strain.work) * min(seconds / MEMORY, 1.0)
-    far = np.abs(goals - records["position"]) >= BEHIND * strength.full
+    share = np.minimum(np.abs(records["current"].astype(float)) / ratings.current, 1.0)
+    work = load.work + (share**2 - load.work) * min(seconds / MEMORY, 1.0)
+    far = np.abs(goals - records["position"]) >= BEHIND * ratings.full
     halted = far & (np.abs(records["velocity"].astype(float)) < MOVES) & (records["torque"] != 0)
-    return LoadState(sealed(work), sealed(np.where(halted, strain.stalled + seconds, 0.0)))
+    return LoadState(sealed(work), sealed(np.where(halted, load.stalled + seconds, 0.0)))
 
 
-def derate(strain: LoadState, records: Records, strength: LoadRatings) -> Floats:
-    """(m,) how fast, 0..1, each servo lets the performance be; 1: as planned."""
-    by_work = (HARD - strain.work) / (HARD - EASY)
-    by_heat = (strength.celsius - HOT - records["temperature"]) / (COOL - HOT)
+def derate(load: LoadState, records: Records, ratings: LoadRatings) -> Floats:
+    """Returns (m,) how fast, 0..1, each servo lets the performance be; 1: as planned."""
+    by_work = (HARD - load.work) / (HARD - EASY)
+    by_heat = (ratings.celsius - HOT - records["temperature"]) / (COOL - HOT)
     share: Floats = np.maximum(0.0, np.minimum(np.minimum(by_work, by_heat), 1.0))  # clip takes several times as long
     return share
 
 
 class CommunicationMonitor:
-    """Looks at every cycle; at how hard servos work, which changes slowly, at every few."""
+    """Judges every cycle; how hard servos work changes slowly, and is judged every few."""
 
     def __init__(self, manifest: Manifest, tables: Sequence[Table]) -> None:
-        """Nobody has been heard yet.
+        """Knows nothing of the servos yet.
 
         Args:
             manifest: of the servos.
@@ -103,8 +103,8 @@ class CommunicationMonitor:
         """
         count = len(manifest.members)
         nobody: Flags = np.zeros(count, dtype=np.bool_)
-        self._manifest, self._strength = manifest, LoadRatings.of(tables)
-        self._strain, self._since = LoadState.none(count), WEIGH  # [s] since it was looked at
+        self._manifest, self._ratings = manifest, LoadRatings.of(tables)
+        self._load, self._since = LoadState.none(count), WEIGH  # [s] since it was looked at
         self._signature = b""  # of what was judged last
         self.records: Records | None = None  # (m,) the last ones; None before the first
         self.present: Floats = np.full(count, np.nan)  # (m,) [ticks]; NaN for who has not answered lately
@@ -113,8 +113,8 @@ class CommunicationMonitor:
         self.lost = False  # whether a port is gone
         self.answering = False  # whether all have answered lately
         self.everybody = False  # whether all have, be a port gone since
-        self.heard: Flags = nobody  # (m,) who has answered lately
-        self.energised: Flags = nobody  # (m,) who had torque when heard last
+        self.answered: Flags = nobody  # (m,) who has answered lately
+        self.energised: Flags = nobody  # (m,) who had torque in the last record
         self.stuck: Flags = nobody  # (m,) who could not move, once
         self.failed: Flags = nobody  # (m,) who has a hardware error, or is stuck
         self.limp: Flags = nobody  # (m,) who could have torque, and has none
@@ -123,7 +123,7 @@ class CommunicationMonitor:
         self._fit = False  # whether all have torque, and none has failed
 
     def look(self, snapshot: Snapshot, goals: Floats | None, seconds: float) -> None:
-        """One more cycle; goals are (m,) [ticks]."""
+        """Judges one more cycle; goals are (m,) [ticks]."""
         self.records, recent = snapshot.records, snapshot.recent
         self.everybody = everybody = bool(recent.all())
         self.present = snapshot.positions if everybody else np.where(recent, snapshot.positions, np.nan)
@@ -131,26 +131,24 @@ class CommunicationMonitor:
         self._since += seconds
         weighed = self._since >= WEIGH
         if weighed:
-            self._weigh(snapshot, goals)
+            self._weigh_load(snapshot, goals)
         settled = everybody and self.answering and not weighed and not snapshot.lost
         if not settled or snapshot.signature != self._signature:
             self._judge(snapshot)
 
-    def _weigh(self, snapshot: Snapshot, goals: Floats | None) -> None:
-        """How hard they work."""
+    def _weigh_load(self, snapshot: Snapshot, goals: Floats | None) -> None:
         if goals is not None:
-            self._strain = update_load(self._strain, snapshot.records, goals, self._since, self._strength)
-            self.stuck = self.stuck | (self._strain.stuck & snapshot.torque)
-        self.scale = float(derate(self._strain, snapshot.records, self._strength).min())
+            self._load = update_load(self._load, snapshot.records, goals, self._since, self._ratings)
+            self.stuck = self.stuck | (self._load.stuck & snapshot.torque)
+        self.scale = float(derate(self._load, snapshot.records, self._ratings).min())
         self._since = 0.0
 
     def _judge(self, snapshot: Snapshot) -> None:
-        """What follows from all that."""
-        self._signature, self.lost, self.heard = snapshot.signature, snapshot.lost, snapshot.recent
+        self._signature, self.lost, self.answered = snapshot.signature, snapshot.lost, snapshot.recent
         self.answering = self.everybody and not snapshot.lost
         self.energised = snapshot.torque
         self.failed = snapshot.errors | self.stuck
-        self.limp = self.heard & ~self.energised & ~self.failed
+        self.limp = self.answered & ~self.energised & ~self.failed
         self.any_energised, self.all_energised = bool(self.energised.any()), bool(self.energised.all())
         self.any_limp = bool(self.limp.any())
         self.tripped = bool((snapshot.tripped & self.energised).any())
@@ -162,7 +160,7 @@ class CommunicationMonitor:
         return self.answering and self._fit and self.scale > 0.0
 
     @property
-    def held_joints(self) -> frozenset[int]:
+    def holding_joints(self) -> frozenset[int]:
         """Joints that must not move: the chains of those who have failed."""
         joints = {int(joint) for joint in self._manifest.joints[self.failed]}
         return frozenset().union(*(chain for chain in self._manifest.chains if chain & joints))

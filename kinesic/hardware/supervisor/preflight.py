@@ -1,4 +1,4 @@
-"""Before torque: are these the servos of the manifest, and are their registers set? Nothing is energised here."""
+"""Checks before torque that these are the servos of the manifest, and sets their registers. Nothing is energised."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ class Table:
 
     @classmethod
     def read(cls, cold: Cold, member: Member) -> "Table":
-        """Asks the servo.
+        """Reads the registers of a servo.
 
         Raises:
             BusError: it does not answer.
@@ -41,7 +41,7 @@ class Table:
 
 
 def take_over(manifest: Manifest, opens: Callable[[str], Wire], *, period: float) -> tuple[Axes, tuple[Table, ...]]:
-    """Opens the ports, and makes sure that everything is as it must be.
+    """Opens the ports, and checks that everything is as it must be.
 
     Args:
         manifest: who must be there.
@@ -64,7 +64,7 @@ def take_over(manifest: Manifest, opens: Callable[[str], Wire], *, period: float
 
 
 def open_wires(manifest: Manifest, opens: Callable[[str], Wire]) -> dict[str, Wire]:
-    """The open wires of all buses.
+    """Opens the wires of all buses.
 
     Raises:
         BusError: some do not open; one line each.
@@ -109,7 +109,7 @@ def prepare_servos(manifest: Manifest, wires: Mapping[str, Wire], *, period: flo
 
 
 def control_tables(axes: Axes) -> tuple[Table, ...]:
-    """The registers of all servos.
+    """Reads the registers of all servos.
 
     Raises:
         BusError: a servo does not answer.
@@ -118,7 +118,7 @@ def control_tables(axes: Axes) -> tuple[Table, ...]:
 
 
 def check_servos(axes: Axes, found: tuple[Table, ...]) -> None:
-    """Makes sure that the servos, which are the right ones, may be driven.
+    """Checks that the servos, which are the right ones, may be driven.
 
     Raises:
         BusError: some may not; one line for each reason.
@@ -129,7 +129,7 @@ def check_servos(axes: Axes, found: tuple[Table, ...]) -> None:
 
 
 def reasons(table: Table) -> tuple[str, ...]:
-    """Why a servo may not be driven, and what mends it; empty if it may."""
+    """Returns why a servo may not be driven, and what mends it; empty if it may."""
     looks = (_error, _limits, _speed, _place, _mode)
     return tuple(reason for look in looks if (reason := look(table)))
 
@@ -193,7 +193,7 @@ def configure(axes: Axes, found: tuple[Table, ...]) -> tuple[Change, ...]:
 
 
 def required_registers(table: Table) -> dict[Register, int]:
-    """What the EEPROM of a servo must hold."""
+    """Returns what the EEPROM of a servo must hold."""
     member, startup = table.member, Register.STARTUP_CONFIGURATION
     lower, upper = member.span
     wishes = dict(member.lasting)

@@ -12,7 +12,7 @@ Policy = Literal["hold", "limp"]
 
 @dataclass(frozen=True)
 class SupervisorSettings:
-    """Times in seconds, except where a unit is named."""
+    """Figures by which the supervisor acts: times in seconds, except where a unit is named."""
 
     period: float = 0.01  # of cycles
     watchdog: float = 0.1  # without bytes after which a servo stops by itself

@@ -1,4 +1,4 @@
-"""The supervisor's state machine, as a pure function: what it does next, for any state, event and facts.
+"""Decides what the supervisor does next: a state machine as a pure function of state, event and observation.
 
 Theorems, which the tests hold it to: nothing is energised before the manifest is right; every state leads to rest or
 to release; an emergency stop wins over everything.
@@ -109,7 +109,7 @@ MOVING = frozenset({Stage.APPROACH, Stage.ACTIVE, Stage.FOLD})
 
 
 def step(state: SupervisorState, event: Event, facts: Observation) -> Step:
-    """The next state, and what is to be begun on the way there.
+    """Returns the next state, and what is to be begun on the way there.
 
     Args:
         state: now.

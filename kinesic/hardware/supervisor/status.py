@@ -20,7 +20,7 @@ VOLT = Register.PRESENT_INPUT_VOLTAGE.field.scale
 
 
 class EventLog:
-    """A file of events; none if there is no path."""
+    """A file of events, one JSON object per line; none if there is no path."""
 
     def __init__(self, path: Path | None) -> None:
         """Opens the file, to add to it.
@@ -31,7 +31,7 @@ class EventLog:
         self._file = path.open("ab", buffering=0) if path is not None else None
 
     def write(self, note: Note) -> None:
-        """One line; lost where the disk is full, which stops no robot."""
+        """Adds a line, which is lost where the disk is full: that stops no robot."""
         if self._file is not None:
             line = {"time": round(note.clock, 6), "wall": round(wall_time(), 3), "kind": note.kind}
             servo = {"servo": note.servo} if note.servo >= 0 else {}
@@ -39,48 +39,47 @@ class EventLog:
                 self._file.write(json.dumps({**line, **servo, "text": note.text}).encode() + b"\n")
 
     def close(self) -> None:
-        """Ends the file."""
+        """Closes the file."""
         if self._file is not None:
             self._file.close()
 
 
 class StatusWriter:
-    """The way to the planner, and to the file."""
+    """Writes for the planner and for the log."""
 
     def __init__(self, manifest: Manifest, channel: Channel, journal: EventLog) -> None:
-        """Of a supervisor of this manifest."""
         self._manifest, self._channel, self._journal = manifest, channel, journal
         self._measured, self._hottest, self._volts = -inf, nan, nan  # [s] when the other two were looked at
 
     def note(self, clock: float, kind: str, text: str, servo: int = -1) -> None:
-        """Tells of an event at a time [s]."""
+        """Writes an event at a time [s]."""
         note = Note(clock, servo, kind, text)
         self._channel.note(note)
         self._journal.write(note)
 
-    def tell(
-        self, clock: float, state: SupervisorState, watch: CommunicationMonitor, steering: GoalSteering, late: int
+    def write(
+        self, clock: float, state: SupervisorState, monitor: CommunicationMonitor, steering: GoalSteering, late: int
     ) -> None:
-        """Tells how it was in the cycle that began at a time [s]; `late` cycles so far began too late."""
+        """Writes the status in the cycle that began at a time [s]; `late` cycles so far began too late."""
         player = steering.player
-        if abs(clock - self._measured) >= SLOWLY and watch.records is not None:
+        if abs(clock - self._measured) >= SLOWLY and monitor.records is not None:
             self._measured = clock
-            self._hottest = float(watch.records["temperature"].max())
-            self._volts = float(watch.records["volts"].min()) * VOLT
-        self._channel.tell(
+            self._hottest = float(monitor.records["temperature"].max())
+            self._volts = float(monitor.records["volts"].min()) * VOLT
+        self._channel.write_status(
             Status(
                 stage=state.stage,
                 clock=clock,
-                time=player.tempo.time if player.begun else nan,
-                scale=player.tempo.scale,
-                energised=int(np.count_nonzero(watch.energised)),
+                time=player.time_scale.time if player.begun else nan,
+                scale=player.time_scale.scale,
+                energised=int(np.count_nonzero(monitor.energised)),
                 hottest=self._hottest,
                 volts=self._volts,
-                silent=len(watch.heard) - int(np.count_nonzero(watch.heard)),
+                silent=len(monitor.answered) - int(np.count_nonzero(monitor.answered)),
                 late=late,
                 faulty=state.faulty,
-                angles=self._manifest.angles(watch.present, whole=watch.everybody),
+                angles=self._manifest.angles(monitor.present, whole=monitor.everybody),
                 goals=steering.angles,
-                taken=self._manifest.means(watch.taken, whole=watch.everybody),
+                taken=self._manifest.means(monitor.taken, whole=monitor.everybody),
             )
         )

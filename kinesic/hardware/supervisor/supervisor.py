@@ -1,4 +1,4 @@
-"""The supervisor's loop: one cycle of the wires, what it tells, what follows from it, and a word to the planner."""
+"""Runs the supervisor's loop: a cycle of the wires, what follows from it, and a status for the planner."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ TAKEN = 32  # commands in one cycle at most: it must not take long
 AHEAD = 2.0  # [s] of the performance that are taken from the channel
 WIRE_SHARE = 0.9  # of a period that the wires may take; the rest is for deciding
 LEAST = 1e-4  # [s] between two cycles
-LOOKS = 100  # cycles until everybody must have been heard
+LOOKS = 100  # cycles until everybody must have answered
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,12 +49,12 @@ class Supervisor:
         self.late = 0  # cycles that began more than a period late, as the loop counts them
         self._around, self._channel, self._settings = surroundings, surroundings.channel, settings
         self._watchdog = watchdog_counts(watchdog)
-        self._teller = StatusWriter(manifest, surroundings.channel, surroundings.journal)
-        self._steering, self._watch = GoalSteering(manifest, settings), CommunicationMonitor(manifest, ())
+        self._writer = StatusWriter(manifest, surroundings.channel, surroundings.journal)
+        self._steering, self._monitor = GoalSteering(manifest, settings), CommunicationMonitor(manifest, ())
         self._axes: Axes | None = None
         self._tables: tuple[Table, ...] = ()
         self._procedure: Procedure | None = None
-        self._concerns: list[int] = []  # the members it is about
+        self._concerned: list[int] = []  # the members it is about
         self._last: Snapshot | None = None
         self._since = self._clock = 0.0  # [s] in this stage; of the last cycle
         self._failures = self._halted = 0
@@ -67,12 +67,12 @@ class Supervisor:
         return self._axes is None
 
     def open(self) -> None:
-        """Looks who is there; nothing is energised."""
+        """Opens the ports and checks who is there; nothing is energised."""
         self._advance("open")
-        self._tell()
+        self._write_status()
 
     def step(self) -> None:
-        """One period."""
+        """Runs one period."""
         axes = self._axes
         if axes is None:
             return
@@ -80,7 +80,7 @@ class Supervisor:
         seconds = min(max(now - self._clock, LEAST), 2 * self._settings.period)
         self._clock = now
         self._alone = not self._around.planner()
-        self._ended = bool(self._channel.word("ended"))  # asked before commands are taken, as it is said after them
+        self._ended = bool(self._channel.word("ended"))  # read before commands are taken, as it is set after them
         most = TAKEN if self._steering.player.left < AHEAD else 0
         for time, goals in self._channel.commands(most):
             if not self._steering.player.take(time, goals):
@@ -88,45 +88,42 @@ class Supervisor:
         self._move(seconds)
         self._look(axes, self._goals(), seconds)
         self._proceed()
-        for event in self._happened():
+        for event in self._detect_events():
             self._advance(event)
-        self._tell()
+        self._write_status()
 
     def sleep(self, until: float) -> None:
-        """Waits until [s] on the wires' clock."""
+        """Waits until a time [s] on the wires' clock."""
         if self._axes is not None:
             self._axes.sleep(until)
 
     def now(self) -> float:
-        """[s] on the wires' clock."""
+        """Returns the time [s] on the wires' clock."""
         return self._axes.now() if self._axes is not None else monotonic()
 
     def _look(self, axes: Axes, goals: Ticks | None, seconds: float) -> None:
-        """One cycle of the wires."""
         self._last = axes.cycle(goals)
-        self._watch.look(self._last, self._steering.goals, seconds)
+        self._monitor.look(self._last, self._steering.goals, seconds)
         for name, event in self._last.events:
             self._note(event.kind, f"{name}: {event.text}", -1 if event.servo is None else event.servo)
 
     def _move(self, seconds: float) -> None:
-        """Brings the goals on by a moment."""
-        stage, watch = self.state.stage, self._watch
-        wanted = watch.scale if stage is Stage.ACTIVE else float(stage in MOVING)
+        stage, monitor = self.state.stage, self._monitor
+        target = monitor.scale if stage is Stage.ACTIVE else float(stage in MOVING)
         hurry = self._gone or stage in (Stage.STOPPED, Stage.LOST)
-        slow = self._settings.quick if hurry and not wanted else self._settings.slow
-        refused = self._steering.move(seconds, watch.present, wanted=wanted, slow=slow) & watch.energised
+        slow = self._settings.quick if hurry and not target else self._settings.slow
+        refused = self._steering.move(seconds, monitor.present, target=target, slow=slow) & monitor.energised
         if refused.any() and not self._limited:
             names = ", ".join(sorted({self.manifest.members[k].hinge for k in np.flatnonzero(refused)}))
             self._note("limited", f"goals of {names} were asked beyond what they may do")
         self._limited = bool(refused.any())
 
     def _goals(self) -> Ticks | None:
-        """What goes out."""
-        if not self._watch.all_energised:
-            limp = ~self._watch.energised
+        if not self._monitor.all_energised:
+            limp = ~self._monitor.energised
             if self._procedure is not None:
-                limp[self._concerns] = False  # the procedure says where they are
-            self._steering.follow_limp(limp, self._watch.present)
+                limp[self._concerned] = False  # the procedure says where they are
+            self._steering.follow_limp(limp, self._monitor.present)
         return self._steering.ticks()
 
     # what is known
@@ -136,19 +133,19 @@ class Supervisor:
         """Whether the planner has left without a word."""
         return self._alone and not self._ended
 
-    def _facts(self) -> Observation:
-        player, watch, stage = self._steering.player, self._watch, self.state.stage
+    def _observe(self) -> Observation:
+        player, monitor, stage = self._steering.player, self._monitor, self.state.stage
         lasted, estop = self._clock - self._since, self._channel.word("estop")
         gone, ended = self._gone, self._ended
         resting = stage is Stage.HOLD and lasted > self._settings.patience
         alone = self.state.stopped and self._alone  # nobody can release it any more
-        vain = alone or resting or (not watch.answering and lasted > self._settings.patience)
+        vain = alone or resting or (not monitor.answering and lasted > self._settings.patience)
         enough = DONE if stage in MOVING or ended else self._settings.lead - DONE
         return Observation(
-            energised=watch.any_energised,
-            answering=watch.answering,
-            well=watch.well and self._procedure is None,
-            limp=watch.any_limp,
+            energised=monitor.any_energised,
+            answering=monitor.answering,
+            well=monitor.well and self._procedure is None,
+            limp=monitor.any_limp,
             begun=player.begun,
             due=not gone and player.left > enough,
             ended=gone or (ended and (player.left <= DONE or vain)),
@@ -160,24 +157,23 @@ class Supervisor:
             policy=POLICIES[estop - 1] if estop else self._settings.policy,
         )
 
-    def _happened(self) -> tuple[Event, ...]:
-        """What this cycle means for the state machine; the facts besides."""
-        stage, watch, events = self.state.stage, self._watch, list[Event]()
+    def _detect_events(self) -> tuple[Event, ...]:
+        stage, monitor, events = self.state.stage, self._monitor, list[Event]()
         halt = self._channel.word("estop")
         if halt > self._halted:
             events.append("estop")
         self._halted = halt
-        if watch.lost and stage is not Stage.LOST:
+        if monitor.lost and stage is not Stage.LOST:
             events.append("lost")
-        if not watch.lost and stage is Stage.LOST:
+        if not monitor.lost and stage is Stage.LOST:
             events.append("back")
-        if watch.tripped and not watch.lost:
+        if monitor.tripped and not monitor.lost:
             events.append("tripped")
-        failures = int(np.count_nonzero(watch.failed))
+        failures = int(np.count_nonzero(monitor.failed))
         if failures > self._failures:
-            names = ", ".join(self.manifest.members[k].hinge for k in np.flatnonzero(watch.failed))
+            names = ", ".join(self.manifest.members[k].hinge for k in np.flatnonzero(monitor.failed))
             self._note("failed", f"{names}: shut down, or cannot move")
-            self._steering.give_up(watch.stuck, watch.present)
+            self._steering.give_up(monitor.stuck, monitor.present)
             events.append("failed")
         self._failures = failures
         return (*events, "tick")
@@ -187,19 +183,19 @@ class Supervisor:
     def _advance(self, event: Event) -> None:
         """Lets the state machine see an event, and begins what it asks for."""
         before = self.state.stage
-        self.state, actions = step(self.state, event, self._facts())
+        self.state, actions = step(self.state, event, self._observe())
         if self.state.stage is not before:
             self._since = self._clock
             self._note("stage", f"{before.value} -> {self.state.stage.value} ({event})")
         for action in actions:
-            self._act(action)
+            self._perform(action)
 
-    def _act(self, action: Action) -> None:
+    def _perform(self, action: Action) -> None:
         steering = self._steering
         if action == "check":
-            self._attempt(self._check)
+            self._try(self._check)
         elif action == "configure":
-            self._attempt(self._configure)
+            self._try(self._configure)
         elif action in ("arm", "adopt", "release"):
             self._begin(action)
         elif action == "hold":
@@ -212,11 +208,11 @@ class Supervisor:
         elif action == "follow":
             steering.player.follow()
         elif action == "fold":
-            steering.fold(self._watch.held_joints)
+            steering.fold(self._monitor.holding_joints)
         elif action == "close":
             self._close()
 
-    def _attempt(self, deed: Callable[[], None]) -> None:
+    def _try(self, deed: Callable[[], None]) -> None:
         """Does something that takes its time, while nothing moves."""
         try:
             deed()
@@ -229,12 +225,12 @@ class Supervisor:
 
     def _check(self) -> None:
         axes, self._tables = take_over(self.manifest, self._around.opens, period=WIRE_SHARE * self._settings.period)
-        self._axes, self._watch = axes, CommunicationMonitor(self.manifest, self._tables)
+        self._axes, self._monitor = axes, CommunicationMonitor(self.manifest, self._tables)
         for _ in range(LOOKS):
             self._look(axes, None, self._settings.period)
-            if self._watch.answering:
+            if self._monitor.answering:
                 return
-        silent = ", ".join(axes.where(k) for k in np.flatnonzero(~self._watch.heard).tolist())
+        silent = ", ".join(axes.where(k) for k in np.flatnonzero(~self._monitor.answered).tolist())
         raise BusError(f"{silent}: answers too rarely; check plugs, cable length and latency timer")
 
     def _configure(self) -> None:
@@ -244,22 +240,21 @@ class Supervisor:
             self._clock = self._axes.now()
 
     def _begin(self, action: Action) -> None:
-        """Starts a procedure in place of the one before."""
         axes, last = self._axes, self._last
         if axes is None or last is None:
             return
         power = np.array([table[Register.PWM_LIMIT] for table in self._tables], dtype=np.int64)
         self._steering.hold()
-        self._concerns = list(axes.everybody)
+        self._concerned = list(axes.everybody)
         if action == "arm":
-            self._concerns = np.flatnonzero(self._watch.limp).tolist()
+            self._concerned = np.flatnonzero(self._monitor.limp).tolist()
             steps = round(RAMP / self._settings.period)
-            self._procedure = energise(axes, self._concerns, last, power, watchdog=self._watchdog, steps=steps)
+            self._procedure = energise(axes, self._concerned, last, power, watchdog=self._watchdog, steps=steps)
         elif action == "adopt":
-            held = self._steering.goals
-            if held is None:
-                held = np.array([table[Register.GOAL_POSITION] for table in self._tables], dtype=np.float64)
-            self._procedure = adopt(axes, last, held, power, watchdog=self._watchdog)
+            earlier = self._steering.goals
+            if earlier is None:
+                earlier = np.array([table[Register.GOAL_POSITION] for table in self._tables], dtype=np.float64)
+            self._procedure = adopt(axes, last, earlier, power, watchdog=self._watchdog)
         else:
             self._procedure = release_torque(axes, tries=round(self._settings.hopeless / self._settings.period))
         self._proceed(first=True)
@@ -270,9 +265,9 @@ class Supervisor:
         if procedure is None or self._last is None:
             return
         try:
-            asked = next(procedure) if first else procedure.send(self._last)
-            if asked is not None:
-                self._steering.put(self._concerns, asked)
+            goals = next(procedure) if first else procedure.send(self._last)
+            if goals is not None:
+                self._steering.put(self._concerned, goals)
         except StopIteration:
             self._procedure = None
             self._advance("done")
@@ -287,7 +282,7 @@ class Supervisor:
         self._axes = self._procedure = None
 
     def _note(self, kind: str, text: str, servo: int = -1) -> None:
-        self._teller.note(self.now(), kind, text, servo)
+        self._writer.note(self.now(), kind, text, servo)
 
-    def _tell(self) -> None:
-        self._teller.tell(self._clock, self.state, self._watch, self._steering, self.late)
+    def _write_status(self) -> None:
+        self._writer.write(self._clock, self.state, self._monitor, self._steering, self.late)

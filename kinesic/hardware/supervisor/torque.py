@@ -1,7 +1,7 @@
-"""Torque comes and goes: procedures that live through cycles, so that nothing else has to wait for them.
+"""Gives and takes torque by procedures that live through cycles, so that nothing else has to wait for them.
 
-Each is a generator: it yields the goals of its servos for the next cycle, gets what that cycle told, and returns when
-it is done.
+Each is a generator: it yields the goals of its servos for the next cycle, gets the snapshot of that cycle, and returns
+when it is done.
 """
 
 from collections.abc import Generator, Sequence
@@ -26,7 +26,7 @@ Procedure = Generator[Floats | None, Snapshot, None]  # goals [ticks] of its ser
 
 
 def watchdog_counts(seconds: float) -> int:
-    """BUS_WATCHDOG for a time [s]."""
+    """Converts a time [s] to BUS_WATCHDOG."""
     return ceil(seconds / WATCHDOG - 1e-9)
 
 
@@ -81,13 +81,13 @@ def energise(
         yield goals
 
 
-def adopt(axes: Axes, first: Snapshot, held: Floats, power: Ticks, *, watchdog: int) -> Procedure:
+def adopt(axes: Axes, first: Snapshot, earlier: Floats, power: Ticks, *, watchdog: int) -> Procedure:
     """Takes servos over that have torque, where they are, without dropping it.
 
     Args:
         axes: all servos.
         first: the last cycle.
-        held: (m,) [ticks] goals that they had; those who were stopped get the place where they stopped.
+        earlier: (m,) [ticks] goals that they had; those who were stopped get the place where they stopped.
         power: (m,) GOAL_PWM of full power.
         watchdog: BUS_WATCHDOG.
 
@@ -99,8 +99,8 @@ def adopt(axes: Axes, first: Snapshot, held: Floats, power: Ticks, *, watchdog: 
         if snapshot.recent.all():
             break
         snapshot = yield None
-    away = snapshot.tripped | ~snapshot.torque | (np.abs(held - snapshot.positions) > LEAD * axes.manifest.full)
-    goals = np.clip(np.where(away, snapshot.positions, held), *axes.manifest.spans)
+    away = snapshot.tripped | ~snapshot.torque | (np.abs(earlier - snapshot.positions) > LEAD * axes.manifest.full)
+    goals = np.clip(np.where(away, snapshot.positions, earlier), *axes.manifest.spans)
     chosen = np.flatnonzero(snapshot.torque & snapshot.recent).tolist()
     axes.put_all(Register.BUS_WATCHDOG, chosen, 0)  # a servo that was stopped takes goals again
     yield goals
@@ -118,7 +118,7 @@ def adopt(axes: Axes, first: Snapshot, held: Floats, power: Ticks, *, watchdog: 
 
 
 def release_torque(axes: Axes, *, tries: int) -> Procedure:
-    """Takes the torque of every servo, and looks that it is gone; nobody is forgotten because of another.
+    """Takes the torque of every servo, and checks that it is gone; no servo is left out because of another.
 
     Args:
         axes: all servos.
@@ -129,10 +129,10 @@ def release_torque(axes: Axes, *, tries: int) -> Procedure:
     """
     gone, since = np.zeros(len(axes.everybody), dtype=np.bool_), axes.now()
     for _ in range(tries):
-        held = [k for k in axes.everybody if not gone[k]]
+        remaining = [k for k in axes.everybody if not gone[k]]
         for _ in range(2):
-            axes.put_all(Register.TORQUE_ENABLE, held, 0)
-        axes.put_all(Register.BUS_WATCHDOG, held, 0)
+            axes.put_all(Register.TORQUE_ENABLE, remaining, 0)
+        axes.put_all(Register.BUS_WATCHDOG, remaining, 0)
         snapshot = yield None
         gone |= (snapshot.times >= since) & ~snapshot.torque
         if gone.all():
@@ -148,7 +148,6 @@ def _put_passing(axes: Axes, places: Sequence[int]) -> None:
 
 
 def _taken(axes: Axes, places: Sequence[int], goals: Floats) -> bool:
-    """Whether every servo has its goal, asked one by one."""
     try:
         return bool(np.array_equal([axes.read(k, Register.GOAL_POSITION) for k in places], np.rint(goals)))
     except BusError:

@@ -1,4 +1,4 @@
-"""One half-duplex wire with virtual servos on it: bytes and their times in, bytes and their times out.
+"""Simulates a half-duplex wire with virtual servos on it: bytes and their times in, bytes and their times out.
 
 The clock is the caller's, so that time may be real or virtual. Bytes take ten bits each; the host's adapter hands on
 what it has when `PIECE` bytes are full, or when its latency timer has run since it did so last (FTDI, AN232B-04); the
@@ -23,7 +23,7 @@ LATENCY = 0.001  # [s] of its timer, set low as it should be
 
 
 class VirtualBus:
-    """Servos that hear one another's wire."""
+    """A wire whose servos hear everything that is said on it."""
 
     def __init__(
         self,
@@ -52,18 +52,18 @@ class VirtualBus:
         self.expose(faults)
 
     def expose(self, faults: FaultPlan) -> None:
-        """Faults of the wire and its servos from now on; those of the wire replace earlier ones."""
+        """Exposes the wire and its servos to faults from now on; those of the wire replace earlier ones."""
         now = self._plant.time
-        self._weather = WireFaults(faults, since=now)
+        self._wire_faults = WireFaults(faults, since=now)
         self._outages = [(now + mishap.start, now + mishap.end) for mishap in faults.of(frozenset({"unplug"}))]
         self._plant.expose(self._servos, faults)
 
     def plugged(self, time: float) -> bool:
-        """Whether the adapter is there [s]."""
+        """Returns whether the adapter is there at a time [s]."""
         return not any(start <= time < end for start, end in self._outages)
 
     def next_outage(self, time: float) -> float:
-        """[s] when the adapter is pulled next; infinite if it stays."""
+        """Returns when [s] the adapter is pulled next; infinite if it stays."""
         return min((start for start, _ in self._outages if start > time), default=inf)
 
     def unplug(self) -> None:
@@ -76,7 +76,7 @@ class VirtualBus:
         self._plant.advance(time)
 
     def send(self, data: bytes | bytearray, time: float) -> None:
-        """The host says something.
+        """Takes what the host sends.
 
         Args:
             data: its bytes.
@@ -89,16 +89,16 @@ class VirtualBus:
             if begun < self._answered:
                 self._collide(begun, clock)
                 continue
-            for packet in self._reader.feed(self._weather.request(part, clock)):
+            for packet in self._reader.feed(self._wire_faults.request(part, clock)):
                 self._answered = self._answer(packet, clock, byte)
         self._said = clock
 
     def arrives(self) -> float:
-        """[s] when the host gets the next bytes; infinite if none are under way."""
+        """Returns when [s] the host gets the next bytes; infinite if none are under way."""
         return self._coming[0].arrival if self._coming else inf
 
     def receive(self, time: float) -> bytes:
-        """All that the host has got by a time [s]."""
+        """Returns all that the host has got by a time [s]."""
         coming, had = self._coming, bytearray()
         while coming and coming[0].arrival <= time:
             had += coming.popleft().data
@@ -118,14 +118,14 @@ class VirtualBus:
             if servo.electronics.up and servo.baud == self.baud:
                 servo.electronics.hear(clock)
                 hearing.setdefault(servo.id, []).append(servo)
-        heard = self._weather.replies(answers(packet, hearing), clock)
-        return self._deliver(heard, clock, byte)
+        transmissions = self._wire_faults.replies(answers(packet, hearing), clock)
+        return self._deliver(transmissions, clock, byte)
 
-    def _deliver(self, heard: list[Transmission], clock: float, byte: float) -> float:
+    def _deliver(self, transmissions: list[Transmission], clock: float, byte: float) -> float:
         """Cuts what comes along the wire into the adapter's pieces."""
         piece, late = bytearray(), 0.0
         full = min(PIECE, max(1, int(self._latency / byte))) if self._latency else PIECE
-        for part in heard:
+        for part in transmissions:
             clock += part.delay
             late = max(late, part.late)
             data = part.data
@@ -156,7 +156,7 @@ class Piece(NamedTuple):
     data: bytes
 
     def without(self, begun: float, ended: float) -> "Piece":
-        """Less the bytes that were on the wire between two times [s]; gaps in it are neglected."""
+        """Drops the bytes that were on the wire between two times [s]; gaps in it are neglected."""
         count = len(self.data)
         first, last = (count - round((self.ended - time) / self.byte) for time in (begun, ended))
         first, last = max(0, min(first, count)), max(0, min(last, count))
@@ -164,7 +164,7 @@ class Piece(NamedTuple):
 
 
 def _parts(data: bytes) -> Iterator[bytes]:
-    """Bytes up to each header, so that every packet ends at its own time."""
+    """Cuts bytes before each header, so that every packet ends at its own time."""
     start = 0
     while (end := data.find(HEADER, start + 1)) >= 0:
         yield data[start:end]

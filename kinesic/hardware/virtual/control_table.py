@@ -47,7 +47,7 @@ class TableLayout:
 
 @lru_cache
 def table_layout(number: int, firmware: int) -> TableLayout:
-    """The layout of a model by its number; what its firmware does not know yet is not there."""
+    """Returns the layout of a model by its number, without what its firmware does not know yet."""
     model = BY_NUMBER[number]
     known = [r for r in model.registers if model.family == "330" or r.field.firmware <= firmware]
     shown = {c.data + k: c.addresses + CELL * k for c in model.cells for k in range(c.count)}
@@ -73,7 +73,7 @@ class RegisterWrite:
 
 
 class Memory:
-    """The bytes of one servo. It knows places and sizes; what values mean is not its business."""
+    """The bytes of one servo; what their values mean is for others to know."""
 
     def __init__(self, model: Model, firmware: int) -> None:
         self.model, self.firmware = model, firmware
@@ -103,16 +103,16 @@ class Memory:
         self._values.pop(register, None)
 
     def put(self, address: int, data: bytes) -> None:
-        """Bytes of sensors or cells from an address on, unchecked."""
+        """Writes bytes of sensors or cells from an address on, unchecked."""
         self._bytes[address : address + len(data)] = data
 
     def restore_eeprom(self) -> None:
-        """Factory values below RAM."""
+        """Restores the factory values below RAM."""
         self._restore(r for r in self._layout.starts.values() if r.field.eeprom)
         self[Register.FIRMWARE_VERSION] = self.firmware
 
     def restore_ram(self) -> None:
-        """What a reboot leaves: initial values, and cells that show themselves."""
+        """Restores what a reboot leaves: initial values, and cells that show themselves."""
         self._bytes[RAM_START:] = bytes(self._layout.extent - RAM_START)
         self._values.clear()
         self._restore(r for r in self._layout.starts.values() if not r.field.eeprom)
@@ -125,7 +125,7 @@ class Memory:
             self[register] = self.model.starts(register)
 
     def read(self, address: int, size: int) -> bytes:
-        """The bytes of a span, indirect cells looked through.
+        """Reads the bytes of a span through its indirect cells.
 
         Raises:
             RefusalError: it begins at no register, or ends behind the table.
@@ -147,7 +147,7 @@ class Memory:
         return address if pointer is None else int.from_bytes(self._bytes[pointer : pointer + CELL], "little")
 
     def entries(self, address: int, data: bytes) -> list[RegisterWrite]:
-        """What a write would change, in order.
+        """Lists what a write would change, in order.
 
         Raises:
             RefusalError: it touches what is not there (ACCESS) or only a part of a register (LENGTH).
@@ -177,13 +177,13 @@ class Memory:
         return RegisterWrite(place, data[k : k + size], register)
 
     def points_well(self, entry: RegisterWrite) -> bool:
-        """Whether an entry that sets an indirect address names RAM; any other entry does."""
+        """Returns whether an entry that sets an indirect address names RAM; True for any other entry."""
         if entry.address not in self._layout.pointers:
             return True
         return RAM_START <= int.from_bytes(entry.data, "little") < self._layout.extent
 
     def store(self, entry: RegisterWrite) -> None:
-        """Puts what was checked."""
+        """Stores an entry that was checked."""
         self.put(entry.address, entry.data)
         if entry.register is not None:
             self._values.pop(entry.register, None)
@@ -191,23 +191,23 @@ class Memory:
             self._views.clear()
 
     def ram(self) -> bytes:
-        """All of RAM, for the servo's backup."""
+        """Returns all of RAM, for the servo's backup."""
         return bytes(self._bytes[RAM_START:])
 
     def put_ram(self, saved: bytes) -> None:
-        """What `ram` gave."""
+        """Restores what `ram` returned."""
         self._bytes[RAM_START:] = saved
         self._values.clear()
         self._views.clear()
 
 
 def value_fault(memory: Memory, register: Register, value: int, *, latched: bool) -> Fault:
-    """Why a value is not taken; NONE if it is.
+    """Returns why a value is not taken; NONE if it is.
 
     Args:
         memory: the servo's registers.
         register: to be written.
-        value: asked.
+        value: raw.
         latched: the servo has shut down and waits for a reboot.
     """
     field = register.field

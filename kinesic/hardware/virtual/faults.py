@@ -76,7 +76,7 @@ class PlannedFault:
         return DEFAULTS.get(self.kind, 0.0) if self.value is None else self.value
 
     def strikes(self, servo: int, time: float) -> bool:
-        """Whether it may concern a servo now."""
+        """Returns whether it may concern a servo at a time [s]."""
         return self.start <= time < self.end and (not self.servos or servo in self.servos)
 
 
@@ -102,7 +102,7 @@ class FaultPlan:
         return cls(mishaps, found.seed)
 
     def of(self, kinds: frozenset[str]) -> tuple[PlannedFault, ...]:
-        """Those of some kinds."""
+        """Selects the faults of some kinds."""
         return tuple(mishap for mishap in self.mishaps if mishap.kind in kinds)
 
 
@@ -121,7 +121,7 @@ class FaultTable(msgspec.Struct, forbid_unknown_fields=True):
     way: Way = "reply"
 
     def mishap(self) -> PlannedFault:
-        """The fault that it describes."""
+        """Returns the fault that it describes."""
         return PlannedFault(
             kind=self.kind,
             servos=tuple(self.servos),
@@ -153,7 +153,7 @@ class WireFaults:
     """Faults of one wire; the same seed and traffic meet the same faults."""
 
     def __init__(self, plan: FaultPlan, *, since: float = 0.0) -> None:
-        """Begins.
+        """Faults begin to count.
 
         Args:
             plan: what goes wrong.
@@ -166,18 +166,18 @@ class WireFaults:
         self._random = Random(plan.seed)
 
     def request(self, data: bytes, time: float) -> bytes:
-        """What the servos hear of what the host says."""
+        """Returns what the servos receive of what the host sends."""
         for mishap in self._on_requests:
             if mishap.start <= time - self._since < mishap.end and self._random.random() < mishap.rate:
                 data = self._struck(mishap, data)
         return data
 
     def replies(self, sent: Sequence[Sent], time: float) -> list[Transmission]:
-        """What the host hears of the answer to one instruction, be it one status or several, or a joint reply.
+        """Returns what the host receives of the answer to an instruction: one status or several, or a joint reply.
 
         A fault strikes one place of it. Who waits in vain for the bytes before his own keeps silent.
         """
-        heard = [Transmission(answer.data, answer.delay) for answer in sent]
+        transmissions = [Transmission(answer.data, answer.delay) for answer in sent]
         end = len(sent)
         for mishap in self._on_replies:
             struck = [k for k, answer in enumerate(sent) if mishap.strikes(answer.servo, time - self._since)]
@@ -185,16 +185,15 @@ class WireFaults:
                 continue
             if mishap.kind == "late":
                 k = struck[0]
-                heard[k] = replace(heard[k], late=heard[k].late + mishap.figure)
+                transmissions[k] = replace(transmissions[k], late=transmissions[k].late + mishap.figure)
                 continue
             k = self._random.choice(struck)
-            heard[k] = replace(heard[k], data=self._struck(mishap, heard[k].data))
+            transmissions[k] = replace(transmissions[k], data=self._struck(mishap, transmissions[k].data))
             if mishap.kind == "lost" and sent[k].chained:
                 end = min(end, k)
-        return [part for part in heard[:end] if part.data]
+        return [part for part in transmissions[:end] if part.data]
 
     def _struck(self, mishap: PlannedFault, data: bytes) -> bytes:
-        """Bytes after a fault."""
         dice = self._random
         if mishap.kind == "noise":
             return dice.randbytes(dice.randint(1, max(1, int(mishap.figure)))) + data

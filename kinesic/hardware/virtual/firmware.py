@@ -1,4 +1,4 @@
-"""What a virtual servo does by itself: it boots, guards, watches the bus, and shows what its sensors feel.
+"""Simulates what a servo does by itself: it boots, guards, watches the bus, and shows what its sensors feel.
 
 Assumed where no source says: a reboot takes `BOOT` seconds; any instruction on the wire feeds the bus watchdog; a stall
 of `OVERLOAD` seconds is an overload; an error stays until the reboot.
@@ -33,7 +33,7 @@ class Firmware:
     """Registers, guards and control loop of a servo; its shaft is somebody else's."""
 
     def __init__(self, memory: Memory) -> None:
-        """Not powered yet: `place` does that."""
+        """Is not powered before `place`."""
         self.memory = memory
         self.motion = SetPoint(memory, Shaft(0.0))
         small = memory[Register.MAX_VOLTAGE_LIMIT] < NOMINAL_VOLTS * 10
@@ -42,7 +42,7 @@ class Firmware:
         self.latched = False  # shut down until it is rebooted
         self.backup: bytes | None = None  # of RAM
         self.shaft, self.time = Shaft(0.0), 0.0
-        self._heard = self._started = 0.0  # [s]
+        self._instructed = self._started = 0.0  # [s]
         self._wakes = 0.0  # [s] when it is up again
         self._stalled_since = inf
         self._shown = -1.0  # [s] of the sensors' registers
@@ -66,17 +66,17 @@ class Firmware:
         self._boot(time)
 
     def due(self) -> float:
-        """[s] when it does something by itself; infinite if it waits for instructions."""
+        """Returns when [s] it does something by itself; infinite if it waits for instructions."""
         if not self.up:
             return self._wakes
         if self._patience is None:
             watchdog = self.memory[Register.BUS_WATCHDOG]
             watching = watchdog > 0 and self.memory[Register.TORQUE_ENABLE]
             self._patience = watchdog * WATCHDOG if watching else inf
-        return self._heard + self._patience
+        return self._instructed + self._patience
 
     def demand(self, time: float) -> Demand:
-        """What it asks of its motor from now on."""
+        """Returns what it demands of its motor from now on."""
         if not self.up:
             return LIMP
         if self._steady is not None:
@@ -87,7 +87,7 @@ class Firmware:
         return demand
 
     def feel(self, shaft: Shaft, time: float) -> None:
-        """Its shaft has moved, and time has passed: guards act."""
+        """Takes what the shaft does at a time [s], and lets the guards act."""
         asleep = not self.up
         self.celsius += self.heating * (time - self.time)
         self.shaft, self.time = shaft, time
@@ -100,11 +100,11 @@ class Firmware:
         self._guard()
 
     def hear(self, time: float) -> None:
-        """An instruction came along the wire, for whomever."""
-        self._heard = time
+        """Notes an instruction on the wire, for whichever servo."""
+        self._instructed = time
 
     def trip(self) -> None:
-        """The bus watchdog stops it where it is; torque stays on."""
+        """Stops where it is, as the bus watchdog does; torque stays on."""
         memory = self.memory
         memory[Register.BUS_WATCHDOG] = WATCHDOG_TRIPPED
         memory[Register.PROFILE_ACCELERATION] = memory[Register.PROFILE_VELOCITY] = 0
@@ -112,7 +112,7 @@ class Firmware:
         self.changed()
 
     def fail(self, bits: int) -> None:
-        """Hardware errors: the alert bit stands, and those of the shutdown mask take the torque away."""
+        """Raises hardware errors: the alert bit is set, and those of the shutdown mask take the torque away."""
         memory = self.memory
         memory[Register.HARDWARE_ERROR_STATUS] |= bits
         if bits & memory[Register.SHUTDOWN]:
@@ -121,18 +121,18 @@ class Firmware:
         self.changed()
 
     def reboot(self, *, seconds: float = BOOT) -> None:
-        """Power is gone for a while: RAM, torque and turns with it."""
+        """Takes the power away for a while, and with it RAM, torque and turns."""
         self.memory.restore_ram()
         self._wakes = self.time + max(seconds, SHORTEST_BOOT)
 
     def here(self) -> int:
-        """PRESENT_POSITION [ticks]."""
+        """Returns PRESENT_POSITION [ticks]."""
         return round(self.motion.ticks(self.shaft.angle))
 
     def _boot(self, time: float) -> None:
         memory = self.memory
         memory.restore_ram()
-        self._started = self._heard = self._wakes = time
+        self._started = self._instructed = self._wakes = time
         self.latched, self._stalled_since = False, inf
         self.motion = SetPoint(memory, self.shaft)
         self.motion.fold(self.shaft)
@@ -149,7 +149,7 @@ class Firmware:
         self.changed()
 
     def fold(self) -> None:
-        """Position mode knows one turn only; the set point is where the shaft is."""
+        """Sets the set point to where the shaft is, within one turn in position mode."""
         if self.memory[Register.OPERATING_MODE] == Mode.POSITION.value:
             self.motion.fold(self.shaft)
         self.motion.rest(self.shaft, self.time)
@@ -184,6 +184,6 @@ class Firmware:
         memory[Register.PRESENT_TEMPERATURE] = max(0, min(255, round(self.celsius)))
 
     def changed(self) -> None:
-        """Registers have changed: what followed from them is to be found anew."""
+        """Forgets what followed from registers that have changed."""
         self._shown = -1.0
         self._steady = self._patience = self._unharmed = None

@@ -1,4 +1,4 @@
-"""A virtual bus as a wire in memory, whose clock jumps to whatever happens next: tests take no time."""
+"""Makes a virtual bus a wire in memory, whose clock jumps to whatever happens next: tests take no time."""
 
 from math import inf
 
@@ -39,7 +39,7 @@ class MemoryWire:
         self._bus.baud = value
 
     def now(self) -> float:
-        """[s]."""
+        """Returns the time [s]."""
         return self._time
 
     def write(self, data: bytes | bytearray, /) -> None:
@@ -71,11 +71,11 @@ class MemoryWire:
         return b""
 
     def sleep(self, until: float, /) -> None:
-        """Jumps there."""
+        """Jumps to a time [s]."""
         self._time = max(self._time, until)
 
     def reopen(self) -> bool:
-        """Whether the adapter is plugged in again."""
+        """Returns whether the adapter is plugged in again."""
         back = self._bus.plugged(self._time)
         if back:
             self._opened = self._time

@@ -1,4 +1,4 @@
-"""What turns the shafts of virtual servos: a small protocol, and motors of the first order that obey it."""
+"""Turns the shafts of virtual servos: a protocol for physics, and motors of the first order that follow it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,13 +9,13 @@ from kinesic.body.servo import DUTY_FULL, TICKS_PER_RADIAN, ServoModel
 
 LONGEST = 0.01  # [s] step of motors whose law is integrated exactly: only the way of a profile is sampled
 
-Asked = Literal["limp", "angle", "speed", "current", "duty"]
+DemandKind = Literal["limp", "angle", "speed", "current", "duty"]
 
 
 class Demand(NamedTuple):
     """What a servo's electronics ask of its motor until the next step."""
 
-    kind: Asked
+    kind: DemandKind
     value: float = 0.0  # [rad], [rad/s], share of the stall current -1..1, or duty -1..1
     cap: float = 1.0  # largest duty 0..1
 
@@ -33,12 +33,12 @@ LIMP = Demand("limp")
 
 
 class Physics(Protocol):
-    """The shafts of several servos, always told and asked in the same order."""
+    """The shafts of several servos, always in the same order."""
 
     longest: float  # [s] step that keeps it accurate
 
     def shafts(self) -> Sequence[Shaft]:
-        """As they are now."""
+        """Returns the shafts as they are now."""
 
     def advance(self, seconds: float, demands: Sequence[Demand]) -> None:
         """Moves time on by at most `longest` under constant demands."""
@@ -53,12 +53,12 @@ class Motor:
 
     @classmethod
     def of(cls, model: ServoModel) -> "Motor":
-        """The motor of a servo's data sheet, with its factory position gain."""
+        """Makes the motor of a servo's data sheet, with its factory position gain."""
         gain = model.p_gain / model.kp_divisor * TICKS_PER_RADIAN / DUTY_FULL
         return cls(no_load=model.no_load_rpm * 2 * pi / 60, gain=gain)
 
     def towards(self, error: float, seconds: float, *, cap: float, load: float) -> float:
-        """The position error [rad] that is left after a time, exactly.
+        """Returns the position error [rad] that is left after a time, exactly.
 
         Args:
             error: goal minus angle [rad].
@@ -100,7 +100,7 @@ class FirstOrder:
         self.jammed = [False] * len(motors)  # shafts that something blocks
 
     def shafts(self) -> Sequence[Shaft]:
-        """As they are now."""
+        """Returns the shafts as they are now."""
         return self._shafts
 
     def turn(self, index: int, angle: float) -> None:

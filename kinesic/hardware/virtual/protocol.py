@@ -1,4 +1,4 @@
-"""Who answers an instruction, and with which bytes: the part of Protocol 2.0 that several servos play together.
+"""Answers instructions as several servos together do by Protocol 2.0: who answers, when, and with which bytes.
 
 Assumed where no source says: in a fast read each servo waits for the bytes before its own, so that one who keeps silent
 ends the reply; in a plain sync read the others go on without him.
@@ -27,7 +27,7 @@ class Sent:
 
 
 def answers(packet: Packet, servos: Servos) -> list[Sent]:
-    """Lets the servos do what a packet says.
+    """Lets the servos do what a packet says, and returns their answers.
 
     Args:
         packet: as it came along the wire.
@@ -47,9 +47,9 @@ def answers(packet: Packet, servos: Servos) -> list[Sent]:
 def _plain(servo: int, instruction: int, parameters: bytes, servos: Servos) -> Iterator[Sent]:
     """One status of one servo, or of several with one id, who talk at the same time."""
     talking, delay = b"", 0.0
-    for asked in servos.get(servo, ()):
-        answering, delay = asked.answers(instruction) and not asked.mute, asked.delay
-        error, data = asked.execute(instruction, parameters)
+    for requested in servos.get(servo, ()):
+        answering, delay = requested.answers(instruction) and not requested.mute, requested.delay
+        error, data = requested.execute(instruction, parameters)
         if answering:
             talking = _mixed(talking, status(servo, error, data))
     if talking:
@@ -66,8 +66,8 @@ def _mixed(one: bytes, other: bytes) -> bytes:
 def _broadcast(packet: Packet, servos: Servos) -> Iterator[Sent]:
     """All obey, and only a ping is answered, in the order of ids."""
     if packet.instruction == Instruction.PING:
-        for asked in sorted(servos):
-            yield from _plain(asked, Instruction.PING, b"", servos)
+        for requested in sorted(servos):
+            yield from _plain(requested, Instruction.PING, b"", servos)
         return
     everything = packet.instruction == Instruction.FACTORY_RESET and packet.parameters == b"\xff"
     if packet.instruction == Instruction.READ or everything:  # all at once: the firmware refuses
@@ -96,7 +96,7 @@ def _bulk_write(packet: Packet, servos: Servos) -> Iterator[Sent]:
     yield from ()
 
 
-def _asked(packet: Packet) -> list[tuple[int, bytes]]:
+def _requested(packet: Packet) -> list[tuple[int, bytes]]:
     """Id and span (address and size, four bytes) of each servo that a collective read asks."""
     rows = packet.parameters
     if packet.instruction in (Instruction.SYNC_READ, Instruction.FAST_SYNC_READ):
@@ -105,18 +105,18 @@ def _asked(packet: Packet) -> list[tuple[int, bytes]]:
 
 
 def _read_each(packet: Packet, servos: Servos) -> Iterator[Sent]:
-    for servo, span in _asked(packet):
+    for servo, span in _requested(packet):
         yield from _plain(servo, Instruction.READ, span, servos)
 
 
 def _read_fast(packet: Packet, servos: Servos) -> Iterator[Sent]:
     """One joint reply; each block ends with the CRC of everything before it, earlier CRCs included."""
-    asked = _asked(packet)
-    sizes = [int.from_bytes(span[2:4], "little") for _, span in asked]
+    requested = _requested(packet)
+    sizes = [int.from_bytes(span[2:4], "little") for _, span in requested]
     length = 1 + sum(size + 4 for size in sizes)
     head = HEADER + bytes((BROADCAST, length & 0xFF, length >> 8 & 0xFF, Instruction.STATUS))
     crc = 0
-    for k, ((servo, span), size) in enumerate(zip(asked, sizes, strict=True)):
+    for k, ((servo, span), size) in enumerate(zip(requested, sizes, strict=True)):
         block, delay = b"", 0.0
         for candidate in servos.get(servo, ()):
             if candidate.fast and candidate.answers(Instruction.READ) and not candidate.mute:

@@ -1,4 +1,4 @@
-"""Virtual wires behind pseudo-terminals, in real time: any Dynamixel program can open one.
+"""Puts virtual wires behind pseudo-terminals, in real time: any Dynamixel program can open one.
 
 The kernel never paces a pseudo-terminal: bytes are read when they come, count from then on, and go back when the
 virtual wire says. The host's baud rate is that of the terminal's settings, and servos of another rate do not hear it.
@@ -28,7 +28,7 @@ class PtyPort:
     """The host's end of one virtual wire: a link to a pseudo-terminal, which comes and goes with the adapter."""
 
     def __init__(self, bus: VirtualBus, link: Path) -> None:
-        """Not there yet: `exchange` plugs it in.
+        """Is not there before `exchange` plugs it in.
 
         Args:
             bus: what is on the wire.

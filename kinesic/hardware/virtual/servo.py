@@ -1,4 +1,4 @@
-"""One virtual servo of the X series: what it does with instructions.
+"""Simulates what a servo of the X series does with instructions.
 
 Assumed where no source says: a goal from before torque came on still counts, unless `latches_goal`; after a shutdown
 torque is refused as an access error.
@@ -33,7 +33,7 @@ _OF_MODE = (  # what a change of mode resets
 
 
 class VirtualServo:
-    """Answers instructions as the manual says."""
+    """A servo that answers instructions as the manual says."""
 
     def __init__(
         self, model: Model, *, servo: int = 1, baud: int = 57_600, firmware: int = NEWEST, latches_goal: bool = False
@@ -77,13 +77,13 @@ class VirtualServo:
         return self.memory.firmware >= self.memory.model.fast_firmware
 
     def answers(self, instruction: int) -> bool:
-        """Whether the status return level lets it answer."""
+        """Returns whether the status return level lets it answer."""
         if instruction == Instruction.PING:
             return True
         return self.memory[Register.STATUS_RETURN_LEVEL] > (instruction != Instruction.READ)
 
     def execute(self, instruction: int, parameters: bytes) -> tuple[int, bytes]:
-        """Does what it is told.
+        """Executes an instruction.
 
         Returns:
             Error byte, and data of the answer.
@@ -95,7 +95,7 @@ class VirtualServo:
         return self.electronics.alert, data
 
     def read(self, address: int, size: int) -> bytes:
-        """The registers of a span, as they are now.
+        """Reads the registers of a span, as they are now.
 
         Raises:
             RefusalError: there are none.
@@ -158,7 +158,7 @@ class VirtualServo:
         return b""
 
     def reboot(self, *, seconds: float = BOOT) -> None:
-        """As when its power fails for a moment."""
+        """Reboots, as when its power fails for a moment."""
         self._registered = None
         self.electronics.reboot(seconds=seconds)
 
@@ -206,7 +206,6 @@ class VirtualServo:
             memory.put_ram(electronics.backup)
 
     def _react(self, register: Register) -> None:
-        """What follows from a register that was written."""
         memory, electronics = self.memory, self.electronics
         if register is Register.TORQUE_ENABLE:
             self._energise()

@@ -40,7 +40,7 @@ class Profile:
         return sum(self.spans)
 
     def at(self, time: float) -> tuple[float, float]:
-        """Set point [rad] and its speed [rad/s] at a time [s] from the start."""
+        """Returns set point [rad] and its speed [rad/s] at a time [s] from the start."""
         if time >= self.duration:
             return self.goal, 0.0
         rise, flat, fall = self.spans
@@ -59,12 +59,12 @@ class Profile:
 
 
 def still_profile(place: float) -> Profile:
-    """No motion at all."""
+    """Makes a profile without motion."""
     return Profile(place, place, 0.0, 0.0, (0.0, 0.0, 0.0), "step")
 
 
 def by_speed(start: float, speed: float, goal: float, *, limit: float, acceleration: float) -> Profile:
-    """The velocity-based profile.
+    """Makes the velocity-based profile.
 
     Args:
         start: set point [rad].
@@ -91,7 +91,7 @@ def by_speed(start: float, speed: float, goal: float, *, limit: float, accelerat
 
 
 def by_time(start: float, goal: float, *, duration: float, rise: float) -> Profile:
-    """The time-based profile: how long it takes, and how long it speeds up, at most half of that.
+    """Makes the time-based profile: how long it takes, and how long it speeds up, at most half of that.
 
     Args:
         start: set point [rad].
@@ -121,23 +121,23 @@ class SetPoint:
         self.stopped = False  # by the bus watchdog, until a goal comes
 
     def ticks(self, angle: float) -> float:
-        """PRESENT_POSITION of a shaft's angle [rad], not rounded."""
+        """Converts a shaft's angle [rad] to PRESENT_POSITION, not rounded."""
         return self._sign * angle / TICK + self._offset - TICKS_PER_TURN * self._turns
 
     def angle(self, ticks: float) -> float:
-        """The shaft's angle [rad] of a position register."""
+        """Converts a position register to the shaft's angle [rad]."""
         return self._sign * (ticks - self._offset + TICKS_PER_TURN * self._turns) * TICK
 
     def fold(self, shaft: Shaft) -> None:
-        """Forgets whole turns: the position comes to lie in 0..4095."""
+        """Forgets whole turns, so that the position lies in 0..4095."""
         self._turns += round(self.ticks(shaft.angle)) // TICKS_PER_TURN
 
     def rest(self, shaft: Shaft, time: float) -> None:
-        """The set point is where the shaft is."""
+        """Sets the set point to where the shaft is."""
         self._profile, self._since, self._ramp = still_profile(shaft.angle), time, 0.0
 
     def stop(self, shaft: Shaft, time: float) -> None:
-        """Stops here, whatever the goals say."""
+        """Stops where the shaft is, whatever the goals say."""
         self.rest(shaft, time)
         self.stopped = True
 
@@ -158,7 +158,7 @@ class SetPoint:
         self._since = time
 
     def demand(self, time: float) -> Demand:
-        """What the motor is asked, by mode."""
+        """Returns what is demanded of the motor, by mode."""
         memory = self._memory
         if not memory[Register.TORQUE_ENABLE]:
             return LIMP
@@ -176,7 +176,7 @@ class SetPoint:
         return Demand("duty", self._sign * pwm / full)
 
     def settled(self, time: float) -> bool:
-        """Whether the demand stays until a register changes."""
+        """Returns whether the demand stays until a register changes."""
         return (
             self._memory[Register.OPERATING_MODE] != Mode.VELOCITY.value
             and time - self._since >= self._profile.duration
@@ -228,7 +228,6 @@ class SetPoint:
         return self._memory.model.amperes is not None
 
     def _share(self, current: int) -> float:
-        """Of the stall current."""
         return current / self._full
 
     def _velocity(self, time: float) -> float:

@@ -1,4 +1,4 @@
-"""Servos on their shafts, moving through time together, and what befalls them."""
+"""Moves servos on their shafts through time together, and lets faults befall them."""
 
 from collections.abc import Callable, Iterator, Sequence
 from math import inf
@@ -13,7 +13,7 @@ Event = tuple[float, Callable[[], None]]
 
 
 class ShaftSimulation:
-    """All servos of one physics, on whichever wires they are. Its clock is told, and never goes back."""
+    """All servos of one physics, on whichever wires they are; its clock is the caller's, and never goes back."""
 
     def __init__(self, servos: Sequence[VirtualServo], physics: Physics, *, time: float = 0.0) -> None:
         """Powers the servos.

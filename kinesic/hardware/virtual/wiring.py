@@ -1,4 +1,4 @@
-"""Which virtual servos stand on which wires, as data; and building them."""
+"""Describes which virtual servos stand on which wires, and builds them."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -30,7 +30,7 @@ class ServoFitting:
     motor: Motor = USUAL
 
     def build(self, baud: int) -> VirtualServo:
-        """The servo, talking at a baud rate."""
+        """Builds the servo, which talks at a baud rate."""
         servo = VirtualServo(
             MODELS[self.model],
             servo=self.servo,
@@ -54,7 +54,7 @@ class Cable:
 
 
 def cables(robot: Robot) -> tuple[Cable, ...]:
-    """The wires of a robot, its servos at rest."""
+    """Describes the wires of a robot, its servos at rest."""
     wiring = ServoMap.of(robot)
     if not wiring.buses:
         return ()
@@ -73,7 +73,7 @@ def _fitting(servo: int, model: ServoModel, ticks: int) -> ServoFitting:
 def build_bus(
     wires: Sequence[Cable], physics: Physics | None = None
 ) -> tuple[ShaftSimulation, Mapping[str, VirtualBus]]:
-    """Virtual servos on virtual wires.
+    """Builds virtual servos on virtual wires.
 
     Args:
         wires: what to build.
@@ -99,7 +99,6 @@ def build_bus(
 
 
 def _altered(fitting: ServoFitting, faults: FaultPlan) -> ServoFitting:
-    """With the firmware that the plan says."""
     for mishap in faults.of(frozenset({"old_firmware"})):
         if mishap.strikes(fitting.servo, mishap.start):
             return replace(fitting, firmware=int(mishap.figure))

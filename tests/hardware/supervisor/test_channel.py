@@ -61,7 +61,7 @@ def test_status_is_what_was_told_last(ends):
     assert planner.status().stage is Stage.CLOSED
     assert np.isnan(planner.status().time)
     for k in range(3):
-        supervisor.tell(
+        supervisor.write_status(
             Status(
                 Stage.ACTIVE,
                 clock=5.0 + k,
@@ -83,7 +83,7 @@ def test_history_is_every_cycle_once_and_of_too_many_the_last(ends):
     planner, supervisor = ends
     vectors = {name: np.zeros(3) for name in ("angles", "goals", "taken")}
     for k in range(HISTORY + 10):
-        supervisor.tell(Status(Stage.HOLD, clock=float(k), **vectors))
+        supervisor.write_status(Status(Stage.HOLD, clock=float(k), **vectors))
     clocks = [told.clock for told in planner.history()]
     assert clocks == [float(k) for k in range(10, HISTORY + 10)]
     assert planner.history() == ()

@@ -36,7 +36,7 @@ def test_set_points_of_moving_servos_are_at_their_goals_on_the_mean(manifest, st
     steering.player.follow()
     place, off = float(steering.goals[0]), []
     for _ in range(10):
-        steering.move(PERIOD, steering.goals, wanted=1.0, slow=0.4)
+        steering.move(PERIOD, steering.goals, target=1.0, slow=0.4)
         profile = by_speed(place, 0.0, float(steering.ticks()[0]), limit=limit, acceleration=inf)
         places = [profile.at(time)[0] for time in np.arange(0.5, 100) * PERIOD / 100]
         off.append(np.mean(places) - steering.goals[0])

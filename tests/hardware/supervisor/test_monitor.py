@@ -20,10 +20,10 @@ def records(*, current: int = 0, celsius: int = 30, position: int = 0, velocity:
 
 
 def after(seconds: float, **what: int) -> LoadState:
-    strain = LoadState.none(2)
+    load = LoadState.none(2)
     for _ in range(round(seconds * 100)):
-        strain = update_load(strain, records(**what), STILL, 0.01, STRENGTH)
-    return strain
+        load = update_load(load, records(**what), STILL, 0.01, STRENGTH)
+    return load
 
 
 def test_a_servo_at_ease_slows_nothing():

@@ -9,30 +9,32 @@ from kinesic.hardware.supervisor.settings import SupervisorSettings
 STEP = 0.01
 
 
-def run(tempo: TimeScale, steps: int, *, wanted: float = 1.0, end: float = 100.0, slow: float = 0.4) -> list[TimeScale]:
-    told = [tempo]
+def run(
+    time_scale: TimeScale, steps: int, *, target: float = 1.0, end: float = 100.0, slow: float = 0.4
+) -> list[TimeScale]:
+    scales = [time_scale]
     for _ in range(steps):
-        told.append(advance_time(told[-1], STEP, wanted=wanted, end=end, slow=slow))
-    return told
+        scales.append(advance_time(scales[-1], STEP, target=target, end=end, slow=slow))
+    return scales
 
 
 def test_full_speed_is_reached_evenly_and_kept():
-    told = run(TimeScale(), 100)
-    assert np.allclose(np.diff([each.scale for each in told[:41]]), STEP / 0.4)
-    assert told[-1].scale == 1.0
-    assert np.isclose(told[-1].time - told[-2].time, STEP)
+    scales = run(TimeScale(), 100)
+    assert np.allclose(np.diff([each.scale for each in scales[:41]]), STEP / 0.4)
+    assert scales[-1].scale == 1.0
+    assert np.isclose(scales[-1].time - scales[-2].time, STEP)
 
 
 def test_it_stops_in_the_time_that_is_given():
-    told = run(TimeScale(1.0, 1.0), 41, wanted=0.0)
-    assert told[39].scale > 0.0
-    assert told[41].still
+    scales = run(TimeScale(1.0, 1.0), 41, target=0.0)
+    assert scales[39].scale > 0.0
+    assert scales[41].still
 
 
 def test_it_stops_softly_where_nothing_more_is_known():
-    told = run(TimeScale(0.0, 1.0), 400, end=1.0)
-    assert told[-1] == TimeScale(1.0, 0.0)
-    assert max(np.abs(np.diff([each.scale for each in told]))) <= STEP / 0.4 + 1e-9
+    scales = run(TimeScale(0.0, 1.0), 400, end=1.0)
+    assert scales[-1] == TimeScale(1.0, 0.0)
+    assert max(np.abs(np.diff([each.scale for each in scales]))) <= STEP / 0.4 + 1e-9
 
 
 @given(
@@ -41,14 +43,14 @@ def test_it_stops_softly_where_nothing_more_is_known():
     st.lists(st.tuples(st.floats(0, 1), st.floats(-0.2, 3)), min_size=1, max_size=50),
 )
 def test_time_never_goes_back_nor_beyond_the_end(scale: float, slow: float, story: list[tuple[float, float]]):
-    tempo, end = TimeScale(0.0, scale), 0.0
-    for wanted, more in story:
-        end = max(end, tempo.time + more)
-        after = advance_time(tempo, STEP, wanted=wanted, end=end, slow=slow)
-        assert tempo.time <= after.time <= max(end, tempo.time)
-        assert after.time - tempo.time <= STEP + 1e-12
+    time_scale, end = TimeScale(0.0, scale), 0.0
+    for target, more in story:
+        end = max(end, time_scale.time + more)
+        after = advance_time(time_scale, STEP, target=target, end=end, slow=slow)
+        assert time_scale.time <= after.time <= max(end, time_scale.time)
+        assert after.time - time_scale.time <= STEP + 1e-12
         assert 0.0 <= after.scale <= 1.0
-        tempo = after
+        time_scale = after
 
 
 def test_it_goes_from_rest_to_rest_and_no_joint_is_faster_than_the_pace():
@@ -76,10 +78,10 @@ def player_with(times) -> Player:
     return player
 
 
-def play(player: Player, seconds: float, *, wanted: float = 1.0) -> float:
+def play(player: Player, seconds: float, *, target: float = 1.0) -> float:
     angles = None
     for _ in range(round(seconds / STEP)):
-        angles = player.advance(STEP, wanted=wanted, slow=0.4)
+        angles = player.advance(STEP, target=target, slow=0.4)
     assert angles is not None
     return float(angles[0])
 
@@ -90,7 +92,7 @@ def test_from_its_first_command_time_runs_at_once():
     assert player.left == pytest.approx(1.99)
     player.follow()
     assert play(player, 1.0) == pytest.approx(np.sin(3.0), abs=1e-6)
-    assert player.tempo.time == pytest.approx(3.0)
+    assert player.time_scale.time == pytest.approx(3.0)
 
 
 def test_after_a_pause_it_goes_on_softly_where_it_was():
@@ -99,11 +101,11 @@ def test_after_a_pause_it_goes_on_softly_where_it_was():
     play(player, 1.0)
     player.hold()
     assert player.still
-    assert player.advance(STEP, wanted=1.0, slow=0.4) is None
+    assert player.advance(STEP, target=1.0, slow=0.4) is None
     player.follow()
     play(player, STEP)
-    assert player.tempo.scale == pytest.approx(STEP / 0.4)
-    assert player.tempo.time == pytest.approx(1.0, abs=1e-3)
+    assert player.time_scale.scale == pytest.approx(STEP / 0.4)
+    assert player.time_scale.time == pytest.approx(1.0, abs=1e-3)
 
 
 def test_a_way_ends_where_it_should():
@@ -112,7 +114,7 @@ def test_a_way_ends_where_it_should():
     assert not player.reached
     assert play(player, 5.0) == pytest.approx(0.0)
     assert player.reached
-    assert player.tempo.time == 0.0
+    assert player.time_scale.time == 0.0
 
 
 def test_what_is_late_or_no_number_is_refused():
@@ -132,4 +134,4 @@ def test_a_new_performance_begins_with_its_own_time():
         play(player, 3.0)
         assert player.still
         assert player.take(begin, np.zeros(1))
-        assert player.tempo.time == begin
+        assert player.time_scale.time == begin

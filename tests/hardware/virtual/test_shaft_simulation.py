@@ -79,7 +79,7 @@ def test_the_watchdog_trips_to_the_tick_whatever_the_steps():
     line = struck()
     line.set(Register.TORQUE_ENABLE, 1)
     line.set(Register.BUS_WATCHDOG, 3)
-    heard = line.servo.electronics._heard
+    heard = line.servo.electronics._instructed
     trips = []
     plain = line.servo.electronics.trip
     line.servo.electronics.trip = lambda: (trips.append(line.servo.electronics.time), plain())
