@@ -83,7 +83,7 @@ class Torso:
 
 @dataclass(frozen=True)
 class Locomotion:
-    """Going somewhere."""
+    """Walking to a target."""
 
     target: str
     manner: str = "WALK"
@@ -99,7 +99,7 @@ class Speech:
 
 @dataclass(frozen=True)
 class Wait:
-    """Nothing, for a while."""
+    """Waiting for a while, without moving anything."""
 
     duration: float | None = None  # [s]
 

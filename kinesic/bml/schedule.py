@@ -137,7 +137,7 @@ class _Cast:
         return True
 
     def _without(self, constraint: Constraint, gone: str) -> Iterable[Constraint]:
-        """A constraint without its references to a dropped behaviour, if anything is left."""
+        """Takes the references to a dropped behaviour out of a constraint, if anything is left of it."""
         if not any(self._is_of(ref, gone) for ref in _refs(constraint)):
             return [constraint]
         if constraint.required:
@@ -182,7 +182,7 @@ def _refs(item: Behaviour | Constraint) -> tuple[SyncRef, ...]:
 
 
 def _describe_loop(loop: list[Edge], block: str) -> str:
-    """A contradiction in words; points between which only the order counts are left out."""
+    """Points between which only the order counts are left out."""
     turns = [
         edge.tail
         for before, edge in zip([loop[-1], *loop[:-1]], loop, strict=True)

@@ -23,7 +23,7 @@ class Potentials:
         self._above: dict[Point, tuple[Point, float]] = {}
 
     def find(self, point: Point) -> tuple[Point, float]:
-        """Root of a point's class, and the point's gap to it [s]; an unknown point starts a class."""
+        """Finds the root of a point's class, and its gap to it [s]; an unknown point starts a class."""
         path: list[Point] = []
         above = self._above.setdefault(point, (point, 0.0))[0]
         while above != point:
@@ -44,7 +44,7 @@ class Potentials:
             self._above[late_root] = (early_root, early_gap + gap - late_gap)
 
     def classes(self) -> Iterator[dict[Point, float]]:
-        """Every class, as gaps to its root, in the order in which its points came."""
+        """Yields every class, as gaps to its root, in the order in which its points came."""
         members: dict[Point, dict[Point, float]] = {}
         for point in list(self._above):
             root, gap = self.find(point)

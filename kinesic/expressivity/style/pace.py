@@ -47,7 +47,7 @@ def hurry_time(ease: float, least: float, extent: float, most: float) -> float:
 
 
 def fitts(distance: float) -> float:
-    """Estimates how long a person takes for a way of the hand [s]: 0.1 s + 0.15 s log2(distance / 5 cm + 1)."""
+    """Estimates a person's time for a way of the hand by Fitts' law [s]: 0.1 s + 0.15 s log2(distance / 5 cm + 1)."""
     return float(_BEGIN + _PER_BIT * np.log2(distance / _WIDTH + 1))
 
 
@@ -62,7 +62,7 @@ class Pace:
     limits: Limits
 
     def stroke_time(self, distance: float, manner: Expressivity = NEUTRAL) -> float:
-        """Natural time of a hand's way in a stroke [s]: Fitts' law, or the servos' ease where that is slower.
+        """Finds the natural time of a hand's way in a stroke [s]: Fitts' law, or the servos' ease where that is slower.
 
         Args:
             distance: [m].
@@ -72,7 +72,7 @@ class Pace:
         return _natural(max(fitts(distance), FORCE * least), least, manner.temporal, manner.power)
 
     def way_time(self, distance: float, manner: Expressivity = NEUTRAL) -> float:
-        """Natural time of a hand's way to a stroke or back [s], at least `FLOOR`.
+        """Finds the natural time of a hand's way to a stroke or back [s], at least `FLOOR`.
 
         Args:
             distance: [m].
@@ -85,7 +85,7 @@ class Pace:
     def turn_time(
         self, chain: str, turn: Turn, temporal: float = 0.0, power: float = 0.0, *, usual: float = 0.0
     ) -> float:
-        """Natural time of a rotation from upright [s].
+        """Finds the natural time of a rotation from upright [s].
 
         Args:
             chain: `neck` or `torso`.
@@ -102,7 +102,7 @@ class Pace:
         return float(np.interp(distance / self.robot.arm_length, _WAYS, self._least_hand_times))
 
     def least_turn_time(self, chain: str, turn: Turn) -> float:
-        """Shortest time of a rotation from upright [s]; hinges of one axis share it by how far they go."""
+        """Finds the shortest time of a rotation from upright [s]; hinges of one axis share it by how far they go."""
         skeleton = self.robot.skeleton
         turned = np.zeros(len(skeleton.hinges))
         for name, angle in zip(AXES, axes(turn), strict=True):
@@ -142,6 +142,6 @@ class Pace:
 
 
 def _natural(ease: float, least: float, temporal: float, power: float) -> float:
-    """A time at ease under temporal extent and power [s]."""
+    """Time at ease under temporal extent and power [s]."""
     paced = hurry_time(ease, least, temporal, HASTE)
     return hurry_time(paced, least, power**GATHERED, FORCE) if power > 0 else hurry_time(paced, least, power, WEAKNESS)

@@ -109,7 +109,7 @@ class StyleTable(msgspec.Struct, forbid_unknown_fields=True):
     face: PartTable = PartTable()
 
     def expressivity(self, modality: Modality) -> Expressivity:
-        """The numbers of one modality."""
+        """Joins the numbers of one modality."""
         own = msgspec.structs.asdict(getattr(self, modality))
         return Expressivity(**{name: getattr(self, name) if own[name] is None else own[name] for name in RANGES})
 
@@ -144,16 +144,16 @@ class Style:
 
     @classmethod
     def uniform(cls, manner: Expressivity, name: str = "own") -> "Style":
-        """A style of which all modalities have the same numbers."""
+        """Makes a style of which all modalities have the same numbers."""
         return cls(name, manner, manner, manner, manner)
 
     def of(self, modality: Modality) -> Expressivity:
-        """The numbers of one modality."""
+        """Looks up the numbers of one modality."""
         found: Expressivity = getattr(self, modality)
         return found
 
     def changed(self, settings: Iterable[str]) -> "Style":
-        """The style with single numbers set by texts such as `power=0.8` or `head.power=0.8`, the last one winning.
+        """Sets single numbers by texts such as `power=0.8` or `head.power=0.8`, the last one winning.
 
         Raises:
             ConfigError: a text is not of this form, names no parameter, or its value is out of range.
@@ -166,13 +166,13 @@ class Style:
         return style
 
     def numbers(self) -> Mapping[Modality, Mapping[str, float]]:
-        """All numbers by modality and name."""
+        """Lists all numbers by modality and name."""
         return {modality: asdict(self.of(modality)) for modality in MODALITIES}
 
 
 @cache
 def style_preset(name: str) -> Style:
-    """A style of `configs/styles/`, read once.
+    """Reads a style of `configs/styles/` once.
 
     Raises:
         ConfigError: there is no such style.

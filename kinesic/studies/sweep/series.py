@@ -56,7 +56,7 @@ MEASURE_OF: Mapping[str, Measure] = {
 
 @dataclass(frozen=True, eq=False)
 class Played:
-    """One value, and what the twin made of it."""
+    """A gesture at one value of the parameter, as the twin performed it."""
 
     value: float
     measures: Measures
@@ -72,7 +72,7 @@ class Played:
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """One gesture over one parameter."""
+    """A gesture at several values of one parameter."""
 
     gesture: str
     parameter: str
