@@ -10,7 +10,7 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES, PartName, Robot
 from kinesic.planning.plan import Plan
-from kinesic.planning.syncs import SyncTime
+from kinesic.planning.syncs import SyncTime, planned_spans
 
 HANDS: tuple[PartName, PartName] = ("l_hand", "r_hand")
 WINDOW = 0.3  # [s] before and after the planned time
@@ -63,7 +63,8 @@ def arrivals(plan: Plan, times: Floats, reference: Mapping[PartName, Floats]) ->
         times: (m,) [s] performance time of the samples.
         reference: paths of the plan.
     """
-    spans, zero = _spans(plan.syncs), plan.trajectory.zero
+    spans = planned_spans((sync.behaviour, sync.planned) for sync in plan.syncs)
+    zero = plan.trajectory.zero
     ways = {part: _way(path) for part, path in reference.items()}
     instants: list[float] = times.tolist()  # plain numbers are looked up faster
 
@@ -115,15 +116,6 @@ def lags(
         known = [seconds for seconds in late if seconds is not None]
         found[sync] = max(known, key=abs) if len(known) == len(late) else None
     return found
-
-
-def _spans(syncs: tuple[SyncTime, ...]) -> dict[str, tuple[float, float]]:
-    """First and last planned time of each behaviour."""
-    spans: dict[str, tuple[float, float]] = {}
-    for sync in syncs:
-        low, high = spans.get(sync.behaviour, (sync.planned, sync.planned))
-        spans[sync.behaviour] = (min(low, sync.planned), max(high, sync.planned))
-    return spans
 
 
 def _place(at: float, times: Sequence[float], path: Floats) -> Floats:

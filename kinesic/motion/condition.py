@@ -8,14 +8,13 @@ becomes smaller.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.bspline import grid
-from kinesic.motion.desired import join_keys
+from kinesic.motion.desired import DesiredMotion, join_keys
 from kinesic.motion.key_times import Bottleneck, Search
 from kinesic.motion.keys import Bond, KeyPosture, Keys, Pair
 from kinesic.motion.qp import WITHIN, nearest_within_limits, nearest_without_limits
@@ -25,14 +24,7 @@ from kinesic.motion.trajectory import STEP, Trajectory
 LEAD_IN = 0.6  # [s] by which the motion may begin before it is asked to
 
 
-class Desired(Protocol):
-    """A desired motion, as a function of performance time."""
-
-    def angles(self, times: Floats) -> Floats:
-        """(m, n) [rad] at (m,) performance times."""
-
-
-MakeDesired = Callable[[Floats, Keys], Desired]
+MakeDesired = Callable[[Floats, Keys], DesiredMotion]  # from times (m,) [s] and the keys that are passed at them
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +55,7 @@ def condition(
         bonds: between sync points of different behaviours.
         lead_in: [s] by which the first key may come earlier.
         ease: share of the limits for key times; below 1 there is time to stay nearer to the desired motion.
-        make_desired: the desired motion, from (m,) [s] times and the keys that are passed at them.
+        make_desired: the desired motion, of which only the angles are used.
 
     Raises:
         ArithmeticError: a hinge cannot move within its limits, however slowly.

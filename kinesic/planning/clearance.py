@@ -16,7 +16,7 @@ from kinesic.planning.certify import certify
 from kinesic.planning.detour import SCAN_RATE, PostureCourse, lead_around
 from kinesic.planning.postures import Postures
 from kinesic.planning.setup import Setup
-from kinesic.planning.syncs import on_keys
+from kinesic.planning.syncs import on_keys, planned_spans
 
 
 class Conditioner(Protocol):
@@ -101,19 +101,10 @@ def culprits(
     pair = clearance.pairs[worst]
     parts = {f"{side}_hand" for side in SIDES if set(pair) & set(robot.arm(side).segments)} or {"torso", "head"}
     why = f"brings {pair[0]} within {1000 * distance:.0f} mm of {pair[1]} at {at:.2f} s"
-    spans_of = _planned_spans(frames, motion)
+    spans_of = planned_spans((name, planned) for name, _, _, planned in on_keys(frames, motion))
     near = {
         name: max(start - at, at - end, 0.0)
         for name, (start, end) in spans_of.items()
         if frames.uses.get(name, frozenset()) & parts
     }
     return {min(near, key=lambda name: near[name]): why} if near else {min(spans_of): why}
-
-
-def _planned_spans(frames: KeyFrames, motion: Conditioned) -> dict[str, tuple[float, float]]:
-    """First and last planned time of each moving behaviour."""
-    found: dict[str, tuple[float, float]] = {}
-    for name, _, _, time in on_keys(frames, motion):
-        low, high = found.get(name, (time, time))
-        found[name] = (min(low, time), max(high, time))
-    return found

@@ -72,11 +72,10 @@ def _planned(plan: Plan) -> Timeline:
         left, right = (one.behaviour, one.sync), (other.behaviour, other.sync)
         own |= {here: shifts[there] for here, there in ((left, right), (right, left)) if there in shifts}
     kept = (timed for timed in timeline.timed if outcomes[timed.behaviour.id].kind != "dropped")
-    return replace(timeline, timed=tuple(_later(timed, own if _is_face(timed) else shifts) for timed in kept))
-
-
-def _is_face(timed: TimedBehaviour) -> bool:
-    return isinstance(timed.behaviour.action, Face)
+    return replace(
+        timeline,
+        timed=tuple(_later(timed, own if isinstance(timed.behaviour.action, Face) else shifts) for timed in kept),
+    )
 
 
 def _later(timed: TimedBehaviour, shifts: Shift) -> TimedBehaviour:

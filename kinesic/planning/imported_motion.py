@@ -1,6 +1,5 @@
 """Plans a motion that was made elsewhere: its samples become keys of a motion that the servos can follow."""
 
-from collections.abc import Sequence
 from time import perf_counter
 
 import numpy as np
@@ -63,7 +62,7 @@ def plan_imported(frames: BapFrames, setup: Setup, *, source: str) -> Plan:
         clearance=clearance,
         clearance_times=times,
         syncs=Syncs(),
-        notices=(*_left_out(frames), *_clipped(frames, setup), *_shifted(motion)),
+        notices=_notices(frames, motion, setup),
         seconds=perf_counter() - began,
     )
 
@@ -114,28 +113,21 @@ def _way(setup: Setup, start: Floats, end: Floats) -> float:
     return max(LEAST, COMFORT * float(least_rest_times(end - start, setup.limits).max()))
 
 
-def _left_out(frames: BapFrames) -> Sequence[Notice]:
-    numbers = ", ".join(str(number) for number in frames.strangers)
-    return [_notice(f"the robot has no hinge for the parameters {numbers}")] if numbers else []
-
-
-def _clipped(frames: BapFrames, setup: Setup) -> Sequence[Notice]:
+def _notices(frames: BapFrames, motion: Conditioned, setup: Setup) -> tuple[Notice, ...]:
+    """Warnings of parameters without a hinge, of ranges that are left, and of times that had to move."""
+    found = []
+    if frames.strangers:
+        numbers = ", ".join(str(number) for number in frames.strangers)
+        found.append(f"the robot has no hinge for the parameters {numbers}")
     skeleton = setup.robot.skeleton
     beyond = np.abs(frames.angles - skeleton.clamp(frames.angles)).max(axis=0)
-    return [
-        _notice(f"{name} is asked for {np.degrees(beyond[k]):.1f} deg beyond its range; it stops at the range's end")
+    found += [
+        f"{name} is asked for {np.degrees(beyond[k]):.1f} deg beyond its range; it stops at the range's end"
         for k, name in enumerate(skeleton.names)
         if beyond[k] > BEYOND
     ]
-
-
-def _shifted(motion: Conditioned) -> Sequence[Notice]:
     shifts = motion.planned - motion.asked
     worst = int(np.abs(shifts[1:-1]).argmax()) + 1
-    if abs(shifts[worst]) <= SHIFT_TO_WARN:
-        return []
-    return [_notice(f"faster than the servos: what is at {motion.asked[worst]:.2f} s comes {shifts[worst]:+.2f} s off")]
-
-
-def _notice(text: str) -> Notice:
-    return Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, "motion", text)
+    if abs(shifts[worst]) > SHIFT_TO_WARN:
+        found.append(f"faster than the servos: what is at {motion.asked[worst]:.2f} s comes {shifts[worst]:+.2f} s off")
+    return tuple(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, "motion", text) for text in found)

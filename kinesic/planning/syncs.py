@@ -1,6 +1,6 @@
 """Sync points: what BML ties between them, when each of them will be, and warnings where that is not as asked."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import inf
 from typing import SupportsIndex, TypeVar, overload
@@ -108,6 +108,15 @@ def on_keys(frames: KeyFrames, motion: Conditioned) -> list[tuple[str, str, floa
         for frame in frames.frames
         for behaviour, sync in frame.syncs
     ]
+
+
+def planned_spans(planned: Iterable[tuple[str, float]]) -> dict[str, tuple[float, float]]:
+    """Finds the first and last planned time [s] of each behaviour, from (behaviour, time) of its sync points."""
+    found: dict[str, tuple[float, float]] = {}
+    for behaviour, time in planned:
+        low, high = found.get(behaviour, (time, time))
+        found[behaviour] = (min(low, time), max(high, time))
+    return found
 
 
 def sync_times(frames: KeyFrames, motion: Conditioned) -> Syncs[SyncTime]:
