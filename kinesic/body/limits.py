@@ -3,9 +3,8 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from kinesic.body.arrays import Floats, sealed
+from kinesic.body.arrays import Floats, Indices, sealed
 from kinesic.body.dynamics import Load
 from kinesic.body.robot import Robot
 
@@ -43,7 +42,7 @@ class Limits:
             duty=sealed(self.duty * share),
         )
 
-    def part(self, hinges: NDArray[np.intp]) -> "Limits":
+    def part(self, hinges: Indices) -> "Limits":
         """Takes the limits of some hinges, in their order."""
         return Limits(*(sealed(values[hinges]) for values in vars(self).values()))
 

@@ -4,15 +4,12 @@ from collections.abc import Sequence
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 
-from kinesic.body.arrays import Floats, sealed
+from kinesic.body.arrays import Floats, Indices, sealed
 from kinesic.body.dynamics import Clearance
 from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Capsule, Segment, Skeleton
 from kinesic.sim.kinematics import MotionFrames, motion_frames
-
-Indices = NDArray[np.intp]
 
 BLOCK = 512  # postures whose kinematics are computed at once
 STRIP = 128  # of them at once for all pairs, so that arrays stay in the cache and products on one core

@@ -16,9 +16,8 @@ from math import pi
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, Indices
 from kinesic.body.description import Mount
 from kinesic.body.robot import Robot
 from kinesic.body.servo import Drive
@@ -73,12 +72,12 @@ def describe(robot: Robot) -> mujoco.MjSpec:
     return spec
 
 
-def joint_order(robot: Robot, model: mujoco.MjModel) -> NDArray[np.intp]:
+def joint_order(robot: Robot, model: mujoco.MjModel) -> Indices:
     """Finds the positions (n,) of the skeleton's hinges in MuJoCo's `qpos` and `qvel`, by name."""
     return np.array([model.joint(name).qposadr[0] for name in robot.skeleton.names], dtype=np.intp)
 
 
-def actuator_order(robot: Robot, model: mujoco.MjModel) -> NDArray[np.intp]:
+def actuator_order(robot: Robot, model: mujoco.MjModel) -> Indices:
     """Finds the positions (n,) of the skeleton's hinges in MuJoCo's `ctrl`, by name."""
     return np.array([model.actuator(name).id for name in robot.skeleton.names], dtype=np.intp)
 

@@ -8,13 +8,10 @@ time that it is on. What a braking motor gives back is not counted: most supplie
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from kinesic.body.arrays import Floats, sealed
+from kinesic.body.arrays import Floats, Indices, sealed
 from kinesic.body.command import Power
 from kinesic.body.servo import Drives
-
-Indices = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,9 +2,8 @@
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
-from kinesic.body.arrays import Flags, Floats, sealed
+from kinesic.body.arrays import Flags, Floats, Indices, sealed
 from kinesic.body.robot import Robot
 from kinesic.sim.model import actuator_order, build_model, joint_order
 from kinesic.sim.servo_factors import NOMINAL, Factors
@@ -32,8 +31,8 @@ class Shafts:
         self._drives = factors.applied(robot).drives
         self._model = build_model(robot, servos=factors)
         self._data = mujoco.MjData(self._model)
-        self._joints: NDArray[np.intp] = joint_order(robot, self._model)
-        self._actuators: NDArray[np.intp] = actuator_order(robot, self._model)
+        self._joints: Indices = joint_order(robot, self._model)
+        self._actuators: Indices = actuator_order(robot, self._model)
         self._model.actuator_group[self._actuators] = np.arange(len(self._actuators))
         self._goals = np.array(robot.skeleton.rest if start is None else start)
         self._shares = np.zeros(len(self._goals))

@@ -6,9 +6,8 @@ from math import ceil, inf
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
-from kinesic.body.arrays import Floats, sealed
+from kinesic.body.arrays import Floats, Indices, sealed
 from kinesic.body.command import Command, Measurements, State
 from kinesic.body.robot import SIDES, Robot
 from kinesic.sim.distances import CapsuleDistances
@@ -166,7 +165,7 @@ class Twin:
         return goals.copy() if self._ticks is None else np.rint(goals / self._ticks) * self._ticks
 
 
-def _place(order: NDArray[np.intp]) -> NDArray[np.intp] | slice:
+def _place(order: Indices) -> Indices | slice:
     """A slice where the robot's own order is MuJoCo's: a view costs less than a copy."""
     return slice(None) if np.array_equal(order, np.arange(len(order))) else order
 

@@ -30,16 +30,7 @@ def bisect_edge(
     fits: Callable[[Posture], bool],
     rounds: int,
 ) -> Posture:
-    """Bisects to where the swivel begins to fit.
-
-    Args:
-        at: the posture of a swivel [rad].
-        outside: [rad] a swivel that does not fit.
-        inside: [rad] one that does.
-        found: its posture.
-        fits: whether a posture does.
-        rounds: of bisection.
-    """
+    """Bisects from a swivel [rad] whose posture does not fit to one whose posture does; the last that fits."""
     for _ in range(rounds):
         middle = 0.5 * (outside + inside)
         tried = at(middle)
