@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 from functools import wraps
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, cast, get_args
+from typing import TYPE_CHECKING, Annotated, cast, get_args
 
 import click
 
@@ -29,9 +29,11 @@ SIDE = 512  # pixels of any other
 STYLE_HELP = f"Manner, unless documents say otherwise: {', '.join(names_of('style'))}, or a TOML file."
 TWIN_HELP = "nominal, pessimistic, both (checks of the nominal one, errors of both), or a TOML file of factors."
 TERMS_HELP = "What of the servos is inverted: everything, what speed needs, or nothing."
+CORRECTION_HELP = "Goals corrected by what the twin measures."
 PORT_HELP = "Port of a bus, NAME=PATH, or PATH alone if there is one bus. Repeat for more."
 AU_HELP = "Action units of FACS and their intensities: 1=0.8,2=0.8; L or R before one moves that side."
 EMOTION_HELP = "An emotion or a lexeme of BML: joy, surprise, RAISE_BROWS."
+YAW_HELP = "Seen from the side: 90 shows the left side, 180 the back."
 SIZE_HELP = f"Pixels along a side ({SIDE}; {CELL} each on a sheet, {STRIP} in a strip)."
 
 Verb = Callable[..., int]
@@ -96,9 +98,17 @@ class Performers:
 class TwinOptions:
     """How the twin performs."""
 
-    twin: str
-    feedforward: Terms
-    correction: bool
+    twin: Annotated[str, click.option("--twin", default="nominal", show_default=True, help=TWIN_HELP)]
+    feedforward: Annotated[
+        Terms,
+        click.option(
+            "--feedforward", type=click.Choice(get_args(Terms)), default="full", show_default=True, help=TERMS_HELP
+        ),
+    ]
+    correction: Annotated[
+        bool,
+        click.option("--correction/--no-correction", default=True, help="Goals corrected by what the twin measures."),
+    ]
 
 
 @dataclass(frozen=True)
@@ -114,20 +124,32 @@ class Output:
 class ExpressionOptions:
     """A face by its action units, an emotion, or both."""
 
-    units: str
-    emotion: str | None
-    amount: float  # 0..1 of the emotion
+    units: Annotated[str, click.option("--au", "units", default="", metavar="N=X,...", help=AU_HELP)]
+    emotion: Annotated[str | None, click.option("--emotion", metavar="NAME", help=EMOTION_HELP)]
+    amount: Annotated[
+        float,
+        click.option(
+            "--amount", type=click.FloatRange(0.0, 1.0), default=1.0, show_default=True, help="Of the emotion."
+        ),
+    ]
 
 
 @dataclass(frozen=True)
 class FaceView:
     """How the face is looked at."""
 
-    variant: Variant
-    preset: str
-    yaw: float  # [deg]
-    size: int | None  # [pixels] along a side
-    gain: float  # of the wrinkles
+    variant: Annotated[
+        Variant, click.option("--variant", type=click.Choice(get_args(Variant)), default="female", show_default=True)
+    ]
+    preset: Annotated[
+        str,
+        click.option(
+            "--preset", type=click.Choice(list(PRESETS)), default="normal", show_default=True, help="How much is drawn."
+        ),
+    ]
+    yaw: Annotated[float, click.option("--yaw", default=0.0, metavar="DEG", help=YAW_HELP)]  # [deg]
+    size: Annotated[int | None, click.option("--size", type=int, help=SIZE_HELP)]  # [pixels] along a side
+    gain: Annotated[float, click.option("--gain", default=1.0, show_default=True, help="Of the wrinkles, 0 to 4.")]
 
 
 def done_by(place: str) -> Callable[[Callable[[], None]], Verb]:
@@ -145,6 +167,10 @@ def done_by(place: str) -> Callable[[Callable[[], None]], Verb]:
     return decorate
 
 
+robot_option = click.option("--robot", default="upper22", show_default=True, help="Name, or a robot's TOML file.")
+port_option = click.option("--port", "ports", multiple=True, metavar="NAME=PATH", help=PORT_HELP)
+
+
 def planning(verb: Verb) -> Verb:
     """Adds the options that say how a document is planned."""
 
@@ -155,7 +181,7 @@ def planning(verb: Verb) -> Verb:
 
     return _decorated(
         begin,
-        click.option("--robot", default="upper22", show_default=True, help="Name, or a robot's TOML file."),
+        robot_option,
         click.option("--style", default="neutral", show_default=True, help=STYLE_HELP),
         *(_planning_option(name, offer) for name, offer in offers().items()),
     )
@@ -176,7 +202,8 @@ def _planning_option(name: str, offer: Offer) -> Decorator:
 
 
 def _together(name: str, kind: "type[DataclassInstance]", *options: Decorator) -> Decorator:
-    """Adds options to a verb, which gets their values as one."""
+    """Adds options to a verb, which gets their values as one; without any, those that stand beside its fields."""
+    options = options or tuple(get_args(field.type)[-1] for field in fields(kind))
 
     def decorate(verb: Verb) -> Verb:
         @wraps(verb)
@@ -202,17 +229,13 @@ def performers(on_help: str) -> Decorator:
         "performers",
         Performers,
         click.option("--on", "sinks", type=SinkNames(), default="twin", show_default=True, help=on_help),
-        click.option("--port", "ports", multiple=True, metavar="NAME=PATH", help=PORT_HELP),
+        port_option,
     )
 
 
 def robot_and_ports(verb: Verb) -> Verb:
     """Adds --robot and --port."""
-    return _decorated(
-        verb,
-        click.option("--robot", default="upper22", show_default=True, help="Name, or a robot's TOML file."),
-        click.option("--port", "ports", multiple=True, metavar="NAME=PATH", help=PORT_HELP),
-    )
+    return robot_option(port_option(verb))
 
 
 def output(out_help: str, force_help: str, json_help: str, *between: Decorator) -> Decorator:
@@ -227,30 +250,6 @@ def output(out_help: str, force_help: str, json_help: str, *between: Decorator) 
     )
 
 
-twin_options = _together(
-    "way",
-    TwinOptions,
-    click.option("--twin", default="nominal", show_default=True, help=TWIN_HELP),
-    click.option(
-        "--feedforward", type=click.Choice(get_args(Terms)), default="full", show_default=True, help=TERMS_HELP
-    ),
-    click.option("--correction/--no-correction", default=True, help="Goals corrected by what the twin measures."),
-)
-expression = _together(
-    "expression",
-    ExpressionOptions,
-    click.option("--au", "units", default="", metavar="N=X,...", help=AU_HELP),
-    click.option("--emotion", metavar="NAME", help=EMOTION_HELP),
-    click.option("--amount", type=click.FloatRange(0.0, 1.0), default=1.0, show_default=True, help="Of the emotion."),
-)
-face_view = _together(
-    "view",
-    FaceView,
-    click.option("--variant", type=click.Choice(get_args(Variant)), default="female", show_default=True),
-    click.option(
-        "--preset", type=click.Choice(list(PRESETS)), default="normal", show_default=True, help="How much is drawn."
-    ),
-    click.option("--yaw", default=0.0, metavar="DEG", help="Seen from the side: 90 shows the left side, 180 the back."),
-    click.option("--size", type=int, help=SIZE_HELP),
-    click.option("--gain", default=1.0, show_default=True, help="Of the wrinkles, 0 to 4."),
-)
+twin_options = _together("way", TwinOptions)
+expression = _together("expression", ExpressionOptions)
+face_view = _together("view", FaceView)

@@ -7,7 +7,17 @@ import click
 
 from kinesic.bench import PARTS
 from kinesic.bml.block import RANGES
-from kinesic.cli.options import TWIN_HELP, done_by, expression, face_view, output, performers, planning, twin_options
+from kinesic.cli.options import (
+    TWIN_HELP,
+    done_by,
+    expression,
+    face_view,
+    output,
+    performers,
+    planning,
+    robot_option,
+    twin_options,
+)
 from kinesic.client import PORT
 from kinesic.face.render.presets import PRESETS
 from kinesic.serve.quotas import USUAL, Quotas
@@ -224,7 +234,7 @@ def twin() -> None:
     "wide motion of every hinge tells most; 5 to 20 s are enough.",
 )
 @click.argument("log", type=click.Path(path_type=Path))
-@click.option("--robot", default="upper22", show_default=True, help="Name, or a robot's TOML file.")
+@robot_option
 @click.option("--free", multiple=True, type=click.Choice(FIGURES), default=DEFAULT, show_default=True, help=FREE_HELP)
 @click.option("--out", type=click.Path(path_type=Path, dir_okay=False), help="TOML of factors, for --twin.")
 @click.option("--force", is_flag=True, help="Replaces an existing file.")

@@ -1,12 +1,20 @@
-"""Chooses who speaks: an engine where one is installed, else the model of durations."""
+"""Chooses who speaks: a recording where the document has one, else an engine, else the model of durations."""
+
+import wave
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
 
 from kinesic.body.choices import VoiceName
 from kinesic.body.config import ConfigError
-from kinesic.body.utterance import Voice
+from kinesic.body.utterance import Phoneme, Recording, Script, Sound, Utterance, Voice
 from kinesic.speech.durations import DurationModel
 from kinesic.speech.espeak import Espeak
 from kinesic.speech.espeak_pool import espeak_fault
-from kinesic.speech.recorded import Recorded
+
+LONGEST = 1300  # [s] of a recording that is read
 
 
 def voice(name: VoiceName = "durations") -> Voice:
@@ -25,3 +33,83 @@ def voice(name: VoiceName = "durations") -> Voice:
     if why or name == "durations":
         return Recorded(DurationModel(f"nothing is heard, only the time that it takes is known: {why}" if why else ""))
     return Recorded(Espeak())
+
+
+class RecordingError(ValueError):
+    """A recording cannot be read; the text tells why."""
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A voice that plays recordings, and has another voice say everything else."""
+
+    voice: Voice
+
+    def say(self, script: Script, /, *, rate: float = 1.0, pitch: float = 1.0) -> Utterance:
+        """Says a script, or plays its recording, which neither rate nor pitch changes.
+
+        Marks whose time nobody gave, and what the lips do, are where the duration model has them, stretched to the
+        length of the recording. One that cannot be read is said by the other voice, with a remark.
+        """
+        if script.recording is None:
+            return self.voice.say(script, rate=rate, pitch=pitch)
+        try:
+            sound = read_wav(script.recording.path)
+        except RecordingError as error:
+            said = self.voice.say(replace(script, recording=None), rate=rate, pitch=pitch)
+            return replace(said, remarks=(f"{error}: it is said instead", *said.remarks))
+        return _played(script, script.recording, sound)
+
+
+def read_wav(path: Path) -> Sound:
+    """Reads a WAV file of 8, 16, 24 or 32 bits; of several channels their mean.
+
+    Raises:
+        RecordingError: there is no such file, it is no plain WAV, or it is longer than `LONGEST`.
+    """
+    try:
+        with wave.open(str(path), "rb") as file:
+            rate, count, width, channels = (
+                file.getframerate(),
+                file.getnframes(),
+                file.getsampwidth(),
+                file.getnchannels(),
+            )
+            if count > LONGEST * rate:
+                raise RecordingError(f"{path} lasts {count / rate:.0f} s, at most {LONGEST} s are read")
+            data = file.readframes(count)
+    except OSError as error:
+        raise RecordingError(f"{path}: {error.strerror}") from None
+    except (wave.Error, EOFError) as error:
+        raise RecordingError(f"{path} is no WAV file of plain samples ({error or 'it ends too soon'})") from None
+    if rate <= 0 or len(data) % (width * channels):
+        raise RecordingError(f"{path} is no WAV file of plain samples (it ends too soon)")
+    return Sound.of(rate, _samples(data, width).reshape(-1, channels).mean(axis=1))
+
+
+def _samples(data: bytes, width: int) -> NDArray[np.float64]:
+    """Converts bytes to samples -1..1; those of one byte have no sign, those of three are widened to four."""
+    if width == 1:
+        return np.frombuffer(data, dtype=np.uint8) / 128.0 - 1.0
+    if width == 3:
+        wide = np.zeros((len(data) // 3, 4), dtype=np.uint8)
+        wide[:, 1:] = np.frombuffer(data, dtype=np.uint8).reshape(-1, 3)
+        return wide.view("<i4")[:, 0] / 2.0**31
+    return np.frombuffer(data, dtype=f"<i{width}") / 2.0 ** (8 * width - 1)
+
+
+def _played(script: Script, recording: Recording, sound: Sound) -> Utterance:
+    guessed = DurationModel().say(replace(script, pauses=()))
+    stretch = sound.duration / guessed.duration if guessed.duration else 0.0
+    given = {name: min(max(time, 0.0), sound.duration) for name, time in reversed(recording.marks)}
+    marks = {name: given.get(name, stretch * time) for name, time in guessed.marks.items()} | given
+    late = [f"{name} ({time:g} s)" for name, time in recording.marks if not 0.0 <= time <= sound.duration]
+    open_ones = [name for name in guessed.marks if name not in given]
+    remarks = []
+    if late:
+        what = f"marks outside the {sound.duration:.3f} s of {recording.path.name}"
+        remarks.append(f"{what} are at its nearest end: {', '.join(late)}")
+    if open_ones:
+        remarks.append(f"when {', '.join(open_ones)} falls in {recording.path.name} is estimated: no time is given")
+    phonemes = tuple(Phoneme(p.symbol, stretch * p.start, stretch * p.duration) for p in guessed.phonemes)
+    return Utterance(sound.duration, marks, phonemes, "recording", sound, tuple(remarks))

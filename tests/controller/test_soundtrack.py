@@ -12,9 +12,9 @@ from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.planning.setup import Setup
 from kinesic.speech.loudspeaker import Feed
-from kinesic.speech.recorded import read_wav
 from kinesic.speech.speaker import RATE as HEARD_RATE
 from kinesic.speech.speaker import Speaker
+from kinesic.speech.voice import read_wav
 
 RATE = 16000
 BLOCK = (

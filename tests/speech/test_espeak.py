@@ -1,11 +1,13 @@
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from kinesic.bench.bml.speech import mark_errors
 from kinesic.body.utterance import Emphasis, Mark, Pause, Script
 from kinesic.speech import espeak as module
-from kinesic.speech.espeak import Espeak
-from kinesic.speech.espeak_pool import SpeechError
+from kinesic.speech.espeak import Espeak, voice_of, voices
+from kinesic.speech.espeak_pool import SpeechError, engine
 
 PRECISION = 0.005  # [s]
 
@@ -161,3 +163,36 @@ def test_a_text_without_end_is_not_waited_for(espeak: Espeak):
     said = espeak.say(Script("on and " * 20_000))
     assert (said.voice, said.sound) == ("durations", None)
     assert "140000 characters" in said.remarks[0]
+
+
+@pytest.fixture(scope="module")
+def data() -> Path:
+    place = engine()
+    if place is None:
+        pytest.skip("espeak-ng is not installed")
+    return place.data
+
+
+@pytest.mark.parametrize(
+    ("tag", "voice"),
+    [
+        ("en", "en-US"),
+        ("EN_gb", "en"),
+        ("fr", "fr"),
+        ("de-AT", "de"),
+        ("pt-br", "pt-BR"),
+        ("zh-Hans-CN", "cmn"),
+        ("no", "nb"),
+    ],
+)
+def test_a_tag_finds_its_voice_in_any_spelling(tag: str, voice: str, data: Path):
+    found, remark = voice_of(tag, data)
+    assert found.rpartition("/")[2] == voice
+    assert remark == ""
+
+
+@pytest.mark.parametrize("tag", ["tlh", "", "klingon", "-"])
+def test_a_language_that_nobody_speaks_is_read_as_english_and_says_so(tag: str, data: Path):
+    found, remark = voice_of(tag, data)
+    assert found == voices(data)["en-us"]
+    assert repr(tag) in remark

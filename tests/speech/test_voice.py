@@ -1,16 +1,23 @@
 import pickle
+import wave
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 from kinesic.bml.parse import parse
 from kinesic.body.config import ConfigError
+from kinesic.body.utterance import Mark, Recording, Script
 from kinesic.controller.perform import plan, set_up
 from kinesic.expressivity.style.style import Expressivity, Style
 from kinesic.planning.speech import delivery, synthesise_block
 from kinesic.speech import voice as module
+from kinesic.speech.durations import DurationModel
 from kinesic.speech.espeak_pool import espeak_fault
-from kinesic.speech.voice import voice
+from kinesic.speech.voice import Recorded, RecordingError, read_wav, voice
 
+VOICE = Recorded(DurationModel())
+RATE = 8000
 SPEECH = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">'
     '<speech id="s"><text>Hello, my <sync id="m"/>friend</text></speech></bml>'
@@ -79,3 +86,94 @@ def test_a_fast_style_is_heard_sooner():
         for t in (-1.0, 1.0)
     )
     assert calm / fast == pytest.approx(1.25**2)
+
+
+def wav(path: Path, seconds: float = 2.0, *, width: int = 2, channels: int = 1) -> Path:
+    """A tone of half the largest loudness."""
+    tone = 0.5 * np.sin(2 * np.pi * 200 * np.arange(round(seconds * RATE)) / RATE)
+    whole = np.round(tone * (2 ** (8 * width - 1) - 1)).astype("<i4")
+    if width == 1:
+        whole = whole + 128
+    data = whole.view(np.uint8).reshape(-1, 4)[:, :width]
+    with wave.open(str(path), "wb") as file:
+        file.setnchannels(channels)
+        file.setsampwidth(width)
+        file.setframerate(RATE)
+        file.writeframes(np.repeat(data[:, None], channels, axis=1).tobytes())
+    return path
+
+
+@pytest.mark.parametrize("width", [1, 2, 3, 4])
+@pytest.mark.parametrize("channels", [1, 2])
+def test_plain_files_of_every_width_are_read(width: int, channels: int, tmp_path: Path):
+    sound = read_wav(wav(tmp_path / "tone.wav", width=width, channels=channels))
+    assert (sound.rate, sound.duration) == (RATE, 2.0)
+    assert np.abs(sound.samples).max() == pytest.approx(0.5, abs=0.01)
+    assert sound.samples.mean() == pytest.approx(0.0, abs=0.01)
+
+
+def test_a_recording_is_played_with_the_times_that_it_is_given(tmp_path: Path):
+    recording = Recording(wav(tmp_path / "tone.wav"), (("two", 1.25),))
+    said = VOICE.say(Script("one two", (Mark("two", 4),), recording=recording), rate=2.0)
+    assert (said.duration, said.marks["two"], said.voice) == (2.0, 1.25, "recording")
+    assert said.sound is not None
+    assert said.remarks == ()
+    assert said.phonemes[-1].start + said.phonemes[-1].duration == pytest.approx(2.0)
+
+
+def test_a_mark_without_a_time_is_estimated_and_says_so(tmp_path: Path):
+    recording = Recording(wav(tmp_path / "tone.wav"))
+    said = VOICE.say(Script("one two", (Mark("two", 4),), recording=recording))
+    assert said.marks["two"] == pytest.approx(1.0)
+    assert "two" in said.remarks[0]
+
+
+def test_a_mark_of_the_recording_alone_is_a_mark(tmp_path: Path):
+    recording = Recording(wav(tmp_path / "tone.wav"), (("bell", 0.5),))
+    assert VOICE.say(Script("", recording=recording)).marks == {"bell": 0.5}
+
+
+@pytest.mark.parametrize("time", [-1.0, 9.0])
+def test_a_mark_outside_is_at_the_nearest_end(time: float, tmp_path: Path):
+    recording = Recording(wav(tmp_path / "tone.wav"), (("m", time),))
+    said = VOICE.say(Script("one", (Mark("m", 0),), recording=recording))
+    assert said.marks["m"] == min(max(time, 0.0), 2.0)
+    assert "outside" in said.remarks[0]
+
+
+def damaged(path: Path, damage: str) -> Path:
+    whole = wav(path).read_bytes()
+    data = {
+        "empty": b"",
+        "text": b"hello",
+        "short": whole[:40],
+        "odd": whole[:-3],
+        "float": whole.replace(b"\1\0", b"\3\0", 1),
+    }
+    path.write_bytes(data[damage])
+    return path
+
+
+@pytest.mark.parametrize("damage", ["empty", "text", "short", "float"])
+def test_a_file_that_is_no_recording_is_said_instead(damage: str, tmp_path: Path):
+    path = damaged(tmp_path / "broken.wav", damage)
+    with pytest.raises(RecordingError, match=r"broken\.wav"):
+        read_wav(path)
+    said = VOICE.say(Script("one", recording=Recording(path)))
+    assert said.voice == "durations"
+    assert "broken.wav" in said.remarks[0]
+
+
+def test_a_file_that_ends_too_soon_is_read_as_far_as_it_goes_or_refused(tmp_path: Path):
+    try:
+        sound = read_wav(damaged(tmp_path / "broken.wav", "odd"))
+    except RecordingError:
+        return
+    assert 1.9 < sound.duration <= 2.0
+
+
+@pytest.mark.parametrize("name", ["missing.wav", "."])
+def test_a_file_that_is_not_there_is_said_instead(name: str, tmp_path: Path):
+    said = VOICE.say(Script("one", recording=Recording(tmp_path / name)))
+    assert said.voice == "durations"
+    assert "said instead" in said.remarks[0]

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from kinesic.cli.options import done_by, robot_and_ports
+from kinesic.cli.options import done_by, robot_and_ports, robot_option
 from kinesic.hardware.virtual.faults import KINDS
 
 ROBOT_HELP = "Whose hinges the ids are: a name, or a TOML file."
@@ -65,7 +65,7 @@ def _show_servos() -> None:
     "each thing that goes wrong, with its kind and, where they matter, servos (ids), rate (0..1), start and seconds, "
     f"value, and way (reply or request). Kinds: {', '.join(KINDS)}.",
 )
-@click.option("--robot", default="upper22", show_default=True, help="Name, or a robot's TOML file.")
+@robot_option
 @click.option("--physics", type=click.Choice(("servo", "twin")), default="servo", show_default=True, help=PHYSICS_HELP)
 @click.option("--twin", default="nominal", show_default=True, help="nominal, pessimistic, or a TOML of factors.")
 @click.option("--faults", type=click.Path(path_type=Path, dir_okay=False), help="TOML of what goes wrong.")
