@@ -85,7 +85,7 @@ def _fault(egl: ctypes.CDLL, gl: str) -> str:
 
 
 def _version(egl: ctypes.CDLL, gl: str, screen: int, context: int | None) -> str:
-    """The version that a context without wishes has; empty when there is none. The context is closed."""
+    """The version that a context without attributes has; empty when there is none. The context is closed."""
     if not context:
         return ""
     current = CFUNCTYPE(c_uint, c_void_p, c_void_p, c_void_p, c_void_p)(("eglMakeCurrent", egl))

@@ -54,7 +54,7 @@ class Loss:
 
 @dataclass(frozen=True)
 class Stray:
-    """A hinge that moves otherwise than wished, between its keys."""
+    """A hinge that moves otherwise than desired, between its keys."""
 
     hinge: str
     degrees: float  # root mean square over the whole motion
@@ -78,14 +78,14 @@ class Chapter:
 def story(performance: Performance) -> tuple[Chapter, ...]:
     """Finds behaviours with a moved sync point, or a stroke that lost more than 5 %; the largest shift first."""
     plan = performance.plan
-    wish = _wish(performance)
+    desired = _desired_paths(performance)
     found = []
     for name in dict.fromkeys(sync.behaviour for sync in plan.syncs):
         syncs = [sync for sync in plan.syncs if sync.behaviour == name]
         moved = _together(_moved(sync, performance) for sync in syncs if abs(sync.planned - sync.asked) > SHIFT_TO_WARN)
         parts = sorted(plan.keyframes.uses.get(name, frozenset()) & set(performance.reference.paths))
         core = _core(syncs)
-        losses = tuple(loss for part in parts if core for loss in _losses(part, core, wish, performance))
+        losses = tuple(loss for part in parts if core for loss in _losses(part, core, desired, performance))
         if moved or losses:
             found.append(Chapter(name, moved, losses, stroke=core is not None))
     return tuple(sorted(found, key=lambda chapter: -chapter.shift))
@@ -99,17 +99,17 @@ def strays(performance: Performance) -> tuple[Stray, ...]:
 
 
 @dataclass(frozen=True, eq=False)
-class _Wish:
+class _DesiredPaths:
     """Where each part was to be, at block times."""
 
     times: Floats  # (m,) [s]
     paths: Mapping[PartName, Floats]  # (m, 3)
 
 
-def _wish(performance: Performance) -> _Wish:
-    wished = performance.plan.desired
-    times = np.arange(int(np.ceil(wished.duration * RATE)) + 1) / RATE
-    return _Wish(times - wished.zero, part_paths(wished.sample(times)[0], performance.plan.setup.robot))
+def _desired_paths(performance: Performance) -> _DesiredPaths:
+    motion = performance.plan.desired
+    times = np.arange(int(np.ceil(motion.duration * RATE)) + 1) / RATE
+    return _DesiredPaths(times - motion.zero, part_paths(motion.sample(times)[0], performance.plan.setup.robot))
 
 
 def _moved(sync: SyncTime, performance: Performance) -> Moved:
@@ -141,9 +141,11 @@ def _core(syncs: list[SyncTime]) -> tuple[SyncTime, SyncTime] | None:
     return None
 
 
-def _losses(part: PartName, core: tuple[SyncTime, SyncTime], wish: _Wish, performance: Performance) -> Iterator[Loss]:
+def _losses(
+    part: PartName, core: tuple[SyncTime, SyncTime], desired: _DesiredPaths, performance: Performance
+) -> Iterator[Loss]:
     zero = performance.plan.trajectory.zero
-    before = _cut(wish.times, wish.paths[part], core[0].asked, core[1].asked)
+    before = _cut(desired.times, desired.paths[part], core[0].asked, core[1].asked)
     after = _cut(
         performance.measured.times, performance.reference.paths[part], zero + core[0].planned, zero + core[1].planned
     )

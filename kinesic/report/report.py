@@ -171,7 +171,7 @@ def _limits(performance: Performance) -> dict[str, Json]:
 
 
 def _conditioning(performance: Performance) -> dict[str, Json]:
-    """What had to give, behaviour by behaviour, and how far each hinge strays from the wish."""
+    """What had to give, behaviour by behaviour, and how far each hinge strays from the desired motion."""
     plan = performance.plan
     strays = zip(plan.setup.robot.skeleton.names, np.degrees(plan.motion.lost), strict=True)
     return {
