@@ -73,7 +73,9 @@ class Servos:
             start_new_session=True,  # Ctrl-C in the terminal is not for it
         )
         os.close(memory)
-        self._send_order(msgspec.json.encode(order) + b"\n")
+        if self._process.stdin is not None:
+            self._process.stdin.write(msgspec.json.encode(order) + b"\n")
+            self._process.stdin.flush()
         self._wait_until_ready()
 
     @property
@@ -169,11 +171,6 @@ class Servos:
             found = self._channel.notes()
             self._notes += found
             self._reasons += [note.text for note in found if note.kind in ("refused", "failed")]
-
-    def _send_order(self, line: bytes) -> None:
-        if self._process.stdin is not None:
-            self._process.stdin.write(line)
-            self._process.stdin.flush()
 
     def _wait_until_ready(self) -> None:
         limit = time.monotonic() + START

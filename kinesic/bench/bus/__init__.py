@@ -21,7 +21,7 @@ from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.models import MODELS
 from kinesic.hardware.protocol.servo_map import MID_TICKS
 from kinesic.hardware.protocol.ticks import Ticks
-from kinesic.hardware.protocol.wire import Wire
+from kinesic.hardware.virtual.bus import VirtualBus
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.pty import PtyPort, serve_wires
 from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
@@ -38,43 +38,27 @@ REAL_COUNT, REAL_BAUD, REAL_PERIOD, REAL_SECONDS = 14, 1_000_000, 0.01, 3.0
 PATIENCE = 20.0  # [s] for the other process to begin
 
 
-class Recorder:
-    """A wire that remembers what it says."""
+class Recorder(MemoryWire):
+    """A wire that remembers its times, and what it brought."""
 
-    def __init__(self, wire: Wire) -> None:
-        self._wire, self.name, self.baud = wire, wire.name, wire.baud
+    def __init__(self, bus: VirtualBus) -> None:
+        super().__init__(bus)
         self.times: list[float] = []
         self.chunks: list[bytes] = []
 
     def now(self) -> float:
-        """The wire's."""
-        self.times.append(self._wire.now())
+        """As a wire in memory."""
+        self.times.append(super().now())
         return self.times[-1]
 
-    def write(self, data: bytes | bytearray, /) -> None:
-        """To the wire."""
-        self._wire.write(data)
-
     def read(self, deadline: float, /) -> bytes:
-        """From the wire."""
-        self.chunks.append(self._wire.read(deadline))
+        """As a wire in memory."""
+        self.chunks.append(super().read(deadline))
         return self.chunks[-1]
-
-    def sleep(self, until: float, /) -> None:
-        """On the wire's clock."""
-        self._wire.sleep(until)
-
-    def reopen(self) -> bool:
-        """The wire's."""
-        return self._wire.reopen()
-
-    def close(self) -> None:
-        """The wire."""
-        self._wire.close()
 
 
 class RecordingWire:
-    """A wire that says what another one said."""
+    """A wire that repeats a recording, whatever is asked."""
 
     def __init__(self, recorder: Recorder) -> None:
         self.name, self.baud = recorder.name, recorder.baud
@@ -129,9 +113,10 @@ def cycle_times(count: int, baud: int) -> tuple[float, float]:
         Wire time with 1 ms USB latency, and CPU time of the driver [s], medians.
     """
     _, buses = build_bus([_cable(count, baud)])
-    memory = MemoryWire(buses["bench"])
-    servos = open_bus(memory, _servos(count)).servos
-    recorder = Recorder(memory)
+    recorder = Recorder(buses["bench"])
+    servos = open_bus(recorder, _servos(count)).servos
+    recorder.times.clear()
+    recorder.chunks.clear()
     driver = Bus(recorder, servos, period=FLAT_OUT)
     wire = [driver.cycle(goals).duration for goals in _goals(count)]
     host: list[float] = []

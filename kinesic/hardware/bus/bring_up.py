@@ -41,7 +41,8 @@ def problems(cold: Cold, servos: Sequence[Servo]) -> tuple[str, ...]:
     if len(found) == len(servos) and all("no answer" in line for line in found.values()):
         others = ", ".join(f"{other.id} ({other.name})" for other in cold.everyone())
         answering = f"; those who answer: {others}" if others else "; is the power on, is the baud rate right?"
-        return (f"{cold.wire.name}: no servo of ids {_listed(servos)} at {cold.wire.baud} baud{answering}",)
+        ids = ", ".join(str(servo.id) for servo in servos)
+        return (f"{cold.wire.name}: no servo of ids {ids} at {cold.wire.baud} baud{answering}",)
     return tuple(found.values())
 
 
@@ -99,7 +100,3 @@ def answers_fast(wire: Wire, servos: Sequence[Servo]) -> bool:
         if raw and question.answer(raw).whole:
             return True
     return False
-
-
-def _listed(servos: Sequence[Servo]) -> str:
-    return ", ".join(str(servo.id) for servo in servos)

@@ -7,7 +7,7 @@ which no running servo has.
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,10 +27,10 @@ REGISTERS = (
     Register.PRESENT_INPUT_VOLTAGE,
     Register.PRESENT_TEMPERATURE,
 )
-NAMES = ("torque", "hardware_error", "watchdog", "tick", "current", "velocity", "position", "volts", "temperature")
 Name = Literal[
     "torque", "hardware_error", "watchdog", "tick", "current", "velocity", "position", "volts", "temperature"
 ]
+NAMES: tuple[Name, ...] = get_args(Name)
 
 Records = NDArray[np.void]  # of dtype HEALTH or BLOCK
 Happening = Literal[

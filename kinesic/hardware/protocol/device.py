@@ -6,14 +6,17 @@ from dataclasses import dataclass
 from dynamixel_sdk import COMM_SUCCESS
 
 from kinesic.hardware.protocol.models import BY_NUMBER, Model
-from kinesic.hardware.protocol.packet import ALERT, Fault
+from kinesic.hardware.protocol.packet import ALERT, BROADCAST, Fault, write_packet
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.sdk import Packets, WirePort
 from kinesic.hardware.protocol.wire import BusError, Wire
 
 TRIES = 4
+ANSWERS_ALL = 2  # STATUS_RETURN_LEVEL
 LOOKS = 3  # for a servo whose answers do not collide
 _DIFFERENT = Register.REALTIME_TICK.field.address, 28  # what two servos hardly ever have in common
+
+Attempt = Callable[[], tuple[*tuple[list[int], ...], int, int]]  # data if there are some, result, error byte
 
 
 @dataclass(frozen=True)
@@ -43,6 +46,15 @@ class Change:
     register: Register
     before: int
     after: int
+
+
+def demand_answers(wire: Wire) -> None:
+    """Tells all servos on a wire to answer every instruction.
+
+    Raises:
+        BusError: the port is gone.
+    """
+    wire.write(write_packet(BROADCAST, Register.STATUS_RETURN_LEVEL.field.address, bytes((ANSWERS_ALL,))))
 
 
 class Cold:
@@ -98,12 +110,9 @@ class Cold:
         Raises:
             BusError: the servo does not answer, or refuses.
         """
-        found = self._tried(
-            servo,
-            f"read of {size} bytes at {address}",
-            lambda: self._packets.readTxRx(self._port, servo, address, size),
-        )
-        return bytes(found)
+        what = f"read of {size} bytes at {address}"
+        (data,) = self._repeat(servo, what, lambda: self._packets.readTxRx(self._port, servo, address, size))
+        return bytes(data)
 
     def write_span(self, servo: int, address: int, data: bytes, *, name: str = "") -> None:
         """Several registers at once.
@@ -112,12 +121,8 @@ class Cold:
             BusError: the servo does not answer, or refuses.
         """
         what = f"write of {name or f'{len(data)} bytes'} at {address}"
-
-        def attempt() -> tuple[list[int], int, int]:
-            result, error = self._packets.writeTxRx(self._port, servo, address, len(data), list(data))
-            return [], result, error
-
-        self._tried(servo, what, attempt)
+        octets = list(data)
+        self._repeat(servo, what, lambda: self._packets.writeTxRx(self._port, servo, address, len(octets), octets))
 
     def reboot(self, servo: int) -> None:
         """Reboots a servo: the only way out of a shutdown.
@@ -125,12 +130,7 @@ class Cold:
         Raises:
             BusError: it does not answer.
         """
-
-        def attempt() -> tuple[list[int], int, int]:
-            result, error = self._packets.reboot(self._port, servo)
-            return [], result, error
-
-        self._tried(servo, "reboot", attempt)
+        self._repeat(servo, "reboot", lambda: self._packets.reboot(self._port, servo))
 
     def configure(self, servo: int, required: Mapping[Register, int]) -> tuple[Change, ...]:
         """Sets only what differs, and reads it back.
@@ -153,11 +153,11 @@ class Cold:
     def _who(self, servo: int) -> str:
         return f"{self.wire.name}: servo {servo}"
 
-    def _tried(self, servo: int, what: str, attempt: Callable[[], tuple[list[int], int, int]]) -> list[int]:
+    def _repeat(self, servo: int, what: str, attempt: Attempt) -> list[list[int]]:
         """Repeats an attempt until something comes; an alert is no failure."""
         result = COMM_SUCCESS
         for _ in range(TRIES):
-            data, result, error = attempt()
+            *data, result, error = attempt()
             fault = error & ~ALERT
             if fault:
                 name = Fault(fault).name if fault in list(Fault) else str(fault)

@@ -160,6 +160,11 @@ class HardwareError(Enum):
     ELECTRICAL_SHOCK = 0x10
     OVERLOAD = 0x20
 
+    @classmethod
+    def names(cls, bits: int) -> tuple[str, ...]:
+        """Names the bits of HARDWARE_ERROR_STATUS in words."""
+        return tuple(bit.name.lower().replace("_", " ") for bit in cls if bit.value & bits)
+
 
 class Mode(Enum):
     """OPERATING_MODE."""

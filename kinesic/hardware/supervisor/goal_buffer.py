@@ -4,8 +4,6 @@ from bisect import bisect_right
 from collections import deque
 from math import inf
 
-import numpy as np
-
 from kinesic.body.arrays import Floats
 
 BEHIND = 2  # commands that are kept before the present one: slopes need them
@@ -81,8 +79,3 @@ class GoalBuffer:
         low, high = max(k - 1, 0), min(k + 1, len(self._times) - 1)
         slope: Floats = (self._goals[high] - self._goals[low]) / (self._times[high] - self._times[low])
         return slope
-
-
-def are_numbers(goals: Floats) -> bool:
-    """Returns whether all goals are finite numbers."""
-    return bool(np.isfinite(goals).all())

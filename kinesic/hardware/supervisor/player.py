@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.hardware.supervisor.goal_buffer import GoalBuffer, are_numbers
+from kinesic.hardware.supervisor.goal_buffer import GoalBuffer
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 
 PEAK = 15 / 8  # peak over mean speed of the minimum-jerk curve
@@ -114,7 +114,7 @@ class Player:
             time: [s] of the performance.
             goals: (n,) [rad].
         """
-        if not are_numbers(goals):
+        if not np.isfinite(goals).all():
             return False
         over = self.left <= DONE
         if not self.begun or (over and (time > self._buffer.end + GAP or time <= self.time_scale.time)):

@@ -6,15 +6,12 @@ from dataclasses import dataclass
 from kinesic.body.servo import TICKS_PER_TURN
 from kinesic.hardware.bus.bring_up import open_bus
 from kinesic.hardware.bus.bus import Bus
-from kinesic.hardware.protocol import packet
-from kinesic.hardware.protocol.device import Change, Cold
-from kinesic.hardware.protocol.packet import BROADCAST
+from kinesic.hardware.protocol.device import Change, Cold, demand_answers
 from kinesic.hardware.protocol.registers import SPEED, HardwareError, Register
 from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.supervisor.axes import Axes
 from kinesic.hardware.supervisor.manifest import Manifest, Member
 
-ANSWERS_ALL = 2  # STATUS_RETURN_LEVEL
 SPEED_SHARE = 0.8  # of the speed without load that plans use
 VITAL = (Register.DRIVE_MODE, Register.OPERATING_MODE, Register.HOMING_OFFSET)  # without which ticks mean nothing
 _END = Register.PRESENT_TEMPERATURE.field.end
@@ -98,7 +95,7 @@ def prepare_servos(manifest: Manifest, wires: Mapping[str, Wire], *, period: flo
     lines: list[str] = []
     for name, wire in wires.items():
         members = [member for member in manifest.members if member.bus == name]
-        wire.write(packet.write_packet(BROADCAST, Register.STATUS_RETURN_LEVEL.field.address, bytes((ANSWERS_ALL,))))
+        demand_answers(wire)
         try:
             buses[name] = open_bus(wire, [member.servo for member in members], period=period)
         except BusError as error:
@@ -138,8 +135,7 @@ def _error(table: Table) -> str:
     error = table[Register.HARDWARE_ERROR_STATUS]
     if not error:
         return ""
-    names = ", ".join(bit.name.lower().replace("_", " ") for bit in HardwareError if bit.value & error)
-    return f"has shut down ({names}); find out why, then switch its power off and on"
+    return f"has shut down ({', '.join(HardwareError.names(error))}); find out why, then switch its power off and on"
 
 
 def _limits(table: Table) -> str:

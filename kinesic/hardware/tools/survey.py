@@ -6,14 +6,12 @@ from math import degrees, nan
 
 import numpy as np
 
-from kinesic.hardware.protocol import packet
-from kinesic.hardware.protocol.device import Change, Cold, Found
-from kinesic.hardware.protocol.packet import BROADCAST
+from kinesic.hardware.protocol.device import Change, Cold, Found, demand_answers
 from kinesic.hardware.protocol.registers import BAUD_RATES, HardwareError, Register
 from kinesic.hardware.protocol.ticks import Scale
 from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.supervisor.manifest import Manifest, Member
-from kinesic.hardware.supervisor.preflight import ANSWERS_ALL, Table, required_registers
+from kinesic.hardware.supervisor.preflight import Table, required_registers
 
 
 @dataclass(frozen=True)
@@ -100,7 +98,7 @@ def talkative(wire: Wire) -> Cold:
     Raises:
         BusError: the port is gone.
     """
-    wire.write(packet.write_packet(BROADCAST, Register.STATUS_RETURN_LEVEL.field.address, bytes((ANSWERS_ALL,))))
+    demand_answers(wire)
     return Cold(wire)
 
 
@@ -123,14 +121,9 @@ def _seen(cold: Cold, member: Member) -> SurveyedServo:
         celsius=table[Register.PRESENT_TEMPERATURE],
         volts=table[Register.PRESENT_INPUT_VOLTAGE] * Register.PRESENT_INPUT_VOLTAGE.field.scale,
         torque=bool(table[Register.TORQUE_ENABLE]),
-        errors=error_names(table[Register.HARDWARE_ERROR_STATUS]),
+        errors=HardwareError.names(table[Register.HARDWARE_ERROR_STATUS]),
         differs=tuple(Change(member.id, register, table[register], value) for register, value in wishes.items()),
     )
-
-
-def error_names(bits: int) -> tuple[str, ...]:
-    """Names the bits of HARDWARE_ERROR_STATUS."""
-    return tuple(bit.name.lower().replace("_", " ") for bit in HardwareError if bit.value & bits)
 
 
 def _angle(member: Member, ticks: int) -> float:

@@ -221,11 +221,8 @@ class SetPoint:
     @cached_property
     def _full(self) -> int:
         """Count of the current register at stall."""
-        return self._memory.model.starts(Register.GOAL_CURRENT) if self._senses else LOAD_FULL
-
-    @property
-    def _senses(self) -> bool:
-        return self._memory.model.amperes is not None
+        model = self._memory.model
+        return LOAD_FULL if model.amperes is None else model.starts(Register.GOAL_CURRENT)
 
     def _share(self, current: int) -> float:
         return current / self._full

@@ -4,7 +4,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from kinesic.body.robot import Robot
-from kinesic.body.servo import ServoModel
 from kinesic.hardware.protocol.models import BY_NUMBER, MODELS
 from kinesic.hardware.protocol.registers import TICK, Register
 from kinesic.hardware.protocol.servo_map import MID_TICKS, ServoMap
@@ -62,12 +61,9 @@ def cables(robot: Robot) -> tuple[Cable, ...]:
     models = [mount.drive.servo for mount in robot.mounts]
     fitted: dict[str, list[ServoFitting]] = {bus.name: [] for bus in wiring.buses}
     for servos, place, model in zip(wiring.servos, ticks, models, strict=True):
-        fitted[servos.bus] += [_fitting(servo, model, int(place)) for servo in servos.ids]
+        motor = Motor.of(model)
+        fitted[servos.bus] += [ServoFitting(k, model=model.name, ticks=int(place), motor=motor) for k in servos.ids]
     return tuple(Cable(bus.name, tuple(fitted[bus.name]), baud=bus.baud) for bus in wiring.buses)
-
-
-def _fitting(servo: int, model: ServoModel, ticks: int) -> ServoFitting:
-    return ServoFitting(servo, model=model.name, ticks=ticks, motor=Motor.of(model))
 
 
 def build_bus(

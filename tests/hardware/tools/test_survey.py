@@ -3,7 +3,7 @@ import pytest
 from kinesic.hardware.protocol.device import Found
 from kinesic.hardware.protocol.registers import HardwareError, Register
 from kinesic.hardware.protocol.wire import Wire
-from kinesic.hardware.tools.survey import Sighting, error_names, scan_bus, strangers, survey, talkative
+from kinesic.hardware.tools.survey import Sighting, scan_bus, strangers, survey, talkative
 from kinesic.hardware.virtual.faults import CALM, FaultPlan, PlannedFault
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
@@ -92,5 +92,5 @@ def test_strangers_are_named(bench):
 
 
 def test_error_bits_have_names():
-    assert error_names(HardwareError.OVERLOAD.value | HardwareError.VOLTAGE.value) == ("voltage", "overload")
-    assert error_names(0) == ()
+    assert HardwareError.names(HardwareError.OVERLOAD.value | HardwareError.VOLTAGE.value) == ("voltage", "overload")
+    assert HardwareError.names(0) == ()
