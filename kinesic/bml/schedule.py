@@ -20,7 +20,7 @@ from kinesic.bml.block import (
 from kinesic.bml.reading.references import LONGEST
 from kinesic.bml.timing.constraints import Tie, own_ties
 from kinesic.bml.timing.negative_cycles import Edge, contradictions
-from kinesic.bml.timing.network import SHORTEST, Elsewhere, Network, Surroundings
+from kinesic.bml.timing.network import SHORTEST, Elsewhere, Network, ReferenceResolver
 from kinesic.bml.timing.points import natural_spans
 from kinesic.bml.timing.settle import settle_times
 from kinesic.body.utterance import Utterance
@@ -59,11 +59,11 @@ def schedule(
         if isinstance(behaviour.action, Speech) and behaviour.id not in utterances:
             cast.drop(behaviour.id, NoticeType.CANNOT_CREATE_BEHAVIOR, "nobody says its text")
     while True:
-        around = Surroundings(block, cast.behaviours, utterances, elsewhere or {}, spans)
-        network = around.network(cast.ties(), cast.constraints)
-        for unresolved in around.unresolved:
+        resolver = ReferenceResolver(block, cast.behaviours, utterances, elsewhere or {}, spans)
+        network = resolver.network(cast.ties(), cast.constraints)
+        for unresolved in resolver.unresolved:
             cast.give_up(unresolved.culprit, unresolved.kind, unresolved.why)
-        if around.unresolved:
+        if resolver.unresolved:
             continue
         loops = network.clashes() or contradictions(network.edges())
         cast.resolve(loops)

@@ -133,7 +133,7 @@ class Unresolved:
     why: str
 
 
-class Surroundings:
+class ReferenceResolver:
     """Resolves references of a block among behaviours that are still performed."""
 
     def __init__(

@@ -1,7 +1,7 @@
 """Phases of gestures: the keys of each hand through a whole block, neighbours running into one another."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import inf
 from types import MappingProxyType
 
@@ -26,11 +26,11 @@ class Arranged:
     """Both hands through a whole block."""
 
     hands: Mapping[Side, tuple[HandKey, ...]]
-    outcomes: Mapping[str, Outcome] = field(default_factory=dict)
-    sides: Mapping[str, frozenset[Side]] = field(default_factory=dict)  # behaviour id -> hands that it moves
-    remarks: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # what time did not allow
-    times: Mapping[str, Mapping[str, float]] = field(default_factory=dict)  # behaviour id -> points that moved [s]
-    works: tuple[HandStroke, ...] = ()  # what both hands do, in time order
+    outcomes: Mapping[str, Outcome]
+    sides: Mapping[str, frozenset[Side]]  # behaviour id -> hands that it moves
+    remarks: Mapping[str, tuple[str, ...]]  # what time did not allow
+    times: Mapping[str, Mapping[str, float]]  # behaviour id -> points that moved [s]
+    works: tuple[HandStroke, ...]  # what both hands do, in time order
 
 
 def arrange_hands(

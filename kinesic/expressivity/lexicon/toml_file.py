@@ -30,11 +30,11 @@ _DIRECTIONS: Mapping[str, tuple[int, int, int]] = {
 }
 
 
-class Strict(msgspec.Struct, forbid_unknown_fields=True):
+class StrictTable(msgspec.Struct, forbid_unknown_fields=True):
     """A table whose unknown keys are errors."""
 
 
-class PathTable(Strict):
+class PathTable(StrictTable):
     """How a hand comes to its key from the one before; axes in the order of `at`."""
 
     kind: Kind
@@ -46,7 +46,7 @@ class PathTable(Strict):
     points: list[tuple[str | float, str | float, str | float]] = []  # as in `at`
 
 
-class HandTable(Strict):
+class HandTable(StrictTable):
     """One hand in one key."""
 
     at: tuple[str | float, str | float, str | float]  # outward, up, forward: sectors or [arm lengths]
@@ -59,7 +59,7 @@ class HandTable(Strict):
     path: PathTable | None = None  # goes over that of the key
 
 
-class KeyTable(Strict):
+class KeyTable(StrictTable):
     """One stroke key: either `both`, or a hand for itself."""
 
     path: PathTable | None = None  # of each hand that has none of its own
@@ -69,7 +69,7 @@ class KeyTable(Strict):
     both: HandTable | None = None
 
 
-class GestureTable(Strict):
+class GestureTable(StrictTable):
     """One gesture."""
 
     id: str
@@ -78,7 +78,7 @@ class GestureTable(Strict):
     says: str = ""  # what is done and what it means, in one line
 
 
-class GestureFile(Strict):
+class GestureFile(StrictTable):
     """One file: the gestures of a category."""
 
     category: Category
