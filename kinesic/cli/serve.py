@@ -20,7 +20,8 @@ from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.serve.quotas import USUAL, Quotas
 from kinesic.serve.server import Address, Serving, open_serving, until_done
-from kinesic.serve.sinks import AHEAD, RealServos, RealTwin, ServoSink
+from kinesic.serve.sinks import AHEAD, RealServos, RealTimeSink, RealTwin
+from kinesic.serve.tracks import SoundAndFace
 from kinesic.speech.loudspeaker import audio_fault
 
 
@@ -37,15 +38,13 @@ def serve_blocks(
     if sound and why:
         raise ConfigError(f"--sound: {why}")
     address, limits = read_address(listen, token), read_rules(rules)
-    followers = _followers(planning, performers)
     server = open_serving(
         planning.set_up,
-        followers,
+        _open_sinks(planning, performers),
         address=address,
         rules=limits,
         token=token,
-        face="face" in performers.sinks,
-        sound=not why,
+        accompaniment=SoundAndFace(face="face" in performers.sinks, sound=not why),
     )
     return asyncio.run(_serve(server))
 
@@ -92,15 +91,15 @@ def _is_here(host: str) -> bool:
         return host == "localhost"
 
 
-def _followers(planning: Planning, performers: Performers) -> list[ServoSink]:
+def _open_sinks(planning: Planning, performers: Performers) -> list[RealTimeSink]:
     robot, sinks = planning.set_up().robot, performers.sinks
-    followers = [ServoSink(RealTwin(robot))] if "twin" in sinks else []
+    opened = [RealTimeSink(RealTwin(robot))] if "twin" in sinks else []
     if "servos" in sinks:
         servos = Servos(robot, all_ports(performers.ports, Manifest.of(robot).bauds), log=Path("events.jsonl"))
-        followers.append(ServoSink(RealServos(servos), ahead=AHEAD, delay=DELAY))
+        opened.append(RealTimeSink(RealServos(servos), ahead=AHEAD, delay=DELAY))
     if "face" in sinks:
-        followers.append(ServoSink(Preview(robot)))
-    return followers
+        opened.append(RealTimeSink(Preview(robot)))
+    return opened
 
 
 async def _serve(server: AbstractAsyncContextManager[Serving]) -> int:
@@ -111,7 +110,7 @@ async def _serve(server: AbstractAsyncContextManager[Serving]) -> int:
         where = f"listening at {open_.address}" if open_.address is not None else "reading standard input"
         click.echo(f"{where}; Ctrl-C folds to rest and ends", err=True)
         await until_done(open_, enough, console=not sys.stdin.isatty())
-    performer = open_.desk.performer
-    if performer.loop.error is not None:
-        click.echo(f"kinesic: {performer.loop.error}", err=True)
-    return FAULT if performer.loop.failed or performer.planner.failed else 0
+    session = open_.clients.session
+    if session.loop.error is not None:
+        click.echo(f"kinesic: {session.loop.error}", err=True)
+    return FAULT if session.loop.failed or session.planner.failed else 0

@@ -1,4 +1,4 @@
-"""The clients, whatever wire they came by: control messages are obeyed, documents are handed on."""
+"""Registers clients, whatever transport they came by, obeys their control messages and hands on their documents."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,8 +19,7 @@ from kinesic.serve.protocol import (
     control,
     json_answer,
 )
-from kinesic.serve.queues import OutputQueue, QueuedDocument
-from kinesic.serve.quotas import Quotas, TokenBucket, quota_feedback
+from kinesic.serve.quotas import OutputQueue, QueuedDocument, Quotas, TokenBucket, quota_feedback
 from kinesic.serve.session import Session
 
 NORMAL, POLICY, TOO_BIG, LATER = 1000, 1008, 1009, 1013  # WebSocket's close codes
@@ -29,144 +28,144 @@ NO_TOKEN = 'a token is needed: send {"do": "hello", "token": "..."} first'
 
 @dataclass(eq=False)
 class ConnectedClient:
-    """What the server knows of a client."""
+    """A client as the server knows it."""
 
     number: int
-    name: str  # where it is
+    name: str  # its address
     admitted: bool  # has shown the token, or needs none
     bucket: TokenBucket
-    outbox: OutputQueue
+    output: OutputQueue
     code: int = NORMAL  # why it was closed, as WebSocket says it
     why: str = ""
     count: int = 0  # documents so far
 
     @property
     def open(self) -> bool:
-        """Whether it is still listened to."""
+        """Whether its messages are still taken."""
         return self.code == NORMAL
 
     def put(self, message: str) -> None:
-        """Sends a message, when it is this message's turn."""
-        self.outbox.put(message)
+        """Queues a message to it."""
+        self.output.put(message)
 
     def close(self, code: int, why: str) -> None:
-        """Ends the connection after what is still to be read."""
+        """Closes the connection once the client has read what is queued."""
         self.code, self.why = code, why
-        self.outbox.end()
+        self.output.end()
 
 
 class ClientRegistry:
     """All clients of a server."""
 
-    def __init__(self, rules: Quotas, token: str | None, performer: Callable[["ClientRegistry"], Session]) -> None:
-        """With nobody there.
+    def __init__(self, rules: Quotas, token: str | None, session: Callable[["ClientRegistry"], Session]) -> None:
+        """Begins without clients.
 
         Args:
             rules: what a client may do.
             token: that each client must show; None: none is needed.
-            performer: made for this desk, whose `tell` it uses.
+            session: makes one that sends through this registry.
         """
         self.rules, self._token = rules, token
-        self._guests: dict[int, ConnectedClient] = {}
+        self._clients: dict[int, ConnectedClient] = {}
         self._numbers = count(1)
-        self.performer = performer(self)
+        self.session = session(self)
 
-    def joined(self, name: str, *, token: str | None = None, trusted: bool = False) -> ConnectedClient:
-        """Somebody has come.
+    def join(self, name: str, *, token: str | None = None, trusted: bool = False) -> ConnectedClient:
+        """Takes up a client; one that is not let in is closed already.
 
         Args:
-            name: where it is.
+            name: its address.
             token: that came with the connection.
             trusted: needs no token.
         """
-        admitted = trusted or self._token is None or self.is_right(token)
-        guest = ConnectedClient(
+        admitted = trusted or self._token is None or self.is_token(token)
+        client = ConnectedClient(
             next(self._numbers), name, admitted, TokenBucket(self.rules), OutputQueue(self.rules.unread)
         )
-        if len(self._guests) >= self.rules.clients:
-            guest.close(LATER, f"rule clients: {self.rules.clients} are connected already")
+        if len(self._clients) >= self.rules.clients:
+            client.close(LATER, f"rule clients: {self.rules.clients} are connected already")
         elif token is not None and not admitted:
-            guest.close(POLICY, "the token is wrong")
+            client.close(POLICY, "the token is wrong")
         else:
-            self._guests[guest.number] = guest
-        return guest
+            self._clients[client.number] = client
+        return client
 
-    def left(self, guest: ConnectedClient) -> None:
-        """Somebody is gone; its blocks are performed all the same."""
-        self._guests.pop(guest.number, None)
-        guest.outbox.end()
+    def leave(self, client: ConnectedClient) -> None:
+        """Forgets a client that is gone; its blocks are performed all the same."""
+        self._clients.pop(client.number, None)
+        client.output.end()
 
     @property
-    def is_open(self) -> bool:
-        """Whether no token is needed."""
-        return self._token is None
+    def needs_token(self) -> bool:
+        """Whether clients must show a token."""
+        return self._token is not None
 
-    def is_right(self, token: str | None) -> bool:
-        """Whether this is the token."""
+    def is_token(self, token: str | None) -> bool:
+        """Whether a client's token is right."""
         return token is not None and self._token is not None and compare_digest(token.encode(), self._token.encode())
 
-    def heard(self, guest: ConnectedClient, message: bytes) -> None:
+    def receive(self, client: ConnectedClient, message: bytes) -> None:
         """Takes a message: an emergency stop before all that waits, everything else within the rules."""
         try:
-            wish = control(message)
+            request = control(message)
         except ValueError as error:
-            guest.put(json_answer("refused", why=str(error)))
+            client.put(json_answer("refused", why=str(error)))
             return
-        if not guest.admitted:
-            self._admit(guest, wish)
-        elif isinstance(wish, Stop):
-            self.performer.halt()
-            guest.put(json_answer("stopped"))
-        elif not guest.bucket.takes():
-            guest.put(
+        if not client.admitted:
+            self._admit(client, request)
+        elif isinstance(request, Stop):
+            self.session.halt()
+            client.put(json_answer("stopped"))
+        elif not client.bucket.take():
+            client.put(
                 quota_feedback("rate", f"at most {self.rules.rate:g} messages a second are taken from each client")
             )
-        elif wish is not None:
-            self._obey(guest, wish)
+        elif request is not None:
+            self._obey(client, request)
         else:
-            guest.count += 1
-            source = f"{guest.name}, message {guest.count}"
-            refusal = self.performer.perform(QueuedDocument(message, guest.number, source))
+            client.count += 1
+            source = f"{client.name}, message {client.count}"
+            refusal = self.session.perform(QueuedDocument(message, client.number, source))
             if refusal is not None:
-                guest.put(refusal)
+                client.put(refusal)
 
-    def overlong(self, guest: ConnectedClient, error: ValueError) -> None:
-        """A message was longer than it may be."""
-        guest.put(quota_feedback("message", str(error), type_=NoticeType.PARSING_FAILURE))
+    def refuse_overlong(self, client: ConnectedClient, error: ValueError) -> None:
+        """Answers a message that is longer than it may be."""
+        client.put(quota_feedback("message", str(error), type_=NoticeType.PARSING_FAILURE))
 
     def tell(self, message: str, sender: int) -> None:
-        """Gives a sender a message, if it is still there."""
-        guest = self._guests.get(sender)
-        if guest is not None:
-            guest.put(message)
+        """Sends a message to a client, if it is still there."""
+        client = self._clients.get(sender)
+        if client is not None:
+            client.put(message)
 
     def close(self, code: int, why: str) -> None:
-        """Sends everybody home."""
-        for guest in self._guests.values():
-            guest.close(code, why)
+        """Closes the connections of all clients."""
+        for client in self._clients.values():
+            client.close(code, why)
 
-    def _admit(self, guest: ConnectedClient, wish: Control | None) -> None:
-        if isinstance(wish, Hello) and self.is_right(wish.token):
-            guest.admitted = True
-            guest.put(json_answer("welcome"))
+    def _admit(self, client: ConnectedClient, request: Control | None) -> None:
+        if isinstance(request, Hello) and self.is_token(request.token):
+            client.admitted = True
+            client.put(json_answer("welcome"))
             return
-        why = "the token is wrong" if isinstance(wish, Hello) else NO_TOKEN
-        guest.put(json_answer("refused", why=why))
-        guest.close(POLICY, why)
+        why = "the token is wrong" if isinstance(request, Hello) else NO_TOKEN
+        client.put(json_answer("refused", why=why))
+        client.close(POLICY, why)
 
-    def _obey(self, guest: ConnectedClient, wish: Control) -> None:
-        match wish:
+    def _obey(self, client: ConnectedClient, request: Control) -> None:
+        match request:
             case Resume():
-                self.performer.resume()
+                self.session.resume()
             case InterruptCommand(block):
-                self.performer.interrupt(block)
+                self.session.interrupt(block)
             case Restyle(style, changes, amount, block):
-                self.performer.restyle(Restyling(style, changes, amount, block, guest.number))
+                self.session.restyle(Restyling(style, changes, amount, block, client.number))
             case Enquiry():
-                guest.put(json_answer("status", clients=len(self._guests), **self.performer.status()))
+                client.put(json_answer("status", clients=len(self._clients), **self.session.status()))
             case Ping(id):
-                guest.put(json_answer("pong", id=id))
+                client.put(json_answer("pong", id=id))
             case Hello():
-                guest.put(json_answer("welcome"))
+                client.put(json_answer("welcome"))
             case Stop():
-                self.performer.halt()
+                self.session.halt()

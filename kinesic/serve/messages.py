@@ -1,7 +1,10 @@
-"""What server, loop and planner tell one another across processes; all of it is small or an array."""
+"""What server, loop and planner share across processes: the clock, and messages that are small or arrays."""
 
 from collections.abc import Mapping
+from ctypes import c_double
 from dataclasses import dataclass
+from multiprocessing.sharedctypes import RawValue
+from time import monotonic
 
 from kinesic.body.arrays import Flags
 from kinesic.motion.trajectory import Trajectory
@@ -9,9 +12,32 @@ from kinesic.realizer.realizer import ScheduledFeedback
 from kinesic.serve.tracks import SoundAndFace, Track
 
 
+class Clock:
+    """Seconds since the server began, less the time that stood still.
+
+    It is the machine's monotonic clock, less an offset that all processes share.
+    """
+
+    def __init__(self) -> None:
+        """Begins at zero."""
+        self._offset = RawValue(c_double, monotonic())
+
+    def now(self) -> float:
+        """Time [s]."""
+        return monotonic() - float(self._offset.value)
+
+    def at(self, clock: float) -> float:
+        """Time [s] at one of the machine's monotonic clock [s]."""
+        return clock - float(self._offset.value)
+
+    def set(self, time: float) -> None:
+        """Sets the present time [s]; only the loop does."""
+        self._offset.value = monotonic() - time
+
+
 @dataclass(frozen=True)
 class DocumentRequest:
-    """To the planner: to be performed."""
+    """To the planner: perform a document."""
 
     text: bytes
     sender: int
@@ -21,14 +47,14 @@ class DocumentRequest:
 
 @dataclass(frozen=True)
 class Interruption:
-    """To the planner: ends a block, or all."""
+    """To the planner: end a block, or all."""
 
     block: str | None
 
 
 @dataclass(frozen=True)
 class Restyling:
-    """To the planner: another manner, for what plays and what comes."""
+    """To the planner: change the style of what plays and what comes."""
 
     style: str | None
     changes: tuple[str, ...]  # NAME=VALUE
@@ -39,38 +65,39 @@ class Restyling:
 
 @dataclass(frozen=True)
 class Resumption:
-    """To the planner: back to rest after a stop."""
+    """To the planner: return to rest after an emergency stop."""
 
     stops: int
 
 
-Wanted = DocumentRequest | Interruption | Restyling | Resumption
+ClientRequest = DocumentRequest | Interruption | Restyling | Resumption
 
 
 @dataclass(frozen=True, eq=False)
 class LoopStart:
-    """Where a planner takes over."""
+    """The state of the loop from which a planner takes over."""
 
+    clock: Clock
     motion: Trajectory
     stops: int  # emergency stops so far
-    agenda: tuple[ScheduledFeedback, ...]  # what another planner left to be told
-    senses: SoundAndFace  # what is wanted beside the motion
+    agenda: tuple[ScheduledFeedback, ...]  # what another planner left to be sent
+    accompaniment: SoundAndFace  # what is performed beside the motion
 
 
 @dataclass(frozen=True, eq=False)
 class Halted:
-    """From the loop to the planner: an emergency stop."""
+    """From the loop to the planner: an emergency stop was made."""
 
-    stops: int  # so many so far
+    stops: int  # emergency stops so far
     time: float  # [s] of the clock
     motion: Trajectory
 
 
 @dataclass(frozen=True)
 class ProposalVerdict:
-    """From the loop to the planner: whether it plays what was proposed."""
+    """From the loop to the planner: whether it accepts a proposal."""
 
-    taken: bool
+    accepted: bool
     stops: int
     time: float  # [s] of the clock, until which commands are out
 
@@ -82,7 +109,7 @@ class PlannerReady:
 
 @dataclass(frozen=True)
 class FeedbackNotice:
-    """From the planner to a sender, at once."""
+    """From the planner: send a message at once."""
 
     message: str
     sender: int
@@ -90,18 +117,18 @@ class FeedbackNotice:
 
 @dataclass(frozen=True)
 class RequestDone:
-    """From the planner: what was wanted is done."""
+    """From the planner: the last request is done."""
 
 
 @dataclass(frozen=True, eq=False)
 class Proposal:
-    """From the planner to the loop: what to play and what to tell from now on; answered by a Verdict."""
+    """From the planner to the loop: what to play and to send from now on; answered by a `ProposalVerdict`."""
 
     stops: int  # that the planner knows of
     now: float  # [s] of the clock: what was due until then is in the agenda for the last time
     cut: float  # [s] of the clock, until which the motion is the one that plays
     motion: Trajectory | None  # on the clock; None: as it is
-    agenda: tuple[ScheduledFeedback, ...]  # all that is still to be told
+    agenda: tuple[ScheduledFeedback, ...]  # all that is still to be sent
     owed: frozenset[int]  # senders whose blocks are not over
     moving: Mapping[tuple[str, str], Flags]  # (block, behaviour) -> (n,) hinges that it moves
     tracks: Mapping[str, Track | None]  # by block, those that have changed; None: of a block that is over

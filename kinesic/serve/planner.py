@@ -1,4 +1,4 @@
-"""The process that plans: it reads documents, keeps the scene, and proposes motions and agendas to the loop."""
+"""The process that plans: it reads documents, keeps the scene, and proposes motions and feedback to the loop."""
 
 import signal
 from collections.abc import Callable
@@ -22,8 +22,8 @@ from kinesic.realizer.realizer import (
 )
 from kinesic.realizer.release import release_motion
 from kinesic.realizer.request import Message, read_request, refusal_feedback
-from kinesic.serve.clock import Clock
 from kinesic.serve.messages import (
+    ClientRequest,
     DocumentRequest,
     FeedbackNotice,
     Halted,
@@ -35,12 +35,11 @@ from kinesic.serve.messages import (
     RequestDone,
     Restyling,
     Resumption,
-    Wanted,
 )
 from kinesic.serve.protocol import json_answer
 from kinesic.serve.quotas import Quotas, quota_feedback
 from kinesic.serve.refiner import RefinedPlan, RefinementJob, pack, unpack
-from kinesic.serve.tracks import Track, Version, track, version
+from kinesic.serve.tracks import Track, Version, make_track, track_version
 
 MARGIN = 0.015  # [s] from a proposal to its cut, beside what it takes to make it
 LONGEST = 1.0  # [s] that making one may take
@@ -57,10 +56,9 @@ Change = Callable[[Scene, float], Scene]
 
 def run_planner(
     make_setup: Callable[[], Setup],
-    wishes: Connection,
+    requests: Connection,
     loop: Connection,
-    improver: Connection,
-    clock: Clock,
+    refiner: Connection,
     beginning: LoopStart,
     rules: Quotas,
 ) -> None:
@@ -68,93 +66,87 @@ def run_planner(
 
     Args:
         make_setup: makes what planning needs.
-        wishes: what clients want comes here, one after the other.
+        requests: of clients, one after the other.
         loop: proposals go there, verdicts and stops come back.
-        improver: plans again what has begun.
-        clock: the server's.
-        beginning: what plays.
+        refiner: plans again what has begun.
+        beginning: the state of the loop.
         rules: how large a document may be, and how long a block.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which then folds the robot
     try:
-        planning = PlannerState(make_setup(), loop, improver, clock, beginning, rules)
+        planning = PlannerState(make_setup(), loop, refiner, beginning, rules)
         loop.send(PlannerReady())
         while True:
-            heard = wait([wishes, loop, improver], planning.pause)
-            if loop in heard:
-                planning.heard(loop.recv())
-            elif wishes in heard:
-                planning.fulfil(wishes.recv())
+            pending = wait([requests, loop, refiner], planning.pause)
+            if loop in pending:
+                planning.take_halt(loop.recv())
+            elif requests in pending:
+                planning.fulfil(requests.recv())
                 loop.send(RequestDone())
-            elif improver in heard:
-                planning.improve(improver.recv_bytes())
+            elif refiner in pending:
+                planning.improve(refiner.recv_bytes())
             else:
                 planning.go_on()
-            planning.ask_for_better()
+            planning.request_refinement()
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return
 
 
 class PlannerState:
-    """The scene, and how it changes."""
+    """Keeps the scene, and changes it as the loop can follow."""
 
     def __init__(
-        self,
-        setup: Setup,
-        loop: Connection,
-        improver: Connection,
-        clock: Clock,
-        beginning: LoopStart,
-        rules: Quotas,
+        self, setup: Setup, loop: Connection, refiner: Connection, beginning: LoopStart, rules: Quotas
     ) -> None:
-        """Warms up by planning a block that nobody sees."""
-        self._loop, self._improver, self._clock, self._rules = loop, improver, clock, rules
+        """Warms up by planning a block that is never performed."""
+        self._loop, self._refiner, self._clock, self._rules = loop, refiner, beginning.clock, rules
         self._bounds = Bounds(rules.message, rules.depth)
         self._stops, self._took = beginning.stops, 0.0
-        self._senses, self._versions = beginning.senses, dict[str, Version]()  # of the tracks that the loop has
-        self._improving = False  # whether the improver is at work
+        self._accompaniment = beginning.accompaniment
+        self._versions = dict[str, Version]()  # of the tracks that the loop has
+        self._refining = False  # whether the refiner is at work
         warming = begin(Scene.of(setup), prepare(read_request(Message(WARMING), setup), setup), 0.0)
         for running in warming.playing:
-            track(running, beginning.senses)
+            make_track(running, beginning.accompaniment)
         advance(warming, 0.1)
         self._scene = replace(Scene.of(setup), motion=beginning.motion, agenda=beginning.agenda)
 
     @property
     def pause(self) -> float | None:
-        """[s] until something is due; None: nothing is."""
-        due = self._scene.next_time - self._clock.now()
-        return max(due, LOOK) if isfinite(due) else None
+        """Time until something is due [s]; None where nothing is."""
+        pause = self._scene.next_time - self._clock.now()
+        return max(pause, LOOK) if isfinite(pause) else None
 
     def go_on(self) -> None:
-        """Lets time pass: what is over is forgotten, and whose turn it is begins."""
+        """Lets time pass: what is over is forgotten, and blocks that may start begin."""
         self._propose(advance)
 
-    def fulfil(self, wanted: Wanted) -> None:
-        """Does what a client wants, once every emergency stop is known that was before it."""
-        if isinstance(wanted, DocumentRequest | Resumption):
-            self._catch_up(wanted.stops)
-        match wanted:
+    def fulfil(self, request: ClientRequest) -> None:
+        """Does what a client requests, once every emergency stop is known that was before it."""
+        if isinstance(request, DocumentRequest | Resumption):
+            self._catch_up(request.stops)
+        match request:
             case DocumentRequest():
-                self._plan(wanted)
+                self._plan(request)
             case Interruption(block):
                 self._propose(lambda scene, now: interrupt(scene, now, block))
             case Restyling():
-                self._restyle(wanted)
+                self._restyle(request)
             case Resumption(stops) if stops == self._stops:
-                self._propose(_resumed)
+                self._propose(_resume)
 
-    def ask_for_better(self) -> None:
-        """Has the improver plan the first block that could be planned better, when it has nothing else to do."""
-        if self._improving or not self._scene.replans:
+    def request_refinement(self) -> None:
+        """Has the refiner plan the first block that could be planned better, when it has nothing else to do."""
+        if self._refining or not self._scene.replans:
             return
         first, *others = self._scene.replans
         self._scene = replace(self._scene, replans=tuple(others))
-        self._improver.send_bytes(pack(RefinementJob(first, self._scene.setup.style)))
-        self._improving = True
+        self._refiner.send_bytes(pack(RefinementJob(first, self._scene.setup.style)))
+        self._refining = True
 
     def improve(self, data: bytes) -> None:
-        """Goes over into what the improver has found, where that is still possible."""
-        self._improving = False
+        """Goes over into a plan of the refiner, where that is still possible."""
+        self._refining = False
         better = unpack(data, self._scene.setup)
         if not isinstance(better, RefinedPlan) or (found := better.plan) is None:
             return
@@ -165,54 +157,51 @@ class PlannerState:
 
         self._propose(change)
 
-    def heard(self, halted: Halted) -> None:
-        """Takes over what the loop has made of an emergency stop: every block is interrupted, and stays where it is."""
+    def take_halt(self, halted: Halted) -> None:
+        """Takes over the motion of an emergency stop, which interrupts every block."""
         self._stops = halted.stops
 
         self._propose(lambda scene, _now: replace(interrupt(scene, halted.time), motion=halted.motion), moves=False)
 
     def _catch_up(self, stops: int) -> None:
-        """Waits for the loop to say what became of the motion at so many stops, which it does in its next tick."""
+        """Waits until the loop, in its next tick, has sent the motion of so many emergency stops."""
         while self._stops < stops:
-            self.heard(self._loop.recv())
+            self.take_halt(self._loop.recv())
 
     def _plan(self, document: DocumentRequest) -> None:
         message = Message(document.text, document.sender, document.source)
         try:
-            around = self._scene.context(self._clock.now())
-            known = with_engaged_hands(
-                self._scene, read_request(message, self._scene.setup, context=around, bounds=self._bounds)
-            )
-            if known.timeline.end - known.timeline.start > self._rules.duration:
-                what = (
-                    f"{known.block.id} lasts {known.timeline.end:.0f} s, at most {self._rules.duration:g} s are taken"
-                )
-                self._loop.send(
-                    FeedbackNotice(
-                        quota_feedback("duration", f"{what}: split it", name=known.block.id), document.sender
-                    )
-                )
+            context = self._scene.context(self._clock.now())
+            read = read_request(message, self._scene.setup, context=context, bounds=self._bounds)
+            request = with_engaged_hands(self._scene, read)
+            id, timeline = request.block.id, request.timeline
+            if timeline.end - timeline.start > self._rules.duration:
+                what = f"{id} lasts {timeline.end:.0f} s, at most {self._rules.duration:g} s are taken: split it"
+                self._tell(quota_feedback("duration", what, name=id), document.sender)
                 return
-            self._loop.send(FeedbackNotice(known.prediction, document.sender))
-            coming = prepare(known, self._scene.setup)
+            self._tell(request.prediction, document.sender)
+            prepared = prepare(request, self._scene.setup)
         except BmlError as error:
-            self._loop.send(FeedbackNotice(refusal_feedback(message, error), document.sender))
+            self._tell(refusal_feedback(message, error), document.sender)
             return
-        if document.stops != self._stops or not self._propose(lambda scene, now: begin(scene, coming, now)):
-            text = quota_feedback("stopped", "an emergency stop came; resume first", name=known.block.id)
-            self._loop.send(FeedbackNotice(text, document.sender))
+        if document.stops != self._stops or not self._propose(lambda scene, now: begin(scene, prepared, now)):
+            text = quota_feedback("stopped", "an emergency stop came; resume first", name=id)
+            self._tell(text, document.sender)
 
-    def _restyle(self, wanted: Restyling) -> None:
+    def _restyle(self, request: Restyling) -> None:
         try:
-            style: Style | str | None = wanted.style
-            if wanted.block is None and (wanted.style or wanted.changes):
-                manner = Style.load(wanted.style) if wanted.style else self._scene.setup.style
-                style = manner.changed(wanted.changes)
+            style: Style | str | None = request.style
+            if request.block is None and (request.style or request.changes):
+                base = Style.load(request.style) if request.style else self._scene.setup.style
+                style = base.changed(request.changes)
             self._propose(
-                lambda scene, now: change_manner(scene, now, style=style, amount=wanted.amount, block=wanted.block)
+                lambda scene, now: change_manner(scene, now, style=style, amount=request.amount, block=request.block)
             )
         except (ConfigError, ValueError) as error:
-            self._loop.send(FeedbackNotice(json_answer("refused", do="style", why=str(error)), wanted.sender))
+            self._tell(json_answer("refused", do="style", why=str(error)), request.sender)
+
+    def _tell(self, message: str, sender: int) -> None:
+        self._loop.send(FeedbackNotice(message, sender))
 
     def _propose(self, change: Change, *, moves: bool = True) -> bool:
         """Changes the scene as soon as the loop can follow; False when it cannot, or an emergency stop came before.
@@ -228,45 +217,43 @@ class PlannerState:
             self._took = min(LONGEST, max(self._clock.now() - now, SLOWER * self._took))
             motion = scene.motion if moves and scene.motion is not self._scene.motion else None
             versions, tracks = self._tracks(scene)
-            owed = frozenset(running.sender for running in scene.blocks)
-            moving = {
-                (running.id, busy.behaviour): busy.hinges for running in scene.blocks for busy in running.occupancy
-            }
+            owed = frozenset(block.sender for block in scene.blocks)
+            moving = {(block.id, need.behaviour): need.hinges for block in scene.blocks for need in block.occupancy}
             self._loop.send(
                 Proposal(self._stops, now, now + ahead, motion, (*scene.said, *scene.agenda), owed, moving, tracks)
             )
             halted, verdict = self._answer()
-            if verdict.taken:
+            if verdict.accepted:
                 self._scene, self._versions = scene, versions
             if halted is not None:
-                self.heard(halted)
-            if verdict.taken or halted is not None:
-                return verdict.taken
+                self.take_halt(halted)
+            if verdict.accepted or halted is not None:
+                return verdict.accepted
             if verdict.stops > self._stops:
                 self._catch_up(verdict.stops)
                 return False
         return False
 
     def _tracks(self, scene: Scene) -> tuple[dict[str, Version], dict[str, Track | None]]:
-        """What is seen and heard of the blocks that play, where the loop does not know it yet."""
-        if not (self._senses.face or self._senses.sound):
+        """Versions of all tracks of the blocks that play, and the tracks that have changed."""
+        if not (self._accompaniment.face or self._accompaniment.sound):
             return {}, {}
         playing = {running.id: running for running in scene.playing}
-        versions = {id: version(running) for id, running in playing.items()}
+        versions = {id: track_version(running) for id, running in playing.items()}
         over: dict[str, Track | None] = dict.fromkeys(self._versions.keys() - versions.keys())
         fresh = [id for id, own in versions.items() if self._versions.get(id) != own]
-        return versions, over | {id: track(playing[id], self._senses) for id in fresh}
+        return versions, over | {id: make_track(playing[id], self._accompaniment) for id in fresh}
 
     def _answer(self) -> tuple[Halted | None, ProposalVerdict]:
-        """The loop's verdict, and what it had to say before it."""
+        """The last emergency stop before the loop's verdict, and the verdict."""
         halted = None
-        while not isinstance(heard := self._loop.recv(), ProposalVerdict):
-            halted = heard
-        return halted, heard
+        while not isinstance(message := self._loop.recv(), ProposalVerdict):
+            halted = message
+        return halted, message
 
 
-def _resumed(scene: Scene, now: float) -> Scene:
-    """Back to rest, all hinges together."""
+def _resume(scene: Scene, now: float) -> Scene:
+    """Brings all hinges back to rest together."""
     everything = scene.setup.limits.lower < scene.setup.limits.upper
     motion = release_motion(scene.motion, scene.first_change(now), everything, scene.setup)
     return replace(scene, motion=replace(motion))  # another one in any case: its coming ends the stop

@@ -8,9 +8,8 @@ from kinesic.child import Child, child_context
 from kinesic.controller import perform
 from kinesic.planning.setup import Setup
 from kinesic.serve import planner, refiner
-from kinesic.serve.clock import Clock
 from kinesic.serve.loop import Loop
-from kinesic.serve.messages import DocumentRequest, PlannerReady, RequestDone, Wanted
+from kinesic.serve.messages import ClientRequest, DocumentRequest, PlannerReady, RequestDone
 from kinesic.serve.quotas import Quotas
 
 
@@ -21,28 +20,26 @@ class Planner:
         self,
         make_setup: Callable[[], Setup],
         loop: Loop,
-        clock: Clock,
         *,
         rules: Quotas,
         idle: Callable[[], None],
-        lost: Callable[[Wanted | None], None],
+        lost: Callable[[ClientRequest | None], None],
     ) -> None:
         """Not started yet.
 
         Args:
             make_setup: makes what planning needs, in the other process.
             loop: gets what is planned.
-            clock: of everybody.
             rules: how large a document may be, and how long one request may take.
             idle: called whenever it can take a request.
             lost: called with what it was doing, when it has died; it is then started again, unless it failed.
         """
-        self._make_setup, self._loop, self._clock, self._rules = make_setup, loop, clock, rules
+        self._make_setup, self._loop, self._rules = make_setup, loop, rules
         self._idle, self._lost = idle, lost
         self._children: list[Child] = []
         self._requests: Connection | None = None
         self._watch: TimerHandle | None = None
-        self._present: Wanted | None = None  # what it is doing
+        self._present: ClientRequest | None = None  # what it is doing
         self.warm = False
         self.deaths = 0  # so far
         self.failed = False  # it cannot even be started
@@ -57,33 +54,33 @@ class Planner:
         return isinstance(self._present, DocumentRequest) and self._present.sender == sender
 
     def start(self) -> None:
-        """Begins both processes; the planner reports when it is warm."""
+        """Begins both processes; the planner says when it is warm."""
         slow = (planner.__name__, perform.__name__, self._make_setup.__module__)
         context = child_context(*slow)  # nothing of the server's threads
-        there, self._requests = context.Pipe(duplex=False)
-        loop_end, planner_end = context.Pipe()
-        refiner_end, jobs_end = context.Pipe()
+        requests, self._requests = context.Pipe(duplex=False)
+        to_planner, to_loop = context.Pipe()
+        from_planner, to_refiner = context.Pipe()
         beginning = self._loop.beginning()
-        given = (self._make_setup, there, planner_end, jobs_end, self._clock, beginning, self._rules)
+        given = (self._make_setup, requests, to_loop, to_refiner, beginning, self._rules)
         self._children = [
             Child(context, planner.run_planner, *given, name="planner"),
-            Child(context, refiner.run_refiner, self._make_setup, refiner_end, name="refiner"),
+            Child(context, refiner.run_refiner, self._make_setup, from_planner, name="refiner"),
         ]
-        self._loop.link(loop_end, beginning)
+        self._loop.link(to_planner, beginning)
 
-    def send(self, wanted: Wanted) -> None:
-        """Hands over a request; only while it is free."""
+    def send(self, request: ClientRequest) -> None:
+        """Has it fulfil a request; only while it is free."""
         if self._requests is None or not self.free:
             raise RuntimeError("the planner is at work: send when it is free")
-        self._present = wanted
+        self._present = request
         self._watch = get_running_loop().call_later(self._rules.planning, self._kill)
         try:
-            self._requests.send(wanted)
+            self._requests.send(request)
         except OSError:
             return  # it has died, as the loop will find out
 
-    def heard(self, news: PlannerReady | RequestDone | None) -> None:
-        """Takes what came of a request; None: the process has died."""
+    def receive(self, news: PlannerReady | RequestDone | None) -> None:
+        """Takes what it says to the server; None: it has died."""
         if self._watch is not None:
             self._watch.cancel()
         present, self._present = self._present, None

@@ -18,17 +18,17 @@ class MessageFramer:
     """Cuts a stream into messages, whatever pieces it comes in."""
 
     def __init__(self, most: int) -> None:
-        """For messages of so many bytes at most."""
+        """Begins within no message, for messages of so many bytes at most."""
         self._most = most
         self._rest = bytearray()
 
     @property
-    def half(self) -> bool:
+    def is_midway(self) -> bool:
         """Whether a message has begun and not ended."""
         return bool(self._rest)
 
-    def fed(self, data: bytes) -> list[bytes]:
-        """Messages that are complete now, without those that are empty.
+    def feed(self, data: bytes) -> list[bytes]:
+        """Takes bytes, and gives the messages that they complete, without those that are empty.
 
         Raises:
             ValueError: one is longer than it may be.
@@ -70,7 +70,7 @@ class InterruptCommand(Struct, tag="interrupt", tag_field="do", forbid_unknown_f
 
 
 class Restyle(Struct, tag="style", tag_field="do", forbid_unknown_fields=True):
-    """Another manner, for what plays and what comes."""
+    """Changes the style of what plays and what comes."""
 
     style: str | None = None  # name
     set: tuple[str, ...] = ()  # NAME=VALUE, as the command line's --set
@@ -79,11 +79,11 @@ class Restyle(Struct, tag="style", tag_field="do", forbid_unknown_fields=True):
 
 
 class Enquiry(Struct, tag="status", tag_field="do", forbid_unknown_fields=True):
-    """Asks how it goes."""
+    """Asks for the status."""
 
 
 class Ping(Struct, tag="ping", tag_field="do", forbid_unknown_fields=True):
-    """Asks whether anybody is there."""
+    """Asks for a sign of life."""
 
     id: str = ""
 
@@ -101,7 +101,7 @@ _verbs = msgspec.json.Decoder(_Verb)
 
 
 def control(message: bytes) -> Control | None:
-    """The control message that this is; None for a document.
+    """Reads a control message; None for a document.
 
     Raises:
         ValueError: it is one, and wrong; what would have worked.
@@ -121,5 +121,5 @@ def control(message: bytes) -> Control | None:
 
 
 def json_answer(what: str, **values: object) -> str:
-    """An answer that is not BML, as JSON."""
+    """Writes an answer that is not BML, as JSON."""
     return msgspec.json.encode({"told": what} | values).decode()

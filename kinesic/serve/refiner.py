@@ -23,7 +23,7 @@ SETUP = "setup"  # stands for it where a plan is sent: either side has its own
 class RefinementJob:
     """To the refiner: a block that could be planned better, or in another manner."""
 
-    asked: TimedRequest
+    request: TimedRequest
     style: Style  # of those that do not say theirs
 
 
@@ -51,10 +51,10 @@ class _Unpickler(pickle.Unpickler):
         return self._setup
 
 
-def pack(thing: RefinementJob | RefinedPlan) -> bytes:
+def pack(message: RefinementJob | RefinedPlan) -> bytes:
     """Pickles a job or its result without the setup."""
     stream = io.BytesIO()
-    _Pickler(stream, pickle.HIGHEST_PROTOCOL).dump(thing)
+    _Pickler(stream, pickle.HIGHEST_PROTOCOL).dump(message)
     return stream.getvalue()
 
 
@@ -75,16 +75,16 @@ def run_refiner(make_setup: Callable[[], Setup], planner: Connection) -> None:
         os.nice(NICE)
         setup = make_setup()
         while True:
-            leisure = unpack(planner.recv_bytes(), setup)
-            if isinstance(leisure, RefinementJob):
-                known = setup if leisure.style == setup.style else replace(setup, style=leisure.style)
-                planner.send_bytes(pack(_better(leisure.asked, known)))
+            job = unpack(planner.recv_bytes(), setup)
+            if isinstance(job, RefinementJob):
+                styled = setup if job.style == setup.style else replace(setup, style=job.style)
+                planner.send_bytes(pack(_refine(job.request, styled)))
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return
 
 
-def _better(asked: TimedRequest, setup: Setup) -> RefinedPlan:
+def _refine(request: TimedRequest, setup: Setup) -> RefinedPlan:
     try:
-        return RefinedPlan(asked.block.id, prepare(asked, setup).plan)
+        return RefinedPlan(request.block.id, prepare(request, setup).plan)
     except BmlError:
-        return RefinedPlan(asked.block.id, None)
+        return RefinedPlan(request.block.id, None)

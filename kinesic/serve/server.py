@@ -1,6 +1,6 @@
-"""The server: clients come by TCP, WebSocket and standard input, and every one is attended to by itself.
+"""The server: clients come by TCP, WebSocket and standard input, and each is attended to by itself.
 
-As a whole it opens, waits until somebody wants it to end, and folds the robot to rest.
+It opens, waits until its end is requested, and folds the robot to rest.
 """
 
 from asyncio import (
@@ -28,7 +28,8 @@ from kinesic.serve.clients import POLICY, TOO_BIG, ClientRegistry, ConnectedClie
 from kinesic.serve.protocol import BLANK, END
 from kinesic.serve.quotas import USUAL, Quotas, quota_feedback
 from kinesic.serve.session import Session
-from kinesic.serve.sinks import ServoSink
+from kinesic.serve.sinks import RealTimeSink
+from kinesic.serve.tracks import SILENT, SoundAndFace
 from kinesic.serve.transport import Console, HalfError, Stream, Transport
 from kinesic.serve.websocket import WebSocket
 
@@ -43,48 +44,48 @@ LOOK_AT_LOOP = 0.1  # [s] between two looks at whether the loop still runs
 
 
 class ClientWire(Protocol):
-    """A way to a client."""
+    """A connection to a client, by any transport."""
 
     lingers: bool  # whether a client that says nothing more may still listen
 
     def messages(self, hurry: Callable[[], bool], /) -> AsyncIterator[bytes]:
-        """What it says."""
+        """Messages of the client as they come."""
 
     async def send(self, message: str, /) -> None:
-        """Tells it something."""
+        """Sends the client a message."""
 
     async def close(self, code: int, why: str, /) -> None:
-        """Sends it home."""
+        """Closes the connection, and says why."""
 
 
-async def open_listener(desk: ClientRegistry, host: str, port: int) -> Listener:
-    """Takes an address for TCP and WebSocket; nobody is attended to before it starts serving.
+async def open_listener(clients: ClientRegistry, host: str, port: int) -> Listener:
+    """Takes an address for TCP and WebSocket; no client is attended to before it starts serving.
 
     Raises:
         ConfigError: the address cannot be had.
     """
     present: set[StreamWriter] = set()
 
-    async def client(reader: StreamReader, writer: StreamWriter) -> None:
+    async def attend(reader: StreamReader, writer: StreamWriter) -> None:
         present.add(writer)
-        with suppress(OSError, HalfError):  # who leaves may do so in any way
-            if len(present) <= DOORWAY * desk.rules.clients:  # those too many are told so, but not without end
-                await _welcome(desk, reader, writer)
+        with suppress(OSError, HalfError):  # a client may leave in any way
+            if len(present) <= DOORWAY * clients.rules.clients:  # those too many are told so, but not without end
+                await _welcome(clients, reader, writer)
         present.discard(writer)
         writer.transport.abort()
 
     try:
-        return await start_server(client, host, port, limit=BUFFER, start_serving=False)
+        return await start_server(attend, host, port, limit=BUFFER, start_serving=False)
     except OSError as error:
         raise ConfigError(f"--listen {host}:{port}: {error.strerror}; give another one, or port 0") from None
 
 
-async def attend_console(desk: ClientRegistry) -> None:
+async def attend_console(clients: ClientRegistry) -> None:
     """Attends to standard input until it ends and everything from it is performed."""
-    await _attend(desk, Console(desk.rules), desk.joined("stdin", trusted=True))
+    await _attend(clients, Console(clients.rules), clients.join("stdin", trusted=True))
 
 
-async def _welcome(desk: ClientRegistry, reader: StreamReader, writer: StreamWriter) -> None:
+async def _welcome(clients: ClientRegistry, reader: StreamReader, writer: StreamWriter) -> None:
     """Finds out how a client speaks, and attends to it."""
     socket = writer.get_extra_info("socket")
     socket.setsockopt(SOL_SOCKET, SO_KEEPALIVE, 1)
@@ -92,56 +93,57 @@ async def _welcome(desk: ClientRegistry, reader: StreamReader, writer: StreamWri
     writer.transport.set_write_buffer_limits(high=BUFFER)
     name = ":".join(map(str, writer.get_extra_info("peername")[:2]))
     first = b""
-    async with timeout(desk.rules.patience):
+    async with timeout(clients.rules.patience):
         while REQUEST.startswith(first.lstrip(BLANK)) and len(first) < BUFFER:
             data = await reader.read(BUFFER)
             if not data:
                 return
             first += data
-    line = Transport(reader, writer, desk.rules.patience)
+    line = Transport(reader, writer, clients.rules.patience)
     if first.startswith(REQUEST):
-        wire = WebSocket(line, first, desk.rules.message)
-        await _attend(desk, wire, desk.joined(name, trusted=await wire.opened(desk.is_right, open_house=desk.is_open)))
+        wire = WebSocket(line, first, clients.rules.message)
+        trusted = await wire.open(clients.is_token, needs_token=clients.needs_token)
+        await _attend(clients, wire, clients.join(name, trusted=trusted))
     elif first.lstrip(BLANK).startswith(DOCUMENT):
-        await _attend(desk, Stream(line, first, desk.rules.message), desk.joined(name))
+        await _attend(clients, Stream(line, first, clients.rules.message), clients.join(name))
 
 
-async def _attend(desk: ClientRegistry, wire: ClientWire, guest: ConnectedClient) -> None:
-    """Hears and answers a client until it goes, or is sent home."""
-    hearing, telling = create_task(_hear(desk, wire, guest)), create_task(_tell(wire, guest))
+async def _attend(clients: ClientRegistry, wire: ClientWire, client: ConnectedClient) -> None:
+    """Receives from a client and sends to it until it goes, or is closed."""
+    receiving, sending = create_task(_receive(clients, wire, client)), create_task(_send(wire, client))
     try:
-        await wait((hearing, telling), return_when=FIRST_COMPLETED)
-        while wire.lingers and not telling.done() and desk.performer.owes(guest.number):
+        await wait((receiving, sending), return_when=FIRST_COMPLETED)
+        while wire.lingers and not sending.done() and clients.session.owes(client.number):
             await sleep(LOOK_AT_CLIENT)
-        guest.outbox.end()
-        hearing.cancel()
-        await telling
-        await wire.close(guest.code, guest.why)
+        client.output.end()
+        receiving.cancel()
+        await sending
+        await wire.close(client.code, client.why)
         with suppress(CancelledError):
-            await hearing
+            await receiving
     finally:
-        desk.left(guest)
-        for task in (hearing, telling):
+        clients.leave(client)
+        for task in (receiving, sending):
             task.cancel()
 
 
-async def _hear(desk: ClientRegistry, wire: ClientWire, guest: ConnectedClient) -> None:
+async def _receive(clients: ClientRegistry, wire: ClientWire, client: ConnectedClient) -> None:
     try:
-        messages = wire.messages(lambda: not guest.admitted)
-        while guest.open:
-            desk.heard(guest, await anext(messages))
+        messages = wire.messages(lambda: not client.admitted)
+        while client.open:
+            clients.receive(client, await anext(messages))
     except StopAsyncIteration:
         return
     except ValueError as error:
-        desk.overlong(guest, error)
-        guest.close(TOO_BIG, str(error))
+        clients.refuse_overlong(client, error)
+        client.close(TOO_BIG, str(error))
     except HalfError as error:
-        guest.put(quota_feedback("half", f"{error} before the message did; it is not performed"))
-        guest.close(POLICY, "half a message")
+        client.put(quota_feedback("half", f"{error} before the message did; it is not performed"))
+        client.close(POLICY, "half a message")
 
 
-async def _tell(wire: ClientWire, guest: ConnectedClient) -> None:
-    while (message := await guest.outbox.take()) is not None:
+async def _send(wire: ClientWire, client: ConnectedClient) -> None:
+    while (message := await client.output.take()) is not None:
         await wire.send(message)
 
 
@@ -158,72 +160,70 @@ class Address:
 
 @dataclass(frozen=True, eq=False)
 class Serving:
-    """An open server."""
+    """An open server: its clients and its address."""
 
-    desk: ClientRegistry
+    clients: ClientRegistry
     address: Address | None  # None: only standard input
 
 
 @asynccontextmanager
 async def open_serving(
     make_setup: Callable[[], Setup],
-    followers: Sequence[ServoSink],
+    sinks: Sequence[RealTimeSink],
     *,
     address: Address | None,
     rules: Quotas = USUAL,
     token: str | None = None,
-    face: bool = False,
-    sound: bool = False,
+    accompaniment: SoundAndFace = SILENT,
 ) -> AsyncIterator[Serving]:
     """Opens a server once its planner is warm, and folds the robot to rest at the end.
 
     Args:
         make_setup: makes what planning needs; picklable, because another process calls it too.
-        followers: sinks, closed at the end.
+        sinks: sinks, closed at the end.
         address: to listen at; None: nowhere.
         rules: what clients may do.
         token: that clients must show.
-        face: one of the sinks shows it.
-        sound: speech is heard.
+        accompaniment: whether one of the sinks shows the face, and whether speech is heard.
 
     Raises:
         ConfigError: the address cannot be had.
     """
-    desk = ClientRegistry(
-        rules, token, lambda own: Session(make_setup, followers, rules, own.tell, face=face, sound=sound)
+    clients = ClientRegistry(
+        rules, token, lambda own: Session(make_setup, sinks, rules, own.tell, accompaniment=accompaniment)
     )
     listener = None
     try:
         if address is not None:
-            listener = await open_listener(desk, address.host, address.port)
+            listener = await open_listener(clients, address.host, address.port)
             address = Address(address.host, listener.sockets[0].getsockname()[1])
-        await desk.performer.start()
+        await clients.session.start()
         if listener is not None:
             await listener.start_serving()
-        yield Serving(desk, address)
+        yield Serving(clients, address)
         if listener is not None:
             listener.close()
         with suppress(TimeoutError):
             async with timeout(FOLDING):
-                await desk.performer.fold()
+                await clients.session.fold()
     finally:
         if listener is not None:
             listener.close()
-        desk.close(AWAY, "the server ends")
+        clients.close(AWAY, "the server ends")
         await sleep(LOOK_AT_LOOP)  # for what is still to be read
-        desk.performer.close()
+        clients.session.close()
 
 
-async def until_done(open_: Serving, wanted: Event, *, console: bool) -> None:
-    """Waits until somebody wants the end, the loop has failed, or nothing can come any more.
+async def until_done(open_: Serving, enough: Event, *, console: bool) -> None:
+    """Waits until the end is requested, the loop has failed, or nothing can come any more.
 
     Args:
         open_: the server.
-        wanted: set by whoever wants the end.
+        enough: set by whoever requests the end.
         console: whether standard input is read.
     """
-    tasks = {create_task(wanted.wait()), create_task(_failed(open_.desk.performer))}
-    reading = create_task(attend_console(open_.desk)) if console else None
+    tasks = {create_task(enough.wait()), create_task(_failed(open_.clients.session))}
+    reading = create_task(attend_console(open_.clients)) if console else None
     if reading is not None and open_.address is None:
         tasks.add(reading)
     await wait(tasks, return_when=FIRST_COMPLETED)
@@ -231,6 +231,6 @@ async def until_done(open_: Serving, wanted: Event, *, console: bool) -> None:
         task.cancel()
 
 
-async def _failed(performer: Session) -> None:
-    while performer.loop.is_alive():
+async def _failed(session: Session) -> None:
+    while session.loop.is_alive():
         await sleep(LOOK_AT_LOOP)

@@ -1,4 +1,4 @@
-"""Sinks in real time: each gets its commands when it wants them."""
+"""Drives sinks in real time: each gets its commands when it wants them."""
 
 from collections.abc import Callable, Mapping
 from math import ceil, floor
@@ -41,10 +41,10 @@ class MeasuringSink(Protocol):
 
 
 class RealTwin:
-    """A twin that lives as long as the server: it forgets what it measured."""
+    """A twin for a server: it forgets what it measured, and so lives without end."""
 
     def __init__(self, robot: Robot) -> None:
-        """At rest."""
+        """Begins at rest."""
         self._twin, self._count, self._time = Twin(robot), 0, 0.0
 
     def write(self, command: Command, /) -> None:
@@ -75,25 +75,25 @@ class RealServos:
         self.servos.write(command)
 
     def seen(self) -> tuple[float, Floats] | None:
-        """What the supervisor told last."""
-        told = self.servos.state()
-        return (told.time, told.angles) if told.stage.runs else None
+        """When the supervisor measured last, and the angles then; None when it does not perform."""
+        status = self.servos.state()
+        return (status.time, status.angles) if status.stage.runs else None
 
     def time(self, clock: float, /) -> float | None:
-        """[s] where the supervisor is in the performance."""
-        told = self.servos.state()
-        return told.time_at(clock) if told.stage.runs else None
+        """Time [s] of the performance by the supervisor; None when it does not perform."""
+        status = self.servos.state()
+        return status.time_at(clock) if status.stage.runs else None
 
     def close(self) -> None:
         """Waits until the robot has folded and is limp."""
         self.servos.close()
 
 
-class ServoSink:
-    """A sink, and which of its commands is next."""
+class RealTimeSink:
+    """Hands commands to a sink in time, and knows which is next."""
 
     def __init__(self, sink: Sink, *, ahead: float = 0.0, delay: float = 0.0) -> None:
-        """From the clock's zero on.
+        """Begins at the clock's zero.
 
         Args:
             sink: closed at the end by whoever drives this.
@@ -114,13 +114,13 @@ class ServoSink:
             self.sink.write(replace(command, face=face(command.time)))
         self._next = last + 1
 
-    def again(self, cut: float) -> None:
-        """Commands from a time [s] on are to be handed on again; they replace those that are out."""
+    def repeat_from(self, cut: float) -> None:
+        """Hands commands from a time [s] on once more, of another motion; they replace those that are out."""
         self._next = min(self._next, ceil(cut * RATE - SAME))
 
 
-def steady(old: Trajectory, new: Trajectory, time: float) -> bool:
-    """Whether going over from one to the other at a time [s] of the clock is no step."""
+def is_steady(old: Trajectory, new: Trajectory, time: float) -> bool:
+    """Whether a motion goes over into another at a time [s] of the clock without a step."""
     at = np.array([time])
     before, after = old.sample(at), new.sample(at)
     return all(np.allclose(a, b, rtol=0.0, atol=most) for a, b, most in zip(before, after, STEPS, strict=True))

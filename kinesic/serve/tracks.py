@@ -18,8 +18,11 @@ from kinesic.speech.speaker import Speaker
 class SoundAndFace:
     """Whether faces and sounds of a scene have sinks."""
 
-    face: bool = False
-    sound: bool = False
+    face: bool = False  # a sink shows it
+    sound: bool = False  # speech is heard
+
+
+SILENT = SoundAndFace()
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,35 +43,35 @@ Sounds = Mapping[tuple[str, float], Sound]  # by block and the time [s] of the c
 Version = tuple[int, float, float, int]  # of a block: it has another one when its track has to be made anew
 
 
-def version(running: RunningBlock) -> Version:
-    """By which one knows whether a block's track is still right."""
+def track_version(running: RunningBlock) -> Version:
+    """Identifies what a block's track was made of; another version needs another track."""
     return id(running.prepared.plan), running.zero, running.end, len(running.times)
 
 
-def track(running: RunningBlock, senses: SoundAndFace) -> Track:
-    """What is seen and heard of a block that plays."""
+def make_track(running: RunningBlock, accompaniment: SoundAndFace) -> Track:
+    """Makes the track of a block that plays."""
     plan, zero = running.prepared.plan, running.zero
     begin = zero - plan.trajectory.zero
     sounds = tuple(
         (spoken.begin, found) for spoken in running.speeches if (found := spoken.utterance.sound) is not None
     )
-    is_seen = senses.face and asks_face(plan)
+    is_seen = accompaniment.face and asks_face(plan)
     times = np.arange(int(plan.duration * RATE) + 1) / RATE
-    return Track(begin, shown_units(plan, times) if is_seen else {}, sounds if senses.sound else ())
+    return Track(begin, shown_units(plan, times) if is_seen else {}, sounds if accompaniment.sound else ())
 
 
 class Effects:
     """The tracks of all running blocks, as the loop has them."""
 
     def __init__(self, speaker: Speaker | None = None, *, face: bool = False) -> None:
-        """None yet.
+        """Begins without tracks.
 
         Args:
             speaker: of sounds; None: nothing is heard.
             face: whether a sink shows it.
         """
         self._speaker, self._tracks = speaker, dict[str, Track]()
-        self.senses = SoundAndFace(face, speaker is not None)
+        self.accompaniment = SoundAndFace(face, speaker is not None)
 
     def take(self, changes: Mapping[str, Track | None]) -> None:
         """Takes new tracks by block, and drops those that are None. A loudspeaker that fails is not asked again."""

@@ -23,7 +23,7 @@ class HalfError(EOFError):
 
 
 class Transport:
-    """Bytes to and from a client, with patience."""
+    """Bytes to and from a client, each within some time."""
 
     def __init__(self, reader: StreamReader, writer: StreamWriter, patience: float) -> None:
         """Takes over a connection.
@@ -36,7 +36,7 @@ class Transport:
         self._reader, self._writer, self._patience = reader, writer, patience
 
     async def read(self, *, hurry: bool) -> bytes:
-        """What comes next; nothing at the end.
+        """Reads what comes next; nothing at the end.
 
         Args:
             hurry: whether it must come soon.
@@ -68,7 +68,7 @@ class Transport:
         """Ends the connection: this side at once, the other when the client does, or soon.
 
         A connection that is closed while something of the client's is unread is reset, and the client may never read
-        why it was sent home.
+        why it was closed.
 
         Raises:
             TimeoutError: the client does not read what is still to be sent.
@@ -111,10 +111,10 @@ class Stream:
         """
         data = self._first
         while data:
-            for message in self._frames.fed(data):
+            for message in self._frames.feed(data):
                 yield message
-            data = await self._line.read(hurry=self._frames.half or hurry())
-        if self._frames.half:
+            data = await self._line.read(hurry=self._frames.is_midway or hurry())
+        if self._frames.is_midway:
             raise HalfError("the connection ended")
 
     async def send(self, message: str) -> None:
@@ -138,7 +138,7 @@ class Console:
     lingers = True
 
     def __init__(self, rules: Quotas) -> None:
-        """Begins to read; a thread does, since a file or terminal cannot be waited for."""
+        """Begins to read in a thread, since a file or terminal cannot be waited for."""
         self._frames, self._reader = MessageFramer(rules.message), StreamReader()
         self._loop = get_running_loop()
         Thread(target=self._read, name="stdin", daemon=True).start()
@@ -150,9 +150,9 @@ class Console:
             ValueError: a message is too long.
         """
         while data := await self._reader.read(CHUNK):
-            for message in self._frames.fed(data):
+            for message in self._frames.feed(data):
                 yield message
-        for message in self._frames.fed(END):
+        for message in self._frames.feed(END):
             yield message
 
     async def send(self, message: str) -> None:

@@ -32,14 +32,14 @@ class WebSocket:
         self._protocol.receive_data(first)
         self._half = False  # a message has begun and not ended
 
-    async def opened(self, is_right: Callable[[str | None], bool], *, open_house: bool) -> bool:
-        """Reads the request and answers it; whether a token that came with it is right.
+    async def open(self, is_token: Callable[[str | None], bool], *, needs_token: bool) -> bool:
+        """Reads the request and answers it; says whether a token came with it that is right.
 
         A browser says which page asks: pages from elsewhere must bring the token, or any page could move the robot.
 
         Args:
-            is_right: tells whether a token is right.
-            open_house: no token is needed.
+            is_token: says whether a token is right.
+            needs_token: whether clients need one.
 
         Raises:
             HalfError: there is no request, or it is refused.
@@ -53,9 +53,9 @@ class WebSocket:
         token = request.headers.get("Authorization", "").removeprefix("Bearer ") or None
         origin = request.headers.get("Origin")
         elsewhere = origin is not None and urlsplit(origin).hostname not in HERE
-        if token is not None and not open_house and not is_right(token):
+        if token is not None and needs_token and not is_token(token):
             response = self._protocol.reject(401, "the token is wrong\n")
-        elif elsewhere and open_house:
+        elif elsewhere and not needs_token:
             response = self._protocol.reject(403, f"pages of {origin} may not connect without a token\n")
         else:
             response = self._protocol.accept(request)

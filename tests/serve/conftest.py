@@ -14,7 +14,8 @@ from kinesic.client import Client
 from kinesic.controller.perform import set_up
 from kinesic.serve.quotas import Quotas
 from kinesic.serve.server import Address, Serving, open_serving, until_done
-from kinesic.serve.sinks import RealTwin, ServoSink
+from kinesic.serve.sinks import RealTimeSink, RealTwin
+from kinesic.serve.tracks import SoundAndFace
 
 
 class Witness:
@@ -58,9 +59,11 @@ def running(rules: Quotas, token: str | None = None) -> Iterator[Running]:
 
     async def serve() -> None:
         enough = asyncio.Event()
-        followers = [ServoSink(witness), ServoSink(RealTwin(set_up().robot))]
+        sinks = [RealTimeSink(witness), RealTimeSink(RealTwin(set_up().robot))]
         address = Address("127.0.0.1", 0)
-        async with open_serving(set_up, followers, address=address, rules=rules, token=token, face=True) as open_:
+        async with open_serving(
+            set_up, sinks, address=address, rules=rules, token=token, accompaniment=SoundAndFace(face=True)
+        ) as open_:
             found.extend((Running(open_, witness, asyncio.get_running_loop()), enough))
             ready.set()
             await until_done(open_, enough, console=False)

@@ -39,10 +39,10 @@ def test_a_sample_of_them_is_answered_while_the_robot_performs(abused, monkeypat
     files = OWN if where is None else documents((where,))
     chance = random.Random(7)
     crowd = [mutate(chance.choice(files).read_bytes()[:6000], seed) for seed in range(COUNT)]
-    performer = abused.open.desk.performer
-    patient = replace(abused.open.desk.rules, planning=120.0)  # this machine may be busy with other tests
-    monkeypatch.setattr(performer.planner, "_rules", patient)
-    deaths, before = performer.planner.deaths, len(abused.witness.commands)
+    session = abused.open.clients.session
+    patient = replace(abused.open.clients.rules, planning=120.0)  # this machine may be busy with other tests
+    monkeypatch.setattr(session.planner, "_rules", patient)
+    deaths, before = session.planner.deaths, len(abused.witness.commands)
     with abused.client() as wild:
         answered = 0
         for number, document in enumerate(crowd):
@@ -50,12 +50,12 @@ def test_a_sample_of_them_is_answered_while_the_robot_performs(abused, monkeypat
             wild.do("ping", id=str(number))
             while f'"id":"{number}"' not in (wild.receive(30) or "nothing"):
                 answered += 1
-            while performer.status()["waiting"]:
+            while session.status()["waiting"]:
                 wild.receive(0.01)
         wild.do("interrupt")
         with abused.client() as client:
             messages = list(client.perform('<bml id="sane"><head id="h" lexeme="NOD" start="0"/></bml>'))
     assert re.search(r'id="sane:end"', messages[-1])
-    assert performer.planner.deaths == deaths
+    assert session.planner.deaths == deaths
     ticks = np.rint([RATE * command.time for _, command in abused.witness.commands[before:]]).astype(int)
     assert (np.diff(ticks) == 1).all()

@@ -28,25 +28,25 @@ def test_messages_are_the_same_however_the_stream_is_cut(messages, cuts):
     stream = b"".join(message + END for message in messages)
     places = sorted({0, len(stream), *(min(cut, len(stream)) for cut in cuts)})
     frames = MessageFramer(100)
-    found = [each for a, b in pairwise(places) for each in frames.fed(stream[a:b])]
+    found = [each for a, b in pairwise(places) for each in frames.feed(stream[a:b])]
     assert found == messages
-    assert not frames.half
+    assert not frames.is_midway
 
 
 def test_blanks_between_messages_are_no_messages():
     frames = MessageFramer(10)
-    assert frames.fed(b" \n<a/>\0\n\0 \0<b/>") == [b"<a/>"]
-    assert frames.half
-    assert frames.fed(b"\0\n") == [b"<b/>"]
-    assert not frames.half
+    assert frames.feed(b" \n<a/>\0\n\0 \0<b/>") == [b"<a/>"]
+    assert frames.is_midway
+    assert frames.feed(b"\0\n") == [b"<b/>"]
+    assert not frames.is_midway
 
 
 @pytest.mark.parametrize("pieces", [[b"12345678901"], [b"12345", b"678901"], [b"12345678901\0"]])
 def test_an_overlong_message_is_told_as_soon_as_it_is(pieces):
     frames, (*first, last) = MessageFramer(10), pieces
-    assert [frames.fed(piece) for piece in first] == [[]] * len(first)
+    assert [frames.feed(piece) for piece in first] == [[]] * len(first)
     with pytest.raises(ValueError, match="11 bytes or more, at most 10"):
-        frames.fed(last)
+        frames.feed(last)
 
 
 @pytest.mark.parametrize(

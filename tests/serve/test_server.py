@@ -109,7 +109,7 @@ def test_a_client_that_goes_leaves_its_block_and_disturbs_nobody(server, becomes
             going.send(BLOCK.format("left", LONG))
         messages = list(staying.perform(BLOCK.format("stays", NOD)))
         assert progress(messages, "stays") == POINTS
-    assert becomes(server.open.desk.performer.loop.settled)
+    assert becomes(server.open.clients.session.loop.settled)
     assert undisturbed(seen(server))
 
 
@@ -156,7 +156,7 @@ def test_two_hundred_connections_are_all_served(server):
 
 
 def test_a_slow_reader_loses_only_its_own(server, becomes):
-    guests = server.open.desk._guests
+    clients = server.open.clients._clients
     with server.client() as quick, server.client() as slow:
         quick.do("ping")
         quick.receive(20)
@@ -164,7 +164,7 @@ def test_a_slow_reader_loses_only_its_own(server, becomes):
             slow.send("<" + "a" * 200)
         messages = list(quick.perform(BLOCK.format("beside", NOD)))
         assert progress(messages, "beside") == POINTS
-        assert all(len(guest.outbox) <= server.open.desk.rules.unread for guest in guests.values())
+        assert all(len(client.output) <= server.open.clients.rules.unread for client in clients.values())
 
 
 def test_status_tells_how_it_goes(server):
@@ -236,7 +236,7 @@ def test_an_emergency_stop_goes_before_everything(server, becomes):
         for number in range(6):
             busy.send(BLOCK.format(f"busy{number}", LONG))
         busy.receive(20)
-        loop = server.open.desk.performer.loop
+        loop = server.open.clients.session.loop
         stops = loop.stops
         guard.stop()
         assert json.loads(guard.receive(20)) == {"told": "stopped"}
@@ -254,29 +254,29 @@ def test_an_emergency_stop_goes_before_everything(server, becomes):
 
 
 def test_a_planner_that_dies_is_replaced_while_the_motion_goes_on(server, becomes):
-    performer = server.open.desk.performer
+    session = server.open.clients.session
     with server.client() as client:
         client.send(BLOCK.format("survivor", LONG))
         messages = []
         while not progress(messages, "survivor"):
             messages.append(client.receive(20))
-        performer.planner._children[0].kill()
+        session.planner._children[0].kill()
         while progress(messages, "survivor")[-1] != "end":
             messages.append(client.receive(20))
-        assert becomes(lambda: performer.planner.free)
+        assert becomes(lambda: session.planner.free)
         messages = list(client.perform(BLOCK.format("afterwards", NOD)))
     assert progress(messages, "afterwards") == POINTS
     assert undisturbed(seen(server))
 
 
 def test_a_block_that_takes_too_long_to_plan_is_given_up(server, becomes, monkeypatch):
-    performer = server.open.desk.performer
+    session = server.open.clients.session
     with server.client() as client, server.client() as other:
         client.send(BLOCK.format("goes-on", LONG))
         messages = []
         while not progress(messages, "goes-on"):
             messages.append(client.receive(20))
-        monkeypatch.setattr(performer.planner, "_rules", replace(server.open.desk.rules, planning=1e-4))
+        monkeypatch.setattr(session.planner, "_rules", replace(server.open.clients.rules, planning=1e-4))
         other.send(BLOCK.format("too-hard", LONG))
         told = [other.receive(20)]
         while "warningFeedback" not in told[-1]:
@@ -285,7 +285,7 @@ def test_a_block_that_takes_too_long_to_plan_is_given_up(server, becomes, monkey
         monkeypatch.undo()
         while progress(messages, "goes-on")[-1] != "end":
             messages.append(client.receive(20))
-        assert becomes(lambda: performer.planner.free)
+        assert becomes(lambda: session.planner.free)
     assert undisturbed(seen(server))
 
 

@@ -4,7 +4,7 @@ import pytest
 from kinesic.body.utterance import Sound
 from kinesic.realizer.realizer import Scene, begin, prepare
 from kinesic.realizer.request import Message, read_request
-from kinesic.serve.tracks import Effects, SoundAndFace, Track, track, version
+from kinesic.serve.tracks import Effects, SoundAndFace, Track, make_track, track_version
 from kinesic.speech.loudspeaker import SpeakerError
 
 BLOCK = (
@@ -43,7 +43,7 @@ def running(known):
 
 
 def test_a_block_s_face_is_on_the_clock(running):
-    one = track(running, SoundAndFace(face=True))
+    one = make_track(running, SoundAndFace(face=True))
     brows = {time: one.at(running.zero + time).get("L1", 0.0) for time in (0.0, 0.3, 0.5, 0.89)}
     assert brows[0.0] < 0.1 < 0.5 < brows[0.3] == pytest.approx(brows[0.5], abs=0.05)
     assert brows[0.89] < 0.1
@@ -51,8 +51,8 @@ def test_a_block_s_face_is_on_the_clock(running):
 
 
 def test_what_is_not_wanted_is_not_made(running):
-    assert track(running, SoundAndFace()).face == {}
-    assert version(running) == version(running)
+    assert make_track(running, SoundAndFace()).face == {}
+    assert track_version(running) == track_version(running)
 
 
 def test_the_strongest_of_several_faces_is_shown():

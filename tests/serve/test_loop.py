@@ -20,7 +20,7 @@ def heard(client, wanted):
 
 
 def test_who_resumes_at_once_is_heard(server, becomes):
-    loop = server.open.desk.performer.loop
+    loop = server.open.clients.session.loop
     with server.client() as client:
         for k in range(6):
             client.send(BLOCK.format(f"cut{k}", BEAT))
@@ -33,7 +33,7 @@ def test_who_resumes_at_once_is_heard(server, becomes):
 
 
 def test_another_stop_right_after_resuming_holds(server, becomes):
-    loop = server.open.desk.performer.loop
+    loop = server.open.clients.session.loop
     with server.client() as client:
         client.send(BLOCK.format("cut", BEAT))
         heard(client, 'id="cut:start"')

@@ -33,7 +33,7 @@ def test_an_emergency_stop_needs_the_token_too(guarded):
     with Client(port=guarded.port) as client:
         client.stop()
         assert json.loads(client.receive(20))["told"] == "refused"
-    assert not guarded.open.desk.performer.loop.halted
+    assert not guarded.open.clients.session.loop.halted
 
 
 def test_with_the_token_it_is_as_ever(guarded):
@@ -98,7 +98,7 @@ def test_too_many_messages_are_refused_one_by_one(guarded):
 
 
 def test_too_many_clients_are_sent_away(guarded, becomes):
-    assert becomes(lambda: not guarded.open.desk._guests)
+    assert becomes(lambda: not guarded.open.clients._clients)
     clients = [Client(port=guarded.port, token="open sesame") for _ in range(4)]
     try:
         with Client(port=guarded.port) as more:
@@ -110,16 +110,16 @@ def test_too_many_clients_are_sent_away(guarded, becomes):
 
 
 def test_a_client_that_never_reads_is_sent_away(guarded, becomes):
-    assert becomes(lambda: not guarded.open.desk._guests)
+    assert becomes(lambda: not guarded.open.clients._clients)
     with (
         Client(port=guarded.port, token="open sesame") as never,
         Client(port=guarded.port, token="open sesame") as other,
     ):
-        assert becomes(lambda: len(guarded.open.desk._guests) == 2)
-        guest = min(guarded.open.desk._guests.values(), key=lambda each: each.number)
+        assert becomes(lambda: len(guarded.open.clients._clients) == 2)
+        client = min(guarded.open.clients._clients.values(), key=lambda each: each.number)
         for _ in range(300):
-            guarded.tasks.call_soon_threadsafe(guest.put, "x" * 50_000)
-        assert becomes(lambda: guest.number not in guarded.open.desk._guests)
+            guarded.tasks.call_soon_threadsafe(client.put, "x" * 50_000)
+        assert becomes(lambda: client.number not in guarded.open.clients._clients)
         other.do("ping")
         assert "pong" in other.receive(20)
         told = never.receive(20)

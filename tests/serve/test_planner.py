@@ -28,7 +28,7 @@ def listened(client, messages, point):
 
 
 def test_a_gesture_takes_the_hand_that_another_block_leaves_free(server, becomes):
-    assert becomes(server.open.desk.performer.loop.settled)
+    assert becomes(server.open.clients.session.loop.settled)
     with server.client() as working, server.client() as other:
         working.send(BLOCK.format("holds", HOLDS))
         messages = listened(working, [], "holds:start")
