@@ -38,7 +38,7 @@ ROOM = 3.0  # times the limits that an eased way may take: what is beyond them i
 SHARES = np.arange(PARTS) / PARTS  # of a way, at which an easing is given
 
 
-def speeds(times: Floats, keys: Keys) -> Floats:
+def _choose_speeds(times: Floats, keys: Keys) -> Floats:
     """Chooses the speeds (k, h) [rad/s] at the keys of some hinges, at (k,) times that all of them have.
 
     Zero at the ends and beside holds. A speed that would carry the hinge beyond its keys by more than `SWING` is cut,
@@ -65,7 +65,7 @@ def speeds(times: Floats, keys: Keys) -> Floats:
     return found
 
 
-def accelerations(times: Floats, keys: Keys, passed: Floats) -> Floats:
+def _choose_accelerations(times: Floats, keys: Keys, passed: Floats) -> Floats:
     """Chooses the accelerations (k, h) [rad/s^2] at the keys: the mean of what cubics have before and after a key.
 
     So keys that lie on a smooth curve are passed along it. Zero at the ends, beside holds, and where a hinge stops.
@@ -95,7 +95,7 @@ def _held(ways: Floats) -> Flags:
     return np.asarray(still[:-1] | still[1:])
 
 
-def changes(left: Floats, states: Floats, steps: Floats, keys: Keys) -> Floats:
+def _ease(left: Floats, states: Floats, steps: Floats, keys: Keys) -> Floats:
     """Computes (3, k, h, p) what easings add to angles, speeds and accelerations along k ways of h hinges.
 
     Args:
@@ -219,8 +219,10 @@ def join_keys(times: Floats, keys: Keys, *, zero: float = 0.0) -> DesiredMotion:
 
 def _curve(times: Floats, keys: Keys) -> "scipy.interpolate.PPoly":
     """Joins hinges that all have the same keys, at (k,) times."""
-    steps, passed = np.diff(times), speeds(times, keys)
-    plain = scipy.interpolate.PPoly(_quintics(steps, keys.angles, passed, accelerations(times, keys, passed)), times)
+    steps, passed = np.diff(times), _choose_speeds(times, keys)
+    plain = scipy.interpolate.PPoly(
+        _quintics(steps, keys.angles, passed, _choose_accelerations(times, keys, passed)), times
+    )
     if np.all(keys.manner[4, 1:] == SMOOTHEST):
         return plain
     ways, carried = np.diff(keys.angles, axis=0), steps[:, None] * (passed[:-1] + passed[1:]) / 2
@@ -228,7 +230,7 @@ def _curve(times: Floats, keys: Keys) -> "scipy.interpolate.PPoly":
     fine = np.append((times[:-1, None] + steps[:, None] * SHARES).ravel(), times[-1])
     states = np.stack([plain(fine, nu=order) for order in range(3)])
     along = states[:, :-1].reshape(3, len(steps), PARTS, -1).transpose(0, 1, 3, 2)
-    added = changes(left, along, steps, keys)
+    added = _ease(left, along, steps, keys)
     states[:, :-1] += added.transpose(0, 1, 3, 2).reshape(3, len(fine) - 1, -1)
     return scipy.interpolate.PPoly(_quintics(np.diff(fine), *states), fine)
 

@@ -39,14 +39,14 @@ class Infeasibility:
     binding: tuple[Quantity | None, ...]  # (m + 1,) the limit that binds most in each gap
 
 
-def roughly(segment: SplineSegment, limits: Limits) -> float:
+def guess_share(segment: SplineSegment, limits: Limits) -> float:
     """Guesses cheaply: the largest share of any limit on the smoothest way through the keys of a segment."""
     if segment.still:
         return 0.0
     return segment.grid.largest(smoothest(segment), limits, segment.hinge)
 
 
-def shortage(segment: SplineSegment, limits: Limits) -> Infeasibility | None:
+def measure_shortage(segment: SplineSegment, limits: Limits) -> Infeasibility | None:
     """Measures how much time a segment lacks; None when the program cannot be solved."""
     found = _least(segment, limits)
     if found is None:

@@ -18,7 +18,7 @@ import scipy
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
 from kinesic.motion.double_s import least_rest_times
-from kinesic.motion.infeasibility import Infeasibility, Quantity, roughly, shortage
+from kinesic.motion.infeasibility import Infeasibility, Quantity, guess_share, measure_shortage
 from kinesic.motion.keys import SAME, Keys, Pair
 from kinesic.motion.segments import SplineSegment, segments
 from kinesic.motion.trajectory import STEP
@@ -175,14 +175,14 @@ class Search:
         """Remembered by keys and places, which determine it: many a segment stays the same when others move."""
         known = (segment.hinge, segment.marks, segment.grid.pieces, segment.places.tobytes())
         if known not in self._shortages:
-            self._shortages[known] = shortage(segment, self._limits)
+            self._shortages[known] = measure_shortage(segment, self._limits)
         return self._shortages[known]
 
     def _segments(self) -> Iterator[SplineSegment]:
         return segments(self.times, self._keys, STEP)
 
     def _suspect(self, segment: SplineSegment, lost: SplineSegment) -> bool:
-        return (segment.hinge, segment.first) != (lost.hinge, lost.first) and roughly(segment, self._limits) > ROUGH
+        return (segment.hinge, segment.first) != (lost.hinge, lost.first) and guess_share(segment, self._limits) > ROUGH
 
     def _near(self, segment: SplineSegment) -> bool:
         return any(cut.slopes @ self.times > cut.bound - NEAR for cut in self._cuts.get(segment.hinge, ()))

@@ -6,7 +6,7 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.bspline import grid
-from kinesic.motion.infeasibility import EASY, roughly, shortage
+from kinesic.motion.infeasibility import EASY, guess_share, measure_shortage
 from kinesic.motion.qp import nearest_motion
 from kinesic.motion.segments import SplineSegment
 from kinesic.motion.trajectory import STEP
@@ -27,29 +27,29 @@ def passes(found: SplineSegment) -> bool:
 
 @pytest.mark.parametrize("pieces", [30, 40, 44, 48, 52, 56, 60, 80])
 def test_what_lacks_nothing_can_be_passed(pieces):
-    assert (shortage(way(pieces, pieces / 2), LIMITS).amount <= 0) == passes(way(pieces, pieces / 2))
+    assert (measure_shortage(way(pieces, pieces / 2), LIMITS).amount <= 0) == passes(way(pieces, pieces / 2))
 
 
 @pytest.mark.parametrize("before", [0.9, 0.3, 0.1, 0.03, 0.021])
 def test_a_last_key_just_before_the_last_knot_is_solved_as_any_other(before):
     places, angles = np.array([20.0, 40.0 - before]), np.array([0.8, 1.6])
     late = SplineSegment(0, 0, grid(40, STEP), 0.0, 1.6, places, angles)
-    found = shortage(late, LIMITS)
+    found = measure_shortage(late, LIMITS)
     assert found is not None
-    assert found.amount == pytest.approx(shortage(way(39, 20.0), LIMITS).amount, abs=1e-4)
+    assert found.amount == pytest.approx(measure_shortage(way(39, 20.0), LIMITS).amount, abs=1e-4)
     assert np.isfinite(found.slopes).all()
 
 
 def test_the_amount_is_about_the_share_of_the_time():
-    found = shortage(way(40, 20.0), LIMITS)
+    found = measure_shortage(way(40, 20.0), LIMITS)
     longer = 40 * float(np.exp(found.amount))
-    assert shortage(way(round(1.1 * longer), 0.55 * longer), LIMITS).amount < 0.0
-    assert shortage(way(round(0.9 * longer), 0.45 * longer), LIMITS).amount > 0.0
+    assert measure_shortage(way(round(1.1 * longer), 0.55 * longer), LIMITS).amount < 0.0
+    assert measure_shortage(way(round(0.9 * longer), 0.45 * longer), LIMITS).amount > 0.0
 
 
 def test_slopes_are_those_of_the_amount():
-    found, more = shortage(way(40, 17.3), LIMITS), 0.1
-    later = shortage(way(40, 17.3 + more), LIMITS)
+    found, more = measure_shortage(way(40, 17.3), LIMITS), 0.1
+    later = measure_shortage(way(40, 17.3 + more), LIMITS)
     assert found.slopes[1] == pytest.approx((later.amount - found.amount) / (more * STEP), rel=0.05)
     assert found.slopes[2] == pytest.approx(0.0, abs=1e-6)
     assert found.slopes.sum() == pytest.approx(0.0, abs=1e-9)
@@ -58,20 +58,20 @@ def test_slopes_are_those_of_the_amount():
 def test_an_end_between_two_knots_counts():
     """The last key holds the hinge from the knot before it, so that the rest begins there."""
     off = SplineSegment(0, 0, grid(41, STEP), 0.0, 1.6, np.array([25.3, 40.4]), np.array([0.8, 1.6]))
-    found = shortage(off, LIMITS)
+    found = measure_shortage(off, LIMITS)
     assert found.slopes[3] < -1.0
     assert found.slopes[1] == pytest.approx(-found.slopes[3], rel=1e-6)
 
 
 def test_time_to_spare_is_not_counted_beyond_need():
-    assert shortage(way(300, 150.0), LIMITS).amount == pytest.approx(np.log1p(2 * EASY) / 2)
+    assert measure_shortage(way(300, 150.0), LIMITS).amount == pytest.approx(np.log1p(2 * EASY) / 2)
 
 
 def test_the_smoothest_way_takes_no_less_than_it_must():
     for pieces in (40, 60, 80, 120, 300):
-        if roughly(way(pieces, pieces / 2), LIMITS) <= 1.0:
-            assert shortage(way(pieces, pieces / 2), LIMITS).amount <= 1e-6
-    assert roughly(way(300, 150.0), LIMITS) < 1.0 < roughly(way(40, 20.0), LIMITS)
+        if guess_share(way(pieces, pieces / 2), LIMITS) <= 1.0:
+            assert measure_shortage(way(pieces, pieces / 2), LIMITS).amount <= 1e-6
+    assert guess_share(way(300, 150.0), LIMITS) < 1.0 < guess_share(way(40, 20.0), LIMITS)
 
 
 @pytest.mark.parametrize(
@@ -85,8 +85,8 @@ def test_the_smoothest_way_takes_no_less_than_it_must():
 )
 def test_the_limit_is_named(quantity, change):
     tight = replace(LIMITS, **{name: sealed([value]) for name, value in change.items()})
-    assert shortage(way(40, 20.0), tight).binding[0] == quantity
+    assert measure_shortage(way(40, 20.0), tight).binding[0] == quantity
 
 
 def test_a_gap_with_time_to_spare_has_no_limit():
-    assert shortage(way(200, 20.0), LIMITS).binding == ("speed", None)
+    assert measure_shortage(way(200, 20.0), LIMITS).binding == ("speed", None)

@@ -7,7 +7,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion import key_times
 from kinesic.motion.condition import condition
-from kinesic.motion.infeasibility import shortage
+from kinesic.motion.infeasibility import measure_shortage
 from kinesic.motion.key_times import CuttingPlane, Search, full_speed, relax_key_times, rest_to_rest, strain
 from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.motion.segments import segments
@@ -55,7 +55,7 @@ KEYS = tuple(KeyPosture(time, sealed(turn), (True, True), (("b", sync),)) for ti
 
 def lacking(search: Search, keys: Keys):
     found = [segment for segment in segments(search.times, keys, STEP) if not segment.still]
-    return [segment for segment in found if shortage(segment, FEASIBLE_LIMITS).amount > 0.0]
+    return [segment for segment in found if measure_shortage(segment, FEASIBLE_LIMITS).amount > 0.0]
 
 
 def test_it_begins_at_full_speed():

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.condition import Conditioned
-from kinesic.motion.infeasibility import shortage
+from kinesic.motion.infeasibility import measure_shortage
 from kinesic.motion.key_times import BROKEN, LATENESS, strain
 from kinesic.motion.keys import Keys
 from kinesic.motion.segments import LEAST_SWING, SWING, segments
@@ -70,7 +70,7 @@ def best_times(keys: Keys, motion: Conditioned, limits: Limits, lead_in: float) 
 def _short(times: Floats, keys: Keys, limits: Limits) -> set[int]:
     """Hinges that cannot pass their keys at some times."""
     moving = [segment for segment in segments(times, keys, STEP) if not segment.still]
-    found = [(segment.hinge, shortage(segment, limits)) for segment in moving]
+    found = [(segment.hinge, measure_shortage(segment, limits)) for segment in moving]
     return {hinge for hinge, lack in found if lack is None or lack.amount > SHORT}
 
 
