@@ -105,7 +105,7 @@ class Performer:
         feedforward: Terms = "full",
         correction: bool = True,
     ) -> Performance:
-        """Performs in the twin; then in sinks of one's own, and on the servos, if they are asked for.
+        """Performs in the twin; then in sinks of one's own, and on the servos, if they are requested.
 
         Servos move only where no check of the twin has failed (`run.servos` is None otherwise). Ctrl-C folds them to
         rest.

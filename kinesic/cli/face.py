@@ -64,20 +64,19 @@ def draw_face(
     planning: Planning, expression: ExpressionOptions, bml: str | None, out: Path | None, view: FaceView, sheet: bool
 ) -> int:
     """Draws an expression, the face of a document, or a sheet of all action units, to a file or a window."""
-    units, emotion = expression.units, expression.emotion
-    if sum((bool(units or emotion), bml is not None, sheet)) > 1:
+    if sum((bool(expression.units or expression.emotion), bml is not None, sheet)) > 1:
         raise click.UsageError("choose one: --au and --emotion, --bml, or --sheet")
     try:
-        told = read_units(units) | read_emotion(emotion, expression.amount)
+        units = read_units(expression.units) | read_emotion(expression.emotion, expression.amount)
         sight = Sight(view, replace(CLOSE if sheet or bml else FRONT, yaw_deg=view.yaw))
         if out is None and (sheet or not has_display()):
             raise DisplayError("no display for a window; --out X.png, X.webp or X.mp4 writes a file")
         if bml is not None:
             _perform(plan(read_input(bml), planning.set_up(), source=bml), sight, out)
         elif out is None:
-            _show(told, sight)
+            _show(units, sight)
         else:
-            _draw(told, sight, out, sheet=sheet)
+            _draw(units, sight, out, sheet=sheet)
     except DisplayError as error:
         raise ConfigError(str(error)) from None
     if out is not None:
@@ -117,33 +116,33 @@ def read_emotion(name: str | None, amount: float) -> dict[str, float]:
     return dict(found.units)
 
 
-def _draw(told: Mapping[str, float], sight: Sight, out: Path, *, sheet: bool) -> None:
+def _draw(units: Mapping[str, float], sight: Sight, out: Path, *, sheet: bool) -> None:
     moving = out.suffix.lower() not in ("", ".png") and not sheet
     (check_film if moving else check_ending)(out)
     with sight.portrait(CELL if sheet else SIDE) as portrait:
         if sheet:
             save(contact_sheet(portrait, sight.camera), out)
         elif moving:
-            save_film(list(_film(portrait, told, sight)), out, rate=FILM_RATE)
+            save_film(list(_film(portrait, units, sight)), out, rate=FILM_RATE)
         else:
-            save(portrait.draw(told, sight.camera, gain=sight.view.gain), out)
+            save(portrait.draw(units, sight.camera, gain=sight.view.gain), out)
 
 
-def _film(portrait: Portrait, told: Mapping[str, float], sight: Sight) -> Iterator[Pixels]:
+def _film(portrait: Portrait, units: Mapping[str, float], sight: Sight) -> Iterator[Pixels]:
     """Yields the expression as it rises from rest, stays and goes again."""
     for frame in range(round(SECONDS * FILM_RATE)):
         time = frame / FILM_RATE
         t = min(1.0, time / RISE, (SECONDS - time) / RISE)
         share = t * t * (3 - 2 * t)
-        yield portrait.draw({name: share * value for name, value in told.items()}, sight.camera, gain=sight.view.gain)
+        yield portrait.draw({name: share * value for name, value in units.items()}, sight.camera, gain=sight.view.gain)
 
 
-def _show(told: Mapping[str, float], sight: Sight) -> None:
+def _show(units: Mapping[str, float], sight: Sight) -> None:
     """Shows one expression in a window, until somebody closes it."""
     none = np.zeros(0)
     click.echo(KEYS, err=True)
     with Preview(look=sight.look, windowed=True) as preview:
-        preview.write(Command(0.0, none, none, none, none, told))
+        preview.write(Command(0.0, none, none, none, none, units))
         preview.wait()
 
 
@@ -154,10 +153,10 @@ def _perform(planned: Plan, sight: Sight, out: Path | None) -> None:
         play_whole(planned, Preview(robot, look=sight.look, windowed=True))
         return
     with TemporaryDirectory() as folder:
-        heard, wav = sound(planned), None
-        if heard is not None:
+        speech, wav = sound(planned), None
+        if speech is not None:
             wav = Path(folder) / "speech.wav"
-            write_wav(heard, wav)
+            write_wav(speech, wav)
         is_strip, view = out.suffix.lower() == ".png", sight.view
         side, rate = (STRIP, FILM_RATE / 2) if is_strip else (SIDE, FILM_RATE)
         look = PortraitSettings(view.variant, PRESETS[view.preset], sight.side(side), sight.camera, view.gain)

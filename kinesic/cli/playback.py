@@ -64,11 +64,11 @@ def preview_window(robot: Robot, *, requested: bool, beside: Path | None = None)
 
 def play_whole(plan: Plan, preview: Preview) -> None:
     """Shows a whole performance in its own time, with its voice where there is a loudspeaker."""
-    commands, heard = tuple(commands_with_face(plan, command_times(plan.duration))), sound(plan)
+    commands, voice = tuple(commands_with_face(plan, command_times(plan.duration))), sound(plan)
     with ExitStack() as opened:
-        speaker = None if heard is None else opened.enter_context(open_speaker(warn))
-        if heard is not None and speaker is not None:
-            speaker.play(heard, monotonic())
+        speaker = None if voice is None else opened.enter_context(open_speaker(warn))
+        if voice is not None and speaker is not None:
+            speaker.play(voice, monotonic())
         play(pace(commands), preview)
 
 

@@ -47,8 +47,8 @@ def _table(found: Fit) -> Table:
 
 def _summary(found: Fit) -> str:
     before, after = np.degrees([found.before, found.after])
-    told = sum(not estimate.why for estimate in found.estimates)
-    return f"{told} of {len(found.estimates)} figures told; twin minus log {before:.3f} -> {after:.3f} deg RMS"
+    fitted = sum(not estimate.why for estimate in found.estimates)
+    return f"{fitted} of {len(found.estimates)} figures told; twin minus log {before:.3f} -> {after:.3f} deg RMS"
 
 
 def _data(found: Fit) -> dict[str, object]:

@@ -100,51 +100,51 @@ def _said(script: Script, rate: float, pitch: float) -> Utterance:
     words = min(max(round(WORDS_PER_MINUTE * rate), SLOWEST), FASTEST)
     height = min(max(round(MIDDLE * (1 + math.log2(pitch))), 0), HIGHEST)
     try:
-        heard = synthesise(ssml(script), place, voice=voice, words_per_minute=words, pitch=height)
+        reply = synthesise(ssml(script), place, voice=voice, words_per_minute=words, pitch=height)
     except SpeechError as error:
         return DurationModel(f"nothing is heard: {error}").say(script, rate=rate)
-    utterance = _timed(script, heard)
+    utterance = _timed(script, reply)
     return replace(utterance, remarks=tuple(filter(None, (remark, *utterance.remarks))))
 
 
-def _timed(script: Script, heard: EngineReply) -> Utterance:
+def _timed(script: Script, reply: EngineReply) -> Utterance:
     """Converts a reply to seconds, without the silence that the engine adds after the last word."""
-    ends = [sample for _, sample in heard.phonemes[1:]]
-    sounds = [(symbol, begin, end) for (symbol, begin), end in zip(heard.phonemes, ends, strict=False) if symbol]
+    ends = [sample for _, sample in reply.phonemes[1:]]
+    sounds = [(symbol, begin, end) for (symbol, begin), end in zip(reply.phonemes, ends, strict=False) if symbol]
     spoken = sounds[-1][2] if sounds else 0
     trailing = sum(pause.duration for pause in script.pauses if not _has_word(script.text[pause.position :]))
-    length = spoken + round(trailing * heard.rate)
-    samples, said = np.zeros(length), np.frombuffer(heard.samples, dtype="<i2")[:spoken]
+    length = spoken + round(trailing * reply.rate)
+    samples, said = np.zeros(length), np.frombuffer(reply.samples, dtype="<i2")[:spoken]
     samples[: len(said)] = said / 32768
-    places, lost = _places(script, heard, [begin for _, begin, _ in sounds], spoken)
+    places, lost = _places(script, reply, [begin for _, begin, _ in sounds], spoken)
     marks: dict[str, float] = {}
     for stop, place in zip(script.stops(), places, strict=True):
         if isinstance(stop, Mark):
-            marks.setdefault(stop.name, min(place, length) / heard.rate)
+            marks.setdefault(stop.name, min(place, length) / reply.rate)
     remark = f"espeak-ng does not tell when {', '.join(lost)} falls: it is estimated" if lost else ""
     return Utterance(
-        length / heard.rate,
+        length / reply.rate,
         marks,
-        tuple(Phoneme(symbol, begin / heard.rate, (end - begin) / heard.rate) for symbol, begin, end in sounds),
+        tuple(Phoneme(symbol, begin / reply.rate, (end - begin) / reply.rate) for symbol, begin, end in sounds),
         "espeak-ng",
-        Sound.of(heard.rate, samples),
+        Sound.of(reply.rate, samples),
         (remark,) if remark else (),
     )
 
 
-def _places(script: Script, heard: EngineReply, onsets: Sequence[int], spoken: int) -> tuple[list[int], list[str]]:
+def _places(script: Script, reply: EngineReply, onsets: Sequence[int], spoken: int) -> tuple[list[int], list[str]]:
     """Finds the sample of each stop of a script, never going back, and marks without an event of the engine.
 
     A mark moves on to the onset of the next word, unless a pause or closing punctuation is between them.
     """
     stops = script.stops()
-    told = {int(number): sample for number, sample in heard.marks}
-    anchors = {0: 0, len(script.text): spoken} | {stops[number].position: told[number] for number in told}
+    events = {int(number): sample for number, sample in reply.marks}
+    anchors = {0: 0, len(script.text): spoken} | {stops[number].position: events[number] for number in events}
     known = sorted(anchors)
     found: list[int] = []
     lost: list[str] = []
     for number, stop in enumerate(stops):
-        place = told.get(number)
+        place = events.get(number)
         if place is None:
             place = round(float(np.interp(stop.position, known, [anchors[position] for position in known])))
             if isinstance(stop, Mark):

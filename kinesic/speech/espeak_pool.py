@@ -82,10 +82,10 @@ def synthesise(text: str, place: Engine, *, voice: str, words_per_minute: int, p
     Raises:
         SpeechError: the engine fails, or takes longer than `PATIENCE`.
     """
-    asked = json.dumps({"voice": voice, "words_per_minute": words_per_minute, "pitch": pitch, "text": text})
+    request = json.dumps({"voice": voice, "words_per_minute": words_per_minute, "pitch": pitch, "text": text})
     try:
         process = _ready.pop(os.getpid(), None) or _started(place)
-        _ask(process, asked.encode())
+        _ask(process, request.encode())
         following = _started(place)  # while this one speaks
     except OSError as error:
         raise SpeechError(f"espeak-ng cannot be run: {error}") from None
@@ -100,9 +100,9 @@ def synthesise(text: str, place: Engine, *, voice: str, words_per_minute: int, p
         why = complaint.decode(errors="replace").strip().splitlines()
         raise SpeechError(why[-1] if why else f"espeak-ng ended with code {process.returncode}")
     header, _, samples = answer.partition(b"\n")
-    told = json.loads(header)
-    marks, phonemes = (tuple((name, sample) for name, sample in told[key]) for key in ("marks", "phonemes"))
-    return EngineReply(told["rate"], marks, phonemes, samples)
+    reply = json.loads(header)
+    marks, phonemes = (tuple((name, sample) for name, sample in reply[key]) for key in ("marks", "phonemes"))
+    return EngineReply(reply["rate"], marks, phonemes, samples)
 
 
 def _started(place: Engine) -> "subprocess.Popen[bytes]":

@@ -67,7 +67,7 @@ def main(library: str, data: str) -> int:
     marks: list[tuple[str, int]] = []
     phonemes: list[tuple[str, int]] = []
 
-    def heard(wave: "ctypes._Pointer[ctypes.c_short]", count: int, events: "ctypes._Pointer[_Event]") -> int:
+    def collect(wave: "ctypes._Pointer[ctypes.c_short]", count: int, events: "ctypes._Pointer[_Event]") -> int:
         if wave and count > 0:
             samples.extend(ctypes.string_at(wave, 2 * count))
         k = 0
@@ -80,16 +80,16 @@ def main(library: str, data: str) -> int:
             k += 1
         return int(len(samples) > 2 * LONGEST * rate)
 
-    callback = _Callback(heard)  # must outlive the synthesis
+    callback = _Callback(collect)  # must outlive the synthesis
     engine.espeak_SetSynthCallback(callback)
-    asked = json.loads(sys.stdin.buffer.read() or b"null")
-    if asked is None:  # nobody has anything to say
+    request = json.loads(sys.stdin.buffer.read() or b"null")
+    if request is None:  # nobody has anything to say
         return 0
-    if engine.espeak_SetVoiceByName(asked["voice"].encode()) != 0:
-        return _failed(f"espeak-ng has no voice {asked['voice']}")
-    engine.espeak_SetParameter(RATE, asked["words_per_minute"], 0)
-    engine.espeak_SetParameter(PITCH, asked["pitch"], 0)
-    text = asked["text"].encode()
+    if engine.espeak_SetVoiceByName(request["voice"].encode()) != 0:
+        return _failed(f"espeak-ng has no voice {request['voice']}")
+    engine.espeak_SetParameter(RATE, request["words_per_minute"], 0)
+    engine.espeak_SetParameter(PITCH, request["pitch"], 0)
+    text = request["text"].encode()
     failure = engine.espeak_Synth(text, ctypes.c_size_t(len(text) + 1), 0, CHARACTERS, 0, UTF8 | SSML, None, None)
     if failure:
         return _failed(f"espeak-ng does not say it (error {failure})")

@@ -53,7 +53,7 @@ class PortAudio:
     """The default output of this machine."""
 
     def __init__(self, clock: Clock) -> None:
-        """Takes the clock on which times are told [s]."""
+        """Takes the clock of all times [s]."""
         self._clock = clock
         self.latency = BUFFERED  # [s] as last measured
 

@@ -55,9 +55,9 @@ class Speaker:
         self.stop()
         self._device.close()
 
-    def _feed(self, count: int, heard: float) -> Samples:
+    def _feed(self, count: int, at: float) -> Samples:
         """Mixes the next samples; they follow on where the device misjudges its time by a little."""
-        begin = self._next if abs(heard - self._next) < JUMP else heard
+        begin = self._next if abs(at - self._next) < JUMP else at
         self._next = begin + count / self._rate
         return mix(self._playing, begin, count, self._rate)
 

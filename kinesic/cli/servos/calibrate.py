@@ -85,9 +85,11 @@ def limp(axes: Axes) -> Snapshot:
         BusError: a servo has torque, or is silent.
     """
     for snapshot in _looks(axes, FIRST_LOOK):
-        held = [axes.where(k) for k in np.flatnonzero(snapshot.torque).tolist()]
-        if held:
-            raise BusError(f"{held[0]}: has torque, like {len(held) - 1} others; let go with `kinesic servos release`")
+        energised = [axes.where(k) for k in np.flatnonzero(snapshot.torque).tolist()]
+        if energised:
+            raise BusError(
+                f"{energised[0]}: has torque, like {len(energised) - 1} others; let go with `kinesic servos release`"
+            )
         if snapshot.recent.all():
             return snapshot
     raise BusError("not all servos answer at once; `kinesic servos doctor` tells which and why")
