@@ -5,10 +5,10 @@ CRC of everything so far (Protocol 2.0, never stuffed). A block is checked again
 damaged one spoils neither what comes before nor what comes after. Older firmware answers with one status per servo.
 """
 
-from collections.abc import Sequence
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import NamedTuple, Protocol
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -42,55 +42,54 @@ class ServoReplies(NamedTuple):
     end: int  # [bytes] where it ends, or where it should if it is not whole
 
 
-class Query(Protocol):
+@dataclass(frozen=True)
+class Query(ABC):
     """A question to servos: what to send, and how to read the answer."""
 
-    @property
-    def servos(self) -> tuple[int, ...]:
-        """Ids, in the order asked."""
+    servos: tuple[int, ...]  # ids, in the order asked
+    addresses: tuple[int, ...]  # where each shows its record
+    chained: ClassVar[bool]  # whether a servo that keeps silent ends the answer
 
     @property
+    @abstractmethod
     def data(self) -> bytes:
         """The packet that asks."""
 
     @property
+    @abstractmethod
     def length(self) -> int:
         """[bytes] of a full answer."""
 
-    @property
-    def chained(self) -> bool:
-        """Whether a servo that keeps silent ends the answer."""
-
+    @abstractmethod
     def answer(self, raw: bytes) -> ServoReplies:
         """Reads what has come so far, noise and older answers included."""
 
+    @abstractmethod
     def complete(self, raw: bytes) -> bool:
         """Returns whether the last servo has sent its last byte, whatever came of the others."""
 
+    def _request(self, *, fast: bool) -> bytes:
+        """A sync read where all keep their cells at one address, else a bulk read."""
+        if len(set(self.addresses)) == 1:
+            return sync_read(self.servos, self.addresses[0], SIZE, fast=fast)
+        return bulk_read({servo: (a, SIZE) for servo, a in zip(self.servos, self.addresses, strict=True)}, fast=fast)
+
 
 @dataclass(frozen=True)
-class FastQuery:
+class FastQuery(Query):
     """A fast sync read, or a fast bulk read where the models keep their cells at different addresses."""
 
-    servos: tuple[int, ...]
-    addresses: tuple[int, ...]
+    chained = True
 
     @cached_property
     def data(self) -> bytes:
         """The packet that asks."""
-        if len(set(self.addresses)) == 1:
-            return sync_read(self.servos, self.addresses[0], SIZE, fast=True)
-        return bulk_read(_spans(self.servos, self.addresses), fast=True)
+        return self._request(fast=True)
 
     @cached_property
     def length(self) -> int:
         """[bytes] of a full answer."""
         return HEAD + BLOCK.itemsize * len(self.servos)
-
-    @property
-    def chained(self) -> bool:
-        """See `Query`."""
-        return True
 
     @cached_property
     def _head(self) -> bytes:
@@ -205,30 +204,22 @@ class _Windows(NamedTuple):
 
 
 @dataclass(frozen=True)
-class PlainQuery:
+class PlainQuery(Query):
     """A sync read, a bulk read, or the read of a single servo: one status each."""
 
-    servos: tuple[int, ...]
-    addresses: tuple[int, ...]
+    chained = False
 
     @cached_property
     def data(self) -> bytes:
         """The packet that asks."""
         if len(self.servos) == 1:
             return read_packet(self.servos[0], self.addresses[0], SIZE)
-        if len(set(self.addresses)) == 1:
-            return sync_read(self.servos, self.addresses[0], SIZE, fast=False)
-        return bulk_read(_spans(self.servos, self.addresses), fast=False)
+        return self._request(fast=False)
 
     @cached_property
     def length(self) -> int:
         """[bytes] of a full answer without stuffing."""
         return (STATUS_OVERHEAD + SIZE) * len(self.servos)
-
-    @property
-    def chained(self) -> bool:
-        """See `Query`."""
-        return False
 
     def answer(self, raw: bytes) -> ServoReplies:
         """See `Query`."""
@@ -270,7 +261,3 @@ def _own(octets: Bytes) -> Crcs:
     """(m,) what the bytes of blocks, their CRCs left out, (m, 20), contribute to those."""
     own: Crcs = np.bitwise_xor.reduce(_PLACES.take(octets + _ROWS), axis=1)
     return own
-
-
-def _spans(servos: Sequence[int], addresses: Sequence[int]) -> dict[int, tuple[int, int]]:
-    return {servo: (address, SIZE) for servo, address in zip(servos, addresses, strict=True)}

@@ -90,19 +90,7 @@ class Observation:
 
 Step = tuple[SupervisorState, tuple[Action, ...]]
 
-POWERED = frozenset(
-    {
-        Stage.ARM,
-        Stage.HOLD,
-        Stage.APPROACH,
-        Stage.ACTIVE,
-        Stage.DEGRADED,
-        Stage.FOLD,
-        Stage.STOPPED,
-        Stage.LOST,
-        Stage.ADOPT,
-    }
-)
+POWERED = frozenset(Stage) - {Stage.CLOSED, Stage.PROBE, Stage.CONFIGURE, Stage.LIMP, Stage.RELEASE}
 """Stages in which servos may have torque."""
 
 MOVING = frozenset({Stage.APPROACH, Stage.ACTIVE, Stage.FOLD})
