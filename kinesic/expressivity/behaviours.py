@@ -127,7 +127,7 @@ def torso_move(timed: TimedBehaviour, action: Torso, context: BlockContext) -> M
         )
     if lean.clipped and lean.turn == UPRIGHT:
         return drop_behaviour(f"the trunk cannot: {lean.clipped}")
-    (layer,) = exclusive([trunk.hold_trunk(lean.turn, timed.times, stays=False, pace=context.pace)])
+    (layer,) = exclusive([trunk.hold_lean(lean.turn, timed.times, chain="torso", stays=False, pace=context.pace)])
     return Move(torso=(pass_layer(layer, context.manner(timed.behaviour)),), warnings=_clip_warning(lean.clipped))
 
 

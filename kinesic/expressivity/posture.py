@@ -23,14 +23,12 @@ from kinesic.expressivity.head import direction, names_stem, words
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.lexicon.form import GestureForm
 from kinesic.expressivity.lexicon.lexicon import Lexicon
-from kinesic.expressivity.trunk import LEAST_HOLD, Lean, limit_trunk, trunk_direction
+from kinesic.expressivity.trunk import Lean, hold_lean, limit_trunk, trunk_direction
 from kinesic.expressivity.turns import (
     UPRIGHT,
-    Hold,
     add_turns,
     clip_turn,
     exclusive,
-    hold_turn,
     pass_layer,
     room,
     scale_turn,
@@ -163,8 +161,13 @@ def posture_moves(postures: Sequence[TimedBehaviour], context: BlockContext) -> 
         else:
             found.append((timed, posed))
     trunks, heads = (
-        exclusive([_posture_hold(timed, turn, part, context) for timed, turn in turns])
-        for part, turns in (
+        exclusive(
+            [
+                hold_lean(turn, timed.times, chain=chain, stays=stays(timed.behaviour.action), pace=context.pace)
+                for timed, turn in turns
+            ]
+        )
+        for chain, turns in (
             ("torso", [(timed, posed.lean.turn) for timed, posed in found]),
             ("neck", [(timed, posed.head) for timed, posed in found]),
         )
@@ -181,12 +184,6 @@ def posture_moves(postures: Sequence[TimedBehaviour], context: BlockContext) -> 
             warnings=warnings,
         )
     return moves
-
-
-def _posture_hold(timed: TimedBehaviour, turn: Turn, chain: str, context: BlockContext) -> Hold:
-    """Times a part of a posture: it goes there and, unless it stays, back."""
-    natural = max(LEAST_HOLD, context.pace.turn_time(chain, turn))
-    return hold_turn(turn, timed.times, natural=natural, stays=stays(timed.behaviour.action))
 
 
 def _arm_strokes(timed: TimedBehaviour, arms: Arms, context: BlockContext) -> tuple[Stroke, ...]:

@@ -67,9 +67,9 @@ def named_lean(torso: Torso, robot: Robot, spatial: float) -> Lean | None:
     )
 
 
-def hold_trunk(turn: Turn, times: Mapping[str, float], *, stays: bool, pace: Pace) -> Hold:
-    """Times a lean: the trunk goes there and, unless it stays, back."""
-    natural = max(LEAST_HOLD, pace.turn_time("torso", turn))
+def hold_lean(turn: Turn, times: Mapping[str, float], *, chain: str, stays: bool, pace: Pace) -> Hold:
+    """Times a lean of the torso or the neck: it goes there and, unless it stays, back."""
+    natural = max(LEAST_HOLD, pace.turn_time(chain, turn))
     return hold_turn(turn, times, natural=natural, stays=stays)
 
 
