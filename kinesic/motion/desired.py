@@ -61,7 +61,7 @@ def _choose_speeds(times: Floats, keys: Keys) -> Floats:
     room = np.where(free > 0.0, upward, downward)
     kept = np.maximum(inside, np.minimum(smooth, room))
     bound = kept + np.maximum(-tension, 0.0) * np.maximum(room - kept, 0.0)
-    found[1:-1] = np.where(_held(ways), 0.0, np.clip(free, -bound, bound))
+    found[1:-1] = np.where(_resting(ways), 0.0, np.clip(free, -bound, bound))
     return found
 
 
@@ -79,7 +79,7 @@ def _choose_accelerations(times: Floats, keys: Keys, passed: Floats) -> Floats:
     longer = np.maximum(steps[:-1], steps[1:])
     bound = np.maximum(BEND * np.minimum(bends[:-1], bends[1:]), BOW * SWING / longer**2)
     middle = np.minimum(_flow(keys), 1.0) * (ends[:-1] + begins[1:]) / 2
-    found[1:-1] = np.where(_held(ways), 0.0, np.clip(middle, -bound, bound))
+    found[1:-1] = np.where(_resting(ways), 0.0, np.clip(middle, -bound, bound))
     return found
 
 
@@ -89,7 +89,7 @@ def _flow(keys: Keys) -> Floats:
     return np.asarray((1 - tension) * (1 + continuity))
 
 
-def _held(ways: Floats) -> Flags:
+def _resting(ways: Floats) -> Flags:
     """(k - 2, h) whether the hinge is still before or after each inner key."""
     still = np.abs(ways) < HOLD
     return np.asarray(still[:-1] | still[1:])

@@ -250,7 +250,6 @@ class Search:
         return rest_to_rest(self._keys, self._limits)
 
     def _lengthen_to_full_speed(self) -> None:
-        """Lengthens the gaps that are too short even at full speed."""
         keys, limits = self._keys, self._limits
         for (hinge, pair), gap in full_speed(keys, limits).items():
             self._gaps[pair] = max(self._gaps[pair], gap)

@@ -103,7 +103,6 @@ class _Column:
 
 @lru_cache(maxsize=8)
 def _columns(robot: Robot) -> tuple[_Column, ...]:
-    """Those of a robot's hinges, by number."""
     found = []
     for k, hinge in enumerate(robot.skeleton.hinges):
         if hinge.name in NUMBERS:

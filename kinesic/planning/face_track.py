@@ -63,7 +63,6 @@ def heads(plan: Plan, times: Floats) -> Floats:
 
 
 def _planned(plan: Plan) -> Timeline:
-    """Performed behaviours at their planned times."""
     shifts = {(sync.behaviour, sync.sync): sync.planned - sync.asked for sync in plan.syncs}
     timeline, outcomes = plan.keyframes.timeline, plan.keyframes.outcomes
     own: dict[tuple[str, str], float] = {}

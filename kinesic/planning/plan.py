@@ -163,7 +163,6 @@ def _worst(planned: Plan) -> float:
 def _plan_once(
     context: BlockContext, setup: Setup, utterances: Mapping[str, Utterance], conditioned: Conditioner
 ) -> Plan:
-    """Plans a block with what it says."""
     timeline = schedule(context.block, utterances, spans(context))
     without: dict[str, str] = {}
     while True:
