@@ -24,7 +24,7 @@ BEFALLS = st.lists(
         servos=st.sampled_from([(1,), (2, 3), ()]),
         start=st.floats(0.0, 0.6),
         seconds=st.floats(0.05, 0.3),
-    ).filter(lambda mishap: mishap.kind != "undervoltage" or mishap.start > 0),
+    ).filter(lambda fault: fault.kind != "undervoltage" or fault.start > 0),
     max_size=2,
 )
 

@@ -40,7 +40,7 @@ class FaultCase:
     """What goes wrong."""
 
     name: str
-    mishaps: tuple[PlannedFault, ...] = ()
+    faults: tuple[PlannedFault, ...] = ()
     cycles: int = 300  # of a trial
 
 
@@ -108,7 +108,7 @@ def trial(
         seed: of the faults.
         cycles: how many, one each period or as fast as the driver can; by default the case's.
     """
-    plan = FaultPlan(case.mishaps, seed)
+    plan = FaultPlan(case.faults, seed)
     fittings = tuple(ServoFitting(servo, model=MODEL) for servo in range(1, servos + 1))
     built = FaultPlan(plan.of(BUILD_KINDS), seed)
     plant, buses = build_bus([Cable("trial", fittings, baud=baud, faults=built)])
@@ -122,7 +122,7 @@ def trial(
     bus.advance(wire.now())
     for servo in plant.servos:
         servo.write(Register.TORQUE_ENABLE.field.address, b"\1")
-    bus.expose(FaultPlan(tuple(m for m in plan.mishaps if m.kind not in BUILD_KINDS), seed) if case.mishaps else CALM)
+    bus.expose(FaultPlan(tuple(m for m in plan.faults if m.kind not in BUILD_KINDS), seed) if case.faults else CALM)
     return _Watch(case, plant, bus, wire, period).driven(driver, cycles or case.cycles, baud, seed)
 
 

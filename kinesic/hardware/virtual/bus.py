@@ -55,7 +55,7 @@ class VirtualBus:
         """Exposes the wire and its servos to faults from now on; those of the wire replace earlier ones."""
         now = self._plant.time
         self._wire_faults = WireFaults(faults, since=now)
-        self._outages = [(now + mishap.start, now + mishap.end) for mishap in faults.of(frozenset({"unplug"}))]
+        self._outages = [(now + fault.start, now + fault.end) for fault in faults.of(frozenset({"unplug"}))]
         self._plant.expose(self._servos, faults)
 
     def plugged(self, time: float) -> bool:

@@ -84,26 +84,26 @@ class PlannedFault:
 class FaultPlan:
     """All that goes wrong on one wire."""
 
-    mishaps: tuple[PlannedFault, ...] = ()
+    faults: tuple[PlannedFault, ...] = ()
     seed: int = 0
 
     @classmethod
     def read(cls, path: Path) -> "FaultPlan":
-        """Reads a TOML file: `seed`, and a `[[fault]]` for each mishap.
+        """Reads a TOML file: `seed`, and a `[[fault]]` for each fault.
 
         Raises:
             ConfigError: the file is missing or wrong.
         """
         found = read_toml(path, FaultFile)
         try:
-            mishaps = tuple(table.mishap() for table in found.fault)
+            faults = tuple(table.fault() for table in found.fault)
         except ValueError as error:
             raise ConfigError(f"{path}: {error}") from None
-        return cls(mishaps, found.seed)
+        return cls(faults, found.seed)
 
     def of(self, kinds: frozenset[str]) -> tuple[PlannedFault, ...]:
         """Selects the faults of some kinds."""
-        return tuple(mishap for mishap in self.mishaps if mishap.kind in kinds)
+        return tuple(fault for fault in self.faults if fault.kind in kinds)
 
 
 CALM = FaultPlan()
@@ -120,7 +120,7 @@ class FaultTable(msgspec.Struct, forbid_unknown_fields=True):
     value: float | None = None
     way: Way = "reply"
 
-    def mishap(self) -> PlannedFault:
+    def fault(self) -> PlannedFault:
         """Returns the fault that it describes."""
         return PlannedFault(
             kind=self.kind,
@@ -160,16 +160,16 @@ class WireFaults:
             since: [s] where the plan's times count from.
         """
         self._since = since
-        mishaps = plan.of(WIRE_KINDS)
-        self._on_replies = tuple(mishap for mishap in mishaps if mishap.way == "reply")
-        self._on_requests = tuple(mishap for mishap in mishaps if mishap.way == "request")
+        faults = plan.of(WIRE_KINDS)
+        self._on_replies = tuple(fault for fault in faults if fault.way == "reply")
+        self._on_requests = tuple(fault for fault in faults if fault.way == "request")
         self._random = Random(plan.seed)
 
     def request(self, data: bytes, time: float) -> bytes:
         """Returns what the servos receive of what the host sends."""
-        for mishap in self._on_requests:
-            if mishap.start <= time - self._since < mishap.end and self._random.random() < mishap.rate:
-                data = self._struck(mishap, data)
+        for fault in self._on_requests:
+            if fault.start <= time - self._since < fault.end and self._random.random() < fault.rate:
+                data = self._struck(fault, data)
         return data
 
     def replies(self, sent: Sequence[Sent], time: float) -> list[Transmission]:
@@ -179,30 +179,30 @@ class WireFaults:
         """
         transmissions = [Transmission(answer.data, answer.delay) for answer in sent]
         end = len(sent)
-        for mishap in self._on_replies:
-            struck = [k for k, answer in enumerate(sent) if mishap.strikes(answer.servo, time - self._since)]
-            if not struck or self._random.random() >= mishap.rate:
+        for fault in self._on_replies:
+            struck = [k for k, answer in enumerate(sent) if fault.strikes(answer.servo, time - self._since)]
+            if not struck or self._random.random() >= fault.rate:
                 continue
-            if mishap.kind == "late":
+            if fault.kind == "late":
                 k = struck[0]
-                transmissions[k] = replace(transmissions[k], late=transmissions[k].late + mishap.figure)
+                transmissions[k] = replace(transmissions[k], late=transmissions[k].late + fault.figure)
                 continue
             k = self._random.choice(struck)
-            transmissions[k] = replace(transmissions[k], data=self._struck(mishap, transmissions[k].data))
-            if mishap.kind == "lost" and sent[k].chained:
+            transmissions[k] = replace(transmissions[k], data=self._struck(fault, transmissions[k].data))
+            if fault.kind == "lost" and sent[k].chained:
                 end = min(end, k)
         return [part for part in transmissions[:end] if part.data]
 
-    def _struck(self, mishap: PlannedFault, data: bytes) -> bytes:
+    def _struck(self, fault: PlannedFault, data: bytes) -> bytes:
         dice = self._random
-        if mishap.kind == "noise":
-            return dice.randbytes(dice.randint(1, max(1, int(mishap.figure)))) + data
-        if mishap.kind == "duplicate":
+        if fault.kind == "noise":
+            return dice.randbytes(dice.randint(1, max(1, int(fault.figure)))) + data
+        if fault.kind == "duplicate":
             return data + data
-        if mishap.kind == "lost" or not data:
+        if fault.kind == "lost" or not data:
             return b""
         place = dice.randrange(len(data))
-        if mishap.kind == "truncate":
+        if fault.kind == "truncate":
             return data[:place]
-        changed = bytes((data[place] ^ dice.randint(1, 255),)) if mishap.kind == "corrupt" else b""
+        changed = bytes((data[place] ^ dice.randint(1, 255),)) if fault.kind == "corrupt" else b""
         return data[:place] + changed + data[place + 1 :]

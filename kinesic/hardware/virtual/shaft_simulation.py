@@ -31,10 +31,10 @@ class ShaftSimulation:
 
     def expose(self, servos: Sequence[VirtualServo], plan: FaultPlan) -> None:
         """Lets the plan's faults of servos befall some of them; its times count from now."""
-        for mishap in plan.of(SERVO_KINDS):
+        for fault in plan.of(SERVO_KINDS):
             for servo in servos:
-                if not mishap.servos or servo.id in mishap.servos:
-                    self._events += [(self.time + when, act) for when, act in _events(mishap, servo) if when < inf]
+                if not fault.servos or servo.id in fault.servos:
+                    self._events += [(self.time + when, act) for when, act in _events(fault, servo) if when < inf]
         self._events.sort(key=lambda event: -event[0])
 
     def advance(self, time: float) -> None:
@@ -57,25 +57,25 @@ class ShaftSimulation:
             self._events.pop()[1]()
 
 
-def _events(mishap: PlannedFault, servo: VirtualServo) -> Iterator[Event]:
-    """When a mishap begins and ends for a servo, and what it does then."""
-    electronics, figure = servo.electronics, mishap.figure
+def _events(fault: PlannedFault, servo: VirtualServo) -> Iterator[Event]:
+    """When a fault begins and ends for a servo, and what it does then."""
+    electronics, figure = servo.electronics, fault.figure
 
     def sets(place: object, name: str, value: float | bool) -> Callable[[], None]:
         return lambda: setattr(place, name, value)
 
-    if mishap.kind == "reboot":
-        yield mishap.start, lambda: servo.reboot(seconds=figure)
-    elif mishap.kind == "alert":
-        yield mishap.start, lambda: electronics.fail(int(figure))
-    elif mishap.kind == "watchdog":
-        yield mishap.start, electronics.trip
-    elif mishap.kind == "silent":
-        yield mishap.start, sets(servo, "mute", True)
-        yield mishap.end, sets(servo, "mute", False)
-    elif mishap.kind == "overheat":
-        yield mishap.start, sets(electronics, "heating", figure)
-        yield mishap.end, sets(electronics, "heating", 0.0)
-    elif mishap.kind == "undervoltage":
-        yield mishap.start, sets(electronics, "volts", figure)
-        yield mishap.end, sets(electronics, "volts", electronics.volts)
+    if fault.kind == "reboot":
+        yield fault.start, lambda: servo.reboot(seconds=figure)
+    elif fault.kind == "alert":
+        yield fault.start, lambda: electronics.fail(int(figure))
+    elif fault.kind == "watchdog":
+        yield fault.start, electronics.trip
+    elif fault.kind == "silent":
+        yield fault.start, sets(servo, "mute", True)
+        yield fault.end, sets(servo, "mute", False)
+    elif fault.kind == "overheat":
+        yield fault.start, sets(electronics, "heating", figure)
+        yield fault.end, sets(electronics, "heating", 0.0)
+    elif fault.kind == "undervoltage":
+        yield fault.start, sets(electronics, "volts", figure)
+        yield fault.end, sets(electronics, "volts", electronics.volts)

@@ -95,28 +95,28 @@ def build_bus(
 
 
 def _altered(fitting: ServoFitting, faults: FaultPlan) -> ServoFitting:
-    for mishap in faults.of(frozenset({"old_firmware"})):
-        if mishap.strikes(fitting.servo, mishap.start):
-            return replace(fitting, firmware=int(mishap.figure))
+    for fault in faults.of(frozenset({"old_firmware"})):
+        if fault.strikes(fitting.servo, fault.start):
+            return replace(fitting, firmware=int(fault.figure))
     return fitting
 
 
 def _disguise(servos: Sequence[VirtualServo], faults: FaultPlan) -> None:
     """Servos of another model than the robot's description says."""
-    for mishap in faults.of(frozenset({"wrong_model"})):
+    for fault in faults.of(frozenset({"wrong_model"})):
         for servo in servos:
-            if mishap.strikes(servo.id, mishap.start):
-                servo.memory[Register.MODEL_NUMBER] = int(mishap.figure)
+            if fault.strikes(servo.id, fault.start):
+                servo.memory[Register.MODEL_NUMBER] = int(fault.figure)
 
 
 def _intruders(wire: Cable) -> Iterator[VirtualServo]:
     """Second servos with an id of the wire, on shafts that nothing turns."""
-    for mishap in wire.faults.of(BUILD_KINDS):
-        if mishap.kind != "duplicate_id":
+    for fault in wire.faults.of(BUILD_KINDS):
+        if fault.kind != "duplicate_id":
             continue
         for fitting in wire.fittings:
-            if mishap.strikes(fitting.servo, mishap.start):
-                model = BY_NUMBER[int(mishap.figure)].name if mishap.figure else fitting.model
+            if fault.strikes(fitting.servo, fault.start):
+                model = BY_NUMBER[int(fault.figure)].name if fault.figure else fitting.model
                 intruder = replace(fitting, model=model).build(wire.baud)
                 intruder.electronics.place(Shaft((fitting.ticks // 2) * TICK), 0.0)
                 yield intruder

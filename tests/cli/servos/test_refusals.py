@@ -60,9 +60,9 @@ def refused(kinesic: Callable, nod: Path, table: Table) -> str:
     return lines[0]
 
 
-@pytest.mark.parametrize(("mishap", "message"), FAULTS, ids=[mishap.kind for mishap, _ in FAULTS])
-def test_wrong_servos_are_one_line(kinesic: Callable, nod: Path, tmp_path: Path, mishap: PlannedFault, message: str):
-    with serving(Table(FaultPlan((mishap,))), tmp_path / "port") as table:
+@pytest.mark.parametrize(("fault", "message"), FAULTS, ids=[fault.kind for fault, _ in FAULTS])
+def test_wrong_servos_are_one_line(kinesic: Callable, nod: Path, tmp_path: Path, fault: PlannedFault, message: str):
+    with serving(Table(FaultPlan((fault,))), tmp_path / "port") as table:
         assert message in refused(kinesic, nod, table)
 
 

@@ -20,9 +20,9 @@ def wire_of(faults: FaultPlan = CALM, baud: int = 1_000_000, count: int = 3) -> 
     return MemoryWire(buses["body"], name="/dev/ttyUSB0"), plant
 
 
-def refused(*mishaps: PlannedFault, ids: tuple[int, ...] = (1, 2, 3), host_baud: int | None = None) -> str:
+def refused(*faults: PlannedFault, ids: tuple[int, ...] = (1, 2, 3), host_baud: int | None = None) -> str:
     """What is said when a bus does not open; nothing is energised."""
-    wire, plant = wire_of(FaultPlan(mishaps))
+    wire, plant = wire_of(FaultPlan(faults))
     if host_baud is not None:
         wire.baud = host_baud
     wire.sleep(0.1)

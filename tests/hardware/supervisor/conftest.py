@@ -117,9 +117,9 @@ class Desk:
             self.cycle()
         return self.supervisor.now() - began
 
-    def expose(self, *mishaps: PlannedFault, bus: str = "") -> None:
+    def expose(self, *faults: PlannedFault, bus: str = "") -> None:
         """Faults from now on, on the first wire or another."""
-        self.buses[bus or next(iter(self.buses))].expose(FaultPlan(mishaps, seed=3))
+        self.buses[bus or next(iter(self.buses))].expose(FaultPlan(faults, seed=3))
 
     def perform(self, seconds: float, *, amplitude: float = 0.4, begin: float = 0.0) -> None:
         """Writes a motion from rest to rest into the channel, far ahead."""

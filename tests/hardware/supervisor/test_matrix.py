@@ -32,8 +32,8 @@ def settings(count: int, baud: int) -> SupervisorSettings:
 
 def struck(make: Make, case: FaultCase, count: int, baud: int, seed: int) -> None:
     """A performance under a fault, to its end."""
-    built = FaultPlan(tuple(m for m in case.mishaps if m.kind in BUILD_KINDS), seed)
-    later = tuple(m for m in case.mishaps if m.kind not in BUILD_KINDS)
+    built = FaultPlan(tuple(m for m in case.faults if m.kind in BUILD_KINDS), seed)
+    later = tuple(m for m in case.faults if m.kind not in BUILD_KINDS)
     desk = make(count, baud=baud, faults=built, settings=settings(count, baud))
     desk.open()
     if case.name in REFUSED:

@@ -14,7 +14,7 @@ TORQUE, GOAL, WATCHDOG = Register.TORQUE_ENABLE, Register.GOAL_POSITION, Registe
 
 
 @pytest.mark.parametrize(
-    ("mishap", "message"),
+    ("fault", "message"),
     [
         (PlannedFault("wrong_model", (3,)), "is a xl430_w250, must be a xc430_w240"),
         (PlannedFault("old_firmware", (3,), value=37), "firmware 37 has no bus watchdog"),
@@ -27,9 +27,9 @@ TORQUE, GOAL, WATCHDOG = Register.TORQUE_ENABLE, Register.GOAL_POSITION, Registe
     ids=lambda value: value.kind if isinstance(value, PlannedFault) else None,
 )
 def test_wrong_servos_are_refused_in_one_clear_line_and_nothing_is_energised(
-    desk: Make, mishap: PlannedFault, message: str
+    desk: Make, fault: PlannedFault, message: str
 ):
-    made = desk(faults=FaultPlan((mishap,)))
+    made = desk(faults=FaultPlan((fault,)))
     made.open()
     assert made.stage is Stage.CLOSED
     assert made.supervisor.done

@@ -17,9 +17,9 @@ Lines = Callable[..., Line]
 IDS = tuple(range(1, 15))
 
 
-def troubled(*mishaps: PlannedFault, count: int = 3, **changes: object) -> Line:
+def troubled(*faults: PlannedFault, count: int = 3, **changes: object) -> Line:
     fittings = tuple(ServoFitting(servo) for servo in range(1, count + 1))
-    return Line(Cable("body", fittings, faults=FaultPlan(mishaps), **changes))
+    return Line(Cable("body", fittings, faults=FaultPlan(faults), **changes))
 
 
 def blocks(reply: bytes, size: int) -> list[tuple[int, int, bytes]]:

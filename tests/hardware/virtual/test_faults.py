@@ -20,12 +20,12 @@ def test_a_file_is_a_plan(tmp_path: Path):
     )
     plan = FaultPlan.read(path)
     assert plan.seed == 7
-    assert plan.mishaps == (
+    assert plan.faults == (
         PlannedFault("corrupt", rate=0.01),
         PlannedFault("reboot", servos=(3,), start=2.0, value=0.4),
         PlannedFault("unplug", start=1.0, seconds=0.2),
     )
-    assert plan.of(frozenset({"unplug"})) == plan.mishaps[2:]
+    assert plan.of(frozenset({"unplug"})) == plan.faults[2:]
 
 
 @pytest.mark.parametrize(
@@ -52,10 +52,10 @@ def test_a_figure_is_the_usual_one_unless_given():
     assert set(DEFAULTS) < set(KINDS)
 
 
-def test_a_mishap_lasts_from_its_start_for_its_seconds():
-    mishap = PlannedFault("silent", servos=(2,), start=1.0, seconds=0.5)
-    assert [mishap.strikes(2, time) for time in (0.9, 1.0, 1.4, 1.5)] == [False, True, True, False]
-    assert not mishap.strikes(3, 1.2)
+def test_a_fault_lasts_from_its_start_for_its_seconds():
+    fault = PlannedFault("silent", servos=(2,), start=1.0, seconds=0.5)
+    assert [fault.strikes(2, time) for time in (0.9, 1.0, 1.4, 1.5)] == [False, True, True, False]
+    assert not fault.strikes(3, 1.2)
     assert PlannedFault("silent").end == inf
 
 

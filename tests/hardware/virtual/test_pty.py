@@ -68,9 +68,9 @@ class Host:
         termios.tcsetattr(self.end, termios.TCSANOW, settings)
 
 
-def wire(*mishaps: PlannedFault, count: int = 3, baud: int = 1_000_000) -> Cable:
+def wire(*faults: PlannedFault, count: int = 3, baud: int = 1_000_000) -> Cable:
     fittings = tuple(ServoFitting(servo) for servo in range(1, count + 1))
-    return Cable("body", fittings, baud=baud, faults=FaultPlan(mishaps))
+    return Cable("body", fittings, baud=baud, faults=FaultPlan(faults))
 
 
 def test_a_program_on_the_terminal_talks_to_the_servos(opened: Opens):

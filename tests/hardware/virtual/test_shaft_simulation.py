@@ -10,8 +10,8 @@ from kinesic.hardware.virtual.wiring import Cable, ServoFitting
 from .conftest import Line
 
 
-def struck(*mishaps: PlannedFault) -> Line:
-    return Line(Cable("body", (ServoFitting(1), ServoFitting(2)), faults=FaultPlan(mishaps)))
+def struck(*faults: PlannedFault) -> Line:
+    return Line(Cable("body", (ServoFitting(1), ServoFitting(2)), faults=FaultPlan(faults)))
 
 
 def test_an_alert_comes_at_its_time_and_takes_the_torque():

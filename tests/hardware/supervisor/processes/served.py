@@ -23,7 +23,7 @@ SHOWN = (Register.TORQUE_ENABLE, Register.GOAL_POSITION, Register.BUS_WATCHDOG)
 EVERY = 0.002  # [s] between lines
 
 
-def mishap(kind: str, *figures: float) -> PlannedFault:
+def fault(kind: str, *figures: float) -> PlannedFault:
     if kind == "unplug":
         return PlannedFault("unplug", seconds=figures[0])
     return PlannedFault("reboot" if kind == "reboot" else "alert", (int(figures[0]),), value=figures[1])
@@ -56,7 +56,7 @@ def main(robot: str, folder: Path) -> None:
                     record.flush()
                     os.write(1, b"shown\n")
                     continue
-                buses[words[1]].expose(FaultPlan((mishap(words[0], *map(float, words[2:])),)))
+                buses[words[1]].expose(FaultPlan((fault(words[0], *map(float, words[2:])),)))
             return bool(line)
 
         serve_wires(ports, running)
