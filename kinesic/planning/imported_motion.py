@@ -76,7 +76,8 @@ def _keys(frames: BapFrames, setup: Setup) -> tuple[KeyPosture, ...]:
     even = np.linspace(begin, end, max(1, round((end - begin) / EVERY)) + 1) if end > begin else np.array([begin])
     turns = [frames.times[_turns(column)] for column in frames.angles.T]
     times = np.unique(np.concatenate([even, *turns]))
-    angles = setup.robot.skeleton.clamp(_at(frames, times))
+    sampled = np.stack([np.interp(times, frames.times, column) for column in frames.angles.T], axis=1)
+    angles = setup.robot.skeleton.clamp(sampled)
     keyed = np.stack([_keyed(times, even, own) for own in turns], axis=1)
     rest = setup.robot.skeleton.rest
     there, back = (_way(setup, rest, posture) for posture in (angles[0], angles[-1]))
@@ -101,11 +102,6 @@ def _keyed(times: Floats, even: Floats, turns: Floats) -> Flags:
     keyed: Flags = (near == 0.0) | (np.isin(times, even) & (near >= NEAR))
     keyed[[0, -1]] = True
     return keyed
-
-
-def _at(frames: BapFrames, times: Floats) -> Floats:
-    """(m, n) [rad] at (m,) times, on straight lines between the frames."""
-    return np.stack([np.interp(times, frames.times, column) for column in frames.angles.T], axis=1)
 
 
 def _way(setup: Setup, start: Floats, end: Floats) -> float:
