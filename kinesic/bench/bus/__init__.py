@@ -13,7 +13,7 @@ from statistics import median
 
 import numpy as np
 
-from kinesic.bench.bus.supervisor import supervising
+from kinesic.bench.bus.supervisor import measure_supervisor
 from kinesic.bench.figure import Figure
 from kinesic.hardware.bus.bring_up import open_bus
 from kinesic.hardware.bus.bus import Bus, Servo
@@ -87,7 +87,7 @@ class RecordingWire:
 
 
 def bench() -> list[Figure]:
-    """Rates for every number of servos and baud rate, and the load of a loop at 100 Hz."""
+    """Measures the rate for every number of servos and baud rate, and the load of a loop at 100 Hz."""
     figures = []
     for count in COUNTS:
         for baud in BAUDS:
@@ -103,7 +103,7 @@ def bench() -> list[Figure]:
 
 
 def cycle_times(count: int, baud: int) -> tuple[float, float]:
-    """What a cycle with goals and full health takes on the wire, and of the host.
+    """Measures what a cycle with goals and full records takes on the wire, and of the host.
 
     Args:
         count: of servos.
@@ -130,7 +130,6 @@ def cycle_times(count: int, baud: int) -> tuple[float, float]:
 
 
 def _goals(count: int) -> list[Ticks]:
-    """Goals that move."""
     swing = np.rint(SWING * np.sin(np.arange(CYCLES) / 20)).astype(np.int64)
     return list(MID_TICKS + swing[:, None] + np.arange(count))
 
@@ -144,7 +143,7 @@ def _servos(count: int) -> list[Servo]:
 
 
 def cpu_load(link: Path) -> list[Figure]:
-    """CPU shares of a loop at 100 Hz and of the whole supervisor, system calls included."""
+    """Measures CPU shares of a loop at 100 Hz and of the whole supervisor, system calls included."""
     names = [f"bus.cpu_{REAL_COUNT}_servos", f"bus.cpu_supervisor_{REAL_COUNT}_servos"]
     shares: list[float | None] = [None, None]
     context = multiprocessing.get_context("spawn")
@@ -156,7 +155,7 @@ def cpu_load(link: Path) -> list[Figure]:
             wire = SerialWire(link, REAL_BAUD)
             loop = _share_of_core(open_bus(wire, _servos(REAL_COUNT), period=REAL_PERIOD))
             wire.close()
-            whole = supervising(
+            whole = measure_supervisor(
                 link, model=MODEL, count=REAL_COUNT, baud=REAL_BAUD, period=REAL_PERIOD, seconds=REAL_SECONDS
             )
             shares = [loop, whole]

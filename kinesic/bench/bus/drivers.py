@@ -1,4 +1,4 @@
-"""Drivers that the fault matrix compares: kinesic's bus, dynamixel-sdk as it comes, and lerobot if it is installed."""
+"""Drives servos as the fault matrix compares it: by kinesic's bus, by dynamixel-sdk as it comes, and by lerobot."""
 
 # ruff: noqa: N802  # overrides bear the names of the SDK
 
@@ -19,7 +19,7 @@ from kinesic.hardware.protocol.sdk import WirePort
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError, Wire
 
-NEVER = -inf  # [s] the time of a servo that has not been heard
+NEVER = -inf  # [s] the time of a servo that has not answered
 LEROBOT, LEROBOT_BUS = "lerobot.motors", "lerobot.motors.dynamixel"
 
 
@@ -35,10 +35,10 @@ class DriverReading:
 
 
 class Driver(Protocol):
-    """Goals out, positions back, once a period."""
+    """A driver of servos: goals out, positions back, once a period."""
 
     def cycle(self, goals: Ticks) -> DriverReading:
-        """One cycle; goals are (n,) ticks."""
+        """Runs one cycle; goals are (n,) ticks."""
 
 
 class KinesicDriver:
@@ -126,18 +126,17 @@ class LerobotPort(PlainPort):
     """The SDK's port, on a wire that opens when lerobot says so."""
 
     def __init__(self, wire: Wire) -> None:
-        """Not open yet."""
         super().__init__(wire)
         self.is_open = False
 
     def openPort(self) -> bool:
-        """The wire is there."""
+        """Opens the port, whose wire is there already."""
         self.is_open = True
         return True
 
 
 def lerobot_missing() -> str:
-    """Why lerobot cannot be driven; empty if it can."""
+    """Returns why lerobot cannot be driven; empty if it can."""
     try:
         import_module(LEROBOT_BUS)
     except ImportError as error:

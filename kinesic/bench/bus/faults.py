@@ -40,7 +40,7 @@ COLUMNS = (
 
 
 def bench() -> list[Figure]:
-    """Every fault for 14 servos at 1 Mbaud, the seeds together."""
+    """Measures every fault for 14 servos at 1 Mbaud, the seeds together."""
     figures: list[Figure] = []
     for case in cases():
         found = [trial(case, KinesicDriver, servos=SERVOS, baud=BAUD, seed=seed) for seed in SEEDS]
@@ -50,7 +50,7 @@ def bench() -> list[Figure]:
 
 def _figures(case: FaultCase, found: Sequence[TrialResult]) -> Iterator[Figure]:
     """What a fault must not do; a servo that must be refused has no other figures."""
-    name = f"bus.fault.{_word(case.name)}"
+    name = f"bus.fault.{_slug(case.name)}"
     wrong = sum(result.exceptions + result.wrong for result in found)
     refused = next((result.refused for result in found if result.refused), "")
     yield Figure(
@@ -68,7 +68,7 @@ def _figures(case: FaultCase, found: Sequence[TrialResult]) -> Iterator[Figure]:
         yield Figure(f"{name}.told", max(reported) / PERIOD, "periods", TOLD, "lower")
 
 
-def _word(name: str) -> str:
+def _slug(name: str) -> str:
     return name.replace(" x ", "_").replace(" ", "_").replace("%", "")
 
 
@@ -84,21 +84,21 @@ class DriverTrials:
         return f"{self.driver}\n\n{f'null: {self.why}' if self.why else text(self.results)}\n"
 
     def record(self) -> dict[str, object]:
-        """For a machine to read."""
+        """Returns the trials for a machine to read."""
         return {"driver": self.driver, "why": self.why, "trials": [record(result) for result in self.results]}
 
 
 def compare_drivers(
     *, sizes: Sequence[int] = SIZES, bauds: Sequence[int] = BAUDS, seeds: Sequence[int] = SEEDS
 ) -> Iterator[DriverTrials]:
-    """The whole matrix for every driver that is installed; it takes many minutes."""
+    """Runs the whole matrix for every driver that is installed; it takes many minutes."""
     for name, opens in DRIVERS.items():
         why = MISSING.get(name, str)()
         yield DriverTrials(name, why, [] if why else list(matrix(opens, sizes=sizes, bauds=bauds, seeds=seeds)))
 
 
 def rows(results: Sequence[TrialResult]) -> list[tuple[str, ...]]:
-    """The table of the matrix, one row for each fault, size and rate, the seeds together."""
+    """Makes the table of the matrix, one row for each fault, size and rate, the seeds together."""
     groups: dict[tuple[str, int, int], list[TrialResult]] = {}
     for result in results:
         groups.setdefault((result.case, result.servos, result.baud), []).append(result)
@@ -126,7 +126,7 @@ def _row(name: str, servos: int, baud: int, group: Sequence[TrialResult]) -> tup
 
 
 def record(result: TrialResult) -> dict[str, str | float | None]:
-    """One trial for a machine to read: shares from 0 to 1, times in seconds."""
+    """Writes one trial for a machine: shares from 0 to 1, times in seconds."""
     return {
         "case": result.case,
         "servos": result.servos,
@@ -145,7 +145,7 @@ def record(result: TrialResult) -> dict[str, str | float | None]:
 
 
 def text(results: Sequence[TrialResult]) -> str:
-    """The table as lines of text."""
+    """Writes the table as lines of text."""
     lines = [COLUMNS, *rows(results)]
     widths = [max(len(line[k]) for line in lines if len(line[3]) < REASON or k < 3) for k in range(len(COLUMNS))]
     return "\n".join(

@@ -1,4 +1,4 @@
-"""The fault matrix: the same motion under each fault, for any driver, on the same virtual wire in virtual time.
+"""Runs the fault matrix: the same motion under each fault, for any driver, on the same virtual wire in virtual time.
 
 The host's own computing takes no virtual time: what a cycle lasts is what the wire and the driver's waiting last.
 """
@@ -37,7 +37,7 @@ Opens = Callable[[Wire, Sequence[Servo], float], Driver]
 
 @dataclass(frozen=True)
 class FaultCase:
-    """What goes wrong."""
+    """What goes wrong in a trial."""
 
     name: str
     faults: tuple[PlannedFault, ...] = ()
@@ -60,15 +60,17 @@ class TrialResult:
     prompt: float = 0.0  # share that came in the cycle that asked for them
     oldest: float = 0.0  # [s] of a position at the end of its cycle
     durations: Floats = field(default_factory=lambda: np.zeros(1))  # (m,) [s] of the cycles
-    reported: float | None = None  # [s] from the begin of the first cycle with a hardware error until told; None: never
+    reported: float | None = (
+        None  # [s] from the begin of the first cycle with a hardware error until its report; None: never
+    )
 
     def duration(self, percent: float) -> float:
-        """A percentile of the cycles' durations [s]."""
+        """Returns a percentile of the cycles' durations [s]."""
         return float(np.percentile(self.durations, percent))
 
 
 def cases() -> tuple[FaultCase, ...]:
-    """The faults of the matrix that a bus alone can meet."""
+    """Lists the faults of the matrix that a bus alone can meet."""
     rates = [FaultCase(f"{kind} {rate:.0%}", (PlannedFault(kind, rate=rate),)) for rate in RATES for kind in MIXED]
     # the first late answer of a wire is taken for a lost one: what matters is how many follow
     late = [FaultCase(f"late {rate:.0%}", (PlannedFault("late", rate=rate),), cycles=1500) for rate in RATES]
@@ -123,7 +125,7 @@ def trial(
     for servo in plant.servos:
         servo.write(Register.TORQUE_ENABLE.field.address, b"\1")
     bus.expose(FaultPlan(tuple(m for m in plan.faults if m.kind not in BUILD_KINDS), seed) if case.faults else CALM)
-    return _Watch(case, plant, bus, wire, period).driven(driver, cycles or case.cycles, baud, seed)
+    return _Watch(case, plant, bus, wire, period).drive(driver, cycles or case.cycles, baud, seed)
 
 
 def _ideal(servos: int, baud: int, *, fast: bool) -> float:
@@ -142,8 +144,8 @@ class _Watch:
         self._truth: deque[tuple[float, Ticks]] = deque()
         self._began = wire.now()
 
-    def driven(self, driver: Driver, cycles: int, baud: int, seed: int) -> TrialResult:
-        """A motion of so many cycles."""
+    def drive(self, driver: Driver, cycles: int, baud: int, seed: int) -> TrialResult:
+        """Drives a motion of so many cycles."""
         wire, starts = self._wire, self._places()
         exceptions = wrong = prompt = later = able = 0
         owed = np.zeros(len(starts), dtype=np.int64)  # cycles that have not brought a position
@@ -151,10 +153,10 @@ class _Watch:
         for k in range(cycles):
             wire.sleep(self._began + k * self._period)
             begun = wire.now()
-            able += self._able(begun)
+            able += self._count_able(begun)
             goals = self._goals(starts, begun - self._began)
             self._remember(begun)
-            if failed is None and self._failing():
+            if failed is None and self._has_error():
                 failed = begun
             try:
                 reading = driver.cycle(goals)
@@ -166,14 +168,14 @@ class _Watch:
             self._remember(ended)
             if reading is None:
                 continue
-            wrong += self._lies(reading)
+            wrong += self._count_wrong(reading)
             prompt += int(reading.fresh.sum())
             belated = reading.late & (owed > 0)
             later += int(belated.sum())
             owed += ~reading.fresh
             owed -= belated
-            heard = reading.times > begun - 10.0
-            oldest = max([oldest, *(ended - reading.times[heard]).tolist()])
+            known = reading.times > begun - 10.0
+            oldest = max([oldest, *(ended - reading.times[known]).tolist()])
             if reported is None and reading.alerts.any():
                 reported = ended - (begun if failed is None else failed)
         return TrialResult(
@@ -197,14 +199,12 @@ class _Watch:
         goals: Ticks = np.rint(starts + moved).astype(np.int64)
         return goals
 
-    def _able(self, time: float) -> int:
-        """How many servos could answer."""
+    def _count_able(self, time: float) -> int:
         if not self._bus.plugged(time):
             return 0
         return sum(servo.electronics.up and not servo.mute for servo in self._plant.servos)
 
-    def _failing(self) -> bool:
-        """Whether a servo has a hardware error."""
+    def _has_error(self) -> bool:
         return any(servo.electronics.alert for servo in self._plant.servos)
 
     def _places(self) -> Ticks:
@@ -218,7 +218,7 @@ class _Watch:
         while self._truth[0][0] < time - 20 * self._period - 2 * MEMORY:
             self._truth.popleft()
 
-    def _lies(self, reading: DriverReading) -> int:
+    def _count_wrong(self, reading: DriverReading) -> int:
         """Positions that were not true around the time that is given for them; very old ones are not judged."""
         first = self._truth[0][0]
         lies = 0
@@ -231,7 +231,7 @@ class _Watch:
 
 
 def matrix(opens: Opens, *, sizes: Sequence[int], bauds: Sequence[int], seeds: Sequence[int]) -> Iterator[TrialResult]:
-    """All cases, sizes, rates and seeds for one driver."""
+    """Runs all cases, sizes, rates and seeds for one driver."""
     for case in cases():
         for servos in sizes:
             for baud in bauds:

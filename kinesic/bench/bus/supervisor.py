@@ -1,4 +1,4 @@
-"""The load of the whole supervisor: wires, player, guard, watch, and what it tells, while it performs in real time."""
+"""Measures the load of the whole supervisor (wires, player, limits, monitor, status) while it performs in real time."""
 
 import gc
 import mmap
@@ -25,8 +25,8 @@ PATIENCE = 10.0  # [s] until it performs
 SETTLED = 0.5  # [s] of the performance before the measurement
 
 
-def supervising(link: Path, *, model: str, count: int, baud: int, period: float, seconds: float) -> float | None:
-    """CPU share of a supervisor that performs on virtual servos.
+def measure_supervisor(link: Path, *, model: str, count: int, baud: int, period: float, seconds: float) -> float | None:
+    """Measures the CPU share of a supervisor that performs on virtual servos.
 
     Args:
         link: of their port.
@@ -68,7 +68,6 @@ def supervising(link: Path, *, model: str, count: int, baud: int, period: float,
 
 
 def _run(supervisor: Supervisor, settings: SupervisorSettings, seconds: float) -> None:
-    """Cycles in real time."""
     began = supervisor.now()
     for k in range(round(seconds / settings.period)):
         supervisor.step()
@@ -76,7 +75,7 @@ def _run(supervisor: Supervisor, settings: SupervisorSettings, seconds: float) -
 
 
 def manifest(model: str, count: int, baud: int) -> Manifest:
-    """So many servos on one wire, a hinge each."""
+    """Lists so many servos on one wire, a hinge each."""
     members = [
         Member(
             bus=BUS,

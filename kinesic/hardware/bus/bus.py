@@ -154,7 +154,7 @@ class Bus:
         late.keep(self._question, self._places, sent_at=self._sent_at, whole=self._whole)
 
     def _receive(self, question: Query, places: Place, *, strict: bool = False, patient: bool = False) -> bool:
-        """Waits for the answer to what was said last, and believes what is plausible of it; whether it was whole."""
+        """Waits for the answer to what was sent last, and takes what is plausible of it; whether it was whole."""
         listener, late, end = self._listener, self._late, self._end
         answer = listener.receive(question, end=end, strict=strict, patient=patient)
         while answer is not None and late.is_of_earlier(question, places, answer):
@@ -199,7 +199,7 @@ class Bus:
         return max(1, int(left / spoken(BLOCK.itemsize + 1 if self.fast else each)))
 
     def _request(self, places: tuple[int, ...], *, must: bool = False) -> bool:
-        """Asks some servos again if the cycle has time for it; whether it did."""
+        """Asks some servos again if the cycle has time for it, and returns whether it had."""
         question = self._question_to(places)
         listener = self._listener
         ends = self.wire.now() + listener.spoken(len(question.data) + question.length) + listener.slack.usual
@@ -224,7 +224,7 @@ class Bus:
         self._believed.forgetful.discard(place)
 
     def _look_again(self) -> None:
-        """While others were asked again, the rest of the answer to all may have come."""
+        """Takes the rest of the answer to all, which may have come while others were asked again."""
         answer, believed = self._question.answer(self._listener.received), self._believed
         if not answer.whole:
             answer = self._late.without_earlier(self._question, self._places, answer)

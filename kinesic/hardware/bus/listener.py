@@ -159,7 +159,7 @@ class Listener:
         )
 
     def _wait_for_begin(self, wait: "_Wait") -> tuple[bytes, float]:
-        """Sleeps while nothing can be missed; what has come by then, and until when more may come [s]."""
+        """Sleeps while nothing can be missed; returns what has come by then, and until when [s] more may come."""
         wire, due = self.wire, self.sent_at + wait.burst + self.slack.wait
         if (self._restless or wait.tight) and not wait.patient:
             return b"", wait.until(self.sent_at, 0)

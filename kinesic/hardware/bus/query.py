@@ -127,7 +127,7 @@ class FastQuery(Query):
         return self._salvaged(raw, first)
 
     def _sound(self, raw: bytes, start: int) -> Records | None:
-        """The blocks of an undamaged answer; None if it is not."""
+        """Returns the blocks of an undamaged answer; None if it is damaged."""
         offset, size, count = start + HEAD, BLOCK.itemsize, len(self.servos)
         if raw[offset + 1 : start + self.length : size] != self._ids:
             return None
@@ -174,7 +174,7 @@ class FastQuery(Query):
         return ServoReplies(blocks, found, bool(found.all()), at + BLOCK.itemsize * (len(self.servos) - place))
 
     def _next_sound(self, place: int, at: int, before: int, windows: "_Windows") -> tuple[int, int] | None:
-        """Place and offset of the next sound block, from where the block of `place` should stand."""
+        """Finds place and offset of the next sound block, from where the block of `place` should stand."""
         ahead = self.servos[place : place + REACH]
         for offset in range(max(0, at - HEAD), min(len(windows.own), at + REACH * BLOCK.itemsize)):
             if windows.ids[offset] not in ahead:

@@ -75,7 +75,7 @@ class Channel:
     """The shared memory, seen from either side."""
 
     def __init__(self, memory: mmap.mmap, joints: int, capacity: int = CAPACITY) -> None:
-        """On memory of `size(joints, capacity)` bytes, all zero at first."""
+        """Shares memory of `memory_size(joints, capacity)` bytes, all zero at first."""
         self.capacity, self._memory = capacity, memory
         self._commands = _command(joints)
         start = 8 * len(_WORDS)
@@ -237,7 +237,7 @@ def _store(rows: Rows, place: int, number: int, *values: object) -> None:
 
 
 def _load(rows: Rows, place: int, number: int) -> np.void | None:
-    """The row of this number; None while it is not complete."""
+    """Loads the row of this number; None while it is not complete."""
     row = rows[place].copy()
     complete = number > 0 and int(row["number"]) == number and int(row["crc"]) == zlib.crc32(row.tobytes()[:-8])
     return row if complete else None

@@ -14,7 +14,7 @@ from kinesic.hardware.supervisor.settings import SupervisorSettings
 
 
 class GoalSteering:
-    """The goals of all members, and where they are to go."""
+    """The goals of all members on the wire, and the targets that they steer for."""
 
     def __init__(self, manifest: Manifest, settings: SupervisorSettings) -> None:
         self.player = Player(settings)

@@ -24,7 +24,7 @@ SHUTDOWN = 52  # electrical shock, overload, overheating; not voltage, which a b
 
 @dataclass(frozen=True)
 class Member:
-    """One servo in its place."""
+    """One servo of a robot: where it hangs, what it turns, and how far."""
 
     bus: str
     servo: Servo
@@ -40,12 +40,12 @@ class Member:
 
     @property
     def id(self) -> int:
-        """On its bus."""
+        """Its id on its bus."""
         return self.servo.id
 
     @property
     def model(self) -> Model:
-        """Of the servo."""
+        """Model of the servo."""
         return self.servo.model
 
     @property

@@ -50,7 +50,7 @@ def _current(table: Table) -> float:
 
 @dataclass(frozen=True, eq=False)
 class LoadState:
-    """How servos have been working."""
+    """How hard servos have been working, by members."""
 
     work: Floats  # (m,) mean square of the current, of its limit's
     stalled: Floats  # (m,) [s] far from the goal without moving
