@@ -140,7 +140,7 @@ def change_parameter(scene: Scene, by: RunningBlock, behaviour: str, action: Par
 
 
 def take_replans(scene: Scene) -> tuple[Scene, tuple[TimedRequest, ...]]:
-    """Takes the blocks to be planned anew: each goes to `prepare`, and its plan to `improve_block`."""
+    """Takes the blocks to be planned anew: each goes to `prepare_block`, and its plan to `improve_block`."""
     return replace(scene, replans=()), scene.replans
 
 

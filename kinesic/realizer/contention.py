@@ -2,34 +2,17 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Protocol
 
-from kinesic.bml.block import Block, Composition, Interrupt, Notice, NoticeType
+from kinesic.bml.block import Composition, Interrupt, Notice, NoticeType
 from kinesic.body.robot import SIDES
 from kinesic.expressivity.hands.coarticulation import Engaged
-from kinesic.realizer.feedback import Times
 from kinesic.realizer.occupancy import Occupancy
 from kinesic.realizer.request import LEAD, TimedRequest
 from kinesic.realizer.running_block import PlayingSpeech, RunningBlock
 from kinesic.realizer.scene import Scene
 
-Cuts = Mapping[tuple[str, str], float]  # block and behaviour -> [s] global time at which it will be interrupted
-
-
-class IncomingBlock(Protocol):
-    """A block that has times."""
-
-    @property
-    def block(self) -> Block:
-        """As it was requested."""
-
-    @property
-    def zero(self) -> float:
-        """Global time [s] of its time 0."""
-
-    @property
-    def times(self) -> Times:
-        """Times of its sync points, in block time [s]."""
+Interruptions = Mapping[tuple[str, str], float]  # block and behaviour -> [s] global time at which it is interrupted
+TimedBlock = RunningBlock | TimedRequest
 
 
 def interrupted_by(action: Interrupt, running: RunningBlock) -> frozenset[str]:
@@ -37,10 +20,10 @@ def interrupted_by(action: Interrupt, running: RunningBlock) -> frozenset[str]:
     return (frozenset(action.include) or frozenset(running.times)) & running.times.keys() - frozenset(action.exclude)
 
 
-def planned_interruptions(scene: Scene, coming: IncomingBlock) -> Cuts:
+def planned_interruptions(scene: Scene, coming: TimedBlock) -> Interruptions:
     """Finds the behaviours that blocks that play, and one that comes, are going to interrupt."""
     found: dict[tuple[str, str], float] = {}
-    blocks: tuple[IncomingBlock, ...] = (*scene.playing, coming)
+    blocks: tuple[TimedBlock, ...] = (*scene.playing, coming)
     for by in blocks:
         for behaviour in by.block.behaviours:
             action = behaviour.action
@@ -52,7 +35,7 @@ def planned_interruptions(scene: Scene, coming: IncomingBlock) -> Cuts:
     return found
 
 
-def occupancy_of_others(scene: Scene, coming: IncomingBlock) -> tuple[Occupancy, ...]:
+def occupancy_of_others(scene: Scene, coming: TimedBlock) -> tuple[Occupancy, ...]:
     """Finds which hinges other blocks occupy, each until it is interrupted."""
     ends = {f"{block}:{id}": time for (block, id), time in planned_interruptions(scene, coming).items()}
     return tuple(_until(each, ends[each.behaviour]) if each.behaviour in ends else each for each in scene.occupancy)

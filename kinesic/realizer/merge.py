@@ -64,7 +64,7 @@ def merge(
 
 
 def replace_motion(running: Trajectory, time: float, coming: Plan, *, begin: float | None = None) -> MergedMotion:
-    """Puts a block in the place of all that runs: from how the body moves at the cut, over into the block.
+    """Puts a block in the place of all that runs.
 
     What the block does not move comes to rest. The block comes later where it has no way else.
 
@@ -177,7 +177,6 @@ def _delays(first: _Attempt, others: Sequence[Occupancy]) -> list[int]:
 
 
 def _conflicts(own: Sequence[Occupancy], others: Sequence[Occupancy]) -> dict[str, str]:
-    """Behaviours that meet what runs, and why."""
     found = {}
     for each in own:
         met = next((other for other in others if each.meets(other)), None)

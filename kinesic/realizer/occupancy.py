@@ -64,7 +64,7 @@ def occupancy_of(plan: Plan) -> tuple[Occupancy, ...]:
     times: dict[str, dict[str, float]] = {}
     for sync in plan.syncs:
         times.setdefault(sync.behaviour, {})[sync.sync] = sync.planned + zero
-    found = [_one(id, actions[id], at, plan) for id, at in times.items() if uses.get(id)]
+    found = [_behaviour_occupancy(id, actions[id], at, plan) for id, at in times.items() if uses.get(id)]
     return tuple(sorted(found, key=lambda each: (each.begin, each.behaviour)))
 
 
@@ -96,7 +96,7 @@ def settle_occupancy(occupancy: Iterable[Occupancy]) -> tuple[Occupancy, ...]:
     return tuple(each.later(-np.inf) for each in dict.fromkeys(last.values()))
 
 
-def _one(id: str, action: Action, at: Mapping[str, float], plan: Plan) -> Occupancy:
+def _behaviour_occupancy(id: str, action: Action, at: Mapping[str, float], plan: Plan) -> Occupancy:
     """One behaviour with sync points at times [s]."""
     parts, controls = plan.keyframes.uses[id], plan.trajectory.controls
     begin, end = min(at.values()), max(at.values())
@@ -118,7 +118,6 @@ def still_occupied(occupancy: Iterable[Occupancy], time: float) -> tuple[Occupan
 
 
 def _hinges(parts: frozenset[PartName], robot: Robot) -> Flags:
-    """(n,) of some parts."""
     found = np.zeros(len(robot.skeleton.hinges), dtype=np.bool_)
     for part in parts:
         found[list(robot.joints(CHAINS[part]))] = True

@@ -89,7 +89,7 @@ class _Turn:
 
     @property
     def over(self) -> float:
-        """When it is over [s]."""
+        """Time at which it is over [s]."""
         return self.end if np.isfinite(self.end) else self.gone
 
     def share(self, count: int) -> Floats:
@@ -109,7 +109,7 @@ def _turns(each: Occupancy, work: Overlay, limits: Limits) -> Iterator[_Turn]:
 
 
 def rise(times: Floats, begin: float, end: float) -> Floats:
-    """From 0 to 1 between two times [s], smooth up to the acceleration, at some times (m,) [s]."""
+    """Rises from 0 to 1 between two times [s], smooth up to the acceleration; (m,) at some times (m,) [s]."""
     return minimum_jerk((times - begin) / max(end - begin, STEP))
 
 

@@ -42,7 +42,7 @@ class PointingHand:
     aim: Floats  # (3,) [m] in the world
 
     def miss(self, angles: Floats, robot: Robot) -> float:
-        """Angle between the line from the wrist along the hand and that from the wrist to the aim [rad].
+        """Measures the angle [rad] by which the hand, seen from the wrist, points past the aim.
 
         Args:
             angles: (n,) [rad] of the whole robot.
@@ -53,7 +53,7 @@ class PointingHand:
         return float(np.arctan2(np.linalg.norm(np.cross(line, wanted)), line @ wanted))
 
     def arm(self, angles: Floats, robot: Robot) -> Floats:
-        """(n,) [rad] the posture with the arm that points, on the trunk as it is."""
+        """Turns the arm so that it points, on the trunk as it is: (n,) [rad]."""
         if self.hand.reach is None:
             return angles
         reach = aim_from_shoulder(self.hand.reach, self.aim, self.side, angles, robot)

@@ -1,7 +1,7 @@
 """Performs blocks of BML one after the other and at once: how a scene changes with requests and with time.
 
 Everything here is a pure function of a scene and a time; no clock, no threads. Whoever performs plans a block by
-`prepare` wherever there is time, hands it to `begin`, and calls `advance` again and again.
+`prepare_block` wherever there is time, hands it to `begin`, and calls `advance` again and again.
 """
 
 from dataclasses import replace
@@ -33,7 +33,7 @@ __all__ = [
     "change_manner",
     "improve_block",
     "interrupt",
-    "prepare",
+    "prepare_block",
     "take_replans",
 ]
 
@@ -43,7 +43,7 @@ SMALL = 4  # moving behaviours of a block that is planned well as quickly as not
 BRIEF = 20.0  # [s] such a block may move
 
 
-def prepare(request: TimedRequest, setup: Setup) -> PreparedBlock:
+def prepare_block(request: TimedRequest, setup: Setup) -> PreparedBlock:
     """Plans a block so that it can begin at once: a small one well, a large one quickly, to be improved while it plays.
 
     Raises:
@@ -180,7 +180,6 @@ def _hold_back(scene: Scene, running: RunningBlock) -> Scene:
 
 
 def _refusal(scene: Scene, prepared: PreparedBlock) -> str | None:
-    """Why a block is not taken; None when it is."""
     block = prepared.plan.timeline.block
     same = scene.find(block.id)
     if same is not None:

@@ -1,4 +1,4 @@
-"""Takes back what an interrupted block does."""
+"""Takes back the motion of interrupted blocks."""
 
 from collections.abc import Sequence
 from math import ceil
@@ -43,7 +43,7 @@ def release_motion(
     layer: Trajectory | None = None,
     others: Sequence[Occupancy] = (),
 ) -> Trajectory:
-    """Takes back what an interrupted block or behaviour does; all else goes on as it runs.
+    """Takes back the motion of an interrupted block or behaviour; all else goes on as it runs.
 
     Args:
         running: the motion, within the limits and clear of the body.

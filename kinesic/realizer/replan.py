@@ -108,7 +108,7 @@ class _PlanChange:
 
     @property
     def keeps_strokes(self) -> bool:
-        """Whether every stroke that is past is past in the other plan, and every one to come is to come."""
+        """Whether the other plan repeats no stroke that is past, and leaves out none that is to come."""
         now, soon = self.knot * STEP, (self.knot + LEAST) * STEP
         before = {(sync.behaviour, sync.sync): sync.planned + self.playing_zero for sync in self.playing.syncs}
         after = {(sync.behaviour, sync.sync): sync.planned + self.zero for sync in self.better.syncs}
@@ -140,7 +140,6 @@ class _PlanChange:
 
     @property
     def _count(self) -> int:
-        """Control points that are laid over one another."""
         coming = self.offset + len(self.better.trajectory.controls)
         return max(len(self.running.controls), len(self.playing.layer.controls), coming, self.knot + LEAST)
 

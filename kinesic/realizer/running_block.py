@@ -50,7 +50,7 @@ class PlayingSpeech:
 
     @property
     def end(self) -> float:
-        """[s] global."""
+        """Time at which it ends [s] global."""
         return self.begin + self.utterance.duration
 
 

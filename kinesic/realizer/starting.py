@@ -95,7 +95,6 @@ def _merge_motion(
 def _replace_motion(
     scene: Scene, running: RunningBlock, desired: float, now: float
 ) -> tuple[Scene, RunningBlock, tuple[Notice, ...]]:
-    """Puts the block in the place of all that moves."""
     merged = replace_motion(scene.motion, scene.first_change(now), running.prepared.plan, begin=desired)
     return _with_motion(replace(scene, lasting=()), running, merged)
 

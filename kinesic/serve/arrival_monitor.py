@@ -1,4 +1,4 @@
-"""When the body was where a sync point wants it, as sensors have it.
+"""Measures by sensors when the body arrives where a sync point has it.
 
 By the rule of reports, on hinges: a behaviour's hinges arrive when they first enter a ball about their planned posture.
 The plan is judged by the same rule, and the sync point counts as met by as much later as the body entered the ball.
@@ -21,15 +21,15 @@ LEAST_WAY = np.radians(2.0)  # [rad] in the window, below which nothing is measu
 
 
 class ArrivalMonitor:
-    """What a body did lately."""
+    """Measures how late a body arrives, by its last angles."""
 
     def __init__(self) -> None:
-        """Nothing yet."""
+        """Begins without measurements."""
         self._times: deque[float] = deque()
         self._angles: deque[Floats] = deque()
 
     def add(self, time: float, angles: Floats) -> None:
-        """One more measurement.
+        """Adds a measurement.
 
         Args:
             time: [s] of the clock, later than those before; else it is passed over, as are those without a number.
@@ -44,7 +44,7 @@ class ArrivalMonitor:
             self._angles.popleft()
 
     def lateness(self, time: float, hinges: Flags, motion: Trajectory) -> float | None:
-        """By how much later [s] than the plan some hinges arrive where they are to be at a time [s] of the clock.
+        """Finds by how much later [s] than planned some hinges arrive where they are to be at a time [s] of the clock.
 
         Returns:
             None while they have not arrived; NaN where they hardly move, so that nothing can be said.

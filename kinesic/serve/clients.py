@@ -6,6 +6,7 @@ from hmac import compare_digest
 from itertools import count
 
 from kinesic.bml.block import NoticeType
+from kinesic.realizer.request import Message
 from kinesic.serve.messages import Restyling
 from kinesic.serve.protocol import (
     Control,
@@ -19,7 +20,8 @@ from kinesic.serve.protocol import (
     control,
     json_answer,
 )
-from kinesic.serve.quotas import OutputQueue, QueuedDocument, Quotas, TokenBucket, quota_feedback
+from kinesic.serve.queues import OutputQueue
+from kinesic.serve.quotas import Quotas, TokenBucket, quota_feedback
 from kinesic.serve.session import Session
 
 NORMAL, POLICY, TOO_BIG, LATER = 1000, 1008, 1009, 1013  # WebSocket's close codes
@@ -125,7 +127,7 @@ class ClientRegistry:
         else:
             client.count += 1
             source = f"{client.name}, message {client.count}"
-            refusal = self.session.perform(QueuedDocument(message, client.number, source))
+            refusal = self.session.perform(Message(message, client.number, source))
             if refusal is not None:
                 client.put(refusal)
 

@@ -9,6 +9,7 @@ from time import monotonic
 from kinesic.body.arrays import Flags
 from kinesic.motion.trajectory import Trajectory
 from kinesic.realizer.realizer import ScheduledFeedback
+from kinesic.realizer.request import Message
 from kinesic.serve.tracks import SoundAndFace, Track
 
 
@@ -39,9 +40,7 @@ class Clock:
 class DocumentRequest:
     """To the planner: perform a document."""
 
-    text: bytes
-    sender: int
-    source: str  # how messages call it
+    message: Message
     stops: int  # emergency stops so far; planned only if there is no further one
 
 

@@ -18,7 +18,7 @@ from kinesic.realizer.realizer import (
     change_manner,
     improve_block,
     interrupt,
-    prepare,
+    prepare_block,
 )
 from kinesic.realizer.release import release_motion
 from kinesic.realizer.request import Message, read_request, refusal_feedback
@@ -105,7 +105,7 @@ class PlannerState:
         self._accompaniment = beginning.accompaniment
         self._versions = dict[str, Version]()  # of the tracks that the loop has
         self._refining = False  # whether the refiner is at work
-        warming = begin(Scene.of(setup), prepare(read_request(Message(WARMING), setup), setup), 0.0)
+        warming = begin(Scene.of(setup), prepare_block(read_request(Message(WARMING), setup), setup), 0.0)
         for running in warming.playing:
             make_track(running, beginning.accompaniment)
         advance(warming, 0.1)
@@ -169,7 +169,7 @@ class PlannerState:
             self.take_halt(self._loop.recv())
 
     def _plan(self, document: DocumentRequest) -> None:
-        message = Message(document.text, document.sender, document.source)
+        message = document.message
         try:
             context = self._scene.context(self._clock.now())
             read = read_request(message, self._scene.setup, context=context, bounds=self._bounds)
@@ -177,16 +177,16 @@ class PlannerState:
             id, timeline = request.block.id, request.timeline
             if timeline.end - timeline.start > self._rules.duration:
                 what = f"{id} lasts {timeline.end:.0f} s, at most {self._rules.duration:g} s are taken: split it"
-                self._tell(quota_feedback("duration", what, name=id), document.sender)
+                self._tell(quota_feedback("duration", what, name=id), message.sender)
                 return
-            self._tell(request.prediction, document.sender)
-            prepared = prepare(request, self._scene.setup)
+            self._tell(request.prediction, message.sender)
+            prepared = prepare_block(request, self._scene.setup)
         except BmlError as error:
-            self._tell(refusal_feedback(message, error), document.sender)
+            self._tell(refusal_feedback(message, error), message.sender)
             return
         if document.stops != self._stops or not self._propose(lambda scene, now: begin(scene, prepared, now)):
             text = quota_feedback("stopped", "an emergency stop came; resume first", name=id)
-            self._tell(text, document.sender)
+            self._tell(text, message.sender)
 
     def _restyle(self, request: Restyling) -> None:
         try:
@@ -253,7 +253,6 @@ class PlannerState:
 
 
 def _resume(scene: Scene, now: float) -> Scene:
-    """Brings all hinges back to rest together."""
     everything = scene.setup.limits.lower < scene.setup.limits.upper
     motion = release_motion(scene.motion, scene.first_change(now), everything, scene.setup)
     return replace(scene, motion=replace(motion))  # another one in any case: its coming ends the stop

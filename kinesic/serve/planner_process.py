@@ -51,7 +51,7 @@ class Planner:
 
     def serves(self, sender: int) -> bool:
         """Whether it plans a document of this sender."""
-        return isinstance(self._present, DocumentRequest) and self._present.sender == sender
+        return isinstance(self._present, DocumentRequest) and self._present.message.sender == sender
 
     def start(self) -> None:
         """Begins both processes; the planner says when it is warm."""

@@ -12,7 +12,7 @@ from kinesic.bml.block import BmlError
 from kinesic.expressivity.style.style import Style
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
-from kinesic.realizer.realizer import prepare
+from kinesic.realizer.realizer import prepare_block
 from kinesic.realizer.request import TimedRequest
 
 NICE = 5  # behind loop and planner
@@ -85,6 +85,6 @@ def run_refiner(make_setup: Callable[[], Setup], planner: Connection) -> None:
 
 def _refine(request: TimedRequest, setup: Setup) -> RefinedPlan:
     try:
-        return RefinedPlan(request.block.id, prepare(request, setup).plan)
+        return RefinedPlan(request.block.id, prepare_block(request, setup).plan)
     except BmlError:
         return RefinedPlan(request.block.id, None)

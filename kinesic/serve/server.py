@@ -86,7 +86,6 @@ async def attend_console(clients: ClientRegistry) -> None:
 
 
 async def _welcome(clients: ClientRegistry, reader: StreamReader, writer: StreamWriter) -> None:
-    """Finds out how a client speaks, and attends to it."""
     socket = writer.get_extra_info("socket")
     socket.setsockopt(SOL_SOCKET, SO_KEEPALIVE, 1)
     socket.setsockopt(SOL_SOCKET, SO_SNDBUF, BUFFER)

@@ -5,7 +5,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 
 from kinesic.planning.setup import Setup
-from kinesic.realizer.request import block_id
+from kinesic.realizer.request import Message, block_id
 from kinesic.serve.loop import Loop
 from kinesic.serve.messages import (
     ClientRequest,
@@ -18,7 +18,8 @@ from kinesic.serve.messages import (
     Resumption,
 )
 from kinesic.serve.planner_process import Planner
-from kinesic.serve.quotas import FairQueue, QueuedDocument, Quotas, quota_feedback
+from kinesic.serve.queues import FairQueue
+from kinesic.serve.quotas import Quotas, quota_feedback
 from kinesic.serve.sinks import RealTimeSink
 from kinesic.serve.tracks import SILENT, Effects, SoundAndFace
 from kinesic.speech.speaker import Speaker
@@ -70,13 +71,13 @@ class Session:
             raise RuntimeError("the planner does not start")
         self.loop.late = 0  # what the start costs does not count
 
-    def perform(self, waiting: QueuedDocument) -> str | None:
+    def perform(self, document: Message) -> str | None:
         """Queues a document; says why not as BML feedback, or None."""
         if self._halted:
-            return quota_feedback("stopped", "an emergency stop holds; resume first", name=block_id(waiting.text))
-        if not self._documents.add(waiting):
+            return quota_feedback("stopped", "an emergency stop holds; resume first", name=block_id(document.text))
+        if not self._documents.add(document):
             what = f"{self._rules.waiting} blocks of yours wait to be planned; send fewer at once"
-            return quota_feedback("waiting", what, name=block_id(waiting.text))
+            return quota_feedback("waiting", what, name=block_id(document.text))
         self._feed()
         return None
 
@@ -84,8 +85,8 @@ class Session:
         """Makes an emergency stop at once; what waits is not performed."""
         self.loop.halt()
         self._halted = True
-        for waiting in self._documents.clear():
-            self._refuse(waiting, "stopped", "an emergency stop came; resume first")
+        for document in self._documents.clear():
+            self._refuse(document, "stopped", "an emergency stop came; resume first")
 
     def resume(self) -> None:
         """Returns to rest after an emergency stop; documents are taken again."""
@@ -96,8 +97,8 @@ class Session:
     def interrupt(self, block: str | None) -> None:
         """Ends a block softly, or all of them and all that wait."""
         if block is None:
-            for waiting in self._documents.clear():
-                self._refuse(waiting, "interrupted", "everything was interrupted before this was planned")
+            for document in self._documents.clear():
+                self._refuse(document, "interrupted", "everything was interrupted before this was planned")
         self._request(Interruption(block))
 
     def restyle(self, restyling: Restyling) -> None:
@@ -145,8 +146,8 @@ class Session:
             return
         if self._requests:
             self.planner.send(self._requests.popleft())
-        elif (waiting := self._documents.next()) is not None:
-            self.planner.send(DocumentRequest(waiting.text, waiting.sender, waiting.source, self.loop.stops))
+        elif (document := self._documents.next()) is not None:
+            self.planner.send(DocumentRequest(document, self.loop.stops))
 
     def _apologise(self, present: ClientRequest | None) -> None:
         """Refuses the document over which the planner has died; without any planner the loop ends."""
@@ -155,9 +156,9 @@ class Session:
             self.loop.leave()
         if isinstance(present, DocumentRequest):
             what = f"planning failed, or took longer than {self._rules.planning:g} s; send something simpler"
-            self._refuse(present, "planning", what)
+            self._refuse(present.message, "planning", what)
 
-    def _refuse(self, document: QueuedDocument | DocumentRequest, rule: str, what: str) -> None:
+    def _refuse(self, document: Message, rule: str, what: str) -> None:
         self._tell(quota_feedback(rule, what, name=block_id(document.text)), document.sender)
 
     def _pass_on(self, message: str, sender: int) -> None:

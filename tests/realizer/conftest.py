@@ -9,7 +9,7 @@ import pytest
 from kinesic.bml.composition import BlockState
 from kinesic.planning.setup import Setup
 from kinesic.realizer.contention import with_engaged_hands
-from kinesic.realizer.realizer import PreparedBlock, Scene, ScheduledFeedback, advance, begin, prepare
+from kinesic.realizer.realizer import PreparedBlock, Scene, ScheduledFeedback, advance, begin, prepare_block
 from kinesic.realizer.request import Message, read_request
 
 TICK = 0.01  # [s]
@@ -30,7 +30,7 @@ class Play:
     def ready(self, id: str, inside: str = "", attributes: str = "", sender: int = 0) -> PreparedBlock:
         text = f'<bml {NAMESPACES} id="{id}" {attributes}>{inside}</bml>'
         known = read_request(Message(text, sender), self.scene.setup, context=self.scene.context(self.now))
-        return prepare(with_engaged_hands(self.scene, known), self.scene.setup)
+        return prepare_block(with_engaged_hands(self.scene, known), self.scene.setup)
 
     def send(self, id: str, inside: str = "", attributes: str = "", sender: int = 0) -> "Play":
         return self.take(begin(self.scene, self.ready(id, inside, attributes, sender), self.now))

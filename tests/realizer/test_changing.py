@@ -8,7 +8,7 @@ from kinesic.body.config import ConfigError
 from kinesic.expressivity.style.style import Style
 from kinesic.motion.limit_check import check_limits
 from kinesic.planning.setup import Setup
-from kinesic.realizer.realizer import Scene, advance, begin, change_manner, improve_block, prepare, take_replans
+from kinesic.realizer.realizer import Scene, advance, begin, change_manner, improve_block, prepare_block, take_replans
 from kinesic.realizer.request import Message, TimedRequest, read_request
 
 BML = (
@@ -20,7 +20,7 @@ SPEECH = '<speech id="s"><text>One two three four five six seven</text></speech>
 
 
 def sent(scene: Scene, id: str, inside: str, now: float) -> Scene:
-    coming = prepare(
+    coming = prepare_block(
         read_request(Message(BML.format(id, inside)), scene.setup, context=scene.context(now)), scene.setup
     )
     return begin(scene, coming, now)
@@ -30,7 +30,7 @@ def replanned(scene: Scene, now: float) -> tuple[Scene, tuple[TimedRequest, ...]
     """The scene with all blocks planned anew, as far as that can be."""
     scene, requests = take_replans(scene)
     for request in requests:
-        scene = improve_block(scene, request.block.id, prepare(request, scene.setup).plan, now) or scene
+        scene = improve_block(scene, request.block.id, prepare_block(request, scene.setup).plan, now) or scene
     return scene, requests
 
 
@@ -117,7 +117,7 @@ def test_a_block_changes_another(nodding: Scene, target: str, parameter: str, va
     (request,) = scene.replans
     changed_ = request.block.behaviours[0]
     assert changed_ != nodding.blocks[0].block.behaviours[0]
-    assert improve_block(scene, "a", prepare(request, scene.setup).plan, 0.25) is not None
+    assert improve_block(scene, "a", prepare_block(request, scene.setup).plan, 0.25) is not None
 
 
 @pytest.mark.parametrize(
@@ -144,7 +144,7 @@ def test_a_large_block_is_improved_while_it_plays(play):
     play.send("a", HURRIED)
     assert play.warnings() == []
     play.scene, (request,) = take_replans(play.scene)
-    better = prepare(request, play.scene.setup).plan
+    better = prepare_block(request, play.scene.setup).plan
     play.until(0.2)
     after = improve_block(play.scene, "a", better, play.now)
     assert after is not None
@@ -163,7 +163,7 @@ def test_a_better_plan_keeps_to_the_hand_that_others_leave_free(play):
     open_ = "".join(f'<gesture id="g{k}" lexeme="BEAT" stroke="{0.8 + 1.2 * k}"/>' for k in range(5))
     play.send("b", open_)
     play.scene, (request,) = take_replans(play.scene)
-    better = prepare(request, play.scene.setup).plan
+    better = prepare_block(request, play.scene.setup).plan
     before = play.scene.find("b").prepared.plan
     assert better.keyframes.uses == before.keyframes.uses
     assert before.keyframes.uses["g0"] == {"l_hand"}
@@ -180,7 +180,7 @@ def test_what_no_better_plan_mends_is_warned(play):
 def test_a_block_that_waits_gets_a_better_plan(play):
     play.send("w", '<wait id="w" duration="1"/>').send("a", HURRIED, 'composition="APPEND"')
     play.scene, (request,) = take_replans(play.scene)
-    after = improve_block(play.scene, "a", prepare(request, play.scene.setup).plan, play.now)
+    after = improve_block(play.scene, "a", prepare_block(request, play.scene.setup).plan, play.now)
     assert after is not None
     play.scene = after
     play.until(9.0)

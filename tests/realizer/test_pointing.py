@@ -12,7 +12,7 @@ from kinesic.planning.quick_plan import plan_quickly
 from kinesic.realizer import pointing
 from kinesic.realizer.occupancy import occupancy_of
 from kinesic.realizer.pointing import PointingStroke, correct_pointing, pointing_hands
-from kinesic.realizer.realizer import begin, improve_block, interrupt, prepare, take_replans
+from kinesic.realizer.realizer import begin, improve_block, interrupt, prepare_block, take_replans
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 POINT = '<pointing id="p" target="user" mode="RIGHT_HAND" stroke="1.4"/>'
@@ -188,7 +188,7 @@ def test_a_better_plan_points_as_well(play):
     play.take(begin(play.scene, coming, play.now))
     assert missed(play, "b") < SLIGHT
     play.scene, (request,) = take_replans(play.scene)
-    after = improve_block(play.scene, "b", prepare(request, play.scene.setup).plan, play.now)
+    after = improve_block(play.scene, "b", prepare_block(request, play.scene.setup).plan, play.now)
     assert after is not None
     play.scene = after
     assert missed(play, "b") < SLIGHT

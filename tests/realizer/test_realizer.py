@@ -8,7 +8,7 @@ import pytest
 from kinesic.bml.block import BmlError
 from kinesic.bml.composition import BlockState
 from kinesic.planning.setup import Setup
-from kinesic.realizer.realizer import advance, begin, prepare
+from kinesic.realizer.realizer import advance, begin, prepare_block
 from kinesic.realizer.request import Message, read_request
 
 HELLO = '<speech id="s"><text>Hello <sync id="m"/>there</text></speech>'
@@ -26,7 +26,7 @@ def test_an_empty_block_starts_and_ends(play):
 def test_a_block_without_id_gets_one_warning_and_a_free_name(play, known: Setup):
     text = f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0">{NOD}</bml>'
     for _ in range(2):
-        coming = prepare(read_request(Message(text), known, context=play.scene.context(play.now)), known)
+        coming = prepare_block(read_request(Message(text), known, context=play.scene.context(play.now)), known)
         play.take(begin(play.scene, coming, play.now))
     assert list(play.scene.states) == ["block", "block.2"]
     for id in play.scene.states:

@@ -1,20 +1,9 @@
-import asyncio
 from xml.etree.ElementTree import fromstring
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from kinesic.serve import quotas
-from kinesic.serve.quotas import (
-    MINOR,
-    FairQueue,
-    OutputQueue,
-    QueuedDocument,
-    Quotas,
-    TokenBucket,
-    quota_feedback,
-)
+from kinesic.serve.quotas import Quotas, TokenBucket, quota_feedback
 
 
 @pytest.mark.parametrize("name", ["message", "rate", "burst", "waiting", "clients", "unread", "patience", "planning"])
@@ -38,99 +27,3 @@ def test_a_refusal_names_its_rule():
     told = fromstring(quota_feedback("rate", "too many"))
     assert told.tag.endswith("warningFeedback")
     assert told.text == "rule rate: too many"
-
-
-def waiting(sender, text=b""):
-    return QueuedDocument(text, sender, "test")
-
-
-def test_clients_take_turns():
-    turns = FairQueue(9)
-    for sender, text in ((1, b"a"), (1, b"b"), (1, b"c"), (2, b"d"), (3, b"e"), (2, b"f")):
-        turns.add(waiting(sender, text))
-    assert b"".join(turns.next().text for _ in range(6)) == b"adebfc"
-    assert turns.next() is None
-
-
-def test_one_client_may_have_so_many_only():
-    turns = FairQueue(2)
-    assert [turns.add(waiting(1)) for _ in range(3)] == [True, True, False]
-    assert turns.add(waiting(2))
-    assert len(turns) == 3
-
-
-def test_who_waits_is_known_until_nobody_does():
-    turns = FairQueue(2)
-    turns.add(waiting(7))
-    assert 7 in turns
-    assert turns.clear() == (waiting(7),)
-    assert 7 not in turns
-    assert len(turns) == 0
-
-
-@settings(deadline=None)
-@given(st.lists(st.integers(1, 4), max_size=60))
-def test_nobody_waits_for_more_than_one_block_of_each_other_client(senders):
-    turns = FairQueue(100)
-    for number, sender in enumerate(senders):
-        turns.add(waiting(sender, b"%d" % number))
-    order = [turns.next().sender for _ in senders]
-    for place, sender in enumerate(order):
-        before = [k for k in range(place) if order[k] == sender]
-        since = order[(before[-1] + 1 if before else 0) : place]
-        assert len(since) == len(set(since))
-    assert sorted(order) == sorted(senders)
-
-
-def drained(queue):
-    async def all_of_them():
-        queue.end()
-        return [message async for message in _messages(queue)]
-
-    return asyncio.run(all_of_them())
-
-
-async def _messages(queue):
-    while (message := await queue.take()) is not None:
-        yield message
-
-
-def test_messages_come_in_order():
-    queue = OutputQueue(3)
-    for message in "abc":
-        queue.put(message)
-    assert drained(queue) == ["a", "b", "c"]
-
-
-def test_of_too_many_the_oldest_minor_ones_go_first_and_the_loss_is_told():
-    queue = OutputQueue(3)
-    for message in ("first", f"{MINOR} 1", f"{MINOR} 2", "second", "third", "fourth"):
-        queue.put(message)
-    told, *left = drained(queue)
-    assert "3 messages were dropped" in told
-    assert left == ["second", "third", "fourth"]
-
-
-def test_it_never_holds_more_than_it_may():
-    queue = OutputQueue(5)
-    for number in range(1000):
-        queue.put(str(number))
-    assert len(queue) == 5
-
-
-def test_one_that_waits_gets_what_comes():
-    async def both():
-        queue = OutputQueue(2)
-        waiting = asyncio.create_task(queue.take())
-        await asyncio.sleep(0)
-        queue.put("late")
-        return await waiting
-
-    assert asyncio.run(both()) == "late"
-
-
-def test_nothing_goes_in_after_the_end():
-    queue = OutputQueue(2)
-    queue.end()
-    queue.put("a")
-    assert drained(queue) == []

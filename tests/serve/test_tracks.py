@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.utterance import Sound
-from kinesic.realizer.realizer import Scene, begin, prepare
+from kinesic.realizer.realizer import Scene, begin, prepare_block
 from kinesic.realizer.request import Message, read_request
 from kinesic.serve.tracks import Effects, SoundAndFace, Track, make_track, track_version
 from kinesic.speech.loudspeaker import SpeakerError
@@ -38,7 +38,7 @@ def shows(begin, **units):
 
 @pytest.fixture(scope="module")
 def running(known):
-    coming = prepare(read_request(Message(BLOCK.encode()), known), known)
+    coming = prepare_block(read_request(Message(BLOCK.encode()), known), known)
     return begin(Scene.of(known), coming, 10.0).playing[0]
 
 

@@ -13,7 +13,7 @@ from kinesic.bml.block import Composition, Succession
 from kinesic.controller.perform import set_up
 from kinesic.motion.limit_check import check_limits
 from kinesic.planning.setup import Setup
-from kinesic.realizer.realizer import PreparedBlock, Scene, ScheduledFeedback, advance, begin, interrupt, prepare
+from kinesic.realizer.realizer import PreparedBlock, Scene, ScheduledFeedback, advance, begin, interrupt, prepare_block
 from kinesic.realizer.request import Message, read_request
 
 TEXT = (
@@ -46,7 +46,7 @@ def known() -> Setup:
 
 @lru_cache(maxsize=16)
 def made(inside: str) -> PreparedBlock:
-    return prepare(read_request(Message(TEXT.format(inside)), known()), known())
+    return prepare_block(read_request(Message(TEXT.format(inside)), known()), known())
 
 
 def named(id: str, inside: str, composition: Composition, succession: Succession) -> PreparedBlock:

@@ -10,7 +10,7 @@ from kinesic.bml.block import BmlError
 from kinesic.bml.reading.tree import read_tree
 from kinesic.planning.setup import Setup
 from kinesic.realizer.contention import with_engaged_hands
-from kinesic.realizer.realizer import Scene, advance, begin, prepare
+from kinesic.realizer.realizer import Scene, advance, begin, prepare_block
 from kinesic.realizer.request import Message, read_request, refusal_feedback
 
 
@@ -90,7 +90,7 @@ class Realizer:
         message = Message(text, source=source)
         try:
             known = read_request(message, self._setup, context=self._scene.context(self.now))
-            coming = prepare(with_engaged_hands(self._scene, known), self._setup)
+            coming = prepare_block(with_engaged_hands(self._scene, known), self._setup)
         except BmlError as error:
             self.feedback.messages.append(read_message(refusal_feedback(message, error)))
             return
