@@ -7,17 +7,13 @@ import click
 from kinesic.bml.block import BmlError
 from kinesic.body.config import ConfigError
 from kinesic.cli.servos import servo_verbs
-from kinesic.cli.verbs import VERBS
+from kinesic.cli.verbs import kinesic
 from kinesic.hardware.protocol.wire import BusError
-from kinesic.version import __version__
 
 BAD_INPUT = 2
 
 
-@click.group(commands=[*VERBS, servo_verbs], context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(__version__)
-def kinesic() -> None:
-    """Performs BML (Behavior Markup Language) on humanoids with servos."""
+kinesic.add_command(servo_verbs)
 
 
 def main() -> None:

@@ -23,6 +23,7 @@ from kinesic.face.render.presets import PRESETS
 from kinesic.serve.quotas import USUAL, Quotas
 from kinesic.sim.fit_parameters import DEFAULT, FIGURES
 from kinesic.sim.log import FORMAT
+from kinesic.version import __version__
 
 ON_HELP = (
     "Who performs, with commas between: twin (always first), servos, face (in a window where there is a display). "
@@ -39,23 +40,29 @@ lexicon_option = click.option("--lexicon", type=click.Path(path_type=Path), help
 player_option = click.option("--robot", default="upper22", help="Who plays them.")
 
 
-@click.command()
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__)
+def kinesic() -> None:
+    """Performs BML (Behavior Markup Language) on humanoids with servos."""
+
+
+@kinesic.command("bench")
 @click.argument("part", type=click.Choice([*PARTS, "all"]))
 @click.option("--matrix", is_flag=True, help="Of bus: the whole fault matrix instead, for every driver.")
 @click.option("--json", "as_json", is_flag=True, help="Prints a list of figures as JSON.")
 @click.option("--plots", type=click.Path(file_okay=False, path_type=Path), help="Draws into this folder, too.")
 @done_by("bench:print_figures")
-def bench() -> None:
+def _bench() -> None:
     """Measures PART; timings are medians in a warm process."""
 
 
-@click.command()
+@kinesic.command("doctor")
 @done_by("doctor:examine_machine")
-def doctor() -> None:
+def _doctor() -> None:
     """Shows what works here and what would mend the rest."""
 
 
-@click.command()
+@kinesic.command("face")
 @expression
 @click.option("--bml", metavar="FILE", help="A document whose face is performed; - for standard input.")
 @click.option(
@@ -67,11 +74,11 @@ def doctor() -> None:
 @click.option("--sheet", is_flag=True, help="Every action unit low and high, with and without wrinkles.")
 @planning
 @done_by("face:draw_face")
-def face() -> None:
+def _face() -> None:
     """Draws the face: a still, a film, a contact sheet, or a window where there is a display and no --out."""
 
 
-@click.group()
+@kinesic.group()
 def gestures() -> None:
     """Lists, shows and draws the gestures of the lexicon."""
 
@@ -107,7 +114,7 @@ def _render_gestures() -> None:
     """Draws LEXEME as key postures side by side, or all gestures at their strokes."""
 
 
-@click.command()
+@kinesic.command("perform")
 @click.argument("file")
 @planning
 @performers(ON_HELP)
@@ -119,23 +126,23 @@ def _render_gestures() -> None:
     click.option("--film/--no-film", default=True, help="Films of the twin and of the face, where OpenGL works."),
 )
 @done_by("perform:perform_file")
-def perform() -> None:
+def _perform() -> None:
     """Performs FILE (BML, a .bap motion, or - for BML from standard input) and writes a report.
 
     On servos it is performed after the twin has performed it without a failed check.
     """
 
 
-@click.command()
+@kinesic.command("plan")
 @click.argument("file")
 @planning
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="motion.npz, motion.csv or motion.bap.")
 @done_by("perform:plan_file")
-def plan() -> None:
+def _plan() -> None:
     """Plans FILE (BML, a .bap motion, or - for BML from standard input) and writes the motion."""
 
 
-@click.group()
+@kinesic.group()
 def robots() -> None:
     """Lists, shows, checks and imports robots."""
 
@@ -169,7 +176,7 @@ def _import_robot() -> None:
     """Maps the hinges of an MJCF or URDF humanoid, and writes a robot's TOML to edit."""
 
 
-@click.command()
+@kinesic.command("serve")
 @planning
 @click.option("--listen", default=f"127.0.0.1:{PORT}", show_default=True, metavar="HOST:PORT", help=LISTEN_HELP)
 @click.option("--token", envvar="KINESIC_TOKEN", help=TOKEN_HELP)
@@ -177,7 +184,7 @@ def _import_robot() -> None:
 @click.option("--sound/--no-sound", default=None, help="Speech is heard (default: where that works).")
 @click.option("--rule", "rules", multiple=True, metavar="NAME=VALUE", help=RULE_HELP)
 @done_by("serve:serve_blocks")
-def serve() -> None:
+def _serve() -> None:
     """Performs blocks of BML as they come, and answers with BML feedback.
 
     Messages come by TCP (each ends with a NUL byte), by WebSocket at the same address (one message is one block), and
@@ -185,7 +192,7 @@ def serve() -> None:
     """
 
 
-@click.group()
+@kinesic.group()
 def study() -> None:
     """Asks people what they see in the face, with and without wrinkles."""
 
@@ -209,7 +216,7 @@ def _analyse_study() -> None:
     """Compares the conditions in FILES, the answers (CSV) of all participants."""
 
 
-@click.command()
+@kinesic.command("sweep")
 @click.argument("gesture")
 @planning
 @click.option("--parameter", metavar="NAME", help=f"One of {', '.join(RANGES)}.")
@@ -219,11 +226,11 @@ def _analyse_study() -> None:
     "Folder of figures (default: out/sweep-NAME-TIME).", "Replaces an existing folder.", "Prints the measures as JSON."
 )
 @done_by("sweep:sweep_gesture")
-def sweep() -> None:
+def _sweep() -> None:
     """Plays GESTURE over the range of a parameter in the twin, measures and draws it."""
 
 
-@click.group()
+@kinesic.group()
 def twin() -> None:
     """Fits the twin to a robot."""
 
@@ -244,7 +251,7 @@ def _fit_twin() -> None:
     """Fits servo factors to LOG, and says which of them it cannot tell."""
 
 
-@click.command()
+@kinesic.command("validate")
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
 @planning
 @click.option("--twin", default="nominal", show_default=True, help=TWIN_HELP)
@@ -255,11 +262,8 @@ def _fit_twin() -> None:
     "Prints verdicts and totals as JSON.",
 )
 @done_by("validate:validate_paths")
-def validate() -> None:
+def _validate() -> None:
     """Performs every document of PATHS (folders are searched) in the twin.
 
     With --out, an interrupted run goes on where it stopped when the same command is given again.
     """
-
-
-VERBS = (bench, doctor, face, gestures, perform, plan, robots, serve, study, sweep, twin, validate)

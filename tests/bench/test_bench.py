@@ -3,11 +3,12 @@ import json
 import numpy as np
 import pytest
 
+from kinesic import cli
 from kinesic.bench import plan, twin
 from kinesic.bench.blocks import corpus_folder, crowd, plan_corpus
 from kinesic.bench.figure import Figure
 from kinesic.bench.plan import first_command
-from kinesic.cli import bench, verbs
+from kinesic.cli import bench
 from kinesic.controller.perform import set_up
 
 SMALL = 4  # the seed of a crowded block whose optimum is soon found
@@ -80,6 +81,6 @@ def test_the_first_command_has_its_figures(brief):
 
 def test_json_is_a_list_of_figures(monkeypatch, capsys):
     monkeypatch.setattr(bench, "measure", lambda part: [Figure(f"{part}.x", 2.0, "ms", 3.0, "lower")])
-    verbs.bench.main(["plan", "--json"], standalone_mode=False)
+    cli.kinesic.main(["bench", "plan", "--json"], standalone_mode=False)
     entries = json.loads(capsys.readouterr().out)
     assert {"name", "value", "unit", "goal", "better", "ok"} <= entries[0].keys()

@@ -5,9 +5,9 @@ import json
 import pytest
 from click.testing import CliRunner
 
+from kinesic import cli
 from kinesic.bench.bus import faults
 from kinesic.bench.bus.matrix import FaultCase
-from kinesic.cli.verbs import bench
 
 
 def test_every_driver_has_a_table_and_who_is_not_installed_a_reason(monkeypatch: pytest.MonkeyPatch):
@@ -32,7 +32,7 @@ def test_machines_read_every_trial(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(faults, "matrix", one)
     monkeypatch.setattr(faults, "DRIVERS", {"kinesic": faults.DRIVERS["kinesic"], "lerobot": one})
     monkeypatch.setattr(faults, "MISSING", {"lerobot": lambda: "not here"})
-    printed = CliRunner().invoke(bench, ["bus", "--matrix", "--json"], standalone_mode=False)
+    printed = CliRunner().invoke(cli.kinesic, ["bench", "bus", "--matrix", "--json"], standalone_mode=False)
     kinesic, lerobot = json.loads(printed.output)
     (trial,) = kinesic["trials"]
     assert (trial["case"], trial["servos"], trial["baud"], trial["seed"]) == ("calm", 2, 57_600, 3)
