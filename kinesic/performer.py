@@ -59,7 +59,8 @@ class Performer:
         Args:
             robot: its name, or its TOML file.
             style: its name, or its TOML file.
-            options: see `PlanningOptions`.
+            options: settings, lexicon, dialect, gather, idle, seed, voice, pause, targets; what each says stands in
+                `kinesic.controller.options.PlanningOptions`.
 
         Raises:
             ConfigError: something is missing or wrong; says what would have worked.
