@@ -49,8 +49,8 @@ class PointingHand:
             robot: whose hand it is.
         """
         frames, arm = robot.skeleton.frames(angles), robot.arm(self.side)
-        line, wanted = frames.rotations[arm.wrist] @ arm.palm.position, self.aim - frames.origins[arm.wrist]
-        return float(np.arctan2(np.linalg.norm(np.cross(line, wanted)), line @ wanted))
+        line, to_aim = frames.rotations[arm.wrist] @ arm.palm.position, self.aim - frames.origins[arm.wrist]
+        return float(np.arctan2(np.linalg.norm(np.cross(line, to_aim)), line @ to_aim))
 
     def arm(self, angles: Floats, robot: Robot) -> Floats:
         """Turns the arm so that it points, on the trunk as it is: (n,) [rad]."""

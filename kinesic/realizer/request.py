@@ -73,25 +73,27 @@ def anchor_references(block: Block, context: SceneContext, zero: float) -> Block
         time = context.times.get(point_of(ref)) if ref.block != block.id else None
         return ref if time is None else SyncRef(block.id, "bml", "start", offset=time - zero + ref.offset)
 
-    def behaviour(one: Behaviour) -> Behaviour:
-        return replace(one, syncs={sync: own(ref) for sync, ref in one.syncs.items()})
+    def anchor_behaviour(behaviour: Behaviour) -> Behaviour:
+        return replace(behaviour, syncs={sync: own(ref) for sync, ref in behaviour.syncs.items()})
 
-    def constraint(one: Synchronize | Precedence) -> Synchronize | Precedence:
-        if isinstance(one, Synchronize):
-            return replace(one, refs=tuple(map(own, one.refs)))
-        return replace(one, earlier=own(one.earlier), later=tuple(map(own, one.later)))
+    def anchor_constraint(constraint: Synchronize | Precedence) -> Synchronize | Precedence:
+        if isinstance(constraint, Synchronize):
+            return replace(constraint, refs=tuple(map(own, constraint.refs)))
+        return replace(constraint, earlier=own(constraint.earlier), later=tuple(map(own, constraint.later)))
 
     if not refers_elsewhere(block):
         return block
     return replace(
-        block, behaviours=tuple(map(behaviour, block.behaviours)), constraints=tuple(map(constraint, block.constraints))
+        block,
+        behaviours=tuple(map(anchor_behaviour, block.behaviours)),
+        constraints=tuple(map(anchor_constraint, block.constraints)),
     )
 
 
 def _refs(block: Block) -> list[SyncRef]:
     refs = [ref for behaviour in block.behaviours for ref in behaviour.syncs.values()]
-    for one in block.constraints:
-        refs += one.refs if isinstance(one, Synchronize) else (one.earlier, *one.later)
+    for each in block.constraints:
+        refs += each.refs if isinstance(each, Synchronize) else (each.earlier, *each.later)
     return refs
 
 

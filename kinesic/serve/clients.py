@@ -46,7 +46,7 @@ class ConnectedClient:
         """Whether its messages are still taken."""
         return self.code == NORMAL
 
-    def put(self, message: str) -> None:
+    def send(self, message: str) -> None:
         """Queues a message to it."""
         self.output.put(message)
 
@@ -111,15 +111,15 @@ class ClientRegistry:
         try:
             request = control(message)
         except ValueError as error:
-            client.put(json_answer("refused", why=str(error)))
+            client.send(json_answer("refused", why=str(error)))
             return
         if not client.admitted:
             self._admit(client, request)
         elif isinstance(request, Stop):
             self.session.halt()
-            client.put(json_answer("stopped"))
+            client.send(json_answer("stopped"))
         elif not client.bucket.take():
-            client.put(
+            client.send(
                 quota_feedback("rate", f"at most {self.rules.rate:g} messages a second are taken from each client")
             )
         elif request is not None:
@@ -129,17 +129,17 @@ class ClientRegistry:
             source = f"{client.name}, message {client.count}"
             refusal = self.session.perform(Message(message, client.number, source))
             if refusal is not None:
-                client.put(refusal)
+                client.send(refusal)
 
     def refuse_overlong(self, client: ConnectedClient, error: ValueError) -> None:
         """Answers a message that is longer than it may be."""
-        client.put(quota_feedback("message", str(error), type_=NoticeType.PARSING_FAILURE))
+        client.send(quota_feedback("message", str(error), type_=NoticeType.PARSING_FAILURE))
 
     def tell(self, message: str, sender: int) -> None:
         """Sends a message to a client, if it is still there."""
         client = self._clients.get(sender)
         if client is not None:
-            client.put(message)
+            client.send(message)
 
     def close(self, code: int, why: str) -> None:
         """Closes the connections of all clients."""
@@ -149,10 +149,10 @@ class ClientRegistry:
     def _admit(self, client: ConnectedClient, request: Control | None) -> None:
         if isinstance(request, Hello) and self.is_token(request.token):
             client.admitted = True
-            client.put(json_answer("welcome"))
+            client.send(json_answer("welcome"))
             return
         why = "the token is wrong" if isinstance(request, Hello) else NO_TOKEN
-        client.put(json_answer("refused", why=why))
+        client.send(json_answer("refused", why=why))
         client.close(POLICY, why)
 
     def _obey(self, client: ConnectedClient, request: Control) -> None:
@@ -164,10 +164,10 @@ class ClientRegistry:
             case Restyle(style, changes, amount, block):
                 self.session.restyle(Restyling(style, changes, amount, block, client.number))
             case Enquiry():
-                client.put(json_answer("status", clients=len(self._clients), **self.session.status()))
+                client.send(json_answer("status", clients=len(self._clients), **self.session.status()))
             case Ping(id):
-                client.put(json_answer("pong", id=id))
+                client.send(json_answer("pong", id=id))
             case Hello():
-                client.put(json_answer("welcome"))
+                client.send(json_answer("welcome"))
             case Stop():
                 self.session.halt()

@@ -68,7 +68,7 @@ class Loop(Thread):
         super().__init__(name="loop")
         self.motion = stay(setup.robot.skeleton.rest, start=clock.now())  # on the clock
         self.agenda: list[ScheduledFeedback] = []
-        self.stops, self._done = 0, 0  # emergency stops that were requested, and those that were made
+        self.stops, self._stops_made = 0, 0  # emergency stops that were requested, and those that were made
         self.halted = False  # whether the last one still holds
         self.late = 0  # ticks that came more than a period late
         self.failed = False  # whether it ended by itself
@@ -103,7 +103,7 @@ class Loop(Thread):
 
     def beginning(self) -> LoopStart:
         """The state from which a planner takes over."""
-        return LoopStart(self._clock, self.motion, self._done, tuple(self.agenda), self._effects.accompaniment)
+        return LoopStart(self._clock, self.motion, self._stops_made, tuple(self.agenda), self._effects.accompaniment)
 
     def owes(self, sender: int) -> bool:
         """Whether a block of a client's is not over, or feedback of it is still to be sent."""
@@ -215,13 +215,13 @@ class Loop(Thread):
 
     def _link(self, planner: Connection, stops: int) -> None:
         self._planner = planner
-        if stops != self._done:
+        if stops != self._stops_made:
             self._tell_halt(self._out)
 
     def _halt(self) -> None:
-        if self._done == self.stops:
+        if self._stops_made == self.stops:
             return
-        self._done, self.halted = self.stops, True
+        self._stops_made, self.halted = self.stops, True
         time = self._out + GRACE
         self._play(stop(self.motion, time, self._setup.limits).since(time - GRACE), time)
         self.agenda, self._sent = [], set()
@@ -232,4 +232,4 @@ class Loop(Thread):
         """Sends the planner the motion of the last emergency stop, which began at a time [s] of the clock."""
         if self._planner is not None:
             with suppress(OSError):  # it has died, and the next one begins from here
-                self._planner.send(Halted(self._done, time, self.motion))
+                self._planner.send(Halted(self._stops_made, time, self.motion))

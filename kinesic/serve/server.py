@@ -137,7 +137,7 @@ async def _receive(clients: ClientRegistry, wire: ClientWire, client: ConnectedC
         clients.refuse_overlong(client, error)
         client.close(TOO_BIG, str(error))
     except HalfError as error:
-        client.put(quota_feedback("half", f"{error} before the message did; it is not performed"))
+        client.send(quota_feedback("half", f"{error} before the message did; it is not performed"))
         client.close(POLICY, "half a message")
 
 

@@ -55,8 +55,8 @@ class Session:
         self._warm = Event()
         self.clock = Clock()
         effects = Effects(Speaker(self.clock.now) if accompaniment.sound else None, face=accompaniment.face)
-        self.loop = Loop(make_setup(), sinks, self.clock, effects=effects, tell=self._pass_on, news=self._hear)
-        self.planner = Planner(make_setup, self.loop, rules=rules, idle=self._feed, lost=self._apologise)
+        self.loop = Loop(make_setup(), sinks, self.clock, effects=effects, tell=self._pass_on, news=self._pass_news)
+        self.planner = Planner(make_setup, self.loop, rules=rules, idle=self._feed, lost=self._refuse_lost)
 
     async def start(self) -> None:
         """Lets the loop run, and waits until the planner is warm.
@@ -149,7 +149,7 @@ class Session:
         elif (document := self._documents.next()) is not None:
             self.planner.send(DocumentRequest(document, self.loop.stops))
 
-    def _apologise(self, present: ClientRequest | None) -> None:
+    def _refuse_lost(self, present: ClientRequest | None) -> None:
         """Refuses the document over which the planner has died; without any planner the loop ends."""
         if self.planner.failed:
             self._warm.set()
@@ -164,5 +164,5 @@ class Session:
     def _pass_on(self, message: str, sender: int) -> None:
         self._asyncio.call_soon_threadsafe(self._tell, message, sender)
 
-    def _hear(self, news: PlannerReady | RequestDone | None) -> None:
+    def _pass_news(self, news: PlannerReady | RequestDone | None) -> None:
         self._asyncio.call_soon_threadsafe(self.planner.receive, news)

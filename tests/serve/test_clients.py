@@ -118,7 +118,7 @@ def test_a_client_that_never_reads_is_sent_away(guarded, becomes):
         assert becomes(lambda: len(guarded.open.clients._clients) == 2)
         client = min(guarded.open.clients._clients.values(), key=lambda each: each.number)
         for _ in range(300):
-            guarded.tasks.call_soon_threadsafe(client.put, "x" * 50_000)
+            guarded.tasks.call_soon_threadsafe(client.send, "x" * 50_000)
         assert becomes(lambda: client.number not in guarded.open.clients._clients)
         other.do("ping")
         assert "pong" in other.receive(20)
