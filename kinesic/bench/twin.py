@@ -37,7 +37,7 @@ REPETITIONS = 7
 
 @dataclass(frozen=True, eq=False)
 class Errors:
-    """Of several performances together."""
+    """Tracking and stroke errors of several performances together."""
 
     angles: Floats  # (k,) [rad] of all moving hinges
     strokes: Floats  # (s,) [s] to the asked time, of the strokes that were planned there and that arrived
@@ -62,7 +62,7 @@ class Errors:
 
     @property
     def figures(self) -> dict[str, float]:
-        """By name, in the units of the table."""
+        """Error statistics by name, in degrees, milliseconds and counts."""
         degrees = np.degrees(self.angles)
         return {
             "rmse": float(np.sqrt(np.mean(degrees**2))),

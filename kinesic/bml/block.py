@@ -1,4 +1,4 @@
-"""What was asked (Block) and when (Timeline): the types that the line passes on from BML text."""
+"""The types that BML text becomes: what is asked (`Block`), and when it happens (`Timeline`)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -108,7 +108,7 @@ def waiting_blocks(block: Block, present: Mapping[str, BlockState]) -> dict[str,
 
 
 def goes_round(waits: Mapping[str, Mapping[str, Until]], start: str) -> bool:
-    """Whether a block waits, over others, for itself."""
+    """Checks whether a block waits for itself, directly or through other blocks."""
     seen: set[str] = set()
     fringe = list(waits.get(start, ()))
     while fringe:

@@ -1,4 +1,4 @@
-"""Action units: the words in which a face is told what to show.
+"""Action units (FACS): the elementary face movements by which a face is told what to show.
 
 The numbers and names are those of the Facial Action Coding System (P. Ekman, W. V. Friesen and J. C. Hager, 2002;
 thesis 4.3.1). A key of `Command.face` is a number, after an L or R where the unit has sides: `L12` pulls the left

@@ -110,7 +110,7 @@ class Chain:
 
 
 def idealise(chain: Chain) -> Chain:
-    """Lays twists along their bones and leaves out hinges that are one too many; an ideal chain comes back itself.
+    """Aligns twist hinges with their bones and drops redundant hinges; an ideal chain is returned unchanged.
 
     A joint's last hinge near its bone comes to lie along it. Where more than two others swing the bone, the one
     nearest to it is left out, and stays where it is.

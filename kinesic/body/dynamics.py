@@ -9,7 +9,7 @@ from kinesic.body.arrays import Floats
 
 @dataclass(frozen=True, eq=False)
 class Load:
-    """What each hinge bears at worst, in any posture, the larger of both sides."""
+    """Largest holding torque and inertia of each hinge over all postures, the larger of both sides."""
 
     holding: Floats  # (n,) [Nm] torque against gravity
     inertia: Floats  # (n,) [kg m^2] diagonal of the joint-space inertia, armature included

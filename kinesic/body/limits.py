@@ -48,7 +48,7 @@ class Limits:
 
     @classmethod
     def box(cls, *, lower: Floats, upper: Floats, speed: Floats, acceleration: Floats, jerk: Floats) -> "Limits":
-        """Makes boxes alone, for hinges of which no drive is known: whatever they allow, the duty allows too.
+        """Makes limits for hinges without a known drive: boxes alone, with a duty row that never binds.
 
         Args:
             lower: (n,) [rad].

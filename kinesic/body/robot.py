@@ -65,7 +65,7 @@ class Robot(Description):
 
     @cached_property
     def drives(self) -> Drives:
-        """In joint order."""
+        """The drives of all hinges, in joint order."""
         return Drives(mount.drive for mount in self.mounts)
 
     @cached_property

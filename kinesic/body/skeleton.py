@@ -105,7 +105,7 @@ class Skeleton:
 
     @cached_property
     def steps(self) -> tuple[tuple[int, Floats, tuple[tuple[int, Floats | None], ...]], ...]:
-        """Per segment: index of its parent (-1: world), origin in the parent, its joints and how far aside."""
+        """Per segment: parent (-1: world), origin in the parent, and its hinges' indices and offsets."""
         return tuple(
             (
                 -1 if segment.parent is None else self._segment_of[segment.parent],

@@ -1,4 +1,4 @@
-"""The command line: one line per error, and exit codes as promised."""
+"""Runs the command line: prints one line per error, and sets the exit code."""
 
 import sys
 

@@ -55,7 +55,7 @@ class Sight:
 
     @property
     def look(self) -> PreviewSettings:
-        """The same for a window."""
+        """The settings of a preview window in this view."""
         view = self.view
         return PreviewSettings(view.variant, view.preset, self.side(SIDE), gain=view.gain, yaw_deg=view.yaw)
 

@@ -73,7 +73,7 @@ def play_whole(plan: Plan, preview: Preview) -> None:
 
 
 def follow_servos(plan: Plan, preview: Preview | None) -> Callable[[Status], None]:
-    """Shows the face at the time to which servos have come, with every status of theirs."""
+    """Makes a callback that, at each status of the servos, shows the face at their performance time."""
     if preview is None:
         return lambda status: None
     commands = tuple(commands_with_face(plan, command_times(plan.duration)))

@@ -1,4 +1,4 @@
-"""`kinesic twin`: makes the twin like a robot that was measured."""
+"""`kinesic twin`: fits the twin to measurements of a robot."""
 
 import json
 from dataclasses import asdict

@@ -14,7 +14,7 @@ from kinesic.motion.trajectory import Trajectory
 
 @dataclass(frozen=True, eq=False)
 class Lead:
-    """Goals ahead of the reference, and what the servos have to give for them."""
+    """Feed-forward goals, and the loads and duties that servos need for the reference."""
 
     goals: Floats  # (m, n) [rad] clipped to the ranges
     loads: Floats  # (m, n) [rad] part of the goals that carries torque

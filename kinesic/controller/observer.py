@@ -58,7 +58,7 @@ class LoadEstimate:
 
     @property
     def share(self) -> Floats:
-        """(n,) by how much the load is heavier than thought."""
+        """(n,) share by which each hinge's load exceeds the modelled one."""
         return np.asarray(self.rows[-3])
 
     @property
@@ -74,7 +74,7 @@ class LoadEstimate:
 
 @dataclass(frozen=True, eq=False)
 class LearnedLoads:
-    """What is known of all ticks before anything is measured."""
+    """The observer's inputs at all ticks, computed from the commands before anything is measured."""
 
     angles: Floats  # (m, n) [rad] reference
     goals: Floats  # (m, n) [rad] as the feed-forward has them
@@ -164,7 +164,7 @@ class Observer:
         return LoadEstimate(np.zeros((6 + len(self.arrival), len(self.lower))))
 
     def lessons(self, stream: Sequence[Command], loads: Floats) -> LearnedLoads:
-        """Works out what a performance can teach: it depends on what is led, not on what is measured.
+        """Precomputes the observer's inputs for all ticks from the commands; they do not depend on measurements.
 
         Args:
             stream: commands as the feed-forward has them.
@@ -192,7 +192,7 @@ class Observer:
         )
 
     def after(self, belief: LoadEstimate, deviation: Floats, lessons: LearnedLoads, tick: int) -> LoadEstimate:
-        """Goes on by one tick.
+        """Advances the estimate by one tick, and corrects the goals.
 
         Args:
             belief: at the tick before.

@@ -1,4 +1,4 @@
-"""Joins the line with the sinks: plans a document and performs it in the twin."""
+"""Joins planning with the twin: plans a BML document and performs it."""
 
 import warnings
 from collections.abc import Iterable, Mapping, Sequence

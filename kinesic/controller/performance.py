@@ -81,7 +81,7 @@ class Reference:
 
     @cached_property
     def arrivals(self) -> Mapping[SyncTime, tuple[Arrival, ...]]:
-        """What the sync points want of the parts that their behaviours move."""
+        """By sync point, where it wants the parts that its behaviour moves, and when the plan is near enough."""
         return arrivals(self.plan, self.times, self.paths)
 
     @cached_property

@@ -1,4 +1,4 @@
-"""What blocks are performed with, handed on as one from natural durations to key frames, gaze and face.
+"""The context of a performance (style, lexicon, pace, targets) that all stages of expressivity share.
 
 Targets of gaze and pointing are names that the robot or the user knows, or three coordinates. The user's names come
 from a file, `name = [x, y, z]` in metres, x forward, y left, z up.

@@ -151,7 +151,7 @@ def _give_way(layer: Layer, other: Hold) -> Layer:
 
 
 def pass_layer(layer: Layer, manner: Expressivity) -> Layer:
-    """Passes the keys of a layer in a manner, as a hold: there, staying, and back upright."""
+    """Sets how a layer's keys are passed: in a manner, as a stroke there, a hold, and a retraction to upright."""
     keys = [replace(key, passage=passage_of(manner, "retraction")) for key in layer[:1]]
     for before, key in pairwise(layer):
         phase: Phase = "hold" if key.turn == before.turn else "retraction" if key.turn == UPRIGHT else "stroke"

@@ -29,7 +29,7 @@ SOFT = 0.05  # the last part of the reach, given out ever more slowly: a straigh
 
 
 class Tracker:
-    """An arm on its way behind a target.
+    """An arm that follows a moving target, one tick at a time.
 
     Attributes:
         residual: [m] from the hand to the last target.

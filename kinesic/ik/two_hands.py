@@ -37,7 +37,7 @@ class ChainLink:
 
 @dataclass(frozen=True)
 class Strand:
-    """From the root to a segment; its own hinges are left out where they pass its centre and do not move it."""
+    """The chain from the root to a segment, without those of its own hinges that do not move its centre."""
 
     segments: tuple[ChainLink, ...]
 

@@ -21,7 +21,7 @@ SMOOTHNESS = 1e-9  # [s^4] weight of the acceleration beside the distance from w
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """All splines of as many pieces, each as long."""
+    """The grid of a uniform cubic B-spline (number and length of its pieces), with the matrices that follow."""
 
     pieces: int  # k
     step: float  # [s]
@@ -92,7 +92,7 @@ class Grid:
 
     @cached_property
     def bounds(self) -> Floats:
-        """(4 k + 4,) bounds of the rows: 1, and more where they follow from three given points at an end.
+        """(4 k + 4,) bounds of the rows: 1, relaxed where three given control points at an end determine a row.
 
         A row without room has no interior, which the program's method needs.
         """

@@ -174,7 +174,7 @@ class Keys:
         return tuple(np.flatnonzero(column & self.firm).tolist() for column in self.keyed.T)
 
     def led(self, hinge: int) -> Flags:
-        """(k - 1,) whether a path leads a hinge from one of its k firm keys to the next."""
+        """(k - 1,) whether there are path keys between a hinge's k successive firm keys."""
         return np.diff(np.flatnonzero(self.firm[self.keyed[:, hinge]])) > 1
 
     def spread(self, times: Floats) -> Floats:

@@ -43,7 +43,7 @@ class Trajectory:
         return self.start + self.duration
 
     def since(self, time: float) -> "Trajectory":
-        """What follows the last knot before a time [s]; a motion that is over by then stays where it ended."""
+        """Returns the motion from the last knot before a time [s] on; one that is over stays where it ended."""
         knots = max(0, int((time - self.start) / STEP + EARLY))
         left = self.controls[knots:]
         if len(left) < FEWEST:
@@ -114,5 +114,5 @@ def spline_weights(
 
 
 def stay(angles: Floats, duration: float = 0.1, *, start: float = 0.0) -> Trajectory:
-    """Stays in one posture, (n,) [rad], for some time [s] from another one [s] on."""
+    """Makes a motion that stays in one posture (n,) [rad] for a duration [s], from a start time [s] on."""
     return Trajectory(sealed(np.repeat(angles[None, :], round(duration / STEP) + 3, axis=0)), 0.0, start)

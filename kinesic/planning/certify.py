@@ -1,4 +1,4 @@
-"""Conditions a motion until its drives can give what the whole body needs of them.
+"""Conditions a motion under ever tighter limits until inverse dynamics finds no drive beyond its full duty.
 
 The duty row of `condition` takes each hinge for itself, with its worst load. What other hinges add is known only from
 the motion: where inverse dynamics finds a drive above its full duty, its row becomes tighter.

@@ -37,7 +37,7 @@ class Setup:
 
     @cached_property
     def limits(self) -> Limits:
-        """Of every hinge of the robot."""
+        """The motion limits of every hinge of the robot."""
         return _limits(self.robot, self.dynamics.load)
 
     @cached_property

@@ -1,4 +1,4 @@
-"""What a block says, as its style says it, with pauses before words for which the body could not be in time."""
+"""Synthesises a block's speech in its style, with pauses before words for which the body would be late."""
 
 import math
 import re
@@ -60,7 +60,7 @@ def delivery(style: Style) -> tuple[float, float]:
 
 
 def remarks(block: Block, utterances: Mapping[str, Utterance]) -> list[Notice]:
-    """Notes what listeners do not get as asked."""
+    """Turns the remarks of the voice on each utterance into notices."""
     return [
         Notice(NoticeType.CANNOT_CREATE_BEHAVIOR, f"{block.id}:{name}", remark)
         for name, utterance in utterances.items()

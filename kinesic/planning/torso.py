@@ -94,7 +94,7 @@ class GestureVolume:
 
 @lru_cache(maxsize=64)
 def volume(robot: Robot, turn: Turn) -> GestureVolume | None:
-    """Returns the box of a torso's own key; None for an upright torso, or none. Remembered, as it often stays."""
+    """Returns the gesture volume of a torso's key, cached; None for an upright torso or a robot without one."""
     if turn == UPRIGHT or not robot.joints("torso"):
         return None
     angles = np.array(robot.skeleton.rest)

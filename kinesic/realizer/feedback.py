@@ -121,7 +121,7 @@ def without(
 
 
 def without_doubts(agenda: Sequence[ScheduledFeedback], block: str) -> tuple[ScheduledFeedback, ...]:
-    """Takes out of an agenda what would be sent if a block got no better plan."""
+    """Removes from an agenda the messages that are due only if a block gets no better plan."""
     return tuple(message for message in agenda if message.unless_improved != block)
 
 

@@ -23,7 +23,7 @@ STILL = 1e-9  # [rad]
 
 @dataclass(frozen=True, eq=False)
 class Occupancy:
-    """What one behaviour needs; times [s] of the clock by which its motion goes."""
+    """The hinges that one behaviour occupies, and when; times [s] on the clock of its motion."""
 
     behaviour: str
     roles: frozenset[Role]
@@ -45,7 +45,7 @@ class Occupancy:
         return replace(self, begin=begin, ready=ready, relax=relax, end=end)
 
     def with_offset(self, change: Floats) -> "Occupancy":
-        """Takes what a motion has really changed in the end (n,) [rad] as its offset, where it stays."""
+        """Sets the offset of an occupancy that stays to the final change (n,) [rad] of the performed motion."""
         return replace(self, offset=sealed(np.where(self.hinges, change, 0.0))) if self.stays else self
 
     def meets(self, other: "Occupancy") -> bool:
@@ -91,7 +91,7 @@ def freed_hinges(
 
 
 def settle_occupancy(occupancy: Iterable[Occupancy]) -> tuple[Occupancy, ...]:
-    """Keeps what stays when all behaviours are over, the latest of each kind; its times are all -inf."""
+    """Keeps the latest staying occupancy of each role once all behaviours are over; its times become -inf."""
     last = {role: each for each in sorted(occupancy, key=lambda each: each.end) for role in each.roles if each.stays}
     return tuple(each.later(-np.inf) for each in dict.fromkeys(last.values()))
 
@@ -111,7 +111,7 @@ def _behaviour_occupancy(id: str, action: Action, at: Mapping[str, float], plan:
 
 
 def still_occupied(occupancy: Iterable[Occupancy], time: float) -> tuple[Occupancy, ...]:
-    """Keeps what has not given way at a time [s], and of what stays the latest of its kind."""
+    """Keeps occupancies that have not relaxed by a time [s], and the latest staying one of each role."""
     every = tuple(occupancy)
     last = {role: each for each in sorted(every, key=lambda each: each.end) for role in each.roles if each.stays}
     return tuple(each for each in every if each.relax > time or each in last.values())

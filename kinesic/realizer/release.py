@@ -137,7 +137,7 @@ def _checked(found: Floats, running: Trajectory, knot: int, setup: Setup) -> Tra
 
 
 def from_knot(controls: Floats, knot: int) -> Trajectory:
-    """The motion after a knot, whose own time begins there, to be checked; at least `FEWEST` pieces of it.
+    """Returns the motion from a knot on, on a time that starts there, with at least `FEWEST` pieces.
 
     Args:
         controls: (k + 3, n) [rad].

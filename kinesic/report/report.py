@@ -33,7 +33,7 @@ UNSEEN: Mapping[SyncTime, float | None] = MappingProxyType({})  # nobody measure
 def report(
     performance: Performance, *, source: str, seed: int = 0, beside: Sequence[Performance] = ()
 ) -> dict[str, Json]:
-    """Tells everything that is known about one performance.
+    """Gathers the data of `report.json` about one performance.
 
     Args:
         performance: what was planned and performed; the checks are of this one.

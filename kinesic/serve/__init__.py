@@ -1,1 +1,1 @@
-"""Live: blocks come one after the other, by whatever wire, and are performed as they come."""
+"""The live server: performs blocks as they arrive, over any transport."""

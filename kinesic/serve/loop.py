@@ -86,7 +86,7 @@ class Loop(Thread):
         self._leave = Event()
 
     def link(self, planner: Connection, beginning: LoopStart) -> None:
-        """Listens from the next tick on to a planner, which knows the loop as it was at its beginning."""
+        """Connects a planner from the next tick on; it was started with this state of the loop."""
         self._orders.append(lambda: self._link(planner, beginning.stops))
 
     def halt(self) -> None:

@@ -115,7 +115,7 @@ class RealTimeSink:
         self._next = last + 1
 
     def repeat_from(self, cut: float) -> None:
-        """Hands commands from a time [s] on once more, of another motion; they replace those that are out."""
+        """Resends commands from a time [s] on when the motion has changed; they replace those already sent."""
         self._next = min(self._next, ceil(cut * RATE - SAME))
 
 

@@ -1,4 +1,4 @@
-"""Which servos would have moved like this: factors fitted so that the twin repeats a log.
+"""Fits servo factors so that the twin reproduces a log.
 
 Angles alone do not tell everything. All torques of the equation of motion may be scaled together without a trace, so
 masses are taken as described. And of gain, stall torque and no-load speed they show stall x gain and stall / no-load

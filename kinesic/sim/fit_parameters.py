@@ -36,7 +36,7 @@ class Unknown:
         return value * LATENCY_UNIT if self.figure == "latency" else exp(value)
 
     def scale(self, value: float) -> float:
-        """By how much it grows with the value."""
+        """Returns the derivative of the factor, or latency [s], with respect to the value."""
         return LATENCY_UNIT if self.figure == "latency" else exp(value)
 
 

@@ -22,7 +22,7 @@ class Identifiability:
 
 
 def assumptions(of: Sequence[Unknown], slopes: Floats) -> dict[int, str]:
-    """Finds gains that a log cannot tell from stall torques: taken as described, they tell the stall torques.
+    """Finds gains that a log cannot tell from stall torques, and which are therefore taken as described.
 
     Args:
         of: (u,) unknowns.

@@ -24,7 +24,7 @@ class DriveEffort:
 
 
 def effort(drives: Drives, errors: Floats, speeds: Floats) -> DriveEffort:
-    """Applies the law of the servos to each step of the physics.
+    """Computes demanded duty, applied duty and share of stall torque of each drive at each step of the physics.
 
     Args:
         drives: in joint order.

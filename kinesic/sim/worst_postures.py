@@ -1,4 +1,4 @@
-"""Which postures are the worst: random ones, with the stops that often are, and a climb from the worst of them."""
+"""Searches the worst posture of each hinge: random ones, often at stops, then a climb from the worst."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Speech without an engine: how long everything would take, without a sound."""
+"""Estimates the timing of speech without an engine, and without sound."""
 
 import math
 import re

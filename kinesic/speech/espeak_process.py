@@ -55,7 +55,7 @@ _Callback = ctypes.CFUNCTYPE(
 
 
 def main(library: str, data: str) -> int:
-    """Says what standard input has; see the top of the file."""
+    """Synthesises the utterance on standard input; the module's docstring describes both formats."""
     try:
         engine = ctypes.CDLL(library)
     except OSError as error:

@@ -33,7 +33,7 @@ class Device(Protocol):
         """
 
     def close(self) -> None:
-        """Ends that."""
+        """Stops asking for samples."""
 
 
 class _Times(Protocol):

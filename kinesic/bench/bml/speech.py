@@ -102,7 +102,7 @@ def mark_errors(count: int) -> Iterator[float]:
 
 
 def heard_stroke_errors(count: int) -> Iterator[float]:
-    """Measures when the hands of the pessimistic twin make strokes, minus when the word of each is heard [s]."""
+    """Measures stroke times of the pessimistic twin's hands minus the times when their words are heard [s]."""
     known = set_up(voice="espeak")
     choice = random.Random(SEED)
     for number in range(count):

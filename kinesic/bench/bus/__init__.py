@@ -69,17 +69,17 @@ class RecordingWire:
         return next(self._times)
 
     def write(self, data: bytes | bytearray, /) -> None:
-        """The same as then."""
+        """Discards the bytes: the answers are recorded."""
 
     def read(self, _deadline: float, /) -> bytes:
         """As it was."""
         return next(self._chunks)
 
     def sleep(self, until: float, /) -> None:
-        """No need to."""
+        """Returns at once: recorded times need no waiting."""
 
     def reopen(self) -> bool:
-        """Always there."""
+        """Reports that the port is there."""
         return True
 
     def close(self) -> None:

@@ -220,7 +220,7 @@ def distinct(a: StrokeAppearance, b: StrokeAppearance) -> bool:
 
 
 def twins(looks: Iterable[tuple[str, StrokeAppearance]]) -> list[tuple[str, str]]:
-    """Names gestures that do not count, because of an earlier one: (it, the earlier one)."""
+    """Lists gestures that look like an earlier one and so do not count, as (gesture, earlier one)."""
     counted: list[tuple[str, StrokeAppearance]] = []
     found = []
     for name, seen in looks:

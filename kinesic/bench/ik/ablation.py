@@ -96,7 +96,7 @@ def masses(arm: AblationArm, target: Vector) -> tuple[Vector, ...]:
 
 
 def guessed(arm: AblationArm, points: Sequence[Vector]) -> tuple[float, ...]:
-    """Finds hinges [rad] from points, bone by bone: each takes its best branch and never learns what comes of it."""
+    """Computes hinge angles [rad] from points greedily, bone by bone, without revising an earlier branch."""
     angles: tuple[float, ...] = ()
     for count, (link, point) in enumerate(zip(arm.linkage.links, points, strict=False)):
         frame, ends = arm.linkage.walk(angles, count)

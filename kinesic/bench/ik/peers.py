@@ -1,4 +1,4 @@
-"""Other libraries on upper22's left arm: the same targets, one process, call by call in turn with ours.
+"""Compares other IK libraries with ours on upper22's left arm: same targets, one process, calls interleaved.
 
 A call goes from three numbers to the angles. Each peer meets ours alone, because what a peer leaves in the caches slows
 the next call: a third one would pay for it. Success is counted by the body's own forward kinematics: the hand within a
@@ -78,7 +78,7 @@ def installed(peer: Peer) -> bool:
 
 
 def ours(chain: Chain) -> dict[str, Solver]:
-    """Makes the two entries that peers are compared with: the line's, and the one that writes into a buffer."""
+    """Makes kinesic's two entries in the comparison: `solve`, and the arm's `reach` that writes into a buffer."""
     arm = arm_of(chain)
 
     def reach(target: Floats) -> Floats:

@@ -78,7 +78,7 @@ def _beyond(robot: Robot) -> Figure:
 
 @dataclass(frozen=True, eq=False)
 class BestPosture:
-    """The best of all beginnings."""
+    """The best posture found from several starts, and what it still misses."""
 
     angles: Floats  # (k,) [rad] inside the ranges
     residual: float  # [m] from the hand to the position, measured on these angles

@@ -85,7 +85,7 @@ def duty(planned: Plan) -> Floats:
 
 
 def unsaid(planned: Plan) -> tuple[int, int]:
-    """Counts warnings of shifts that are missing, and those that are said of what does not move."""
+    """Counts shifted sync points without a warning, and warnings about sync points that did not shift."""
     warned = {
         (notice.id, notice.text.partition(" asked at ")[0])
         for notice in planned.notices
@@ -106,7 +106,7 @@ def _shifted(planned: Plan) -> set[tuple[str, str]]:
 
 
 def stretch(crowded: Iterable[Plan]) -> list[Figure]:
-    """Compares the weighted sum of all shifts with the nonlinear program's, in all, at the median and at worst."""
+    """Compares weighted shifts of key times with the nonlinear optimum: in total, at the median, at worst."""
     ours, best = [], []
     for planned in crowded:
         known, ties = planned.setup, find_bonds(planned.timeline)

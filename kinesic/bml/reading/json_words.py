@@ -20,7 +20,7 @@ _DIGITS = 4  # of a number of strokes
 
 
 def rewritten(element: Element) -> Element:
-    """Says a behaviour in BML's words."""
+    """Rewrites a web realizer's behaviour as the BML element that it means."""
     rewrite = REWRITES.get(element.name)
     return element if rewrite is None else rewrite(element)
 

@@ -39,7 +39,7 @@ class Element:
         return tuple(piece for piece in self.content if isinstance(piece, Element))
 
     def reword(self, name: str | None = None, *without: str, **attributes: str | None) -> "Element":
-        """Says the same in other words: under another name, without some attributes, and with others.
+        """Returns a copy with another name, some attributes removed and others added.
 
         Args:
             name: of the new element; None: the same.

@@ -57,7 +57,7 @@ def synchronize_equalities(constraint: Synchronize) -> Iterator[Tie]:
 
 
 def placed_points(block: Block) -> Mapping[str, frozenset[str]]:
-    """Finds the sync points of each behaviour that the document places, or places others by; the rest is natural."""
+    """Finds each behaviour's sync points that the document's constraints name; the others have natural times."""
     refs = [ref for tie in ties(block) for ref in (tie.left, tie.right)]
     for order in block.constraints:
         if isinstance(order, Precedence):

@@ -1,4 +1,4 @@
-"""Contradictions among distances in time: loops on which every way round takes longer than nothing.
+"""Finds contradictory time constraints: loops of edges whose least gaps add up to more than zero.
 
 Bellman and Ford's longest paths, with Yen's alternating sweeps; a loop shows in the graph of predecessors.
 """

@@ -1,4 +1,4 @@
-"""A block as points in time with distances between them: what is left to choose, and what is not."""
+"""A block's sync points as a network of time constraints: equalities, orders and fixed distances."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -108,7 +108,7 @@ class Network:
         return edges
 
     def clashes(self) -> list[list[Edge]]:
-        """Loops of behaviours that are given times in the wrong order: the plain contradictions, all at once."""
+        """Loops inside behaviours whose sync points are tied in the wrong order: the direct contradictions."""
         loops = []
         for chain in self.chains:
             last: dict[Point, tuple[Point, float]] = {}  # root -> the latest point of its class so far

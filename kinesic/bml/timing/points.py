@@ -70,12 +70,12 @@ def sync_points(action: Action, dialect: Dialect, spans: Iterable[str] = ()) -> 
 
 
 def is_repeated(action: Action, sync: str) -> bool:
-    """Whether a sync point is a stroke that nobody but the style asks for, and so gives way to all others."""
+    """Checks whether a sync point is a stroke that only the style repeats, and which gives way to all others."""
     return isinstance(action, Gesture) and sync.startswith("stroke:")
 
 
 def natural_spans(action: Action, given: Mapping[str, float]) -> dict[str, float]:
-    """Finds the natural seconds from the previous sync point to each one; a point that is missing takes no time.
+    """Finds each phase's natural time [s], keyed by the sync point that ends it; a missing point takes none.
 
     Args:
         action: what is done.

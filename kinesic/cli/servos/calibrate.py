@@ -79,7 +79,7 @@ def _written(found: Calibration, robot: Robot) -> Path:
 
 
 def limp(axes: Axes) -> Snapshot:
-    """Looks at all servos, and refuses those that have torque.
+    """Reads all servos until each has answered; refuses to go on if one has torque.
 
     Raises:
         BusError: a servo has torque, or is silent.

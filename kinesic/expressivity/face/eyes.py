@@ -152,7 +152,7 @@ def flitting(span: tuple[float, float], times: Floats, seed: int) -> Floats:
 
 
 def looking(looks: Sequence[GazeDirection], times: Floats, head: Floats) -> Floats:
-    """Turns the eyes in the head to look ahead of it, and to hold on: (m, 2) [rad] left and up.
+    """Computes eye angles in the head that lead it to a gaze and hold the target: (m, 2) [rad] left and up.
 
     Args:
         looks: of the gaze, in order; a later one takes the place of an earlier one.

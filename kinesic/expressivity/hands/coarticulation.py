@@ -29,7 +29,7 @@ class Engaged:
     by: str  # the behaviour that needs it, as the sender may know it
 
     def meets(self, times: Mapping[str, float], way: float) -> bool:
-        """Whether a gesture needs the hand as well, or leaves it no time to come from one to the other.
+        """Checks whether a gesture overlaps with this use of the hand, or leaves no time to move between both.
 
         Args:
             times: sync points of the gesture [s], which needs the hand from `ready` to `relax`.
@@ -40,7 +40,7 @@ class Engaged:
 
 @dataclass(frozen=True, eq=False)
 class Allotted:
-    """The strokes of each hand, in time order, and what had to give."""
+    """The strokes given to each hand, in time order, and the behaviours and sync points that had to change."""
 
     works: Mapping[Side, Sequence[HandStroke]]
     outcomes: Mapping[str, Outcome]  # of behaviours that are not performed as asked

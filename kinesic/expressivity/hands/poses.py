@@ -50,12 +50,12 @@ class Poses:
         return self.paths[side][key] if side in self.paths else None
 
     def only(self, side: Side) -> "Poses":
-        """Leaves out the other hand."""
+        """Keeps the keys and paths of one hand alone."""
         paths = {side: self.paths[side]} if side in self.paths else {}
         return Poses({side: self.hands[side]}, self.stroke, paths, self.again)
 
     def fewer(self) -> "Poses":
-        """Leaves out the last time."""
+        """Removes the last repetition of the stroke."""
         every = (self.stroke, *self.again)
         count = self.count - (every[-1] - every[-2])
         hands = {side: row[:count] for side, row in self.hands.items()}
@@ -145,7 +145,7 @@ def withdrawn(hand: Hand, robot: Robot, side: Side) -> Hand:
 
 
 def pose_distance(a: Hand, b: Hand, rest: Reach) -> float:
-    """Measures the way of a hand [m]: that of its wrist, or what its turn is worth where that is more.
+    """Measures the way between two hand poses [m]: the wrist's, or that of a lever turned with the hand if longer.
 
     Args:
         a: where it begins.

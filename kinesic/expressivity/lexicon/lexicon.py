@@ -55,7 +55,7 @@ class Lexicon:
         return self._substitute(lexeme, mode, category)
 
     def sense(self, form: GestureForm) -> Sense:
-        """Finds what is said about a gesture, whatever hands it is asked of."""
+        """Returns the words that describe a gesture form, whichever hands perform it."""
         return next(
             sense
             for own, sense in zip(self.forms, self.senses, strict=True)

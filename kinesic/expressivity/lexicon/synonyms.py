@@ -28,7 +28,7 @@ class LexemeReading:
 
 @dataclass(frozen=True)
 class Sense:
-    """What can be said about one gesture in words; the most characteristic first."""
+    """The words that describe one gesture, the most characteristic first."""
 
     words: tuple[str, ...]
     category: str

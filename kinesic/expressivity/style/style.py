@@ -181,7 +181,7 @@ def style_preset(name: str) -> Style:
 
 
 def passage_of(manner: Expressivity, phase: Phase) -> Passage:
-    """Says how a manner passes the keys of a phase.
+    """Derives how the keys of a phase are passed (tension, continuity, bias, easing) from an expressivity.
 
     Tension is the spline's tension, fluidity f its continuity c = (f - 1) / 2. On the way to a stroke and in it power
     and tension force the hand: it begins steeply, overshoots a little and comes back to its key in time; where both are

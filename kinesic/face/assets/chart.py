@@ -46,7 +46,7 @@ def chart_window() -> tuple[float, float, float, float]:
 
 @lru_cache(maxsize=4)
 def vertex_chart(mesh: Mesh) -> Floats:
-    """(v, 4) of each vertex: a, y, front mask less three times how far inside the mouth, height over the hairline.
+    """(v, 4) of each vertex: chart's a and y, front mask minus 3 x depth in the mouth, height over the hairline.
 
     For the eyes: direction at rest from the centre of the eyeball as left, up, forward; then 0. For teeth and tongue
     the third is how far forward they are.

@@ -50,7 +50,7 @@ class Mesh:
         return _sealed(self.faces[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3))
 
     def vertices(self, part: Part) -> NDArray[np.intp]:
-        """Numbers of the vertices of a part."""
+        """Returns the indices of a part's vertices."""
         return np.flatnonzero(self.parts == PARTS.index(part))
 
     def normals(self, positions: Floats) -> Floats:

@@ -112,7 +112,7 @@ class Geometry:
         return self.target
 
     def parts(self) -> NDArray[np.intp]:
-        """(height, width) place in PARTS of what was drawn last at each pixel, and 1 more; 0 is the background."""
+        """(height, width) part last drawn at each pixel, as its index in PARTS plus 1; 0 is the background."""
         where = self.target.read(0)[..., 3]
         return np.where(where < 0.0, np.floor(where / -APART) + 1.0, 0.0).astype(np.intp)
 

@@ -74,7 +74,7 @@ def samples(occlusion: Occlusion) -> int:
 
 
 def wendland(t: Floats) -> Floats:
-    """Falls smoothly from 1 at 0 to 0 at 1 and beyond (thesis 3.3.3)."""
+    """Computes the Wendland weight, which falls from 1 at 0 to 0 at 1 and beyond (thesis 3.3.3)."""
     return np.asarray(np.maximum(1.0 - t, 0.0) ** 4 * (4.0 * t + 1.0))
 
 

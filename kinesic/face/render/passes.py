@@ -35,7 +35,7 @@ Values: TypeAlias = Mapping[str, Value]
 def program(
     context: moderngl.Context, vertex: str, *fragments: str, defines: Mapping[str, int] = MappingProxyType({})
 ) -> moderngl.Program:
-    """Compiles files of `shaders`, of which later ones use earlier ones; numbers fill in names that they leave open."""
+    """Compiles files of `shaders`; later fragments may use earlier ones, and `defines` sets their constants."""
     head = VERSION + "".join(f"#define {name} {value}\n" for name, value in defines.items())
     return context.program(
         vertex_shader=VERSION + (SHADERS / f"{vertex}.vert.glsl").read_text(encoding="utf-8"),

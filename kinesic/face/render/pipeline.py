@@ -29,7 +29,7 @@ Pixels = NDArray[np.uint8]  # (height, width, 3) sRGB, first row on top
 
 @dataclass(frozen=True, eq=False)
 class DrawnHead:
-    """Whose face is drawn."""
+    """The head that is drawn: its mesh, the mesh that it is painted on, and its complexion."""
 
     mesh: Mesh
     drawn_on: Mesh  # in whose chart the painting and the wrinkles are drawn; the vertices correspond

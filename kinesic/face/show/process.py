@@ -69,7 +69,7 @@ class PreviewSettings:
 
 
 class ChildAnswer(Protocol):
-    """The way back to the process that plays: ready, or a reason why not."""
+    """A pipe to the process that plays, which is told that the preview is ready, or why it is not."""
 
     def send(self, word: str, /) -> None:
         """Sends a word."""

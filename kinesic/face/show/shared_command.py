@@ -24,7 +24,7 @@ class ShownFace:
 
 
 class SharedCommand:
-    """One row of numbers, that a child process takes along when it is made."""
+    """The newest command as a row of shared memory, which a child process gets when it is started."""
 
     def __init__(self, context: SpawnContext) -> None:
         self._row = context.RawArray("d", FACE + len(CHANNELS))

@@ -68,7 +68,7 @@ def _problem(cold: Cold, servo: Servo) -> str:
 
 
 def show_record(cold: Cold, servo: Servo) -> None:
-    """Sets the indirect cells of a servo to its record, and checks that they show it.
+    """Maps a servo's indirect cells to the registers of its record, and checks that they return these.
 
     Raises:
         BusError: they do not.

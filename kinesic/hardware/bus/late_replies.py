@@ -39,7 +39,7 @@ class LateReplies:
         self._until = self._listener.sent_at + self._listener.spoken(question.length) + OWED
 
     def is_of_earlier(self, question: Query, places: Place, answer: ServoReplies) -> bool:
-        """Returns whether a whole answer is one to an earlier question; then what is news of it is taken."""
+        """Checks whether a whole answer belongs to an earlier question, and admits its new records if it does."""
         listener, believed, sent_at = self._listener, self._believed, self._listener.sent_at
         if not answer.whole or sent_at > self._until:
             return False
@@ -64,7 +64,7 @@ class LateReplies:
         return self._believed.without_late(places, answer, listener.sent_at, leeway=leeway)
 
     def keep(self, question: Query, places: Place, *, sent_at: float, whole: bool) -> None:
-        """Ends a cycle: unless the answer to what was sent at a time [s] was whole, the rest may still come."""
+        """Ends a cycle: unless the answer to the question of a time [s] was whole, its rest is still expected."""
         self._unfinished = None if whole else (question, places, self._listener.received, sent_at)
         self._set_aside = False
 
@@ -90,7 +90,7 @@ class LateReplies:
         self._seeming = 0 if fresh else self._seeming + self._set_aside
 
     def overhear(self, question: Query, places: Place, end: float) -> None:
-        """Listens until `end` [s] without having asked: what comes is late, else the clocks have moved apart."""
+        """Listens until `end` [s] without a question: data are late answers, silence means that the clocks drifted."""
         raw = b""
         while chunk := self._listener.wire.read(end):
             raw += chunk

@@ -58,7 +58,7 @@ def demand_answers(wire: Wire) -> None:
 
 
 class Cold:
-    """The slow, careful way to the servos of one wire. Answers that do not come are asked for again."""
+    """Slow access to the servos of one wire, one by one, with retries; for anything but the cycle."""
 
     def __init__(self, wire: Wire) -> None:
         self.wire = wire

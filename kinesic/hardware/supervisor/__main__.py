@@ -68,7 +68,7 @@ def supervise(order: SupervisorOrder, planner: Callable[[], bool], ended: Callab
 
 
 def main() -> int:
-    """Reads the order and follows it."""
+    """Reads a `SupervisorOrder` from standard input, and runs the supervisor that it describes."""
     terminated: list[int] = []
 
     def terminate(number: int, frame: FrameType | None) -> None:
@@ -86,7 +86,7 @@ def main() -> int:
 
 
 class Pipe:
-    """Whether the planner still holds its end."""
+    """Watches whether the planner still holds its end of the pipe."""
 
     def __init__(self, descriptor: int) -> None:
         """Watches the reading end of a pipe; the parent is the planner."""

@@ -136,7 +136,7 @@ class Axes:
         self._cold[member.bus].write(member.id, register, value)
 
     def cold(self, bus: str) -> Cold:
-        """Returns the slow way on a bus."""
+        """Returns the slow access (`Cold`) to the servos of a bus."""
         return self._cold[bus]
 
     def where(self, place: int) -> str:

@@ -84,7 +84,7 @@ class GoalSteering:
         return refused
 
     def give_up(self, stuck: Flags, present: Floats) -> None:
-        """Pushes servos that cannot move no more: from now on they hold where they are.
+        """Stops driving servos that are stuck: from now on they hold where they are.
 
         Args:
             stuck: (m,) who they are; those on the same hinge hold with them.

@@ -84,7 +84,7 @@ def update_load(load: LoadState, records: Records, goals: Floats, seconds: float
 
 
 def derate(load: LoadState, records: Records, ratings: LoadRatings) -> Floats:
-    """Returns (m,) how fast, 0..1, each servo lets the performance be; 1: as planned."""
+    """Computes (m,) the largest time scale, 0..1, that each servo's load and heat allow; 1: as planned."""
     by_work = (HARD - load.work) / (HARD - EASY)
     by_heat = (ratings.celsius - HOT - records["temperature"]) / (COOL - HOT)
     share: Floats = np.maximum(0.0, np.minimum(np.minimum(by_work, by_heat), 1.0))  # clip takes several times as long

@@ -53,7 +53,7 @@ def advance_time(time_scale: TimeScale, seconds: float, *, target: float, end: f
 
 @dataclass(frozen=True, eq=False)
 class TimedMove:
-    """A move that nobody has planned: all joints together, minimum jerk from rest to rest (Flash and Hogan, 1985)."""
+    """A minimum-jerk move of all joints from rest to rest, made without a planner (Flash and Hogan, 1985)."""
 
     start: Floats  # (n,) [rad]
     goal: Floats  # (n,) [rad]
@@ -143,7 +143,7 @@ class Player:
         self._source, self._move_time = "move", TimeScale(0.0, 1.0)
 
     def follow(self) -> None:
-        """Lets performance time run: at once from the first command, which is at rest; softly when it goes on."""
+        """Starts performance time: at full rate from the first command, which is at rest; gradually on resuming."""
         fresh = self.time_scale.time <= self._buffer.begin
         self._source, self._move = "performance", None
         self.time_scale = TimeScale(self.time_scale.time, 1.0 if fresh else 0.0)

@@ -93,7 +93,7 @@ def survey(manifest: Manifest, wires: Mapping[str, Wire]) -> tuple[SurveyedServo
 
 
 def talkative(wire: Wire) -> Cold:
-    """Tells all servos to answer everything, and returns the slow way to them.
+    """Tells all servos to answer every instruction, and returns slow access (`Cold`) to them.
 
     Raises:
         BusError: the port is gone.

@@ -1,4 +1,4 @@
-"""Which chains the solver takes: checked once when a chain is met, brought to one form, or refused with the rule.
+"""Validates chains for the solver: brings each to one normal form, or refuses it and names the broken rule.
 
 The closed forms aim a bone with at most two hinges and turn it about itself with one more. Axes need not be
 perpendicular to one another or to the bone.

@@ -74,7 +74,7 @@ def place_of(linkage: Linkage, angles: Sequence[float], target: Vector) -> Shoul
 
 
 def gap(linkage: Linkage, target: Vector) -> float:
-    """Measures the distance [m] of a target from the shoulder, when the girdle does what it can."""
+    """Measures the distance [m] to a target from the shoulder, moved as near to it as the girdle allows."""
     return distance(helpful(linkage, target, [pivot.rest for pivot in linkage.pivots])[-1], target)
 
 
@@ -154,7 +154,7 @@ def _nearest_exact(at: Callable[[float], Extraction], towards: float, tolerance:
 
 
 def carry_shoulder(chain: Chain, target: Floats, effort: float) -> Floats:
-    """Finds the posture that the collar bone rests in while its hand is at a target.
+    """Finds the rest posture of an arm whose collar bone is carried along by a hand at a target.
 
     Args:
         chain: the arm.

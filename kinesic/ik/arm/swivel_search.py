@@ -1,4 +1,4 @@
-"""All the ways an arm can hold a hand's place: collar bone and swivel in steps, outward from the present ones.
+"""Enumerates arm postures with the hand on its place: collar bone and swivel in steps from the present ones.
 
 With the wrist's centre on its target they decide everything else, so a search over them is a search over all postures.
 """

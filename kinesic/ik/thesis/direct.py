@@ -1,4 +1,4 @@
-"""The springs of method 2 relaxed all at once: the way to the same kind of rest without swinging.
+"""Relaxes all springs of method 2 at once, by linear systems instead of integration in time.
 
 The thesis integrates in time. But the springs of a chain only know their neighbours, so the correction that brings
 all of them to rest together is one tridiagonal system (extended position-based dynamics: Macklin et al. 2016). It

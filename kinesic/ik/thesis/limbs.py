@@ -70,7 +70,7 @@ class Limbs:
         return max(self.reach.values())
 
     def root(self, name: str) -> Floats:
-        """Finds where the limb that carries a limb in the end stands in the world, (3,) [m]."""
+        """Finds the base of the root limb that carries a limb, (3,) [m] in the world."""
         limb = next(limb for limb in self.members if limb.name == name)
         return limb.chain.points[0] if limb.on is None else self.root(limb.on)
 

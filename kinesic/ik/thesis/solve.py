@@ -1,4 +1,4 @@
-"""The thesis's inverse kinematics in front of one another: relax the masses, turn the joints, hold the limits, again.
+"""Iterates the stages of the thesis's inverse kinematics: relax masses, turn joints, enforce limits.
 
 This is the loop of appendix 11.2. Without limits one relaxation suffices; with limits the joints that stand inside
 them are the masses of the next relaxation, until the hand arrives or the rounds are over.
@@ -110,7 +110,7 @@ def _begun(chain: BallChain, start: Floats | None) -> Floats:
 
 
 def unbent(points: Floats, ups: Floats) -> Floats:
-    """Bends a chain that lies on one line with its target a little, by its inner masses: it would never leave the line.
+    """Bends a chain that is collinear with its target a little, as springs alone would keep it straight.
 
     Args:
         points: (n + 1, 3) in units of the chain, the last on the target.

@@ -51,7 +51,7 @@ class Springs:
 
     @property
     def advised(self) -> tuple[float, float]:
-        """Time step and share of speed lost per step, as they are used: the theory's, less what bends need."""
+        """Time step and share of speed lost per step in use: the theoretical ones, cut, and more so for long chains."""
         long = int(self.free.sum()) > SHORT
         step, loss = self.pace
         return STEP_SHARES[long] * step, DAMPING_SHARES[long] * loss

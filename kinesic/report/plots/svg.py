@@ -86,7 +86,7 @@ def time_axes(axes: "Axes", *, end: float, ticks: int = 3) -> None:
 
 
 def plain(axes: "Axes", *, ticks: int = 3) -> None:
-    """Takes from axes what does not inform."""
+    """Reduces axes to few ticks, a faint grid and faint spines."""
     from matplotlib.ticker import MaxNLocator  # noqa: PLC0415 - as above
 
     axes.yaxis.set_major_locator(MaxNLocator(ticks))

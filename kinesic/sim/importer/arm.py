@@ -65,7 +65,7 @@ class Centres:
 
 
 def splits(count: int) -> list[Split]:
-    """Lists all ways to divide a row of hinges."""
+    """Lists all ways to divide an arm's hinges into girdle, shoulder, elbow and wrist."""
     return [
         Split(girdle, shoulder, min(count - girdle - shoulder - 1, MOST_WRIST))
         for girdle in range(MOST_GIRDLE + 1)

@@ -1,4 +1,4 @@
-"""The whole way from a foreign file to a robot's tables, with what is worth saying about them."""
+"""Converts a foreign robot's file to a robot's tables, with remarks for whoever reviews them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -49,7 +49,7 @@ class Rating:
 
 
 def read_answers(paths: Sequence[Path]) -> tuple[Rating, ...]:
-    """Reads the answers of all participants; of faces that only confuse none.
+    """Reads the answers of all participants, but for those about distractor faces.
 
     Raises:
         ConfigError: a file or a column is missing, or a value is out of its range.

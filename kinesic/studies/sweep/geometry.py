@@ -1,4 +1,4 @@
-"""Measures the shape of a path: how fast, far, wide and curved it is, and how often it comes somewhere. Pure."""
+"""Measures a path: its speed, length, volume and curvature, and how often it visits a place. Pure."""
 
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
