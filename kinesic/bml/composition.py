@@ -107,7 +107,7 @@ def waiting_blocks(block: Block, present: Mapping[str, BlockState]) -> dict[str,
     return {id: until for id, until in waits.items() if present.get(id) in waiting and id != block.id}
 
 
-def goes_round(waits: Mapping[str, Mapping[str, Until]], start: str) -> bool:
+def waits_for_itself(waits: Mapping[str, Mapping[str, Until]], start: str) -> bool:
     """Checks whether a block waits for itself, directly or through other blocks."""
     seen: set[str] = set()
     fringe = list(waits.get(start, ()))

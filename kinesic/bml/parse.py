@@ -60,7 +60,7 @@ def parse(
     bare = [_bare(name, required, reading) for name, required in named]
     names = _names(about.id, bare, known_blocks)
     references = ReferenceReader(reading, names)
-    cued = [references.cues(behaviour, name) for behaviour, (name, _) in zip(bare, named, strict=True)]
+    cued = [references.add_sync_references(behaviour, name) for behaviour, (name, _) in zip(bare, named, strict=True)]
     behaviours = tuple(behaviour for behaviour, _ in cued)
     manners = manners_of(bml, reading)
     composition, succession = composition_of(about, document.root, reading)

@@ -38,7 +38,7 @@ RISE = 0.5  # [s] from rest to the expression, and back
 
 
 @dataclass(frozen=True)
-class Sight:
+class ViewSettings:
     """How the face is looked at."""
 
     view: FaceView
@@ -68,15 +68,15 @@ def draw_face(
         raise click.UsageError("choose one: --au and --emotion, --bml, or --sheet")
     try:
         units = read_units(expression.units) | read_emotion(expression.emotion, expression.amount)
-        sight = Sight(view, replace(CLOSE if sheet or bml else FRONT, yaw_deg=view.yaw))
+        settings = ViewSettings(view, replace(CLOSE if sheet or bml else FRONT, yaw_deg=view.yaw))
         if out is None and (sheet or not has_display()):
             raise DisplayError("no display for a window; --out X.png, X.webp or X.mp4 writes a file")
         if bml is not None:
-            _perform(plan(read_input(bml), planning.set_up(), source=bml), sight, out)
+            _perform(plan(read_input(bml), planning.set_up(), source=bml), settings, out)
         elif out is None:
-            _show(units, sight)
+            _show(units, settings)
         else:
-            _draw(units, sight, out, sheet=sheet)
+            _draw(units, settings, out, sheet=sheet)
     except DisplayError as error:
         raise ConfigError(str(error)) from None
     if out is not None:
@@ -116,49 +116,51 @@ def read_emotion(name: str | None, amount: float) -> dict[str, float]:
     return dict(found.units)
 
 
-def _draw(units: Mapping[str, float], sight: Sight, out: Path, *, sheet: bool) -> None:
+def _draw(units: Mapping[str, float], settings: ViewSettings, out: Path, *, sheet: bool) -> None:
     moving = out.suffix.lower() not in ("", ".png") and not sheet
     (check_film if moving else check_ending)(out)
-    with sight.portrait(CELL if sheet else SIDE) as portrait:
+    with settings.portrait(CELL if sheet else SIDE) as portrait:
         if sheet:
-            save(contact_sheet(portrait, sight.camera), out)
+            save(contact_sheet(portrait, settings.camera), out)
         elif moving:
-            save_film(list(_film(portrait, units, sight)), out, rate=FILM_RATE)
+            save_film(list(_film(portrait, units, settings)), out, rate=FILM_RATE)
         else:
-            save(portrait.draw(units, sight.camera, gain=sight.view.gain), out)
+            save(portrait.draw(units, settings.camera, gain=settings.view.gain), out)
 
 
-def _film(portrait: Portrait, units: Mapping[str, float], sight: Sight) -> Iterator[Pixels]:
+def _film(portrait: Portrait, units: Mapping[str, float], settings: ViewSettings) -> Iterator[Pixels]:
     """Yields the expression as it rises from rest, stays and goes again."""
     for frame in range(round(SECONDS * FILM_RATE)):
         time = frame / FILM_RATE
         t = min(1.0, time / RISE, (SECONDS - time) / RISE)
         share = t * t * (3 - 2 * t)
-        yield portrait.draw({name: share * value for name, value in units.items()}, sight.camera, gain=sight.view.gain)
+        yield portrait.draw(
+            {name: share * value for name, value in units.items()}, settings.camera, gain=settings.view.gain
+        )
 
 
-def _show(units: Mapping[str, float], sight: Sight) -> None:
+def _show(units: Mapping[str, float], settings: ViewSettings) -> None:
     """Shows one expression in a window, until somebody closes it."""
     none = np.zeros(0)
     click.echo(KEYS, err=True)
-    with Preview(look=sight.look, windowed=True) as preview:
+    with Preview(look=settings.look, windowed=True) as preview:
         preview.write(Command(0.0, none, none, none, none, units))
         preview.wait()
 
 
-def _perform(planned: Plan, sight: Sight, out: Path | None) -> None:
+def _perform(planned: Plan, settings: ViewSettings, out: Path | None) -> None:
     robot, times = planned.setup.robot, command_times(planned.duration)
     if out is None:
         click.echo(KEYS, err=True)
-        play_whole(planned, Preview(robot, look=sight.look, windowed=True))
+        play_whole(planned, Preview(robot, look=settings.look, windowed=True))
         return
     with TemporaryDirectory() as folder:
         speech, wav = sound(planned), None
         if speech is not None:
             wav = Path(folder) / "speech.wav"
             write_wav(speech, wav)
-        is_strip, view = out.suffix.lower() == ".png", sight.view
+        is_strip, view = out.suffix.lower() == ".png", settings.view
         side, rate = (STRIP, FILM_RATE / 2) if is_strip else (SIDE, FILM_RATE)
-        look = PortraitSettings(view.variant, PRESETS[view.preset], sight.side(side), sight.camera, view.gain)
+        look = PortraitSettings(view.variant, PRESETS[view.preset], settings.side(side), settings.camera, view.gain)
         recording = FaceRecording(out, robot, look=look, rate=rate, sound=wav)
         play(commands_with_face(planned, times), recording)

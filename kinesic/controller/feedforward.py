@@ -13,7 +13,7 @@ from kinesic.motion.trajectory import Trajectory
 
 
 @dataclass(frozen=True, eq=False)
-class Lead:
+class FeedForwardGoals:
     """Feed-forward goals, and the loads and duties that servos need for the reference."""
 
     goals: Floats  # (m, n) [rad] clipped to the ranges
@@ -36,7 +36,7 @@ class FeedForward:
     delay: float = 0.0  # [s] of the bus
     terms: Terms = "full"  # what is inverted; for measuring what each part is worth
 
-    def lead(self, trajectory: Trajectory, times: Floats) -> Lead:
+    def lead(self, trajectory: Trajectory, times: Floats) -> FeedForwardGoals:
         """Computes the set points of a motion for goals that are sent at (m,) performance times [s]."""
         robot = self.robot
         angles, speeds, accelerations = trajectory.sample(times + self.period / 2 + self.delay)
@@ -48,7 +48,7 @@ class FeedForward:
         duties = torques / stall + speeds / no_load
         if self.terms == "none":
             sent = trajectory.sample(times)[0]
-            return Lead(sealed(robot.skeleton.clamp(sent)), sealed(np.zeros_like(sent)), sealed(duties))
+            return FeedForwardGoals(sealed(robot.skeleton.clamp(sent)), sealed(np.zeros_like(sent)), sealed(duties))
         lags = (speeds / no_load + rate * speeds / stall) / gain
         loads = torques / (gain * stall) if self.terms == "full" else np.zeros_like(torques)
-        return Lead(sealed(robot.skeleton.clamp(angles + lags + loads)), sealed(loads), sealed(duties))
+        return FeedForwardGoals(sealed(robot.skeleton.clamp(angles + lags + loads)), sealed(loads), sealed(duties))

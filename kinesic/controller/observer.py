@@ -36,11 +36,11 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import Body, Command
 from kinesic.body.dynamics import Dynamics
 from kinesic.body.robot import SPEED_SHARE, Robot
-from kinesic.controller.observer_step import tick_law
+from kinesic.controller.observer_step import compile_tick
 
 BANDWIDTH = 100.0  # [rad/s] of the observer's three poles
-CLEAR_LOAD = np.radians(2.0)  # of lead, at which the first lesson about a load is half believed
-FORGETTING = 5.0  # [s] after which older lessons count less
+CLEAR_LOAD = np.radians(2.0)  # of lead, at which the first sign of a load is half believed
+FORGETTING = 5.0  # [s] after which older loads count less
 LARGEST = np.radians(10.0)  # [rad] of correction
 SLICES = 1024  # of a period, for its exact solution
 
@@ -73,7 +73,7 @@ class LoadEstimate:
 
 
 @dataclass(frozen=True, eq=False)
-class LearnedLoads:
+class ObserverInputs:
     """The observer's inputs at all ticks, computed from the commands before anything is measured."""
 
     angles: Floats  # (m, n) [rad] reference
@@ -137,12 +137,12 @@ class Observer:
 
     @cached_property
     def _step(self) -> Callable[[Floats, Floats, Floats], Floats]:
-        """Function of rows of belief, measured deviation and rows of lessons, with CasADi's own memory."""
+        """Function of rows of belief, measured deviation and rows of inputs, with CasADi's own memory."""
         hinges, late = len(self.lower), len(self.arrival)
         gains: Floats = np.concatenate([self.forecast.reshape(9, hinges), self.gain, [self.step, self.full]])
         inputs = np.zeros((6 + late, hinges)), np.zeros(hinges), np.zeros((7, hinges))
         constant, found = (gains, np.array(self.arrival)), np.zeros((6 + late, hinges))
-        function = tick_law(hinges, late)
+        function = compile_tick(hinges, late)
         memory, run = function.buffer()
         for k, values in enumerate((*inputs, *constant)):
             memory.set_arg(k, values.data)  # type: ignore[call-arg]  # the stub asks for C's arguments
@@ -163,7 +163,7 @@ class Observer:
         """Begins where the reference begins, without deviation."""
         return LoadEstimate(np.zeros((6 + len(self.arrival), len(self.lower))))
 
-    def lessons(self, stream: Sequence[Command], loads: Floats) -> LearnedLoads:
+    def precompute_inputs(self, stream: Sequence[Command], loads: Floats) -> ObserverInputs:
         """Precomputes the observer's inputs for all ticks from the commands; they do not depend on measurements.
 
         Args:
@@ -181,7 +181,7 @@ class Observer:
         noticed = _smoothed(acting, loads[0], 1.0 / (1.0 + 3.0 / (BANDWIDTH * self.period)))
         forgotten = self.period / FORGETTING
         learned = _smoothed(noticed**2, np.zeros(loads.shape[1]), forgotten) / forgotten
-        return LearnedLoads(
+        return ObserverInputs(
             angles=angles,
             goals=goals,
             lowest=np.maximum(self.lower, goals - LARGEST),
@@ -191,19 +191,19 @@ class Observer:
             trust=noticed / (CLEAR_LOAD**2 + learned),
         )
 
-    def after(self, belief: LoadEstimate, deviation: Floats, lessons: LearnedLoads, tick: int) -> LoadEstimate:
+    def after(self, belief: LoadEstimate, deviation: Floats, inputs: ObserverInputs, tick: int) -> LoadEstimate:
         """Advances the estimate by one tick, and corrects the goals.
 
         Args:
             belief: at the tick before.
             deviation: (n,) [rad] measured minus reference at the tick before; NaN where a servo did not answer.
-            lessons: of all ticks.
+            inputs: of all ticks.
             tick: which one this is.
 
         Returns:
             The belief of this tick, with corrected goals.
         """
-        return LoadEstimate(self._step(belief.rows, deviation, lessons.rows[tick]))
+        return LoadEstimate(self._step(belief.rows, deviation, inputs.rows[tick]))
 
 
 def correct_goals(
@@ -219,13 +219,13 @@ def correct_goals(
         bodies: each is read once per tick.
         observer: of as many.
     """
-    lessons, belief = observer.lessons(stream, loads), observer.begin()
+    inputs, belief = observer.precompute_inputs(stream, loads), observer.begin()
     for tick, command in zip(range(len(loads)), stream, strict=True):
         if tick == 0:
             yield (command,) * len(bodies)
         else:
             measured = np.concatenate([body.positions() for body in bodies])
-            belief = observer.after(belief, measured - lessons.angles[tick - 1], lessons, tick)
+            belief = observer.after(belief, measured - inputs.angles[tick - 1], inputs, tick)
             state = command.time, command.angles, command.speeds, command.accelerations
             rows = belief.goals.reshape(len(bodies), -1)
             yield tuple(Command(*state, goals, command.face) for goals in rows)  # `replace` takes three times as long

@@ -13,7 +13,7 @@ FADING = 0.95  # of the push that is left after each tick in which a servo did n
 
 
 @lru_cache(maxsize=8)
-def tick_law(hinges: int, late: int) -> casadi.Function:
+def compile_tick(hinges: int, late: int) -> casadi.Function:
     """Compiles one observer tick for some hinges with CasADi: two microseconds, where NumPy takes twenty.
 
     Args:
@@ -21,10 +21,10 @@ def tick_law(hinges: int, late: int) -> casadi.Function:
         late: ticks on which corrections may be under way.
 
     Returns:
-        From belief (n, 6 + late), deviation (n,), lesson (n, 7), gains (n, 14) and arrival (late,) to the belief of
+        From belief (n, 6 + late), deviation (n,), inputs (n, 7), gains (n, 14) and arrival (late,) to the belief of
         this tick; CasADi's columns are NumPy's rows.
     """
-    names = {"belief": 6 + late, "measured": 1, "lesson": 7, "gains": 14}
+    names = {"belief": 6 + late, "measured": 1, "inputs": 7, "gains": 14}
     given = [casadi.MX.sym(name, hinges, columns) for name, columns in names.items()]
     arrival = casadi.MX.sym("arrival", late)
     columns = [casadi.horzsplit(symbol) for symbol in given]

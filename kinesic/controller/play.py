@@ -9,7 +9,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import NO_FACE, RATE, Command, Sink
-from kinesic.controller.feedforward import Lead
+from kinesic.controller.feedforward import FeedForwardGoals
 from kinesic.motion.trajectory import Trajectory
 
 SETTLE = 0.3  # [s] of stillness after the end
@@ -23,7 +23,7 @@ def command_times(duration: float, *, rate: int = RATE, settle: float = SETTLE) 
 def commands(
     trajectory: Trajectory,
     times: Floats,
-    setpoints: Lead,
+    setpoints: FeedForwardGoals,
     faces: Sequence[Mapping[str, float]] | None = None,
 ) -> Iterator[Command]:
     """Yields one command per tick.

@@ -31,7 +31,7 @@ REALISED = Outcome("realised")
 
 
 @dataclass(frozen=True)
-class Warned:
+class BehaviourWarning:
     """A warning for the sender."""
 
     type: NoticeType
@@ -46,12 +46,12 @@ class Move:
     head: tuple[Layer, ...] = ()
     torso: tuple[Layer, ...] = ()
     strokes: tuple[Stroke, ...] = ()
-    warnings: tuple[Warned, ...] = ()
+    warnings: tuple[BehaviourWarning, ...] = ()
 
 
 def drop_behaviour(why: str, type: NoticeType = NoticeType.CANNOT_CREATE_BEHAVIOR) -> Move:
     """Leaves a behaviour out, with the reason as a warning."""
-    return Move(Outcome("dropped", why), warnings=(Warned(type, f"left out: {why}"),))
+    return Move(Outcome("dropped", why), warnings=(BehaviourWarning(type, f"left out: {why}"),))
 
 
 def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) -> Move:
@@ -81,15 +81,15 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
     return Move(outcome, strokes=(stroke,), warnings=(*warnings, *unmet))
 
 
-def _unmet(action: Gesture, form: GestureForm, context: BlockContext) -> tuple[Warned, ...]:
+def _unmet(action: Gesture, form: GestureForm, context: BlockContext) -> tuple[BehaviourWarning, ...]:
     """Says why a gesture does not meet its target; empty when it does, or has none."""
     if action.target is None:
         return ()
     if context.find_target(action.target) is None:
-        return (Warned(NoticeType.NO_SUCH_TARGET, context.unknown_target(action.target)),)
+        return (BehaviourWarning(NoticeType.NO_SUCH_TARGET, context.unknown_target(action.target)),)
     if form.category != "deictic":
         text = f"gesture {form.id} is no deictic one and leaves its target out"
-        return (Warned(NoticeType.CANNOT_CREATE_BEHAVIOR, text),)
+        return (BehaviourWarning(NoticeType.CANNOT_CREATE_BEHAVIOR, text),)
     return ()
 
 
@@ -192,7 +192,7 @@ def _perform_looks(looks: Sequence[TimedBehaviour], aims: Sequence[gaze.Aim], co
         outcome, warnings = substitution_outcome(aim.substitute, aim.clipped, aim.missing)
         if k + 1 < len(heads) and (leave := heads[k].leave) is not None and heads[k + 1].start < leave:
             text = f"gives way to {looks[k + 1].behaviour.id} at {heads[k + 1].start:.2f} s"
-            warnings += (Warned(NoticeType.IMPOSSIBLE_TO_SCHEDULE, text),)
+            warnings += (BehaviourWarning(NoticeType.IMPOSSIBLE_TO_SCHEDULE, text),)
         manner = context.manner(timed.behaviour)
         here, below = pass_layer(head[k], manner), without_upright(pass_layer(lower[k], manner))
         moves[timed.behaviour.id] = Move(outcome, head=(here,), torso=below, warnings=warnings)
@@ -213,12 +213,14 @@ def _lacking(part: str, context: BlockContext) -> Move:
     return drop_behaviour(f"robot {context.robot.name} has no {part}", NoticeType.BEHAVIOR_TYPE_NOT_SUPPORTED)
 
 
-def _clip_warning(text: str) -> tuple[Warned, ...]:
-    return (Warned(NoticeType.CANNOT_CREATE_BEHAVIOR, text),) if text else ()
+def _clip_warning(text: str) -> tuple[BehaviourWarning, ...]:
+    return (BehaviourWarning(NoticeType.CANNOT_CREATE_BEHAVIOR, text),) if text else ()
 
 
-def substitution_outcome(why: str, clipped: str = "", missing: str = "") -> tuple[Outcome, tuple[Warned, ...]]:
+def substitution_outcome(
+    why: str, clipped: str = "", missing: str = ""
+) -> tuple[Outcome, tuple[BehaviourWarning, ...]]:
     """Makes the outcome and the warnings of a behaviour that is performed, if need be in another form."""
     type = NoticeType.NO_SUCH_TARGET if missing else NoticeType.CANNOT_CREATE_BEHAVIOR
-    warnings = (Warned(type, why),) if why else ()
+    warnings = (BehaviourWarning(type, why),) if why else ()
     return Outcome("substituted", why) if why else REALISED, warnings + _clip_warning(clipped)

@@ -29,8 +29,8 @@ from kinesic.bml.block import (
 from kinesic.bml.timing.constraints import placed_points
 from kinesic.body.robot import PartName
 from kinesic.expressivity.behaviours import (
+    BehaviourWarning,
     Move,
-    Warned,
     drop_behaviour,
     gesture_move,
     head_move,
@@ -45,7 +45,7 @@ from kinesic.expressivity.hands.phases import Arranged, arrange_hands
 from kinesic.expressivity.idle import add_idle_motion
 from kinesic.expressivity.keyframes import KeyFrames, Outcome
 from kinesic.expressivity.posture import posture_moves
-from kinesic.expressivity.trunk import taking_part
+from kinesic.expressivity.trunk import turn_trunk_along
 
 ALL: Mapping[str, str] = MappingProxyType({})  # nothing is left out
 
@@ -90,7 +90,7 @@ def keyframes(timeline: Timeline, context: BlockContext, *, without: Mapping[str
 def _sequences(timeline: Timeline, context: BlockContext, moves: Mapping[str, Move], hands: Arranged) -> Sequences:
     """Joins all moves part by part, with the trunk's share in gestures, and idle motion in the pauses."""
     trunk = [
-        taking_part(work, context.manner(timed.behaviour, "torso"), context.pace)
+        turn_trunk_along(work, context.manner(timed.behaviour, "torso"), context.pace)
         for timed in timeline.timed
         if isinstance(timed.behaviour.action, Gesture)
         for work in hands.works
@@ -144,19 +144,19 @@ def _face_move(action: Face) -> Move:
         return drop_behaviour(found.why)
     beyond = "" if 0.0 <= action.amount <= 1.0 else f"amount {action.amount:g} is cut to the range from 0 to 1"
     texts = filter(None, (found.why, beyond))
-    return Move(found, warnings=tuple(Warned(NoticeType.CANNOT_CREATE_BEHAVIOR, text) for text in texts))
+    return Move(found, warnings=tuple(BehaviourWarning(NoticeType.CANNOT_CREATE_BEHAVIOR, text) for text in texts))
 
 
 def _with_hands(id: str, move: Move, hands: Arranged) -> Move:
     """Adds what became of a behaviour when the hands were given out."""
-    remarks = (Warned(NoticeType.IMPOSSIBLE_TO_SCHEDULE, text) for text in hands.remarks.get(id, ()))
+    remarks = (BehaviourWarning(NoticeType.IMPOSSIBLE_TO_SCHEDULE, text) for text in hands.remarks.get(id, ()))
     move, outcome = replace(move, warnings=(*move.warnings, *remarks)), hands.outcomes.get(id)
     if outcome is None:
         return move
     if outcome.kind == "dropped":
         return drop_behaviour(outcome.why, NoticeType.IMPOSSIBLE_TO_SCHEDULE)
     why = "; ".join(filter(None, [move.outcome.why, outcome.why]))
-    warned = Warned(NoticeType.IMPOSSIBLE_TO_SCHEDULE, outcome.why)
+    warned = BehaviourWarning(NoticeType.IMPOSSIBLE_TO_SCHEDULE, outcome.why)
     return replace(move, outcome=Outcome("substituted", why), warnings=(*move.warnings, warned))
 
 

@@ -96,7 +96,7 @@ def limit_trunk(turn: Turn, robot: Robot) -> Lean:
     return Lean(clip_turn(turn, within), f"{lost:.1f} deg beyond the torso's range are left out" if lost > 0.05 else "")
 
 
-def taking_part(work: HandStroke, manner: Expressivity, pace: Pace) -> Layer:
+def turn_trunk_along(work: HandStroke, manner: Expressivity, pace: Pace) -> Layer:
     """Turns the trunk along with one gesture, from upright to upright.
 
     No step asks more of the trunk than it does in the time that the hands have, so that no stroke waits for it.

@@ -16,7 +16,7 @@ from kinesic.ik.arm.compiled import KERNEL, Kernel, arm_of
 from kinesic.ik.arm.linkage import Linkage, linkage_of
 from kinesic.ik.arm.mirror import is_right, mirror_chain, mirror_place
 from kinesic.ik.arm.polish import HandSlope, columns, polish_step
-from kinesic.ik.arm.shoulder_elbow import STRETCH, helpful
+from kinesic.ik.arm.shoulder_elbow import STRETCH, nearest_girdle
 from kinesic.ik.scalar3 import Vector, distance, dot, minus, norm, plus, scaled, vector
 
 LONGEST = 0.005  # [s] that one step of the way takes; a longer tick takes several, so that its length does not matter
@@ -157,7 +157,7 @@ def soften_target(linkage: Linkage, target: Vector, rest: Sequence[float]) -> Ve
     begin = STRETCH * linkage.farthest - width
     if distance(linkage.walk(rest, len(linkage.girdle))[1][-1], target) <= begin:
         return target
-    shoulder = helpful(linkage, target, rest)[-1]
+    shoulder = nearest_girdle(linkage, target, rest)[-1]
     d = distance(shoulder, target)
     if d <= begin:
         return target

@@ -115,7 +115,7 @@ def _between(controls: Floats, first: int, last: int, limits: Limits, hinge: int
     return None if found is None else np.concatenate([controls[: first + LEAST], found[LEAST:-LEAST], controls[last:]])
 
 
-def excesses(controls: Floats, limits: Limits) -> Floats:
+def largest_shares(controls: Floats, limits: Limits) -> Floats:
     """Computes (n,) the largest share of any limit that splines (k + 3, n) [rad] take."""
     whole = grid(len(controls) - 3, STEP)
     columns = enumerate(controls.T)

@@ -38,7 +38,7 @@ def synthesise_block(block: Block, setup: Setup, waiting: tuple[SpeechPause, ...
         setup: who speaks, in which style.
         waiting: pauses that are made for the body.
     """
-    rate, pitch = delivery(setup.style)
+    rate, pitch = choose_rate_and_pitch(setup.style)
     scripts = {b.id: b.action.script for b in block.behaviours if isinstance(b.action, Speech)}
     return {
         name: setup.voice.say(
@@ -48,7 +48,7 @@ def synthesise_block(block: Block, setup: Setup, waiting: tuple[SpeechPause, ...
     }
 
 
-def delivery(style: Style) -> tuple[float, float]:
+def choose_rate_and_pitch(style: Style) -> tuple[float, float]:
     """Chooses rate and pitch of a style, in times the voice's own.
 
     Who moves faster speaks faster, up to a quarter; who moves with more power, or more at all, speaks higher, up to

@@ -19,7 +19,7 @@ from kinesic.body.config import ConfigError
 from kinesic.expressivity.style.style import Style, style_preset
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SHIFT_TO_WARN
-from kinesic.realizer.feedback import order_feedback, retime_feedback, times_of, without_doubts
+from kinesic.realizer.feedback import order_feedback, retime_feedback, times_of, without_provisional
 from kinesic.realizer.pointing import aim_again
 from kinesic.realizer.replan import replan
 from kinesic.realizer.request import TimedRequest, retime_request
@@ -199,7 +199,7 @@ def _with_amount(behaviour: Behaviour, amount: float) -> Behaviour:
 
 def _announce(scene: Scene, before: RunningBlock, running: RunningBlock, now: float) -> Scene:
     """Puts a block with another plan in its place, and schedules a prediction where times differ, and new warnings."""
-    agenda = without_doubts(scene.agenda, running.id)
+    agenda = without_provisional(scene.agenda, running.id)
     is_doubtful = len(agenda) < len(scene.agenda)
     known = before.certain_notices if is_doubtful else before.prepared.plan.notices
     news = [running.warning(notice, now) for notice in running.certain_notices if notice not in known]

@@ -9,7 +9,7 @@ from kinesic.bml.block import Notice, NoticeType
 from kinesic.bml.composition import BlockState
 from kinesic.body.arrays import Flags
 from kinesic.motion.trajectory import Trajectory
-from kinesic.realizer.feedback import Progress, ScheduledFeedback, retime_feedback, without, without_doubts
+from kinesic.realizer.feedback import Progress, ScheduledFeedback, retime_feedback, without, without_provisional
 from kinesic.realizer.occupancy import Occupancy, freed_hinges
 from kinesic.realizer.release import release_motion
 from kinesic.realizer.running_block import RunningBlock
@@ -34,7 +34,7 @@ def stop_block(scene: Scene, running: RunningBlock, now: float, why: str) -> Sce
 
 def end_block(scene: Scene, running: RunningBlock, now: float, why: str) -> Scene:
     """Ends a block now, and leaves its motion as it is to a block that takes its place."""
-    agenda = without_doubts(without(scene.agenda, running.id), running.id)
+    agenda = without_provisional(without(scene.agenda, running.id), running.id)
     waits_for_start = any(
         isinstance(message.content, Progress) and message.content.key == (None, "start")
         for message in scene.agenda

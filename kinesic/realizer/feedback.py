@@ -120,7 +120,7 @@ def without(
     return tuple(message for message in agenda if not is_dropped(message.content))
 
 
-def without_doubts(agenda: Sequence[ScheduledFeedback], block: str) -> tuple[ScheduledFeedback, ...]:
+def without_provisional(agenda: Sequence[ScheduledFeedback], block: str) -> tuple[ScheduledFeedback, ...]:
     """Removes from an agenda the messages that are due only if a block gets no better plan."""
     return tuple(message for message in agenda if message.unless_improved != block)
 

@@ -15,7 +15,7 @@ from kinesic.body.arrays import Flags, Floats
 from kinesic.body.limits import Limits
 from kinesic.motion.easing import minimum_jerk
 from kinesic.motion.trajectory import EARLY, STEP
-from kinesic.motion.transition import LEAST, SAME, cross_over, excesses, keep_limits, lengthen
+from kinesic.motion.transition import LEAST, SAME, cross_over, keep_limits, largest_shares, lengthen
 from kinesic.planning.quick_plan import duration
 from kinesic.planning.setup import Setup
 from kinesic.realizer.occupancy import ARMS, MergeFailure, Occupancy, Overlay, Role, arm_hinges
@@ -55,7 +55,7 @@ def add_motions(work: Overlay, alone: Flags, limits: Limits, names: Sequence[str
     first, last = max(work.cut, int(rows[0]) - LEAST), min(int(rows[-1]) + 1, len(found) - LEAST)
     if last - first < LEAST:
         return found
-    over = excesses(found[first : last + LEAST, moved], limits.part(moved)) > 1.0
+    over = largest_shares(found[first : last + LEAST, moved], limits.part(moved)) > 1.0
     for hinge in moved[over].tolist():
         desired = np.clip(found[:, hinge], limits.lower[hinge], limits.upper[hinge])
         column = keep_limits(desired, first, last, limits, hinge)
@@ -113,7 +113,7 @@ def rise(times: Floats, begin: float, end: float) -> Floats:
     return minimum_jerk((times - begin) / max(end - begin, STEP))
 
 
-def hand_over(work: Overlay, role: Role, hinge: int, limits: Limits) -> Floats | MergeFailure:
+def join_hinge_motions(work: Overlay, role: Role, hinge: int, limits: Limits) -> Floats | MergeFailure:
     """Leads one hinge of an arm through all that its hand has to do.
 
     Args:
@@ -209,14 +209,14 @@ def overlay(work: Overlay, setup: Setup, limits: Limits) -> Floats | MergeFailur
         return found
     columns = [found[:, hinge] for hinge in range(found.shape[1])]
     for hinge, role in arms.items():
-        column = hand_over(work, role, hinge, limits)
+        column = join_hinge_motions(work, role, hinge, limits)
         if isinstance(column, MergeFailure):
             return column
         columns[hinge] = column
     count = max(map(len, columns)) + 1
     whole = np.stack([np.pad(column, (0, count - len(column)), mode="edge") for column in columns], axis=1)
     changed = np.flatnonzero((np.abs(whole - lengthen(work.base, count)) > SAME).any(axis=0))
-    over = changed[excesses(whole[work.cut :, changed], limits.part(changed)) > KEPT]
+    over = changed[largest_shares(whole[work.cut :, changed], limits.part(changed)) > KEPT]
     if len(over):
         return work.trunk_failure(f"{names[over[0]]} cannot do both within its limits")
     return whole

@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import partial
 
 from kinesic.bml.block import Activate, Command, Interrupt, Notice, NoticeType, ParameterChange, modality_of
-from kinesic.bml.composition import BlockState, awaited, goes_round, waiting_blocks
+from kinesic.bml.composition import BlockState, awaited, waiting_blocks, waits_for_itself
 from kinesic.bml.feedback import warning
 from kinesic.planning.certify import certify
 from kinesic.planning.plan import plan_block
@@ -174,7 +174,7 @@ def _hold_back(scene: Scene, running: RunningBlock) -> Scene:
         other = scene.find(id)
         if other is not None:
             after = scene.with_block(replace(other, waits={**other.waits, running.id: until}))
-            if not goes_round({each.id: each.waits for each in after.blocks}, id):
+            if not waits_for_itself({each.id: each.waits for each in after.blocks}, id):
                 scene = after
     return scene
 

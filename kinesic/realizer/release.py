@@ -13,9 +13,9 @@ from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.motion.transition import (
     LEAST,
     cross_over,
-    excesses,
     keep_limits,
     knot_at,
+    largest_shares,
     lengthen,
     roomy,
     shorten,
@@ -125,7 +125,7 @@ def _take_up(back: Floats, own: Floats, knot: int, others: Sequence[Occupancy], 
 def _checked(found: Floats, running: Trajectory, knot: int, setup: Setup) -> Trajectory | None:
     """Makes control points a motion that keeps the limits; None where it cannot, or comes too near to the body."""
     limits = roomy(setup.limits)
-    for hinge in np.flatnonzero(excesses(found[knot:], limits) > 1.0).tolist():
+    for hinge in np.flatnonzero(largest_shares(found[knot:], limits) > 1.0).tolist():
         column = keep_limits(found[:, hinge], knot, len(found) - 3, limits, hinge)
         if column is None:
             return None

@@ -7,7 +7,7 @@ from kinesic.bml.composition import BlockState
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.realizer.contention import occupancy_of_others, silence_overlap
 from kinesic.realizer.ending import end_block, stop_block
-from kinesic.realizer.feedback import order_feedback, times_of, without, without_doubts
+from kinesic.realizer.feedback import order_feedback, times_of, without, without_provisional
 from kinesic.realizer.merge import MergedMotion, merge, replace_motion
 from kinesic.realizer.pointing import aim_again
 from kinesic.realizer.running_block import RunningBlock
@@ -59,7 +59,7 @@ def _fail(scene: Scene, running: RunningBlock, missing: list[str], notices: tupl
     """Performs nothing of a block when something that it requires is left out."""
     text = f"not performed, because it requires {', '.join(missing)}"
     every = (*notices, Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, running.id, text))
-    agenda = without_doubts(without(scene.agenda, running.id), running.id)
+    agenda = without_provisional(without(scene.agenda, running.id), running.id)
     after = replace(scene.without_block(running, BlockState.FAILED), agenda=agenda)
     return after.say(*(running.warning(notice, now) for notice in every))
 

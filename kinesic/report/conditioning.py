@@ -14,8 +14,8 @@ from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime, limit_met
 STROKE = ("strokeStart", "strokeEnd")
 RATE = 100  # [Hz]
 LOSS_TO_TELL = 0.05  # share of a stroke's speed or path
-STRAY_TO_TELL = 1.0  # [deg]
-MOST_STRAYS = 3  # hinges that are named
+DEVIATION_TO_TELL = 1.0  # [deg]
+MOST_DEVIATIONS = 3  # hinges that are named
 LEAST = {"m": 0.01, "m/s": 0.05, "deg": 1.0, "deg/s": 5.0}  # below which nobody sees a stroke
 
 
@@ -53,7 +53,7 @@ class Loss:
 
 
 @dataclass(frozen=True)
-class Stray:
+class HingeDeviation:
     """A hinge that moves otherwise than desired, between its keys."""
 
     hinge: str
@@ -61,7 +61,7 @@ class Stray:
 
 
 @dataclass(frozen=True)
-class Chapter:
+class ChangedBehaviour:
     """One behaviour that could not be performed as asked."""
 
     behaviour: str
@@ -75,7 +75,7 @@ class Chapter:
         return max((abs(moved.planned - moved.asked) for moved in self.moved), default=0.0)
 
 
-def story(performance: Performance) -> tuple[Chapter, ...]:
+def story(performance: Performance) -> tuple[ChangedBehaviour, ...]:
     """Finds behaviours with a moved sync point, or a stroke that lost more than 5 %; the largest shift first."""
     plan = performance.plan
     desired = _desired_paths(performance)
@@ -87,15 +87,15 @@ def story(performance: Performance) -> tuple[Chapter, ...]:
         core = _core(syncs)
         losses = tuple(loss for part in parts if core for loss in _losses(part, core, desired, performance))
         if moved or losses:
-            found.append(Chapter(name, moved, losses, stroke=core is not None))
-    return tuple(sorted(found, key=lambda chapter: -chapter.shift))
+            found.append(ChangedBehaviour(name, moved, losses, stroke=core is not None))
+    return tuple(sorted(found, key=lambda changed: -changed.shift))
 
 
-def strays(performance: Performance) -> tuple[Stray, ...]:
+def find_deviations(performance: Performance) -> tuple[HingeDeviation, ...]:
     """Finds the hinges whose way differs most from the desired one."""
     names, lost = performance.plan.setup.robot.skeleton.names, np.degrees(performance.plan.motion.lost)
-    order = np.argsort(-lost)[:MOST_STRAYS]
-    return tuple(Stray(names[hinge], float(lost[hinge])) for hinge in order if lost[hinge] > STRAY_TO_TELL)
+    order = np.argsort(-lost)[:MOST_DEVIATIONS]
+    return tuple(HingeDeviation(names[hinge], float(lost[hinge])) for hinge in order if lost[hinge] > DEVIATION_TO_TELL)
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ from markupsafe import Markup, escape
 from kinesic.controller.performance import Performance
 from kinesic.expressivity.style.style import MODALITIES, RANGES
 from kinesic.report.checks.servos import CONTINUOUS, draw_load, loads
-from kinesic.report.conditioning import story, strays
+from kinesic.report.conditioning import find_deviations, story
 from kinesic.report.plots.hands import hands
 from kinesic.report.plots.joints import joints, still_hinges
 from kinesic.report.plots.margins import margins
@@ -82,7 +82,7 @@ def write_page(
         checks=sorted(_rows(data, "checks"), key=lambda row: SEVERITY[str(row["status"])]),
         behaviours=sorted(_rows(data, "behaviours"), key=lambda row: OUTCOMES[str(row["outcome"])]),
         chapters=(chapters[:FIRST_CHAPTERS], chapters[FIRST_CHAPTERS:]),
-        strays=strays(performance),
+        deviations=find_deviations(performance),
         parts=PARTS,
         modalities=MODALITIES,
         parameters=list(RANGES),

@@ -14,7 +14,7 @@ from kinesic.bml.block import (
     ParameterChange,
     Succession,
 )
-from kinesic.bml.composition import BlockState, awaited, goes_round, waiting_blocks
+from kinesic.bml.composition import BlockState, awaited, waiting_blocks, waits_for_itself
 from kinesic.bml.parse import parse
 from kinesic.bml.schedule import schedule
 
@@ -137,9 +137,9 @@ def test_only_blocks_that_wait_are_held_back() -> None:
 
 def test_waiting_in_a_circle() -> None:
     waits = {"a": {"b": "end"}, "b": {"c": "relax"}, "c": {}}
-    assert not goes_round(waits, "a")
-    assert goes_round({**waits, "c": {"a": "end"}}, "a")
-    assert not goes_round({**waits, "b": {"b": "end"}}, "a")
+    assert not waits_for_itself(waits, "a")
+    assert waits_for_itself({**waits, "c": {"a": "end"}}, "a")
+    assert not waits_for_itself({**waits, "b": {"b": "end"}}, "a")
 
 
 def test_states_in_which_a_block_plays() -> None:

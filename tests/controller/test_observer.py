@@ -8,7 +8,7 @@ from scipy.linalg import expm
 from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
 from kinesic.body.robot import SPEED_SHARE, Robot
-from kinesic.controller.observer import LARGEST, LearnedLoads, LoadEstimate, Observer, _forecast, correct_goals
+from kinesic.controller.observer import LARGEST, LoadEstimate, Observer, ObserverInputs, _forecast, correct_goals
 from kinesic.controller.observer_step import FADING, RESTORING, SHARES
 from kinesic.sim.dynamics import MujocoDynamics
 
@@ -25,12 +25,12 @@ def command(angles: Floats = REST) -> Command:
     return Command(0.0, angles, NOTHING, NOTHING, angles)
 
 
-def lessons(angles: Floats = REST, load: float = 0.0, **changes: Floats) -> LearnedLoads:
+def inputs(angles: Floats = REST, load: float = 0.0, **changes: Floats) -> ObserverInputs:
     """One tick that teaches nothing, but for what is changed."""
-    return replace(OBSERVER.lessons([command(angles)], NOTHING[None] + load), **changes)
+    return replace(OBSERVER.precompute_inputs([command(angles)], NOTHING[None] + load), **changes)
 
 
-LESSONS = lessons()
+INPUTS = inputs()
 
 
 def closed_loop(observer: Observer, factors: tuple[float, float, float], latency: float) -> Floats:
@@ -90,7 +90,7 @@ def test_the_forecast_is_the_exact_solution():
 def test_without_deviation_nothing_is_corrected():
     belief = OBSERVER.begin()
     for _ in range(20):
-        belief = OBSERVER.after(belief, NOTHING, LESSONS, 0)
+        belief = OBSERVER.after(belief, NOTHING, INPUTS, 0)
     np.testing.assert_array_equal(belief.goals, REST)
     np.testing.assert_array_equal(belief.share, 0.0)
 
@@ -98,7 +98,7 @@ def test_without_deviation_nothing_is_corrected():
 def test_a_step_is_pure():
     belief = OBSERVER.begin()
     kept = [getattr(belief, name).copy() for name in LoadEstimate.__dataclass_fields__]
-    first, second = (OBSERVER.after(belief, NOTHING + 0.01, lessons(load=0.02), 0) for _ in range(2))
+    first, second = (OBSERVER.after(belief, NOTHING + 0.01, inputs(load=0.02), 0) for _ in range(2))
     for name, before in zip(LoadEstimate.__dataclass_fields__, kept, strict=True):
         np.testing.assert_array_equal(getattr(belief, name), before)
         np.testing.assert_array_equal(getattr(first, name), getattr(second, name))
@@ -107,14 +107,14 @@ def test_a_step_is_pure():
 def test_a_hinge_that_hangs_low_is_raised():
     belief = OBSERVER.begin()
     for _ in range(50):
-        belief = OBSERVER.after(belief, NOTHING - 0.01, lessons(np.zeros(COUNT)), 0)
+        belief = OBSERVER.after(belief, NOTHING - 0.01, inputs(np.zeros(COUNT)), 0)
     assert np.all(belief.correction[ROBOT.skeleton.upper > 0.05] > 0.0)
 
 
 @pytest.mark.parametrize("deviation", [-3.0, -0.05, 0.05, 3.0])
 def test_size_rate_and_range_are_bounded(deviation):
     belief, one = OBSERVER.begin(), np.ones((1, COUNT))
-    taught = lessons(load=0.1, noticed=0.1 * one, trust=one)
+    taught = inputs(load=0.1, noticed=0.1 * one, trust=one)
     step = (1 - SPEED_SHARE) * ROBOT.drives.no_load * PERIOD
     for _ in range(200):
         before = belief.correction
@@ -129,7 +129,7 @@ def test_a_heavier_load_is_learned_while_it_is_led():
     share, belief = 0.6, OBSERVER.begin()
     plant = np.zeros((COUNT, 3))
     loads = 0.06 * np.sin(np.arange(60) / 5)[:, None] + NOTHING
-    taught = OBSERVER.lessons([command(NOTHING)] * 60, loads)
+    taught = OBSERVER.precompute_inputs([command(NOTHING)] * 60, loads)
     for tick, load in enumerate(loads):
         previous = plant[:, 0]
         belief = OBSERVER.after(belief, previous, taught, tick)
@@ -142,12 +142,12 @@ def test_a_heavier_load_is_learned_while_it_is_led():
 def test_a_silent_servo_loses_its_push_and_the_others_do_not():
     belief = OBSERVER.begin()
     for _ in range(30):
-        belief = OBSERVER.after(belief, NOTHING + 0.02, LESSONS, 0)
+        belief = OBSERVER.after(belief, NOTHING + 0.02, INPUTS, 0)
     push = belief.motion[2]
     silent = NOTHING + 0.02
     silent[3] = np.nan
     for _ in range(40):
-        belief = OBSERVER.after(belief, silent, LESSONS, 0)
+        belief = OBSERVER.after(belief, silent, INPUTS, 0)
         assert np.isfinite(belief.goals).all()
     assert abs(belief.motion[2, 3]) < 1.01 * abs(push[3]) * FADING**40
     assert abs(belief.motion[2, 4]) > 0.5 * abs(push[4])
@@ -160,7 +160,7 @@ def test_bodies_side_by_side_are_observed_like_each_alone():
     stream = [command()] * 30
 
     def goals(observer: Observer, measured: Floats) -> Floats:
-        taught, belief, found = observer.lessons(stream, loads), observer.begin(), []
+        taught, belief, found = observer.precompute_inputs(stream, loads), observer.begin(), []
         for tick, deviation in enumerate(measured):
             belief = observer.after(belief, deviation, taught, tick)
             found.append(belief.goals)

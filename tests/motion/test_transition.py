@@ -8,9 +8,9 @@ from kinesic.motion.trajectory import STEP, Trajectory
 from kinesic.motion.transition import (
     cross_over,
     delay_controls,
-    excesses,
     keep_limits,
     knot_at,
+    largest_shares,
     lengthen,
     roomy,
     shorten,
@@ -78,7 +78,7 @@ def test_a_wish_within_the_limits_stays():
 def test_excesses_are_those_of_each_hinge():
     both = np.stack([wave(100, 0.2, 1.5), wave(100, 0.4, 1.5)], axis=1)
     limits = Limits(*(sealed([value, value]) for value in BOXES))
-    one, other = excesses(both, limits)
+    one, other = largest_shares(both, limits)
     assert one == pytest.approx(share(np.ascontiguousarray(both[:, 0])))
     assert other > one
 

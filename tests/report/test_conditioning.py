@@ -7,7 +7,7 @@ import pytest
 
 from kinesic.controller.performance import Performance
 from kinesic.planning.syncs import SHIFT_TO_WARN
-from kinesic.report.conditioning import LOSS_TO_TELL, story, strays
+from kinesic.report.conditioning import LOSS_TO_TELL, find_deviations, story
 
 
 def with_plan(performance: Performance, **changes: object) -> Performance:
@@ -44,5 +44,5 @@ def test_hinges_that_stray_are_named_the_worst_first(calm: Performance) -> None:
     names = calm.plan.setup.robot.skeleton.names
     lost = np.radians(np.r_[0.5, 3.0, 1.5, np.zeros(len(names) - 3)])
     motion = replace(calm.plan.motion, lost=lost)
-    found = strays(with_plan(calm, motion=motion))
+    found = find_deviations(with_plan(calm, motion=motion))
     assert [(stray.hinge, pytest.approx(stray.degrees)) for stray in found] == [(names[1], 3.0), (names[2], 1.5)]

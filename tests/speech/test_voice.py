@@ -10,7 +10,7 @@ from kinesic.body.config import ConfigError
 from kinesic.body.utterance import Mark, Recording, Script
 from kinesic.controller.perform import plan, set_up
 from kinesic.expressivity.style.style import Expressivity, Style
-from kinesic.planning.speech import delivery, synthesise_block
+from kinesic.planning.speech import choose_rate_and_pitch, synthesise_block
 from kinesic.speech import voice as module
 from kinesic.speech.durations import DurationModel
 from kinesic.speech.espeak_pool import espeak_fault
@@ -63,7 +63,7 @@ def test_a_voice_can_go_to_another_process(name: module.VoiceName):
 
 
 def test_a_neutral_style_speaks_as_the_voice_does():
-    assert delivery(Style()) == (1.0, 1.0)
+    assert choose_rate_and_pitch(Style()) == (1.0, 1.0)
 
 
 @pytest.mark.parametrize(
@@ -76,7 +76,7 @@ def test_a_neutral_style_speaks_as_the_voice_does():
     ],
 )
 def test_manner_changes_rate_and_pitch(manner: Expressivity, faster: bool | None, higher: bool | None):
-    for value, expected in zip(delivery(Style.uniform(manner)), (faster, higher), strict=True):
+    for value, expected in zip(choose_rate_and_pitch(Style.uniform(manner)), (faster, higher), strict=True):
         assert (value > 1.0, value < 1.0) == {None: (False, False), True: (True, False), False: (False, True)}[expected]
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from kinesic.bench.blocks import crowd
-from kinesic.bench.plan import unsaid, violations
+from kinesic.bench.plan import count_wrong_warnings, violations
 from kinesic.controller.perform import plan, set_up
 from kinesic.expressivity.style.style import RANGES, Expressivity, Style
 
@@ -23,5 +23,5 @@ def test_crowded_blocks_keep_limits_and_say_what_moves(seed, known):
     lexemes = [form.id for form in known.lexicon.forms]
     planned = plan(crowd(seed, lexemes), replace(known, style=Style.uniform(manner)))
     assert violations(planned) == 0
-    assert unsaid(planned) == (0, 0)
+    assert count_wrong_warnings(planned) == (0, 0)
     assert any(abs(sync.planned - sync.asked) > 0.01 for sync in planned.syncs)

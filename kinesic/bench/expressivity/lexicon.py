@@ -12,7 +12,7 @@ from math import radians
 import numpy as np
 
 from kinesic.bench.figure import Figure
-from kinesic.bench.plan import unsaid, violations
+from kinesic.bench.plan import count_wrong_warnings, violations
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import names_of
 from kinesic.body.robot import SIDES, Side
@@ -116,7 +116,7 @@ def judge_gesture(gesture: str, style: str, known: Setup) -> GestureResult:
         violations=violations(planned),
         stroke_error=_late(performance),
         on_time=all(abs(sync.planned - sync.asked) <= SHIFT_TO_WARN for sync in strokes),
-        reported=unsaid(planned) == (0, 0) and bool(planned.notices if dropped else strokes),
+        reported=count_wrong_warnings(planned) == (0, 0) and bool(planned.notices if dropped else strokes),
         miss=max(planned.postures.misses.values(), default=0.0),
     )
 

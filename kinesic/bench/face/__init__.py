@@ -78,7 +78,7 @@ def _measured() -> dict[str, float]:
         **frame_rate.frames(PICTURES),
         **occlusion.occlusion(SIZES),
         **scattering.scattering(),
-        **wrinkles.laws(),
+        **wrinkles.measure_law_violations(),
     }
 
 

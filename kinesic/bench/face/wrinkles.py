@@ -62,7 +62,7 @@ class _Law(NamedTuple):
     steepest: float
 
 
-def laws() -> dict[str, float]:
+def measure_law_violations() -> dict[str, float]:
     """Measures how far each law is from holding, at worst over all action units with wrinkles."""
     with Portrait(size=SIZE) as portrait:
         head = _Head(portrait)

@@ -36,7 +36,7 @@ def bench() -> list[Figure]:
     hurried, moved = _timed(hurry, known)
     crowded = [plan(crowd(seed, lexemes), known) for seed in range(CROWDS)]
     every = [*plans, *moved, *crowded]
-    missing, false = (sum(found) for found in zip(*map(unsaid, every), strict=True))
+    missing, false = (sum(found) for found in zip(*map(count_wrong_warnings, every), strict=True))
     return [
         Figure(f"plan.full_5s_{KERNEL}", 1000 * median(seconds), "ms", 300.0, "lower"),
         Figure("plan.full_5s_p95", 1000 * float(np.percentile(seconds, 95)), "ms", 300.0, "lower"),
@@ -84,7 +84,7 @@ def duty(planned: Plan) -> Floats:
     return np.asarray(np.abs(torques / known.robot.drives.stall + speeds * known.limits.viscous).max(axis=0))
 
 
-def unsaid(planned: Plan) -> tuple[int, int]:
+def count_wrong_warnings(planned: Plan) -> tuple[int, int]:
     """Counts shifted sync points without a warning, and warnings about sync points that did not shift."""
     warned = {
         (notice.id, notice.text.partition(" asked at ")[0])

@@ -151,7 +151,7 @@ class ReferenceReader:
     reading: DocumentReading
     names: Names
 
-    def cues(self, behaviour: Behaviour, named: BehaviourElement) -> tuple[Behaviour, list[Precedence]]:
+    def add_sync_references(self, behaviour: Behaviour, named: BehaviourElement) -> tuple[Behaviour, list[Precedence]]:
         """Adds the sync attributes of its element to a behaviour; `after(...)` and `before(...)` become orders.
 
         Raises:

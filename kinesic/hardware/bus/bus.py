@@ -144,7 +144,7 @@ class Bus:
     def _receive_all(self) -> None:
         late, mute = self._late, self._listener.mute
         if self._only_listens:
-            late.overhear(self._question, self._places, self._end)
+            late.listen_for_late(self._question, self._places, self._end)
             return
         self._whole = self._receive(self._question, self._places, patient=mute)
         late.note(fresh=bool(self._believed.fresh.any()))

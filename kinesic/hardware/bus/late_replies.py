@@ -89,7 +89,7 @@ class LateReplies:
         """Notes whether something fresh has come after all servos were asked."""
         self._seeming = 0 if fresh else self._seeming + self._set_aside
 
-    def overhear(self, question: Query, places: Place, end: float) -> None:
+    def listen_for_late(self, question: Query, places: Place, end: float) -> None:
         """Listens until `end` [s] without a question: data are late answers, silence means that the clocks drifted."""
         raw = b""
         while chunk := self._listener.wire.read(end):

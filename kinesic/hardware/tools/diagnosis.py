@@ -11,7 +11,7 @@ from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.supervisor.manifest import Manifest, Member
 from kinesic.hardware.supervisor.preflight import Table, reasons
-from kinesic.hardware.tools.survey import strangers, talkative
+from kinesic.hardware.tools.survey import find_unexpected_servos, open_slow_access
 
 COOL = 10  # [K] below its limit that a resting servo should be
 
@@ -49,7 +49,8 @@ def diagnose(
         yield Finding(bus, "port", True, f"{wire.name} at {wire.baud} baud is ours")
         yield _adapter(bus, ports[bus], system)
         try:
-            yield from _servos(bus, talkative(wire), [member for member in manifest.members if member.bus == bus])
+            members = [member for member in manifest.members if member.bus == bus]
+            yield from _servos(bus, open_slow_access(wire), members)
         except BusError as error:
             yield Finding(bus, "port", False, str(error))
         finally:
@@ -78,7 +79,7 @@ def _servos(bus: str, cold: Cold, members: list[Member]) -> Iterator[Finding]:
         for line in lines:
             yield Finding(bus, "servos", False, line)
         well += not lines
-    others = strangers(cold, [member.id for member in members])
+    others = find_unexpected_servos(cold, [member.id for member in members])
     if others and not nobody:
         text = f"the robot knows nothing of servo {', '.join(others)}; unplug it, or give it an id of [bus.ids]"
         yield Finding(bus, "servos", False, text)

@@ -7,7 +7,7 @@ from kinesic.hardware.protocol.device import Cold
 from kinesic.hardware.protocol.packet import BROADCAST
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BusError, Wire
-from kinesic.hardware.tools.survey import talkative
+from kinesic.hardware.tools.survey import open_slow_access
 
 TIMES = 2  # that all are told, before each is asked
 OFF = packet.write_packet(BROADCAST, Register.TORQUE_ENABLE.field.address, b"\0")
@@ -29,7 +29,7 @@ def release_servos(wires: Mapping[str, Wire], servos: Mapping[str, Sequence[int]
         try:
             for _ in range(TIMES):
                 wire.write(OFF)
-            colds[name] = talkative(wire)
+            colds[name] = open_slow_access(wire)
         except BusError as error:
             lines.append(f"{error}; its servos may still have torque: switch the power off")
     for name, cold in colds.items():

@@ -88,11 +88,11 @@ def survey(manifest: Manifest, wires: Mapping[str, Wire]) -> tuple[SurveyedServo
     Raises:
         BusError: a port is gone.
     """
-    colds = {name: talkative(wire) for name, wire in wires.items()}
+    colds = {name: open_slow_access(wire) for name, wire in wires.items()}
     return tuple(_seen(colds[member.bus], member) for member in manifest.members if member.bus in colds)
 
 
-def talkative(wire: Wire) -> Cold:
+def open_slow_access(wire: Wire) -> Cold:
     """Tells all servos to answer every instruction, and returns slow access (`Cold`) to them.
 
     Raises:
@@ -132,7 +132,7 @@ def _angle(member: Member, ticks: int) -> float:
     return float(scale.angles(np.array([ticks]))[0])
 
 
-def strangers(cold: Cold, expected: Sequence[int]) -> tuple[str, ...]:
+def find_unexpected_servos(cold: Cold, expected: Sequence[int]) -> tuple[str, ...]:
     """Returns id and model of servos that answer and are not expected.
 
     Raises:

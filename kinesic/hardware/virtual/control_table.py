@@ -176,7 +176,7 @@ class Memory:
             raise RefusalError(Fault.LENGTH)
         return RegisterWrite(place, data[k : k + size], register)
 
-    def points_well(self, entry: RegisterWrite) -> bool:
+    def is_valid_pointer(self, entry: RegisterWrite) -> bool:
         """Returns whether an entry that sets an indirect address names RAM; True for any other entry."""
         if entry.address not in self._layout.pointers:
             return True

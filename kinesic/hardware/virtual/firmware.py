@@ -86,7 +86,7 @@ class Firmware:
             self._steady = demand
         return demand
 
-    def feel(self, shaft: Shaft, time: float) -> None:
+    def update_shaft(self, shaft: Shaft, time: float) -> None:
         """Takes what the shaft does at a time [s], and lets the guards act."""
         asleep = not self.up
         self.celsius += self.heating * (time - self.time)

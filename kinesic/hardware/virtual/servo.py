@@ -122,7 +122,7 @@ class VirtualServo:
         entries = memory.entries(address, data)
         for entry in entries:
             if entry.register is None:
-                fault = Fault.NONE if memory.points_well(entry) else Fault.RANGE
+                fault = Fault.NONE if memory.is_valid_pointer(entry) else Fault.RANGE
             else:
                 value = int.from_bytes(entry.data, "little", signed=entry.register.field.signed)
                 fault = value_fault(memory, entry.register, value, latched=latched)

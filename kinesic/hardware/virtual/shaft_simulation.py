@@ -52,7 +52,7 @@ class ShaftSimulation:
         self.physics.advance(time - self.time, demands)
         self.time = time
         for electronics, shaft in zip(self._electronics, self.physics.shafts(), strict=True):
-            electronics.feel(shaft, time)
+            electronics.update_shaft(shaft, time)
         while self._events and self._events[-1][0] <= time:
             self._events.pop()[1]()
 

@@ -56,7 +56,7 @@ def place_shoulder(linkage: Linkage, target: Vector, *, near: Sequence[float], r
     resting = linkage.walk(rest, len(linkage.girdle))[1]
     if distance(resting[-1], target) <= TAUT * reach:
         return _place(resting, target, 0)
-    nearer = helpful(linkage, target, near)
+    nearer = nearest_girdle(linkage, target, near)
     if distance(nearer[-1], target) > STRETCH * reach:
         return _place(nearer, clamp(target, nearer[-1], STRETCH * reach), 0)
     upper, fore = TAUT * linkage.links[-3].length, TAUT * linkage.links[-2].length
@@ -75,15 +75,15 @@ def place_of(linkage: Linkage, angles: Sequence[float], target: Vector) -> Shoul
 
 def gap(linkage: Linkage, target: Vector) -> float:
     """Measures the distance [m] to a target from the shoulder, moved as near to it as the girdle allows."""
-    return distance(helpful(linkage, target, [pivot.rest for pivot in linkage.pivots])[-1], target)
+    return distance(nearest_girdle(linkage, target, [pivot.rest for pivot in linkage.pivots])[-1], target)
 
 
-def helpful(linkage: Linkage, target: Vector, near: Sequence[float]) -> list[Vector]:
+def nearest_girdle(linkage: Linkage, target: Vector, near: Sequence[float]) -> list[Vector]:
     """Finds the girdle's joints [m] when the shoulder comes as near to a target as it can."""
-    return linkage.walk(_helpful_angles(linkage, target, near), len(linkage.girdle))[1]
+    return linkage.walk(_nearest_girdle_angles(linkage, target, near), len(linkage.girdle))[1]
 
 
-def _helpful_angles(linkage: Linkage, target: Vector, near: Sequence[float]) -> tuple[float, ...]:
+def _nearest_girdle_angles(linkage: Linkage, target: Vector, near: Sequence[float]) -> tuple[float, ...]:
     """The girdle's angles [rad] when the shoulder comes as near to a target as it can."""
     line = unit(minus(target, linkage.origin))
     ends = [linkage.origin]
@@ -177,6 +177,6 @@ def _carried(chain: Chain, target: Vector, effort: float) -> Floats:
     shoulder = linkage.walk(rest, len(linkage.girdle))[1][-1]
     share = effort * min(1.0, distance(shoulder, target) / linkage.farthest)
     posture = np.array(chain.rest)
-    angles = np.array(_helpful_angles(linkage, target, rest))
+    angles = np.array(_nearest_girdle_angles(linkage, target, rest))
     posture[: len(angles)] += share * (angles - posture[: len(angles)])
     return sealed(posture)

@@ -77,7 +77,7 @@ inline void girdle(const Linkage& arm, const Vector* ends, const double* near, V
 }
 
 // The girdle's joints when the shoulder comes as near to a target as it can.
-inline void helpful(const Linkage& arm, const Vector& target, const double* near, Vector* points) {
+inline void nearest_girdle(const Linkage& arm, const Vector& target, const double* near, Vector* points) {
     const Vector line = unit(target - arm.origin);
     Vector ends[MOST_LINKS + 1] = {arm.origin};
     for (int j = 0; j < arm.girdle(); ++j) ends[j + 1] = ends[j] + line * arm.link[j].length;
@@ -99,12 +99,12 @@ inline Place made(const Linkage& arm, const Vector* points, const Vector& target
 inline Place placed(const Linkage& arm, const Vector& target, const double* near, const double* rest) {
     const int n = arm.girdle();
     const double reach = arm.farthest;
-    Vector resting[MOST_LINKS + 1], helpful[MOST_LINKS + 1];
+    Vector resting[MOST_LINKS + 1], nearest[MOST_LINKS + 1];
     walk(arm, rest, n, resting);
     if (distance(resting[n], target) <= TAUT * reach) return places::made(arm, resting, target, 0);
-    places::helpful(arm, target, near, helpful);
-    if (distance(helpful[n], target) > STRETCH * reach)
-        return places::made(arm, helpful, clamp(target, helpful[n], STRETCH * reach), 0);
+    places::nearest_girdle(arm, target, near, nearest);
+    if (distance(nearest[n], target) > STRETCH * reach)
+        return places::made(arm, nearest, clamp(target, nearest[n], STRETCH * reach), 0);
     double lengths[MOST_LINKS];
     for (int j = 0; j < n; ++j) lengths[j] = arm.link[j].length;
     lengths[n] = TAUT * arm.upper().length;
@@ -127,7 +127,7 @@ inline Place place_of(const Linkage& arm, const double* angles, const Vector& ta
 // How far a target is from the shoulder when the girdle does what it can.
 inline double gap(const Linkage& arm, const Vector& target, const double* rest) {
     Vector points[MOST_LINKS + 1];
-    places::helpful(arm, target, rest, points);
+    places::nearest_girdle(arm, target, rest, points);
     return distance(points[arm.girdle()], target);
 }
 

@@ -23,7 +23,7 @@ inline Vector softened(const Linkage& arm, const Vector& target, const double* r
     const double width = SOFT * arm.farthest, begin = STRETCH * arm.farthest - width;
     if (distance(arm.resting, target) <= begin) return target;
     Vector points[MOST_LINKS + 1];
-    places::helpful(arm, target, rest, points);
+    places::nearest_girdle(arm, target, rest, points);
     const Vector shoulder = points[arm.girdle()];
     const double d = distance(shoulder, target);
     if (d <= begin) return target;

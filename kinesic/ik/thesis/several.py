@@ -20,7 +20,7 @@ from kinesic.ik.solve import three
 from kinesic.ik.thesis.limbs import Limb, Limbs
 from kinesic.ik.thesis.limits import within_limits
 from kinesic.ik.thesis.rotations import Carrier, Stance, aim_bones, stance_of
-from kinesic.ik.thesis.solve import ChainStart, Method, solve_ball_chain, unbent
+from kinesic.ik.thesis.solve import ChainStart, Method, bend_straight_chain, solve_ball_chain
 from kinesic.ik.thesis.springs import Springs
 from kinesic.ik.thesis.task import Effort, Rest
 from kinesic.ik.thesis.verlet import swing_to_rest
@@ -187,7 +187,7 @@ def _swung(
         if limb.name in near:
             points[rows[-1]] = near[limb.name] / limbs.size
             pinned.add(rows[-1])
-        points[rows] = unbent(points[rows], stance.frames[:, :, 2])
+        points[rows] = bend_straight_chain(points[rows], stance.frames[:, :, 2])
         pinned |= {rows[0]} if limb.on is None else set()
         pairs = list(pairwise(rows)) + pairs
     springs = Springs.between(

@@ -109,7 +109,7 @@ def _begun(chain: BallChain, start: Floats | None) -> Floats:
     return start
 
 
-def unbent(points: Floats, ups: Floats) -> Floats:
+def bend_straight_chain(points: Floats, ups: Floats) -> Floats:
     """Bends a chain that is collinear with its target a little, as springs alone would keep it straight.
 
     Args:
@@ -127,7 +127,7 @@ def _relaxed(chain: BallChain, stance: Stance, target: Floats, *, method: Method
     """The masses at rest, in [m]."""
     base, size = stance.points[0], chain.size
     points = np.vstack([stance.points[:-1], target])
-    points = unbent((points - base) / size, stance.frames[:, :, 2])
+    points = bend_straight_chain((points - base) / size, stance.frames[:, :, 2])
     points[-1] = (stance.points[-1] - base) / size
     task = Task(
         points,

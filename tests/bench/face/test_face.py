@@ -25,9 +25,9 @@ def test_without_opengl_every_figure_has_a_reason(monkeypatch: pytest.MonkeyPatc
 
 @drawable
 def test_the_laws_of_wrinkles_hold():
-    from kinesic.bench.face.wrinkles import laws  # noqa: PLC0415 - needs the optional library
+    from kinesic.bench.face.wrinkles import measure_law_violations  # noqa: PLC0415 - needs the optional library
 
-    found = laws()
+    found = measure_law_violations()
     wanted = {name: goal for name, _, goal, _ in face.expected_figures() if name.startswith("face.wrinkle.")}
     assert found.keys() == wanted.keys()
     for name, goal in wanted.items():

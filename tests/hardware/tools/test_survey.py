@@ -3,7 +3,7 @@ import pytest
 from kinesic.hardware.protocol.device import Found
 from kinesic.hardware.protocol.registers import HardwareError, Register
 from kinesic.hardware.protocol.wire import Wire
-from kinesic.hardware.tools.survey import Sighting, scan_bus, strangers, survey, talkative
+from kinesic.hardware.tools.survey import Sighting, find_unexpected_servos, open_slow_access, scan_bus, survey
 from kinesic.hardware.virtual.faults import CALM, FaultPlan, PlannedFault
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
@@ -88,7 +88,8 @@ def test_servos_that_keep_quiet_are_asked_to_talk(bench):
 
 def test_strangers_are_named(bench):
     table = bench()
-    assert strangers(talkative(table.wire), [servo for servo in table.servos if servo != 28]) == ("28 (xc330_t288)",)
+    expected = [servo for servo in table.servos if servo != 28]
+    assert find_unexpected_servos(open_slow_access(table.wire), expected) == ("28 (xc330_t288)",)
 
 
 def test_error_bits_have_names():
