@@ -16,9 +16,8 @@ SCREENS := xvfb chromium
 demo: .venv/.stamp-demo
 	@$(BIN)/kinesic perform kinesic/configs/bml/welcome.bml --out out/demo --force
 
-# Tests start many processes: compiled modules are kept for them, whatever the caller's environment says. Files in their
-# own order: sorted by their number of tests, the longest ones would come last. Which process gets which file:
-# tests/scheduling.py.
+# Tests start many processes: compiled modules are kept for them, whatever the caller's environment says. Files in an
+# order of their own, the longest first (tests/scheduling.py): sorted by their number of tests, they would come last.
 TEST := PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder
 test: .venv/.stamp-test
 	@$(TEST)

@@ -14,6 +14,7 @@ import os
 import signal
 import tempfile
 from collections.abc import Generator
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -21,7 +22,7 @@ from xdist.remote import Producer
 
 from .machine import Watch
 from .nudge import nudge_random_inputs
-from .scheduling import ClockBesideCalculation, step_back
+from .scheduling import ClockBesideCalculation, rank, step_back
 
 if "KINESIC_NUDGE" in os.environ:
     nudge_random_inputs(int(os.environ["KINESIC_NUDGE"]))  # before test modules and rooms draw
@@ -62,6 +63,11 @@ def pytest_collection() -> Generator[None, object, object]:
 atexit.register(gc.unfreeze)  # so that nothing seems to leak when the interpreter ends
 
 
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Leaves out what `make soak` runs, thousands of tests that would be collected only to be deselected."""
+    return True if collection_path.name == "soak" and config.getoption("markexpr") == "not soak" else None
+
+
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers() -> int:
     return (os.cpu_count() or 1) + 1
@@ -72,8 +78,8 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> ClockBe
     return ClockBesideCalculation(config, log)
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    items.sort(key=lambda item: "theorems" not in item.path.parts)  # the longest first: all processes end together
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    items.sort(key=lambda item: rank(item.path, config.rootpath))
     for item in items:
         if item.get_closest_marker("realtime"):
             item.add_marker(pytest.mark.flaky(reruns=2))

@@ -2,11 +2,12 @@
 
 import pytest
 
+from kinesic.bench.bml import server as live_server
 from kinesic.bench.bml.server import FLAT, RATE, SMALL, _grown, endurance, latencies, open_server
 
 pytestmark = pytest.mark.realtime
 
-SECONDS = 10.0
+SECONDS = 6.0
 
 
 @pytest.fixture(scope="module")
@@ -15,7 +16,8 @@ def server():
         yield found
 
 
-def test_every_block_is_measured(server):
+def test_every_block_is_measured(server, monkeypatch):
+    monkeypatch.setattr(live_server, "EVERY", 0.5)
     found = latencies(server, len(SMALL))
     assert len(found) == len(SMALL)
     assert all(0.0 < each.feedback <= each.command for each in found)
