@@ -1,4 +1,4 @@
-"""The robot: one description from which IK chains, the MuJoCo model, limits and the servo map all come."""
+"""The robot: the one description from which IK chains, the MuJoCo model, limits and the servo map are made."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields

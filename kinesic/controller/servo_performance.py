@@ -73,7 +73,7 @@ class ServoRun:
 
     @cached_property
     def taken(self) -> Floats:
-        """(k, n) [s] since the first row's clock when each angle was measured."""
+        """(k, n) [s] when each angle was measured, since the clock of the first row."""
         return sealed(self._table("taken") - (self._rows[0].clock if self._rows else 0.0))
 
     @cached_property
@@ -170,7 +170,7 @@ def perform_live(
 
 @contextmanager
 def interrupted() -> Iterator[Callable[[], bool]]:
-    """Notices Ctrl-C instead of ending: yields whether it has been pressed since the last call.
+    """Catches Ctrl-C: yields a function that tells whether it was pressed since its last call.
 
     Outside the main thread, which alone hears it, it is never pressed.
     """

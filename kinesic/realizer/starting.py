@@ -1,4 +1,4 @@
-"""Starts blocks: beside what plays, or in its place."""
+"""Starts blocks, beside those that play or in their place."""
 
 from dataclasses import replace
 

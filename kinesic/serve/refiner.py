@@ -1,4 +1,4 @@
-"""Plans again, in a process of its own, what has begun already: the planner stays free for what comes meanwhile."""
+"""Refines the plans of blocks that play, in a process of its own, so that the planner stays free for new requests."""
 
 import io
 import os
@@ -21,7 +21,7 @@ SETUP = "setup"  # stands for it where a plan is sent: either side has its own
 
 @dataclass(frozen=True, eq=False)
 class RefinementJob:
-    """To the refiner: a block that could be planned better, or in another manner."""
+    """A job for the refiner: plan a block better, or in another manner."""
 
     request: TimedRequest
     style: Style  # of those that do not say theirs
@@ -29,7 +29,7 @@ class RefinementJob:
 
 @dataclass(frozen=True, eq=False)
 class RefinedPlan:
-    """From the refiner: the new plan of a block."""
+    """The answer of the refiner: the new plan of a block."""
 
     block: str  # its id
     plan: Plan | None  # None: it cannot be performed so
@@ -69,7 +69,7 @@ def unpack(data: bytes, setup: Setup) -> RefinementJob | RefinedPlan:
 
 
 def run_refiner(make_setup: Callable[[], Setup], planner: Connection) -> None:
-    """Plans whatever the planner sends, one after the other, until the planner is gone."""
+    """Does the jobs that the planner sends, one after the other, until the planner has ended."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         os.nice(NICE)

@@ -1,4 +1,4 @@
-"""The robot as a MuJoCo model, built from the one description that inverse kinematics and limits also read.
+"""Builds the robot's MuJoCo model from the description that inverse kinematics and limits also read.
 
 Each servo is a `dcmotor` whose on-board controller is the servo's own position loop: with the data sheet's stall
 torque s, no-load speed w and volt V the motor has K = V / w and R = K V / s, and a torque gain of g s with the rate

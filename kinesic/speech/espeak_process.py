@@ -1,4 +1,4 @@
-"""The program that says one utterance with espeak-ng and ends.
+"""Synthesises one utterance with espeak-ng in a process of its own, and exits.
 
 It runs in a process of its own, for each utterance anew: espeak-ng repeats itself exactly only as long as it has not
 spoken before, and its licence (GPL) stays outside. Nothing but the standard library is imported, so that it starts at

@@ -55,7 +55,7 @@ class Member:
 
     @property
     def lasting(self) -> Mapping[Register, int]:
-        """What its EEPROM must hold; its position limits depend on what they are now."""
+        """Values that its EEPROM must hold; its position limits depend on the present ones."""
         return {
             Register.RETURN_DELAY_TIME: 0,
             Register.DRIVE_MODE: 0,
@@ -66,7 +66,7 @@ class Member:
 
     @property
     def passing(self) -> Mapping[Register, int]:
-        """What its RAM must hold while it has torque; a reboot forgets it, and a watchdog the profile."""
+        """Values that its RAM must hold while it has torque; a reboot resets all, a watchdog the profile."""
         pace = min(ceil(self.speed / SPEED), self.model.starts(Register.VELOCITY_LIMIT))
         return {
             Register.POSITION_P_GAIN: self.gains[0],
