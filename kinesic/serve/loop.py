@@ -7,7 +7,7 @@ An emergency stop needs no planner.
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, suppress
-from math import isnan
+from math import inf, isnan
 from multiprocessing.connection import Connection, wait
 from operator import attrgetter
 from threading import Event, Thread
@@ -77,6 +77,7 @@ class Loop(Thread):
         self._setup, self._sinks, self._clock = setup, sinks, clock
         self._tell, self._news, self._effects = tell, news, effects
         self._sent: set[ScheduledFeedback] = set()  # that the planner may propose again
+        self._final = -inf  # [s] no later proposal has what is due until then
         self._moving: Mapping[tuple[str, str], Flags] = {}
         self._monitor = ArrivalMonitor()
         self._body = next((each.sink for each in reversed(sinks) if isinstance(each.sink, MeasuringSink)), None)
@@ -201,8 +202,9 @@ class Loop(Thread):
                 return False
             self._play(proposal.motion, proposal.cut)
             self.halted = False
-        unsent = (message for message in proposal.agenda if message not in self._sent)
-        self.agenda = sorted(unsent, key=attrgetter("time"))
+        waiting = (message for message in self.agenda if message.time <= self._final)
+        unsent = dict.fromkeys(message for message in (*waiting, *proposal.agenda) if message not in self._sent)
+        self.agenda, self._final = sorted(unsent, key=attrgetter("time")), proposal.now
         self._sent = {message for message in self._sent if message.time > proposal.now}
         self._owed, self._moving = proposal.owed, proposal.moving
         self._effects.take(proposal.tracks)

@@ -1,7 +1,15 @@
-"""Emergency stops and resuming that come faster than the loop ticks, at a real server."""
+"""The live loop: stops and resuming that come faster than it ticks, and feedback that waits for the body."""
+
+from multiprocessing import Pipe
 
 import numpy as np
 import pytest
+
+from kinesic.realizer.feedback import Progress, ScheduledFeedback
+from kinesic.serve.loop import Loop
+from kinesic.serve.messages import Clock, Proposal
+from kinesic.serve.sinks import RealTimeSink
+from kinesic.serve.tracks import Effects
 
 pytestmark = pytest.mark.realtime
 
@@ -49,3 +57,51 @@ def test_another_stop_right_after_resuming_holds(server, becomes):
         client.do("resume")
         client.send(BLOCK.format("after", NOD))
         heard(client, 'id="after:end"')
+
+
+class Blind:
+    """A body that never tells where it is."""
+
+    def write(self, command, /):
+        pass
+
+    def close(self):
+        pass
+
+    def seen(self):
+        return None
+
+
+def test_what_waits_for_the_body_outlives_the_next_proposal(known, becomes):
+    """What is due when one proposal comes is in no later one, and its turn may come after that one."""
+    clock, told, (ours, planners) = Clock(), [], Pipe()
+    loop = Loop(
+        known,
+        [RealTimeSink(Blind())],
+        clock,
+        effects=Effects(),
+        tell=lambda message, sender: told.append(message),
+        news=lambda message: None,
+    )
+    moving = {("b", "h"): np.ones(len(known.robot.drives), dtype=bool)}
+
+    def propose(*agenda):
+        now = clock.now()
+        planners.send(Proposal(0, now, now, None, agenda, frozenset(), moving, {}))
+        return planners.recv()
+
+    loop.link(ours, loop.beginning())
+    loop.start()
+    try:
+        due = clock.now()
+        point = ScheduledFeedback(due, Progress("b", "h", "stroke", 0.0))
+        assert propose(point, ScheduledFeedback(due, "<behind/>")).accepted
+        later = ScheduledFeedback(clock.now() + 0.01, "<later/>")
+        assert propose(later).accepted
+        assert propose(later).accepted
+        assert becomes(lambda: len(told) == 3)
+    finally:
+        loop.leave()
+        loop.join()
+    assert told[1:] == ["<behind/>", "<later/>"]
+    assert 'id="b:h:stroke"' in told[0]
