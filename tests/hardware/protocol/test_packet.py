@@ -1,8 +1,25 @@
+import tracemalloc
+
+import dynamixel_sdk.protocol2_packet_handler as sdk_packets
 import pytest
 from dynamixel_sdk import Protocol2PacketHandler
 
 from kinesic.hardware.protocol import packet
-from kinesic.hardware.protocol.packet import Fault, Instruction, Packet, Reader, crc16, stuff, unstuff
+from kinesic.hardware.protocol.packet import (
+    ALERT,
+    BROADCAST,
+    HEADER,
+    MAX_LENGTH,
+    OVERHEAD,
+    STATUS_OVERHEAD,
+    Fault,
+    Instruction,
+    Packet,
+    Reader,
+    crc16,
+    stuff,
+    unstuff,
+)
 
 MANUAL = {  # examples of the public manual (Protocol 2.0)
     "ping": (packet.ping(1), "ff ff fd 00 01 03 00 01 19 4e"),
@@ -46,6 +63,12 @@ MANUAL = {  # examples of the public manual (Protocol 2.0)
 }
 
 
+NUMBERS = {  # of the manual
+    Instruction: (0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x08, 0x10, 0x20, 0x55, 0x82, 0x83, 0x8A, 0x92, 0x93, 0x9A),
+    Fault: (0, 1, 2, 3, 4, 5, 6, 7),
+}
+
+
 @pytest.mark.parametrize("example", MANUAL)
 def test_packets_are_those_of_the_manual(example: str):
     made, manual = MANUAL[example]
@@ -54,6 +77,101 @@ def test_packets_are_those_of_the_manual(example: str):
     assert read.id == made[4]
     assert read.instruction == made[7]
     assert read.parameters == made[8:-2]
+
+
+@pytest.mark.parametrize("numbered", NUMBERS)
+def test_instructions_and_faults_have_the_numbers_of_the_manual(numbered: type[Instruction | Fault]):
+    assert tuple(numbered) == NUMBERS[numbered]
+
+
+def test_the_sdk_knows_the_same_faults_and_the_same_alert():
+    names = ("RESULT_FAIL", "INSTRUCTION", "CRC", "DATA_RANGE", "DATA_LENGTH", "DATA_LIMIT", "ACCESS")
+    assert tuple(Fault)[1:] == tuple(getattr(sdk_packets, f"ERRNUM_{name}") for name in names)
+    assert sdk_packets.ERRBIT_ALERT == ALERT == 0x80
+
+
+def test_a_packet_without_parameters_is_all_overhead():
+    assert len(packet.ping(1)) == OVERHEAD
+    assert len(packet.status(1, 0)) == STATUS_OVERHEAD
+
+
+def sealed_packet(servo: int, body: bytes) -> bytes:
+    """A packet of any id and length, with the CRC that belongs to it, not stuffed."""
+    head = HEADER + bytes((servo,)) + (len(body) + 2).to_bytes(2, "little") + body
+    return head + crc16(head).to_bytes(2, "little")
+
+
+@pytest.mark.parametrize("servo", [0, 1, 252, BROADCAST])
+def test_ids_of_servos_are_read_and_written(servo: int):
+    assert list(Reader().feed(packet.ping(servo))) == [Packet(servo, 1, b"")]
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        sealed_packet(0xFD, b"\x01"),  # an id that no servo has
+        sealed_packet(0xFF, b"\x01"),
+        sealed_packet(1, b""),  # without an instruction
+        sealed_packet(1, b"\x55"),  # a status without its error byte
+        sealed_packet(1, bytes((3, *bytes(MAX_LENGTH - 2)))),  # longer than servos read
+    ],
+)
+def test_a_right_crc_does_not_make_a_packet(wrong: bytes):
+    assert list(Reader().feed(wrong + packet.ping(1))) == [Packet(1, 1, b"")]
+
+
+def test_the_longest_packet_is_read_and_written():
+    longest = bytes(MAX_LENGTH - 2 - 1 - 2)  # without CRC, instruction and address
+    made = packet.write_packet(1, 0, longest)
+    assert made == sealed_packet(1, bytes((3, 0, 0)) + longest)
+    assert list(Reader().feed(made)) == [Packet(1, 3, bytes(2) + longest)]
+    with pytest.raises(ValueError, match=f"length {MAX_LENGTH + 1} is longer"):
+        packet.write_packet(1, 0, longest + b"\0")
+
+
+def test_the_length_that_servos_read_counts_what_was_stuffed():
+    marks = b"\xff\xff\xfd" * 300
+    with pytest.raises(ValueError, match="longer than"):
+        packet.write_packet(1, 0, marks)
+
+
+def test_noise_is_not_kept():
+    """Nobody knows how long a wire is noisy: what can be no packet any more takes no memory."""
+    reader, noise = Reader(), bytes(100_000)
+    tracemalloc.start()
+    for _ in range(20):
+        assert list(reader.feed(noise)) == []
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 5 * len(noise)
+    assert list(reader.feed(packet.ping(3))) == [Packet(3, 1, b"")]
+
+
+def test_what_is_forgotten_is_no_part_of_the_next_packet():
+    reader, made = Reader(), packet.ping(3)
+    assert list(reader.feed(made[:8])) == []
+    reader.clear()
+    assert list(reader.feed(made[8:])) == []
+    assert list(reader.feed(made)) == [Packet(3, 1, b"")]
+
+
+def test_a_packet_that_is_cut_short_holds_up_nobody():
+    """The next header tells that it is over, long before its own length has come."""
+    reader = Reader()
+    cut = packet.write_packet(1, 0, bytes(200))[:11]
+    assert list(reader.feed(cut + packet.ping(2))) == [Packet(2, 1, b"")]
+
+
+def test_a_joint_reply_is_left_as_it_is_and_everything_else_is_unstuffed():
+    """What looks like a header inside a joint reply is a record's, whether all of the reply has come or not."""
+    body = bytes((Instruction.STATUS, 0, 1)) + HEADER + b"\xff\xff\xfd\xfd"
+    joint, reader = sealed_packet(BROADCAST, body), Reader()
+    assert [found for byte in joint for found in reader.feed(bytes((byte,)))] == [Packet(BROADCAST, 0x55, body[1:])]
+    stuffed = b"\xff\xff\xfd\x01"
+    for made in (packet.status(1, 0, stuffed), packet.sync_write(116, 4, {1: stuffed})):
+        (found,) = Reader().feed(made)
+        assert found.parameters.endswith(stuffed)
+        assert len(found.parameters) == len(made) - OVERHEAD - 1
 
 
 def test_the_crc_of_a_joint_reply_covers_everything_before_it():
@@ -92,7 +210,7 @@ def test_a_length_that_no_servo_sends_is_noise():
 
 
 def test_a_status_tells_error_and_data():
-    (status,) = Reader().feed(packet.status(9, 0x80 | Fault.ACCESS, b"\x05"))
+    (status,) = Reader().feed(packet.status(9, ALERT | Fault.ACCESS, b"\x05"))
     assert (status.error, status.data) == (0x87, b"\x05")
 
 

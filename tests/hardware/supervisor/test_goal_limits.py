@@ -71,3 +71,96 @@ def test_what_others_do_changes_nothing_for_a_servo():
         )
         assert both.goals[0] == alone.goals[0]
         assert refusals[0] == refused[0]
+
+
+FINE = 0.001  # [s]: in such a step, a goal may gain 200 ticks/s
+
+
+def next_of(
+    goal: float, desired: float, *, speed: float = 0.0, present: float = np.nan, seconds: float = FINE
+) -> tuple[float, float, bool]:
+    """The next goal, its speed, and whether what was desired was refused."""
+    course, refused = limit_goals(
+        GoalCourse(np.array([goal]), np.array([speed])), np.array([desired]), np.array([present]), seconds, BOUNDS
+    )
+    return float(course.goals[0]), float(course.speeds[0]), bool(refused[0])
+
+
+def test_a_goal_has_its_full_speed_after_ten_milliseconds():
+    course, speeds, goals = GoalCourse.still(np.array([1000.0])), [], []
+    for _ in range(12):
+        course, refused = limit_goals(course, np.array([3000.0]), UNKNOWN, FINE, BOUNDS)
+        assert refused.all()
+        speeds.append(float(course.speeds[0]))
+        goals.append(float(course.goals[0]))
+    assert speeds == pytest.approx([*range(200, 2001, 200), 2000, 2000])
+    assert goals[:4] == pytest.approx([1000.2, 1000.6, 1001.2, 1002.0])
+
+
+@pytest.mark.parametrize("steps", [3, 4, 7, 10])
+def test_a_goal_brakes_as_late_as_it_can(steps: int):
+    """From 800 ticks/s it stops in 0.8 + 0.6 + 0.4 + 0.2 ticks: there 800 are still right, and nearer no more."""
+    speed, way = 200.0 * steps, 0.2 * steps * (steps + 1) / 2
+    assert next_of(2000.0, 2000.0 + way, speed=speed)[:2] == pytest.approx((2000.0 + FINE * speed, speed))
+    nearer = next_of(2000.0, 2000.0 + 0.95 * way, speed=speed)[1]
+    assert speed - 200.0 <= nearer < speed
+
+
+@pytest.mark.parametrize("way", [-1.0, 1.0])
+def test_the_full_speed_and_the_full_change_of_speed_are_granted_and_no_more(way: float):
+    for goal in np.linspace(1000.3, 3000.7, 23).tolist():
+        assert next_of(goal, goal + way * 2.0, speed=way * 2000.0)[1:] == (pytest.approx(way * 2000.0), False)
+        faster = next_of(goal, goal + way * 2.001, speed=way * 2000.0)[1:]
+        assert faster == (pytest.approx(way * 1800.0), True)  # brakes, so as to stop there
+        assert next_of(goal, goal + way * 0.2)[1:] == (pytest.approx(way * 200.0), False)
+        assert next_of(goal, goal + way * 0.2001)[1:] == (pytest.approx(way * 200.0), True)
+
+
+@pytest.mark.parametrize("way", [-1.0, 1.0])
+def test_a_goal_is_ahead_of_its_servo_by_the_lead_at_most(way: float):
+    goal, present = 2000.0 + way * 290.0, 2000.0
+    for more, granted, refused in ((10.0, 10.0, False), (10.4, 10.0, False), (10.6, 10.0, True), (50.0, 10.0, True)):
+        found = next_of(goal, goal + way * more, present=present, seconds=STEP)
+        assert found == (pytest.approx(goal + way * granted), pytest.approx(way * granted / STEP), refused)
+
+
+@pytest.mark.parametrize("way", [-1.0, 1.0])
+def test_a_goal_far_from_its_servo_may_come_nearer_and_not_go_farther(way: float):
+    present = 2000.0 - way * 1000.0
+    for desired, granted in ((-5.0, -5.0), (0.0, 0.0), (5.0, 0.0)):
+        assert next_of(2000.0, 2000.0 + way * desired, present=present, seconds=STEP) == (
+            pytest.approx(2000.0 + way * granted),
+            pytest.approx(way * granted / STEP),
+            granted != desired,
+        )
+
+
+@pytest.mark.parametrize(("edge", "way"), [(4000.0, 1.0), (100.0, -1.0)])
+def test_a_servo_outside_its_range_is_led_to_the_edge(edge: float, way: float):
+    """Be it farther outside than goals may be from servos: then the nearest place of the range counts."""
+    for outside in (50.0, 900.0):
+        found = next_of(edge + way * 5.0, edge - way * 400.0, present=edge + way * outside, seconds=STEP)
+        assert found[1:] == (pytest.approx(-way * (2000.0 if outside < 300.0 else 500.0)), True)
+    assert next_of(edge, edge, present=edge, seconds=STEP) == (edge, 0.0, False)
+    assert next_of(edge, edge + way, present=edge, seconds=STEP) == (edge, 0.0, True)
+
+
+def test_what_is_so_upwards_is_so_downwards():
+    rng = np.random.default_rng(2)
+    for _ in range(500):
+        goal, speed = rng.uniform(100, 4000), rng.uniform(-2000, 2000)
+        desired, present = goal + rng.normal(0, 60), rng.choice([np.nan, goal + rng.normal(0, 400)])
+        seconds = rng.choice([STEP, FINE])
+        there, fast, refused = next_of(goal, desired, speed=speed, present=present, seconds=seconds)
+        mirrored = next_of(4100.0 - goal, 4100.0 - desired, speed=-speed, present=4100.0 - present, seconds=seconds)
+        assert mirrored == (pytest.approx(4100.0 - there, abs=1e-6), pytest.approx(-fast, abs=1e-3), refused)
+
+
+def test_nobody_changes_a_course_behind_its_back():
+    before = np.array([2000.0])
+    course, _ = limit_goals(GoalCourse.still(before), np.array([2001.0]), UNKNOWN, STEP, BOUNDS)
+    for values in (course.goals, course.speeds):
+        with pytest.raises(ValueError, match="read-only"):
+            values[0] = 0.0
+    before[0] = 0.0
+    assert course.goals[0] == pytest.approx(2001.0)
