@@ -60,8 +60,8 @@ class Page:
 
 
 @contextmanager
-def opened(url: str, profile: Path) -> Iterator[Page]:
-    """A page in a browser of its own, which is gone afterwards."""
+def opened(url: str, profile: Path, *more: str) -> Iterator[Page]:
+    """A page in a browser of its own, with more flags, which is gone afterwards."""
     flags = [
         "--headless=new",
         "--no-sandbox",
@@ -70,7 +70,7 @@ def opened(url: str, profile: Path) -> Iterator[Page]:
         f"--user-data-dir={profile}",
     ]
     with subprocess.Popen(
-        [str(binary()), *flags, f"--user-data-dir={profile}", url], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        [str(binary()), *flags, *more, url], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
     ) as browser:
         try:
             with connect(_address(profile, url), max_size=None) as connection:

@@ -13,6 +13,7 @@ import click
 from kinesic.bml.block import BmlError
 from kinesic.body.choices import Terms, Variant
 from kinesic.body.config import names_of
+from kinesic.client import PORT
 from kinesic.controller.options import CHOICES, LONGEST_PAUSE, Offer, PlanningOptions, offers
 from kinesic.face.render.presets import PRESETS
 
@@ -27,6 +28,9 @@ CELL, STRIP = 176, 192  # pixels of each picture of a sheet of faces, and of a s
 SIDE = 512  # pixels of any other
 
 STYLE_HELP = f"Manner, unless documents say otherwise: {', '.join(names_of('style'))}, or a TOML file."
+LISTEN_HELP = "Address for TCP and WebSocket; 'none' for standard input alone. Port 0: any that is free."
+TOKEN_HELP = "That clients must show; needed where others than this machine can connect. Also KINESIC_TOKEN."
+ORIGIN_HELP = "Whose pages may connect beside the server's own, such as http://localhost:5173; repeat it."
 TWIN_HELP = "nominal, pessimistic, both (checks of the nominal one, errors of both), or a TOML file of factors."
 TERMS_HELP = "What of the servos is inverted: everything, what speed needs, or nothing."
 CORRECTION_HELP = "Goals corrected by what the twin measures."
@@ -92,6 +96,21 @@ class Performers:
 
     sinks: frozenset[str]
     ports: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Door:
+    """Where clients come in, and who may."""
+
+    listen: Annotated[
+        str,
+        click.option("--listen", default=f"127.0.0.1:{PORT}", show_default=True, metavar="HOST:PORT", help=LISTEN_HELP),
+    ]
+    token: Annotated[str | None, click.option("--token", envvar="KINESIC_TOKEN", help=TOKEN_HELP)]
+    origins: Annotated[
+        tuple[str, ...],
+        click.option("--allow-origin", "origins", multiple=True, metavar="ORIGIN", help=ORIGIN_HELP),
+    ]
 
 
 @dataclass(frozen=True)
@@ -250,6 +269,7 @@ def output(out_help: str, force_help: str, json_help: str, *between: Decorator) 
     )
 
 
+door = _together("door", Door)
 twin_options = _together("way", TwinOptions)
 expression = _together("expression", ExpressionOptions)
 face_view = _together("view", FaceView)

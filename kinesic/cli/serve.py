@@ -11,13 +11,14 @@ from pathlib import Path
 import click
 
 from kinesic.body.config import ConfigError, suggestion
-from kinesic.cli.options import FAULT, Performers, Planning
+from kinesic.cli.options import FAULT, Door, Performers, Planning
 from kinesic.cli.servos.ports import all_ports
 from kinesic.client import PORT
 from kinesic.controller.servo_performance import DELAY
 from kinesic.face.show.preview import Preview
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.serve.origin import Access, read_origin
 from kinesic.serve.quotas import USUAL, Quotas
 from kinesic.serve.server import Address, Serving, open_serving, until_done
 from kinesic.serve.sinks import AHEAD, RealServos, RealTimeSink, RealTwin
@@ -27,8 +28,7 @@ from kinesic.speech.loudspeaker import audio_fault
 
 def serve_blocks(
     planning: Planning,
-    listen: str,
-    token: str | None,
+    door: Door,
     performers: Performers,
     sound: bool | None,
     rules: tuple[str, ...],
@@ -37,13 +37,14 @@ def serve_blocks(
     why = audio_fault() if sound is not False else "not wanted"
     if sound and why:
         raise ConfigError(f"--sound: {why}")
-    address, limits = read_address(listen, token), read_rules(rules)
+    address, limits = read_address(door.listen, door.token), read_rules(rules)
+    access = Access(door.token or None, frozenset(map(read_origin, door.origins)))
     server = open_serving(
         planning.set_up,
         _open_sinks(planning, performers),
         address=address,
         rules=limits,
-        token=token,
+        access=access,
         accompaniment=SoundAndFace(face="face" in performers.sinks, sound=not why),
     )
     return asyncio.run(_serve(server))

@@ -10,6 +10,7 @@ from kinesic.bml.block import RANGES
 from kinesic.cli.options import (
     TWIN_HELP,
     done_by,
+    door,
     expression,
     face_view,
     output,
@@ -18,7 +19,6 @@ from kinesic.cli.options import (
     robot_option,
     twin_options,
 )
-from kinesic.client import PORT
 from kinesic.face.render.presets import PRESETS
 from kinesic.serve.quotas import USUAL, Quotas
 from kinesic.sim.fit_parameters import DEFAULT, FIGURES
@@ -29,8 +29,6 @@ ON_HELP = (
     "Who performs, with commas between: twin (always first), servos, face (in a window where there is a display). "
     "Space stops the servos, Ctrl-C folds them to rest."
 )
-LISTEN_HELP = "Address for TCP and WebSocket; 'none' for standard input alone. Port 0: any that is free."
-TOKEN_HELP = "That clients must show; needed where others than this machine can connect. Also KINESIC_TOKEN."
 RULE_HELP = (
     f"A limit for clients: {', '.join(f'{each.name}={getattr(USUAL, each.name):g}' for each in fields(Quotas))}."
 )
@@ -178,8 +176,7 @@ def _import_robot() -> None:
 
 @kinesic.command("serve")
 @planning
-@click.option("--listen", default=f"127.0.0.1:{PORT}", show_default=True, metavar="HOST:PORT", help=LISTEN_HELP)
-@click.option("--token", envvar="KINESIC_TOKEN", help=TOKEN_HELP)
+@door
 @performers("Who performs.")
 @click.option("--sound/--no-sound", default=None, help="Speech is heard (default: where that works).")
 @click.option("--rule", "rules", multiple=True, metavar="NAME=VALUE", help=RULE_HELP)

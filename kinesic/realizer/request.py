@@ -33,7 +33,7 @@ from kinesic.planning.setup import Setup
 from kinesic.planning.speech import synthesise_block
 
 LEAD = 0.15  # [s] from the request to the beginning of a block that refers to others: time to plan it
-_ID = re.compile(rb"""<(?:\w+:)?bml\b[^>]*?\sid\s*=\s*["']([^"']+)["']""")
+_ID = re.compile(rb"""<(?:\w+:)?bml\b[^<>]*?\sid\s*=\s*["']([^"']+)["']""")
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from itertools import count
 from kinesic.bml.block import NoticeType
 from kinesic.realizer.request import Message
 from kinesic.serve.messages import Restyling
+from kinesic.serve.origin import Access
 from kinesic.serve.protocol import (
     Control,
     Enquiry,
@@ -59,15 +60,15 @@ class ConnectedClient:
 class ClientRegistry:
     """All clients of a server."""
 
-    def __init__(self, rules: Quotas, token: str | None, session: Callable[["ClientRegistry"], Session]) -> None:
+    def __init__(self, rules: Quotas, access: Access, session: Callable[["ClientRegistry"], Session]) -> None:
         """Begins without clients.
 
         Args:
             rules: what a client may do.
-            token: that each client must show; None: none is needed.
+            access: who may connect.
             session: makes one that sends through this registry.
         """
-        self.rules, self._token = rules, token
+        self.rules, self.access = rules, access
         self._clients: dict[int, ConnectedClient] = {}
         self._numbers = count(1)
         self.session = session(self)
@@ -80,7 +81,7 @@ class ClientRegistry:
             token: that came with the connection.
             trusted: needs no token.
         """
-        admitted = trusted or self._token is None or self.is_token(token)
+        admitted = trusted or self.access.token is None or self.is_token(token)
         client = ConnectedClient(
             next(self._numbers), name, admitted, TokenBucket(self.rules), OutputQueue(self.rules.unread)
         )
@@ -97,14 +98,11 @@ class ClientRegistry:
         self._clients.pop(client.number, None)
         client.output.end()
 
-    @property
-    def needs_token(self) -> bool:
-        """Whether clients must show a token."""
-        return self._token is not None
-
     def is_token(self, token: str | None) -> bool:
         """Whether a client's token is right."""
-        return token is not None and self._token is not None and compare_digest(token.encode(), self._token.encode())
+        right = self.access.token
+        shown = (token or "").encode(errors="surrogateescape")  # a header may hold any bytes
+        return right is not None and compare_digest(shown, right.encode())
 
     def receive(self, client: ConnectedClient, message: bytes) -> None:
         """Takes a message: an emergency stop before all that waits, everything else within the rules."""

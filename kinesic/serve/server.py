@@ -25,7 +25,8 @@ from typing import Protocol
 from kinesic.body.config import ConfigError
 from kinesic.planning.setup import Setup
 from kinesic.serve.clients import POLICY, TOO_BIG, ClientRegistry, ConnectedClient
-from kinesic.serve.protocol import BLANK, END
+from kinesic.serve.origin import ANYBODY_HERE, Access, own_authorities
+from kinesic.serve.protocol import BLANK
 from kinesic.serve.quotas import USUAL, Quotas, quota_feedback
 from kinesic.serve.session import Session
 from kinesic.serve.sinks import RealTimeSink
@@ -34,7 +35,7 @@ from kinesic.serve.transport import Console, HalfError, Stream, Transport
 from kinesic.serve.websocket import WebSocket
 
 REQUEST = b"GET "  # how a WebSocket begins
-DOCUMENT = (b"<", b"{", END)  # how a message may begin, after blanks
+DOCUMENT = (b"<", b"{")  # how a client's first message begins, after blanks: no request of a browser does
 BUFFER = 65_536  # [bytes] for a client that does not read
 DOORWAY = 2  # times as many connections as clients, among them such as have not said anything
 LOOK_AT_CLIENT = 0.05  # [s] between two looks at whether a client is owed something
@@ -70,7 +71,7 @@ async def open_listener(clients: ClientRegistry, host: str, port: int) -> Listen
         present.add(writer)
         with suppress(OSError, HalfError):  # a client may leave in any way
             if len(present) <= DOORWAY * clients.rules.clients:  # those too many are told so, but not without end
-                await _welcome(clients, reader, writer)
+                await _welcome(clients, host, reader, writer)
         present.discard(writer)
         writer.transport.abort()
 
@@ -85,7 +86,7 @@ async def attend_console(clients: ClientRegistry) -> None:
     await _attend(clients, Console(clients.rules), clients.join("stdin", trusted=True))
 
 
-async def _welcome(clients: ClientRegistry, reader: StreamReader, writer: StreamWriter) -> None:
+async def _welcome(clients: ClientRegistry, host: str, reader: StreamReader, writer: StreamWriter) -> None:
     socket = writer.get_extra_info("socket")
     socket.setsockopt(SOL_SOCKET, SO_KEEPALIVE, 1)
     socket.setsockopt(SOL_SOCKET, SO_SNDBUF, BUFFER)
@@ -101,7 +102,8 @@ async def _welcome(clients: ClientRegistry, reader: StreamReader, writer: Stream
     line = Transport(reader, writer, clients.rules.patience)
     if first.startswith(REQUEST):
         wire = WebSocket(line, first, clients.rules.message)
-        trusted = await wire.open(clients.is_token, needs_token=clients.needs_token)
+        authorities = own_authorities(host, *writer.get_extra_info("sockname")[:2])
+        trusted = await wire.open(clients.access, clients.is_token, authorities)
         await _attend(clients, wire, clients.join(name, trusted=trusted))
     elif first.lstrip(BLANK).startswith(DOCUMENT):
         await _attend(clients, Stream(line, first, clients.rules.message), clients.join(name))
@@ -172,7 +174,7 @@ async def open_serving(
     *,
     address: Address | None,
     rules: Quotas = USUAL,
-    token: str | None = None,
+    access: Access = ANYBODY_HERE,
     accompaniment: SoundAndFace = SILENT,
 ) -> AsyncIterator[Serving]:
     """Opens a server once its planner is warm, and folds the robot to rest at the end.
@@ -182,14 +184,14 @@ async def open_serving(
         sinks: sinks, closed at the end.
         address: to listen at; None: nowhere.
         rules: what clients may do.
-        token: that clients must show.
+        access: who may connect.
         accompaniment: whether one of the sinks shows the face, and whether speech is heard.
 
     Raises:
         ConfigError: the address cannot be had.
     """
     clients = ClientRegistry(
-        rules, token, lambda own: Session(make_setup, sinks, rules, own.tell, accompaniment=accompaniment)
+        rules, access, lambda own: Session(make_setup, sinks, rules, own.tell, accompaniment=accompaniment)
     )
     listener = None
     try:

@@ -1,16 +1,17 @@
 """A client by WebSocket: one message is one message."""
 
 from collections.abc import AsyncIterator, Callable
-from urllib.parse import urlsplit
+from http import HTTPStatus
 
 from websockets.frames import Frame, Opcode
 from websockets.http11 import Request
 from websockets.protocol import State
 from websockets.server import ServerProtocol
 
+from kinesic.serve.origin import Access, Rejection, find_rejection
 from kinesic.serve.transport import HalfError, Transport
 
-HERE = ("localhost", "127.0.0.1", "::1", None)  # whose pages may connect without a token
+BEARER = "Bearer "
 DATA = (Opcode.TEXT, Opcode.BINARY, Opcode.CONT)
 
 
@@ -32,14 +33,13 @@ class WebSocket:
         self._protocol.receive_data(first)
         self._half = False  # a message has begun and not ended
 
-    async def open(self, is_token: Callable[[str | None], bool], *, needs_token: bool) -> bool:
-        """Reads the request and answers it; says whether a token came with it that is right.
-
-        A browser says which page asks: pages from elsewhere must bring the token, or any page could move the robot.
+    async def open(self, access: Access, is_token: Callable[[str | None], bool], authorities: frozenset[str]) -> bool:
+        """Reads the request and answers it; says whether the token came with it.
 
         Args:
+            access: who may connect.
             is_token: says whether a token is right.
-            needs_token: whether clients need one.
+            authorities: what the request's `Host` may be.
 
         Raises:
             HalfError: there is no request, or it is refused.
@@ -50,21 +50,25 @@ class WebSocket:
         request = events[0]
         if not isinstance(request, Request):
             raise HalfError("no request")
-        token = request.headers.get("Authorization", "").removeprefix("Bearer ") or None
-        origin = request.headers.get("Origin")
-        elsewhere = origin is not None and urlsplit(origin).hostname not in HERE
-        if token is not None and needs_token and not is_token(token):
-            response = self._protocol.reject(401, "the token is wrong\n")
-        elif elsewhere and not needs_token:
-            response = self._protocol.reject(403, f"pages of {origin} may not connect without a token\n")
+        headers = request.headers
+        tokens = [value.removeprefix(BEARER) for value in headers.get_all("Authorization")]
+        shown = len(tokens) == 1 and is_token(tokens[0])
+        if shown and "Origin" not in headers:
+            rejection = None  # no page can send this header, and a program may call the server what it likes
+        elif access.token is not None and tokens and not shown:
+            rejection = Rejection(HTTPStatus.UNAUTHORIZED, "the token is wrong")
         else:
+            rejection = find_rejection(headers, authorities, access.origins)
+        if rejection is None:
             response = self._protocol.accept(request)
+        else:
+            response = self._protocol.reject(rejection.status, f"{rejection.why}\n")
         self._protocol.send_response(response)
         await self._flush()
         if self._protocol.state is not State.OPEN:
             await self._line.close()
             raise HalfError("refused")
-        return token is not None
+        return shown
 
     async def messages(self, hurry: Callable[[], bool]) -> AsyncIterator[bytes]:
         """Messages as they come, until the client closes.

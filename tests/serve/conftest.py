@@ -12,6 +12,7 @@ import pytest
 from kinesic.body.command import Command
 from kinesic.client import Client
 from kinesic.controller.perform import set_up
+from kinesic.serve.origin import ANYBODY_HERE, Access
 from kinesic.serve.quotas import Quotas
 from kinesic.serve.server import Address, Serving, open_serving, until_done
 from kinesic.serve.sinks import RealTimeSink, RealTwin
@@ -53,7 +54,7 @@ class Running:
 
 
 @contextmanager
-def running(rules: Quotas, token: str | None = None) -> Iterator[Running]:
+def running(rules: Quotas, access: Access = ANYBODY_HERE) -> Iterator[Running]:
     """A server on a free port."""
     witness, ready, found = Witness(), threading.Event(), []
 
@@ -62,7 +63,7 @@ def running(rules: Quotas, token: str | None = None) -> Iterator[Running]:
         sinks = [RealTimeSink(witness), RealTimeSink(RealTwin(set_up().robot))]
         address = Address("127.0.0.1", 0)
         async with open_serving(
-            set_up, sinks, address=address, rules=rules, token=token, accompaniment=SoundAndFace(face=True)
+            set_up, sinks, address=address, rules=rules, access=access, accompaniment=SoundAndFace(face=True)
         ) as open_:
             found.extend((Running(open_, witness, asyncio.get_running_loop()), enough))
             ready.set()
@@ -100,7 +101,7 @@ def guarded() -> Iterator[Running]:
     rules = Quotas(
         message=2000, depth=8, rate=20.0, burst=10, waiting=2, clients=4, unread=64, patience=1.0, duration=20.0
     )
-    with running(rules, "open sesame") as found:
+    with running(rules, Access("open sesame")) as found:
         yield found
 
 

@@ -8,7 +8,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from kinesic.body.command import RATE
@@ -180,20 +179,6 @@ def test_blanks_without_end_are_sent_away(server):
     with socket.create_connection(("127.0.0.1", server.port), 20) as blank:
         blank.sendall(b" " * 70_000)
         assert blank.makefile("rb").read() == b""
-
-
-def test_what_is_neither_a_document_nor_a_websocket_is_sent_away(server):
-    with socket.create_connection(("127.0.0.1", server.port), 20) as page:
-        page.sendall(b"POST / HTTP/1.1\r\nHost: x\r\n\r\n" + BLOCK.format("smuggled", NOD).encode() + b"\0")
-        assert page.makefile("rb").read() == b""
-
-
-def test_pages_from_elsewhere_may_not_connect(server):
-    with pytest.raises(InvalidStatus, match="403"):
-        connect(f"ws://127.0.0.1:{server.port}", origin="https://elsewhere.example")
-    with connect(f"ws://127.0.0.1:{server.port}", origin="http://localhost:8000") as client:
-        client.send('{"do": "ping"}')
-        assert "pong" in client.recv(20)
 
 
 def test_the_face_moves_in_time(server):

@@ -1,0 +1,105 @@
+"""Requests for a WebSocket, and what else browsers can send: only programs and the server's own pages come in."""
+
+import socket
+
+import pytest
+
+from kinesic.serve.origin import Access
+
+pytestmark = pytest.mark.realtime
+
+NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="smuggled"><head id="h" lexeme="NOD" start="0"/></bml>'
+
+
+@pytest.fixture
+def reached(server, monkeypatch):
+    """What comes through to the session, from whichever client."""
+    found = []
+    monkeypatch.setattr(server.open.clients, "receive", lambda client, message: found.append(message))
+    return found
+
+
+def test_a_page_that_the_operator_names_may_connect(server, monkeypatch, tmp_path):
+    named = "http://studio.example:5173"
+    monkeypatch.setattr(server.open.clients, "access", Access(origins=frozenset({named})))
+    assert handshake(server.port, "localhost", f"Origin: {named}").startswith(b"HTTP/1.1 101")
+    assert handshake(server.port, "localhost", "Origin: http://studio.example").startswith(b"HTTP/1.1 403")
+
+
+def handshake(port: int, host: str, *lines: str) -> bytes:
+    """How a server answers a request for a WebSocket."""
+    lines = (
+        "GET / HTTP/1.1",
+        f"Host: {host}:{port}",
+        "Upgrade: websocket",
+        "Connection: Upgrade",
+        "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==",
+        "Sec-WebSocket-Version: 13",
+        *lines,
+    )
+    return answer(port, "\r\n".join((*lines, "", "")).encode(), ends=False)
+
+
+def answer(port: int, said: bytes, *, ends: bool = True) -> bytes:
+    """What comes back, till the server closes or has answered a request."""
+    with socket.create_connection(("127.0.0.1", port), 20) as client:
+        client.sendall(said)
+        if ends:
+            client.shutdown(socket.SHUT_WR)
+            return client.makefile("rb").read()
+        return client.recv(65_536)
+
+
+@pytest.mark.parametrize(
+    ("host", "lines", "status"),
+    [
+        ("localhost", (), 101),
+        ("LOCALHOST", (), 101),
+        ("evil.example", (), 421),
+        ("localhost.", (), 421),
+        ("localhost", ("Origin: null",), 403),
+        ("localhost", ("ORIGIN: http://localhost:1",), 403),
+        ("localhost", ("Origin: null", "Origin: http://localhost"), 400),
+        ("localhost", ("Host: evil.example",), 400),
+        ("localhost", ("Authorization: Bearer guess", "Origin: null"), 403),
+        ("localhost", ("Authorization: Bearer \xff",), 101),
+    ],
+)
+def test_requests(server, host, lines, status):
+    assert handshake(server.port, host, *lines).startswith(b"HTTP/1.1 %d" % status)
+
+
+@pytest.mark.parametrize(
+    ("lines", "status"),
+    [
+        (("Authorization: Bearer open sesame", "Origin: null"), 403),
+        (("Authorization: Bearer open sesame",), 101),
+        (("Authorization: Bearer guess",), 401),
+        (("Authorization: Bearer open sesame", "Authorization: Bearer guess"), 401),
+        (("Origin: https://evil.example",), 403),
+        ((), 101),
+    ],
+)
+def test_the_token_makes_no_page_welcome(guarded, lines, status):
+    assert handshake(guarded.port, "localhost", *lines).startswith(b"HTTP/1.1 %d" % status)
+
+
+def test_a_program_with_the_token_may_call_the_server_what_it_likes(guarded):
+    known = handshake(guarded.port, "robot.local", "Authorization: Bearer open sesame")
+    assert known.startswith(b"HTTP/1.1 101")
+    assert handshake(guarded.port, "robot.local").startswith(b"HTTP/1.1 421")
+
+
+@pytest.mark.parametrize("method", ["POST", "PUT", "OPTIONS", "get", "HEAD", "PRI", "CONNECT", "*", "GET"])
+def test_no_request_of_a_browser_is_read_as_messages(server, reached, method):
+    body = f'\0{{"do": "stop"}}\0{NOD}\0'
+    request = f"{method} / HTTP/1.1\r\nHost: localhost:{server.port}\r\nContent-Length: {len(body)}\r\n\r\n{body}"
+    assert not answer(server.port, request.encode()).startswith(b"HTTP/1.1 101")
+    assert reached == []
+
+
+@pytest.mark.parametrize("first", [b"\0\1\0\0!\x12\xa4B", b"\x16\3\1\2\0\1", b"\0", b"\x80\x80", b"[", b"stop"])
+def test_other_protocols_that_a_page_can_speak_are_not_read_either(server, reached, first):
+    """STUN and TURN by TCP begin with NUL, TLS with 22."""
+    assert answer(server.port, first + b"\0" + NOD.encode() + b"\0") == b""
+    assert reached == []

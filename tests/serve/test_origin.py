@@ -1,0 +1,131 @@
+from http import HTTPStatus
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from websockets.datastructures import Headers
+
+from kinesic.body.config import ConfigError
+from kinesic.serve import origin
+from kinesic.serve.origin import find_rejection, own_authorities, read_origin
+
+HERE = own_authorities("127.0.0.1", "127.0.0.1", 8864)
+STUDIO = frozenset({"https://studio.example", "http://localhost:5173"})
+
+
+def status(*pairs, origins=frozenset(), authorities=HERE):
+    """With what a request is refused; None where it is not."""
+    headers = Headers()
+    for name, value in pairs:
+        headers[name] = value
+    found = find_rejection(headers, authorities, origins)
+    return None if found is None else found.status
+
+
+@pytest.mark.parametrize("host", ["127.0.0.1:8864", "localhost:8864", "LocalHost:8864", "[::1]:8864"])
+def test_a_program_may_ask_for_this_server_by_its_names(host):
+    assert status(("hOST", host)) is None
+
+
+@pytest.mark.parametrize("page", ["http://127.0.0.1:8864", "https://localhost:8864", "http://[::1]:8864"])
+def test_a_page_of_this_server_may_connect(page):
+    assert status(("Host", "localhost:8864"), ("oRiGiN", page)) is None
+
+
+@pytest.mark.parametrize(
+    "page",
+    [
+        "null",
+        "",
+        "file://",
+        "data:",
+        "chrome-extension://abcdefghijklmnop",
+        "http://localhost",
+        "http://localhost:8865",
+        "http://localhost:88640",
+        "http://localhost.:8864",
+        "http://localhost:8864/",
+        "http://localhost:8864@evil.example",
+        "http://localhost:8864.evil.example",
+        "http://evil.example:8864",
+        "http://evil.example#localhost:8864",
+        "http://user@localhost:8864",
+        "ws://localhost:8864",
+        "ftp://localhost:8864",
+        "HTTP://LOCALHOST:8864",
+        "http://127.1:8864",
+        "http://0.0.0.0:8864",
+        "http://[::ffff:127.0.0.1]:8864",
+        "http://localhost:8864 http://evil.example",
+        "http://localhost:8864, http://evil.example",
+    ],
+)
+def test_no_other_page_may(page):
+    assert status(("Host", "localhost:8864"), ("Origin", page)) == HTTPStatus.FORBIDDEN
+
+
+@pytest.mark.parametrize(
+    "host",
+    [
+        "evil.example:8864",
+        "evil.example",
+        "localhost",
+        "localhost:8865",
+        "localhost.:8864",
+        "localhost.evil.example:8864",
+        "user@localhost:8864",
+        "localhost:8864@evil.example",
+        "127.0.0.2:8864",
+        "192.168.0.7:8864",
+        "::1:8864",
+        "[::1%lo]:8864",
+        "localhost :8864",
+        "",
+    ],
+)
+def test_another_name_is_not_this_server(host):
+    assert status(("Host", host)) == HTTPStatus.MISDIRECTED_REQUEST
+    assert status(("Host", host), ("Origin", f"http://{host}")) == HTTPStatus.MISDIRECTED_REQUEST
+
+
+@given(st.text(st.characters(min_codepoint=32, max_codepoint=126), max_size=40))
+def test_no_text_is_an_origin_but_the_few(page):
+    expected = None if page in {f"{scheme}://{own}" for scheme in ("http", "https") for own in HERE} else 403
+    assert status(("Host", "localhost:8864"), ("Origin", page)) == expected
+
+
+def test_what_is_said_twice_is_not_believed():
+    host, page = ("Host", "localhost:8864"), ("Origin", "http://localhost:8864")
+    assert status(host, host) == HTTPStatus.BAD_REQUEST
+    assert status(host, page, page) == HTTPStatus.BAD_REQUEST
+    assert status(page) == HTTPStatus.BAD_REQUEST
+
+
+def test_an_operator_may_name_pages_and_their_server_is_known_then():
+    assert status(("Host", "localhost:8864"), ("Origin", "http://localhost:5173"), origins=STUDIO) is None
+    assert status(("Host", "studio.example"), ("Origin", "https://studio.example"), origins=STUDIO) is None
+    assert status(("Host", "localhost:8864"), ("Origin", "http://studio.example"), origins=STUDIO) == 403
+    assert status(("Host", "localhost:8864"), ("Origin", "null"), origins=STUDIO) == 403
+
+
+def test_the_names_of_a_server_depend_on_where_it_listens(monkeypatch):
+    monkeypatch.setattr(origin, "gethostname", lambda: "Robot")
+    assert own_authorities("192.168.0.7", "192.168.0.7", 5) == {"192.168.0.7:5"}
+    assert own_authorities("robot.lab", "192.168.0.7", 5) == {"192.168.0.7:5", "robot.lab:5"}
+    assert own_authorities("0.0.0.0", "192.168.0.7", 5) == {"192.168.0.7:5", "robot:5", "robot.local:5"}
+    assert own_authorities("::", "fe80::1%eth0", 5) == {"[fe80::1]:5", "robot:5", "robot.local:5"}
+    assert "localhost:5" in own_authorities("0.0.0.0", "127.0.0.1", 5)
+    assert own_authorities("localhost", "::1", 80) >= {"localhost", "localhost:80", "[::1]"}
+
+
+@pytest.mark.parametrize("text", ["http://localhost:5173", "HTTPS://Studio.Example", "http://[::1]:80"])
+def test_origins_are_read(text):
+    assert read_origin(text) == text.lower()
+
+
+@pytest.mark.parametrize(
+    "text", ["null", "*", "localhost:5173", "http://localhost/", "file://", "http://a@b", "http://a:"]
+)
+def test_what_is_no_origin_is_refused(text):
+    with pytest.raises(ConfigError, match="give SCHEME://HOST"):
+        read_origin(text)

@@ -1,0 +1,152 @@
+"""Pages that a browser shows: none but the server's own reaches the robot, whatever way it tries."""
+
+import json
+import threading
+from base64 import b64encode
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+
+import pytest
+
+from kinesic.serve.quotas import Quotas
+
+from .chromium import Page, binary, opened
+from .serve.conftest import running
+
+pytestmark = [
+    pytest.mark.realtime,
+    pytest.mark.skipif(binary() is None, reason="no Chromium: apt-get install chromium"),
+]
+
+NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="smuggled"><head id="h" lexeme="NOD" start="0"/></bml>'
+FOREIGN = "evil.example"  # which the browser is told to find on this machine, as a rebinding name server would
+REBIND = f"--host-resolver-rules=MAP {FOREIGN} 127.0.0.1"
+TRY = """
+const port = {port}, hosts = {hosts}, bml = {bml};
+function attempt(host) {{
+  return new Promise(done => {{
+    let socket;
+    try {{ socket = new WebSocket(`ws://${{host}}:${{port}}/`); }} catch (error) {{ done("blocked"); return; }}
+    socket.onopen = () => {{ socket.send(bml); socket.send('{{"do": "stop"}}'); done("open"); }};
+    socket.onerror = () => done("refused");
+  }});
+}}
+async function post(body, type) {{
+  const request = {{method: "POST", mode: "no-cors", body, headers: {{"Content-Type": type}}}};
+  for (const host of hosts) await fetch(`http://${{host}}:${{port}}/`, request).catch(() => null);
+}}
+function form(body) {{
+  const frame = document.createElement("iframe"), form = document.createElement("form");
+  frame.name = "sink"; document.body.append(frame);
+  form.method = "POST"; form.enctype = "text/plain"; form.target = "sink"; form.action = `http://${{hosts[0]}}:${{port}}/`;
+  const field = document.createElement("input");
+  field.name = body; field.value = ""; form.append(field); document.body.append(form);
+  form.submit();
+  return new Promise(done => {{ frame.onload = done; setTimeout(done, 1000); }});
+}}
+async function all() {{
+  const found = [];
+  for (const host of hosts) found.push(await attempt(host));
+  await post(bml, "text/plain"); await post('\\0{{"do": "stop"}}\\0' + bml + '\\0', "text/plain");
+  await form(bml);
+  return found;
+}}
+"""
+PAGE = "<!doctype html><meta charset=utf-8><body><script>{script}\nconst mine = all();</script>"
+IFRAME = """
+new Promise(done => {{
+  addEventListener("message", event => done(event.data));
+  const frame = document.createElement("iframe");
+  frame.sandbox = "allow-scripts allow-forms";
+  frame.srcdoc = {inner};
+  document.body.append(frame);
+}})
+"""
+
+
+@pytest.fixture(scope="module")
+def plain():
+    """A server of the usual kind, without a token."""
+    with running(Quotas(patience=2.0)) as found:
+        yield found
+
+
+@pytest.fixture
+def reached(plain, monkeypatch):
+    """What comes through to the session, from whichever client."""
+    found = []
+    monkeypatch.setattr(plain.open.clients, "receive", lambda client, message: found.append(message))
+    return found
+
+
+@contextmanager
+def web_server(folder: Path) -> Iterator[int]:
+    """Serves a folder on a free port, as anybody's page is served."""
+
+    class Quiet(SimpleHTTPRequestHandler):
+        def log_message(self, *_: object) -> None:
+            """Says nothing."""
+
+    with ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=folder)) as server:
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        yield server.server_port
+        server.shutdown()
+        thread.join()
+
+
+def settled(page: Page) -> object:
+    """What came of all attempts of a page that makes them by itself."""
+    page.until("typeof mine !== 'undefined'")
+    return page.value("mine")
+
+
+def attempts(page: Page, script: str) -> object:
+    """What comes of all attempts that a script makes on whatever the server shows a browser."""
+    page.until("document.readyState === 'complete' && location.port !== ''")
+    page.call("Runtime.evaluate", expression=script)
+    return page.value("all()")
+
+
+def attack(port: int, *hosts: str) -> str:
+    return TRY.format(port=port, hosts=json.dumps(hosts or ("localhost", "127.0.0.1")), bml=json.dumps(NOD))
+
+
+def test_a_foreign_page_and_its_sandboxed_iframe_are_refused(plain, reached, tmp_path):
+    page = PAGE.format(script=attack(plain.port))
+    (tmp_path / "index.html").write_text(page)
+    inner = page.replace("const mine = all();", "all().then(found => parent.postMessage(found, '*'));")
+    with (
+        web_server(tmp_path) as port,
+        opened(f"http://{FOREIGN}:{port}/", tmp_path / "profile", REBIND) as shown,
+    ):
+        assert settled(shown) == ["refused", "refused"]
+        assert shown.value(IFRAME.format(inner=json.dumps(inner))) == ["refused", "refused"]
+    assert reached == []
+
+
+@pytest.mark.parametrize("scheme", ["data", "file"])
+def test_a_page_without_a_server_is_refused(plain, reached, tmp_path, scheme):
+    page, file = PAGE.format(script=attack(plain.port)), tmp_path / "page.html"
+    file.write_text(page)
+    data = f"data:text/html;base64,{b64encode(page.encode()).decode()}"
+    url = {"file": file.as_uri(), "data": data}[scheme]
+    with opened(url, tmp_path / "profile") as shown:
+        assert settled(shown) == ["refused", "refused"]
+    assert reached == []
+
+
+def test_a_name_that_is_made_to_point_here_is_refused(plain, reached, tmp_path):
+    """The browser believes that the page and the robot are of one server: no rule of its own would stop it."""
+    with opened(f"http://{FOREIGN}:{plain.port}/", tmp_path / "profile", REBIND) as shown:
+        assert attempts(shown, attack(plain.port, FOREIGN)) == ["refused"]
+    assert reached == []
+
+
+def test_the_own_page_may_connect(plain, reached, tmp_path):
+    with opened(f"http://localhost:{plain.port}/", tmp_path / "profile") as shown:
+        assert attempts(shown, attack(plain.port)) == ["open", "open"]
+    assert reached == [NOD.encode(), b'{"do": "stop"}'] * 2
