@@ -1,6 +1,6 @@
 """Finds, reads and sets servos one by one, with all the time it takes, through dynamixel-sdk (see `sdk`)."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 
 from dynamixel_sdk import COMM_SUCCESS
@@ -94,6 +94,16 @@ class Cold:
             BusError: the servo does not answer, or has no such register.
         """
         return register.field.unpack(self.read_span(servo, register.field.address, register.field.size))
+
+    def read_several(self, servo: int, registers: Collection[Register]) -> dict[Register, int]:
+        """Reads the raw values of some registers at once, with all that lies between them.
+
+        Raises:
+            BusError: the servo does not answer, or refuses.
+        """
+        begin = min(register.field.address for register in registers)
+        data = self.read_span(servo, begin, max(register.field.end for register in registers) - begin)
+        return {r: r.field.unpack(data[r.field.address - begin : r.field.end - begin]) for r in registers}
 
     def write(self, servo: int, register: Register, value: int) -> None:
         """Sets a register to a raw value.

@@ -1,6 +1,6 @@
 """Drives all servos of all buses as one row, in the manifest's order."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeVar
@@ -117,14 +117,14 @@ class Axes:
             events=tuple((name, event) for name, cycle in cycles.items() for event in cycle.events),
         )
 
-    def read(self, place: int, register: Register) -> int:
-        """Reads a register of one member, asked alone.
+    def read(self, place: int, registers: Collection[Register]) -> dict[Register, int]:
+        """Reads some registers of one member, asked alone.
 
         Raises:
             BusError: it does not answer, or the port is gone.
         """
         member = self.manifest.members[place]
-        return self._cold[member.bus].read(member.id, register)
+        return self._cold[member.bus].read_several(member.id, registers)
 
     def write(self, place: int, register: Register, value: int) -> None:
         """Sets a register of one member, alone.

@@ -19,6 +19,8 @@ from kinesic.hardware.protocol.servo_map import HingeServos, ServoMap
 from kinesic.hardware.protocol.ticks import Scale
 
 MARGIN = 40  # [ticks] beyond a hinge's range that its servo still takes, as joints hang a little outside at times
+NO_ALIAS = 255  # SECONDARY_ID of a servo that obeys its own id alone
+AS_MADE = (Register.MOVING_THRESHOLD, Register.PWM_SLOPE)
 SHUTDOWN = 52  # electrical shock, overload, overheating; not voltage, which a brisk move may pull down
 
 
@@ -60,8 +62,10 @@ class Member:
             Register.RETURN_DELAY_TIME: 0,
             Register.DRIVE_MODE: 0,
             Register.OPERATING_MODE: Mode.POSITION.value,
+            Register.SECONDARY_ID: NO_ALIAS,
             Register.HOMING_OFFSET: 0,
             Register.SHUTDOWN: SHUTDOWN,
+            **{r: self.model.starts(r) for r in AS_MADE if self.model.has(r)},
         }
 
     @property
@@ -71,6 +75,9 @@ class Member:
         return {
             Register.POSITION_P_GAIN: self.gains[0],
             Register.POSITION_D_GAIN: self.gains[1],
+            Register.POSITION_I_GAIN: 0,
+            Register.FEEDFORWARD_1ST_GAIN: 0,
+            Register.FEEDFORWARD_2ND_GAIN: 0,
             Register.PROFILE_ACCELERATION: 0,  # an acceleration would brake at every goal of a stream
             Register.PROFILE_VELOCITY: pace,
         }

@@ -2,7 +2,9 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from math import ceil
 
+from kinesic.body.limits import DUTY
 from kinesic.body.servo import TICKS_PER_TURN
 from kinesic.hardware.bus.bring_up import open_bus
 from kinesic.hardware.bus.bus import Bus
@@ -13,7 +15,11 @@ from kinesic.hardware.supervisor.axes import Axes
 from kinesic.hardware.supervisor.manifest import Manifest, Member
 
 SPEED_SHARE = 0.8  # of the speed without load that plans use
-VITAL = (Register.DRIVE_MODE, Register.OPERATING_MODE, Register.HOMING_OFFSET)  # without which ticks mean nothing
+CURRENT_SHARE = 0.5  # of the factory's limit of the current, below which time would always run slowly
+COOLEST = 50  # [C] least temperature limit: a servo at work is warmer than most rooms
+PLACING = (Register.DRIVE_MODE, Register.OPERATING_MODE, Register.HOMING_OFFSET)  # without which ticks mean nothing
+VITAL = (*PLACING, Register.SECONDARY_ID)  # without which a servo with torque may not be driven
+BOTTOM, TOPS = Register.MIN_VOLTAGE_LIMIT, (Register.MAX_VOLTAGE_LIMIT, Register.TEMPERATURE_LIMIT)  # as made
 _END = Register.PRESENT_TEMPERATURE.field.end
 
 
@@ -127,7 +133,7 @@ def check_servos(axes: Axes, found: tuple[Table, ...]) -> None:
 
 def reasons(table: Table) -> tuple[str, ...]:
     """Returns why a servo may not be driven, and what mends it; empty if it may."""
-    looks = (_error, _limits, _speed, _place, _mode)
+    looks = (_error, _range, _speed, _power, _current, _heat, _place, _mode)
     return tuple(reason for look in looks if (reason := look(table)))
 
 
@@ -138,7 +144,7 @@ def _error(table: Table) -> str:
     return f"has shut down ({', '.join(HardwareError.names(error))}); find out why, then switch its power off and on"
 
 
-def _limits(table: Table) -> str:
+def _range(table: Table) -> str:
     member, least, most = table.member, table[Register.MIN_POSITION_LIMIT], table[Register.MAX_POSITION_LIMIT]
     if least <= member.lower and member.upper <= most:
         return ""
@@ -155,7 +161,31 @@ def _speed(table: Table) -> str:
     return f"its velocity limit is {limit:.2f} rad/s, but plans use {needed:.2f}; raise it with DYNAMIXEL Wizard"
 
 
+def _power(table: Table) -> str:
+    limit, needed = table[Register.PWM_LIMIT], ceil(DUTY * table.member.model.starts(Register.PWM_LIMIT))
+    if limit >= needed:
+        return ""
+    return f"its PWM limit is {limit}, but plans use {needed}; raise it with DYNAMIXEL Wizard"
+
+
+def _current(table: Table) -> str:
+    model, limit = table.member.model, table[Register.CURRENT_LIMIT]
+    needed = ceil(CURRENT_SHARE * model.starts(Register.CURRENT_LIMIT))
+    if not model.has(Register.CURRENT_LIMIT) or limit >= needed:
+        return ""
+    return f"its current limit is {limit}, must be {needed} at least; raise it with DYNAMIXEL Wizard"
+
+
+def _heat(table: Table) -> str:
+    limit = table[Register.TEMPERATURE_LIMIT]
+    if limit >= COOLEST:
+        return ""
+    return f"its temperature limit is {limit} C, must be {COOLEST} C at least; raise it with DYNAMIXEL Wizard"
+
+
 def _place(table: Table) -> str:
+    if any(table[r] != table.member.lasting[r] for r in PLACING):
+        return ""  # where it stands is known when these are set
     lower, upper = table.member.span
     here = table[Register.PRESENT_POSITION] % TICKS_PER_TURN
     if lower <= here <= upper:
@@ -175,26 +205,34 @@ def _mode(table: Table) -> str:
 
 
 def configure(axes: Axes, found: tuple[Table, ...]) -> tuple[Change, ...]:
-    """Sets what EEPROM must hold where it differs, in servos without torque. Position limits are only narrowed.
+    """Sets what EEPROM must hold where it differs, in servos without torque. Limits are only narrowed.
 
     Raises:
-        BusError: a servo does not answer, or does not take a value.
+        BusError: a servo does not answer, does not take a value, or stands outside its range once its ticks count.
     """
+    limp = [table for table in found if not table[Register.TORQUE_ENABLE]]
+    wishes = [{r: value for r, value in required_registers(table).items() if table[r] != value} for table in limp]
     changes: list[Change] = []
-    for table in found:
-        if not table[Register.TORQUE_ENABLE]:
-            different = {r: value for r, value in required_registers(table).items() if table[r] != value}
-            changes += axes.cold(table.member.bus).configure(table.member.id, different)
+    for aliases in (True, False):  # before all others: who has an alias would take what is meant for another
+        for table, wished in zip(limp, wishes, strict=True):
+            part = {r: value for r, value in wished.items() if (r is Register.SECONDARY_ID) is aliases}
+            changes += axes.cold(table.member.bus).configure(table.member.id, part)
+    moved = {change.servo for change in changes if change.register in PLACING}
+    check_servos(axes, tuple(_read_again(axes, table) if table.member.id in moved else table for table in found))
     return tuple(changes)
+
+
+def _read_again(axes: Axes, table: Table) -> Table:
+    return Table.read(axes.cold(table.member.bus), table.member)
 
 
 def required_registers(table: Table) -> dict[Register, int]:
     """Returns what the EEPROM of a servo must hold."""
-    member, startup = table.member, Register.STARTUP_CONFIGURATION
+    member, model, startup = table.member, table.member.model, Register.STARTUP_CONFIGURATION
     lower, upper = member.span
     wishes = dict(member.lasting)
-    if member.model.family == "330" or table[Register.FIRMWARE_VERSION] >= startup.field.firmware:
+    if model.family == "330" or table[Register.FIRMWARE_VERSION] >= startup.field.firmware:
         wishes[startup] = 0
-    wishes[Register.MIN_POSITION_LIMIT] = max(lower, table[Register.MIN_POSITION_LIMIT])
-    wishes[Register.MAX_POSITION_LIMIT] = min(upper, table[Register.MAX_POSITION_LIMIT])
-    return wishes
+    least = {Register.MIN_POSITION_LIMIT: lower, BOTTOM: model.starts(BOTTOM)}
+    most = {Register.MAX_POSITION_LIMIT: upper} | {r: model.starts(r) for r in TOPS}
+    return wishes | {r: max(v, table[r]) for r, v in least.items()} | {r: min(v, table[r]) for r, v in most.items()}

@@ -61,7 +61,9 @@ def energise(
         elif confirmed:
             break
         else:
-            confirmed = _taken(axes, chosen, goals)
+            confirmed = all(_has_taken(axes, k, goal) for k, goal in zip(chosen, goals, strict=True))
+            if not confirmed:
+                _put_passing(axes, chosen)
     else:
         names = ", ".join(axes.where(k) for k in chosen)
         raise BusError(f"{names}: some of them move, or do not take their goals; they stay limp")
@@ -113,8 +115,18 @@ def adopt(axes: Axes, first: Snapshot, earlier: Floats, power: Ticks, *, watchdo
         snapshot = yield goals
         late = [k for k in late if snapshot.records["watchdog"][k] != watchdog and snapshot.torque[k]]
         if not late:
-            return
-    raise BusError(f"{axes.where(late[0])}: its bus watchdog does not come on")
+            break
+    else:
+        raise BusError(f"{axes.where(late[0])}: its bus watchdog does not come on")
+    for k in chosen:  # one a cycle, as all have torque
+        for _ in range(TRIES):
+            if _has_taken(axes, k) or not snapshot.torque[k]:
+                break
+            _put_passing(axes, [k])
+            snapshot = yield goals
+        else:
+            raise BusError(f"{axes.where(k)}: does not take its gains and profile")
+        snapshot = yield goals
 
 
 def release_torque(axes: Axes, *, tries: int) -> Procedure:
@@ -147,8 +159,12 @@ def _put_passing(axes: Axes, places: Sequence[int]) -> None:
         axes.put(register, {k: members[k].passing[register] for k in places})
 
 
-def _taken(axes: Axes, places: Sequence[int], goals: Floats) -> bool:
+def _has_taken(axes: Axes, place: int, goal: float | None = None) -> bool:
+    """Whether a servo holds what it must while it has torque, and a goal if one is given."""
+    wishes = {**axes.manifest.members[place].passing}
+    if goal is not None:
+        wishes[Register.GOAL_POSITION] = round(goal)
     try:
-        return bool(np.array_equal([axes.read(k, Register.GOAL_POSITION) for k in places], np.rint(goals)))
+        return axes.read(place, wishes) == wishes
     except BusError:
         return False

@@ -14,7 +14,7 @@ from typing import NamedTuple
 from kinesic.hardware.protocol.packet import HEADER, Packet, Reader
 from kinesic.hardware.protocol.wire import BITS_PER_BYTE
 from kinesic.hardware.virtual.faults import CALM, FaultPlan, Transmission, WireFaults
-from kinesic.hardware.virtual.protocol import answers
+from kinesic.hardware.virtual.protocol import answers, obey_aliases
 from kinesic.hardware.virtual.servo import VirtualServo
 from kinesic.hardware.virtual.shaft_simulation import ShaftSimulation
 
@@ -114,11 +114,15 @@ class VirtualBus:
         """Lets the servos obey and answer; the time [s] when the wire is silent again."""
         self._plant.advance(clock)
         hearing: dict[int, list[VirtualServo]] = {}
+        aliases: dict[int, list[VirtualServo]] = {}
         for servo in self._servos:
             if servo.electronics.up and servo.baud == self.baud:
                 servo.electronics.hear(clock)
                 hearing.setdefault(servo.id, []).append(servo)
+                if servo.alias is not None:
+                    aliases.setdefault(servo.alias, []).append(servo)
         transmissions = self._wire_faults.replies(answers(packet, hearing), clock)
+        obey_aliases(packet, aliases)
         return self._deliver(transmissions, clock, byte)
 
     def _deliver(self, transmissions: list[Transmission], clock: float, byte: float) -> float:

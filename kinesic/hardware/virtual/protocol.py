@@ -44,6 +44,12 @@ def answers(packet: Packet, servos: Servos) -> list[Sent]:
     return list(_plain(packet.id, packet.instruction, packet.parameters, servos))
 
 
+def obey_aliases(packet: Packet, aliases: Servos) -> None:
+    """Lets servos do what their secondary id is told, which they never answer."""
+    if aliases and (packet.id != BROADCAST or packet.instruction in _WRITING):
+        answers(packet, aliases)
+
+
 def _plain(servo: int, instruction: int, parameters: bytes, servos: Servos) -> Iterator[Sent]:
     """One status of one servo, or of several with one id, who talk at the same time."""
     talking, delay = b"", 0.0
@@ -131,6 +137,7 @@ def _read_fast(packet: Packet, servos: Servos) -> Iterator[Sent]:
         yield Sent(servo, ended, 0.0 if k else TURNAROUND + delay, chained=True)
 
 
+_WRITING = (Instruction.SYNC_WRITE, Instruction.BULK_WRITE)
 _COLLECTIVE: Mapping[int, Callable[[Packet, Servos], Iterator[Sent]]] = {
     Instruction.SYNC_READ: _read_each,
     Instruction.BULK_READ: _read_each,

@@ -10,6 +10,7 @@ from kinesic.hardware.protocol.registers import BAUD_RATES, Register
 from kinesic.hardware.virtual.control_table import BY_GOAL, GOALS, Memory, RefusalError, RegisterWrite, value_fault
 from kinesic.hardware.virtual.firmware import BOOT, Firmware
 
+LARGEST_ID = 252
 NEWEST = 52  # firmware unless said otherwise
 CLEAR_FIRMWARE = 42
 _CLEAR_TURNS = bytes((0x01, 0x44, 0x58, 0x4C, 0x22))
@@ -60,6 +61,12 @@ class VirtualServo:
     def id(self) -> int:
         """ID."""
         return self.memory[Register.ID]
+
+    @property
+    def alias(self) -> int | None:
+        """Its secondary id, which it obeys without an answer; None if it has none."""
+        alias = self.memory[Register.SECONDARY_ID]
+        return alias if alias <= LARGEST_ID and alias != self.id else None
 
     @property
     def baud(self) -> int:

@@ -26,7 +26,7 @@ def test_each_fault_has_its_line_and_the_others_are_counted(bench):
     table.set(6, Register.FIRMWARE_VERSION, 37)
     table.servos[12].write(Register.TORQUE_ENABLE.field.address, b"\1")
     table.set(13, Register.MAX_POSITION_LIMIT, 2500)
-    table.set(15, Register.TEMPERATURE_LIMIT, 30)
+    table.servos[15].electronics.celsius = 75.0
     lines = to_mend(table)
     assert len(lines) == 6
     for start, remedy in (
@@ -35,7 +35,7 @@ def test_each_fault_has_its_line_and_the_others_are_counted(bench):
         ("memory: servo 7: no answer", "kinesic servos scan"),
         ("memory: servo 12 (l_shoulder_flexion): has torque", "kinesic servos release"),
         ("memory: servo 13 (l_shoulder_abduct): takes 0..2500 ticks", "widen"),
-        ("memory: servo 15 (l_elbow_flexion): is at 25 C", "let it cool"),
+        ("memory: servo 15 (l_elbow_flexion): is at 75 C", "let it cool"),
     ):
         (line,) = [line for line in lines if line.startswith(start)]
         assert remedy in line

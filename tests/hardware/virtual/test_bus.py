@@ -187,3 +187,13 @@ def test_goals_reach_the_servos_before_the_question_does(line: Lines):
     one.set(Register.TORQUE_ENABLE, 1)
     both = packet.sync_write(116, 4, {1: (2200).to_bytes(4, "little")}) + packet.read_packet(1, 116, 4)
     assert one.ask(both)[0].data == (2200).to_bytes(4, "little")
+
+
+def test_a_servo_obeys_its_alias_but_never_answers_for_it(line: Lines):
+    both = line(1, 2)
+    both.set(Register.SECONDARY_ID, 1, servo=2)
+    assert both.set(Register.LED, 1) == 0
+    assert both.get(Register.LED, servo=2) == 1
+    both.bytes(packet.sync_write(Register.LED.field.address, 1, {1: b"\0"}))
+    assert [servo.memory[Register.LED] for servo in both.plant.servos] == [0, 0]
+    assert len(both.ask(packet.ping(BROADCAST))) == 2

@@ -1,0 +1,284 @@
+"""Every register of the X series, as somebody hostile left it: what becomes of it, and whether motion is right."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import get_args
+
+import numpy as np
+import pytest
+
+from kinesic.hardware.bus.bus import Servo
+from kinesic.hardware.protocol.models import MODELS
+from kinesic.hardware.protocol.packet import Instruction
+from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.protocol.ticks import Ticks
+from kinesic.hardware.supervisor.register_rules import REGISTER_RULES, Deed
+from kinesic.hardware.supervisor.state_machine import Stage
+from kinesic.hardware.virtual.wiring import Cable, ServoFitting
+
+from .conftest import Desk, manifest_of
+
+DOCS = Path(__file__).parents[3] / "docs" / "servos.md"
+HEAD = ("| register | what is done | why |", "|---|---|---|")
+RULES = {register: rule for rule in REGISTER_RULES for register in rule.registers}
+SECONDS, AMPLITUDE = 1.0, 0.3  # [s], [rad] of the motion that is compared
+USUAL = "xm430_w350"
+SET = {
+    (Register.RETURN_DELAY_TIME, 254): 0,
+    **{(Register.DRIVE_MODE, bits): 0 for bits in (1, 4, 8, 13)},
+    **{(Register.OPERATING_MODE, mode): 3 for mode in (0, 1, 4, 5, 16)},
+    (Register.SECONDARY_ID, 2): 255,
+    **{(Register.HOMING_OFFSET, ticks): 0 for ticks in (1000, -1000, 4096)},
+    (Register.MOVING_THRESHOLD, 1023): 10,
+    (Register.PWM_SLOPE, 1): 255,
+    (Register.STARTUP_CONFIGURATION, 3): 0,
+    (Register.SHUTDOWN, 0): 52,
+    (Register.SHUTDOWN, 53): 52,
+    (Register.STATUS_RETURN_LEVEL, 0): 2,
+    (Register.STATUS_RETURN_LEVEL, 1): 2,
+    **{(Register.POSITION_P_GAIN, gain): 800 for gain in (0, 16383)},
+    **{(r, 16383): 0 for r in (Register.POSITION_D_GAIN, Register.POSITION_I_GAIN)},
+    **{(r, 16383): 0 for r in (Register.FEEDFORWARD_1ST_GAIN, Register.FEEDFORWARD_2ND_GAIN)},
+    (Register.PROFILE_ACCELERATION, 1): 0,
+    (Register.PROFILE_VELOCITY, 1): 201,
+    (Register.PROFILE_VELOCITY, 0): 201,
+}
+NARROWED = {
+    (Register.TEMPERATURE_LIMIT, 100): 80,
+    (Register.MAX_VOLTAGE_LIMIT, 240): 160,
+    (Register.MIN_VOLTAGE_LIMIT, 0): 95,
+    (Register.MAX_POSITION_LIMIT, 4095): 3040,
+    (Register.MIN_POSITION_LIMIT, 0): 960,
+}
+TOO_NARROW = {
+    (Register.TEMPERATURE_LIMIT, 49): "temperature limit is 49 C",
+    (Register.MAX_VOLTAGE_LIMIT, 110): "has shut down (voltage)",
+    (Register.MIN_VOLTAGE_LIMIT, 130): "supply is 12.0 V",
+    (Register.MAX_POSITION_LIMIT, 2900): "its hinge needs 1000..3000",
+    (Register.MIN_POSITION_LIMIT, 1100): "its hinge needs 1000..3000",
+}
+REFUSED = {
+    (Register.MODEL_NUMBER, 1060): "is a xl430_w250, must be a xm430_w350",
+    (Register.FIRMWARE_VERSION, 37): "firmware 37 has no bus watchdog",
+    (Register.ID, 9): "no answer",
+    (Register.ID, 2): "",
+    (Register.PWM_LIMIT, 0): "PWM limit is 0, but plans use 647",
+    (Register.PWM_LIMIT, 646): "PWM limit is 646",
+    (Register.CURRENT_LIMIT, 0): "current limit is 0, must be 597 at least",
+    (Register.VELOCITY_LIMIT, 10): "velocity limit",
+    (Register.HARDWARE_ERROR_STATUS, 32): "has shut down (overload)",
+}
+DRIVEN = {
+    (Register.BUS_WATCHDOG, -1),
+    (Register.BUS_WATCHDOG, 1),
+    (Register.GOAL_PWM, 0),
+    (Register.GOAL_PWM, -885),
+    (Register.GOAL_POSITION, 500),
+}
+LEFT = {
+    **dict.fromkeys((r for r in Register if r.name.startswith("EXTERNAL_PORT_MODE")), 1),
+    **dict.fromkeys((r for r in Register if r.name.startswith("EXTERNAL_PORT_DATA")), 4095),
+    Register.LED: 1,
+    Register.REGISTERED_INSTRUCTION: 1,
+    Register.VELOCITY_I_GAIN: 16383,
+    Register.VELOCITY_P_GAIN: 0,
+    Register.GOAL_CURRENT: 0,
+    Register.GOAL_VELOCITY: 1023,
+    Register.BACKUP_READY: 1,
+}
+
+
+def model_with(register: Register) -> str:
+    names = (USUAL, "xc330_t288", "xm540_w270")
+    return next(name for name in names if MODELS[name].has(register))
+
+
+def two_servos(folder: Path, model: str) -> Desk:
+    """Two hinges, a servo each, that nobody has touched."""
+    whole = manifest_of(2, 1_000_000)
+    members = tuple(replace(m, servo=Servo(m.id, MODELS[model]), speed=min(m.speed, 3.0)) for m in whole.members)
+    members = whole.members if model == USUAL else members
+    cable = Cable("body", tuple(ServoFitting(member.id, model=model) for member in members))
+    return Desk(replace(whole, members=members), (cable,), folder / "events.jsonl")
+
+
+@pytest.fixture
+def pair(tmp_path: Path) -> Iterator[Desk]:
+    made = two_servos(tmp_path, USUAL)
+    yield made
+    made.end()
+
+
+def leave(desk: Desk, register: Register, value: int) -> None:
+    """Leaves a register of the first servo so, as somebody may who had it before."""
+    servo = desk.plant.servos[0]
+    servo.memory[register] = value
+    servo.electronics.changed()
+    if register in (Register.HOMING_OFFSET, Register.OPERATING_MODE, Register.DRIVE_MODE):
+        servo.electronics.fold()
+    if register is Register.REGISTERED_INSTRUCTION:
+        servo.execute(Instruction.REG_WRITE, Register.GOAL_POSITION.field.address.to_bytes(2, "little") + b"\0\1\0\0")
+
+
+def moved(desk: Desk) -> Ticks:
+    """(k, m) where the servos stand in each cycle of a motion that is released in its middle."""
+    desk.open()
+    assert desk.stage is Stage.LIMP, desk.kinds()
+    desk.perform(SECONDS, amplitude=AMPLITUDE)
+    desk.until(Stage.ACTIVE)
+    places = []
+    while desk.stage is Stage.ACTIVE and desk.status.time < SECONDS - 0.02:
+        desk.cycle()
+        places.append([round(servo.electronics.shaft.angle / 2 / np.pi * 4096) for servo in desk.plant.servos])
+    return np.array(places)
+
+
+def untouched(folder: Path, model: str) -> Ticks:
+    made = two_servos(folder, model)
+    places = moved(made)
+    made.end()
+    assert np.ptp(places, axis=0).min() > 100, "it is not a motion"
+    return places
+
+
+def held_with_torque(desk: Desk, register: Register) -> int:
+    """What the first servo holds in a register when its torque comes, and for the rest of the motion."""
+    held = []
+    cycle = desk.cycle
+
+    def looking() -> None:
+        cycle()
+        if desk.true(Register.TORQUE_ENABLE)[0]:
+            held.append(int(desk.true(register)[0]))
+
+    desk.cycle = looking  # type: ignore[method-assign]  # only to look on
+    assert np.abs(moved(desk) - untouched(desk.log.parent, desk.manifest.members[0].model.name)).max() <= 3
+    assert len(set(held)) == 1
+    return held[0]
+
+
+def test_every_register_has_one_rule():
+    assert sorted(register.name for rule in REGISTER_RULES for register in rule.registers) == sorted(
+        Register.__members__
+    )
+    assert {rule.deed for rule in REGISTER_RULES} == set(get_args(Deed))
+
+
+def test_the_guide_shows_the_rules():
+    rows = [
+        f"| {', '.join(register.name for register in rule.registers)} "
+        f"| {rule.deed}{': ' if rule.detail else ''}{rule.detail} | {rule.why} |"
+        for rule in REGISTER_RULES
+    ]
+    table = "\n".join((*HEAD, *rows))
+    assert table in DOCS.read_text(), f"docs/servos.md must hold\n{table}"
+
+
+def test_every_register_that_can_be_wrong_is_tried():
+    cannot = {Register.MODEL_INFORMATION, Register.BAUD_RATE, Register.PROTOCOL_TYPE, Register.TORQUE_ENABLE}
+    sensors = {r for r in Register if not r.field.writable} - {Register.MODEL_NUMBER, Register.FIRMWARE_VERSION, *LEFT}
+    tried = {r for r, _ in (*SET, *NARROWED, *REFUSED, *DRIVEN)} | set(LEFT)
+    assert tried | cannot | (sensors - {Register.HARDWARE_ERROR_STATUS}) == set(Register)
+    for deed, found in (
+        ("set", {r for r, _ in SET}),
+        ("narrowed", {r for r, _ in NARROWED} & {r for r, _ in TOO_NARROW}),
+        ("refused", {r for r, _ in REFUSED}),
+        ("driven", {r for r, _ in DRIVEN} | {Register.TORQUE_ENABLE}),
+    ):
+        assert {r for r in found if RULES[r].deed != deed} == set()
+        assert {r for r in Register if RULES[r].deed == deed} - sensors <= found
+
+
+@pytest.mark.parametrize(("hostile", "value"), (SET | NARROWED).items(), ids=str)
+def test_it_is_set_before_torque_and_the_motion_is_right(tmp_path: Path, hostile: tuple[Register, int], value: int):
+    made = two_servos(tmp_path, model_with(hostile[0]))
+    leave(made, *hostile)
+    assert held_with_torque(made, hostile[0]) == value
+    made.end()
+
+
+@pytest.mark.parametrize(("hostile", "message"), (REFUSED | TOO_NARROW).items(), ids=str)
+def test_it_is_refused_and_nothing_is_energised(pair: Desk, hostile: tuple[Register, int], message: str):
+    leave(pair, *hostile)
+    pair.plant.advance(0.01)
+    pair.open()
+    assert pair.stage is Stage.CLOSED
+    refused = [note.text for note in pair.notes() if note.kind == "refused"]
+    assert refused
+    assert any(message in line for line in refused), refused
+    assert not pair.true(Register.TORQUE_ENABLE).any()
+
+
+@pytest.mark.parametrize(("register", "value"), LEFT.items(), ids=str)
+def test_it_is_left_and_the_motion_is_right(tmp_path: Path, register: Register, value: int):
+    assert RULES[register].deed == "left"
+    made = two_servos(tmp_path, model_with(register))
+    leave(made, register, value)
+    assert held_with_torque(made, register) == value
+    made.end()
+
+
+@pytest.mark.parametrize(("register", "value"), sorted(DRIVEN, key=str), ids=str)
+def test_it_is_driven_whatever_it_was(pair: Desk, tmp_path: Path, register: Register, value: int):
+    leave(pair, register, value)
+    assert np.abs(moved(pair) - untouched(tmp_path, USUAL)).max() <= 3
+    assert max(pair.jumps) <= 2
+
+
+@pytest.mark.parametrize(
+    "register", [Register.OPERATING_MODE, Register.DRIVE_MODE, Register.HOMING_OFFSET, Register.SECONDARY_ID]
+)
+def test_a_servo_with_torque_that_cannot_be_set_is_refused(pair: Desk, register: Register):
+    leave(pair, register, 1)
+    leave(pair, Register.TORQUE_ENABLE, 1)
+    pair.open()
+    (refused,) = [note.text for note in pair.notes() if note.kind == "refused"]
+    assert f"has torque, but another {register.name}" in refused
+
+
+def test_gains_of_a_servo_that_is_taken_over_are_set(pair: Desk):
+    gains = (Register.POSITION_I_GAIN, Register.FEEDFORWARD_1ST_GAIN, Register.FEEDFORWARD_2ND_GAIN)
+    pair.active()
+    pair.start()
+    for gain in gains:
+        leave(pair, gain, 16383)
+    pair.open()
+    pair.until(Stage.HOLD)
+    assert all((pair.true(gain) == 0).all() for gain in gains)
+    assert pair.true(Register.TORQUE_ENABLE).all()
+
+
+def test_what_is_lost_on_the_way_is_written_again_before_torque(pair: Desk, monkeypatch: pytest.MonkeyPatch):
+    """Gains are written to all at once, which nobody answers."""
+    servo, place, lost = pair.plant.servos[0], Register.POSITION_I_GAIN.field.address, [1, 2]
+    heard = servo.write
+    monkeypatch.setattr(servo, "write", lambda at, data: lost.pop() if at == place and lost else heard(at, data))
+    leave(pair, Register.POSITION_I_GAIN, 16383)
+    moved(pair)
+    assert not lost
+    assert (pair.true(Register.POSITION_I_GAIN) == 0).all()
+
+
+def test_an_alias_takes_nothing_that_is_meant_for_another(desk: Callable[..., Desk]):
+    made = desk()
+    made.open()
+    lower, upper = made.manifest.spans
+    assert lower[2] != lower[3]
+    made.start()
+    made.plant.servos[3].memory[Register.SECONDARY_ID] = made.manifest.members[2].id
+    made.plant.servos[2].memory[Register.MIN_POSITION_LIMIT] = 0
+    made.open()
+    assert made.stage is Stage.LIMP
+    assert made.true(Register.MIN_POSITION_LIMIT).tolist() == lower.tolist()
+    assert made.true(Register.MAX_POSITION_LIMIT).tolist() == upper.tolist()
+
+
+def test_where_a_servo_stands_is_judged_when_its_ticks_count(pair: Desk):
+    pair.plant.physics.turn(0, 3500 / 4096 * 2 * np.pi)
+    leave(pair, Register.HOMING_OFFSET, -1000)
+    pair.plant.advance(0.01)
+    pair.open()
+    (refused,) = [note.text for note in pair.notes() if note.kind == "refused"]
+    assert "stands at 3500 ticks, outside 960..3040" in refused
+    assert not pair.true(Register.TORQUE_ENABLE).any()
