@@ -1,5 +1,8 @@
+"""A bus in virtual time: on kinesic's own virtual servos, and on those of the manual."""
+
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import pytest
@@ -15,14 +18,18 @@ from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.shaft_simulation import ShaftSimulation
 from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
+from .manual.adapter import ManualWire, Plant, build_manual
+
+BUILDERS = {"kinesic": (build_bus, MemoryWire), "manual": (build_manual, ManualWire)}
+
 
 @dataclass
 class Rig:
     """A bus in virtual time, and the servos behind it."""
 
     bus: Bus
-    wire: MemoryWire
-    plant: ShaftSimulation
+    wire: MemoryWire | ManualWire
+    plant: ShaftSimulation | Plant
 
     def true(self, register: Register) -> Ticks:
         """What the servos' registers really hold."""
@@ -55,16 +62,24 @@ def rig_of(
     faults: FaultPlan = CALM,
     mixed: bool = False,
     latency: float = 0.001,
+    servos: str = "kinesic",
 ) -> Rig:
     models = ["xc330_t288" if mixed and k % 2 else model for k in range(count)]
     fitted = tuple(ServoFitting(k + 1, model=name, firmware=firmware) for k, name in enumerate(models))
-    plant, buses = build_bus([Cable("body", fitted, baud=baud, latency=latency, faults=faults)])
-    wire = MemoryWire(buses["body"])
-    servos = [Servo(k + 1, MODELS[name]) for k, name in enumerate(models)]
-    return Rig(open_bus(wire, servos, period=period), wire, plant)
+    build, wire_of = BUILDERS[servos]
+    plant, buses = build([Cable("body", fitted, baud=baud, latency=latency, faults=faults)])
+    wire = wire_of(buses["body"])
+    members = [Servo(k + 1, MODELS[name]) for k, name in enumerate(models)]
+    return Rig(open_bus(wire, members, period=period), wire, plant)
+
+
+@pytest.fixture(params=list(BUILDERS))
+def servos(request: pytest.FixtureRequest) -> str:
+    """Whose virtual servos a test runs on."""
+    return str(request.param)
 
 
 @pytest.fixture
-def rig() -> Callable[..., Rig]:
+def rig(servos: str) -> Callable[..., Rig]:
     """Makes a bus of virtual servos, opened and limp."""
-    return rig_of
+    return partial(rig_of, servos=servos)

@@ -1,4 +1,4 @@
-"""A small robot on virtual servos, in virtual time, under a supervisor."""
+"""A small robot in virtual time, under a supervisor, on kinesic's own virtual servos and on those of the manual."""
 
 import json
 import mmap
@@ -22,8 +22,9 @@ from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.supervisor.status import EventLog
 from kinesic.hardware.supervisor.supervisor import Supervisor, Surroundings
 from kinesic.hardware.virtual.faults import CALM, FaultPlan, PlannedFault
-from kinesic.hardware.virtual.memory_wire import MemoryWire
-from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus, cables
+from kinesic.hardware.virtual.wiring import Cable, ServoFitting, cables
+
+from ..conftest import BUILDERS
 
 PERIOD = 0.01
 BRISK = SupervisorSettings(pace=3.0)
@@ -40,10 +41,17 @@ class Desk:
     """The supervisor, the servos behind it, and what a planner would see."""
 
     def __init__(
-        self, manifest: Manifest, wires: Sequence[Cable], log: Path, *, settings: SupervisorSettings = BRISK
+        self,
+        manifest: Manifest,
+        wires: Sequence[Cable],
+        log: Path,
+        *,
+        settings: SupervisorSettings = BRISK,
+        servos: str = "kinesic",
     ) -> None:
         self.manifest, self.settings, self.log, self.alive = manifest, settings, log, True
-        self.plant, self.buses = build_bus(wires)
+        build, self.wire = BUILDERS[servos]
+        self.plant, self.buses = build(wires)
         self.jumps: list[float] = []
         self.journal_file: EventLog | None = None
         self.start()
@@ -54,7 +62,7 @@ class Desk:
         self.end()
         self.journal_file = EventLog(self.log)
         self.channel = Channel(mmap.mmap(-1, memory_size(joints)), joints)
-        self.wires = {name: MemoryWire(bus, name=name, time=self.plant.time) for name, bus in self.buses.items()}
+        self.wires = {name: self.wire(bus, name=name, time=self.plant.time) for name, bus in self.buses.items()}
         self.supervisor = Supervisor(
             self.manifest,
             Surroundings(self.wires.__getitem__, self.channel, lambda: self.alive, self.journal_file),
@@ -152,14 +160,14 @@ class Desk:
 
 
 @pytest.fixture
-def desk(robot: Robot, tmp_path: Path) -> Iterator[Callable[..., Desk]]:
+def desk(robot: Robot, tmp_path: Path, servos: str) -> Iterator[Callable[..., Desk]]:
     """Makes a desk for the little robot, whose supervisor has not begun."""
     desks: list[Desk] = []
 
     def made(faults: FaultPlan = CALM, settings: SupervisorSettings = BRISK) -> Desk:
         first, second = cables(robot)
         wires = (replace(first, faults=faults), second)
-        desks.append(Desk(Manifest.of(robot), wires, tmp_path / "events.jsonl", settings=settings))
+        desks.append(Desk(Manifest.of(robot), wires, tmp_path / "events.jsonl", settings=settings, servos=servos))
         return desks[-1]
 
     yield made
@@ -168,7 +176,7 @@ def desk(robot: Robot, tmp_path: Path) -> Iterator[Callable[..., Desk]]:
 
 
 @pytest.fixture
-def crowd(tmp_path: Path) -> Iterator[Callable[..., Desk]]:
+def crowd(tmp_path: Path, servos: str) -> Iterator[Callable[..., Desk]]:
     """Makes a desk for so many servos on one wire, a hinge each."""
     desks: list[Desk] = []
 
@@ -177,7 +185,7 @@ def crowd(tmp_path: Path) -> Iterator[Callable[..., Desk]]:
     ) -> Desk:
         fittings = tuple(ServoFitting(k + 1, model=MODEL) for k in range(count))
         wires = (Cable("body", fittings, baud=baud, faults=faults),)
-        desks.append(Desk(manifest_of(count, baud), wires, tmp_path / "events.jsonl", settings=settings))
+        desks.append(Desk(manifest_of(count, baud), wires, tmp_path / "events.jsonl", settings=settings, servos=servos))
         return desks[-1]
 
     yield made

@@ -1,0 +1,257 @@
+"""Lets what was written for kinesic's virtual servos drive those of the manual: wires, plants and planned faults.
+
+The names are those of kinesic's own virtual bus, so that one test runs on both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.protocol.wire import BusError
+from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
+from kinesic.hardware.virtual.wiring import Cable, ServoFitting
+
+from ...manual_servo import faults as wire
+from ...manual_servo import servo_faults as servos
+from ...manual_servo import strangers
+from ...manual_servo.device import BAUDS, Device
+from ...manual_servo.faults import Fault
+from ...manual_servo.line import Line, World
+from ...manual_servo.physics import MIDDLE, TICKS, Shaft
+from ...manual_servo.table import MODELS
+
+HEARD = 0.25  # [s] without power at most: what a servo needs to start
+
+
+class Registers:
+    """A servo's control table by kinesic's registers."""
+
+    def __init__(self, device: Device) -> None:
+        self._device = device
+
+    def __getitem__(self, register: Register) -> int:
+        self._device.firmware.refresh()
+        field = register.field
+        return int.from_bytes(self._device.memory.bytes[field.address : field.end], "little", signed=field.signed)
+
+    def __setitem__(self, register: Register, value: int) -> None:
+        field = register.field
+        self._device.memory.bytes[field.address : field.end] = field.pack(value)
+        self._device.firmware.reload()
+
+
+class Electronics:
+    """What a servo feels and does by itself."""
+
+    def __init__(self, device: Device) -> None:
+        self._device = device
+
+    def here(self) -> int:
+        """[ticks] where it truly stands."""
+        return round(self._device.firmware.position)
+
+    def fail(self, bits: int) -> None:
+        self._device.firmware.alert(bits)
+
+    @property
+    def celsius(self) -> float:
+        return self._device.firmware.celsius
+
+    @celsius.setter
+    def celsius(self, value: float) -> None:
+        self._device.firmware.celsius = value
+
+
+class Servo:
+    """One servo, as tests of kinesic's own look at it."""
+
+    def __init__(self, device: Device) -> None:
+        self.device = device
+        self.memory, self.electronics = Registers(device), Electronics(device)
+
+    @property
+    def mute(self) -> bool:
+        return self.device.mute
+
+    @mute.setter
+    def mute(self, value: bool) -> None:
+        self.device.mute = value
+
+    def write(self, address: int, data: bytes) -> None:
+        self.device.write(address, data)
+
+    def reboot(self, *, seconds: float = HEARD) -> None:
+        self.device.boot(self.device.firmware.time)
+        self.device.wakes = self.device.firmware.time + seconds
+
+
+class Jams:
+    """Who cannot turn."""
+
+    def __init__(self, shafts: Sequence[Shaft]) -> None:
+        self._shafts = shafts
+
+    def __setitem__(self, place: int, value: bool) -> None:
+        self._shafts[place].jammed = value
+
+
+@dataclass(frozen=True)
+class Turned:
+    """A shaft on kinesic's scale, where tick 0 is angle 0."""
+
+    angle: float  # [rad]
+
+
+class Physics:
+    """All shafts."""
+
+    def __init__(self, devices: Sequence[Device]) -> None:
+        self._shafts = [device.shaft for device in devices]
+        self.jammed = Jams(self._shafts)
+
+    def shafts(self) -> list[Turned]:
+        return [Turned(shaft.ticks / TICKS) for shaft in self._shafts]
+
+    def turn(self, place: int, angle: float) -> None:
+        self._shafts[place].angle = angle - MIDDLE / TICKS
+
+
+class Plant:
+    """All servos and their world."""
+
+    def __init__(self, devices: Sequence[Device]) -> None:
+        self.world, self.servos, self.physics = World(devices), [Servo(d) for d in devices], Physics(devices)
+
+    @property
+    def time(self) -> float:
+        return self.world.time
+
+    def advance(self, time: float) -> None:
+        self.world.advance(time)
+
+
+class Bus:
+    """One wire, which meets faults as kinesic plans them."""
+
+    def __init__(self, line: Line) -> None:
+        self.line = line
+
+    def expose(self, plan: FaultPlan) -> None:
+        self.line.faults = [fault for fault in self.line.faults if not isinstance(fault, wire.Spoiled)]
+        for planned in plan.faults:
+            for fault in _translate(planned, self.line, plan.seed):
+                self.line.expose(fault, at=self.line.world.time + planned.start, seconds=planned.seconds)
+
+
+class ManualWire:
+    """A wire in virtual time: nothing ever waits."""
+
+    def __init__(self, bus: Bus, *, name: str = "memory", time: float = 0.0) -> None:
+        self.name, self._line, self._time, self._gone = name, bus.line, time, False
+
+    @property
+    def baud(self) -> int:
+        return self._line.baud
+
+    @baud.setter
+    def baud(self, value: int) -> None:
+        self._line.baud = value
+
+    def now(self) -> float:
+        return self._time
+
+    def write(self, data: bytes | bytearray, /) -> None:
+        self._check()
+        self._line.send(bytes(data), self._time)
+
+    def read(self, deadline: float, /) -> bytes:
+        self._check()
+        arrival = self._line.arrives()
+        self._time = max(self._time, min(arrival, deadline))
+        self._line.world.advance(self._time)
+        self._check()
+        return self._line.receive(self._time)
+
+    def sleep(self, until: float, /) -> None:
+        self._time = max(self._time, until)
+
+    def reopen(self) -> bool:
+        self._line.world.advance(self._time)
+        self._gone = not self._line.plugged
+        return not self._gone
+
+    def close(self) -> None:
+        self._line.drop()
+
+    def _check(self) -> None:
+        """A port that was pulled is gone, even if it is there again."""
+        self._line.world.advance(self._time)
+        self._gone = self._gone or not self._line.plugged
+        if self._gone:
+            raise BusError(f"{self.name}: the port is gone")
+
+
+def build_manual(cables: Sequence[Cable]) -> tuple[Plant, Mapping[str, Bus]]:
+    """Builds servos of the manual where `build_bus` builds kinesic's."""
+    groups = [[_build(fitting, cable) for fitting in cable.fittings] for cable in cables]
+    plant = Plant([device for group in groups for device in group])
+    buses = {}
+    for cable, group in zip(cables, groups, strict=True):
+        line = Line(plant.world, group, baud=cable.baud, latency=cable.latency)
+        buses[cable.name] = Bus(line)
+        buses[cable.name].expose(cable.faults)
+    return plant, buses
+
+
+def _build(fitting: ServoFitting, cable: Cable) -> Device:
+    angle = (fitting.ticks - MIDDLE) / TICKS
+    device = Device(fitting.servo, fitting.model, baud=cable.baud, firmware=fitting.firmware, angle=angle)
+    device.memory["return_delay"] = fitting.return_delay
+    return device
+
+
+SPOILED = {
+    "corrupt": wire.Garble,
+    "drop": wire.DropByte,
+    "truncate": wire.Truncate,
+    "duplicate": wire.Duplicate,
+    "noise": wire.Insert,
+    "lost": wire.Lose,
+    "late": wire.Late,
+}
+
+
+def _translate(planned: PlannedFault, line: Line, seed: int) -> list[Fault]:
+    """Kinesic strikes one place of a joint answer, with a chance per answer: here each servo has its share of that."""
+    concerned = [device.id for device in line.devices if not planned.servos or device.id in planned.servos]
+    if planned.way == "request" and planned.kind in SPOILED:
+        return [wire.LostRequest(planned.rate, seed=seed)]
+    if planned.kind in SPOILED:
+        share = 1 - (1 - planned.rate) ** (1 / max(1, len(concerned)))
+        return [SPOILED[planned.kind](share, tuple(concerned), seed=seed)]
+    if planned.kind == "unplug":
+        return [wire.Unplugged()]
+    of_servo = {
+        "silent": servos.Silent,
+        "reboot": servos.Reboot,
+        "alert": partial(servos.Alert, bits=int(planned.figure)),
+        "overheat": partial(servos.TemperatureRamp, rate=planned.figure),
+        "undervoltage": partial(servos.Undervoltage, volts=planned.figure),
+        "watchdog": servos.Tripped,
+        "wrong_model": partial(strangers.foreign_model, number=int(planned.figure)),
+        "old_firmware": partial(strangers.foreign_firmware, firmware=int(planned.figure)),
+        "duplicate_id": partial(_double, line),
+    }
+    return [of_servo[planned.kind](servo) for servo in concerned]
+
+
+def _double(line: Line, servo: int) -> Fault:
+    """Hangs a second servo with an id on the wire."""
+    model = next(name for name, known in MODELS.items() if known is line.device(servo).memory.model)
+    other = Device(servo, model, baud=BAUDS[line.device(servo).memory["baud"]], angle=-1.0)
+    line.world.devices += (other,)
+    line.devices.append(other)
+    return Fault()

@@ -1,0 +1,61 @@
+"""Servos of the manual on one wire in memory, and what one says to them."""
+
+from collections.abc import Callable, Sequence
+
+import pytest
+
+from ...manual_servo import packet as p
+from ...manual_servo.device import Device
+from ...manual_servo.line import Line, World
+from ...manual_servo.packet import Decoder, Packet
+
+WAIT = 0.02  # [s] for answers
+
+
+class Bench:
+    """A wire, its servos, and a host that waits."""
+
+    def __init__(self, ids: Sequence[int], model: str) -> None:
+        self.devices = [Device(servo, model) for servo in ids]
+        self.line = Line(World(self.devices), self.devices)
+
+    @property
+    def device(self) -> Device:
+        return self.devices[0]
+
+    def raw(self, data: bytes, wait: float = WAIT) -> bytes:
+        """All that comes back."""
+        self.line.send(data, self.line.world.time)
+        self.rest(wait)
+        return self.line.receive(self.line.world.time)
+
+    def ask(self, servo: int, instruction: int, parameters: bytes = b"") -> list[Packet]:
+        """The packets that come back."""
+        return Decoder().feed(self.raw(p.instruct(servo, instruction, parameters)), self.line.world.time)
+
+    def read(self, name: str, servo: int = 1) -> tuple[int, int]:
+        """Error byte and value of a register, asked over the wire."""
+        item = self.device.memory.item(name)
+        (said,) = self.ask(servo, p.READ, words(item.address, item.size))
+        return said.parameters[0], int.from_bytes(said.parameters[1:], "little", signed=item.signed)
+
+    def write(self, name: str, value: int, servo: int = 1) -> int:
+        """Writes a register over the wire; the error byte, -1 for silence."""
+        item = self.device.memory.item(name)
+        octets = value.to_bytes(item.size, "little", signed=value < 0)
+        said = self.ask(servo, p.WRITE, words(item.address) + octets)
+        return said[0].parameters[0] if said else -1
+
+    def rest(self, seconds: float) -> None:
+        self.line.world.advance(self.line.world.time + seconds)
+
+
+def words(*values: int) -> bytes:
+    """Two bytes each, the low one first."""
+    return b"".join(value.to_bytes(2, "little") for value in values)
+
+
+@pytest.fixture
+def bench() -> Callable[..., Bench]:
+    """Makes a wire with servos of some ids."""
+    return lambda *ids, model="xm430_w210": Bench(ids or (1,), model)

@@ -1,0 +1,41 @@
+"""The servos of the manual behind a port, in a process of their own: the maker's SDK finds and moves them."""
+
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from dynamixel_sdk import COMM_SUCCESS, PacketHandler, PortHandler
+
+ROOT = Path(__file__).parents[2]
+PATIENCE = 10.0  # [s]
+
+
+@pytest.fixture
+def port() -> Iterator[PortHandler]:
+    """An open port with two servos behind it."""
+    command = [sys.executable, "-m", "manual_servo", "1:xm430_w210", "2:xc330_t288"]
+    with subprocess.Popen(command, cwd=ROOT, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdin
+        assert process.stdout
+        handler = PortHandler(process.stdout.readline().strip())
+        assert handler.openPort()
+        assert handler.setBaudRate(1_000_000)
+        yield handler
+        handler.closePort()
+        process.stdin.close()
+        assert process.wait(PATIENCE) == 0
+
+
+@pytest.mark.realtime
+def test_the_makers_sdk_drives_them(port: PortHandler):
+    sdk = PacketHandler(2.0)
+    assert sdk.ping(port, 1) == (1030, COMM_SUCCESS, 0)
+    assert sdk.ping(port, 2) == (1220, COMM_SUCCESS, 0)
+    assert sdk.write1ByteTxRx(port, 2, 64, 1) == (COMM_SUCCESS, 0)
+    assert sdk.write4ByteTxRx(port, 2, 116, 2300) == (COMM_SUCCESS, 0)
+    limit = time.monotonic() + PATIENCE
+    while abs(sdk.read4ByteTxRx(port, 2, 132)[0] - 2300) > 5:
+        assert time.monotonic() < limit

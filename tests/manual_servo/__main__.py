@@ -1,0 +1,28 @@
+"""Serves servos on a pseudo-terminal in a process of its own: `python -m manual_servo 1:xm430_w350 2:xc330_t288`.
+
+Prints the port's path, and ends when its input does.
+"""
+
+import os
+import sys
+import threading
+
+from .device import Device
+from .line import Line, World
+from .pty import Port
+
+BAUD = 1_000_000
+
+
+def main(fittings: list[str]) -> None:
+    """Builds the servos and serves them."""
+    pairs = [fitting.split(":") for fitting in fittings]
+    devices = [Device(int(servo), model, baud=BAUD) for servo, model in pairs]
+    port = Port(Line(World(devices), devices, baud=BAUD))
+    sys.stdout.write(port.path + "\n")
+    sys.stdout.flush()
+    threading.Thread(target=lambda: (sys.stdin.read(), os._exit(0)), daemon=True).start()
+    port.serve()
+
+
+main(sys.argv[1:])

@@ -1,0 +1,189 @@
+"""One servo on the wire: what it answers to each instruction of protocol 2.0."""
+
+from dataclasses import dataclass
+
+from . import packet as p
+from .firmware import Firmware
+from .memory import Memory
+from .packet import Packet
+from .physics import Shaft
+from .table import MODELS
+
+BOOTING = 0.25  # [s] in which a servo that starts hears nothing
+WHOLE, BUT_ID, BUT_ID_AND_BAUD = 0xFF, 0x01, 0x02  # what a factory reset resets
+CLEAR_KEY, BACKUP_KEY = bytes([0x44, 0x58, 0x4C, 0x22]), b"CTRL"
+BAUDS = (9600, 57_600, 115_200, 1_000_000, 2_000_000, 3_000_000, 4_000_000, 4_500_000)
+NOBODY = 253  # secondary ids from here on are none
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A status before it is packed."""
+
+    servo: int
+    error: int
+    parameters: bytes = b""
+
+
+class Device:
+    """A servo of the X series."""
+
+    def __init__(
+        self, servo: int, model: str, *, baud: int = 1_000_000, firmware: int = 52, angle: float = 0.0
+    ) -> None:
+        """A servo with an id, set to a baud rate, its shaft at an angle [rad]."""
+        self.memory = Memory(MODELS[model], servo, firmware)
+        self.memory["baud"] = BAUDS.index(baud)
+        self.memory["return_delay"] = 0
+        self.shaft = Shaft(MODELS[model], angle)
+        self.firmware = Firmware(self.memory, self.shaft)
+        self.mute = self.deaf = False
+        self.wakes = 0.0  # [s] when it hears again after a start
+        self._registered: tuple[int, bytes] | None = None
+        self._backup: dict[str, int] | None = None
+
+    @property
+    def id(self) -> int:
+        """Its own id."""
+        return self.memory["id"]
+
+    @property
+    def baud(self) -> int:
+        """[bit/s] that it listens at."""
+        return BAUDS[self.memory["baud"]]
+
+    @property
+    def delay(self) -> float:
+        """[s] before it answers."""
+        return 2e-6 * self.memory["return_delay"]
+
+    @property
+    def fast(self) -> bool:
+        """Whether its firmware knows fast reads."""
+        return self.memory["firmware"] >= self.memory.model.fast
+
+    def awake(self, time: float) -> bool:
+        """Whether it hears what is said."""
+        return not self.deaf and time >= self.wakes
+
+    def boot(self, time: float) -> None:
+        """Starts it anew; for a while it hears nothing."""
+        self._registered = None
+        self.firmware.boot(time)
+        self.wakes = time + BOOTING
+
+    def write(self, address: int, data: bytes, *, shadow: bool = False) -> int:
+        """Writes registers and lets the firmware follow; returns an error number. A secondary id reaches RAM alone."""
+        memory = self.memory
+        names = memory.named(address, len(data))
+        if shadow and any(memory.item(name).lasting for name in names):
+            return p.ACCESS_ERROR
+        before = {name: memory[name] for name in names}
+        error = memory.write(address, data)
+        if not error and "torque" in names and memory["torque"] and self.firmware.shut:
+            memory["torque"] = 0  # a reboot is the only way back
+            return p.RESULT_FAIL
+        if not error:
+            self.firmware.switched(before)
+        return error
+
+    def show(self, address: int, size: int) -> tuple[int, bytes]:
+        """Reads registers as they are now; returns an error number and the bytes."""
+        self.firmware.refresh()
+        return self.memory.read(address, size)
+
+    def answer(self, error: int, parameters: bytes = b"") -> Answer:
+        """Makes a status of it, with the alert bit where a hardware error is shown."""
+        return Answer(self.id, error | (p.ALERT if self.memory["error"] else 0), parameters)
+
+    def hear(self, packet: Packet, time: float) -> Answer | None:
+        """Does what an instruction for one servo says; None: it is not for it, or no answer is due."""
+        own, everybody = packet.servo == self.id, packet.servo == p.BROADCAST
+        shadow = not own and packet.servo == self.memory["secondary_id"] < NOBODY
+        if packet.intact:
+            self.firmware.heard = time
+        if not (own or everybody or shadow):
+            return None
+        if not packet.intact:
+            return self.answer(p.CRC_ERROR) if own and self.memory["status_return"] == 2 else None
+        level = self.memory["status_return"]
+        answer = self._do(packet, time, shadow)
+        least = {p.PING: 0, p.READ: 1}.get(packet.instruction, 2)
+        if shadow or level < least or (everybody and packet.instruction != p.PING):
+            return None
+        return answer
+
+    def _do(self, packet: Packet, time: float, shadow: bool) -> Answer:
+        said, memory = packet.parameters, self.memory
+        match packet.instruction:
+            case p.PING:
+                return self.answer(0 if not said else p.LENGTH_ERROR, memory.read(0, 2)[1] + memory.read(6, 1)[1])
+            case p.READ if len(said) == 4:
+                return self.answer(*self.show(_word(said, 0), _word(said, 2)))
+            case p.WRITE if len(said) > 2:
+                return self.answer(self.write(_word(said, 0), said[2:], shadow=shadow))
+            case p.REG_WRITE if len(said) > 2:
+                self._registered, memory["registered"] = (_word(said, 0), said[2:]), 1
+                return self.answer(0)
+            case p.ACTION if not said:
+                return self.answer(self._act())
+            case p.REBOOT if not said:
+                answer = self.answer(0)
+                self.boot(time)
+                return answer
+            case p.FACTORY_RESET if len(said) == 1:
+                return self.answer(self._factory_reset(packet, time))
+            case p.CLEAR if len(said) == 5:
+                return self.answer(self._clear(said))
+            case p.BACKUP if len(said) == 5:
+                return self.answer(self._back_up(said, time))
+            case p.READ | p.WRITE | p.REG_WRITE | p.ACTION | p.REBOOT | p.FACTORY_RESET | p.CLEAR | p.BACKUP:
+                return self.answer(p.LENGTH_ERROR)
+        return self.answer(p.INSTRUCTION_ERROR)
+
+    def _act(self) -> int:
+        if self._registered is None:
+            return p.INSTRUCTION_ERROR
+        address, data = self._registered
+        self._registered, self.memory["registered"] = None, 0
+        return self.write(address, data)
+
+    def _factory_reset(self, packet: Packet, time: float) -> int:
+        kept = {WHOLE: (), BUT_ID: ("id",), BUT_ID_AND_BAUD: ("id", "baud")}.get(packet.parameters[0])
+        if kept is None:
+            return p.RANGE_ERROR
+        if packet.servo == p.BROADCAST and not kept:  # all would have one id
+            return p.RESULT_FAIL
+        self.memory.reset(lasting=True, keep=kept)
+        if "id" not in kept:
+            self.memory["id"] = 1
+        self.boot(time)
+        return 0
+
+    def _clear(self, said: bytes) -> int:
+        """Brings a position of many turns into one; only while it stands."""
+        if said[0] != 1 or said[1:] != CLEAR_KEY:
+            return p.RANGE_ERROR
+        if abs(self.shaft.speed) > 0.01:
+            return p.RESULT_FAIL
+        self.firmware.fold()
+        self.firmware.profile.stand(self.firmware.position)
+        return 0
+
+    def _back_up(self, said: bytes, time: float) -> int:
+        memory = self.memory
+        if said[0] not in (1, 2) or said[1:] != BACKUP_KEY:
+            return p.RANGE_ERROR
+        if memory["torque"] or (said[0] == 2 and self._backup is None):
+            return p.RESULT_FAIL
+        if said[0] == 1:
+            self._backup, memory["backup_ready"] = memory.lasting(), 1
+            return 0
+        for name, value in (self._backup or {}).items():
+            memory[name] = value
+        self.boot(time)
+        return 0
+
+
+def _word(data: bytes, at: int) -> int:
+    return int.from_bytes(data[at : at + 2], "little")

@@ -1,0 +1,266 @@
+"""What may go wrong on the wire: bytes are lost, changed, added, held back; plugs are pulled."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from random import Random
+from typing import TYPE_CHECKING
+
+from . import packet as p
+
+if TYPE_CHECKING:
+    from .device import Answer, Device
+    from .line import Line
+
+Flying = list[tuple[float, bytes]]  # bytes, and how much later [s] than they should they come
+
+
+class Fault:
+    """Something that goes wrong for a while; this one changes nothing, others change one thing."""
+
+    def begin(self, line: Line) -> None:
+        """It strikes."""
+
+    def end(self, line: Line) -> None:
+        """It passes."""
+
+    def echo(self, line: Line, data: bytes, time: float) -> None:
+        """The host has sent bytes, which are out at a time [s]."""
+
+    def request(self, data: bytes) -> bytes:
+        """Returns what servos hear of what the host sends."""
+        return data
+
+    def say(self, device: Device, answer: Answer) -> Answer | None:
+        """Returns what a servo says instead of an answer."""
+        return answer
+
+    def frame(self, device: Device, data: bytes) -> bytes:
+        """Returns the bytes that a servo sends instead of its packet."""
+        return data
+
+    def carry(self, device: Device, data: bytes) -> Flying:
+        """Returns what comes of a servo's bytes at the host."""
+        return [(0.0, data)]
+
+
+@dataclass
+class Spoiled(Fault):
+    """Changes a share of what comes; `spoil` says how."""
+
+    share: float = 1.0
+    servos: tuple[int, ...] = ()  # whose; none: everybody's
+    seed: int = 1
+    rng: Random = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.rng = Random(self.seed)
+
+    def carry(self, device: Device, data: bytes) -> Flying:
+        mine = not self.servos or device.id in self.servos
+        return self.spoil(data) if mine and self.rng.random() < self.share else [(0.0, data)]
+
+    def spoil(self, data: bytes) -> Flying:
+        """Returns what comes instead."""
+        return [(0.0, data)]
+
+
+class Garble(Spoiled):
+    """Bits flip."""
+
+    def spoil(self, data: bytes) -> Flying:
+        spoiled = bytearray(data)
+        for _ in range(self.rng.randint(1, 3)):
+            spoiled[self.rng.randrange(len(data))] ^= 1 << self.rng.randrange(8)
+        return [(0.0, bytes(spoiled))]
+
+
+class Truncate(Spoiled):
+    """The end is missing."""
+
+    def spoil(self, data: bytes) -> Flying:
+        return [(0.0, data[: self.rng.randrange(len(data))])]
+
+
+class DropByte(Spoiled):
+    """One byte is missing."""
+
+    def spoil(self, data: bytes) -> Flying:
+        at = self.rng.randrange(len(data))
+        return [(0.0, data[:at] + data[at + 1 :])]
+
+
+class Insert(Spoiled):
+    """Bytes come in between."""
+
+    def spoil(self, data: bytes) -> Flying:
+        at = self.rng.randrange(len(data))
+        return [(0.0, data[:at] + self.rng.randbytes(self.rng.randint(1, 4)) + data[at:])]
+
+
+class Duplicate(Spoiled):
+    """It comes twice."""
+
+    def spoil(self, data: bytes) -> Flying:
+        return [(0.0, data), (0.0, data)]
+
+
+class Lose(Spoiled):
+    """Nothing comes."""
+
+    def spoil(self, data: bytes) -> Flying:
+        return []
+
+
+class Mirror(Spoiled):
+    """Each byte comes with its bits in reverse order."""
+
+    def spoil(self, data: bytes) -> Flying:
+        return [(0.0, bytes(int(f"{byte:08b}"[::-1], 2) for byte in data))]
+
+
+@dataclass
+class Late(Spoiled):
+    """It comes later."""
+
+    delay: float = 0.012  # [s]
+
+    def spoil(self, data: bytes) -> Flying:
+        return [(self.delay, data)]
+
+
+@dataclass
+class Replay(Spoiled):
+    """What came a while ago comes again instead."""
+
+    age: int = 5
+    kept: list[bytes] = field(default_factory=list)
+
+    def carry(self, device: Device, data: bytes) -> Flying:
+        if self.servos and device.id not in self.servos:
+            return [(0.0, data)]
+        self.kept.append(data)
+        return [(0.0, self.kept[-self.age] if len(self.kept) >= self.age else data)]
+
+
+class LostRequest(Spoiled):
+    """The servos hear a part of what the host sends."""
+
+    def carry(self, device: Device, data: bytes) -> Flying:
+        return [(0.0, data)]
+
+    def request(self, data: bytes) -> bytes:
+        return data[: self.rng.randrange(len(data))] if self.rng.random() < self.share else data
+
+
+class Echo(Fault):
+    """The host hears itself, as on an adapter that does not switch its receiver off."""
+
+    def echo(self, line: Line, data: bytes, time: float) -> None:
+        line.post(data, time + line.latency)
+
+
+@dataclass
+class Flood(Fault):
+    """A line that is not terminated: noise between packets."""
+
+    octets: int = 200
+    seed: int = 1
+
+    def echo(self, line: Line, data: bytes, time: float) -> None:
+        line.post(Random(self.seed + round(1e6 * time)).randbytes(self.octets), time + line.latency / 2)
+
+
+@dataclass
+class FrozenLink(Fault):
+    """An adapter that keeps everything back, in both directions, and hands what came over when it thaws."""
+
+    held: list[bytes] = field(default_factory=list)
+
+    def request(self, data: bytes) -> bytes:
+        return b""
+
+    def carry(self, device: Device, data: bytes) -> Flying:
+        self.held.append(data)
+        return []
+
+    def end(self, line: Line) -> None:
+        line.post(b"".join(self.held), line.world.time + line.latency)
+
+
+class SilentAll(Fault):
+    """Nobody answers, but all hear."""
+
+    def say(self, device: Device, answer: Answer) -> None:
+        return None
+
+
+class Unplugged(Fault):
+    """The adapter is pulled, and put in again."""
+
+    def begin(self, line: Line) -> None:
+        line.plugged = False
+        line.drop()
+
+    def request(self, data: bytes) -> bytes:
+        return b""
+
+    def end(self, line: Line) -> None:
+        line.plugged = True
+
+
+@dataclass
+class Replugged(Unplugged):
+    """The adapter is pulled; what is put in under its name hangs on another robot."""
+
+    others: Sequence[Device]
+
+    def end(self, line: Line) -> None:
+        line.world.devices += tuple(self.others)
+        line.devices = list(self.others)
+        super().end(line)
+
+
+@dataclass
+class WrongId(Fault):
+    """A servo answers with another's id."""
+
+    servo: int
+    instead: int
+
+    def say(self, device: Device, answer: Answer) -> Answer:
+        return replace(answer, servo=self.instead) if device.id == self.servo else answer
+
+
+@dataclass
+class BadCrc(Fault):
+    """A servo computes its CRC wrongly, always."""
+
+    servo: int
+
+    def frame(self, device: Device, data: bytes) -> bytes:
+        return data[:-1] + bytes([data[-1] ^ 0x5A]) if device.id == self.servo else data
+
+
+@dataclass
+class WrongLength(Fault):
+    """A servo answers with a byte less than was asked for, in an intact packet."""
+
+    servo: int
+
+    def say(self, device: Device, answer: Answer) -> Answer:
+        short = len(answer.parameters) > 1 and device.id == self.servo
+        return replace(answer, parameters=answer.parameters[:-1]) if short else answer
+
+
+@dataclass
+class Misquoted(Fault):
+    """Answers are of the right form, and say that they have another length than they have."""
+
+    servo: int
+
+    def frame(self, device: Device, data: bytes) -> bytes:
+        if device.id != self.servo or not data.startswith(p.HEADER):
+            return data
+        return p.sealed(data[:5] + (data[5] + 3 & 0xFF).to_bytes(1, "little") + data[6:-2])

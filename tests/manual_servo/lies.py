@@ -1,0 +1,96 @@
+"""Present values that are not what they are: a firmware that hangs, a clock or an encoder that lies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from random import Random
+from typing import TYPE_CHECKING
+
+from .memory import Memory
+from .servo_faults import OfServo
+
+if TYPE_CHECKING:
+    from .device import Device
+
+PRESENT = ("tick", "present_current", "present_velocity", "present_position", "volts", "celsius", "error", "torque")
+
+
+@dataclass
+class Lying(OfServo):
+    """Its present values are not what they are."""
+
+    def strike(self, device: Device) -> None:
+        device.firmware.tampers.append(self.tamper)
+
+    def heal(self, device: Device) -> None:
+        device.firmware.tampers.remove(self.tamper)
+
+    def tamper(self, memory: Memory) -> None:
+        """Changes them."""
+
+
+@dataclass
+class FrozenServo(Lying):
+    """Its firmware hangs: the same record for ever."""
+
+    record: dict[str, int] = field(default_factory=dict)
+
+    def tamper(self, memory: Memory) -> None:
+        if not self.record:
+            self.record = {name: memory[name] for name in PRESENT}
+        for name, value in self.record.items():
+            memory[name] = value
+
+
+@dataclass
+class StuckTick(Lying):
+    """Its clock stands."""
+
+    tick: int | None = None
+
+    def tamper(self, memory: Memory) -> None:
+        self.tick = memory["tick"] if self.tick is None else self.tick
+        memory["tick"] = self.tick
+
+
+@dataclass
+class Nonsense(Lying):
+    """A position that cannot be, repeated."""
+
+    position: int = 1_000_000
+
+    def tamper(self, memory: Memory) -> None:
+        memory["present_position"] = self.position
+
+
+@dataclass
+class Scattered(Lying):
+    """Positions of no sense, another each time."""
+
+    seed: int = 1
+
+    def tamper(self, memory: Memory) -> None:
+        memory["present_position"] = Random(f"{self.seed} {memory['tick']}").randrange(-(2**31), 2**31)
+
+
+@dataclass
+class TurnOffset(Lying):
+    """Its position is off by whole turns."""
+
+    turns: int = 1
+
+    def tamper(self, memory: Memory) -> None:
+        memory["present_position"] += 4096 * self.turns
+
+
+@dataclass
+class DriftingClock(OfServo):
+    """Its clock goes faster or slower."""
+
+    rate: float = 1.02
+
+    def strike(self, device: Device) -> None:
+        device.firmware.drift = self.rate
+
+    def heal(self, device: Device) -> None:
+        device.firmware.drift = 1.0

@@ -1,0 +1,276 @@
+"""A half-duplex wire with servos on it, paced by its baud rate, in a world whose time the caller moves."""
+
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from heapq import heappop, heappush
+from itertools import count
+from math import inf
+
+from . import packet as p
+from .device import NOBODY, Answer, Device
+from .faults import Fault
+from .packet import Decoder, Packet
+from .physics import Arm
+
+STEP = 0.001  # [s] of the servos' control
+BITS = 10  # on the wire for each byte
+FULL = 62  # bytes that an adapter hands over at once; fewer wait for its latency
+BULK = (p.BULK_READ, p.FAST_BULK_READ)
+GROUP_READS = (p.SYNC_READ, p.FAST_SYNC_READ, *BULK)
+GROUP_WRITES = (p.SYNC_WRITE, p.BULK_WRITE)
+
+
+class World:
+    """The servos of all wires and what hangs on them, under one clock."""
+
+    def __init__(self, devices: Sequence[Device] = (), arms: Sequence[Arm] = ()) -> None:
+        self.time, self.devices, self.arms = 0.0, tuple(devices), tuple(arms)
+        self._alarms: list[tuple[float, int, Callable[[], None]]] = []
+        self._numbers = count()
+
+    def call(self, time: float, deed: Callable[[], None]) -> None:
+        """Has something done when the clock comes to a time [s]."""
+        heappush(self._alarms, (time, next(self._numbers), deed))
+
+    def advance(self, time: float) -> None:
+        """Moves the clock forward; it never goes back."""
+        while True:
+            self._ring()
+            if self.time + STEP > time + 1e-12:
+                return
+            for arm in self.arms:
+                arm.pull()
+            for device in self.devices:
+                device.firmware.run(STEP)
+            self.time += STEP
+
+    def _ring(self) -> None:
+        while self._alarms and self._alarms[0][0] <= self.time + 1e-12:
+            heappop(self._alarms)[2]()
+
+
+class Line:
+    """One wire: hears what a host sends, and keeps what the servos answer until the host fetches it."""
+
+    def __init__(
+        self, world: World, devices: Sequence[Device], *, baud: int = 1_000_000, latency: float = 0.001
+    ) -> None:
+        """A wire in a world; latency [s] is how long the adapter keeps what is less than a full piece."""
+        self.world, self.devices, self.baud, self.latency = world, list(devices), baud, latency
+        self.plugged = True
+        self.faults: list[Fault] = []
+        self._decoder = Decoder()
+        self._coming: deque[tuple[float, bytes]] = deque()
+        self._busy, self._piece = 0.0, bytearray()
+
+    def expose(self, fault: Fault, *, at: float | None = None, seconds: float = inf) -> None:
+        """Lets a fault strike, now or later, for a while."""
+        begin = self.world.time if at is None else at
+
+        def strike() -> None:
+            self.faults.append(fault)
+            fault.begin(self)
+
+        def pass_by() -> None:
+            self.faults.remove(fault)
+            fault.end(self)
+
+        self.world.call(begin, strike)
+        if seconds < inf:
+            self.world.call(begin + seconds, pass_by)
+        self.world.advance(self.world.time)
+
+    def device(self, servo: int) -> Device:
+        """The (first) servo that was built with an id."""
+        return next(device for device in self.devices if device.id == servo)
+
+    def drop(self) -> None:
+        """Forgets everything that is on its way to the host."""
+        self._coming.clear()
+
+    # the host's side
+
+    def send(self, data: bytes, time: float) -> None:
+        """Takes bytes from the host at a time [s]."""
+        end = max(time, self._busy) + self._lasts(data)
+        self.world.advance(end)
+        self._busy = end
+        for fault in self.faults:
+            fault.echo(self, data, end)
+        for fault in self.faults:
+            data = fault.request(data)
+        for packet in self._decoder.feed(data, end):
+            if packet.instruction != p.STATUS:
+                self._busy = self._flush(self._respond(packet, end))
+
+    def arrives(self) -> float:
+        """When [s] the next bytes come to the host; infinity: none are on their way."""
+        return self._coming[0][0] if self._coming else inf
+
+    def receive(self, time: float) -> bytes:
+        """Returns all that has come by a time [s]."""
+        found = b""
+        while self._coming and self._coming[0][0] <= time:
+            found += self._coming.popleft()[1]
+        return found
+
+    def post(self, data: bytes, time: float) -> None:
+        """Lets bytes come to the host at a time [s]; nothing overtakes what is on its way."""
+        self._coming.append((max(time, self._coming[-1][0]) if self._coming else time, data))
+
+    # the servos' side
+
+    def _lasts(self, data: bytes) -> float:
+        return len(data) * BITS / self.baud
+
+    def _awake(self, time: float) -> Iterator[Device]:
+        return (device for device in self.devices if device.awake(time) and device.baud == self.baud)
+
+    def _respond(self, packet: Packet, time: float) -> float:
+        """Lets all servos follow an instruction; returns when the wire is quiet again."""
+        awake = list(self._awake(time))
+        if packet.instruction in GROUP_READS + GROUP_WRITES and packet.intact:
+            for device in awake:
+                device.firmware.heard = device.firmware.time
+            if packet.servo != p.BROADCAST:
+                return time
+            if packet.instruction in GROUP_WRITES:
+                self._write(packet, awake)
+                return time
+            fast = packet.instruction in (p.FAST_SYNC_READ, p.FAST_BULK_READ)
+            return self._fast(packet, awake, time) if fast else self._read(packet, awake, time)
+        answers = [(device, device.hear(packet, device.firmware.time)) for device in awake]
+        given = sorted(
+            ((device, answer) for device, answer in answers if answer is not None), key=lambda pair: pair[1].servo
+        )
+        return self._say_all(given, time)
+
+    def _say_all(self, given: Sequence[tuple[Device, Answer]], time: float) -> float:
+        """Servos of one id talk at once, others one after another."""
+        at = 0
+        while at < len(given):
+            same = [pair for pair in given[at:] if pair[1].servo == given[at][1].servo]
+            at += len(same)
+            said = [self._packed(device, answer) for device, answer in same]
+            said = [data for data in said if data]
+            if said:
+                time = self._carry(same[0][0], _collide(said), time)
+        return time
+
+    def _packed(self, device: Device, answer: Answer) -> bytes:
+        told = self._told(device, answer)
+        if told is None:
+            return b""
+        data = p.status(told.servo, told.error, told.parameters)
+        for fault in self.faults:
+            data = fault.frame(device, data)
+        return data
+
+    def _told(self, device: Device, answer: Answer | None) -> Answer | None:
+        """What a servo says of what it would answer."""
+        if device.mute:
+            return None
+        for fault in self.faults:
+            answer = fault.say(device, answer) if answer is not None else None
+        return answer
+
+    def _carry(self, device: Device, data: bytes, time: float) -> float:
+        """Sends a servo's bytes to the host; returns when the wire is quiet again."""
+        end = time + device.delay + self._lasts(data)
+        flying = [(0.0, data)]
+        for fault in self.faults:
+            flying = [(late + more, part) for late, whole in flying for more, part in fault.carry(device, whole)]
+        for late, part in flying:
+            if late:
+                self.post(part, end + self.latency + late)
+            else:
+                self._piece += part
+        while len(self._piece) >= FULL:
+            self.post(bytes(self._piece[:FULL]), end)
+            del self._piece[:FULL]
+        return end
+
+    def _flush(self, time: float) -> float:
+        """Hands over what the adapter has kept, when it sees that no more comes."""
+        if self._piece:
+            self.post(bytes(self._piece), time + self.latency)
+            self._piece.clear()
+        return time
+
+    def _write(self, packet: Packet, awake: Sequence[Device]) -> None:
+        for servo, address, data in _writes(packet):
+            for device in awake:
+                if servo == device.id:
+                    device.write(address, data)
+                elif servo == device.memory["secondary_id"] < NOBODY:
+                    device.write(address, data, shadow=True)
+
+    def _read(self, packet: Packet, awake: Sequence[Device], time: float) -> float:
+        """Each answers when the one before it in the list has; nobody does behind one that is silent."""
+        for servo, address, size in _reads(packet):
+            mine = [device for device in awake if device.id == servo and device.memory["status_return"]]
+            said = [self._packed(device, device.answer(*device.show(address, size))) for device in mine]
+            said = [data for data in said if data]
+            if not said:
+                break
+            time = self._carry(mine[0], _collide(said), time)
+        return time
+
+    def _fast(self, packet: Packet, awake: Sequence[Device], time: float) -> float:
+        """All in one packet, block by block, each with the CRC of everything before it."""
+        wanted = list(_reads(packet))
+        size = 1 + sum(size + 4 for _, _, size in wanted)
+        so_far = p.HEADER + bytes([p.BROADCAST]) + size.to_bytes(2, "little") + bytes([p.STATUS])
+        begin = 0
+        for servo, address, size in wanted:
+            mine = [device for device in awake if device.id == servo and device.fast and device.memory["status_return"]]
+            told = [self._told(device, device.answer(*device.show(address, size))) for device in mine]
+            blocks = [p.sealed(so_far + bytes([a.error, a.servo]) + a.parameters) for a in told if a is not None]
+            if not blocks:
+                break
+            so_far = _collide(blocks)
+            block = so_far[begin:]
+            for fault in self.faults:
+                block = fault.frame(mine[0], block)
+            time = self._carry(mine[0], block, time)
+            begin = len(so_far)
+        return time
+
+
+def _collide(said: Sequence[bytes]) -> bytes:
+    """What is heard when several talk at once: a line that one of them pulls low is low."""
+    heard = bytearray(max(said, key=len))
+    for other in said:
+        for k, byte in enumerate(other):
+            heard[k] &= byte
+    return bytes(heard)
+
+
+def _word(data: bytes, at: int) -> int:
+    return int.from_bytes(data[at : at + 2], "little")
+
+
+def _reads(packet: Packet) -> Iterator[tuple[int, int, int]]:
+    """Who is asked for what: id, address, size."""
+    said = packet.parameters
+    if packet.instruction in BULK:
+        for at in range(0, len(said) - 4, 5):
+            yield said[at], _word(said, at + 1), _word(said, at + 3)
+    elif len(said) > 4:
+        for servo in said[4:]:
+            yield servo, _word(said, 0), _word(said, 2)
+
+
+def _writes(packet: Packet) -> Iterator[tuple[int, int, bytes]]:
+    """Who is told what: id, address, bytes."""
+    said, at = packet.parameters, 0
+    if packet.instruction == p.BULK_WRITE:
+        while at + 5 <= len(said):
+            size = _word(said, at + 3)
+            if len(data := said[at + 5 : at + 5 + size]) == size:
+                yield said[at], _word(said, at + 1), data
+            at += 5 + size
+    elif len(said) > 4:
+        size = _word(said, 2)
+        for at in range(4, len(said) - size, size + 1):
+            yield said[at], _word(said, 0), said[at + 1 : at + 1 + size]

@@ -1,0 +1,147 @@
+"""The registers of one servo: what may be read, what may be written, and what a reboot leaves of them."""
+
+from .packet import ACCESS_ERROR, LENGTH_ERROR, LIMIT_ERROR, RANGE_ERROR
+from .table import GOALS, Item, Model, items
+
+TRIPPED = -1  # of the bus watchdog
+ROM_END = 64
+
+
+class Memory:
+    """A control table: bytes, and the rules of each register."""
+
+    def __init__(self, model: Model, servo: int, firmware: int) -> None:
+        self.model, self.items = model, items(model, servo, firmware)
+        self.bytes = bytearray(model.end)
+        self._name = {item.address: name for name, item in self.items.items()}
+        self._owner = {item.address + k: name for name, item in self.items.items() for k in range(item.size)}
+        self._cells = {first + k: k for first, _ in model.windows for k in range(2 * model.cells)}
+        self._windows = {
+            data + k: first + 2 * k for first, data in model.windows for k in range(model.cells)
+        }  # address of data -> that of its pointer
+        for name, item in self.items.items():
+            self[name] = item.initial
+        self._reset_pointers()
+
+    def __getitem__(self, name: str) -> int:
+        item = self.items[name]
+        return int.from_bytes(self.bytes[item.address : item.address + item.size], "little", signed=item.signed)
+
+    def __setitem__(self, name: str, value: int) -> None:
+        item = self.items[name]
+        octets = (value & (256**item.size - 1)).to_bytes(item.size, "little")
+        self.bytes[item.address : item.address + item.size] = octets
+
+    def has(self, name: str) -> bool:
+        """Whether the model has this register."""
+        return name in self.items
+
+    def reset(self, *, lasting: bool = False, keep: tuple[str, ...] = ()) -> None:
+        """Puts RAM to what a power cycle leaves, EEPROM too if it is lasting."""
+        for name, item in self.items.items():
+            if name not in keep and (lasting or not item.lasting):
+                self[name] = item.initial
+        self._reset_pointers()
+        self["goal_pwm"] = self["pwm_limit"]
+        if self.has("goal_current"):
+            self["goal_current"] = self["current_limit"]
+
+    def _reset_pointers(self) -> None:
+        for data, pointer in self._windows.items():
+            self.bytes[pointer : pointer + 2] = data.to_bytes(2, "little")
+
+    def _target(self, address: int) -> int:
+        """Where an address leads: indirect data to what its pointer names."""
+        pointer = self._windows.get(address)
+        return address if pointer is None else int.from_bytes(self.bytes[pointer : pointer + 2], "little")
+
+    def read(self, address: int, size: int) -> tuple[int, bytes]:
+        """Returns an error number and the bytes."""
+        if not size:
+            return LENGTH_ERROR, b""
+        if address + size > len(self.bytes):
+            return ACCESS_ERROR, b""
+        return 0, bytes(self.bytes[self._target(address + k)] for k in range(size))
+
+    def write(self, address: int, data: bytes) -> int:
+        """Writes all of the bytes or none, and returns an error number."""
+        if not data:
+            return LENGTH_ERROR
+        if address + len(data) > len(self.bytes):
+            return ACCESS_ERROR
+        octets = {self._target(address + k): byte for k, byte in enumerate(data)}
+        names = []
+        for place in octets:
+            if place in self._cells:
+                continue
+            name = self._owner.get(place)
+            if name is None and place not in self._windows:
+                return ACCESS_ERROR
+            if name is not None and name not in names:
+                names.append(name)
+        changed: dict[str, int] = {}
+        for name in names:
+            item = self.items[name]
+            whole = [octets.get(item.address + k) for k in range(item.size)]
+            if not item.writable or (item.lasting and self["torque"]):
+                return ACCESS_ERROR
+            if None in whole:
+                return LENGTH_ERROR
+            changed[name] = int.from_bytes(bytes(whole), "little", signed=item.signed)
+        if error := self._pointers_wrong(octets) or self._wrong(changed):
+            return error
+        for place, byte in octets.items():
+            self.bytes[place] = byte
+        return 0
+
+    def named(self, address: int, size: int) -> set[str]:
+        """Returns the registers that a write there touches, through pointers too."""
+        places = range(address, min(address + size, len(self.bytes)))
+        return {self._owner[place] for place in map(self._target, places) if place in self._owner}
+
+    def _pointers_wrong(self, octets: dict[int, int]) -> int:
+        cells = {place - self._cells[place] % 2 for place in octets if place in self._cells}
+        for cell in cells:
+            pair = [octets.get(cell + k) for k in range(2)]
+            if None in pair:
+                return LENGTH_ERROR
+            if not 64 <= int.from_bytes(bytes(pair), "little") < len(self.bytes):
+                return RANGE_ERROR
+        return 0
+
+    def _wrong(self, changed: dict[str, int]) -> int:
+        """The error that these values make, 0 if none."""
+        for name, value in changed.items():
+            item = self.items[name]
+            if self["watchdog"] == TRIPPED and name in GOALS:
+                return RANGE_ERROR
+            if item.bounds is not None and not item.bounds[0] <= value <= item.bounds[1]:
+                return RANGE_ERROR
+            if name == "operating_mode" and value not in self.model.modes:
+                return RANGE_ERROR
+            if (limit := self._limit(name, changed)) is not None and not limit[0] <= value <= limit[1]:
+                return LIMIT_ERROR
+        return 0
+
+    def _limit(self, name: str, changed: dict[str, int]) -> tuple[int, int] | None:
+        """Other registers' say on a value."""
+
+        def now(other: str) -> int:
+            return changed.get(other, self[other])
+
+        ceilings = {"goal_pwm": "pwm_limit", "goal_current": "current_limit", "goal_velocity": "velocity_limit"}
+        if name in ceilings:
+            return -now(ceilings[name]), now(ceilings[name])
+        if name == "goal_position" and self["operating_mode"] == 3:
+            return now("min_position"), now("max_position")
+        if name == "goal_position":
+            return -1_048_575, 1_048_575
+        return None
+
+    def lasting(self) -> dict[str, int]:
+        """Returns all values of EEPROM."""
+        return {name: self[name] for name, item in self.items.items() if item.lasting}
+
+    def item(self, name: str) -> Item:
+        """Returns a register's description."""
+        return self.items[name]

@@ -1,0 +1,70 @@
+"""How a set point comes to its goal: the profiles of the X series, and position control."""
+
+from dataclasses import dataclass
+from math import copysign, inf, sqrt
+
+SPEED = 0.229 * 4096 / 60  # [ticks/s] per count
+ACCELERATION = 214.577 * 4096 / 3600  # [ticks/s^2] per count
+
+
+@dataclass
+class Profile:
+    """A set point and the way it takes."""
+
+    place: float = 0.0  # [ticks]
+    speed: float = 0.0  # [ticks/s]
+    goal: float = 0.0
+    fastest: float = inf
+    acceleration: float = inf
+
+    def stand(self, place: float) -> None:
+        """Stops here."""
+        self.place = self.goal = place
+        self.speed = 0.0
+
+    def head(self, goal: float, speed: int, acceleration: int, timed: bool) -> None:
+        """Takes a new goal, with the registers of speed and acceleration; `timed`: they are times [ms]."""
+        self.goal = goal
+        if not timed:
+            self.fastest = speed * SPEED or inf
+            self.acceleration = acceleration * ACCELERATION or inf
+            return
+        seconds, rising = speed / 1000, min(acceleration, speed / 2) / 1000
+        self.fastest = abs(goal - self.place) / (seconds - rising) if seconds else inf
+        self.acceleration = self.fastest / rising if rising else inf
+
+    def step(self, seconds: float) -> float:
+        """Moves the set point for a moment and returns it."""
+        away = self.goal - self.place
+        if not away and not self.speed:
+            return self.place
+        fastest = self.fastest
+        if self.acceleration < inf:
+            fastest = min(fastest, sqrt(2 * self.acceleration * abs(away)))
+        wish = copysign(min(fastest, abs(away) / seconds), away)
+        change = self.acceleration * seconds
+        self.speed = max(self.speed - change, min(self.speed + change, wish))
+        self.place += self.speed * seconds
+        if abs(self.goal - self.place) < 1e-6:
+            self.place, self.speed = self.goal, 0.0
+        return self.place
+
+
+@dataclass
+class Pid:
+    """Position control: P / 128, I / 65536, D / 16 on the error in ticks, at 1 kHz; the result is a PWM count."""
+
+    total: float = 0.0
+    before: float = 0.0
+
+    def step(self, error: float, gains: tuple[int, int, int], limit: float) -> float:
+        """Returns the PWM for an error."""
+        p, i, d = gains
+        self.total += error if i else 0.0
+        slope, self.before = error - self.before, error
+        wish = p / 128 * error + i / 65536 * self.total + d / 16 * slope
+        return max(-limit, min(limit, wish))
+
+    def rest(self) -> None:
+        """Forgets what it has summed up."""
+        self.total = self.before = 0.0

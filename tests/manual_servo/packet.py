@@ -1,0 +1,115 @@
+"""Frames of protocol 2.0: header, id, length, instruction, parameters, CRC-16 over all that precedes it."""
+
+from dataclasses import dataclass
+
+HEADER = b"\xff\xff\xfd\x00"
+BROADCAST = 0xFE
+POLYNOMIAL = 0x8005
+STALE = 0.05  # [s] of silence after which half a packet is forgotten
+LONGEST = 1024  # bytes that a servo can buffer
+
+PING, READ, WRITE, REG_WRITE, ACTION = 0x01, 0x02, 0x03, 0x04, 0x05
+FACTORY_RESET, REBOOT, CLEAR, BACKUP, STATUS = 0x06, 0x08, 0x10, 0x20, 0x55
+SYNC_READ, SYNC_WRITE, FAST_SYNC_READ = 0x82, 0x83, 0x8A
+BULK_READ, BULK_WRITE, FAST_BULK_READ = 0x92, 0x93, 0x9A
+
+RESULT_FAIL, INSTRUCTION_ERROR, CRC_ERROR, RANGE_ERROR = 1, 2, 3, 4
+LENGTH_ERROR, LIMIT_ERROR, ACCESS_ERROR = 5, 6, 7
+ALERT = 0x80
+
+
+def _row(byte: int) -> int:
+    value = byte << 8
+    for _ in range(8):
+        value = (value << 1) ^ POLYNOMIAL if value & 0x8000 else value << 1
+    return value & 0xFFFF
+
+
+TABLE = tuple(_row(byte) for byte in range(256))
+
+
+def crc(data: bytes, start: int = 0) -> int:
+    """Computes CRC-16/BUYPASS, going on from an earlier value."""
+    value = start
+    for byte in data:
+        value = (value << 8) & 0xFF00 ^ TABLE[(value >> 8) ^ byte]
+    return value
+
+
+def sealed(head: bytes) -> bytes:
+    """Returns the bytes with their CRC behind them."""
+    return head + crc(head).to_bytes(2, "little")
+
+
+def stuff(body: bytes) -> bytes:
+    """Adds FD behind each FF FF FD, so that no header stands inside a packet."""
+    return body.replace(b"\xff\xff\xfd", b"\xff\xff\xfd\xfd")
+
+
+def unstuff(body: bytes) -> bytes:
+    """Takes the FD away that follows each FF FF FD."""
+    return body.replace(b"\xff\xff\xfd\xfd", b"\xff\xff\xfd")
+
+
+def frame(servo: int, body: bytes) -> bytes:
+    """Packs instruction and parameters, or a status, into a packet."""
+    stuffed = stuff(body)
+    return sealed(HEADER + bytes([servo]) + (len(stuffed) + 2).to_bytes(2, "little") + stuffed)
+
+
+def instruct(servo: int, instruction: int, parameters: bytes = b"") -> bytes:
+    """Makes an instruction packet."""
+    return frame(servo, bytes([instruction]) + parameters)
+
+
+def status(servo: int, error: int, parameters: bytes = b"") -> bytes:
+    """Makes a status packet."""
+    return frame(servo, bytes([STATUS, error]) + parameters)
+
+
+@dataclass(frozen=True)
+class Packet:
+    """What came over the wire."""
+
+    servo: int
+    instruction: int
+    parameters: bytes
+    intact: bool  # whether its CRC is right
+
+
+class Decoder:
+    """Finds packets in a stream of bytes."""
+
+    def __init__(self) -> None:
+        self._heard, self._last = b"", 0.0
+
+    def feed(self, data: bytes, time: float = 0.0) -> list[Packet]:
+        """Returns the packets that these bytes complete; half a packet is forgotten after a silence."""
+        if time - self._last > STALE:
+            self._heard = b""
+        self._last = time
+        self._heard += data
+        found: list[Packet] = []
+        while (packet := self._next()) is not None:
+            found.append(packet)
+        return found
+
+    def _next(self) -> Packet | None:
+        while True:
+            begin = self._heard.find(HEADER)
+            if begin < 0:
+                self._heard = self._heard[-3:]
+                return None
+            heard = self._heard = self._heard[begin:]
+            if len(heard) < 7:
+                return None
+            size = int.from_bytes(heard[5:7], "little")
+            if not 3 <= size <= LONGEST:
+                self._heard = heard[1:]
+                continue
+            if len(heard) < 7 + size:
+                return None
+            whole, self._heard = heard[: 7 + size], heard[7 + size :]
+            body = unstuff(whole[7:-2])
+            intact = crc(whole[:-2]) == int.from_bytes(whole[-2:], "little")
+            return Packet(whole[4], body[0], body[1:], intact)

@@ -1,0 +1,69 @@
+"""Registers that somebody else has set: another model, id, rate, or manner of answering."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from .servo_faults import OfServo
+
+if TYPE_CHECKING:
+    from .device import Device
+    from .line import Line
+
+
+@dataclass
+class Register(OfServo):
+    """Somebody has changed a register."""
+
+    name: str
+    value: int
+    before: int = 0
+
+    def strike(self, device: Device) -> None:
+        self.before = device.memory[self.name]
+        self._set(device, self.value)
+
+    def end(self, line: Line) -> None:
+        for device in line.devices:
+            if device.memory[self.name] == self.value:
+                self._set(device, self.before)
+
+    def _set(self, device: Device, value: int) -> None:
+        device.memory[self.name] = value
+        device.firmware.reload()
+
+
+def foreign_firmware(servo: int, firmware: int = 35) -> Register:
+    """A servo whose firmware is too old."""
+    return Register(servo, "firmware", firmware)
+
+
+def foreign_model(servo: int, number: int = 1060) -> Register:
+    """A servo of another model."""
+    return Register(servo, "model", number)
+
+
+def alias_id(servo: int, other: int) -> Register:
+    """A servo that also obeys what is said to another."""
+    return Register(servo, "secondary_id", other)
+
+
+def duplicate_id(servo: int, other: int) -> Register:
+    """Two servos with one id."""
+    return Register(servo, "id", other)
+
+
+def return_level(servo: int, level: int = 0) -> Register:
+    """A servo that answers pings alone."""
+    return Register(servo, "status_return", level)
+
+
+def return_delay(servo: int, value: int = 254) -> Register:
+    """A servo that waits half a millisecond before it answers."""
+    return Register(servo, "return_delay", value)
+
+
+def baud_changed(servo: int, value: int = 1) -> Register:
+    """A servo that listens at another rate: silence."""
+    return Register(servo, "baud", value)

@@ -1,0 +1,131 @@
+"""The control table of the X series, and what models differ in; figures of the maker's manual."""
+
+from dataclasses import dataclass
+
+U16, I32 = (0, 65535), (-(2**31), 2**31 - 1)
+ANY = None  # every value that fits
+
+
+@dataclass(frozen=True)
+class Item:
+    """One register."""
+
+    address: int
+    size: int
+    initial: int
+    bounds: tuple[int, int] | None = ANY
+    writable: bool = True
+    signed: bool = False
+
+    @property
+    def lasting(self) -> bool:
+        """Whether it is in EEPROM."""
+        return self.address < 64
+
+
+@dataclass(frozen=True)
+class Model:
+    """What one model has of its own."""
+
+    number: int
+    stall: float  # [Nm] at 12 V
+    no_load: float  # [rad/s]
+    amperes: float | None  # [A] per count of Present Current; None: it shows a load
+    current_limit: int
+    speed_limit: int  # [0.229 rpm]
+    gains: tuple[int, int, int]  # position P, I, D
+    celsius: int  # temperature limit
+    volts: tuple[int, int]  # minimum and maximum [0.1 V]
+    inertia: float  # [kg m^2] at the shaft
+    cells: int = 28
+    windows: tuple[tuple[int, int], ...] = ((168, 224), (578, 634))  # indirect addresses, data
+    rated: float = 12.0  # [V]
+    fast: int = 45  # the first firmware with fast reads
+
+    @property
+    def modes(self) -> tuple[int, ...]:
+        """Operating modes that it has."""
+        return (1, 3, 4, 16) if self.amperes is None else (0, 1, 3, 4, 5, 16)
+
+    @property
+    def end(self) -> int:
+        """The address behind its last register."""
+        return self.windows[-1][1] + self.cells
+
+
+SMALL = {"cells": 20, "windows": ((168, 208),), "fast": 46}  # the 330s
+MODELS = {
+    "xm430_w210": Model(1030, 3.0, 8.06, 0.00269, 1193, 330, (800, 0, 0), 80, (95, 160), 0.0163),
+    "xm430_w350": Model(1020, 4.1, 4.82, 0.00269, 1193, 350, (800, 0, 0), 80, (95, 160), 0.03),
+    "xm540_w150": Model(1130, 7.3, 5.55, 0.00269, 2047, 230, (800, 0, 0), 80, (95, 160), 0.031),
+    "xm540_w270": Model(1120, 10.6, 3.14, 0.00269, 2047, 128, (800, 0, 0), 80, (95, 160), 0.1),
+    "xl430_w250": Model(1060, 1.4, 5.97, None, 0, 265, (640, 0, 4000), 72, (60, 140), 0.008),
+    "xl330_m288": Model(1200, 0.52, 10.8, 0.001, 1750, 445, (400, 0, 0), 70, (35, 70), 0.0008, rated=5.0, **SMALL),
+    "xc430_w240": Model(1080, 1.9, 7.33, None, 0, 306, (700, 0, 0), 80, (60, 140), 0.01),
+    "xc330_t288": Model(1220, 1.0, 7.43, 0.001, 910, 310, (900, 0, 0), 70, (60, 140), 0.0018, **SMALL),
+}
+
+GOALS = ("goal_pwm", "goal_current", "goal_velocity", "goal_position")
+
+
+def items(model: Model, servo: int, firmware: int) -> dict[str, Item]:
+    """Returns a model's registers by name, as the factory leaves them."""
+    low, high = model.volts
+    found = {
+        "model": Item(0, 2, model.number, writable=False),
+        "model_information": Item(2, 4, 0, writable=False),
+        "firmware": Item(6, 1, firmware, writable=False),
+        "id": Item(7, 1, servo, (0, 252)),
+        "baud": Item(8, 1, 1, (0, 6 if model.cells == 20 else 7)),
+        "return_delay": Item(9, 1, 250, (0, 254)),
+        "drive_mode": Item(10, 1, 0, (0, 13)),
+        "operating_mode": Item(11, 1, 3, (0, 16)),
+        "secondary_id": Item(12, 1, 255),
+        "protocol": Item(13, 1, 2, (1, 22)),
+        "homing_offset": Item(20, 4, 0, (-1_044_479, 1_044_479), signed=True),
+        "moving_threshold": Item(24, 4, 10, (0, 1023)),
+        "temperature_limit": Item(31, 1, model.celsius, (0, 100)),
+        "max_voltage": Item(32, 2, high, (low, high)),
+        "min_voltage": Item(34, 2, low, (low, high)),
+        "pwm_limit": Item(36, 2, 885, (0, 885)),
+        "current_limit": Item(38, 2, model.current_limit, (0, model.current_limit)),
+        "velocity_limit": Item(44, 4, model.speed_limit, (0, 2047)),
+        "max_position": Item(48, 4, 4095, (0, 4095)),
+        "min_position": Item(52, 4, 0, (0, 4095)),
+        "startup": Item(60, 1, 0, (0, 3)),
+        "shutdown": Item(63, 1, 52, (0, 63)),
+        "torque": Item(64, 1, 0, (0, 1)),
+        "led": Item(65, 1, 0, (0, 1)),
+        "status_return": Item(68, 1, 2, (0, 2)),
+        "registered": Item(69, 1, 0, writable=False),
+        "error": Item(70, 1, 0, writable=False),
+        "velocity_i": Item(76, 2, 1920, (0, 16383)),
+        "velocity_p": Item(78, 2, 100, (0, 16383)),
+        "position_d": Item(80, 2, model.gains[2], (0, 16383)),
+        "position_i": Item(82, 2, model.gains[1], (0, 16383)),
+        "position_p": Item(84, 2, model.gains[0], (0, 16383)),
+        "feed_forward_2": Item(88, 2, 0, (0, 16383)),
+        "feed_forward_1": Item(90, 2, 0, (0, 16383)),
+        "watchdog": Item(98, 1, 0, (0, 127), signed=True),
+        "goal_pwm": Item(100, 2, 885, ANY, signed=True),
+        "goal_current": Item(102, 2, model.current_limit, ANY, signed=True),
+        "goal_velocity": Item(104, 4, 0, ANY, signed=True),
+        "profile_acceleration": Item(108, 4, 0, (0, 32767)),
+        "profile_velocity": Item(112, 4, 0, (0, 32767)),
+        "goal_position": Item(116, 4, 0, ANY, signed=True),
+        "tick": Item(120, 2, 0, writable=False),
+        "moving": Item(122, 1, 0, writable=False),
+        "moving_status": Item(123, 1, 0, writable=False),
+        "present_pwm": Item(124, 2, 0, writable=False, signed=True),
+        "present_current": Item(126, 2, 0, writable=False, signed=True),
+        "present_velocity": Item(128, 4, 0, writable=False, signed=True),
+        "present_position": Item(132, 4, 0, writable=False, signed=True),
+        "velocity_trajectory": Item(136, 4, 0, writable=False, signed=True),
+        "position_trajectory": Item(140, 4, 0, writable=False, signed=True),
+        "volts": Item(144, 2, round(10 * model.rated), writable=False),
+        "celsius": Item(146, 1, 25, writable=False),
+        "backup_ready": Item(147, 1, 0, writable=False),
+    }
+    if model.amperes is None:  # no current sensor: its Present Current is a Present Load
+        del found["current_limit"], found["goal_current"]
+    return found
