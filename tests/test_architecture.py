@@ -14,7 +14,7 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / "kinesic"
 ROOMS = (
-    *("body", "bml", "motion", "expressivity", "ik", "planning", "sim", "hardware", "face", "speech"),
+    *("body", "files", "bml", "motion", "expressivity", "ik", "planning", "sim", "hardware", "face", "speech"),
     *("controller", "realizer", "serve", "report", "studies", "bench", "cli", "configs"),
 )
 LINKS = ("controller", "ik", "expressivity", "sim", "hardware", "configs")

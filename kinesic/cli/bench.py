@@ -4,6 +4,8 @@ import json
 from dataclasses import asdict
 from importlib import import_module
 from pathlib import Path
+from shutil import copyfile
+from tempfile import TemporaryDirectory
 
 import click
 from rich.table import Table
@@ -11,6 +13,8 @@ from rich.table import Table
 from kinesic.bench import PARTS
 from kinesic.bench.figure import Figure
 from kinesic.cli.terminal import console
+from kinesic.files.held_folder import name_failures
+from kinesic.files.output_file import new_file
 
 
 def measure(part: str) -> list[Figure]:
@@ -18,14 +22,17 @@ def measure(part: str) -> list[Figure]:
     return [figure for module in PARTS[part] for figure in import_module(f"kinesic.bench.{module}").bench()]
 
 
-def print_figures(part: str, matrix: bool, as_json: bool, plots: Path | None) -> int:
+def print_figures(part: str, matrix: bool, as_json: bool, plots: Path | None, force: bool) -> int:
     """Measures a part, or all, and prints or draws the figures."""
     if matrix:
         return _print_matrix(as_json=as_json)
+    if plots is not None:
+        with name_failures(plots):
+            plots.mkdir(parents=True, exist_ok=True)
     names = list(PARTS) if part == "all" else [part]
     figures = [figure for name in names for figure in measure(name)]
     if plots is not None:
-        _draw(figures, names, plots)
+        _draw(figures, names, plots, force=force)
     if as_json:
         click.echo(json.dumps([asdict(figure) | {"ok": figure.ok} for figure in figures], indent=1))
         return 0
@@ -52,10 +59,14 @@ def _print_matrix(*, as_json: bool) -> int:
     return 0
 
 
-def _draw(figures: list[Figure], names: list[str], plots: Path) -> None:
+def _draw(figures: list[Figure], names: list[str], plots: Path, *, force: bool) -> None:
+    """Draws into a folder that may hold other things; no picture is replaced unless forced."""
     from kinesic.bench import expressivity, ik  # noqa: PLC0415 - only drawings need both
 
-    plots.mkdir(parents=True, exist_ok=True)
-    ik.draw(figures, plots)
-    if "expressivity" in names:
-        expressivity.draw(plots)
+    with TemporaryDirectory() as place:
+        pictures = ik.draw(figures, Path(place))
+        if "expressivity" in names:
+            pictures += expressivity.draw(Path(place))
+        for picture in pictures:
+            with new_file(plots / picture.name, force=force) as fresh:
+                copyfile(picture, fresh)

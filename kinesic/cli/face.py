@@ -11,7 +11,7 @@ import numpy as np
 from kinesic.bml.block import Face
 from kinesic.body.command import Command
 from kinesic.body.config import ConfigError
-from kinesic.cli.options import CELL, SIDE, STRIP, ExpressionOptions, FaceView, Planning, read_input
+from kinesic.cli.options import CELL, SIDE, STRIP, ExpressionOptions, FaceView, PictureFile, Planning, read_input
 from kinesic.cli.playback import play_whole
 from kinesic.controller.perform import plan
 from kinesic.controller.play import command_times, play
@@ -29,6 +29,7 @@ from kinesic.face.show.process import PreviewSettings
 from kinesic.face.show.recording import FaceRecording, PortraitSettings
 from kinesic.face.show.sheet import draw_units_sheet as contact_sheet
 from kinesic.face.show.window import has_display
+from kinesic.files.output_file import check_file, new_file
 from kinesic.planning.face_track import commands_with_face
 from kinesic.planning.plan import Plan
 
@@ -61,22 +62,31 @@ class ViewSettings:
 
 
 def draw_face(
-    planning: Planning, expression: ExpressionOptions, bml: str | None, out: Path | None, view: FaceView, sheet: bool
+    planning: Planning,
+    expression: ExpressionOptions,
+    bml: str | None,
+    picture: PictureFile,
+    view: FaceView,
+    sheet: bool,
 ) -> int:
     """Draws an expression, the face of a document, or a sheet of all action units, to a file or a window."""
     if sum((bool(expression.units or expression.emotion), bml is not None, sheet)) > 1:
         raise click.UsageError("choose one: --au and --emotion, --bml, or --sheet")
+    out = picture.out
     try:
         units = read_units(expression.units) | read_emotion(expression.emotion, expression.amount)
         settings = ViewSettings(view, replace(CLOSE if sheet or bml else FRONT, yaw_deg=view.yaw))
         if out is None and (sheet or not has_display()):
             raise DisplayError("no display for a window; --out X.png, X.webp or X.mp4 writes a file")
-        if bml is not None:
-            _perform(plan(read_input(bml), planning.set_up(), source=bml), settings, out)
-        elif out is None:
-            _show(units, settings)
+        if out is not None:
+            _check_picture(out, still=sheet)
+            check_file(out, force=picture.force)
+        planned = None if bml is None else plan(read_input(bml), planning.set_up(), source=bml)
+        if out is None:
+            _show(units if planned is None else planned, settings)
         else:
-            _draw(units, settings, out, sheet=sheet)
+            with new_file(out, force=picture.force) as fresh:
+                _draw(units if planned is None else planned, settings, fresh, sheet=sheet)
     except DisplayError as error:
         raise ConfigError(str(error)) from None
     if out is not None:
@@ -116,16 +126,26 @@ def read_emotion(name: str | None, amount: float) -> dict[str, float]:
     return dict(found.units)
 
 
-def _draw(units: Mapping[str, float], settings: ViewSettings, out: Path, *, sheet: bool) -> None:
-    moving = out.suffix.lower() not in ("", ".png") and not sheet
-    (check_film if moving else check_ending)(out)
+def _is_film(out: Path) -> bool:
+    return out.suffix.lower() not in ("", ".png")
+
+
+def _check_picture(out: Path, *, still: bool) -> None:
+    """Refuses a path whose ending names no format of films, or of pictures where it is a still."""
+    (check_film if _is_film(out) and not still else check_ending)(out)
+
+
+def _draw(shown: Mapping[str, float] | Plan, settings: ViewSettings, out: Path, *, sheet: bool) -> None:
+    if isinstance(shown, Plan):
+        _film_whole(shown, settings, out)
+        return
     with settings.portrait(CELL if sheet else SIDE) as portrait:
         if sheet:
             save(contact_sheet(portrait, settings.camera), out)
-        elif moving:
-            save_film(list(_film(portrait, units, settings)), out, rate=FILM_RATE)
+        elif _is_film(out):
+            save_film(list(_film(portrait, shown, settings)), out, rate=FILM_RATE)
         else:
-            save(portrait.draw(units, settings.camera, gain=settings.view.gain), out)
+            save(portrait.draw(shown, settings.camera, gain=settings.view.gain), out)
 
 
 def _film(portrait: Portrait, units: Mapping[str, float], settings: ViewSettings) -> Iterator[Pixels]:
@@ -139,21 +159,21 @@ def _film(portrait: Portrait, units: Mapping[str, float], settings: ViewSettings
         )
 
 
-def _show(units: Mapping[str, float], settings: ViewSettings) -> None:
-    """Shows one expression in a window, until somebody closes it."""
+def _show(shown: Mapping[str, float] | Plan, settings: ViewSettings) -> None:
+    """Shows one expression in a window until somebody closes it, or the face of a document once."""
     none = np.zeros(0)
     click.echo(KEYS, err=True)
+    if isinstance(shown, Plan):
+        play_whole(shown, Preview(shown.setup.robot, look=settings.look, windowed=True))
+        return
     with Preview(look=settings.look, windowed=True) as preview:
-        preview.write(Command(0.0, none, none, none, none, units))
+        preview.write(Command(0.0, none, none, none, none, shown))
         preview.wait()
 
 
-def _perform(planned: Plan, settings: ViewSettings, out: Path | None) -> None:
+def _film_whole(planned: Plan, settings: ViewSettings, out: Path) -> None:
+    """Films the face of a document."""
     robot, times = planned.setup.robot, command_times(planned.duration)
-    if out is None:
-        click.echo(KEYS, err=True)
-        play_whole(planned, Preview(robot, look=settings.look, windowed=True))
-        return
     with TemporaryDirectory() as folder:
         speech, wav = sound(planned), None
         if speech is not None:

@@ -14,10 +14,11 @@ from kinesic.cli.terminal import console
 from kinesic.controller.perform import set_up
 from kinesic.expressivity.lexicon.form import Match
 from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.files.output_file import check_file, new_file
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.planning.setup import Setup
 from kinesic.studies.gestures.isolated import Show, key_postures, plan_gesture
-from kinesic.studies.gestures.sheet import MOST, draw_gesture_sheet, draw_strip
+from kinesic.studies.gestures.sheet import MOST, check_picture, draw_gesture_sheet, draw_strip
 from kinesic.studies.gestures.vocabulary import vocabulary
 
 
@@ -63,24 +64,20 @@ def show_gesture(lexeme: str, lexicon: Path | None) -> int:
     return 0
 
 
-def render_gestures(lexeme: str | None, whole: bool, out: Path, lexicon: Path | None, robot: str) -> int:
+def render_gestures(lexeme: str | None, whole: bool, out: Path, force: bool, lexicon: Path | None, robot: str) -> int:
     """Draws the key postures of one gesture side by side, or all gestures at their strokes."""
     if (lexeme is None) != whole:
         raise click.UsageError("name one gesture, or give --all")
+    check_picture(out)
+    check_file(out, force=force)
     known = set_up(load_robot(robot), lexicon=lexicon)
-    try:
+    with new_file(out, force=force) as fresh:
         if lexeme is None:
-            draw_gesture_sheet(list(_drawable(known)), known.robot, out)
+            draw_gesture_sheet(list(_drawable(known)), known.robot, fresh)
         else:
             form = _found(lexeme, known.lexicon).form
-            draw_strip(
-                key_postures(form, plan_gesture(form, known), MOST),
-                known.robot,
-                out,
-                says=known.lexicon.sense(form).says,
-            )
-    except (OSError, ValueError) as error:
-        raise ConfigError(f"{out}: {error}") from None
+            shown, says = key_postures(form, plan_gesture(form, known), MOST), known.lexicon.sense(form).says
+            draw_strip(shown, known.robot, fresh, says=says)
     click.echo(f"picture: {out}")
     return 0
 

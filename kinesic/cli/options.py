@@ -139,6 +139,24 @@ class Output:
     as_json: bool
 
 
+force_option = click.option("--force", is_flag=True, help="Replaces an existing file.")
+
+
+@dataclass(frozen=True)
+class PictureFile:
+    """Where a picture or a film goes, if it is not shown in a window."""
+
+    out: Annotated[
+        Path | None,
+        click.option(
+            "--out",
+            type=click.Path(path_type=Path),
+            help="X.png, or X.webp or X.mp4 to move; a window without it.",
+        ),
+    ]
+    force: Annotated[bool, force_option]
+
+
 @dataclass(frozen=True)
 class ExpressionOptions:
     """A face by its action units, an emotion, or both."""
@@ -273,3 +291,4 @@ door = _together("door", Door)
 twin_options = _together("way", TwinOptions)
 expression = _together("expression", ExpressionOptions)
 face_view = _together("view", FaceView)
+picture_file = _together("picture", PictureFile)

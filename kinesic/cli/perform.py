@@ -14,15 +14,17 @@ from kinesic.cli.terminal import console
 from kinesic.controller.perform import dry_runs, performances, plan
 from kinesic.controller.performance import Performance
 from kinesic.controller.servo_performance import ServoRun
+from kinesic.files.output_file import check_file, new_file
+from kinesic.files.output_folder import check_folder
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.planning.bap import SUFFIX, read_bap
 from kinesic.planning.imported_motion import plan_imported
-from kinesic.planning.motion_files import write_motion
+from kinesic.planning.motion_files import check_motion_file, write_motion
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.report.checks import Check, checks
 from kinesic.report.checks.twin import measure_tracking
-from kinesic.report.output import Written, free_folder, write_report
+from kinesic.report.output import Written, default_folder, write_report
 from kinesic.report.page import verdict
 from kinesic.report.report import Json, report
 from kinesic.report.servo_report import live_checks
@@ -36,12 +38,13 @@ def perform_file(
 ) -> int:
     """Performs a document or a motion in the twin, reports, and then performs on the servos where no check failed."""
     source = _name(file)
-    folder = free_folder(output.out, source, force=output.force)
+    folder = output.out or default_folder(source)
+    check_folder(folder, force=output.force)
     known = planning.set_up()
     paths = all_ports(performers.ports, Manifest.of(known.robot).bauds) if "servos" in performers.sinks else {}
     performance, *beside = _performed(file, known, way)
     data = report(performance, source=source, seed=known.idling.seed, beside=beside)
-    written = write_report(performance, data, folder, film=film)
+    written = write_report(performance, data, folder, film=film, force=output.force)
     live, log, planned = None, None, performance.plan
     film_beside = written.film if "twin" in performers.sinks else None
     with preview_window(known.robot, requested="face" in performers.sinks, beside=film_beside) as preview:
@@ -80,11 +83,14 @@ def _performed(file: str, known: Setup, way: TwinOptions) -> tuple[Performance, 
     return performances(text, twins, known, source=source, feedforward=terms, correction=correction)
 
 
-def plan_file(file: str, planning: Planning, out: Path) -> int:
+def plan_file(file: str, planning: Planning, out: Path, force: bool) -> int:
     """Plans a document or a motion, and writes the motion to a file; nothing moves."""
+    check_motion_file(out)
+    check_file(out, force=force)
     known = planning.set_up()
     planned = _imported(file, known) if file.endswith(SUFFIX) else plan(read_input(file), known, source=_name(file))
-    write_motion(planned.trajectory, known.robot, out)
+    with new_file(out, force=force) as fresh:
+        write_motion(planned.trajectory, known.robot, fresh)
     for notice in planned.notices:
         click.echo(f"{notice.type.value} {notice.id}: {notice.text}", err=True)
     click.echo(f"{planned.trajectory.duration:.2f} s, {len(planned.postures.postures)} keys")

@@ -22,6 +22,7 @@ from kinesic.face.show.controls import HELP
 from kinesic.face.show.preview import Preview
 from kinesic.face.show.process import PreviewSettings
 from kinesic.face.show.window import has_display
+from kinesic.files.output_file import new_file
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.planning.face_track import commands_with_face
@@ -136,7 +137,8 @@ def write_live(live: ServoRun, data: dict[str, Json], written: Written) -> tuple
     whole = with_live(data, live)
     rewrite(written, live.performance, whole)
     log = written.report.with_name("servos.npz")
-    write_log(live_log(live), live.performance.plan.setup.robot, log)
+    with new_file(log, force=True) as fresh:
+        write_log(live_log(live), live.performance.plan.setup.robot, fresh)
     return whole, log
 
 

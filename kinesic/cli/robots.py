@@ -6,9 +6,10 @@ import click
 import numpy as np
 from rich.table import Table
 
-from kinesic.body.config import CONFIGS, ConfigError
+from kinesic.body.config import CONFIGS
 from kinesic.body.robot_schema import robot_text
 from kinesic.cli.terminal import console
+from kinesic.files.output_file import check_file, write_text
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.planning.workspace import workspace
 from kinesic.sim.importer.convert import REVIEW_BELOW, Mapped, import_humanoid
@@ -64,14 +65,10 @@ def assess_robot(robot: str) -> int:
 def import_robot(file: Path, out: Path | None, force: bool) -> int:
     """Maps the hinges of a humanoid's MJCF or URDF, and writes a robot's TOML to edit."""
     target = out or Path(f"{file.stem}.toml")
-    if target.exists() and not force:
-        raise ConfigError(f"{target}: exists already; give another --out, or --force to replace it")
+    check_file(target, force=force)
     found = import_humanoid(file)
     text = robot_text(found.file, heading=_heading(found, file.name), remarks=found.remarks)
-    try:
-        target.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise ConfigError(f"{target}: {error.strerror}") from None
+    write_text(target, text, force=force)
     console().print(_mapping(found))
     click.echo(f"robot: {target}")
     if found.doubtful:

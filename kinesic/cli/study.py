@@ -13,7 +13,8 @@ from kinesic.body.config import ConfigError
 from kinesic.cli.terminal import console
 from kinesic.face.display import DisplayError
 from kinesic.face.render.presets import PRESETS
-from kinesic.report.output import empty_folder, free_folder
+from kinesic.files.output_folder import check_folder, new_folder
+from kinesic.report.output import default_folder
 from kinesic.report.report import Json
 from kinesic.studies.perception.answers import (
     LABELS,
@@ -37,16 +38,20 @@ EFFECTS = {
 
 def make_study(out: Path | None, force: bool, size: int, preset: str, post_to: str) -> int:
     """Draws all faces of the study, and the page that shows them and asks."""
-    folder = empty_folder(free_folder(out, "study", force=force))
-    wanted = stimuli()
+    folder = out or default_folder("study")
+    check_folder(folder, force=force)
+    selected = stimuli()
     try:
-        with Progress(console=Console(stderr=True), transient=True) as progress:
-            task = progress.add_task("faces", total=len(wanted))
-            for _ in draw_stimuli(wanted, folder / "stimuli", size=size, preset=PRESETS[preset]):
+        with (
+            new_folder(folder, force=force) as fresh,
+            Progress(console=Console(stderr=True), transient=True) as progress,
+        ):
+            task = progress.add_task("faces", total=len(selected))
+            for _ in draw_stimuli(selected, fresh / "stimuli", size=size, preset=PRESETS[preset]):
                 progress.advance(task)
+            write_study_page(fresh / "index.html", post_to=post_to)
     except DisplayError as error:
         raise ConfigError(str(error)) from None
-    write_study_page(folder / "index.html", post_to=post_to)
     click.echo(f"page: {folder / 'index.html'}")
     return 0
 

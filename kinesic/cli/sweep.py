@@ -12,7 +12,8 @@ from kinesic.body.config import ConfigError
 from kinesic.cli.options import Output, Planning
 from kinesic.cli.terminal import console
 from kinesic.expressivity.style.style import RANGES
-from kinesic.report.output import empty_folder, free_folder
+from kinesic.files.output_folder import check_folder, new_folder
+from kinesic.report.output import default_folder
 from kinesic.report.report import Json
 from kinesic.studies.sweep.measures import SHOWN, Measures
 from kinesic.studies.sweep.series import LATE, MEASURE_OF, STROKE, Played, Series, draw_series, presets, sweep_parameter
@@ -26,13 +27,15 @@ def sweep_gesture(
     """Plays a gesture over the range of a parameter in the twin, measures and draws it."""
     if every == (parameter is not None):
         raise ConfigError("say --parameter NAME or --all; parameters are " + ", ".join(RANGES))
-    folder = free_folder(output.out, f"sweep-{gesture}", force=output.force)
+    folder = output.out or default_folder(f"sweep-{gesture}")
+    check_folder(folder, force=output.force)
     known = planning.set_up()
-    names = list(MEASURE_OF) if parameter is None else [parameter]
-    found = [sweep_parameter(gesture, name, known, values=_numbers(values)) for name in names]
+    parameters = list(MEASURE_OF) if parameter is None else [parameter]
+    found = [sweep_parameter(gesture, name, known, values=_numbers(values)) for name in parameters]
     styles = presets(gesture, known) if every else {}
     data = _data(gesture, planning.style, found, styles)
-    pictures = _written(found, empty_folder(folder), data)
+    with new_folder(folder, force=output.force) as fresh:
+        names = _write(found, fresh, data)
     if output.as_json:
         click.echo(json.dumps(data, indent=1))
     else:
@@ -40,8 +43,8 @@ def sweep_gesture(
             console().print(_table(series))
         if styles:
             console().print(_presets(styles))
-    for path in (folder / "sweep.json", *pictures):
-        click.echo(f"{path.suffix[1:]}: {path}", err=output.as_json)
+    for name in names:
+        click.echo(f"{Path(name).suffix[1:]}: {folder / name}", err=output.as_json)
     in_time = all(series.in_time for series in found) and all(one.in_time for one in styles.values())
     return 0 if in_time and all(series.monotone for series in found) else 1
 
@@ -55,9 +58,10 @@ def _numbers(text: str | None) -> list[float]:
         raise ConfigError(f"--values is {text!r}; write numbers with commas between, such as -1,0,1") from None
 
 
-def _written(found: Sequence[Series], folder: Path, data: Json) -> list[Path]:
+def _write(found: Sequence[Series], folder: Path, data: Json) -> list[str]:
+    """Writes the measures and a picture of each series; returns the names of the files."""
     (folder / "sweep.json").write_text(json.dumps(data, indent=1), encoding="utf-8")
-    return [draw_series(series, folder / f"{series.parameter}.png") for series in found]
+    return ["sweep.json", *(draw_series(series, folder / f"{series.parameter}.png").name for series in found)]
 
 
 def _data(gesture: str, style: str, found: Sequence[Series], styles: Mapping[str, Played]) -> dict[str, Json]:

@@ -11,6 +11,7 @@ from rich.table import Table
 
 from kinesic.body.config import ConfigError
 from kinesic.cli.terminal import console
+from kinesic.files.output_file import check_file, write_text
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.sim.fit import Estimate, Fit, fit_factors
 from kinesic.sim.fit_parameters import Figure
@@ -19,8 +20,8 @@ from kinesic.sim.log import read_log
 
 def fit_twin(log: Path, robot: str, free: tuple[str, ...], out: Path | None, force: bool, as_json: bool) -> int:
     """Fits servo factors to a log, and says which of them it cannot tell."""
-    if out is not None and out.exists() and not force:
-        raise ConfigError(f"{out} exists already; --force replaces it, --out names another")
+    if out is not None:
+        check_file(out, force=force)
     body = load_robot(robot)
     try:
         found = fit_factors(read_log(log, body), body, free=cast(tuple[Figure, ...], free))
@@ -32,7 +33,7 @@ def fit_twin(log: Path, robot: str, free: tuple[str, ...], out: Path | None, for
         console().print(_table(found))
         click.echo(_summary(found))
     if out is not None:
-        out.write_text(_toml(found, log), encoding="utf-8")
+        write_text(out, _toml(found, log), force=force)
         click.echo(f"factors: {out}", err=as_json)
     return 0
 

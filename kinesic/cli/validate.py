@@ -16,9 +16,10 @@ from kinesic.body.config import ConfigError, locate
 from kinesic.cli.options import Output, Planning
 from kinesic.cli.terminal import console
 from kinesic.cli.validate_table import summarise
+from kinesic.files.output_file import write_text
+from kinesic.files.output_folder import check_folder, is_made, new_folder
 from kinesic.report.batch import JOURNAL, DocumentVerdict, documents, validate_documents
 from kinesic.report.batch_totals import totals
-from kinesic.report.output import empty_folder
 from kinesic.report.report import Json
 from kinesic.sim.servo_factors import read_twins
 
@@ -30,10 +31,14 @@ INTERRUPTED = 130
 
 def validate_paths(paths: tuple[Path, ...], planning: Planning, twin: str, jobs: int | None, output: Output) -> int:
     """Performs every document of files and folders in the twin; an interrupted run goes on in its folder."""
+    goes_on = output.out is not None and _check_folder(output.out, force=output.force)
     twins = read_twins(twin)
     planning.set_up()  # a wrong option is one line here, not one in each process
     files = documents(paths)
-    folder = _folder(output.out, force=output.force) if output.out else None
+    folder = output.out
+    if folder is not None and not goes_on:
+        with new_folder(folder, force=output.force):
+            pass
     found = validate_documents(
         files,
         planning.set_up,
@@ -56,9 +61,7 @@ def validate_paths(paths: tuple[Path, ...], planning: Planning, twin: str, jobs:
     else:
         summarise(verdicts, console())
     if folder and finished:
-        fresh = folder / f"{SUMMARY}.new"
-        fresh.write_text(text, encoding="utf-8")
-        fresh.replace(folder / SUMMARY)  # a run whose summary is there is finished
+        write_text(folder / SUMMARY, text, force=True)  # a run whose summary is there is finished
         click.echo(f"summary: {folder / SUMMARY}", err=output.as_json)
     if not finished:
         rest = "the same command goes on from here" if folder else "--out DIR lets a run go on where it stopped"
@@ -67,19 +70,19 @@ def validate_paths(paths: tuple[Path, ...], planning: Planning, twin: str, jobs:
     return max((verdict.exit for verdict in verdicts), default=0)
 
 
-def _folder(out: Path, *, force: bool) -> Path:
-    """Makes or empties the folder of the reports, or takes that of a run that did not finish.
+def _check_folder(out: Path, *, force: bool) -> bool:
+    """Says whether a folder holds a run that did not finish and goes on.
 
     Raises:
         ConfigError: it holds something else, or a run that did finish.
     """
-    if force or not out.exists():
-        return empty_folder(out)
-    if (out / SUMMARY).exists():
-        raise ConfigError(f"{out} holds a finished run; --force begins anew, --out names another folder")
-    if not (out / JOURNAL).exists():
-        raise ConfigError(f"{out} exists already; --force replaces it, --out names another")
-    return out
+    if not force and is_made(out):
+        if (out / SUMMARY).exists():
+            raise ConfigError(f"{out} holds a finished run; --force begins anew, --out names another folder")
+        if (out / JOURNAL).exists():
+            return True
+    check_folder(out, force=force)
+    return False
 
 
 def fingerprint(planning: Planning, *others: str) -> str:

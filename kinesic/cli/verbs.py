@@ -13,8 +13,10 @@ from kinesic.cli.options import (
     door,
     expression,
     face_view,
+    force_option,
     output,
     performers,
+    picture_file,
     planning,
     robot_option,
     twin_options,
@@ -32,6 +34,7 @@ ON_HELP = (
 RULE_HELP = (
     f"A limit for clients: {', '.join(f'{each.name}={getattr(USUAL, each.name):g}' for each in fields(Quotas))}."
 )
+FORCE_HELP = "Replaces a folder that kinesic has made."
 FREE_HELP = "Figures that may differ from the data sheets; repeat it. mass only without stall."
 
 lexicon_option = click.option("--lexicon", type=click.Path(path_type=Path), help="TOML, or Greta's gestuary XML.")
@@ -49,6 +52,7 @@ def kinesic() -> None:
 @click.option("--matrix", is_flag=True, help="Of bus: the whole fault matrix instead, for every driver.")
 @click.option("--json", "as_json", is_flag=True, help="Prints a list of figures as JSON.")
 @click.option("--plots", type=click.Path(file_okay=False, path_type=Path), help="Draws into this folder, too.")
+@click.option("--force", is_flag=True, help="Replaces pictures that are there.")
 @done_by("bench:print_figures")
 def _bench() -> None:
     """Measures PART; timings are medians in a warm process."""
@@ -63,11 +67,7 @@ def _doctor() -> None:
 @kinesic.command("face")
 @expression
 @click.option("--bml", metavar="FILE", help="A document whose face is performed; - for standard input.")
-@click.option(
-    "--out",
-    type=click.Path(dir_okay=False, path_type=Path),
-    help="X.png, or X.webp or X.mp4 to move; a window without it.",
-)
+@picture_file
 @face_view
 @click.option("--sheet", is_flag=True, help="Every action unit low and high, with and without wrinkles.")
 @planning
@@ -102,9 +102,8 @@ def _show_gesture() -> None:
 @gestures.command("render")
 @click.argument("lexeme", required=False)
 @click.option("--all", "whole", is_flag=True, help="Draws a contact sheet of all gestures.")
-@click.option(
-    "--out", required=True, type=click.Path(dir_okay=False, path_type=Path), help="The picture, such as X.png."
-)
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="The picture, such as X.png.")
+@force_option
 @lexicon_option
 @player_option
 @done_by("gestures:render_gestures")
@@ -119,7 +118,7 @@ def _render_gestures() -> None:
 @twin_options
 @output(
     "Folder of the report (default: out/NAME-TIME).",
-    "Replaces an existing folder.",
+    FORCE_HELP,
     "Prints the report as JSON.",
     click.option("--film/--no-film", default=True, help="Films of the twin and of the face, where OpenGL works."),
 )
@@ -135,6 +134,7 @@ def _perform() -> None:
 @click.argument("file")
 @planning
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="motion.npz, motion.csv or motion.bap.")
+@force_option
 @done_by("perform:plan_file")
 def _plan() -> None:
     """Plans FILE (BML, a .bap motion, or - for BML from standard input) and writes the motion."""
@@ -168,7 +168,7 @@ def _assess_robot() -> None:
 @robots.command("import")
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--out", type=click.Path(path_type=Path), help="The robot's TOML (default: FILE's name, here).")
-@click.option("--force", is_flag=True, help="Replaces an existing file.")
+@force_option
 @done_by("robots:import_robot")
 def _import_robot() -> None:
     """Maps the hinges of an MJCF or URDF humanoid, and writes a robot's TOML to edit."""
@@ -196,7 +196,7 @@ def study() -> None:
 
 @study.command("make")
 @click.option("--out", type=click.Path(path_type=Path), help="Folder of the study (default: out/study-TIME).")
-@click.option("--force", is_flag=True, help="Replaces an existing folder.")
+@click.option("--force", is_flag=True, help=FORCE_HELP)
 @click.option("--size", type=click.IntRange(64, 1024), default=384, show_default=True, help="Pixels along a side.")
 @click.option("--preset", type=click.Choice(list(PRESETS)), default="normal", show_default=True)
 @click.option("--post-to", default="", metavar="URL", help="Where answers are sent too, as CSV.")
@@ -219,9 +219,7 @@ def _analyse_study() -> None:
 @click.option("--parameter", metavar="NAME", help=f"One of {', '.join(RANGES)}.")
 @click.option("--values", metavar="A,B,...", help="Values to play (default: five over the whole range).")
 @click.option("--all", "every", is_flag=True, help="Every parameter, and every preset of style.")
-@output(
-    "Folder of figures (default: out/sweep-NAME-TIME).", "Replaces an existing folder.", "Prints the measures as JSON."
-)
+@output("Folder of figures (default: out/sweep-NAME-TIME).", FORCE_HELP, "Prints the measures as JSON.")
 @done_by("sweep:sweep_gesture")
 def _sweep() -> None:
     """Plays GESTURE over the range of a parameter in the twin, measures and draws it."""
@@ -240,8 +238,8 @@ def twin() -> None:
 @click.argument("log", type=click.Path(path_type=Path))
 @robot_option
 @click.option("--free", multiple=True, type=click.Choice(FIGURES), default=DEFAULT, show_default=True, help=FREE_HELP)
-@click.option("--out", type=click.Path(path_type=Path, dir_okay=False), help="TOML of factors, for --twin.")
-@click.option("--force", is_flag=True, help="Replaces an existing file.")
+@click.option("--out", type=click.Path(path_type=Path), help="TOML of factors, for --twin.")
+@force_option
 @click.option("--json", "as_json", is_flag=True, help="Prints the estimates as JSON.")
 @done_by("twin:fit_twin")
 def _fit_twin() -> None:
@@ -255,7 +253,7 @@ def _fit_twin() -> None:
 @click.option("--jobs", type=click.IntRange(min=1), help="Processes (default: one for each core).")
 @output(
     "Folder of the reports; an interrupted run goes on there.",
-    "Begins anew in an existing folder.",
+    "Begins anew in a folder that kinesic has made.",
     "Prints verdicts and totals as JSON.",
 )
 @done_by("validate:validate_paths")

@@ -22,6 +22,7 @@ def write_motion(trajectory: Sampled, robot: Robot, path: Path, *, rate: int = R
     Raises:
         ConfigError: the suffix is not known.
     """
+    check_motion_file(path)
     if path.suffix == ".bap":
         write_bap(trajectory, robot, path)
         return
@@ -32,10 +33,18 @@ def write_motion(trajectory: Sampled, robot: Robot, path: Path, *, rate: int = R
         np.savez_compressed(
             path, times=times, names=np.array(names), angles=angles, speeds=speeds, accelerations=accelerations
         )
-    elif path.suffix == ".csv":
+    else:
         with path.open("w", newline="", encoding="utf-8") as file:
             rows = csv.writer(file)
             rows.writerow(["time_s", *(f"{name}_rad" for name in names)])
             rows.writerows([f"{value:.9g}" for value in (time, *row)] for time, row in zip(times, angles, strict=True))
-    else:
+
+
+def check_motion_file(path: Path) -> None:
+    """Refuses a path whose suffix names no format of motions.
+
+    Raises:
+        ConfigError: it does not; names those that do.
+    """
+    if path.suffix not in SUFFIXES:
         raise ConfigError(f"{path}: cannot write {path.suffix or 'no suffix'}; known: {', '.join(SUFFIXES)}")

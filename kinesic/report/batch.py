@@ -16,6 +16,7 @@ import msgspec
 from kinesic.bml.block import BmlError
 from kinesic.controller.perform import performances
 from kinesic.controller.performance import Performance
+from kinesic.files.output_file import new_file, open_to_add, write_text
 from kinesic.planning.setup import Setup
 from kinesic.report.checks import Check, checks
 from kinesic.report.report import Json, report
@@ -55,13 +56,12 @@ class BatchJournal(Generic[Entry]):
 
     def rewrite(self, entries: dict[str, Entry]) -> None:
         """Replaces the file by these entries, at once."""
-        fresh = self._path.with_suffix(".new")
-        fresh.write_bytes(b"".join(_line(key, entry) for key, entry in entries.items()))
-        fresh.replace(self._path)
+        with new_file(self._path, force=True) as fresh:
+            fresh.write_bytes(b"".join(_line(key, entry) for key, entry in entries.items()))
 
     def append(self, key: str, entry: Entry) -> None:
         """Adds one finished piece of work."""
-        with self._path.open("ab") as file:
+        with open_to_add(self._path) as file:
             file.write(_line(key, entry))
 
     def _entries(self) -> Iterator[tuple[str, Entry]]:
@@ -175,7 +175,7 @@ def _resumed(journal: BatchJournal[DocumentVerdict], tasks: dict[Path, str]) -> 
 
 def _crashed(file: Path, crash: WorkerCrash, folder: Path | None, key: str) -> DocumentVerdict:
     if folder:
-        (folder / f"{_name(file, key)}.crash.txt").write_text(crash.trace, encoding="utf-8")
+        write_text(folder / f"{_name(file, key)}.crash.txt", crash.trace, force=True)
     return DocumentVerdict(str(file), "crashed", 1, error=f"{file}: {crash.reason}")
 
 
@@ -189,7 +189,7 @@ def _prepare(
         if not folder or not data:
             return verdict
         path = folder / f"{_name(file, tasks[file])}.json"
-        path.write_text(json.dumps(data, indent=1), encoding="utf-8")
+        write_text(path, json.dumps(data, indent=1), force=True)
         return replace(verdict, report=str(path))
 
     return do

@@ -1,17 +1,17 @@
-"""Writes a performance into a folder of its own, never on top of another."""
+"""Writes a performance into a folder of its own."""
 
 import json
-import shutil
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 
-from kinesic.body.config import ConfigError
 from kinesic.controller.performance import Performance
 from kinesic.controller.play import command_times, play
 from kinesic.controller.soundtrack import sound, write_wav
 from kinesic.face.display import DisplayError
 from kinesic.face.show.recording import FaceRecording, PortraitSettings
+from kinesic.files.output_file import new_file, write_text
+from kinesic.files.output_folder import new_folder
 from kinesic.planning.face_track import asks_face, commands_with_face
 from kinesic.planning.plan import Plan
 from kinesic.report.page import Recordings, write_page
@@ -26,24 +26,9 @@ NOT_ASKED = "not asked for"
 FACE = PortraitSettings(side=256)
 
 
-def free_folder(asked: Path | None, source: str, *, force: bool = False) -> Path:
-    """Chooses the folder `asked`, or `out/NAME-TIME`; it is made when something is written.
-
-    Raises:
-        ConfigError: it exists already and `force` is not given.
-    """
-    folder = asked or Path("out") / f"{Path(source).stem or 'stdin'}-{datetime.now():%Y%m%d-%H%M%S}"
-    if folder.exists() and not force:
-        raise ConfigError(f"{folder} exists already; --force replaces it, --out names another")
-    return folder
-
-
-def empty_folder(folder: Path) -> Path:
-    """Makes a folder, and removes what was there before."""
-    if folder.exists():
-        shutil.rmtree(folder)
-    folder.mkdir(parents=True)
-    return folder
+def default_folder(source: str) -> Path:
+    """Names the folder of what is made of a source now: `out/NAME-TIME`."""
+    return Path("out") / f"{Path(source).stem[:100] or 'stdin'}-{datetime.now():%Y%m%d-%H%M%S}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,11 +39,48 @@ class Written(Recordings):
     page: Path
     measured: Path  # what the twin did, as `kinesic twin fit` reads it
 
+    def within(self, folder: Path) -> "Written":
+        """The same files in another folder."""
+        return replace(
+            self,
+            report=folder / self.report.name,
+            page=folder / self.page.name,
+            measured=folder / self.measured.name,
+            film=self.film and folder / self.film.name,
+            face=self.face and folder / self.face.name,
+            voice=self.voice and folder / self.voice.name,
+        )
 
-def write_report(performance: Performance, data: dict[str, Json], folder: Path, *, film: bool = True) -> Written:
-    """Writes report.json, report.html, measured.npz, speech.wav and, where OpenGL works, films of twin and face."""
+
+def write_report(
+    performance: Performance, data: dict[str, Json], folder: Path, *, film: bool = True, force: bool = False
+) -> Written:
+    """Writes report.json, report.html, measured.npz, speech.wav and, where OpenGL works, films of twin and face.
+
+    Args:
+        performance: in the twin.
+        data: of its report.
+        folder: that is made, as a whole: when something fails there is none, or still the earlier one.
+        film: whether twin and face are filmed.
+        force: whether an earlier folder that kinesic has made may be replaced.
+
+    Raises:
+        ConfigError: the folder must not be written.
+    """
+    with new_folder(folder, force=force) as fresh:
+        written = _write_files(performance, data, fresh, film=film)
+    return written.within(folder)
+
+
+def rewrite(written: Written, performance: Performance, data: dict[str, Json]) -> None:
+    """Writes the report and its page, over older ones."""
+    write_text(written.report, json.dumps(data, indent=1), force=True)
+    with new_file(written.page, force=True) as fresh:
+        write_page(performance, data, written, path=fresh)
+
+
+def _write_files(performance: Performance, data: dict[str, Json], folder: Path, *, film: bool) -> Written:
     plan = performance.plan
-    report = empty_folder(folder) / "report.json"
     twin, why_no_film = _filmed(performance, folder / "film.webp") if film else (None, NOT_ASKED)
     face, why_no_face = _face(plan, folder / "face.webp") if film else (None, NOT_ASKED)
     measured = folder / "measured.npz"
@@ -67,7 +89,7 @@ def write_report(performance: Performance, data: dict[str, Json], folder: Path, 
     if heard is not None:
         write_wav(heard, voice)
     written = Written(
-        report=report,
+        report=folder / "report.json",
         page=folder / "report.html",
         measured=measured,
         film=twin,
@@ -78,12 +100,6 @@ def write_report(performance: Performance, data: dict[str, Json], folder: Path, 
     )
     rewrite(written, performance, data)
     return written
-
-
-def rewrite(written: Written, performance: Performance, data: dict[str, Json]) -> None:
-    """Writes the report and its page, over older ones."""
-    written.report.write_text(json.dumps(data, indent=1), encoding="utf-8")
-    write_page(performance, data, written, path=written.page)
 
 
 def _face(plan: Plan, path: Path) -> tuple[Path | None, str]:

@@ -13,7 +13,9 @@ from kinesic.body.config import ConfigError
 from kinesic.controller.performance import MeasuredMotion
 from kinesic.controller.performance import Performance as DryRun
 from kinesic.controller.servo_performance import ServoRun
-from kinesic.planning.motion_files import write_motion
+from kinesic.files.output_file import new_file
+from kinesic.files.output_folder import MARKER, check_folder
+from kinesic.planning.motion_files import check_motion_file, write_motion
 from kinesic.planning.syncs import Syncs, SyncTime
 from kinesic.report.checks import Check, checks
 from kinesic.report.output import Written, write_report
@@ -23,7 +25,16 @@ from kinesic.report.servo_report import live_checks, live_log, with_live
 from kinesic.sim.log import write_log
 
 LOG = "servos.npz"
-FILES = ("report.json", "report.html", "measured.npz", "film.webp", "face.webp", "speech.wav", LOG)  # of a report
+FILES = (
+    MARKER,
+    "report.json",
+    "report.html",
+    "measured.npz",
+    "film.webp",
+    "face.webp",
+    "speech.wav",
+    LOG,
+)  # of a report
 
 
 @dataclass(frozen=True)
@@ -94,10 +105,12 @@ class Performance(DryRun):
         """Writes what was measured; the suffix names the format: .npz, .csv or .bap.
 
         Raises:
-            ConfigError: the suffix is not known.
+            ConfigError: the suffix is not known, or the path is a folder's or a link.
         """
         file = Path(path)
-        write_motion(self.motion, self.plan.setup.robot, file)
+        check_motion_file(file)
+        with new_file(file, force=True) as fresh:
+            write_motion(self.motion, self.plan.setup.robot, fresh)
         return file
 
     def report(self, folder: str | Path, *, film: bool = True) -> Written:
@@ -112,9 +125,10 @@ class Performance(DryRun):
         """
         place = Path(folder)
         _check_free(place)
-        written = write_report(self, dict(self.data), place, film=film)
+        written = write_report(self, dict(self.data), place, film=film, force=True)
         if self.servos is not None:
-            write_log(live_log(self.servos), self.plan.setup.robot, place / LOG)
+            with new_file(place / LOG, force=True) as fresh:
+                write_log(live_log(self.servos), self.plan.setup.robot, fresh)
         return written
 
     def __str__(self) -> str:
@@ -134,6 +148,7 @@ def performance_of(
 
 
 def _check_free(folder: Path) -> None:
-    strangers = sorted(file.name for file in folder.iterdir() if file.name not in FILES) if folder.exists() else []
+    strangers = sorted(file.name for file in folder.iterdir() if file.name not in FILES) if folder.is_dir() else []
     if strangers:
         raise ConfigError(f"{folder} holds {strangers[0]}, which no report has written; name another folder")
+    check_folder(folder, force=True)

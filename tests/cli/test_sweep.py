@@ -43,6 +43,7 @@ def test_wrong_input_is_one_line(kinesic, arguments, message, tmp_path):
 
 def test_an_existing_folder_is_kept(kinesic, tmp_path):
     (tmp_path / "o").mkdir()
+    (tmp_path / "o" / "letter").write_text("dear")
     ended = kinesic("sweep", "beat", "--parameter", "power", "--out", "o")
     assert ended.code == 2
     assert "--force" in ended.err

@@ -16,6 +16,8 @@ from kinesic.body.robot import Robot
 from kinesic.body.servo import TICKS_PER_TURN
 from kinesic.cli.servos.ports import all_ports, open_ports
 from kinesic.cli.terminal import console, pressed_keys
+from kinesic.files.held_folder import name_failures
+from kinesic.files.output_file import check_file, write_text
 from kinesic.hardware.protocol.device import Change
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.servo_map import load_robot
@@ -52,6 +54,7 @@ def calibrate_robot(robot: str, ports: tuple[str, ...], yes: bool, seconds: floa
     if asks and not sys.stdin.isatty():
         raise ConfigError("standard input is no terminal; give --yes and --seconds N")
     before = read_calibration(raw.path, raw.name)
+    _prepare_place(calibration_path(raw.path))
     with open_ports(manifest, paths) as wires:
         axes = prepare_servos(manifest, wires, period=LOOK)
         limp(axes)
@@ -68,13 +71,17 @@ def calibrate_robot(robot: str, ports: tuple[str, ...], yes: bool, seconds: floa
     return 0
 
 
-def _written(found: Calibration, robot: Robot) -> Path:
-    path = calibration_path(robot.path)
-    try:
+def _prepare_place(path: Path) -> None:
+    """Makes the folder of a calibration, and refuses a link, before a hand has moved anything."""
+    with name_failures(path):
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(calibration_text(found, robot), encoding="utf-8")
-    except OSError as error:
-        raise ConfigError(f"{path}: {error.strerror}") from None
+    check_file(path, force=True)
+
+
+def _written(found: Calibration, robot: Robot) -> Path:
+    """Writes the calibration, in place of an earlier one."""
+    path = calibration_path(robot.path)
+    write_text(path, calibration_text(found, robot), force=True)
     return path
 
 

@@ -11,6 +11,7 @@ import click
 
 from kinesic.body.config import ConfigError
 from kinesic.controller.virtual_robot import TwinPhysics
+from kinesic.files.held_folder import name_failures
 from kinesic.hardware.bus.host import request_real_time
 from kinesic.hardware.protocol.registers import BAUD_RATES
 from kinesic.hardware.protocol.servo_map import load_robot
@@ -43,10 +44,12 @@ def simulate_servos(
     stopped = _stopped_by_signals()
     with tempfile.TemporaryDirectory(prefix="kinesic-servos-") as place:
         home = Path(place) if folder is None else folder
-        home.mkdir(parents=True, exist_ok=True)
+        with name_failures(home):
+            home.mkdir(parents=True, exist_ok=True)
         ports = [PtyPort(bus, home / name) for name, bus in buses.items()]
         for wire, port in zip(wires, ports, strict=True):
-            port.exchange(0.0)
+            with name_failures(port.link):
+                port.exchange(0.0)
             click.echo(f"{wire.name}: {port.link} at {wire.baud} baud, {len(wire.fittings)} servos")
         click.echo("Ctrl-C stops.", err=True)
         serve_wires(ports, lambda: not stopped.is_set())

@@ -8,6 +8,7 @@ from time import time as wall_time
 
 import numpy as np
 
+from kinesic.files.output_file import open_to_add
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.supervisor.channel import Channel, Note, Status
 from kinesic.hardware.supervisor.goals import GoalSteering
@@ -26,9 +27,9 @@ class EventLog:
         """Opens the file, to add to it.
 
         Raises:
-            OSError: it cannot be written.
+            OSError: it cannot be written, or is a link.
         """
-        self._file = path.open("ab", buffering=0) if path is not None else None
+        self._file = open_to_add(path) if path is not None else None
 
     def write(self, note: Note) -> None:
         """Adds a line, which is lost where the disk is full: that stops no robot."""

@@ -19,6 +19,7 @@ from pathlib import Path
 from kinesic.hardware.virtual.bus import VirtualBus
 
 IDLE = 0.02  # [s] longest wait: the plant moves on at least so often
+TERMINALS = "/dev/pts/"
 CHUNK = 65_536  # [bytes] read at once
 _TCGETS2 = 0x802C542A
 _SETTINGS = struct.Struct("=4I20B2I")  # flags, line discipline and control characters, speeds in and out
@@ -74,8 +75,10 @@ class PtyPort:
         """Pulls the adapter out; may be called twice."""
         if self._ends is None:
             return
-        self.link.unlink(missing_ok=True)
-        for end in self._ends:
+        ours, hosts = self._ends
+        if _leads(self.link) == os.ttyname(hosts):
+            self.link.unlink()
+        for end in (ours, hosts):
             os.close(end)
         self._ends = None
         self._bus.unplug()
@@ -88,7 +91,8 @@ class PtyPort:
         _set_speed(hosts, self._bus.baud)
         os.set_blocking(ours, False)
         self._ends = ours, hosts
-        self.link.unlink(missing_ok=True)
+        if _leads(self.link).startswith(TERMINALS):  # left by a simulation that was killed
+            self.link.unlink()
         self.link.symlink_to(os.ttyname(hosts))
 
 
@@ -113,6 +117,14 @@ def serve_wires(ports: Sequence[PtyPort], running: Callable[[], bool], *, start:
     finally:
         for port in ports:
             port.close()
+
+
+def _leads(link: Path) -> str:
+    """Where a link leads; empty for anything else."""
+    try:
+        return os.readlink(link)
+    except OSError:
+        return ""
 
 
 def _speed(descriptor: int) -> int:

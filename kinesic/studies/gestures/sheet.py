@@ -8,12 +8,14 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backend_bases import FigureCanvasBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from PIL import Image
 
 from kinesic.body.arrays import Floats
+from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.lexicon.form import GestureForm
 from kinesic.studies.gestures.isolated import Show
@@ -157,6 +159,19 @@ def _draw(axes: Axes, lines: Sequence[PenStroke], at: Floats, scale: float) -> N
         ),
         autolim=False,
     )
+
+
+def check_picture(path: Path) -> None:
+    """Refuses a path whose ending names no format of pictures.
+
+    Raises:
+        ConfigError: it does not; names those that do.
+    """
+    known = FigureCanvasBase.get_supported_filetypes()
+    if path.suffix[1:].lower() not in known:
+        raise ConfigError(
+            f"{path}: a picture of gestures ends in {', '.join(f'.{ending}' for ending in sorted(known))}"
+        )
 
 
 def _saved(paper: Figure, path: Path, dots: int) -> Path:

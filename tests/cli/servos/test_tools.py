@@ -114,6 +114,15 @@ def test_calibrate_writes_what_hands_have_shown(kinesic, table, mine, monkeypatc
     assert table.energised == 0
 
 
+def test_calibrate_follows_no_link(kinesic, table, mine):
+    path = mine.with_name("mine.calibration.toml")
+    path.symlink_to("nowhere.toml")
+    ended = kinesic("servos", "calibrate", "--robot", mine, "--port", table.port, "--yes", "--seconds", "1")
+    assert ended.code == 2
+    assert ended.err == f"kinesic: {path} is a link, and links are never followed; name the file itself\n"
+    assert not mine.with_name("nowhere.toml").exists()
+
+
 def test_calibrate_wants_limp_servos(kinesic, table, mine):
     table.energise()
     ended = kinesic("servos", "calibrate", "--robot", mine, "--port", table.port, "--yes", "--seconds", "1")

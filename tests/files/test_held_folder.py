@@ -1,0 +1,63 @@
+import os
+from pathlib import Path
+
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.files.held_folder import check_above, find_place, hold_folder, name_beside, name_failures
+
+
+def test_links_above_a_path_are_followed_but_not_its_last_name(tmp_path: Path):
+    (tmp_path / "disk").mkdir()
+    (tmp_path / "way").symlink_to("disk")
+    assert find_place(tmp_path / "way" / "new") == tmp_path / "disk" / "new"
+    assert find_place(tmp_path / "way") == tmp_path / "way"
+
+
+@pytest.mark.parametrize("path", ["", ".", "./", "/", ".."])
+def test_a_path_without_a_name_of_its_own_is_resolved(path: str):
+    assert find_place(Path(path)) == Path(path).resolve()
+
+
+def test_links_in_a_circle_are_one_line(tmp_path: Path):
+    (tmp_path / "a").symlink_to("b")
+    (tmp_path / "b").symlink_to("a")
+    with pytest.raises(ConfigError):
+        check_above(find_place(tmp_path / "a" / "new"), tmp_path / "a" / "new")
+
+
+def test_nothing_is_written_below_a_file(tmp_path: Path):
+    (tmp_path / "letter").write_text("dear")
+    with pytest.raises(ConfigError, match="letter is no folder"):
+        check_above(tmp_path / "letter" / "new", Path("letter/new"))
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_a_folder_that_is_closed_to_us_is_named(tmp_path: Path):
+    (tmp_path / "closed").mkdir(mode=0o500)
+    with pytest.raises(ConfigError, match="closed may not be written"):
+        check_above(tmp_path / "closed" / "new", Path("closed/new"))
+
+
+def test_a_link_is_not_held_and_a_held_folder_stays_the_same(tmp_path: Path):
+    (tmp_path / "one").mkdir()
+    (tmp_path / "link").symlink_to("one")
+    with pytest.raises(OSError, match="link"), hold_folder(tmp_path / "link"):
+        pass
+    with hold_folder(tmp_path / "one") as held:
+        (tmp_path / "one").rename(tmp_path / "other")
+        (tmp_path / "one").mkdir()
+        os.close(os.open("mine", os.O_CREAT | os.O_WRONLY, dir_fd=held))
+    assert os.listdir(tmp_path / "other") == ["mine"]
+
+
+def test_a_name_beside_is_hidden_its_own_and_ends_alike():
+    names = {name_beside("motion.npz") for _ in range(100)}
+    assert len(names) == 100
+    assert all(name.startswith(".motion-") and name.endswith(".npz") for name in names)
+    assert len(name_beside("x" * 250)) < 255
+
+
+def test_failures_of_the_file_system_are_named_as_the_user_named_the_path():
+    with pytest.raises(ConfigError, match=r"^out/mine: No space left on device$"), name_failures(Path("out/mine")):
+        raise OSError(28, "No space left on device", "/elsewhere/.mine-12")

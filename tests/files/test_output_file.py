@@ -1,0 +1,141 @@
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.files import output_file
+from kinesic.files.output_file import check_file, new_file, open_to_add, write_text
+
+
+def write(path: Path, text: str, meanwhile: Callable[[], object], *, force: bool = False) -> None:
+    """Writes a file while something else happens."""
+    with new_file(path, force=force) as fresh:
+        fresh.write_text(text)
+        meanwhile()
+
+
+def fail() -> None:
+    raise ZeroDivisionError
+
+
+def fill_disk() -> None:
+    raise OSError(28, "No space left on device")
+
+
+def test_a_file_appears_when_it_is_whole(tmp_path: Path):
+    path = tmp_path / "a.txt"
+    with new_file(path) as fresh:
+        fresh.write_text("half")
+        assert not path.exists()
+        assert fresh.suffix == ".txt"
+        fresh.write_text("whole")
+    assert path.read_text() == "whole"
+    assert os.listdir(tmp_path) == ["a.txt"]
+
+
+def test_what_was_there_stays_until_all_went_well(tmp_path: Path):
+    path = tmp_path / "a.txt"
+    path.write_text("before")
+    with pytest.raises(ZeroDivisionError):
+        write(path, "half", fail, force=True)
+    assert path.read_text() == "before"
+    assert os.listdir(tmp_path) == ["a.txt"]
+    write_text(path, "after", force=True)
+    assert path.read_text() == "after"
+
+
+def test_a_full_disk_is_one_line_and_nothing_is_left(tmp_path: Path):
+    with pytest.raises(ConfigError, match=r"a\.txt: No space left"):
+        write(tmp_path / "a.txt", "half", fill_disk)
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_file_has_the_rights_that_files_have(tmp_path: Path):
+    write_text(tmp_path / "mine", "x")
+    (tmp_path / "usual").write_text("x")
+    assert (tmp_path / "mine").stat().st_mode == (tmp_path / "usual").stat().st_mode
+
+
+@pytest.mark.parametrize("force", [False, True])
+@pytest.mark.parametrize(
+    ("kind", "says"),
+    [("folder", "is a folder"), ("link", "is a link"), ("dangling", "is a link"), ("pipe", "is no ordinary file")],
+)
+def test_what_is_no_ordinary_file_is_refused_even_if_forced(tmp_path: Path, kind: str, says: str, force: bool):
+    path, letter = tmp_path / "a", tmp_path / "letter"
+    letter.write_text("dear")
+    match kind:
+        case "folder":
+            path.mkdir()
+        case "link":
+            path.symlink_to("letter")
+        case "dangling":
+            path.symlink_to("nowhere")
+        case _:
+            os.mkfifo(path)
+    with pytest.raises(ConfigError, match=says):
+        check_file(path, force=force)
+    with pytest.raises(ConfigError, match=says):
+        write_text(path, "x", force=force)
+    assert letter.read_text() == "dear"
+    assert sorted(os.listdir(tmp_path)) == ["a", "letter"]
+
+
+@pytest.mark.parametrize("path", ["", ".", "/", ".."])
+def test_a_path_without_a_name_is_a_folder(path: str):
+    with pytest.raises(ConfigError, match="is a folder"):
+        check_file(Path(path), force=True)
+
+
+def test_a_file_that_is_there_is_replaced_only_if_forced(tmp_path: Path):
+    (tmp_path / "a").write_text("before")
+    with pytest.raises(ConfigError, match="exists already; --force replaces it"):
+        check_file(tmp_path / "a")
+    check_file(tmp_path / "a", force=True)
+
+
+def test_a_file_that_comes_meanwhile_is_not_replaced_unless_forced(tmp_path: Path):
+    with pytest.raises(ConfigError, match="exists already"):
+        write(tmp_path / "a", "new", lambda: (tmp_path / "a").write_text("dear"))
+    assert (tmp_path / "a").read_text() == "dear"
+    assert os.listdir(tmp_path) == ["a"]
+
+
+def test_not_even_one_that_comes_after_the_last_look(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    look = output_file._check_name
+
+    def look_and_be_late(*arguments: object, force: bool) -> None:
+        look(*arguments, force=force)
+        (tmp_path / "a").write_text("dear")
+
+    def begin_late() -> None:
+        monkeypatch.setattr(output_file, "_check_name", look_and_be_late)
+
+    with pytest.raises(ConfigError, match="File exists"):
+        write(tmp_path / "a", "new", begin_late)
+    assert (tmp_path / "a").read_text() == "dear"
+
+
+def test_a_link_that_comes_meanwhile_is_not_followed(tmp_path: Path):
+    (tmp_path / "letter").write_text("dear")
+    with pytest.raises(ConfigError, match="is a link"):
+        write(tmp_path / "a", "new", lambda: (tmp_path / "a").symlink_to("letter"), force=True)
+    assert (tmp_path / "letter").read_text() == "dear"
+
+
+def test_a_missing_folder_is_named(tmp_path: Path):
+    with pytest.raises(ConfigError, match=r"there is no folder .*nowhere; make it first"):
+        check_file(tmp_path / "nowhere" / "a")
+    assert not (tmp_path / "nowhere").exists()
+
+
+def test_adding_goes_on_where_the_file_ended_and_never_through_a_link(tmp_path: Path):
+    for word in (b"one", b"two"):
+        with open_to_add(tmp_path / "log") as file:
+            file.write(word)
+    assert (tmp_path / "log").read_bytes() == b"onetwo"
+    (tmp_path / "link").symlink_to("log")
+    with pytest.raises(OSError, match="link"):
+        open_to_add(tmp_path / "link")

@@ -1,0 +1,218 @@
+import os
+from pathlib import Path
+
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.files import output_folder
+from kinesic.files.output_folder import MARK, MARKER, check_folder, is_made, new_folder
+
+
+@pytest.fixture
+def made(tmp_path: Path) -> Path:
+    """A folder that kinesic has made, with a result in it."""
+    folder = tmp_path / "out" / "demo"
+    with new_folder(folder) as fresh:
+        (fresh / "result").write_text("first")
+    return folder
+
+
+def test_a_folder_appears_when_it_is_whole(tmp_path: Path):
+    folder = tmp_path / "deep" / "down"
+    with new_folder(folder) as fresh:
+        assert not folder.exists()
+        (fresh / "result").write_text("first")
+    assert sorted(os.listdir(folder)) == [MARKER, "result"]
+    assert os.listdir(tmp_path / "deep") == ["down"]
+    assert is_made(folder)
+    (tmp_path / "usual").mkdir()
+    assert folder.stat().st_mode == (tmp_path / "usual").stat().st_mode
+
+
+def test_only_force_replaces_and_nothing_of_the_earlier_is_left(made: Path):
+    (made / "deep").mkdir()
+    (made / "deep" / "old").write_text("old")
+    with pytest.raises(ConfigError, match="exists already; --force replaces it, --out names another"):
+        check_folder(made)
+    with new_folder(made, force=True) as fresh:
+        (fresh / "result").write_text("second")
+        assert (made / "result").read_text() == "first"
+    assert sorted(os.listdir(made)) == [MARKER, "result"]
+    assert (made / "result").read_text() == "second"
+    assert os.listdir(made.parent) == ["demo"]
+
+
+@pytest.mark.parametrize("error", [ZeroDivisionError, KeyboardInterrupt])
+def test_a_run_that_fails_loses_nothing(made: Path, error: type[BaseException]):
+    with pytest.raises(error), new_folder(made, force=True):
+        raise error
+    assert (made / "result").read_text() == "first"
+    assert os.listdir(made.parent) == ["demo"]
+
+
+def test_a_full_disk_is_one_line(made: Path):
+    with pytest.raises(ConfigError, match="demo: No space left"), new_folder(made, force=True):
+        raise OSError(28, "No space left on device")
+    assert (made / "result").read_text() == "first"
+
+
+@pytest.mark.parametrize("mark", [None, b"", b"mine", MARK + b"x", "link", "pipe"])
+def test_a_folder_without_the_very_mark_is_refused_even_if_forced(tmp_path: Path, mark: bytes | str | None):
+    folder = tmp_path / "mine"
+    folder.mkdir()
+    (folder / "letter").write_text("dear")
+    if mark == "pipe":
+        os.mkfifo(folder / MARKER)
+    elif mark == "link":
+        (tmp_path / "elsewhere").write_bytes(MARK)
+        (folder / MARKER).symlink_to("../elsewhere")
+    elif isinstance(mark, bytes):
+        (folder / MARKER).write_bytes(mark)
+    with pytest.raises(ConfigError, match=r"not marked as kinesic's own .*remove it yourself, or name another"):
+        check_folder(folder, force=True)
+    with pytest.raises(ConfigError, match="not marked"), new_folder(folder, force=True):
+        pass
+    assert (folder / "letter").read_text() == "dear"
+    assert not is_made(folder)
+
+
+@pytest.mark.parametrize("path", [".", "..", "/", "", "home", "home/..", "work/..", "home/deep/.."])
+def test_home_and_working_folder_and_all_above_them_are_never_replaced_even_if_marked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, path: str
+):
+    home, work = tmp_path / "home", tmp_path / "work" / "now"
+    for folder in (home, work, home / "deep"):
+        folder.mkdir(parents=True)
+    for folder in (tmp_path, home, work, work.parent):
+        (folder / MARKER).write_bytes(MARK)
+    monkeypatch.setenv("HOME", str(home))
+    monkeypatch.chdir(work)
+    target = Path(path) if path in (".", "..", "/", "") else tmp_path / path
+    for force in (False, True):
+        with pytest.raises(ConfigError, match="is never replaced"):
+            check_folder(target, force=force)
+    with pytest.raises(ConfigError, match="is never replaced"), new_folder(target, force=True):
+        pass
+    assert (home / MARKER).exists()
+    assert (work / MARKER).exists()
+
+
+def test_an_empty_home_is_never_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    with pytest.raises(ConfigError, match="is never replaced"):
+        check_folder(tmp_path)
+
+
+def test_an_empty_folder_is_free(tmp_path: Path):
+    (tmp_path / "empty").mkdir()
+    with new_folder(tmp_path / "empty") as fresh:
+        (fresh / "result").write_text("first")
+    assert (tmp_path / "empty" / "result").exists()
+
+
+@pytest.mark.parametrize("way", ["demo", "nowhere", "letter"])
+def test_a_link_is_refused_wherever_it_leads(made: Path, way: str):
+    (made.parent / "letter").write_text("dear")
+    link = made.parent / "link"
+    link.symlink_to(way)
+    assert not is_made(link)
+    for target in (link, Path(f"{link}/")):
+        with pytest.raises(ConfigError, match="is a link, and links are never followed"):
+            check_folder(target, force=True)
+    assert (made / "result").read_text() == "first"
+    assert link.is_symlink()
+
+
+def test_a_file_is_no_place_for_a_folder_nor_is_what_is_below_one(tmp_path: Path):
+    (tmp_path / "letter").write_text("dear")
+    for target in (tmp_path / "letter", tmp_path / "letter" / "new"):
+        with pytest.raises(ConfigError, match=r"letter is (a file|no folder)"):
+            check_folder(target, force=True)
+    assert (tmp_path / "letter").read_text() == "dear"
+
+
+def test_a_link_in_a_made_folder_goes_but_not_what_it_points_to(made: Path, tmp_path: Path):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "letter").write_text("dear")
+    (made / "folder").symlink_to(tmp_path / "mine")
+    (made / "file").symlink_to(tmp_path / "mine" / "letter")
+    (made / "deep").mkdir()
+    (made / "deep" / "folder").symlink_to(tmp_path / "mine")
+    (made / "nothing").symlink_to("nowhere")
+    with new_folder(made, force=True):
+        pass
+    assert os.listdir(made) == [MARKER]
+    assert os.listdir(made.parent) == ["demo"]
+    assert (tmp_path / "mine" / "letter").read_text() == "dear"
+
+
+def test_what_takes_the_name_meanwhile_is_kept(made: Path, tmp_path: Path):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "letter").write_text("dear")
+
+    def exchange() -> None:
+        made.rename(made.parent / "away")
+        made.symlink_to(tmp_path / "mine")
+
+    with pytest.raises(ConfigError, match="is a link"), new_folder(made, force=True):
+        exchange()
+    assert made.is_symlink()
+    made.unlink()
+    with pytest.raises(ConfigError, match="exists already"), new_folder(made):
+        (tmp_path / "mine").rename(made)
+    assert (made / "letter").read_text() == "dear"
+    assert sorted(os.listdir(made.parent)) == ["away", "demo"]
+
+
+@pytest.mark.parametrize("kind", ["folder", "link", "file"])
+def test_what_takes_the_name_after_the_last_look_is_put_back(
+    made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str
+):
+    mine = tmp_path / "mine"
+    mine.mkdir()
+    (mine / "letter").write_text("dear")
+
+    def exchange(name: str) -> str:
+        made.rename(made.parent / "away")
+        match kind:
+            case "folder":
+                mine.rename(made)
+            case "link":
+                made.symlink_to(mine)
+            case _:
+                made.write_text("dear")
+        return f".{name}-aside"
+
+    with pytest.raises(ConfigError, match="was exchanged meanwhile"), new_folder(made, force=True):
+        monkeypatch.setattr(output_folder, "name_beside", exchange)
+    assert (made if kind == "file" else made / "letter").read_text() == "dear"
+    assert made.is_symlink() == (kind == "link")
+    assert sorted(os.listdir(made.parent)) == ["away", "demo"]
+    assert (made.parent / "away" / "result").read_text() == "first"
+
+
+def test_an_interruption_just_after_the_exchange_keeps_the_new_one(made: Path, monkeypatch: pytest.MonkeyPatch):
+    rename, calls = os.rename, []
+
+    def interrupt(*arguments: str, **more: int) -> None:
+        rename(*arguments, **more)
+        calls.append(arguments)
+        if len(calls) == 2:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(os, "rename", interrupt)
+    with pytest.raises((KeyboardInterrupt, ConfigError)), new_folder(made, force=True) as fresh:
+        (fresh / "result").write_text("second")
+    assert (made / "result").read_text() == "second"
+
+
+def test_a_folder_above_that_becomes_a_link_meanwhile_leads_nowhere(made: Path, tmp_path: Path):
+    mine = tmp_path / "mine" / "demo"
+    mine.mkdir(parents=True)
+    (mine / MARKER).write_bytes(MARK)
+    (mine / "letter").write_text("dear")
+    with new_folder(made, force=True):
+        made.parent.rename(tmp_path / "away")
+        made.parent.symlink_to("mine")
+    assert (mine / "letter").read_text() == "dear"
+    assert os.listdir(tmp_path / "away" / "demo") == [MARKER]
