@@ -256,3 +256,26 @@ def test_facts_still_work_and_say_that_they_go():
     with pytest.warns(DeprecationWarning, match=r"facts is deprecated: use kinesic\.Performer"):
         known = facts("upper22", style="calm")
     assert (known.robot.name, known.style.name) == ("upper22", "calm")
+
+
+@pytest.mark.parametrize("saved", ["plan", "run"])
+def test_saving_replaces_a_file_but_writes_through_no_link(saved: str, request, tmp_path: Path):
+    motion = request.getfixturevalue(saved)
+    path, link = tmp_path / "motion.csv", tmp_path / "link.csv"
+    path.write_text("before")
+    assert motion.save(path) == path
+    whole = path.read_text()
+    assert whole.startswith("time_s,")
+    link.symlink_to(path)
+    with pytest.raises(kinesic.ConfigError, match="is a link"):
+        motion.save(link)
+    with pytest.raises(kinesic.ConfigError, match=r"cannot write \.txt"):
+        motion.save(tmp_path / "motion.txt")
+    assert path.read_text() == whole
+
+
+def test_a_report_replaces_no_folder_of_somebody(run, tmp_path: Path):
+    (tmp_path / "report.json").write_text("dear")
+    with pytest.raises(kinesic.ConfigError, match="not marked as kinesic's own"):
+        run.report(tmp_path, film=False)
+    assert (tmp_path / "report.json").read_text() == "dear"

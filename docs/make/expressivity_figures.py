@@ -1,4 +1,4 @@
-"""Writes what `kinesic bench expressivity --json --plots docs --force` measured into docs/expressivity.md; wants its output."""
+"""Writes what `kinesic bench expressivity --json --plots docs --force` has printed into docs/expressivity.md."""
 
 import json
 import sys

@@ -14,12 +14,12 @@ from kinesic.cli.terminal import console
 from kinesic.controller.perform import dry_runs, performances, plan
 from kinesic.controller.performance import Performance
 from kinesic.controller.servo_performance import ServoRun
-from kinesic.files.output_file import check_file, new_file
+from kinesic.files.output_file import check_file
 from kinesic.files.output_folder import check_folder
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.planning.bap import SUFFIX, read_bap
 from kinesic.planning.imported_motion import plan_imported
-from kinesic.planning.motion_files import check_motion_file, write_motion
+from kinesic.planning.motion_files import check_motion_file, save_motion
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.report.checks import Check, checks
@@ -89,8 +89,7 @@ def plan_file(file: str, planning: Planning, out: Path, force: bool) -> int:
     check_file(out, force=force)
     known = planning.set_up()
     planned = _imported(file, known) if file.endswith(SUFFIX) else plan(read_input(file), known, source=_name(file))
-    with new_file(out, force=force) as fresh:
-        write_motion(planned.trajectory, known.robot, fresh)
+    save_motion(planned.trajectory, known.robot, out, force=force)
     for notice in planned.notices:
         click.echo(f"{notice.type.value} {notice.id}: {notice.text}", err=True)
     click.echo(f"{planned.trajectory.duration:.2f} s, {len(planned.postures.postures)} keys")

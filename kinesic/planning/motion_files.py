@@ -8,9 +8,28 @@ import numpy as np
 from kinesic.body.command import RATE
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
+from kinesic.files.output_file import new_file
 from kinesic.planning.bap import Sampled, write_bap
 
 SUFFIXES = (".npz", ".csv", ".bap")
+
+
+def save_motion(motion: Sampled, robot: Robot, path: Path, *, force: bool) -> Path:
+    """Writes a motion to a file, as a whole, and returns its path; the suffix names the format.
+
+    Args:
+        motion: planned or measured.
+        robot: whose it is.
+        path: ending in .npz, .csv or .bap.
+        force: whether a file that is there may be replaced.
+
+    Raises:
+        ConfigError: the suffix is not known, or the path is a folder's, a link's or, unless forced, a file's.
+    """
+    check_motion_file(path)
+    with new_file(path, force=force) as fresh:
+        write_motion(motion, robot, fresh)
+    return path
 
 
 def write_motion(trajectory: Sampled, robot: Robot, path: Path, *, rate: int = RATE) -> None:

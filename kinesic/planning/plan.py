@@ -22,7 +22,7 @@ from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.certify import certify
 from kinesic.planning.clearance import Conditioner, culprits, keep_clear
-from kinesic.planning.motion_files import write_motion
+from kinesic.planning.motion_files import save_motion
 from kinesic.planning.postures import Postures, postures
 from kinesic.planning.setup import Setup
 from kinesic.planning.speech import (
@@ -81,11 +81,9 @@ class Plan:
         """Writes the motion; the suffix names the format: .npz, .csv or .bap.
 
         Raises:
-            ConfigError: the suffix is not known.
+            ConfigError: the suffix is not known, or the path is a folder's or a link's.
         """
-        file = Path(path)
-        write_motion(self.trajectory, self.setup.robot, file)
-        return file
+        return save_motion(self.trajectory, self.setup.robot, Path(path), force=True)
 
     def __str__(self) -> str:
         """One line: what, on which robot, in which manner, how long, and what had to give."""

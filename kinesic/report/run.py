@@ -15,7 +15,7 @@ from kinesic.controller.performance import Performance as DryRun
 from kinesic.controller.servo_performance import ServoRun
 from kinesic.files.output_file import new_file
 from kinesic.files.output_folder import MARKER, check_folder
-from kinesic.planning.motion_files import check_motion_file, write_motion
+from kinesic.planning.motion_files import save_motion
 from kinesic.planning.syncs import Syncs, SyncTime
 from kinesic.report.checks import Check, checks
 from kinesic.report.output import Written, write_report
@@ -105,13 +105,9 @@ class Performance(DryRun):
         """Writes what was measured; the suffix names the format: .npz, .csv or .bap.
 
         Raises:
-            ConfigError: the suffix is not known, or the path is a folder's or a link.
+            ConfigError: the suffix is not known, or the path is a folder's or a link's.
         """
-        file = Path(path)
-        check_motion_file(file)
-        with new_file(file, force=True) as fresh:
-            write_motion(self.motion, self.plan.setup.robot, fresh)
-        return file
+        return save_motion(self.motion, self.plan.setup.robot, Path(path), force=True)
 
     def report(self, folder: str | Path, *, film: bool = True) -> Written:
         """Writes report.html, report.json and what belongs to them; an earlier report in the folder is replaced.
