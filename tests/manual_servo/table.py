@@ -41,6 +41,7 @@ class Model:
     windows: tuple[tuple[int, int], ...] = ((168, 224), (578, 634))  # indirect addresses, data
     rated: float = 12.0  # [V]
     fast: int = 45  # the first firmware with fast reads
+    ports: bool = False  # whether it has external ports
 
     @property
     def modes(self) -> tuple[int, ...]:
@@ -57,8 +58,8 @@ SMALL = {"cells": 20, "windows": ((168, 208),), "fast": 46}  # the 330s
 MODELS = {
     "xm430_w210": Model(1030, 3.0, 8.06, 0.00269, 1193, 330, (800, 0, 0), 80, (95, 160), 0.0163),
     "xm430_w350": Model(1020, 4.1, 4.82, 0.00269, 1193, 350, (800, 0, 0), 80, (95, 160), 0.03),
-    "xm540_w150": Model(1130, 7.3, 5.55, 0.00269, 2047, 230, (800, 0, 0), 80, (95, 160), 0.031),
-    "xm540_w270": Model(1120, 10.6, 3.14, 0.00269, 2047, 128, (800, 0, 0), 80, (95, 160), 0.1),
+    "xm540_w150": Model(1130, 7.3, 5.55, 0.00269, 2047, 230, (800, 0, 0), 80, (95, 160), 0.031, ports=True),
+    "xm540_w270": Model(1120, 10.6, 3.14, 0.00269, 2047, 128, (800, 0, 0), 80, (95, 160), 0.1, ports=True),
     "xl430_w250": Model(1060, 1.4, 5.97, None, 0, 265, (640, 0, 4000), 72, (60, 140), 0.008),
     "xl330_m288": Model(1200, 0.52, 10.8, 0.001, 1750, 445, (400, 0, 0), 70, (35, 70), 0.0008, rated=5.0, **SMALL),
     "xc430_w240": Model(1080, 1.9, 7.33, None, 0, 306, (700, 0, 0), 80, (60, 140), 0.01),
@@ -126,6 +127,11 @@ def items(model: Model, servo: int, firmware: int) -> dict[str, Item]:
         "celsius": Item(146, 1, 25, writable=False),
         "backup_ready": Item(147, 1, 0, writable=False),
     }
+    if model.cells == 20:
+        found["pwm_slope"] = Item(62, 1, 140 if model.rated < 12 else 255, (1, 255))
+    if model.ports:
+        found |= {f"port_mode_{k + 1}": Item(56 + k, 1, 3, (0, 3)) for k in range(3)}
+        found |= {f"port_data_{k + 1}": Item(152 + 2 * k, 2, 0, (0, 4095)) for k in range(3)}
     if model.amperes is None:  # no current sensor: its Present Current is a Present Load
         del found["current_limit"], found["goal_current"]
     return found

@@ -1,0 +1,189 @@
+"""Every fault of the independent servos: what one sees of it, and that one does not see it without the fault."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import pytest
+
+from ...manual_servo import faults, lies, servo_faults, strangers
+from ...manual_servo import packet as p
+from ...manual_servo.device import Device
+from ...manual_servo.faults import Fault
+from .conftest import Bench, words
+
+Make = Callable  # of a bench, see conftest
+VOLTAGE, OVERHEAT, ENCODER, SHOCK, OVERLOAD = 1, 4, 8, 16, 32
+RECORD = p.instruct(p.BROADCAST, p.SYNC_READ, words(132, 4) + b"\1\2")
+
+
+def record(made: Bench) -> bytes:
+    """Positions of both servos, as bytes come."""
+    return made.raw(RECORD)
+
+
+def answers(made: Bench) -> list[int]:
+    """The ids of those who answer a sync read intact."""
+    return [said.servo for said in p.Decoder().feed(record(made), made.line.world.time) if said.intact]
+
+
+def position(made: Bench, servo: int = 1) -> int:
+    """What a servo says of its place."""
+    return made.read("present_position", servo)[1]
+
+
+def torque(made: Bench) -> int:
+    """Whether servo 1 has torque, beside what it says."""
+    return made.device.memory["torque"]
+
+
+def moves(made: Bench) -> bool:
+    """Whether servo 1 follows a goal."""
+    before = made.device.shaft.ticks
+    made.write("goal_position", round(before) + 50)
+    made.rest(0.5)
+    return abs(made.device.shaft.ticks - before) > 35
+
+
+def climbs(made: Bench) -> int:
+    """What the clock of servo 1 counts in a fifth of a second [ms]."""
+    before = made.read("tick")[1]
+    made.rest(0.2)
+    return made.read("tick")[1] - before
+
+
+@dataclass(frozen=True)
+class Case:
+    """A fault, and what is seen only while it lasts, or only since it struck."""
+
+    fault: Callable[[], Fault]
+    seen: Callable[[Bench], bool]
+
+
+WHOLE = 2 * 15  # bytes of both answers
+CASES = {
+    "garble": Case(faults.Garble, lambda made: len(record(made)) == WHOLE and answers(made) != [1, 2]),
+    "truncate": Case(faults.Truncate, lambda made: len(record(made)) < WHOLE),
+    "a byte dropped": Case(faults.DropByte, lambda made: len(record(made)) == WHOLE - 2),
+    "insert": Case(faults.Insert, lambda made: len(record(made)) > WHOLE),
+    "duplicate": Case(faults.Duplicate, lambda made: answers(made) == [1, 1, 2, 2]),
+    "lose": Case(faults.Lose, lambda made: record(made) == b""),
+    "late": Case(faults.Late, lambda made: made.raw(RECORD, 0.01) == b"" and bool(made.raw(b"", 0.02))),
+    "mirror": Case(faults.Mirror, lambda made: record(made).startswith(b"\xff\xff\xbf\x00")),
+    "lost requests": Case(faults.LostRequest, lambda made: answers(made) == []),
+    "echo": Case(faults.Echo, lambda made: record(made).startswith(RECORD)),
+    "flood": Case(faults.Flood, lambda made: len(record(made)) == 200 + WHOLE),
+    "frozen link": Case(faults.FrozenLink, lambda made: record(made) == b""),
+    "silent all": Case(faults.SilentAll, lambda made: record(made) == b"" and not made.device.mute),
+    "unplugged": Case(faults.Unplugged, lambda made: not made.line.plugged and record(made) == b""),
+    "wrong id": Case(lambda: faults.WrongId(2, 9), lambda made: answers(made) == [1, 9]),
+    "bad crc": Case(lambda: faults.BadCrc(2), lambda made: len(record(made)) == WHOLE and answers(made) == [1]),
+    "wrong length": Case(lambda: faults.WrongLength(2), lambda made: len(record(made)) == WHOLE - 1),
+    "misquoted": Case(lambda: faults.Misquoted(2), lambda made: len(record(made)) == WHOLE and answers(made) == [1]),
+    "silent": Case(lambda: servo_faults.Silent(2), lambda made: answers(made) == [1]),
+    "unhearing": Case(
+        lambda: servo_faults.Unhearing(2),
+        lambda made: made.write("led", 1 - made.devices[1].memory["led"], 2) == -1,
+    ),
+    "boasting": Case(lambda: servo_faults.Boasting(1), lambda made: made.read("error") == (p.ALERT, 0)),
+    "goal ignored": Case(lambda: servo_faults.GoalIgnored(1), lambda made: not moves(made)),
+    "stalled": Case(lambda: servo_faults.Stalled(1), lambda made: not moves(made)),
+    "undervoltage": Case(lambda: servo_faults.Undervoltage(1), lambda made: made.read("volts")[1] == 90),
+    "frozen servo": Case(lambda: lies.FrozenServo(1), lambda made: climbs(made) == 0),
+    "stuck tick": Case(lambda: lies.StuckTick(1), lambda made: climbs(made) == 0),
+    "drifting clock": Case(lambda: lies.DriftingClock(1, 1.5), lambda made: climbs(made) > 300),
+    "nonsense": Case(lambda: lies.Nonsense(1), lambda made: [position(made), position(made)] == [1_000_000] * 2),
+    "scattered": Case(lambda: lies.Scattered(1), lambda made: abs(position(made) - position(made)) > 10_000),
+    "turn offset": Case(lambda: lies.TurnOffset(1), lambda made: abs(position(made) - 2048 - 4096) < 9),
+    "foreign firmware": Case(lambda: strangers.foreign_firmware(1), lambda made: made.read("firmware")[1] == 35),
+    "foreign model": Case(lambda: strangers.foreign_model(1), lambda made: made.read("model")[1] == 1060),
+    "alias id": Case(
+        lambda: strangers.alias_id(1, 2),
+        lambda made: (made.write("led", 0), made.write("led", 1, 2), made.device.memory["led"])[-1] == 1,
+    ),
+    "duplicate id": Case(lambda: strangers.duplicate_id(1, 2), lambda made: made.ask(1, p.PING) == []),
+    "return level": Case(lambda: strangers.return_level(2), lambda made: answers(made) == [1]),
+    "baud changed": Case(lambda: strangers.baud_changed(2), lambda made: made.ask(2, p.PING) == []),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_fault_is_seen_while_it_lasts(bench: Make, name: str):
+    made, case = bench(1, 2), CASES[name]
+    made.write("torque", 1)
+    assert not case.seen(made)
+    made.line.expose(case.fault(), seconds=3.0)
+    assert case.seen(made)
+    made.rest(4.0)
+    if name not in ("unplugged", "frozen link"):  # what was kept back comes
+        assert not case.seen(made)
+
+
+@pytest.mark.parametrize("bit", [VOLTAGE, OVERHEAT, ENCODER, SHOCK, OVERLOAD])
+def test_an_alert_is_shown_and_takes_torque_where_the_mask_says_so(bench: Make, bit: int):
+    made = bench(1, 2)
+    made.write("torque", 1)
+    made.line.expose(servo_faults.Alert(1, bit))
+    assert made.read("error") == (p.ALERT, bit)
+    assert torque(made) == (not bit & made.device.memory["shutdown"])
+
+
+@pytest.mark.parametrize("fault", [servo_faults.Reboot(1), servo_faults.BrownOut()])
+def test_a_servo_that_reboots_has_no_torque_and_is_silent_at_first(bench: Make, fault: Fault):
+    made = bench(1, 2)
+    made.write("torque", 1)
+    made.line.expose(fault)
+    assert made.ask(1, p.PING) == []
+    made.rest(0.3)
+    assert len(made.ask(1, p.PING)) == 1
+    assert torque(made) == 0
+
+
+def test_torque_may_go_and_watchdogs_trip_without_a_word(bench: Make):
+    made = bench(1, 2)
+    for servo in (1, 2):
+        made.write("torque", 1, servo)
+    made.line.expose(servo_faults.TorqueOff(1))
+    made.line.expose(servo_faults.Tripped(2))
+    assert made.read("torque") == (0, 0)
+    assert made.read("watchdog", 2) == (0, -1)
+
+
+def test_heat_and_supply_move_steadily(bench: Make):
+    made = bench(1, 2)
+    made.line.expose(servo_faults.TemperatureRamp(1, rate=10.0))
+    made.line.expose(servo_faults.VoltageSag(2, rate=-1.0))
+    made.rest(2.0)
+    assert made.read("celsius")[1] == pytest.approx(45, abs=2)
+    assert made.read("volts", 2)[1] == pytest.approx(100, abs=2)
+    made.rest(1.0)
+    assert made.read("error", 2) == (p.ALERT, VOLTAGE)
+
+
+def test_what_came_before_comes_again(bench: Make):
+    made = bench(1, 2)
+    made.line.expose(faults.Replay(age=3, servos=(1,)))
+    made.device.firmware.tampers.append(lambda memory: memory.__setitem__("present_position", memory["tick"]))
+    told = [position(made) for _ in range(5)]
+    assert told[2:] == told[:1] + [told[0] + 20, told[0] + 40]
+
+
+def test_a_return_delay_makes_answers_later(bench: Make):
+    made = bench(1, 2)
+    made.line.send(RECORD, made.line.world.time)
+    soon = made.line.arrives() - made.line.world.time
+    made.rest(0.1)
+    made.line.receive(made.line.world.time)
+    made.line.expose(strangers.return_delay(1))
+    made.line.send(RECORD, made.line.world.time)
+    assert made.line.arrives() - made.line.world.time == pytest.approx(soon + 508e-6, abs=1e-4)
+
+
+def test_another_robot_may_hang_on_the_cable_when_it_is_plugged_in_again(bench: Make):
+    made = bench(1, 2)
+    others = [Device(1, "xm540_w270")]
+    made.line.expose(faults.Replugged(others), seconds=0.5)
+    assert not made.line.plugged
+    made.rest(0.6)
+    assert made.line.plugged
+    assert made.read("model") == (0, 1120)
+    assert made.ask(2, p.PING) == []
