@@ -6,9 +6,9 @@ import pytest
 from numpy.random import default_rng
 
 from kinesic.body.robot import Robot
-from kinesic.ik.arm.linkage import linkage_of
-from kinesic.ik.arm.wrist import HandDirection, orient
-from kinesic.ik.scalar3 import Rotation, Vector, across, after, dot, rotated, unit
+from kinesic.ik.arm.linkage import Link, Pivot, linkage_of
+from kinesic.ik.arm.wrist import HandDirection, direction_errors, orient
+from kinesic.ik.scalar3 import IDENTITY, Rotation, Vector, across, after, dot, rotated, unit
 
 CHAIN = Robot.load().arms["l"]
 ARM = linkage_of(CHAIN)
@@ -62,3 +62,76 @@ def test_a_wish_that_is_already_met_moves_nothing() -> None:
     frame = ARM.walk(CHAIN.rest.tolist(), 3)[0]
     wishes = [HandDirection("pointing", LINK.along, rotated(frame, LINK.along))]
     assert orient(LINK, frame, wishes, REST) == pytest.approx(REST, abs=1e-6)
+
+
+def one_hinge(lower: float, upper: float) -> Link:
+    """A hand that turns about z."""
+    return Link((Pivot((0.0, 0.0, 1.0), lower, upper, 0.0),), (0.1, 0.0, 0.0), (1.0, 0.0, 0.0), 0.1, 0)
+
+
+def level(angle: float) -> Vector:
+    """The direction in the plane that turns with the hand."""
+    return math.cos(angle), math.sin(angle), 0.0
+
+
+@pytest.mark.parametrize(
+    ("wanted", "found"),
+    [
+        (0.7, 0.7),
+        (-2.8, -2.8),
+        (1.0, 1.0),
+        (1.3, 1.0),
+        (2.15, 1.0),  # 1.15 from the upper stop, and by the back 1.23 from the lower one ...
+        (2.25, -2.9),  # ... and here 1.25 and 1.13
+        (3.0, -2.9),
+    ],
+)
+def test_one_hinge_turns_to_the_direction_or_to_the_nearer_stop(wanted: float, found: float) -> None:
+    wishes = [HandDirection("pointing", level(0.0), level(wanted))]
+    assert orient(one_hinge(-2.9, 1.0), IDENTITY, wishes, (0.0,)) == pytest.approx((found,), abs=1e-3)
+
+
+def test_directions_that_differ_are_missed_alike() -> None:
+    wishes = [HandDirection("a", level(0.0), level(0.2)), HandDirection("b", level(1.5), level(1.5 + 0.6))]
+    assert orient(one_hinge(-2.0, 2.0), IDENTITY, wishes, (0.0,)) == pytest.approx((0.4,), abs=1e-3)
+
+
+def test_what_lies_along_the_axis_does_not_count() -> None:
+    own, wanted = unit((1.0, 0.0, 3.0)), unit((math.cos(0.5), math.sin(0.5), 3.0))
+    wishes = [HandDirection("a", own, wanted), HandDirection("b", (0.0, 0.0, 1.0), unit((1.0, 0.0, 1.0)))]
+    assert orient(one_hinge(-2.0, 2.0), IDENTITY, wishes, (0.0,)) == pytest.approx((0.5,), abs=2e-3)
+
+
+@pytest.mark.parametrize("rest", [(0.4, 0.0, 0.0), (-1.2, 0.0, 0.0)])
+def test_what_directions_leave_open_is_at_rest(rest: tuple[float, float, float]) -> None:
+    """The hand hangs along the first hinge, so that any twist points as well."""
+    wishes = [HandDirection("pointing", LINK.along, LINK.along)]
+    assert orient(LINK, IDENTITY, wishes, rest) == pytest.approx(rest, abs=1e-6)
+
+
+def test_rest_is_left_for_a_direction_even_when_that_is_far() -> None:
+    wishes = [HandDirection("pointing", level(0.0), level(1.9))]
+    (found,) = orient(one_hinge(-2.0, 2.0), IDENTITY, wishes, (-1.0,))
+    assert found == pytest.approx(1.9 - math.atan(2e-4 * math.sin(2.9)), abs=1e-5)  # and no more than that back
+
+
+@pytest.mark.parametrize("turn", [0.0, 1.0, -2.5])
+def test_the_base_may_stand_as_it_likes(turn: float) -> None:
+    """Directions are wanted in the base; the hinge counts from the frame that it turns in."""
+    wishes = [HandDirection("pointing", level(0.0), level(turn + 0.3))]
+    frame = after(IDENTITY, (0.0, 0.0, 1.0), turn)
+    assert orient(one_hinge(-1.0, 1.0), frame, wishes, (0.0,)) == pytest.approx((0.3,), abs=1e-3)
+
+
+def test_errors_are_the_angles_from_where_directions_should_look() -> None:
+    frame = after(IDENTITY, (0.0, 0.0, 1.0), 0.5)
+    wishes = [
+        HandDirection("met", level(0.0), level(0.5)),
+        HandDirection("aside", level(0.0), level(-0.7)),
+        HandDirection("opposite", level(0.0), level(0.5 + math.pi)),
+        HandDirection("longer by rounding", (1.0 + 1e-12, 0.0, 0.0), level(0.5)),
+        HandDirection("longer, and opposite", (-1.0 - 1e-12, 0.0, 0.0), level(0.5)),
+    ]
+    found = direction_errors(frame, wishes)
+    assert list(found) == [wish.name for wish in wishes]
+    assert list(found.values()) == pytest.approx([0.0, 1.2, math.pi, 0.0, math.pi], abs=1e-7)
