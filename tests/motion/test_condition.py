@@ -1,4 +1,4 @@
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -8,6 +8,7 @@ from kinesic.body.limits import Limits
 from kinesic.motion.condition import LEAD_IN, condition
 from kinesic.motion.keys import Bond, KeyPosture, Passage
 from kinesic.motion.limit_check import check_limits
+from kinesic.motion.trajectory import STEP
 
 BOXES = ([-2] * 2, [2] * 2, [4, 6], [40, 60], [1e3, 1.5e3])
 DUTY = ([0.01] * 2, [0.15] * 2, [0.7] * 2)
@@ -47,6 +48,58 @@ def test_a_wish_that_is_too_sharp_keeps_its_times_and_loses_its_shape():
     assert highest(motion) <= 1.0 + 1e-6
 
 
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A desired motion that is the same whatever the keys are."""
+
+    start: float  # [s] block time
+
+    def angles(self, at):
+        times = at + self.start
+        return np.stack([0.3 * np.sin(2.0 * times), 0.2 * np.cos(3.0 * times)], axis=1)
+
+
+def on_the_curve(*times: float) -> tuple[KeyPosture, ...]:
+    return tuple(posture(time, tuple(Curve(time).angles(np.zeros(1))[0]), "stroke") for time in times)
+
+
+def test_what_is_lost_is_the_root_mean_square_distance_at_the_knots():
+    """With keys at the ends alone, and with one in the middle that lies aside of what is desired."""
+    ends = on_the_curve(1.0, 3.0)
+    aside = posture(2.0, tuple(Curve(2.0).angles(np.zeros(1))[0] + [0.3, 0.0]), "stroke")
+    for keys in (ends, (ends[0], aside, ends[1])):
+        motion = condition(keys, LIMITS, make_desired=lambda times, keys: Curve(float(times[0])))
+        knots = np.arange(201) * STEP
+        away = motion.trajectory.sample(knots)[0] - Curve(float(motion.planned[0])).angles(knots)
+        assert motion.trajectory.duration == pytest.approx(2.0)
+        assert motion.lost == pytest.approx(np.sqrt((away**2).sum(axis=0) / 201))
+        assert motion.lost.shape == (2,)
+    assert motion.lost[0] > 3.0 * motion.lost[1] > 0.0
+
+
+def test_block_time_zero_lies_as_far_into_the_motion_as_the_first_key_before_it():
+    for first in (-0.5, 0.0, 2.0):
+        keys = (posture(first, (0, 0), "start"), posture(first + 2.0, (0.5, 0.5), "end"))
+        motion = condition(keys, LIMITS)
+        assert motion.trajectory.zero == pytest.approx(-first)
+        assert motion.trajectory.at(first + 2.0 + motion.trajectory.zero).angles == pytest.approx([0.5, 0.5])
+
+
+def test_ease_makes_time_for_a_share_of_the_limits_and_the_motion_may_use_them_all():
+    """What needs sharp turns loses its shape under a quarter of the limits, but not with the times that these need."""
+    sharp = (Passage(tension=1.0),) * 2
+    keys = tuple(
+        replace(posture(time, angles, sync), passages=sharp)
+        for time, angles, sync in ((0.0, (0, 0), "start"), (0.5, (1.0, 0.4), "stroke"), (1.0, (0, 0), "end"))
+    )
+    hard, easy, slow = condition(keys, LIMITS), condition(keys, LIMITS, ease=0.25), condition(keys, LIMITS.times(0.25))
+    assert np.ptp(easy.planned) > 1.2 * np.ptp(hard.planned)
+    np.testing.assert_allclose(easy.planned, slow.planned, atol=1e-9)
+    assert easy.lost[0] < 0.5 * slow.lost[0]
+    assert highest(easy) <= 1.0 + 1e-6
+    np.testing.assert_array_equal(condition(keys, LIMITS, ease=1.0).planned, hard.planned)
+
+
 def test_keys_are_passed_exactly_at_times_off_the_grid():
     rng = np.random.default_rng(3)
     times = np.cumsum(rng.uniform(0.3, 0.6, 8))
@@ -61,6 +114,16 @@ def test_the_stroke_is_kept_when_the_preparation_can_begin_earlier():
     motion = condition(keys, LIMITS)
     assert motion.planned[1] == pytest.approx(0.3, abs=1e-6)
     assert motion.planned[0] < 0.0
+
+
+def test_a_motion_may_begin_three_fifths_of_a_second_before_it_is_asked_to():
+    """With ten times the time that the preparation can have, all of it is taken, and the stroke waits for the rest."""
+    slow = replace(LIMITS, speed=sealed([1.0, 1.0]))
+    keys = (posture(0.0, (0, 0), "start"), posture(0.2, (1.5, 0.0), "stroke"), posture(9.0, (0, 0), "end"))
+    planned = condition(keys, slow).planned
+    assert planned[0] == pytest.approx(-0.6, abs=1e-6)
+    assert planned[1] > 0.9
+    assert condition(keys, slow, lead_in=0.25).planned[0] == pytest.approx(-0.25, abs=1e-6)
 
 
 def test_the_lead_in_is_bounded():
