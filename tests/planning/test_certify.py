@@ -137,7 +137,7 @@ def test_a_weight_that_no_drive_holds_is_given_up_after_some_attempts(known: Set
 
     setup, keys = under(known, weight), keys_of(known)
     found = certify(keys, setup)
-    assert len(setup.dynamics.asked) == ATTEMPTS
+    assert len(setup.dynamics.asked) == ATTEMPTS == 6
     all_rows = np.full(len(stall), TIGHTER ** (ATTEMPTS - ATTEMPTS // 2))
     all_rows[BEARER] *= (TIGHTER / 1.25) ** ATTEMPTS
     expected = condition(keys, known.limits.times(all_rows))
