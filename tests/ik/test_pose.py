@@ -1,3 +1,4 @@
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +9,11 @@ from scipy.spatial.transform import Rotation
 from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
 from kinesic.body.robot import Robot
-from kinesic.ik.pose import PoseSolution, solve_pose
+from kinesic.body.skeleton import Hinge
+from kinesic.ik.arm.linkage import linkage_of
+from kinesic.ik.arm.swivel_search import GIRDLE_STEPS, SWIVELS
+from kinesic.ik.pose import PoseSolution, _errors, _turn, solve_pose
+from kinesic.ik.scalar3 import IDENTITY
 
 ARMS = Robot.load().arms
 LEFT = ARMS["l"]
@@ -108,3 +113,133 @@ def test_wrong_questions_are_refused_and_explained():
         solve_pose(LEFT, good, np.diag([1.0, 1.0, -1.0]), start=LEFT.rest)
     with pytest.raises(ValueError, match=r"start has shape \(7,\).*\(8,\)"):
         solve_pose(LEFT, good, straight, start=np.zeros(7))
+
+
+BARE = replace(LEFT, joints=LEFT.joints[1:], indices=LEFT.indices[1:])  # without collar bone: its shoulder stands
+ANY_TURN = {"lower": -math.pi, "upper": math.pi}
+
+
+def with_hand(chain: Chain, *hinges: Hinge) -> Chain:
+    """The same arm with another wrist; the forearm's twist is its first hinge."""
+    return replace(chain, joints=(*chain.joints[:-1], replace(chain.joints[-1], hinges=hinges)))
+
+
+def test_of_two_ways_that_hold_a_pose_the_nearer_is_taken():
+    """A wrist that turns as far as it likes holds every orientation in two ways."""
+    bend, tilt = (replace(hinge, **ANY_TURN) for hinge in BARE.joints[-1].hinges)
+    elbow, twist = BARE.joints[-2].hinges
+    loose = replace(BARE.joints[-2], hinges=(elbow, replace(twist, **ANY_TURN)))
+    chain = with_hand(replace(BARE, joints=(*BARE.joints[:-2], loose, BARE.joints[-1])), bend, tilt)
+    first = np.array([0.3, 0.5, 0.2, 0.9, 0.4, 0.6, -0.5])
+    other = np.array([*first[:4], first[4] - math.pi, math.pi - first[5], first[6] - math.pi])
+    position, rotation = _pose(chain, first)
+    assert solve_pose(chain, position, rotation, start=first).angles == pytest.approx(first, abs=1e-6)
+    flipped = solve_pose(chain, position, rotation, start=np.arctan2(np.sin(other), np.cos(other))).angles
+    assert np.abs(flipped[4:] - first[4:]).max() > 1.0
+    assert flipped[:4] == pytest.approx(first[:4], abs=1e-6)
+
+
+@pytest.mark.parametrize("twist", [-0.7, 0.4])
+def test_in_gimbal_lock_the_first_hinge_stays_where_it_is(twist: float):
+    """Twist, bend, twist: with a straight hand both twists do the same, and the second one does what is asked."""
+    bend, tilt = BARE.joints[-1].hinges
+    along = replace(tilt, axis=BARE.joints[-2].hinges[-1].axis, lower=-2.0, upper=2.0)
+    chain = with_hand(BARE, bend, along)
+    posture = np.array([0.3, 0.5, 0.2, 0.9, 0.1, 0.0, 0.8])
+    start = np.array([*posture[:4], twist, 0.0, 0.0])
+    found = solve_pose(chain, *_pose(chain, posture), start=start)
+    assert found.angles == pytest.approx([*posture[:4], twist, 0.0, 0.9 - twist], abs=1e-6)
+
+
+def test_a_pose_is_held_within_a_tenth_of_a_millimetre():
+    straight = np.array([0.3, 0.5, 0.0, 0.0, 0.2, 0.1, 0.0])
+    position, rotation = _pose(BARE, straight)
+    outward = (position - BARE.origin_in_base) / np.linalg.norm(position - BARE.origin_in_base)
+    for beyond, reached in ((0.5e-4, True), (1.5e-4, False)):
+        found = solve_pose(BARE, position + beyond * outward, rotation, start=straight)
+        _check(BARE, found, position + beyond * outward, rotation)
+        assert found.residual == pytest.approx(beyond, rel=0.3)
+        assert found.turn < 1e-4
+        assert found.reached == reached
+
+
+def test_a_pose_is_held_within_a_milliradian():
+    """An arm that cannot move at all is turned by what was asked beyond where it is."""
+    posture = np.array([0.3, 0.5, 0.2, 0.9, 0.4, 0.3, -0.2])
+    ends = iter(posture.tolist())
+    joints = tuple(
+        replace(joint, hinges=tuple(replace(hinge, lower=(end := next(ends)), upper=end) for hinge in joint.hinges))
+        for joint in BARE.joints
+    )
+    rigid = replace(BARE, joints=joints)
+    position, rotation = _pose(rigid, posture)
+    for beyond, reached in ((0.5e-3, True), (1.6e-3, False)):
+        asked = rotation @ Rotation.from_rotvec([0.0, beyond, 0.0]).as_matrix()
+        found = solve_pose(rigid, position, asked, start=posture)
+        assert found.turn == pytest.approx(beyond)
+        assert found.residual < 1e-9
+        assert found.reached == reached
+
+
+def test_what_was_looked_at_is_counted():
+    random = default_rng(26)
+    position, rotation = _pose(LEFT, random.uniform(0.5 * LEFT.lower, 0.5 * LEFT.upper))
+    near, far = (solve_pose(LEFT, factor * position, rotation, start=LEFT.rest) for factor in (1.0, 9.0))
+    assert near.reached
+    assert near.rounds == 0
+    assert 1 <= near.cells < far.cells == SWIVELS * (1 + GIRDLE_STEPS)
+    assert far.rounds > 0
+
+
+def test_a_start_outside_its_ranges_is_the_stop():
+    position, rotation = _pose(LEFT, LEFT.rest)
+    for stop, away in ((LEFT.upper, 1.0), (LEFT.lower, -1.0)):
+        inside, outside = (solve_pose(LEFT, position, rotation, start=start) for start in (stop, stop + away))
+        assert (inside.angles == outside.angles).all()
+
+
+def test_a_matrix_is_a_rotation_up_to_rounding():
+    position, rotation = _pose(LEFT, LEFT.rest)
+    assert solve_pose(LEFT, position, rotation * (1.0 + 4e-7), start=LEFT.rest).reached
+    with pytest.raises(ValueError, match="perpendicular unit vectors"):
+        solve_pose(LEFT, position, rotation * (1.0 + 6e-7), start=LEFT.rest)
+    with pytest.raises(ValueError, match="perpendicular unit vectors"):
+        solve_pose(LEFT, position, rotation * (1.0 - 6e-7), start=LEFT.rest)
+
+
+def _rows(rotation: Floats) -> tuple[float, ...]:
+    return tuple(np.asarray(rotation).ravel().tolist())
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-9, 0.3, 3.0, math.pi])
+def test_the_shortest_turn_leads_from_one_orientation_to_the_other(angle: float):
+    for axis in [*np.eye(3), *default_rng(27).normal(size=(8, 3))]:
+        turn = angle * axis / np.linalg.norm(axis)
+        wanted = Rotation.from_rotvec(turn).as_matrix()
+        found = _turn(_rows(np.eye(3)), _rows(wanted))
+        assert np.linalg.norm(found) == pytest.approx(angle, abs=1e-9)
+        np.testing.assert_allclose(Rotation.from_rotvec(found).as_matrix(), wanted, atol=1e-7)
+    present = Rotation.from_rotvec([0.3, -0.2, 0.9])
+    turn = Rotation.from_rotvec([0.1, 0.5, -0.4])
+    found = _turn(_rows(present.as_matrix()), _rows((turn * present).as_matrix()))
+    assert found == pytest.approx([0.1, 0.5, -0.4])
+
+
+def test_half_turns_about_the_axes_are_exact():
+    for k in range(3):
+        half = np.diag([1.0 if row == k else -1.0 for row in range(3)])
+        assert np.abs(_turn(IDENTITY, _rows(half))) == pytest.approx(np.pi * np.eye(3)[k])
+
+
+def test_the_jacobian_is_the_derivative_of_the_errors():
+    linkage, random, step = linkage_of(LEFT), default_rng(28), 1e-6
+    for _ in range(10):
+        angles = random.uniform(LEFT.lower, LEFT.upper)
+        position, rotation = _pose(LEFT, angles)
+        errors = _errors(linkage, tuple(position.tolist()), _rows(rotation))
+        error, jacobian = errors(angles)
+        assert error == pytest.approx(np.zeros(6), abs=1e-9)
+        for k in range(8):
+            aside = step * np.eye(8)[k]
+            slope = (errors(angles + aside)[0] - errors(angles - aside)[0]) / (2 * step)
+            assert jacobian[:, k] == pytest.approx(-slope, abs=1e-6)
