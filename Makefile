@@ -11,7 +11,7 @@ OPENGL := libegl1 libgl1-mesa-dri libopengl0 libgl1
 SCREENS := xvfb chromium
 
 .DELETE_ON_ERROR:
-.PHONY: demo test test-rounding check soak bench system-deps test-deps clean
+.PHONY: demo test test-rounding check soak mutants bench system-deps test-deps clean
 
 demo: .venv/.stamp-demo
 	@$(BIN)/kinesic perform kinesic/configs/bml/welcome.bml --out out/demo --force
@@ -36,6 +36,11 @@ check: .venv/.stamp-test
 soak: .venv/.stamp-test
 	@$(BIN)/python -m pytest -m soak
 	@$(BIN)/python -m pytest tests/theorems -n auto --hypothesis-profile soak
+
+# Wrong programs: 200 small changes of the parts that must not fail, and which of them no test notices. A quarter of an
+# hour; `python tests/mutants -h` has options.
+mutants: .venv/.stamp-test
+	@$(BIN)/python tests/mutants
 
 bench: .venv/.stamp-demo
 	@$(BIN)/kinesic bench all

@@ -3,14 +3,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from kinesic.hardware.bus.cycle import SIZE, Cycle
-from kinesic.hardware.bus.late_replies import STUCK
-from kinesic.hardware.protocol import packet
-from kinesic.hardware.protocol.models import MODELS
+from kinesic.hardware.bus.cycle import Cycle
 from kinesic.hardware.protocol.registers import HardwareError, Register
 from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
-
-from ..conftest import Rig
 
 MID = 2048
 Make = Callable  # of a rig, see conftest
@@ -278,113 +273,3 @@ def test_an_answer_that_is_later_than_its_cycle_costs_that_cycle_alone(rig: Make
     made.energise()
     whole = [bool(cycle.fresh.all()) for cycle in made.run(50, np.full(14, MID))]
     assert whole.count(False) == 1
-
-
-def overhear(made: Rig) -> list[bytes]:
-    """What is written on the wire from now on, write by write."""
-    written: list[bytes] = []
-    write = made.wire.write
-
-    def overheard(data: bytes) -> None:
-        written.append(bytes(data))
-        write(data)
-
-    made.wire.write = overheard
-    return written
-
-
-def asked(written: list[bytes], servos: tuple[int, ...]) -> int:
-    """How often these servos, and nobody else, were asked for their records."""
-    cells = MODELS["xm430_w350"].cells[0].data
-    question = packet.sync_read(servos, cells, SIZE, fast=True) if len(servos) > 1 else None
-    return written.count(question or packet.read_packet(servos[0], cells, SIZE))
-
-
-def test_what_is_put_goes_out_once_and_before_the_goals(rig: Make):
-    made = rig(2)
-    written = overhear(made)
-    made.bus.put(Register.PROFILE_VELOCITY, {1: 100, 2: 200})
-    made.bus.put(Register.GOAL_PWM, {2: 50})
-    made.run(2, np.array([1000, 2000]))
-    puts = packet.sync_write(112, 4, {1: (100).to_bytes(4, "little"), 2: (200).to_bytes(4, "little")})
-    puts += packet.sync_write(100, 2, {2: (50).to_bytes(2, "little")})
-    goals = packet.sync_write(116, 4, {1: (1000).to_bytes(4, "little"), 2: (2000).to_bytes(4, "little")})
-    question = packet.sync_read([1, 2], MODELS["xm430_w350"].cells[0].data, SIZE, fast=True)
-    assert written == [puts + goals + question, goals + question]
-
-
-def test_several_silent_servos_are_asked_in_turn(rig: Make):
-    made = rig(7)
-    for place in (1, 4):
-        made.plant.servos[place].mute = True
-    made.run(20)
-    written = overhear(made)
-    made.run(40)
-    often = [asked(written, (servo,)) for servo in (2, 5)]
-    assert min(often) > 10
-    assert abs(often[0] - often[1]) <= 1
-    made.plant.servos[4].mute = False
-    told = kinds(made.run(10))
-    assert told == [("heard", 5)]
-
-
-def test_a_silent_servo_is_asked_by_itself_every_fifth_of_a_second_where_there_is_no_time(rig: Make):
-    made = rig(14, period=0.0055)
-    made.plant.servos[4].mute = True
-    made.run(100)
-    written = overhear(made)
-    made.run(200)
-    assert asked(written, (5,)) in (5, 6)  # in 1.1 s
-
-
-def test_a_lost_port_is_looked_for_twenty_times_a_second(rig: Make):
-    made = rig(2, faults=plan("unplug", start=0.3, seconds=5.0))
-    made.run(50)
-    looks: list[float] = []
-    reopen = made.wire.reopen
-
-    def looked() -> bool:
-        looks.append(made.wire.now())
-        return reopen()
-
-    made.wire.reopen = looked
-    assert all(cycle.lost for cycle in made.run(100))
-    assert len(looks) in range(16, 21)
-    assert np.diff(looks).min() > 0.049
-
-
-@pytest.mark.parametrize(("period", "end"), [(0.005, 0.00475), (0.01, 0.0095), (0.1, 0.0995)])
-def test_a_cycle_ends_half_a_millisecond_before_the_next_at_least(rig: Make, period: float, end: float):
-    """Of a period below 10 ms it is a twentieth. A cycle that asks nobody listens as long as it may."""
-    made = rig(1, period=period)
-    made.run(3)
-    made.bus._late._seeming = STUCK
-    (cycle,) = made.run(1)
-    assert cycle.duration == pytest.approx(end, abs=1e-9)
-
-
-def test_events_say_what_has_changed_and_when(rig: Make):
-    made = rig(3)
-    made.energise()
-    made.plant.servos[1].electronics.fail(HardwareError.OVERLOAD.value)
-    (cycle,) = made.run(1)
-    assert {(event.kind, event.servo, event.text) for event in cycle.events} == {
-        ("error", 2, "hardware error 0x00 -> 0x20"),
-        ("torque", 2, "off"),
-    }
-    assert all(cycle.time < event.time <= cycle.time + cycle.duration for event in cycle.events)
-    assert not made.run(1)[0].events
-    made.bus.put(Register.TORQUE_ENABLE, {1: 0})
-    made.run(1)
-    made.bus.put(Register.TORQUE_ENABLE, {1: 1})
-    texts = [(event.kind, event.servo, event.text) for cycle in made.run(2) for event in cycle.events]
-    assert texts[-1] == ("torque", 1, "on")
-
-
-def test_a_cycle_says_when_it_began_and_how_long_it_took(rig: Make):
-    made = rig(3)
-    made.run(1)
-    before = made.wire.now()
-    cycle = made.bus.cycle()
-    assert (cycle.time, cycle.time + cycle.duration) == pytest.approx((before, made.wire.now()))
-    assert (cycle.times > before).all()

@@ -1,0 +1,136 @@
+"""Tries mutants of the parts that must not fail, and says which of them the tests do not notice.
+
+`make mutants` runs it; CONTRIBUTING says what to do with survivors.
+"""
+
+import argparse
+import random
+import sys
+import tempfile
+import tomllib
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from queue import SimpleQueue
+
+from mutations import Edit, find_sites
+from trial import Outcome, Sandbox
+
+HERE = Path(__file__).parent
+TREE = HERE.parent.parent
+GOAL = 0.8  # share to be killed of those that are not equivalent
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """One change of one module."""
+
+    part: str
+    module: str
+    source: bytes  # of the module as it is
+    edit: Edit
+    tests: tuple[str, ...]
+
+    @property
+    def name(self) -> tuple[str, str, str]:
+        """The module, the line, and what stands there instead."""
+        return self.module, *self.edit.lines(self.source)
+
+    def __str__(self) -> str:
+        module, was, now = self.name
+        return f"{module}:{self.edit.line(self.source)}\n  - {was}\n  + {now}"
+
+
+def choose(count: int, seed: int, parts: list[str]) -> list[Mutant]:
+    """Chooses mutants by chance: as many of each part while it has some, and one of a site at most."""
+    targets = tomllib.loads((HERE / "targets.toml").read_text(encoding="utf-8"))
+    queues = {}
+    for part, modules in targets.items():
+        drawn = random.Random(f"{seed} {part}")
+        sources = {module: (TREE / module).read_bytes() for module in modules}
+        sites = [(module, site) for module, source in sources.items() for site in find_sites(source)]
+        drawn.shuffle(sites)
+        queues[part] = [
+            Mutant(part, module, sources[module], drawn.choice(site), tuple(modules[module])) for module, site in sites
+        ]
+    chosen: list[Mutant] = []
+    while len(chosen) < count and any(queues.values()):
+        for queue in queues.values():
+            chosen += [queue.pop(0)] if queue and len(chosen) < count else []
+    return [mutant for mutant in chosen if not parts or mutant.part in parts]
+
+
+def read_equivalent() -> set[tuple[str, str, str]]:
+    """Reads the names of mutants that are no other program."""
+    listed = tomllib.loads((HERE / "equivalent.toml").read_text(encoding="utf-8")).get("mutant", [])
+    return {(each["module"], each["was"], each["now"]) for each in listed}
+
+
+def try_all(mutants: list[Mutant], jobs: int, folder: Path) -> list[Outcome]:
+    """Tries mutants, in as many processes as asked, and prints survivors; the outcomes in their order."""
+    free: SimpleQueue[Sandbox] = SimpleQueue()
+    for job in range(jobs):
+        sandbox = Sandbox.make(TREE, folder / str(job))
+        sandbox.compile()
+        free.put(sandbox)
+
+    def time_tests(tests: tuple[str, ...]) -> float:
+        sandbox = free.get()
+        try:
+            return sandbox.time_tests(tests)
+        finally:
+            free.put(sandbox)
+
+    def try_one(mutant: Mutant) -> Outcome:
+        sandbox = free.get()
+        try:
+            changed = mutant.edit.apply(mutant.source)
+            outcome = sandbox.try_mutant(mutant.module, changed, mutant.tests, usual=usual[mutant.tests])
+            if outcome == "survived":
+                print(mutant, flush=True)
+            return outcome
+        finally:
+            free.put(sandbox)
+
+    with ThreadPoolExecutor(jobs) as pool:
+        suites = list(dict.fromkeys(mutant.tests for mutant in mutants))
+        usual = dict(zip(suites, pool.map(time_tests, suites), strict=True))
+        return list(pool.map(try_one, mutants))
+
+
+def report(mutants: list[Mutant], outcomes: list[Outcome], same: list[Mutant]) -> bool:
+    """Prints the share killed of each part; whether the goal is met."""
+    counts = Counter((mutant.part, outcome) for mutant, outcome in zip(mutants, outcomes, strict=True))
+    parts = list(dict.fromkeys(mutant.part for mutant in (*mutants, *same)))
+    share = 0.0
+    print(f"\n{'part':12} killed endless survived equivalent share")
+    for name, members in (*((part, [part]) for part in parts), ("all", parts)):
+        killed, endless, survived = (
+            sum(counts[part, kind] for part in members) for kind in ("killed", "timeout", "survived")
+        )
+        equivalent = sum(mutant.part in members for mutant in same)
+        share = (killed + endless) / max(killed + endless + survived, 1)
+        print(f"{name:12} {killed:6} {endless:7} {survived:8} {equivalent:10} {100 * share:3.0f} %")
+    return share >= GOAL
+
+
+def main() -> int:
+    """Runs as the command line asks."""
+    parser = argparse.ArgumentParser(prog="python tests/mutants", description=__doc__)
+    parser.add_argument("parts", nargs="*", help="parts of targets.toml; all of them if none is named")
+    parser.add_argument("--count", type=int, default=200, help="mutants of all parts together")
+    parser.add_argument("--seed", type=int, default=1, help="another one chooses other mutants")
+    parser.add_argument("--jobs", type=int, default=2, help="processes side by side")
+    asked = parser.parse_args()
+    equivalent = read_equivalent()
+    chosen = choose(asked.count, asked.seed, asked.parts)
+    same = [each for each in chosen if each.name in equivalent]
+    mutants = [each for each in chosen if each not in same]
+    with tempfile.TemporaryDirectory(prefix="kinesic-mutants-") as folder:
+        outcomes = try_all(mutants, asked.jobs, Path(folder).resolve())
+    return 0 if report(mutants, outcomes, same) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,181 @@
+"""Finds where a source can be changed so that a test should notice, and how.
+
+A site is a place in the source; its edits are the wrong programs to be made there. Left alone are docstrings, types,
+decorators, imports, assertions (`strict=True` is one) and the texts of errors: a change there breaks nothing, or all.
+"""
+
+import ast
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+SWAPS: dict[type[ast.AST], tuple[str, tuple[str, ...]]] = {
+    ast.Lt: ("<", ("<=", ">")),
+    ast.LtE: ("<=", ("<", ">=")),
+    ast.Gt: (">", (">=", "<")),
+    ast.GtE: (">=", (">", "<=")),
+    ast.Eq: ("==", ("!=",)),
+    ast.NotEq: ("!=", ("==",)),
+    ast.Is: ("is", ("is not",)),
+    ast.IsNot: ("is not", ("is",)),
+    ast.In: ("in", ("not in",)),
+    ast.NotIn: ("not in", ("in",)),
+    ast.And: ("and", ("or",)),
+    ast.Or: ("or", ("and",)),
+    ast.Add: ("+", ("-",)),
+    ast.Sub: ("-", ("+",)),
+    ast.Mult: ("*", ("/",)),
+    ast.MatMult: ("@", ("*",)),
+    ast.Div: ("/", ("*",)),
+    ast.FloorDiv: ("//", ("*",)),
+    ast.Mod: ("%", ("*",)),
+    ast.Pow: ("**", ("*",)),
+    ast.LShift: ("<<", (">>",)),
+    ast.RShift: (">>", ("<<",)),
+    ast.BitAnd: ("&", ("|",)),
+    ast.BitOr: ("|", ("&",)),
+    ast.BitXor: ("^", ("&",)),
+}
+COUNTERPARTS = {"min": "max", "any": "all", "minimum": "maximum", "floor": "ceil", "argmin": "argmax"}
+COUNTERPARTS |= {other: name for name, other in COUNTERPARTS.items()}
+LEFT_ALONE = (ast.Import, ast.ImportFrom, ast.Assert, ast.JoinedStr, ast.TypeAlias if hasattr(ast, "TypeAlias") else ())
+
+
+@dataclass(frozen=True)
+class Edit:
+    """Bytes of a source, and what stands there instead."""
+
+    start: int
+    end: int
+    text: str
+
+    def apply(self, source: bytes) -> bytes:
+        """Returns the changed source."""
+        return source[: self.start] + self.text.encode() + source[self.end :]
+
+    def line(self, source: bytes) -> int:
+        """Returns the number of the first line that is changed."""
+        return source.count(b"\n", 0, self.start) + 1
+
+    def lines(self, source: bytes) -> tuple[str, str]:
+        """Returns what stood on the lines concerned, and what stands there now, each as one line."""
+        first = source.rfind(b"\n", 0, self.start) + 1
+        last = source.find(b"\n", self.end) % (len(source) + 1)
+        changed = source[first : self.start] + self.text.encode() + source[self.end : last]
+        was, now = (" ".join(lines.decode().split()) for lines in (source[first:last], changed))
+        return was, now
+
+
+Site = tuple[Edit, ...]
+
+
+def find_sites(source: bytes) -> list[Site]:
+    """Finds all sites of a source, in its order."""
+    tree = ast.parse(source)
+    starts = [0]
+    for line in source.splitlines(keepends=True):
+        starts.append(starts[-1] + len(line))
+    sites = list(_Finder(source, starts).sites(tree))
+    return sorted(sites, key=lambda site: (site[0].start, site[0].end))
+
+
+class _Finder:
+    def __init__(self, source: bytes, starts: list[int]) -> None:
+        self._source, self._starts = source, starts
+
+    def sites(self, node: ast.AST) -> Iterator[Site]:
+        """Sites of a node and of all that is inside it."""
+        if isinstance(node, LEFT_ALONE):
+            return
+        yield from self._own(node)
+        for child in _children(node):
+            yield from self.sites(child)
+
+    def _own(self, node: ast.AST) -> Iterator[Site]:
+        match node:
+            case ast.Compare():
+                for (left, right), operator in zip(pairwise([node.left, *node.comparators]), node.ops, strict=True):
+                    yield self._swap(left, right, operator)
+            case ast.BoolOp():
+                for left, right in pairwise(node.values):
+                    yield self._swap(left, right, node.op)
+            case ast.BinOp():
+                yield self._swap(node.left, node.right, node.op)
+            case ast.AugAssign():
+                yield (*self._swap(node.target, node.value, node.op), self._edit(node, "pass"))
+            case ast.UnaryOp():
+                yield (self._edit(node, f"({self._text(node.operand)})"),)
+            case ast.If() | ast.IfExp():
+                yield self._condition(node.test, "True", "False")
+            case ast.While():
+                yield self._condition(node.test, "False")
+            case ast.comprehension():
+                yield from (self._condition(test, "True", "False") for test in node.ifs)
+            case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name)) if name in COUNTERPARTS:
+                end = self._place(node.func.end_lineno, node.func.end_col_offset)
+                yield (Edit(end - len(name), end, COUNTERPARTS[name]),)
+            case ast.Constant(value=bool() | int() | float()):
+                yield tuple(self._edit(node, value) for value in _others(node.value))
+            case ast.Expr(value=ast.Constant()):
+                return  # a docstring
+            case ast.Expr() | ast.Delete() | ast.Raise() | ast.Break() | ast.Continue():
+                yield (self._edit(node, "pass"),)
+            case ast.Assign(targets=[ast.Attribute() | ast.Subscript()]):
+                yield (self._edit(node, "pass"),)
+            case ast.FunctionDef(returns=ast.Constant(value=None)):
+                yield from self._return_early(node)
+
+    def _return_early(self, node: ast.FunctionDef) -> Iterator[Site]:
+        body = [each for each in node.body if not (isinstance(each, ast.Expr) and isinstance(each.value, ast.Constant))]
+        if body and node.name != "__init__":
+            yield (self._edit(body[0], "return"),)
+
+    def _condition(self, test: ast.expr, *others: str) -> Site:
+        return tuple(self._edit(test, text) for text in (f"not ({self._text(test)})", *others))
+
+    def _swap(self, left: ast.expr, right: ast.expr, operator: ast.AST) -> Site:
+        symbol, others = SWAPS[type(operator)]
+        end = self._place(left.end_lineno, left.end_col_offset)
+        start = end + self._source[end : self._place(right.lineno, right.col_offset)].index(symbol.encode())
+        return tuple(Edit(start, start + len(symbol), other) for other in others)
+
+    def _edit(self, node: ast.expr | ast.stmt, text: str) -> Edit:
+        start, end = self._place(node.lineno, node.col_offset), self._place(node.end_lineno, node.end_col_offset)
+        return Edit(start, end, text)
+
+    def _place(self, line: int | None, column: int | None) -> int:
+        return self._starts[(line or 1) - 1] + (column or 0)
+
+    def _text(self, node: ast.expr) -> str:
+        whole = self._edit(node, "")
+        return self._source[whole.start : whole.end].decode()
+
+
+def _others(value: bool | int | float) -> list[str]:
+    """Other values than that of a constant."""
+    if isinstance(value, bool):
+        return [str(not value)]
+    changes: list[Callable[[float], float]] = [lambda x: 2 * x, lambda x: 100 * x, lambda x: 0 * x, lambda x: x + 1]
+    if isinstance(value, int):
+        changes.append(lambda x: x - 1)
+    return sorted({repr(change(value)) for change in changes} - {repr(value)})
+
+
+def _children(node: ast.AST) -> Iterator[ast.AST]:
+    """Children that say what is done; types, decorators and the texts of errors do not."""
+    match node:
+        case ast.FunctionDef():
+            yield from (default for default in (*node.args.defaults, *node.args.kw_defaults) if default is not None)
+            yield from node.body
+        case ast.ClassDef():
+            yield from node.body
+        case ast.AnnAssign():
+            yield from () if node.value is None else (node.value,)
+        case ast.Assign(targets=[ast.Name(id=name)], value=ast.BinOp() | ast.Subscript()) if name.istitle():
+            return  # the name of a type
+        case ast.Raise() | ast.Expr(value=ast.Constant()) | ast.keyword(arg="strict"):
+            return
+        case ast.Lambda():
+            yield node.body
+        case _:
+            yield from ast.iter_child_nodes(node)

@@ -1,0 +1,102 @@
+import ast
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from .mutations import find_sites
+
+HERE = Path(__file__).parent
+TREE = HERE.parent.parent
+TARGETS = tomllib.loads((HERE / "targets.toml").read_text(encoding="utf-8"))
+MODULES = {module: tests for part in TARGETS.values() for module, tests in part.items()}
+
+
+def changes_of(source: str) -> set[tuple[str, str]]:
+    """What becomes what."""
+    text = source.encode()
+    return {edit.lines(text) for site in find_sites(text) for edit in site}
+
+
+@pytest.mark.parametrize(
+    ("was", "now"),
+    [
+        ("x = a < b", {"x = a <= b", "x = a > b"}),
+        ("x = a + (b)", {"x = a - (b)"}),
+        ("x = a and b and c", {"x = a or b and c", "x = a and b or c"}),
+        ("x = not a", {"x = (a)"}),
+        ("x = -a", {"x = (a)"}),
+        ("x = np.minimum(a, b)", {"x = np.maximum(a, b)"}),
+        ("x = 3", {"x = 6", "x = 300", "x = 0", "x = 4", "x = 2"}),
+        ("x = 0.5", {"x = 1.0", "x = 50.0", "x = 0.0", "x = 1.5"}),
+        ("x = a if b else c", {f"x = a if {test} else c" for test in ("not (b)", "True", "False")}),
+        ("x = [a for a in b if c]", {f"x = [a for a in b if {test}]" for test in ("not (c)", "True", "False")}),
+        ("forget(x)", {"pass"}),
+        ("x.y = z", {"pass"}),
+        ("x += y", {"x -= y", "pass"}),
+        ("raise ValueError(f'{1 + 1} is not {2}')", {"pass"}),
+        ("x: int = a * b", {"x: int = a / b"}),
+    ],
+)
+def test_what_a_line_becomes(was: str, now: set[str]):
+    assert changes_of(was) == {(was, each) for each in now}
+
+
+def test_a_default_and_an_early_return():
+    source = 'def go(speed: float = 2.0) -> None:\n    """Goes."""\n    way = find(speed)\n'
+    assert changes_of(source) == {
+        ("way = find(speed)", "return"),
+        *(
+            ("def go(speed: float = 2.0) -> None:", f"def go(speed: float = {value}) -> None:")
+            for value in (4.0, 200.0, 0.0, 3.0)
+        ),
+    }
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        '"""1 + 1"""',
+        "import x",
+        "x: list[int]",
+        "assert 1 + 1 == 2",
+        "x = f'{1}'",
+        "Both = One | Other",
+        "x = 'text'",
+        "x = zip(a, b, strict=True)",
+    ],
+)
+def test_docstrings_types_and_texts_are_left_alone(source: str):
+    assert not find_sites(source.encode())
+
+
+def test_an_edit_keeps_all_other_bytes():
+    source = "x = 'ü' + y  # ä\nz = x < y\n".encode()
+    changed = {edit.apply(source).decode() for site in find_sites(source) for edit in site}
+    assert "x = 'ü' - y  # ä\nz = x < y\n" in changed
+    assert "x = 'ü' + y  # ä\nz = x <= y\n" in changed
+    (last,) = {edit.line(source) for edit in find_sites(source)[-1]}
+    assert last == 2
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_mutants_of_the_parts_can_be_parsed_and_their_tests_exist(module: str):
+    source = (TREE / module).read_bytes()
+    sites = find_sites(source)
+    assert len(sites) > 20
+    for edit in (site[0] for site in sites):
+        ast.parse(edit.apply(source))
+    assert all((TREE / tests).is_file() for tests in MODULES[module])
+
+
+def test_equivalent_mutants_are_mutants_and_have_a_reason():
+    """What was reworded since is to be judged again."""
+    listed = tomllib.loads((HERE / "equivalent.toml").read_text(encoding="utf-8")).get("mutant", [])
+    known = {
+        module: {edit.lines(source) for site in find_sites(source) for edit in site}
+        for module in {each["module"] for each in listed}
+        for source in [(TREE / module).read_bytes()]
+    }
+    for each in listed:
+        assert (each["was"], each["now"]) in known[each["module"]], each
+        assert len(each["why"]) > 10
