@@ -1,0 +1,175 @@
+"""Sync points as a network: classes of known distances, and what must hold between them."""
+
+import random
+from itertools import pairwise
+
+import pytest
+
+from kinesic.bml.block import Block
+from kinesic.bml.parse import parse
+from kinesic.bml.timing.constraints import Point, ties
+from kinesic.bml.timing.negative_cycles import Edge
+from kinesic.bml.timing.network import Distance, Network, Potentials, ReferenceResolver, SyncChain
+from kinesic.body.utterance import Utterance
+
+A, B, C, D = (Point("b", name, "start") for name in "abcd")
+START = Point("b", "bml", "start")
+BEAT = '<gesture id="{}" lexeme="BEAT" {}/>'
+KNOWN = {("other", "x", "end"): 2.5}
+
+
+def block_of(inside: str) -> Block:
+    return parse(f'<bml id="b" xmlns="http://www.bml-initiative.org/bml/bml-1.0">{inside}</bml>')
+
+
+def resolved(inside: str) -> tuple[ReferenceResolver, Network]:
+    block = block_of(inside)
+    utterances = {b.id: Utterance(1.5, {"m": 0.5, "n": 0.25}) for b in block.behaviours if b.type == "speech"}
+    resolver = ReferenceResolver(block, {b.id: b for b in block.behaviours}, utterances, KNOWN, {})
+    own = [tie for tie in ties(block) if tie.owner is not None]
+    return resolver, resolver.network(own, list(block.constraints))
+
+
+def distances(network: Network) -> list[tuple[Point, Point, float]]:
+    return [(each.late, each.early, each.gap) for each in network.distances]
+
+
+def test_a_point_that_nobody_knows_is_a_class_of_its_own() -> None:
+    assert Potentials().find(A) == (A, 0.0)
+
+
+def test_gaps_add_up_whatever_the_order_in_which_they_come() -> None:
+    points = [Point("b", f"x{k}", "start") for k in range(12)]
+    for seed in range(20):
+        drawn, potentials = random.Random(seed), Potentials()
+        time = {point: drawn.randrange(-40, 40) / 4 for point in points}
+        pairs = [(points[k], points[drawn.randrange(k)]) for k in range(1, len(points))]
+        drawn.shuffle(pairs)
+        for late, early in (drawn.sample(pair, 2) for pair in pairs):
+            potentials.join(late, early, time[late] - time[early])
+        roots = {potentials.find(point)[0] for point in points}
+        assert len(roots) == 1
+        root = roots.pop()
+        for _ in range(2):  # the second time along the shortened path
+            assert {point: potentials.find(point)[1] for point in points} == {p: time[p] - time[root] for p in points}
+
+
+def test_of_contradictory_distances_the_first_counts() -> None:
+    potentials = Potentials()
+    potentials.join(B, A, 1.0)
+    potentials.join(B, A, 5.0)
+    assert potentials.find(B)[1] - potentials.find(A)[1] == 1.0
+
+
+def test_classes_come_in_the_order_of_their_first_points() -> None:
+    potentials = Potentials()
+    potentials.join(D, A, 2.0)
+    potentials.find(B)
+    potentials.join(C, D, 1.0)
+    first, second = potentials.classes()
+    assert {point: gap - first[A] for point, gap in first.items()} == {A: 0.0, D: 2.0, C: 3.0}
+    assert second == {B: 0.0}
+
+
+def test_a_behaviour_takes_a_microsecond_unless_its_length_is_fixed() -> None:
+    """So that behaviours which wait for one another's ends are found out."""
+    _, free = resolved(BEAT.format("g", ""))
+    (chain,) = free.chains
+    first, last = chain.points[0], chain.points[-1]
+    assert Edge(first, last, 1e-6, "g") in free.edges()
+    assert sum(edge.gap for edge in free.edges()) == 1e-6
+    _, fixed = resolved(BEAT.format("g", 'start="1" end="1"'))
+    assert all(edge.gap in (0.0, 1.0, -1.0) for edge in fixed.edges())
+
+
+def test_edges_keep_the_order_of_sync_points_and_hold_distances_from_both_sides() -> None:
+    _, network = resolved(BEAT.format("g", 'start="2"'))
+    start = Point("b", "g", "start")
+    edges, points = network.edges(), network.chains[0].points
+    assert edges[: len(points) - 1] == [Edge(a, b, 0.0, "g") for a, b in pairwise(points)]
+    assert edges[-2:] == [Edge(START, start, 2.0, "g"), Edge(start, START, -2.0, "g")]
+
+
+@pytest.mark.parametrize(("gap", "clashes"), [(0.5, 0), (0.0, 0), (-0.5e-9, 0), (-2e-9, 1), (-0.5, 1)])
+def test_points_of_a_behaviour_that_are_tied_the_wrong_way_round_clash(gap: float, clashes: int) -> None:
+    _, network = resolved(BEAT.format("g", ""))
+    points = network.chains[0].points
+    tied = Network(START, network.chains, (Distance(points[4], points[2], gap, None),), ())
+    loops = tied.clashes()
+    assert len(loops) == clashes
+    for loop in loops:
+        assert loop == [Edge(points[2], points[4], 0.0, "g"), Edge(points[4], points[2], pytest.approx(-gap), "g")]
+
+
+def test_the_latest_point_so_far_is_what_the_next_may_not_precede() -> None:
+    _, network = resolved(BEAT.format("g", ""))
+    points = network.chains[0].points
+    ties_of = (Distance(points[2], points[0], 3.0, None), Distance(points[4], points[0], 2.0, None))
+    (loop,) = Network(START, network.chains, ties_of, ()).clashes()
+    assert (loop[0].tail, loop[0].head, loop[1].gap) == (points[2], points[4], 1.0)
+
+
+def test_marks_and_the_end_of_a_speech_have_fixed_distances_from_its_start() -> None:
+    _, network = resolved('<speech id="s"><text>a<sync id="m"/>b<sync id="n"/>c<sync id="lost"/></text></speech>')
+    point = {name: Point("b", "s", name) for name in ("start", "n", "m", "end")}
+    assert network.chains[0].points == tuple(point.values())
+    assert network.chains[0].is_rigid
+    assert distances(network) == [
+        (point["n"], point["start"], 0.25),
+        (point["m"], point["start"], 0.5),
+        (point["end"], point["start"], 1.5),
+    ]
+
+
+def test_references_to_oneself_others_and_other_blocks_become_distances() -> None:
+    resolver, network = resolved(
+        BEAT.format("g", 'start="h:end+0.5" stroke="3" end="other:x:end-1"') + BEAT.format("h", "")
+    )
+    point = {name: Point("b", "g", name) for name in ("start", "stroke", "end")}
+    assert distances(network) == [
+        (point["start"], Point("b", "h", "end"), 0.5),
+        (point["stroke"], START, 3.0),
+        (point["end"], START, 1.5),
+    ]
+    assert [each.owner for each in network.distances] == ["g"] * 3
+    assert resolver.unresolved == []
+
+
+def test_orders_are_edges_from_the_earlier_point() -> None:
+    order = '<constraint><after ref="g:stroke+1"><sync ref="h:start+3"/><sync ref="h:end"/></after></constraint>'
+    _, network = resolved(BEAT.format("g", "") + BEAT.format("h", "") + order)
+    stroke, start, end = Point("b", "g", "stroke"), Point("b", "h", "start"), Point("b", "h", "end")
+    assert network.orders == (Edge(stroke, start, -2.0), Edge(stroke, end, 1.0))
+
+
+def test_nothing_ends_after_the_block_where_its_end_counts() -> None:
+    end = Point("b", "bml", "end")
+    pair = BEAT.format("g", "") + BEAT.format("h", "")
+    assert resolved(pair)[1].orders == ()
+    for inside in (
+        BEAT.format("z", 'end="bml:end"') + pair,
+        pair + '<constraint><before ref="bml:end"><sync ref="g:start"/></before></constraint>',
+        pair + '<constraint><after ref="bml:end"><sync ref="g:start"/></after></constraint>',
+    ):
+        _, network = resolved(inside)
+        assert {edge.tail for edge in network.orders if edge.head == end} >= {c.points[-1] for c in network.chains}
+
+
+@pytest.mark.parametrize(
+    ("syncs", "why"),
+    [
+        ('stroke="h:nope"', "h has no sync point 'nope', but start, ready, strokeStart, stroke, strokeEnd, relax, end"),
+        ('stroke="other:x:start"', "other:x:start is not known here"),
+        ('stroke="bml:stroke"', "the block has no sync point 'stroke', only start and end"),
+    ],
+)
+def test_what_leads_nowhere_is_left_out_and_listed(syncs: str, why: str) -> None:
+    resolver, network = resolved(BEAT.format("g", syncs) + BEAT.format("h", ""))
+    assert network.distances == ()
+    (unresolved,) = resolver.unresolved
+    assert (unresolved.culprit, unresolved.why) == ("g", why)
+
+
+def test_a_gesture_is_no_speech() -> None:
+    chain = SyncChain(block_of(BEAT.format("g", "")).behaviours[0], (A, B))
+    assert not chain.is_rigid
