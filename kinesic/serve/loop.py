@@ -27,6 +27,7 @@ from kinesic.serve.messages import (
     Clock,
     FeedbackNotice,
     Halted,
+    LoopProperties,
     LoopStart,
     PlannerReady,
     Proposal,
@@ -104,7 +105,12 @@ class Loop(Thread):
 
     def beginning(self) -> LoopStart:
         """The state from which a planner takes over."""
-        return LoopStart(self._clock, self.motion, self._stops_made, tuple(self.agenda), self._effects.accompaniment)
+        return LoopStart(self.motion, self._stops_made, tuple(self.agenda))
+
+    @property
+    def properties(self) -> LoopProperties:
+        """What planners are told before they take over."""
+        return LoopProperties(self._clock, self._effects.accompaniment)
 
     def owes(self, sender: int) -> bool:
         """Whether a block of a client's is not over, or feedback of it is still to be sent."""

@@ -76,10 +76,16 @@ ClientRequest = DocumentRequest | Interruption | Restyling | Resumption
 class LoopStart:
     """The state of the loop from which a planner takes over."""
 
-    clock: Clock
     motion: Trajectory
     stops: int  # emergency stops so far
     agenda: tuple[ScheduledFeedback, ...]  # what another planner left to be sent
+
+
+@dataclass(frozen=True, eq=False)
+class LoopProperties:
+    """What stays the same of the loop as long as it runs."""
+
+    clock: Clock
     accompaniment: SoundAndFace  # what is performed beside the motion
 
 

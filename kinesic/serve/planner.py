@@ -1,6 +1,7 @@
 """The process that plans: it reads documents, keeps the scene, and proposes motions and feedback to the loop."""
 
 import signal
+import traceback
 from collections.abc import Callable
 from dataclasses import replace
 from math import isfinite
@@ -21,13 +22,14 @@ from kinesic.realizer.realizer import (
     prepare_block,
 )
 from kinesic.realizer.release import release_motion
-from kinesic.realizer.request import Message, read_request, refusal_feedback
+from kinesic.realizer.request import Message, block_id, read_request, refusal_feedback
 from kinesic.serve.messages import (
     ClientRequest,
     DocumentRequest,
     FeedbackNotice,
     Halted,
     Interruption,
+    LoopProperties,
     LoopStart,
     PlannerReady,
     Proposal,
@@ -39,13 +41,23 @@ from kinesic.serve.messages import (
 from kinesic.serve.protocol import json_answer
 from kinesic.serve.quotas import Quotas, quota_feedback
 from kinesic.serve.refiner import RefinedPlan, RefinementJob, pack, unpack
-from kinesic.serve.tracks import Track, Version, make_track, track_version
+from kinesic.serve.tracks import SoundAndFace, Track, Version, make_track, track_version
 
 MARGIN = 0.015  # [s] from a proposal to its cut, beside what it takes to make it
 LONGEST = 1.0  # [s] that making one may take
 SLOWER = 0.7  # share of that which is kept when the next one takes less
 ATTEMPTS = 5  # at being in time
 LOOK = 0.05  # [s] between two looks at what is due
+DEFECTS = (
+    ArithmeticError,
+    AssertionError,
+    AttributeError,
+    LookupError,
+    MemoryError,
+    RuntimeError,
+    TypeError,
+    ValueError,
+)  # of a program
 WARMING = (
     '<bml id="warming"><head id="nod" lexeme="NOD" start="0"/><gesture id="beat" lexeme="BEAT" start="0"/>'
     '<faceLexeme id="brows" lexeme="RAISE_BROWS" start="0"/><speech id="yes"><text>Yes.</text></speech></bml>'
@@ -59,22 +71,24 @@ def run_planner(
     requests: Connection,
     loop: Connection,
     refiner: Connection,
-    beginning: LoopStart,
+    properties: LoopProperties,
     rules: Quotas,
 ) -> None:
-    """Plans until the server is gone.
+    """Warms up, waits for its turn, and then plans until the server is gone.
 
     Args:
         make_setup: makes what planning needs.
-        requests: of clients, one after the other.
+        requests: the state of the loop when it is this planner's turn, then requests of clients, one after the other.
         loop: proposals go there, verdicts and stops come back.
         refiner: plans again what has begun.
-        beginning: the state of the loop.
+        properties: of the loop.
         rules: how large a document may be, and how long a block.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which then folds the robot
     try:
-        planning = PlannerState(make_setup(), loop, refiner, beginning, rules)
+        setup = make_setup()
+        warm_up(setup, properties.accompaniment)
+        planning = PlannerState(setup, loop, refiner, properties, beginning=requests.recv(), rules=rules)
         loop.send(PlannerReady())
         while True:
             pending = wait([requests, loop, refiner], planning.pause)
@@ -92,23 +106,34 @@ def run_planner(
         return
 
 
+def warm_up(setup: Setup, accompaniment: SoundAndFace) -> None:
+    """Plans a block that is never performed, so that the first one that is finds everything at hand."""
+    scene = begin(Scene.of(setup), prepare_block(read_request(Message(WARMING), setup), setup), 0.0)
+    for running in scene.playing:
+        make_track(running, accompaniment)
+    advance(scene, 0.1)
+
+
 class PlannerState:
     """Keeps the scene, and changes it as the loop can follow."""
 
     def __init__(
-        self, setup: Setup, loop: Connection, refiner: Connection, beginning: LoopStart, rules: Quotas
+        self,
+        setup: Setup,
+        loop: Connection,
+        refiner: Connection,
+        properties: LoopProperties,
+        *,
+        beginning: LoopStart,
+        rules: Quotas,
     ) -> None:
-        """Warms up by planning a block that is never performed."""
-        self._loop, self._refiner, self._clock, self._rules = loop, refiner, beginning.clock, rules
+        """Begins with nothing but the motion that the loop plays, and what it still has to say."""
+        self._loop, self._refiner, self._clock, self._rules = loop, refiner, properties.clock, rules
         self._bounds = Bounds(rules.message, rules.depth)
         self._stops, self._took = beginning.stops, 0.0
-        self._accompaniment = beginning.accompaniment
+        self._accompaniment = properties.accompaniment
         self._versions = dict[str, Version]()  # of the tracks that the loop has
         self._refining = False  # whether the refiner is at work
-        warming = begin(Scene.of(setup), prepare_block(read_request(Message(WARMING), setup), setup), 0.0)
-        for running in warming.playing:
-            make_track(running, beginning.accompaniment)
-        advance(warming, 0.1)
         self._scene = replace(Scene.of(setup), motion=beginning.motion, agenda=beginning.agenda)
 
     @property
@@ -169,21 +194,32 @@ class PlannerState:
             self.take_halt(self._loop.recv())
 
     def _plan(self, document: DocumentRequest) -> None:
+        """Plans a document and proposes it. A defect that shows in planning costs this document and nothing else.
+
+        All that can fail comes before the proposal is sent, and leaves the scene as it was.
+        """
         message = document.message
         try:
-            context = self._scene.context(self._clock.now())
-            read = read_request(message, self._scene.setup, context=context, bounds=self._bounds)
-            request = with_engaged_hands(self._scene, read)
-            id, timeline = request.block.id, request.timeline
-            if timeline.end - timeline.start > self._rules.duration:
-                what = f"{id} lasts {timeline.end:.0f} s, at most {self._rules.duration:g} s are taken: split it"
-                self._tell(quota_feedback("duration", what, name=id), message.sender)
-                return
-            self._tell(request.prediction, message.sender)
-            prepared = prepare_block(request, self._scene.setup)
+            self._try_to_plan(document)
         except BmlError as error:
             self._tell(refusal_feedback(message, error), message.sender)
+        except DEFECTS as error:
+            traceback.print_exception(error)
+            what = f"planning failed ({type(error).__name__}), and it is not performed; please report the document"
+            self._tell(quota_feedback("planning", what, name=block_id(message.text)), message.sender)
+
+    def _try_to_plan(self, document: DocumentRequest) -> None:
+        message = document.message
+        context = self._scene.context(self._clock.now())
+        read = read_request(message, self._scene.setup, context=context, bounds=self._bounds)
+        request = with_engaged_hands(self._scene, read)
+        id, timeline = request.block.id, request.timeline
+        if timeline.end - timeline.start > self._rules.duration:
+            what = f"{id} lasts {timeline.end:.0f} s, at most {self._rules.duration:g} s are taken: split it"
+            self._tell(quota_feedback("duration", what, name=id), message.sender)
             return
+        self._tell(request.prediction, message.sender)
+        prepared = prepare_block(request, self._scene.setup)
         if document.stops != self._stops or not self._propose(lambda scene, now: begin(scene, prepared, now)):
             text = quota_feedback("stopped", "an emergency stop came; resume first", name=id)
             self._tell(text, message.sender)

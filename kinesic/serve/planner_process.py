@@ -1,8 +1,14 @@
-"""Keeps planner and refiner as child processes: one request at a time, killed when they hang, and begun anew."""
+"""Keeps planner and refiner as child processes: one request at a time, killed when they hang, and replaced at once.
+
+A spare planner is warm beside the one that works. Both share what they have imported; it costs 55 MB of its own.
+"""
 
 from asyncio import TimerHandle, get_running_loop
 from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
+from multiprocessing.context import ForkServerContext, SpawnContext
 
 from kinesic.child import Child, child_context
 from kinesic.controller import perform
@@ -11,6 +17,23 @@ from kinesic.serve import planner, refiner
 from kinesic.serve.loop import Loop
 from kinesic.serve.messages import ClientRequest, DocumentRequest, PlannerReady, RequestDone
 from kinesic.serve.quotas import Quotas
+
+COLD_DEATHS = 2  # of planners one after the other before they are warm: there is no hope for a third
+
+
+@dataclass(frozen=True, eq=False)
+class PlannerProcess:
+    """A planner and the server's ends of its pipes."""
+
+    child: Child
+    requests: Connection
+    loop: Connection  # for the loop
+    refiner: Connection  # for a refiner
+
+    def end(self) -> None:
+        """Ends it at once, in whatever state it is."""
+        self.requests.close()
+        self.child.kill()
 
 
 class Planner:
@@ -36,10 +59,12 @@ class Planner:
         """
         self._make_setup, self._loop, self._rules = make_setup, loop, rules
         self._idle, self._lost = idle, lost
-        self._children: list[Child] = []
-        self._requests: Connection | None = None
+        self._working: PlannerProcess | None = None
+        self._spare: PlannerProcess | None = None  # warms up, or waits for its turn
+        self._refiner: Child | None = None
         self._watch: TimerHandle | None = None
         self._present: ClientRequest | None = None  # what it is doing
+        self._cold_deaths = 0  # since one was warm
         self.warm = False
         self.deaths = 0  # so far
         self.failed = False  # it cannot even be started
@@ -54,30 +79,40 @@ class Planner:
         return isinstance(self._present, DocumentRequest) and self._present.message.sender == sender
 
     def start(self) -> None:
-        """Begins both processes; the planner says when it is warm."""
-        slow = (planner.__name__, perform.__name__, self._make_setup.__module__)
-        context = child_context(*slow)  # nothing of the server's threads
-        requests, self._requests = context.Pipe(duplex=False)
+        """Has the spare planner take over, or a new one where there is none; it says when it is warm."""
+        if self._spare is None or not self._spare.child.is_alive:
+            self._spare = self._begin()
+        self._working, self._spare = self._spare, None
+        beginning = self._loop.beginning()
+        with suppress(OSError):  # it has died just now, as the loop will find out
+            self._working.requests.send(beginning)
+        self._refiner = Child(
+            self._context(), refiner.run_refiner, self._make_setup, self._working.refiner, name="refiner"
+        )
+        self._loop.link(self._working.loop, beginning)
+
+    def _begin(self) -> PlannerProcess:
+        """Begins a planner, which warms up and then waits for the state of the loop."""
+        context = self._context()
+        requests, to_requests = context.Pipe(duplex=False)
         to_planner, to_loop = context.Pipe()
         from_planner, to_refiner = context.Pipe()
-        beginning = self._loop.beginning()
-        given = (self._make_setup, requests, to_loop, to_refiner, beginning, self._rules)
-        self._children = [
-            Child(context, planner.run_planner, *given, name="planner"),
-            Child(context, refiner.run_refiner, self._make_setup, from_planner, name="refiner"),
-        ]
-        self._loop.link(to_planner, beginning)
+        given = (self._make_setup, requests, to_loop, to_refiner, self._loop.properties, self._rules)
+        child = Child(context, planner.run_planner, *given, name="planner")
+        return PlannerProcess(child, to_requests, to_planner, from_planner)
+
+    def _context(self) -> ForkServerContext | SpawnContext:
+        """How processes begin: with nothing of the server's threads."""
+        return child_context(planner.__name__, perform.__name__, self._make_setup.__module__)
 
     def send(self, request: ClientRequest) -> None:
         """Has it fulfil a request; only while it is free."""
-        if self._requests is None or not self.free:
+        if self._working is None or not self.free:
             raise RuntimeError("the planner is at work: send when it is free")
         self._present = request
-        self._watch = get_running_loop().call_later(self._rules.planning, self._kill)
-        try:
-            self._requests.send(request)
-        except OSError:
-            return  # it has died, as the loop will find out
+        self._watch = get_running_loop().call_later(self._rules.planning, self._working.child.kill)
+        with suppress(OSError):  # it has died, as the loop will find out
+            self._working.requests.send(request)
 
     def receive(self, news: PlannerReady | RequestDone | None) -> None:
         """Takes what it says to the server; None: it has died."""
@@ -85,24 +120,31 @@ class Planner:
             self._watch.cancel()
         present, self._present = self._present, None
         match news:
-            case PlannerReady() | RequestDone():
-                self.warm = True
+            case PlannerReady():
+                self.warm, self._cold_deaths = True, 0
+                if self._spare is None:
+                    self._spare = self._begin()
+                self._idle()
+            case RequestDone():
                 self._idle()
             case None:
-                was_warm, self.warm = self.warm, False
+                self._cold_deaths += not self.warm
+                self.warm = False
                 self.deaths += 1
-                self.close()
-                self.failed = not was_warm
+                self._end_working()
+                self.failed = self._cold_deaths >= COLD_DEATHS
                 self._lost(present)
                 if not self.failed:
                     self.start()
 
     def close(self) -> None:
         """Ends the processes."""
-        if self._requests is not None:
-            self._requests.close()
-        self._kill()
+        self._end_working()
+        if self._spare is not None:
+            self._spare.end()
 
-    def _kill(self) -> None:
-        for child in self._children:
-            child.kill()
+    def _end_working(self) -> None:
+        if self._working is not None:
+            self._working.end()
+        if self._refiner is not None:
+            self._refiner.kill()

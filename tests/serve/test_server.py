@@ -245,7 +245,7 @@ def test_a_planner_that_dies_is_replaced_while_the_motion_goes_on(server, become
         messages = []
         while not progress(messages, "survivor"):
             messages.append(client.receive(20))
-        session.planner._children[0].kill()
+        session.planner._working.child.kill()
         while progress(messages, "survivor")[-1] != "end":
             messages.append(client.receive(20))
         assert becomes(lambda: session.planner.free)
