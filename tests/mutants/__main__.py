@@ -82,13 +82,15 @@ def try_all(mutants: list[Mutant], jobs: int, folder: Path) -> list[Outcome]:
         finally:
             free.put(sandbox)
 
-    def try_one(mutant: Mutant) -> Outcome:
+    def try_one(numbered: tuple[int, Mutant]) -> Outcome:
+        number, mutant = numbered
         sandbox = free.get()
+        print(f"\r{number} of {len(mutants)} ", end="", file=sys.stderr, flush=True)
         try:
             changed = mutant.edit.apply(mutant.source)
             outcome = sandbox.try_mutant(mutant.module, changed, mutant.tests, usual=usual[mutant.tests])
             if outcome == "survived":
-                print(mutant, flush=True)
+                print(f"\r{mutant}", flush=True)
             return outcome
         finally:
             free.put(sandbox)
@@ -96,7 +98,7 @@ def try_all(mutants: list[Mutant], jobs: int, folder: Path) -> list[Outcome]:
     with ThreadPoolExecutor(jobs) as pool:
         suites = list(dict.fromkeys(mutant.tests for mutant in mutants))
         usual = dict(zip(suites, pool.map(time_tests, suites), strict=True))
-        return list(pool.map(try_one, mutants))
+        return list(pool.map(try_one, enumerate(mutants, 1)))
 
 
 def report(mutants: list[Mutant], outcomes: list[Outcome], same: list[Mutant]) -> bool:

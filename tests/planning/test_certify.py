@@ -129,6 +129,20 @@ def test_a_duty_a_little_below_the_full_one_is_granted(known: Setup):
         assert len(setup.dynamics.asked) == attempts
 
 
+def test_the_full_duty_itself_is_granted(known: Setup):
+    stall = known.robot.drives.stall[BEARER]
+    full = next(
+        torque for torque in np.nextafter(FULL * stall, [FULL * stall, -np.inf, np.inf]) if torque / stall == FULL
+    )
+
+    def weight(angles: Floats, speeds: Floats, accelerations: Floats) -> Floats:
+        return np.where(np.arange(angles.shape[1]) == BEARER, full, 0.0) * np.ones_like(angles)
+
+    setup = under(known, weight)
+    assert duties(certify(keys_of(known), setup).trajectory, setup)[BEARER] == FULL
+    assert len(setup.dynamics.asked) == 2  # once to certify, and once for this test
+
+
 def test_a_weight_that_no_drive_holds_is_given_up_after_some_attempts(known: Setup):
     stall = known.robot.drives.stall
 

@@ -201,11 +201,13 @@ def test_what_is_no_packet_is_passed_over():
     stream = b"\xff\xff\xfd" + packet.ping(2)[:6] + good + bytes(wrong) + b"\xff\xff" + good
     reader = Reader()
     assert [found for byte in stream for found in reader.feed(bytes((byte,)))] == [Packet(3, 0x55, b"\0\1\2")] * 2
+    assert list(reader.feed(stream)) == [Packet(3, 0x55, b"\0\1\2")] * 2
 
 
 def test_a_length_that_no_servo_sends_is_noise():
     reader = Reader()
     assert list(reader.feed(b"\xff\xff\xfd\x00\x01\xff\xff" + packet.ping(1))) == [Packet(1, 1, b"")]
+    assert list(reader.feed(b"\xff\xff\xfd\x00\x01\xfe\xff" + packet.ping(1))) == [Packet(1, 1, b"")]
     assert list(reader.feed(b"\xff\xff\xfd\x00\x01\x02\x00\x55" + packet.ping(1))) == [Packet(1, 1, b"")]
 
 
@@ -261,3 +263,6 @@ def test_the_sdk_sends_the_same_where_nothing_is_stuffed():
         port.is_using = False
         sdk.syncReadTx(port, 224, 18, [1, 2, 3], 3, fast)
         assert port.data == packet.sync_read([1, 2, 3], 224, 18, fast=fast)
+        port.is_using = False
+        sdk.bulkReadTx(port, [1, 144, 0, 2, 0, 2, 146, 0, 1, 0], 10, fast)
+        assert port.data == packet.bulk_read({1: (144, 2), 2: (146, 1)}, fast=fast)
