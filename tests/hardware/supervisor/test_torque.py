@@ -1,0 +1,240 @@
+"""Procedures that give and take torque, on virtual servos: cycle by cycle, as the supervisor runs them."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED, HardwareError, Register
+from kinesic.hardware.protocol.ticks import Ticks
+from kinesic.hardware.protocol.wire import BusError
+from kinesic.hardware.supervisor.axes import Axes, Snapshot
+from kinesic.hardware.supervisor.preflight import configure, take_over
+from kinesic.hardware.supervisor.torque import (
+    Procedure,
+    adopt,
+    energise,
+    release_torque,
+    watchdog_counts,
+)
+from kinesic.hardware.virtual.memory_wire import MemoryWire
+from kinesic.hardware.virtual.shaft_simulation import ShaftSimulation
+from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
+
+from .conftest import MODEL, PERIOD, manifest_of
+
+COUNT, FULL, WATCHDOG = 4, 885, 5
+EVERYBODY = range(COUNT)
+Change = Callable[
+    [Snapshot, int], Snapshot
+]  # what a procedure is told instead of a snapshot, by the number of the cycle
+
+
+class Bench:
+    """Four servos, and a procedure that is run on them."""
+
+    def __init__(self) -> None:
+        cable = Cable("body", tuple(ServoFitting(k + 1, model=MODEL) for k in EVERYBODY))
+        self.plant: ShaftSimulation
+        self.plant, buses = build_bus([cable])
+        self.wire = MemoryWire(buses["body"])
+        self.axes: Axes
+        self.axes, tables = take_over(manifest_of(COUNT, self.wire.baud), lambda name: self.wire, period=PERIOD)
+        configure(self.axes, tables)
+        self.goals: Ticks | None = None
+        self.power = np.full(COUNT, FULL)
+        self.seen: list[dict[Register, list[int]]] = []  # after each cycle, see WATCHED
+        self.last = self.cycle()
+
+    def true(self, register: Register) -> list[int]:
+        return [servo.memory[register] for servo in self.plant.servos]
+
+    def cycle(self) -> Snapshot:
+        due = self.wire.now() + PERIOD
+        snapshot = self.axes.cycle(self.goals)
+        self.wire.sleep(due)
+        self.seen.append({register: self.true(register) for register in WATCHED})
+        return snapshot
+
+    def run(
+        self,
+        procedure: Procedure,
+        change: Change = lambda snapshot, cycle: snapshot,
+        *,
+        places: Sequence[int] = EVERYBODY,
+    ) -> int:
+        """Runs a procedure for the servos at these places to its end; how many cycles that took."""
+        self.seen = []
+        given, cycles = next(procedure, None), 0
+        while True:
+            if given is not None:
+                self.goals = np.array(self.true(Register.PRESENT_POSITION) if self.goals is None else self.goals)
+                self.goals[list(places)] = np.rint(given)
+            self.last, cycles = self.cycle(), cycles + 1
+            try:
+                given = procedure.send(change(self.last, cycles))
+            except StopIteration:
+                return cycles
+
+    def energised(self, *places: int) -> None:
+        chosen = places or EVERYBODY
+        self.run(energise(self.axes, chosen, self.last, self.power, watchdog=WATCHDOG, steps=3), places=chosen)
+
+
+WATCHED = (Register.TORQUE_ENABLE, Register.GOAL_PWM, Register.GOAL_POSITION, Register.BUS_WATCHDOG)
+
+
+@pytest.fixture
+def bench() -> Iterator[Bench]:
+    made = Bench()
+    yield made
+    made.axes.close()
+
+
+def moved(snapshot: Snapshot, ticks: float) -> Snapshot:
+    """The same with the second servo elsewhere."""
+    records = snapshot.records.copy()
+    records["position"][1] += round(ticks)
+    return replace(snapshot, records=records)
+
+
+@pytest.mark.parametrize(("seconds", "counts"), [(0.02, 1), (0.1, 5), (0.1001, 6), (0.2, 10), (0.0, 0)])
+def test_a_watchdog_waits_at_least_as_long_as_is_asked(seconds: float, counts: int):
+    assert watchdog_counts(seconds) == counts
+
+
+def test_torque_comes_where_servos_are_with_little_power_first(bench: Bench):
+    here = [servo.electronics.here() for servo in bench.plant.servos]
+    bench.run(energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3))
+    powers = [seen[Register.GOAL_PWM][2] for seen in bench.seen if seen[Register.TORQUE_ENABLE][2]]
+    assert list(dict.fromkeys(powers)) == [round(share * FULL) for share in (0.1, 0.4, 0.7, 1.0)]
+    assert all(seen[Register.GOAL_POSITION] == here for seen in bench.seen)
+    assert all(seen[Register.GOAL_PWM] != [FULL] * COUNT for seen in bench.seen[:-1])
+    assert bench.true(Register.TORQUE_ENABLE) == [1] * COUNT
+    assert bench.true(Register.BUS_WATCHDOG) == [WATCHDOG] * COUNT
+    for k, member in enumerate(bench.axes.manifest.members):
+        for register, value in member.passing.items():
+            assert bench.true(register)[k] == value
+
+
+def test_only_those_who_are_chosen_get_torque(bench: Bench):
+    bench.energised(0, 2)
+    assert bench.true(Register.TORQUE_ENABLE) == [1, 0, 1, 0]
+    assert bench.true(Register.BUS_WATCHDOG) == [WATCHDOG, 0, WATCHDOG, 0]
+
+
+def test_a_servo_that_does_not_stand_still_stays_limp_and_so_do_all(bench: Bench):
+    procedure = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
+    with pytest.raises(BusError, match=r"servo 2 \(hinge1\).* some of them move.* they stay limp"):
+        bench.run(procedure, lambda snapshot, cycle: moved(snapshot, 2.0 * cycle))
+    assert len(bench.seen) == 200  # two seconds
+    assert not any(any(seen[Register.TORQUE_ENABLE]) for seen in bench.seen)
+
+
+def test_torque_waits_until_servos_stand_still_and_then_comes_where_they_are(bench: Bench):
+    start = bench.true(Register.PRESENT_POSITION)[1]
+    procedure = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
+    bench.run(procedure, lambda snapshot, cycle: moved(snapshot, 3.0 * min(cycle, 30)))
+    first = next(k for k, seen in enumerate(bench.seen) if any(seen[Register.TORQUE_ENABLE]))
+    assert 31 <= first <= 36
+    assert bench.seen[first][Register.GOAL_POSITION][1] == start + 90
+
+
+def test_a_tick_is_no_motion(bench: Bench):
+    procedure = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
+    assert bench.run(procedure, lambda snapshot, cycle: moved(snapshot, cycle % 2)) < 15
+
+
+def test_nothing_is_judged_by_records_from_before_the_goals_went_out(bench: Bench):
+    procedure = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
+    old = replace(bench.last, times=bench.last.times.copy())
+    old.times[3] -= 0.5
+
+    def late(snapshot: Snapshot, cycle: int) -> Snapshot:
+        return replace(snapshot, times=np.where(np.arange(COUNT) == 3, old.times, snapshot.times))
+
+    with pytest.raises(BusError, match="they stay limp"):
+        bench.run(procedure, late)
+    assert bench.true(Register.TORQUE_ENABLE) == [0] * COUNT
+
+
+def test_where_torque_does_not_come_nobody_keeps_it(bench: Bench):
+    bench.plant.servos[2].electronics.fail(HardwareError.OVERLOAD.value)
+    procedure = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
+    with pytest.raises(BusError, match=r"servo 3 \(hinge2\): torque does not come on"):
+        bench.run(procedure)
+    lit = [seen[Register.TORQUE_ENABLE] for seen in bench.seen]
+    assert lit.count([1, 1, 0, 1]) == 25  # cycles that it is waited for
+    assert lit[-1] == [0] * COUNT
+
+
+def test_servos_with_torque_are_adopted_with_their_goals(bench: Bench):
+    bench.energised()
+    earlier = bench.last.positions + np.array([0.0, 282.0, -282.0, 3.0])  # at most twice the 141 ticks of full power
+    for register, value in ((Register.GOAL_PWM, 300), (Register.BUS_WATCHDOG, 0)):
+        bench.axes.put_all(register, EVERYBODY, value)
+    bench.cycle()
+    bench.run(adopt(bench.axes, bench.last, earlier, bench.power, watchdog=WATCHDOG))
+    assert bench.goals.tolist() == np.rint(earlier).tolist()
+    assert all(seen[Register.TORQUE_ENABLE] == [1] * COUNT for seen in bench.seen)
+    assert bench.true(Register.GOAL_PWM) == [FULL] * COUNT
+    assert bench.true(Register.BUS_WATCHDOG) == [WATCHDOG] * COUNT
+
+
+def test_who_is_far_from_its_goal_or_was_stopped_is_adopted_where_it_is(bench: Bench):
+    bench.energised()
+    here = bench.last.positions.copy()
+    records = bench.last.records.copy()
+    records["watchdog"][0] = WATCHDOG_TRIPPED
+    stopped = replace(bench.last, records=records)
+    earlier = here + np.array([50.0, 283.0, -283.0, 50.0])
+    bench.run(adopt(bench.axes, stopped, earlier, bench.power, watchdog=WATCHDOG))
+    assert bench.goals.tolist() == [*here[:3], here[3] + 50.0]
+
+
+def test_goals_of_the_adopted_lie_in_their_ranges(bench: Bench):
+    bench.energised()
+    lower, upper = bench.axes.manifest.spans
+    outside = bench.last.records.copy()
+    outside["position"] = [round(lower[0]) - 100, round(upper[1]) + 100, 2000, 2000]
+    snapshot = replace(bench.last, records=outside)
+    procedure = adopt(bench.axes, snapshot, snapshot.positions, bench.power, watchdog=WATCHDOG)
+    assert next(procedure).tolist() == [lower[0], upper[1], 2000.0, 2000.0]
+
+
+def test_who_is_limp_is_not_adopted(bench: Bench):
+    bench.energised(0, 1, 3)
+    bench.axes.put_all(Register.GOAL_PWM, EVERYBODY, 300)
+    bench.cycle()
+    bench.run(adopt(bench.axes, bench.last, bench.last.positions, bench.power, watchdog=WATCHDOG))
+    assert bench.true(Register.TORQUE_ENABLE) == [1, 1, 0, 1]
+    assert bench.true(Register.BUS_WATCHDOG) == [WATCHDOG, WATCHDOG, 0, WATCHDOG]
+    assert bench.true(Register.GOAL_PWM) == [FULL, FULL, 300, FULL]
+
+
+def test_torque_goes_of_everybody(bench: Bench):
+    bench.energised()
+    assert bench.run(release_torque(bench.axes, tries=10)) <= 2
+    assert bench.true(Register.TORQUE_ENABLE) == [0] * COUNT
+    assert bench.true(Register.BUS_WATCHDOG) == [0] * COUNT
+
+
+def test_who_does_not_answer_keeps_nobody_else_from_release_and_is_named(bench: Bench):
+    bench.energised()
+    bench.plant.servos[1].mute = True
+    with pytest.raises(BusError, match=r"^memory: servo 2 \(hinge1\): may still have torque; switch the power off$"):
+        bench.run(release_torque(bench.axes, tries=7))
+    assert len(bench.seen) == 7
+    assert bench.true(Register.TORQUE_ENABLE) == [0] * COUNT  # it heard, though nobody knows
+    assert bench.seen[0][Register.TORQUE_ENABLE][0] == 0
+
+
+def test_records_from_before_the_release_prove_nothing(bench: Bench):
+    before = bench.last
+    bench.energised()
+
+    def old(snapshot: Snapshot, cycle: int) -> Snapshot:
+        return snapshot if cycle > 3 else before
+
+    assert bench.run(release_torque(bench.axes, tries=10), old) == 4
