@@ -1,6 +1,6 @@
 """One servo on the wire: what it answers to each instruction of protocol 2.0."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from . import packet as p
 from .firmware import Firmware
@@ -106,8 +106,8 @@ class Device:
             return None
         if not packet.intact:
             return self.answer(p.CRC_ERROR) if own and self.memory["status_return"] == 2 else None
-        level = self.memory["status_return"]
-        answer = self._do(packet, time, shadow)
+        level, me = self.memory["status_return"], self.id  # what it was when it was asked
+        answer = replace(self._do(packet, time, shadow), servo=me)
         least = {p.PING: 0, p.READ: 1}.get(packet.instruction, 2)
         if shadow or level < least or (everybody and packet.instruction != p.PING):
             return None

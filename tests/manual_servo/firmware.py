@@ -33,6 +33,7 @@ class Firmware:
     def boot(self, time: float) -> None:
         """Begins anew: RAM is lost, the position is within one turn."""
         self.memory.reset()
+        self.shut = False  # only a reboot brings torque back after a shutdown
         self.booted = self.heard = time
         self.fold()
         self.memory["goal_position"] = round(self.position)
@@ -154,14 +155,10 @@ class Firmware:
         """Shows an error, and shuts down where its mask says so."""
         memory = self.memory
         memory["error"] |= bits
-        if memory["error"] & memory["shutdown"] and memory["torque"]:
+        if bits & memory["shutdown"] and not self.shut:
+            self.shut = True
             memory["torque"] = 0
             self.reload()
-
-    @property
-    def shut(self) -> bool:
-        """Whether only a reboot brings torque back."""
-        return bool(self.memory["error"] & self.memory["shutdown"])
 
     def refresh(self) -> None:
         """Brings the present values up to date."""

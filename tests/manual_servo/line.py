@@ -224,7 +224,7 @@ class Line:
         begin = 0
         for servo, address, size in wanted:
             mine = [device for device in awake if device.id == servo and device.fast and device.memory["status_return"]]
-            told = [self._told(device, device.answer(*device.show(address, size))) for device in mine]
+            told = [self._told(device, _padded(device, address, size)) for device in mine]
             blocks = [p.sealed(so_far + bytes([a.error, a.servo]) + a.parameters) for a in told if a is not None]
             if not blocks:
                 break
@@ -235,6 +235,12 @@ class Line:
             time = self._carry(mine[0], block, time)
             begin = len(so_far)
         return time
+
+
+def _padded(device: Device, address: int, size: int) -> Answer:
+    """A block of a joint answer has its size even where there is nothing to show."""
+    error, data = device.show(address, size)
+    return device.answer(error, data.ljust(size, b"\0"))
 
 
 def _collide(said: Sequence[bytes]) -> bytes:

@@ -3,8 +3,10 @@
 from .packet import ACCESS_ERROR, LENGTH_ERROR, LIMIT_ERROR, RANGE_ERROR
 from .table import GOALS, Item, Model, items
 
+RAM = 64  # where it begins
 TRIPPED = -1  # of the bus watchdog
-ROM_END = 64
+ONE_TURN, MANY_TURNS = 3, 1_048_575  # position mode; [ticks] of goals in the others
+DUAL_JOINT = 2  # of the drive mode, of the 540s alone
 
 
 class Memory:
@@ -38,6 +40,7 @@ class Memory:
 
     def reset(self, *, lasting: bool = False, keep: tuple[str, ...] = ()) -> None:
         """Puts RAM to what a power cycle leaves, EEPROM too if it is lasting."""
+        self.bytes[RAM:] = bytes(len(self.bytes) - RAM)
         for name, item in self.items.items():
             if name not in keep and (lasting or not item.lasting):
                 self[name] = item.initial
@@ -50,16 +53,19 @@ class Memory:
         for data, pointer in self._windows.items():
             self.bytes[pointer : pointer + 2] = data.to_bytes(2, "little")
 
+    def _defined(self, address: int) -> bool:
+        return address in self._owner or address in self._cells or address in self._windows
+
     def _target(self, address: int) -> int:
         """Where an address leads: indirect data to what its pointer names."""
         pointer = self._windows.get(address)
         return address if pointer is None else int.from_bytes(self.bytes[pointer : pointer + 2], "little")
 
     def read(self, address: int, size: int) -> tuple[int, bytes]:
-        """Returns an error number and the bytes."""
+        """Returns an error number and the bytes; it must begin where something is, gaps behind are zeros."""
         if not size:
             return LENGTH_ERROR, b""
-        if address + size > len(self.bytes):
+        if not self._defined(address) or address + size > len(self.bytes):
             return ACCESS_ERROR, b""
         return 0, bytes(self.bytes[self._target(address + k)] for k in range(size))
 
@@ -105,7 +111,7 @@ class Memory:
             pair = [octets.get(cell + k) for k in range(2)]
             if None in pair:
                 return LENGTH_ERROR
-            if not 64 <= int.from_bytes(bytes(pair), "little") < len(self.bytes):
+            if not RAM <= int.from_bytes(bytes(pair), "little") < len(self.bytes):
                 return RANGE_ERROR
         return 0
 
@@ -118,6 +124,10 @@ class Memory:
             if item.bounds is not None and not item.bounds[0] <= value <= item.bounds[1]:
                 return RANGE_ERROR
             if name == "operating_mode" and value not in self.model.modes:
+                return RANGE_ERROR
+            if name == "drive_mode" and value & DUAL_JOINT and not self.model.ports:
+                return RANGE_ERROR
+            if name == "goal_position" and self["operating_mode"] != ONE_TURN and abs(value) > MANY_TURNS:
                 return RANGE_ERROR
             if (limit := self._limit(name, changed)) is not None and not limit[0] <= value <= limit[1]:
                 return LIMIT_ERROR
@@ -132,10 +142,8 @@ class Memory:
         ceilings = {"goal_pwm": "pwm_limit", "goal_current": "current_limit", "goal_velocity": "velocity_limit"}
         if name in ceilings:
             return -now(ceilings[name]), now(ceilings[name])
-        if name == "goal_position" and self["operating_mode"] == 3:
+        if name == "goal_position" and self["operating_mode"] == ONE_TURN:
             return now("min_position"), now("max_position")
-        if name == "goal_position":
-            return -1_048_575, 1_048_575
         return None
 
     def lasting(self) -> dict[str, int]:

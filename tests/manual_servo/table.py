@@ -42,6 +42,7 @@ class Model:
     rated: float = 12.0  # [V]
     fast: int = 45  # the first firmware with fast reads
     ports: bool = False  # whether it has external ports
+    inner: tuple[int, int] = (1920, 100)  # velocity I, P
 
     @property
     def modes(self) -> tuple[int, ...]:
@@ -62,8 +63,10 @@ MODELS = {
     "xm540_w270": Model(1120, 10.6, 3.14, 0.00269, 2047, 128, (800, 0, 0), 80, (95, 160), 0.1, ports=True),
     "xl430_w250": Model(1060, 1.4, 5.97, None, 0, 265, (640, 0, 4000), 72, (60, 140), 0.008),
     "xl330_m288": Model(1200, 0.52, 10.8, 0.001, 1750, 445, (400, 0, 0), 70, (35, 70), 0.0008, rated=5.0, **SMALL),
-    "xc430_w240": Model(1080, 1.9, 7.33, None, 0, 306, (700, 0, 0), 80, (60, 140), 0.01),
-    "xc330_t288": Model(1220, 1.0, 7.43, 0.001, 910, 310, (900, 0, 0), 70, (60, 140), 0.0018, **SMALL),
+    "xc430_w240": Model(1080, 1.9, 7.33, None, 0, 306, (700, 0, 0), 80, (60, 160), 0.01),
+    "xc330_t288": Model(
+        1220, 1.0, 7.43, 0.001, 910, 320, (900, 0, 0), 70, (55, 140), 0.0018, inner=(1200, 40), **SMALL
+    ),
 }
 
 GOALS = ("goal_pwm", "goal_current", "goal_velocity", "goal_position")
@@ -79,10 +82,10 @@ def items(model: Model, servo: int, firmware: int) -> dict[str, Item]:
         "id": Item(7, 1, servo, (0, 252)),
         "baud": Item(8, 1, 1, (0, 6 if model.cells == 20 else 7)),
         "return_delay": Item(9, 1, 250, (0, 254)),
-        "drive_mode": Item(10, 1, 0, (0, 13)),
+        "drive_mode": Item(10, 1, 0, (0, 15)),
         "operating_mode": Item(11, 1, 3, (0, 16)),
         "secondary_id": Item(12, 1, 255),
-        "protocol": Item(13, 1, 2, (1, 22)),
+        "protocol": Item(13, 1, 2, (2, 22) if model.cells == 20 else (1, 2)),
         "homing_offset": Item(20, 4, 0, (-1_044_479, 1_044_479), signed=True),
         "moving_threshold": Item(24, 4, 10, (0, 1023)),
         "temperature_limit": Item(31, 1, model.celsius, (0, 100)),
@@ -90,7 +93,7 @@ def items(model: Model, servo: int, firmware: int) -> dict[str, Item]:
         "min_voltage": Item(34, 2, low, (low, high)),
         "pwm_limit": Item(36, 2, 885, (0, 885)),
         "current_limit": Item(38, 2, model.current_limit, (0, model.current_limit)),
-        "velocity_limit": Item(44, 4, model.speed_limit, (0, 2047)),
+        "velocity_limit": Item(44, 4, model.speed_limit, (0, 2047 if model.cells == 20 else 1023)),
         "max_position": Item(48, 4, 4095, (0, 4095)),
         "min_position": Item(52, 4, 0, (0, 4095)),
         "startup": Item(60, 1, 0, (0, 3)),
@@ -100,8 +103,8 @@ def items(model: Model, servo: int, firmware: int) -> dict[str, Item]:
         "status_return": Item(68, 1, 2, (0, 2)),
         "registered": Item(69, 1, 0, writable=False),
         "error": Item(70, 1, 0, writable=False),
-        "velocity_i": Item(76, 2, 1920, (0, 16383)),
-        "velocity_p": Item(78, 2, 100, (0, 16383)),
+        "velocity_i": Item(76, 2, model.inner[0], (0, 16383)),
+        "velocity_p": Item(78, 2, model.inner[1], (0, 16383)),
         "position_d": Item(80, 2, model.gains[2], (0, 16383)),
         "position_i": Item(82, 2, model.gains[1], (0, 16383)),
         "position_p": Item(84, 2, model.gains[0], (0, 16383)),

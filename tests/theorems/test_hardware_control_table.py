@@ -56,12 +56,10 @@ class Table:
         if register is Register.GOAL_POSITION:
             least = self.values[Register.MIN_POSITION_LIMIT]
             return Fault.NONE if least <= value <= self.model.starts(Register.MAX_POSITION_LIMIT) else Fault.LIMIT
+        if register in LIMITS:
+            return Fault.LIMIT if abs(value) > self.values[LIMITS[register]] else Fault.NONE
         lower, upper = self.model.range(register)
-        if not lower <= value <= upper:
-            return Fault.RANGE
-        if register in LIMITS and abs(value) > self.values[LIMITS[register]]:
-            return Fault.LIMIT
-        return Fault.NONE
+        return Fault.NONE if lower <= value <= upper else Fault.RANGE
 
 
 def written(servo: VirtualServo, register: Register, value: int) -> Fault:

@@ -215,15 +215,15 @@ def value_fault(memory: Memory, register: Register, value: int, *, latched: bool
         return Fault.ACCESS
     if register in GOALS and memory[Register.BUS_WATCHDOG] == WATCHDOG_TRIPPED:
         return Fault.RANGE
-    if register is Register.TORQUE_ENABLE and value and latched:
-        return Fault.ACCESS
+    if register is Register.TORQUE_ENABLE and value == 1 and latched:
+        return Fault.RESULT
     if register is Register.GOAL_POSITION:
         return _goal_refusal(memory, value)
+    if register in _LIMITED:  # its range is another register's value
+        return Fault.LIMIT if abs(value) > memory[_LIMITED[register]] else Fault.NONE
     lower, upper = memory.model.range(register)
-    if not lower <= value <= upper or not _meant(memory, register, value):
-        return Fault.RANGE
-    limit = _LIMITED.get(register)
-    return Fault.LIMIT if limit is not None and abs(value) > memory[limit] else Fault.NONE
+    inside = lower <= value <= upper and _meant(memory, register, value)
+    return Fault.NONE if inside else Fault.RANGE
 
 
 def _goal_refusal(memory: Memory, value: int) -> Fault:

@@ -164,7 +164,7 @@ def test_what_came_before_comes_again(bench: Make):
     made.line.expose(faults.Replay(age=3, servos=(1,)))
     made.device.firmware.tampers.append(lambda memory: memory.__setitem__("present_position", memory["tick"]))
     told = [position(made) for _ in range(5)]
-    assert told[2:] == told[:1] + [told[0] + 20, told[0] + 40]
+    assert told[2:] == [*told[:1], told[0] + 20, told[0] + 40]
 
 
 def test_a_return_delay_makes_answers_later(bench: Make):

@@ -63,7 +63,7 @@ def test_an_error_in_the_mask_takes_torque_away_until_a_reboot(line: Lines):
     one.servo.electronics.fail(HardwareError.OVERLOAD.value)
     (status,) = one.ask(packet.read_packet(1, Register.TORQUE_ENABLE.field.address, 1))
     assert (status.error, status.data) == (ALERT, b"\0"), "the alert is data beside the answer"
-    assert one.set(Register.TORQUE_ENABLE, 1) == ALERT | Fault.ACCESS
+    assert one.set(Register.TORQUE_ENABLE, 1) == ALERT | Fault.RESULT
     one.bytes(packet.packet(1, Instruction.REBOOT))
     one.pass_time(BOOT)
     assert one.get(Register.HARDWARE_ERROR_STATUS) == 0

@@ -34,7 +34,7 @@ def test_eeprom_is_locked_while_torque_is_on(line: Lines):
         (Register.GOAL_POSITION.field.address, bytes(2), Fault.LENGTH),
         (Register.GOAL_POSITION.field.address + 1, bytes(3), Fault.ACCESS),
         (Register.GOAL_POSITION.field.address, (4096).to_bytes(4, "little"), Fault.LIMIT),
-        (Register.GOAL_PWM.field.address, (886).to_bytes(2, "little"), Fault.RANGE),
+        (Register.GOAL_PWM.field.address, (886).to_bytes(2, "little"), Fault.LIMIT),
         (Register.OPERATING_MODE.field.address, b"\2", Fault.RANGE),
         (Register.BAUD_RATE.field.address, b"\x08", Fault.RANGE),
         (Register.LED.field.address, b"\2", Fault.RANGE),

@@ -1,0 +1,154 @@
+"""What kinesic's virtual servos answer is what those of the manual answer, whatever they are asked.
+
+Left out, as the manual is silent: who answers behind a silent one of a plain sync read (here nobody does, with
+kinesic's own the next), an instruction with too few or too many parameters (refused here), a wrong value in
+REG_WRITE (refused here at ACTION), which error a write with several has, how long a start takes, and a broken CRC,
+which kinesic's servos do not answer at all, those of the manual with an error.
+"""
+
+from dataclasses import dataclass
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from kinesic.hardware.virtual.memory_wire import MemoryWire
+from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
+
+from ..hardware.manual.adapter import ManualWire, build_manual
+from ..manual_servo import packet as p
+from ..manual_servo.table import MODELS, items
+
+IDS = (1, 2)
+START = 0.4  # [s] that a servo may take
+RESTARTS = (p.REBOOT, p.FACTORY_RESET, p.BACKUP)
+SENSED = range(120, 148)  # moves with time
+FAST = (p.FAST_SYNC_READ, p.FAST_BULK_READ)
+ASKED = ("xm430_w210", "xm540_w150", "xc430_w240", "xc330_t288")
+WRITTEN = {(i.address, i.size) for m in ASKED for n, i in items(MODELS[m], 1, 52).items() if n not in ("id", "baud")}
+CELLS = {(a, 2) for a in (168, 170, 172, 578)} | {(a, 1) for a in (208, 209, 224, 225, 634)}
+PLACES = st.sampled_from(sorted(p for p in WRITTEN | CELLS if p[0] not in SENSED))
+EDGES = (0, 1, 2, 3, 4, 5, 8, 16, 64, 65, 98, 100, 116, 117, 127, 224, 253, 255, 885, 886, 1024, 2000, 3000, 4095, 4096)
+VALUES = st.sampled_from([*EDGES, -1, -100, 16_383, 16_384, 32_767, 1_048_576]) | st.integers(-(2**31), 2**32 - 1)
+WHOM = st.sampled_from([1, 1, 2, 5, p.BROADCAST])
+
+
+def words(*values: int) -> bytes:
+    return b"".join(value.to_bytes(2, "little") for value in values)
+
+
+@st.composite
+def writes(draw: st.DrawFn) -> tuple[int, bytes]:
+    """An address and bytes, of one register, or of one and a half."""
+    address, size = draw(PLACES)
+    size = max(1, size + draw(st.sampled_from([0, 0, 0, 0, 1, -1])))
+    return address, (draw(VALUES) % 256**size).to_bytes(size, "little")
+
+
+@st.composite
+def instructions(draw: st.DrawFn) -> bytes:
+    """A well-formed instruction."""
+    kind = draw(st.sampled_from(["write"] * 4 + ["read"] * 3 + ["register", "action", "sync", "bulk", "group", "rest"]))
+    whom, (address, data) = draw(WHOM), draw(writes())
+    if kind == "write":
+        return p.instruct(whom, p.WRITE, words(address) + data)
+    if kind == "read":
+        start, size = draw(PLACES)
+        return p.instruct(whom, p.READ, words(start, size))
+    if kind == "register":
+        return p.instruct(whom, p.REG_WRITE, words(65) + bytes([draw(st.integers(0, 1))]))
+    if kind == "action":
+        return p.instruct(whom, p.ACTION)
+    if kind == "sync":
+        both = b"".join(bytes([servo]) + data for servo in IDS)
+        return p.instruct(p.BROADCAST, p.SYNC_WRITE, words(address, len(data)) + both)
+    if kind == "bulk":
+        return p.instruct(
+            p.BROADCAST, p.BULK_WRITE, b"\1" + words(address, len(data)) + data + b"\2" + words(65, 1) + b"\1"
+        )
+    if kind == "group":
+        start, size = draw(PLACES)
+        order = bytes(draw(st.permutations(IDS)))
+        if draw(st.booleans()):
+            return p.instruct(
+                p.BROADCAST, draw(st.sampled_from([p.SYNC_READ, p.FAST_SYNC_READ])), words(start, size) + order
+            )
+        asked = b"".join(bytes([servo]) + words(start, size) for servo in order)
+        return p.instruct(p.BROADCAST, draw(st.sampled_from([p.BULK_READ, p.FAST_BULK_READ])), asked)
+    rest = [(p.PING, b""), (p.REBOOT, b""), (p.FACTORY_RESET, b"\2"), (p.CLEAR, bytes.fromhex("0144584C22"))]
+    return p.instruct(whom, *draw(st.sampled_from([*rest, (0x77, b"")])))
+
+
+@dataclass(frozen=True)
+class Said:
+    """One answer."""
+
+    servo: int
+    error: int
+    data: bytes
+
+    def agrees(self, other: "Said", *, exact: bool) -> bool:
+        """Whether two servos said the same, as far as the manual tells."""
+        alike = self.error == other.error or (not exact and bool(self.error) and bool(other.error))
+        return alike and (self.servo, self.data) == (other.servo, other.data)
+
+
+class Host:
+    """Servos of one make, and what is said to them."""
+
+    def __init__(self, wire: MemoryWire | ManualWire) -> None:
+        self.wire, self._decoder = wire, p.Decoder()
+
+    def ask(self, data: bytes) -> list[Said]:
+        """What comes back."""
+        self.wire.write(data)
+        end, raw = self.wire.now() + 0.02, b""
+        while came := self.wire.read(end):
+            raw += came
+        if data[7] in RESTARTS:
+            self.wire.sleep(self.wire.now() + START)
+        if data[7] in FAST:
+            return [Said(p.BROADCAST, 0, raw)]
+        found = self._decoder.feed(raw, self.wire.now())
+        return [Said(s.servo, s.parameters[0], s.parameters[1:]) for s in found]
+
+
+def whole(data: bytes) -> bool:
+    """Whether it writes one register, as a whole, or nothing: then it has one error at most."""
+    return data[7] != p.WRITE or (int.from_bytes(data[8:10], "little"), len(data) - 12) in WRITTEN
+
+
+def compare(own: Host, manual: Host, data: bytes) -> None:
+    """Asks both."""
+    told, expected = own.ask(data), manual.ask(data)
+    assert len(told) == len(expected), data.hex()
+    for one, other in zip(told, expected, strict=True):
+        assert one.agrees(other, exact=whole(data)), (data.hex(), one, other)
+
+
+@settings(max_examples=80)
+@given(st.sampled_from(ASKED), st.lists(instructions(), max_size=25))
+def test_both_virtual_servos_answer_alike(model: str, stream: list[bytes]):
+    cable = Cable("body", tuple(ServoFitting(servo, model=model) for servo in IDS))
+    own = Host(MemoryWire(build_bus([cable])[1]["body"]))
+    manual = Host(ManualWire(build_manual([cable])[1]["body"]))
+    for data in stream:
+        compare(own, manual, data)
+    for item in items(MODELS[model], 1, 52).values():
+        if item.address not in SENSED:
+            compare(own, manual, p.instruct(1, p.READ, words(item.address, item.size)))
+
+
+@pytest.mark.parametrize("torque", [0, 1])
+@pytest.mark.parametrize("model", ASKED)
+def test_both_take_and_refuse_the_same_values(model: str, torque: int):
+    cable = Cable("body", (ServoFitting(1, model=model),))
+    own = Host(MemoryWire(build_bus([cable])[1]["body"]))
+    manual = Host(ManualWire(build_manual([cable])[1]["body"]))
+    for name, item in items(MODELS[model], 1, 52).items():
+        if name in ("id", "baud", "status_return"):
+            continue
+        for value in (*EDGES, -1, -100, -886, -1024, -2048, 16_383, 16_384, 32_767, 32_768, 1_044_480, 1_048_576):
+            compare(own, manual, p.instruct(1, p.WRITE, words(64) + bytes([torque])))
+            octets = (value % 256**item.size).to_bytes(item.size, "little")
+            compare(own, manual, p.instruct(1, p.WRITE, words(item.address) + octets))
