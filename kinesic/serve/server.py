@@ -5,10 +5,10 @@ It opens, waits until its end is requested, and folds the robot to rest.
 
 from asyncio import (
     FIRST_COMPLETED,
-    CancelledError,
     Event,
     StreamReader,
     StreamWriter,
+    Task,
     create_task,
     sleep,
     start_server,
@@ -41,6 +41,7 @@ DOORWAY = 2  # times as many connections as clients, among them such as have not
 LOOK_AT_CLIENT = 0.05  # [s] between two looks at whether a client is owed something
 AWAY = 1001  # WebSocket's code of a server that ends
 FOLDING = 30.0  # [s] that ending everything and coming to rest may take
+FAREWELL = 1.5  # [s] in which clients may read what the server says last
 LOOK_AT_LOOP = 0.1  # [s] between two looks at whether the loop still runs
 
 
@@ -59,26 +60,60 @@ class ClientWire(Protocol):
         """Closes the connection, and says why."""
 
 
-async def open_listener(clients: ClientRegistry, host: str, port: int) -> Listener:
+class Reception:
+    """Connections as they come, each attended to by a task of its own until it has ended."""
+
+    def __init__(self, clients: ClientRegistry, host: str) -> None:
+        """Begins with none.
+
+        Args:
+            clients: where they are registered.
+            host: that the server was told to listen at.
+        """
+        self._clients, self._host = clients, host
+        self._attending: set[Task[None]] = set()
+
+    @property
+    def count(self) -> int:
+        """How many are attended to."""
+        return len(self._attending)
+
+    def take(self, reader: StreamReader, writer: StreamWriter) -> None:
+        """Attends to a connection; one too many is closed at once, so that those are told so, but not without end."""
+        if self.count >= DOORWAY * self._clients.rules.clients:
+            writer.transport.abort()
+            return
+        task = create_task(self._attend(reader, writer))
+        self._attending.add(task)
+        task.add_done_callback(self._attending.discard)
+
+    async def dismiss(self) -> None:
+        """Gives everybody some time to read what was said last, and then ends what is left."""
+        if self._attending:
+            await wait(self._attending, timeout=FAREWELL)
+        for task in self._attending:
+            task.cancel()
+        if self._attending:
+            await wait(self._attending)
+
+    async def _attend(self, reader: StreamReader, writer: StreamWriter) -> None:
+        try:
+            with suppress(OSError, HalfError):  # a client may leave in any way
+                await _welcome(self._clients, self._host, reader, writer)
+        finally:
+            writer.transport.abort()
+
+
+async def open_listener(reception: Reception, address: "Address") -> Listener:
     """Takes an address for TCP and WebSocket; no client is attended to before it starts serving.
 
     Raises:
         ConfigError: the address cannot be had.
     """
-    present: set[StreamWriter] = set()
-
-    async def attend(reader: StreamReader, writer: StreamWriter) -> None:
-        present.add(writer)
-        with suppress(OSError, HalfError):  # a client may leave in any way
-            if len(present) <= DOORWAY * clients.rules.clients:  # those too many are told so, but not without end
-                await _welcome(clients, host, reader, writer)
-        present.discard(writer)
-        writer.transport.abort()
-
     try:
-        return await start_server(attend, host, port, limit=BUFFER, start_serving=False)
+        return await start_server(reception.take, address.host, address.port, limit=BUFFER, start_serving=False)
     except OSError as error:
-        raise ConfigError(f"--listen {host}:{port}: {error.strerror}; give another one, or port 0") from None
+        raise ConfigError(f"--listen {address}: {error.strerror}; give another one, or port 0") from None
 
 
 async def attend_console(clients: ClientRegistry) -> None:
@@ -118,14 +153,16 @@ async def _attend(clients: ClientRegistry, wire: ClientWire, client: ConnectedCl
             await sleep(LOOK_AT_CLIENT)
         client.output.end()
         receiving.cancel()
+        await wait((receiving,))  # closing reads too, and only one may
         await sending
         await wire.close(client.code, client.why)
-        with suppress(CancelledError):
-            await receiving
+        if not receiving.cancelled():
+            receiving.result()
     finally:
         clients.leave(client)
         for task in (receiving, sending):
             task.cancel()
+        await wait((receiving, sending))
 
 
 async def _receive(clients: ClientRegistry, wire: ClientWire, client: ConnectedClient) -> None:
@@ -193,10 +230,10 @@ async def open_serving(
     clients = ClientRegistry(
         rules, access, lambda own: Session(make_setup, sinks, rules, own.tell, accompaniment=accompaniment)
     )
-    listener = None
+    listener, reception = None, Reception(clients, "" if address is None else address.host)
     try:
         if address is not None:
-            listener = await open_listener(clients, address.host, address.port)
+            listener = await open_listener(reception, address)
             address = Address(address.host, listener.sockets[0].getsockname()[1])
         await clients.session.start()
         if listener is not None:
@@ -211,7 +248,7 @@ async def open_serving(
         if listener is not None:
             listener.close()
         clients.close(AWAY, "the server ends")
-        await sleep(LOOK_AT_LOOP)  # for what is still to be read
+        await reception.dismiss()
         clients.session.close()
 
 
@@ -228,8 +265,10 @@ async def until_done(open_: Serving, enough: Event, *, console: bool) -> None:
     if reading is not None and open_.address is None:
         tasks.add(reading)
     await wait(tasks, return_when=FIRST_COMPLETED)
-    for task in (*tasks, *((reading,) if reading else ())):
+    ending = (*tasks, *((reading,) if reading else ()))
+    for task in ending:
         task.cancel()
+    await wait(ending)
 
 
 async def _failed(session: Session) -> None:
