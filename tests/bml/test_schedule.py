@@ -86,6 +86,16 @@ def test_an_early_stroke_shortens_its_preparation_to_half_at_most(timed: Timing)
     assert at(asked, "g:ready") - at(asked, "g:start") == pytest.approx(preparation)
 
 
+def test_a_preparation_is_shortened_unless_others_hang_on_its_start(timed: Timing) -> None:
+    natural = timed(gesture("g", 'stroke="5"'))
+    preparation = at(natural, "g:ready") - at(natural, "g:start")
+    early = gesture("g", f'stroke="{5.0 - at(natural, "g:start") - 0.25 * preparation}"')
+    after_ready = timed(early + gesture("h", 'start="g:ready"'))
+    assert at(after_ready, "g:start") == 0.0
+    after_start = timed(early + gesture("h", 'start="g:start"'))
+    assert at(after_start, "h:start") == at(after_start, "g:start") == pytest.approx(-0.25 * preparation)
+
+
 def test_gestures_meet_the_marks_of_a_speech(timed: Timing) -> None:
     found = timed(SPEECH.replace('id="s"', 'id="s" start="3"') + gesture("g", 'stroke="s:m" end="s:end+1"'))
     assert at(found, "s:m") == pytest.approx(3.6)
