@@ -38,7 +38,7 @@ SWAPS: dict[type[ast.AST], tuple[str, tuple[str, ...]]] = {
 }
 COUNTERPARTS = {"min": "max", "any": "all", "minimum": "maximum", "floor": "ceil", "argmin": "argmax"}
 COUNTERPARTS |= {other: name for name, other in COUNTERPARTS.items()}
-LEFT_ALONE = (ast.Import, ast.ImportFrom, ast.Assert, ast.JoinedStr, ast.TypeAlias if hasattr(ast, "TypeAlias") else ())
+LEFT_ALONE = (ast.Import, ast.ImportFrom, ast.Assert, ast.JoinedStr)
 
 
 @dataclass(frozen=True)

@@ -60,11 +60,16 @@ def same(found: Conditioned, expected: Conditioned) -> None:
     np.testing.assert_array_equal(found.trajectory.controls, expected.trajectory.controls)
 
 
-def pulling(known: Setup, times: float) -> Law:
+@pytest.fixture(scope="module")
+def first(known: Setup) -> Conditioned:
+    """The motion through the keys within the limits as they are."""
+    return condition(keys_of(known), known.limits)
+
+
+def pulling(known: Setup, first: Conditioned, times: float) -> Law:
     """The standing hinge feels the acceleration of the other: at first, so many times its full duty."""
-    first = condition(keys_of(known), known.limits).trajectory
-    knots = np.arange(0.0, first.duration, STEP)
-    share = times * known.robot.drives.stall[BEARER] / largest(first.sample(knots)[2][:, MOVER])
+    knots = np.arange(0.0, first.trajectory.duration, STEP)
+    share = times * known.robot.drives.stall[BEARER] / largest(first.trajectory.sample(knots)[2][:, MOVER])
 
     def law(angles: Floats, speeds: Floats, accelerations: Floats) -> Floats:
         torques = np.zeros_like(angles)
@@ -86,9 +91,9 @@ def test_the_duty_is_torque_of_the_stall_torque_and_speed_of_the_speed_without_l
     assert asked == pytest.approx(angles)
 
 
-def test_a_motion_whose_drives_have_enough_is_the_conditioned_one(known: Setup):
-    keys, setup = keys_of(known), under(known, nothing)
-    same(certify(keys, setup), condition(keys, known.limits))
+def test_a_motion_whose_drives_have_enough_is_the_conditioned_one(known: Setup, first: Conditioned):
+    setup = under(known, nothing)
+    same(certify(keys_of(known), setup), first)
     assert len(setup.dynamics.asked) == 1
 
 
@@ -99,9 +104,8 @@ def test_bonds_ease_and_lead_in_are_those_that_are_given(known: Setup):
         same(certify(keys, setup, **asked), condition(keys, known.limits, **asked))
 
 
-def test_what_exceeds_a_drive_tightens_the_row_of_that_drive_alone(known: Setup):
+def test_what_exceeds_a_drive_tightens_the_row_of_that_drive_alone(known: Setup, first: Conditioned):
     keys, drives = keys_of(known), known.robot.drives
-    first = condition(keys, known.limits)
     knots = np.arange(0.0, first.trajectory.duration, STEP)
     _, speeds, accelerations = first.trajectory.sample(knots)
     weight = 1.3 * drives.stall[MOVER] / largest(accelerations[:, MOVER])
@@ -114,17 +118,17 @@ def test_what_exceeds_a_drive_tightens_the_row_of_that_drive_alone(known: Setup)
     assert duties(found.trajectory, setup).max() <= FULL
 
 
-def test_a_pull_of_another_hinge_is_met_by_tighter_limits_for_all(known: Setup):
-    setup = under(known, pulling(known, 1.1))
+def test_a_pull_of_another_hinge_is_met_by_tighter_limits_for_all(known: Setup, first: Conditioned):
+    setup = under(known, pulling(known, first, 1.1))
     found = certify(keys_of(known), setup)
     assert len(setup.dynamics.asked) == ATTEMPTS // 2 + 3  # half of them in vain, and 1.1 needs two steps of 7 %
     assert duties(found.trajectory, setup)[BEARER] <= FULL
 
 
-def test_a_duty_a_little_below_the_full_one_is_granted(known: Setup):
+def test_a_duty_a_little_below_the_full_one_is_granted(known: Setup, first: Conditioned):
     assert FULL < 1.0
     for times, attempts in ((FULL - 1e-3, 1), (FULL + 1e-3, ATTEMPTS // 2 + 2)):
-        setup = under(known, pulling(known, times))
+        setup = under(known, pulling(known, first, times))
         certify(keys_of(known), setup)
         assert len(setup.dynamics.asked) == attempts
 
