@@ -5,7 +5,7 @@ import subprocess
 import sys
 import time
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from threading import Lock
 
@@ -16,8 +16,9 @@ from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
 from kinesic.hardware.protocol.wire import BusError
+from kinesic.hardware.supervisor.address import find_supervisor
 from kinesic.hardware.supervisor.channel import POLICIES, Channel, Note, Status, map_memory, memory_file, memory_size
-from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.hardware.supervisor.manifest import Manifest, raised_joints
 from kinesic.hardware.supervisor.settings import USUAL, Policy, SupervisorOrder, SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 
@@ -51,7 +52,8 @@ class Servos:
         """
         manifest = Manifest.of(robot)
         check_ports(robot, manifest, ports)
-        self._joints = len(manifest.rest)
+        self._manifest, self._joints = manifest, len(manifest.rest)
+        check_free(ports.values(), self._joints)
         octets = memory_size(self._joints)
         memory = memory_file(octets)
         self._channel = Channel(map_memory(memory, octets), self._joints)
@@ -125,17 +127,26 @@ class Servos:
         """Stops in an emergency: holds where the robot is until `release`, or lets go."""
         self._channel.set("estop", POLICIES.index(policy) + 1)
 
+    def resume(self) -> None:
+        """Lets the performance go on after an emergency stop, or after an interruption of more than a second.
+
+        Whoever calls this has seen that nobody is in the way. While something is still amiss, it is of no effect.
+        """
+        self._channel.set("estop", 0)
+        self._channel.set("resume", self._channel.word("resume") + 1)
+
     def release(self) -> None:
-        """Ends the performance now: folds to rest, then takes the torque; after an emergency stop, at once."""
-        self._channel.set("release", 1)
+        """Ends the performance now: folds to rest, then takes the torque; also after an emergency stop."""
+        self._channel.set("release", self._channel.word("release") + 1)
 
     def close(self) -> None:
         """Lets what was written be performed, then the robot fold and go limp; returns when that is done.
 
-        Ctrl-C meanwhile, or `release` before, makes it fold at once.
+        Ctrl-C meanwhile, or `release` before, makes it fold at once. It returns, too, when a limb is raised and cannot
+        fold: the supervisor goes on holding it, and outlives this process.
 
         Raises:
-            BusError: it is not sure that every servo is limp.
+            BusError: a limb is held, or it is not sure that every servo is limp.
         """
         if self._channel.word("estop"):
             self.release()
@@ -146,15 +157,20 @@ class Servos:
                     time.sleep(LOOK)
                 else:
                     self._channel.set("ended", 1)
-            self._process.wait()
+            self._wait_until_over()
         except KeyboardInterrupt:
             self.release()
-            self._process.wait()
+            self._wait_until_over()
             raise
         finally:
             self._leave()
-        if self._channel.status().energised:
+        if self.running or self._channel.status().energised:
             raise BusError(self._epitaph())
+
+    def _wait_until_over(self) -> None:
+        """Waits until the supervisor has ended, or holds what a person must let fall."""
+        while self.running and self._channel.status().waits != "confirmation":
+            time.sleep(LOOK)
 
     def _leave(self) -> None:
         """Lets go of the pipe: the supervisor folds and releases by itself."""
@@ -185,7 +201,10 @@ class Servos:
 
     def _epitaph(self) -> str:
         self._collect()
-        code, why = self._process.returncode, f": {self._reasons[-1]}" if self._reasons else ""
+        code, why = self._process.poll(), f": {self._reasons[-1]}" if self._reasons else ""
+        if code is None:
+            falls = ", ".join(raised_joints(self._manifest, self._channel.status().angles)) or "a servo that is silent"
+            return f"the robot cannot fold{why}; held until `kinesic servos release` lets it fall: {falls}"
         if code:
             return (
                 f"the supervisor died (exit code {code}); the servos have stopped with torque on: "
@@ -206,3 +225,23 @@ def check_ports(robot: Robot, manifest: Manifest, ports: Mapping[str, str | Path
     if wrong:
         need = ", ".join(f"{name}=PATH" for name in manifest.bauds)
         raise BusError(f"ports are given for {', '.join(ports) or 'no bus'}, but {robot.name} needs {need}")
+
+
+def check_free(ports: Iterable[str | Path], joints: int) -> None:
+    """Checks that no supervisor holds the ports of a robot with so many joints.
+
+    Raises:
+        BusError: one does; a line for each port, and how to get it.
+    """
+    lines: list[str] = []
+    for path in ports:
+        if (channel := find_supervisor(path, joints)) is None:
+            continue
+        status = channel.status()
+        if status.waits == "confirmation":
+            lines.append(f"{path}: a supervisor holds limbs that cannot fold; `kinesic servos release` lets them fall")
+        else:
+            what = f"another program uses this port: a supervisor drives the robot ({status.stage.value})"
+            lines.append(f"{path}: {what}; end it, or use `kinesic servos release`")
+    if lines:
+        raise BusError("\n".join(lines))

@@ -28,6 +28,7 @@ SHARE, HOST = 0.95, 0.0005  # of the period that a cycle may use, or all but so 
 ROUNDS = 4  # times that a missing servo is asked again in one cycle
 ASKING = 22  # [bytes] of a fast question and its answer but for the servos
 RETRY = 0.05  # [s] between two looks for a lost port
+REST = 1.0  # [s] without such a look, after other servos were found behind it
 
 
 @dataclass(frozen=True)
@@ -135,6 +136,12 @@ class Bus:
             signature=believed.signature,
             events=events,
         )
+
+    def drop(self, reason: BusError) -> None:
+        """Gives the port up for a while, as if it were lost: the servos behind it are not those that were there."""
+        self.wire.close()
+        self._lose(reason)
+        self._looked = self.wire.now() + REST
 
     @property
     def _end(self) -> float:

@@ -80,6 +80,8 @@ class SerialWire:
     def reopen(self) -> bool:
         """See `Wire`."""
         self.close()
+        if stable_name(self._path) != self._path:  # a name that is used again, for an adapter that has one of its own
+            return False
         try:
             self._port = self._opened()
             self._file = self._port.fileno()

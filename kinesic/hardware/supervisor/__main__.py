@@ -20,6 +20,7 @@ from kinesic.body.robot import Robot
 from kinesic.hardware.bus.host import request_real_time
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.wire import Wire
+from kinesic.hardware.supervisor.address import publish
 from kinesic.hardware.supervisor.channel import Channel, map_memory, memory_size
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.settings import SupervisorOrder
@@ -36,7 +37,7 @@ def supervise(order: SupervisorOrder, planner: Callable[[], bool], ended: Callab
     Args:
         order: what for.
         planner: whether it lives.
-        ended: whether somebody wants it to end.
+        ended: whether somebody has asked for the end since the last call.
     """
     manifest = Manifest.of(Robot.load(Path(order.robot)))
     joints = len(manifest.rest)
@@ -50,12 +51,13 @@ def supervise(order: SupervisorOrder, planner: Callable[[], bool], ended: Callab
     supervisor = Supervisor(manifest, Surroundings(opens, channel, planner, journal), settings, watchdog=watchdog)
     supervisor.open()
     refused = supervisor.done
+    found = () if refused else publish(order.ports.values(), order.memory)
     gc.collect()
     gc.freeze()
     due = supervisor.now()
     while not supervisor.done:
         if ended():
-            channel.set("release", 1)
+            channel.set("release", channel.word("release") + 1)
         supervisor.step()
         due += settings.period
         behind = supervisor.now() - due
@@ -63,6 +65,8 @@ def supervise(order: SupervisorOrder, planner: Callable[[], bool], ended: Callab
             supervisor.late += 1
             due += behind
         supervisor.sleep(due)
+    for path in found:
+        path.unlink(missing_ok=True)
     journal.close()
     return EXIT_REFUSED if refused else EXIT_GOOD
 
@@ -74,12 +78,12 @@ def main() -> int:
     def terminate(number: int, frame: FrameType | None) -> None:
         terminated.append(number)
 
-    signal.signal(signal.SIGTERM, terminate)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, terminate)
     line = _line(sys.stdin.fileno())
     try:
         order = msgspec.json.decode(line, type=SupervisorOrder)
-        return supervise(order, Pipe(sys.stdin.fileno()), lambda: bool(terminated))
+        return supervise(order, Pipe(sys.stdin.fileno()), lambda: bool(terminated and terminated.pop()))
     except (msgspec.DecodeError, ConfigError) as error:
         print(f"kinesic.hardware.supervisor: {error}", file=sys.stderr)  # noqa: T201  # nobody else can tell
         return EXIT_REFUSED
@@ -91,13 +95,26 @@ class Pipe:
     def __init__(self, descriptor: int) -> None:
         """Watches the reading end of a pipe; the parent is the planner."""
         self._descriptor, self._parent = descriptor, os.getppid()
-        self._open = True
+        self._open, self._silent = True, False
 
     def __call__(self) -> bool:
         """Looks without waiting whether it does."""
         if self._open and select.select([self._descriptor], [], [], 0)[0]:
             self._open = bool(os.read(self._descriptor, 4096))
-        return self._open and os.getppid() == self._parent
+        self._open = self._open and os.getppid() == self._parent
+        if not self._open and not self._silent:
+            self._silent = True
+            _give_output_back()
+        return self._open
+
+
+def _give_output_back() -> None:
+    """Lets go of the planner's terminal or pipes, on whose end somebody may wait."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    for stream in (sys.stdout, sys.stderr):
+        stream.flush()
+        os.dup2(nowhere, stream.fileno())
+    os.close(nowhere)
 
 
 def _line(descriptor: int) -> bytes:

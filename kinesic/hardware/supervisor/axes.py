@@ -15,6 +15,7 @@ from kinesic.hardware.bus.cycle import Cycle, Event, Records
 from kinesic.hardware.protocol.device import Cold
 from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED, Register
 from kinesic.hardware.protocol.ticks import Ticks
+from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.manifest import Manifest
 
 RECENT = 4.0  # periods
@@ -48,11 +49,6 @@ class Snapshot:
         """(m,) who was stopped by the bus watchdog."""
         return np.asarray(self.records["watchdog"] == WATCHDOG_TRIPPED)
 
-    @cached_property
-    def errors(self) -> Flags:
-        """(m,) who has a hardware error."""
-        return np.asarray(self.records["hardware_error"] != 0)
-
 
 class Axes:
     """Open buses, whose servos stand in the order of the manifest."""
@@ -63,6 +59,7 @@ class Axes:
         self._cold = {name: Cold(bus.wire) for name, bus in self.buses.items()}
         places = {name: [k for k, m in enumerate(manifest.members) if m.bus == name] for name in manifest.bauds}
         self._parts = {name: slice(found[0], found[-1] + 1) for name, found in places.items()}
+        self._strange: set[str] = set()  # buses whose port was lost: who is behind it now?
         first = next(iter(self.buses.values()))
         self._wire, self._period = first.wire, first.period
 
@@ -70,6 +67,21 @@ class Axes:
     def everybody(self) -> tuple[int, ...]:
         """The places of all members."""
         return tuple(range(len(self.manifest.members)))
+
+    @property
+    def strangers(self) -> tuple[int, ...]:
+        """The places of members whose port was lost, until they are welcome: they are asked, and told nothing."""
+        if not self._strange:
+            return ()
+        return tuple(k for k, member in enumerate(self.manifest.members) if member.bus in self._strange)
+
+    def welcome(self) -> None:
+        """Takes the servos behind ports that were lost for those of the manifest."""
+        self._strange.clear()
+
+    def drop(self, place: int, reason: BusError) -> None:
+        """Gives up a member's port for a while: other servos are behind it."""
+        self.buses[self.manifest.members[place].bus].drop(reason)
 
     def now(self) -> float:
         """Returns the time [s] of the first wire."""
@@ -84,6 +96,8 @@ class Axes:
         """Writes a register of some members (place -> raw value) with the next cycle; who lacks it is left out."""
         members = self.manifest.members
         for name, bus in self.buses.items():
+            if name in self._strange:
+                continue
             mine = {
                 members[k].id: value
                 for k, value in values.items()
@@ -103,8 +117,10 @@ class Axes:
             goals: (m,) [ticks]; None: asks only.
         """
         time = self.now()
-        by_bus = {} if goals is None else {name: goals[part] for name, part in self._parts.items()}
+        parts = {} if goals is None else self._parts
+        by_bus = {name: goals[part] for name, part in parts.items() if name not in self._strange and goals is not None}
         cycles = cycle_together(self.buses, by_bus)
+        self._strange.update(name for name, cycle in cycles.items() if cycle.lost)
         limit = RECENT * self._period
         each = tuple(cycles.values())
         return Snapshot(

@@ -1,7 +1,8 @@
 """Shares memory between planner and supervisor: commands and requests one way, status and events the other.
 
-Each word has one writer. A row is complete when its CRC says so, whatever order a processor writes in; rows are counted
-by their number, so that nobody waits for anybody. The memory has no name: when both are gone, so is it.
+Each word has one writer, but for requests. A row is complete when its CRC says so, whatever order a processor writes
+in; rows are counted by their number, so that nobody waits for anybody. The memory has no name: when both are gone, so
+is it.
 """
 
 import mmap
@@ -12,21 +13,24 @@ import zlib
 from dataclasses import dataclass, field
 from math import nan
 from operator import attrgetter
+from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.hardware.supervisor.settings import Policy
-from kinesic.hardware.supervisor.state_machine import Stage
+from kinesic.hardware.supervisor.state_machine import Awaited, Stage
 
 CAPACITY = 16_384  # commands: more than two minutes of them
 EVENTS = 512
 HISTORY = 4096  # cycles: more than half a minute of them
+MEMORY_NAME = "kinesic"  # as the host shows it
 LOOKS = 50  # at a row that is being written
 STAGES = tuple(Stage)
 POLICIES: tuple[Policy, ...] = ("hold", "limp")
-_WORDS = ("written", "read", "ended", "release", "estop", "noted", "cycles")
+AWAITED: tuple[Awaited, ...] = get_args(Awaited)
+_WORDS = ("written", "read", "ended", "release", "estop", "resume", "confirm", "noted", "cycles")
 _PLACES = {name: place for place, name in enumerate(_WORDS)}
 _TEXT = 400  # [bytes] of an event
 
@@ -40,6 +44,7 @@ class Status:
     """How the supervisor and its servos are in one cycle."""
 
     stage: Stage = Stage.CLOSED
+    waits: Awaited = "nothing"  # for what
     clock: float = 0.0  # [s] of the machine's monotonic clock, when it was this performance time
     time: float = nan  # [s] performance time; NaN before the first command
     scale: float = 0.0  # how fast it runs
@@ -125,7 +130,8 @@ class Channel:
     def write_status(self, status: Status) -> None:
         """Adds a status of the supervisor."""
         number = self.word("cycles")
-        _store(self._status, number % HISTORY, number + 1, STAGES.index(status.stage), *_row(status))
+        words = STAGES.index(status.stage), AWAITED.index(status.waits)
+        _store(self._status, number % HISTORY, number + 1, *words, *_row(status))
         self.set("cycles", number + 1)
 
     def status(self) -> Status:
@@ -171,6 +177,7 @@ class Channel:
 def _told(row: np.void) -> Status:
     return Status(
         stage=STAGES[int(row["stage"])],
+        waits=AWAITED[int(row["waits"])],
         clock=float(row["clock"]),
         time=float(row["time"]),
         scale=float(row["scale"]),
@@ -199,7 +206,7 @@ def _command(joints: int) -> np.dtype[np.void]:
 def _status(joints: int) -> np.dtype[np.void]:
     kinds = [(name, "<i8" if isinstance(getattr(_SILENT, name), int) else "<f8") for name in _FIGURES]
     vectors = [(name, "<f8", (joints,)) for name in _VECTORS]
-    return np.dtype([("number", "<u8"), ("stage", "<i8"), *kinds, *vectors, ("crc", "<u8")])
+    return np.dtype([("number", "<u8"), ("stage", "<i8"), ("waits", "<i8"), *kinds, *vectors, ("crc", "<u8")])
 
 
 _EVENT = np.dtype(
@@ -216,7 +223,7 @@ def memory_size(joints: int, capacity: int = CAPACITY) -> int:
 def memory_file(octets: int) -> int:
     """Makes new, nameless memory of so many bytes, and returns its descriptor."""
     if sys.platform == "linux":
-        descriptor = os.memfd_create("kinesic")
+        descriptor = os.memfd_create(MEMORY_NAME)
     else:
         with tempfile.TemporaryFile() as file:
             descriptor = os.dup(file.fileno())

@@ -24,6 +24,7 @@ class GoalSteering:
         self._course: GoalCourse | None = None
         self._target: Floats = np.zeros(len(manifest.members))  # (m,) [ticks]
         self._given_up: Flags = np.zeros(len(manifest.members), dtype=np.bool_)  # (m,) who move no more
+        self._limp: Flags = self._given_up  # (m,) who have no torque
 
     @property
     def goals(self) -> Floats | None:
@@ -39,8 +40,11 @@ class GoalSteering:
 
     @property
     def arrived(self) -> bool:
-        """Whether the goals are where they are to go."""
-        return self._course is not None and float(np.abs(self._course.goals - self._target).max()) < 1.0
+        """Whether the goals are where they are to go; those of limp servos, which nothing moves, do not count."""
+        if self._course is None:
+            return False
+        away = np.abs(self._course.goals - self._target)
+        return float(np.where(self._limp, 0.0, away).max()) < 1.0
 
     def hold(self) -> None:
         """Lets the goals stand from now on."""
@@ -96,6 +100,11 @@ class GoalSteering:
             self.put(news, present[news])
             self._given_up = self._given_up | news
 
+    def take_back(self, places: Sequence[int]) -> None:
+        """Drives servos again that were given up, as their torque comes anew."""
+        self._given_up = self._given_up.copy()
+        self._given_up[list(places)] = False
+
     def put(self, places: Flags | Sequence[int], goals: Floats) -> None:
         """Sets the goals of some members, who do not move by them: they are limp, or just being taken over."""
         if self._course is None:
@@ -123,6 +132,7 @@ class GoalSteering:
             limp: (m,) who they are.
             present: (m,) [ticks]; NaN where nobody knows.
         """
+        self._limp = limp
         if not limp.any():
             return
         known = limp & np.isfinite(present)

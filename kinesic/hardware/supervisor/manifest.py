@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from math import ceil
+from math import ceil, degrees, isnan, radians
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from kinesic.hardware.protocol.ticks import Scale
 MARGIN = 40  # [ticks] beyond a hinge's range that its servo still takes, as joints hang a little outside at times
 NO_ALIAS = 255  # SECONDARY_ID of a servo that obeys its own id alone
 AS_MADE = (Register.MOVING_THRESHOLD, Register.PWM_SLOPE)
+REST = radians(5.0)  # from rest, within which a limb may go limp
 SHUTDOWN = 52  # electrical shock, overload, overheating; not voltage, which a brisk move may pull down
 
 
@@ -179,6 +180,24 @@ class Manifest:
         mine = (self.joints == np.arange(len(self.rest))[:, None]).astype(np.float64)
         number = mine.sum(axis=1, keepdims=True)
         return np.where(number > 0, mine / np.maximum(number, 1), np.nan)
+
+
+def raised_joints(manifest: Manifest, angles: Floats) -> tuple[str, ...]:
+    """Names the joints that are not near rest, each with its angle; of one that is not known, it says so.
+
+    Args:
+        manifest: of the servos.
+        angles: (n,) [rad]; NaN where nobody knows.
+    """
+    lines: list[str] = []
+    for joint in sorted({member.joint for member in manifest.members}):
+        name = next(member.hinge for member in manifest.members if member.joint == joint)
+        rest, angle = degrees(manifest.rest[joint]), degrees(angles[joint])
+        if isnan(angle):
+            lines.append(f"{name} (silent)")
+        elif abs(angle - rest) > degrees(REST):
+            lines.append(f"{name} at {angle:.0f} deg (rest: {rest:.0f})")
+    return tuple(lines)
 
 
 def _members(robot: Robot, servos: HingeServos, joint: int) -> list[Member]:

@@ -1,4 +1,4 @@
-"""Judges the servos by their records: who answers, who has failed, and how much slower hard work makes all.
+"""Judges the servos by their records: who answers, has failed, is raised, and how much slower hard work makes all.
 
 The temperature sensor sits far from the winding, which heats within seconds: so the square of the current is remembered
 too. Its time constant and the shares are assumed, no servo was measured.
@@ -11,9 +11,9 @@ import numpy as np
 
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.hardware.bus.cycle import Records
-from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED, HardwareError, Register
 from kinesic.hardware.supervisor.axes import Snapshot
-from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.hardware.supervisor.manifest import REST, Manifest
 from kinesic.hardware.supervisor.preflight import Table
 
 MEMORY = 10.0  # [s] over which the square of the current is averaged
@@ -24,6 +24,8 @@ STUCK = 0.3  # [s] of being so far behind without moving
 MOVES = 3  # [PRESENT_VELOCITY] below which a servo does not move
 LOAD_FULL = 1000.0  # PRESENT_CURRENT at stall of a servo without current sensor
 WEIGH = 0.05  # [s] between two looks at currents and temperatures
+GAP = 0.15  # [s] between two records beyond which nobody knows what was between them
+VOLT = Register.PRESENT_INPUT_VOLTAGE.field.scale
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,11 +56,12 @@ class LoadState:
 
     work: Floats  # (m,) mean square of the current, of its limit's
     stalled: Floats  # (m,) [s] far from the goal without moving
+    taken: Floats  # (m,) [s] of the last record that was weighed
 
     @classmethod
     def none(cls, count: int) -> "LoadState":
         """Makes the state of servos that have rested."""
-        return cls(sealed(np.zeros(count)), sealed(np.zeros(count)))
+        return cls(sealed(np.zeros(count)), sealed(np.zeros(count)), sealed(np.full(count, -np.inf)))
 
     @property
     def stuck(self) -> Flags:
@@ -66,21 +69,26 @@ class LoadState:
         return self.stalled >= STUCK
 
 
-def update_load(load: LoadState, records: Records, goals: Floats, seconds: float, ratings: LoadRatings) -> LoadState:
-    """Adds a moment to the load of servos.
+def update_load(load: LoadState, records: Records, taken: Floats, goals: Floats, ratings: LoadRatings) -> LoadState:
+    """Adds what new records tell to the load of servos; an old record tells nothing, and after a gap it begins anew.
 
     Args:
         load: before.
-        records: (m,) of this moment.
+        records: (m,) the last ones.
+        taken: (m,) [s] when they were; minus infinity: never.
         goals: (m,) [ticks].
-        seconds: that passed.
         ratings: of the servos.
     """
+    fresh = taken > load.taken
+    since = np.where(fresh, taken, 0.0) - np.where(fresh, load.taken, 0.0)
+    seconds = np.minimum(since, GAP)
     share = np.minimum(np.abs(records["current"].astype(float)) / ratings.current, 1.0)
-    work = load.work + (share**2 - load.work) * min(seconds / MEMORY, 1.0)
+    work = load.work + (share**2 - load.work) * np.minimum(seconds / MEMORY, 1.0)
     far = np.abs(goals - records["position"]) >= BEHIND * ratings.full
-    halted = far & (np.abs(records["velocity"].astype(float)) < MOVES) & (records["torque"] != 0)
-    return LoadState(sealed(work), sealed(np.where(halted, load.stalled + seconds, 0.0)))
+    free = (records["torque"] != 0) & (records["watchdog"] != WATCHDOG_TRIPPED)
+    halted = far & free & (np.abs(records["velocity"].astype(float)) < MOVES) & (since <= GAP)
+    stalled = np.where(fresh, np.where(halted, load.stalled + seconds, 0.0), load.stalled)
+    return LoadState(sealed(work), sealed(stalled), sealed(np.maximum(taken, load.taken)))
 
 
 def derate(load: LoadState, records: Records, ratings: LoadRatings) -> Floats:
@@ -106,6 +114,7 @@ class CommunicationMonitor:
         self._manifest, self._ratings = manifest, LoadRatings.of(tables)
         self._load, self._since = LoadState.none(count), WEIGH  # [s] since it was looked at
         self._signature = b""  # of what was judged last
+        self._goals: Floats | None = None  # (m,) [ticks]
         self.records: Records | None = None  # (m,) the last ones; None before the first
         self.present: Floats = np.full(count, np.nan)  # (m,) [ticks]; NaN for who has not answered lately
         self.taken: Floats = self.present  # (m,) [s] when that was so
@@ -115,8 +124,9 @@ class CommunicationMonitor:
         self.everybody = False  # whether all have, be a port gone since
         self.answered: Flags = nobody  # (m,) who has answered lately
         self.energised: Flags = nobody  # (m,) who had torque in the last record
-        self.stuck: Flags = nobody  # (m,) who could not move, once
+        self.stuck: Flags = nobody  # (m,) who could not move since torque came
         self.failed: Flags = nobody  # (m,) who has a hardware error, or is stuck
+        self.weak = False  # whether one complains of its supply, and of nothing else
         self.limp: Flags = nobody  # (m,) who could have torque, and has none
         self.any_energised = self.all_energised = self.any_limp = False
         self.tripped = False  # whether servos with torque were stopped by their watchdog
@@ -124,7 +134,7 @@ class CommunicationMonitor:
 
     def look(self, snapshot: Snapshot, goals: Floats | None, seconds: float) -> None:
         """Judges one more cycle; goals are (m,) [ticks]."""
-        self.records, recent = snapshot.records, snapshot.recent
+        self.records, self._goals, recent = snapshot.records, goals, snapshot.recent
         self.everybody = everybody = bool(recent.all())
         self.present = snapshot.positions if everybody else np.where(recent, snapshot.positions, np.nan)
         self.taken = snapshot.times if everybody else np.where(recent, snapshot.times, np.nan)
@@ -138,8 +148,8 @@ class CommunicationMonitor:
 
     def _weigh_load(self, snapshot: Snapshot, goals: Floats | None) -> None:
         if goals is not None:
-            self._load = update_load(self._load, snapshot.records, goals, self._since, self._ratings)
-            self.stuck = self.stuck | (self._load.stuck & snapshot.torque)
+            self._load = update_load(self._load, snapshot.records, snapshot.times, goals, self._ratings)
+            self.stuck = (self.stuck | self._load.stuck) & snapshot.torque
         self.scale = float(derate(self._load, snapshot.records, self._ratings).min())
         self._since = 0.0
 
@@ -147,7 +157,9 @@ class CommunicationMonitor:
         self._signature, self.lost, self.answered = snapshot.signature, snapshot.lost, snapshot.recent
         self.answering = self.everybody and not snapshot.lost
         self.energised = snapshot.torque
-        self.failed = snapshot.errors | self.stuck
+        errors = snapshot.records["hardware_error"]
+        complains = errors == HardwareError.VOLTAGE.value  # which takes no torque away: see SHUTDOWN
+        self.failed, self.weak = ((errors != 0) & ~complains) | self.stuck, bool(complains.any())
         self.limp = self.answered & ~self.energised & ~self.failed
         self.any_energised, self.all_energised = bool(self.energised.any()), bool(self.energised.all())
         self.any_limp = bool(self.limp.any())
@@ -161,6 +173,40 @@ class CommunicationMonitor:
 
     @property
     def holding_joints(self) -> frozenset[int]:
-        """Joints that must not move: the chains of those who have failed."""
-        joints = {int(joint) for joint in self._manifest.joints[self.failed]}
+        """Joints that must not move: the chains of those who have failed with torque, so that something is in the way.
+
+        Where a servo has lost its torque, the others of its chain may still bring the limb to rest.
+        """
+        joints = {int(joint) for joint in self._manifest.joints[self.failed & self.energised]}
         return frozenset().union(*(chain for chain in self._manifest.chains if chain & joints))
+
+    @property
+    def raised(self) -> Flags:
+        """(m,) who has torque, or had when it was heard last, and is not near rest; or may not be, as it is silent."""
+        if self.records is None or not self.any_energised:
+            return np.zeros(len(self.energised), dtype=np.bool_)
+        away = self._away(self.records["position"].astype(float))
+        if self._goals is not None and not self.everybody:
+            away = np.where(self.answered, away, np.maximum(away, self._away(self._goals)))
+        return self.energised & (away > REST)
+
+    def _away(self, ticks: Floats) -> Floats:
+        """(m,) [rad] from rest."""
+        return np.abs(self._manifest.scale.angles(ticks) - self._manifest.rest[self._manifest.joints])
+
+    def trouble(self) -> str:
+        """Says why the performance may not go on; empty if it may."""
+        if self.lost:
+            return "a port is gone"
+        if not self.everybody:
+            return f"{self._names(~self.answered)}: silent"
+        if self.failed.any():
+            return f"{self._names(self.failed)}: shut down, or cannot move"
+        if not self.all_energised:
+            return f"{self._names(~self.energised)}: without torque"
+        if self.tripped:
+            return "servos were stopped by their bus watchdog"
+        return "" if self.scale > 0.0 else "a servo is too hot, or works too hard"
+
+    def _names(self, who: Flags) -> str:
+        return ", ".join(sorted({self._manifest.members[k].hinge for k in np.flatnonzero(who)}))

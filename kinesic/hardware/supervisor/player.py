@@ -84,6 +84,7 @@ class Player:
         self._buffer = GoalBuffer()
         self._move: TimedMove | None = None
         self._source: Source | None = None
+        self.performances = 0  # that have begun
         self.time_scale = TimeScale()  # of the performance
         self._move_time = TimeScale()  # of the way
 
@@ -119,6 +120,7 @@ class Player:
         over = self.left <= DONE
         if not self.begun or (over and (time > self._buffer.end + GAP or time <= self.time_scale.time)):
             self._buffer, self.time_scale = GoalBuffer(), TimeScale(time)
+            self.performances += 1
         elif time <= self.time_scale.time:
             return False
         self._buffer.add(time, goals)

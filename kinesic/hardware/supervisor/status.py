@@ -9,15 +9,13 @@ from time import time as wall_time
 import numpy as np
 
 from kinesic.files.output_file import open_to_add
-from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.supervisor.channel import Channel, Note, Status
 from kinesic.hardware.supervisor.goals import GoalSteering
 from kinesic.hardware.supervisor.manifest import Manifest
-from kinesic.hardware.supervisor.monitor import CommunicationMonitor
-from kinesic.hardware.supervisor.state_machine import SupervisorState
+from kinesic.hardware.supervisor.monitor import VOLT, CommunicationMonitor
+from kinesic.hardware.supervisor.state_machine import Awaited, Stage, SupervisorState
 
 SLOWLY = 0.1  # [s] between two looks at temperatures and voltages
-VOLT = Register.PRESENT_INPUT_VOLTAGE.field.scale
 
 
 class EventLog:
@@ -70,6 +68,7 @@ class StatusWriter:
         self._channel.write_status(
             Status(
                 stage=state.stage,
+                waits=awaited(state, well=monitor.well),
                 clock=clock,
                 time=player.time_scale.time if player.begun else nan,
                 scale=player.time_scale.scale,
@@ -84,3 +83,23 @@ class StatusWriter:
                 taken=self._manifest.means(monitor.taken, whole=monitor.everybody),
             )
         )
+
+
+def awaited(state: SupervisorState, *, well: bool) -> Awaited:
+    """Returns what the supervisor waits for; "nothing" while it acts, or is closed.
+
+    Args:
+        state: now.
+        well: whether every servo has torque, answers, and may go on.
+    """
+    if state.stage is Stage.WAITING:
+        return "confirmation"
+    if state.stage is Stage.STOPPED or (state.stage is Stage.HOLD and state.paused):
+        return "consent"
+    if state.stage is Stage.LOST:
+        return "port"
+    if state.stage is Stage.LIMP:
+        return "commands"
+    if state.stage is Stage.HOLD:
+        return "commands" if well else "servos"
+    return "nothing"

@@ -10,14 +10,18 @@ from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.supervisor.axes import Axes, Snapshot
-from kinesic.hardware.supervisor.channel import POLICIES, Channel
+from kinesic.hardware.supervisor.channel import Channel
+from kinesic.hardware.supervisor.failures import FailureWatch
 from kinesic.hardware.supervisor.goals import GoalSteering
+from kinesic.hardware.supervisor.identity import identify
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.monitor import CommunicationMonitor
+from kinesic.hardware.supervisor.observation import Observation
 from kinesic.hardware.supervisor.player import DONE
-from kinesic.hardware.supervisor.preflight import Table, configure, take_over
+from kinesic.hardware.supervisor.preflight import Table, configure, control_tables, take_over
+from kinesic.hardware.supervisor.requests import Requests
 from kinesic.hardware.supervisor.settings import SupervisorSettings
-from kinesic.hardware.supervisor.state_machine import MOVING, Action, Event, Observation, Stage, SupervisorState, step
+from kinesic.hardware.supervisor.state_machine import MOVING, Action, Event, Stage, SupervisorState, step
 from kinesic.hardware.supervisor.status import EventLog, StatusWriter
 from kinesic.hardware.supervisor.torque import RAMP, Procedure, adopt, energise, release_torque, watchdog_counts
 
@@ -51,15 +55,17 @@ class Supervisor:
         self._watchdog = watchdog_counts(watchdog)
         self._writer = StatusWriter(manifest, surroundings.channel, surroundings.journal)
         self._steering, self._monitor = GoalSteering(manifest, settings), CommunicationMonitor(manifest, ())
+        self._failures = FailureWatch(manifest, self._note)
+        self._requests = Requests(surroundings.channel, surroundings.planner)
         self._axes: Axes | None = None
         self._tables: tuple[Table, ...] = ()
         self._procedure: Procedure | None = None
         self._concerned: list[int] = []  # the members it is about
         self._last: Snapshot | None = None
         self._since = self._clock = 0.0  # [s] in this stage; of the last cycle
-        self._failures = self._halted = 0
-        # whether, in the last cycle, goals were cut, the planner was gone, and no command was to follow those taken
-        self._limited = self._alone = self._ended = False
+        self._well_at = self._dry_since = 0.0  # [s] all was well last; there was nothing more to perform
+        self._starved = False  # whether commands go on in this cycle, after a long time without
+        self._limited = False  # whether goals were cut in the last cycle
 
     @property
     def done(self) -> bool:
@@ -79,18 +85,27 @@ class Supervisor:
         now = axes.now()
         seconds = min(max(now - self._clock, LEAST), 2 * self._settings.period)
         self._clock = now
-        self._alone = not self._around.planner()
-        self._ended = bool(self._channel.word("ended"))  # read before commands are taken, as it is set after them
-        most = TAKEN if self._steering.player.left < AHEAD else 0
-        for time, goals in self._channel.commands(most):
-            if not self._steering.player.take(time, goals):
-                self._note("dropped", f"a command for {time:.3f} s came too late, or is not a number")
+        self._requests.look()
+        self._take_commands()
         self._move(seconds)
         self._look(axes, self._goals(), seconds)
         self._proceed()
         for event in self._detect_events():
             self._advance(event)
+        if self._monitor.well or not self.state.armed:
+            self._well_at = self._clock
         self._write_status()
+
+    def _take_commands(self) -> None:
+        player, performances = self._steering.player, self._steering.player.performances
+        if player.left > DONE:
+            self._dry_since = self._clock
+        taken = self._channel.commands(TAKEN if player.left < AHEAD else 0)
+        for time, goals in taken:
+            if not player.take(time, goals):
+                self._note("dropped", f"a command for {time:.3f} s came too late, or is not a number")
+        dry = self._clock - self._dry_since > self._settings.startle
+        self._starved = dry and bool(taken) and player.performances == performances
 
     def sleep(self, until: float) -> None:
         """Waits until a time [s] on the wires' clock."""
@@ -110,7 +125,7 @@ class Supervisor:
     def _move(self, seconds: float) -> None:
         stage, monitor = self.state.stage, self._monitor
         target = monitor.scale if stage is Stage.ACTIVE else float(stage in MOVING)
-        hurry = self._gone or stage in (Stage.STOPPED, Stage.LOST)
+        hurry = self._requests.gone or stage in (Stage.STOPPED, Stage.LOST)
         slow = self._settings.quick if hurry and not target else self._settings.slow
         refused = self._steering.move(seconds, monitor.present, target=target, slow=slow) & monitor.energised
         if refused.any() and not self._limited:
@@ -119,74 +134,68 @@ class Supervisor:
         self._limited = bool(refused.any())
 
     def _goals(self) -> Ticks | None:
-        if not self._monitor.all_energised:
-            limp = ~self._monitor.energised
-            if self._procedure is not None:
-                limp[self._concerned] = False  # the procedure says where they are
-            self._steering.follow_limp(limp, self._monitor.present)
+        limp = ~self._monitor.energised
+        if self._procedure is not None:
+            limp[self._concerned] = False  # the procedure says where they are
+        self._steering.follow_limp(limp, self._monitor.present)
         return self._steering.ticks()
 
     # what is known
 
-    @property
-    def _gone(self) -> bool:
-        """Whether the planner has left without a word."""
-        return self._alone and not self._ended
-
     def _observe(self) -> Observation:
-        player, monitor, stage = self._steering.player, self._monitor, self.state.stage
-        lasted, estop = self._clock - self._since, self._channel.word("estop")
-        gone, ended = self._gone, self._ended
-        resting = stage is Stage.HOLD and lasted > self._settings.patience
-        alone = self.state.stopped and self._alone  # nobody can release it any more
-        vain = alone or resting or (not monitor.answering and lasted > self._settings.patience)
-        enough = DONE if stage in MOVING or ended else self._settings.lead - DONE
+        player, monitor, asked, stage = self._steering.player, self._monitor, self._requests, self.state.stage
+        settings, lasted, unwell = self._settings, self._clock - self._since, self._clock - self._well_at
+        resting = stage is Stage.HOLD and lasted > settings.patience
+        patience = settings.consent if self.state.paused else settings.patience
+        nobody = self.state.paused and asked.alone  # is there who could consent
+        waits = (stage is Stage.HOLD or not monitor.answering) and not self.state.stopped
+        vain = nobody or (waits and lasted > patience)
+        enough = DONE if stage in MOVING or asked.ended else settings.lead - DONE
         return Observation(
             energised=monitor.any_energised,
             answering=monitor.answering,
             well=monitor.well and self._procedure is None,
             limp=monitor.any_limp,
             begun=player.begun,
-            due=not gone and player.left > enough,
-            ended=gone or (ended and (player.left <= DONE or vain)),
-            release=bool(self._channel.word("release")),
+            due=not asked.gone and player.left > enough,
+            ended=asked.gone or (asked.ended and (player.left <= DONE or vain)),
+            alone=asked.alone,
+            release=asked.release,
+            weak=monitor.weak,
+            raised=bool(monitor.raised.any()),
+            confirmed=asked.confirmed,
+            interrupted=self._starved or unwell > settings.startle,
             still=player.still,
             reached=player.reached and self._steering.arrived,
             idle=resting,
-            hopeless=stage is Stage.LOST and lasted > self._settings.hopeless,
-            policy=POLICIES[estop - 1] if estop else self._settings.policy,
+            hopeless=stage is Stage.LOST and unwell > settings.hopeless,
+            policy=asked.policy(settings.policy),
         )
 
     def _detect_events(self) -> tuple[Event, ...]:
-        stage, monitor, events = self.state.stage, self._monitor, list[Event]()
-        halt = self._channel.word("estop")
-        if halt > self._halted:
-            events.append("estop")
-        self._halted = halt
+        stage, monitor, events = self.state.stage, self._monitor, list(self._requests.events())
         if monitor.lost and stage is not Stage.LOST:
             events.append("lost")
         if not monitor.lost and stage is Stage.LOST:
             events.append("back")
         if monitor.tripped and not monitor.lost:
             events.append("tripped")
-        failures = int(np.count_nonzero(monitor.failed))
-        if failures > self._failures:
-            names = ", ".join(self.manifest.members[k].hinge for k in np.flatnonzero(monitor.failed))
-            self._note("failed", f"{names}: shut down, or cannot move")
+        failures = self._failures.look(monitor)
+        if "failed" in failures:
             self._steering.give_up(monitor.stuck, monitor.present)
-            events.append("failed")
-        self._failures = failures
-        return (*events, "tick")
+        return (*events, *failures, "tick")
 
     # what follows
 
     def _advance(self, event: Event) -> None:
         """Lets the state machine see an event, and begins what it asks for."""
-        before = self.state.stage
+        before = self.state
         self.state, actions = step(self.state, event, self._observe())
-        if self.state.stage is not before:
+        if self.state.stage is not before.stage:
             self._since = self._clock
-            self._note("stage", f"{before.value} -> {self.state.stage.value} ({event})")
+            self._note("stage", f"{before.stage.value} -> {self.state.stage.value} ({event})")
+        if self.state.paused and not before.paused and event != "estop":
+            self._tell_pause()
         for action in actions:
             self._perform(action)
 
@@ -196,7 +205,7 @@ class Supervisor:
             self._try(self._check)
         elif action == "configure":
             self._try(self._configure)
-        elif action in ("arm", "adopt", "release"):
+        elif action in ("arm", "identify", "adopt", "release"):
             self._begin(action)
         elif action == "hold":
             self._procedure = None
@@ -237,6 +246,7 @@ class Supervisor:
         if self._axes is not None:
             for change in configure(self._axes, self._tables):
                 self._note("configured", f"{change.register.name}: {change.before} -> {change.after}", change.servo)
+            self._tables = control_tables(self._axes)
             self._clock = self._axes.now()
 
     def _begin(self, action: Action) -> None:
@@ -248,8 +258,11 @@ class Supervisor:
         self._concerned = list(axes.everybody)
         if action == "arm":
             self._concerned = np.flatnonzero(self._monitor.limp).tolist()
+            self._steering.take_back(self._concerned)
             steps = round(RAMP / self._settings.period)
             self._procedure = energise(axes, self._concerned, last, power, watchdog=self._watchdog, steps=steps)
+        elif action == "identify":
+            self._procedure = identify(axes, self._tables, watchdog=self._watchdog)
         elif action == "adopt":
             earlier = self._steering.goals
             if earlier is None:
@@ -280,6 +293,11 @@ class Supervisor:
         if self._axes is not None:
             self._axes.close()
         self._axes = self._procedure = None
+
+    def _tell_pause(self) -> None:
+        why = "commands came too late" if self._starved else self._monitor.trouble() or "this process stood still"
+        seconds = self._clock - (self._dry_since if self._starved else self._well_at)
+        self._note("paused", f"{why} ({seconds:.1f} s and more); nothing goes on before somebody consents")
 
     def _note(self, kind: str, text: str, servo: int = -1) -> None:
         self._writer.note(self.now(), kind, text, servo)

@@ -1,16 +1,47 @@
-"""Takes the torque of every servo and checks that it is gone; no servo is left out because of another."""
+"""Takes the torque of every servo and checks that it is gone; says before what will fall.
+
+No servo is left out because of another.
+"""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from math import nan
 
+import numpy as np
+
+from kinesic.body.arrays import Floats
 from kinesic.hardware.protocol import packet
 from kinesic.hardware.protocol.device import Cold
 from kinesic.hardware.protocol.packet import BROADCAST
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BusError, Wire
+from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.tools.survey import open_slow_access
 
 TIMES = 2  # that all are told, before each is asked
 OFF = packet.write_packet(BROADCAST, Register.TORQUE_ENABLE.field.address, b"\0")
+
+
+def held_angles(manifest: Manifest, wires: Mapping[str, Wire]) -> Floats:
+    """Reads (n,) [rad] where joints are held by torque; limp ones count as at rest; NaN: a servo is silent.
+
+    Args:
+        manifest: of the servos.
+        wires: open ones, by the name of the bus; servos on others count as silent.
+    """
+    angles, colds = manifest.rest.copy(), dict[str, Cold]()
+    for name, wire in wires.items():
+        with suppress(BusError):
+            colds[name] = open_slow_access(wire)
+    for k, member in enumerate(manifest.members):
+        rest, angle = manifest.rest[member.joint], nan
+        with suppress(BusError, KeyError):
+            ticks = np.full(len(manifest.members), colds[member.bus].read(member.id, Register.PRESENT_POSITION))
+            held = colds[member.bus].read(member.id, Register.TORQUE_ENABLE)
+            angle = float(manifest.scale.angles(ticks)[k]) if held else rest
+        if not abs(angle - rest) <= abs(angles[member.joint] - rest):  # of several servos, who is farthest, or silent
+            angles[member.joint] = angle
+    return angles
 
 
 def release_servos(wires: Mapping[str, Wire], servos: Mapping[str, Sequence[int]]) -> tuple[str, ...]:

@@ -57,6 +57,16 @@ class Electronics:
         self._device.firmware.alert(bits)
 
     @property
+    def up(self) -> bool:
+        """Whether it hears: it does not while it reboots."""
+        return self._device.wakes <= self._device.firmware.time
+
+    @property
+    def latched(self) -> bool:
+        """Whether it has shut down."""
+        return self._device.firmware.shut
+
+    @property
     def celsius(self) -> float:
         return self._device.firmware.celsius
 

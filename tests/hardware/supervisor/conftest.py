@@ -53,6 +53,7 @@ class Desk:
         build, self.wire = BUILDERS[servos]
         self.plant, self.buses = build(wires)
         self.jumps: list[float] = []
+        self.dropped: list[str] = []  # hinges whose torque was taken while they were raised
         self.journal_file: EventLog | None = None
         self.start()
 
@@ -98,17 +99,39 @@ class Desk:
         supervisor, torque = self.supervisor, self.true(Register.TORQUE_ENABLE)
         due = supervisor.now() + self.settings.period
         supervisor.step()
+        self._look_for_drops(torque)
         came = (self.true(Register.TORQUE_ENABLE) != 0) & (torque == 0)
         if came.any():
             self.jumps += np.abs(self.true(Register.GOAL_POSITION) - self.here)[came].tolist()
         supervisor.sleep(due)
         self.pass_time(0.0)
 
+    def _look_for_drops(self, torque: Ticks) -> None:
+        """Whose torque was taken while he was raised, unless he has failed, reboots, or a person wanted it."""
+        if self.channel.word("confirm") or self.channel.word("estop") == 2:
+            return
+        lost = (torque != 0) & (self.true(Register.TORQUE_ENABLE) == 0) & self.raised
+        for k in np.flatnonzero(lost):
+            firmware = self.plant.servos[k].electronics
+            if firmware.up and not firmware.latched:
+                self.dropped.append(self.manifest.members[k].hinge)
+
     def pass_time(self, seconds: float) -> None:
         """Nobody says anything for a while."""
         for wire in self.wires.values():
             wire.sleep(wire.now() + seconds)
         self.plant.advance(max(wire.now() for wire in self.wires.values()))
+
+    @property
+    def raised(self) -> np.ndarray:
+        """(m,) who is more than 5 degrees from rest."""
+        away = self.manifest.scale.angles(self.here.astype(float)) - self.manifest.rest[self.manifest.joints]
+        return np.abs(away) > np.radians(5.0)
+
+    def consent(self) -> None:
+        """Somebody wants it to go on."""
+        self.channel.set("estop", 0)
+        self.channel.set("resume", self.channel.word("resume") + 1)
 
     def run(self, seconds: float) -> None:
         for _ in range(round(seconds / self.settings.period)):
@@ -173,6 +196,7 @@ def desk(robot: Robot, tmp_path: Path, servos: str) -> Iterator[Callable[..., De
     yield made
     for each in desks:
         each.end()
+        assert not each.dropped
 
 
 @pytest.fixture
@@ -191,6 +215,7 @@ def crowd(tmp_path: Path, servos: str) -> Iterator[Callable[..., Desk]]:
     yield made
     for each in desks:
         each.end()
+        assert not each.dropped
 
 
 def manifest_of(count: int, baud: int) -> Manifest:

@@ -68,21 +68,30 @@ def test_all_servos_may_reboot_at_once(desk: Make):
     assert max(made.jumps) <= 2
 
 
-def test_a_servo_that_shuts_down_ends_the_performance_its_chain_holds_the_others_fold(desk: Make):
+def test_a_servo_that_shuts_down_ends_the_performance_and_the_others_fold_with_it_limp(desk: Make):
     made = desk().active()
+    made.run(0.6)
+    assert made.raised.all()
     made.expose(PlannedFault("alert", (3,), value=HardwareError.OVERLOAD.value))
     made.cycle()
     made.cycle()
     assert made.stage is Stage.DEGRADED
-    made.until(Stage.FOLD)
-    held = made.true(GOAL)[3]
-    made.until(Stage.HOLD)
-    assert made.true(GOAL)[3] == held
-    rest = made.manifest.scale.ticks(made.manifest.rest[made.manifest.joints])
-    assert np.abs(made.true(GOAL) - rest)[[0, 1, 4]].max() <= 2
+    made.until(Stage.RELEASE)
+    assert not made.raised[[0, 1, 3, 4]].any()
     made.until(Stage.CLOSED)
     assert not made.true(TORQUE).any()
     assert made.status.faulty
+
+
+def test_a_low_supply_alone_folds_and_is_no_failure(desk: Make):
+    made = desk().active()
+    made.run(0.6)
+    made.expose(PlannedFault("alert", value=HardwareError.VOLTAGE.value))
+    made.until(Stage.RELEASE)
+    assert not made.raised.any()
+    made.until(Stage.CLOSED)
+    assert not made.status.faulty
+    assert any(line.startswith("supply: ") for line in made.kinds())
 
 
 def test_a_servo_that_cannot_move_is_not_pushed_until_it_shuts_down(desk: Make):
@@ -90,10 +99,40 @@ def test_a_servo_that_cannot_move_is_not_pushed_until_it_shuts_down(desk: Make):
     made.open()
     made.perform(4.0, amplitude=0.9)
     made.until(Stage.ACTIVE)
+    made.run(0.6)
     made.plant.physics.jammed[2] = True
-    made.until(Stage.CLOSED)
+    made.until(Stage.WAITING)
     assert made.status.faulty
+    assert made.status.waits == "confirmation"
     assert not made.true(Register.HARDWARE_ERROR_STATUS).any()
+    assert made.true(TORQUE).all()
+    assert not made.raised[[0, 1, 4]].any()
+    made.alive = False
+    made.channel.set("release", 1)
+    made.run(20.0)
+    assert made.stage is Stage.WAITING
+    made.channel.set("confirm", 1)
+    made.until(Stage.CLOSED, within=1.0)
+    assert not made.true(TORQUE).any()
+
+
+def test_a_limb_that_is_free_again_folds_after_a_while_and_is_released(desk: Make):
+    made = desk()
+    made.open()
+    made.perform(4.0, amplitude=0.9)
+    made.until(Stage.ACTIVE)
+    made.run(0.6)
+    made.plant.physics.jammed[2] = True
+    made.until(Stage.WAITING)
+    made.plant.physics.jammed[2] = False
+    made.run(3.0)
+    assert made.stage is Stage.WAITING, "nobody knows that it is free"
+    made.expose(PlannedFault("reboot", (3,)))
+    made.until(Stage.ARM)
+    made.until(Stage.HOLD)
+    assert made.until(Stage.FOLD) > made.settings.patience - 0.1
+    made.until(Stage.CLOSED)
+    assert not made.raised.any()
 
 
 def test_heat_slows_the_performance_before_the_servo_shuts_down(desk: Make):
@@ -121,6 +160,12 @@ def test_a_port_that_goes_and_comes_is_held_within_250_ms_and_torque_stays(desk:
     assert made.plant.time - (lost + seconds) < 0.25
     assert made.true(TORQUE).all()
     assert (made.true(WATCHDOG) == 5).all()
+    if seconds > 1.0:
+        made.run(8.0)
+        assert made.stage is Stage.HOLD
+        assert made.status.waits == "consent"
+        assert not made.raised.any(), "it folds after its patience"
+        made.consent()
     made.until(Stage.ACTIVE)
     assert made.true(TORQUE).all()
 
@@ -186,12 +231,17 @@ def test_servos_of_which_some_have_torque_are_adopted_and_the_others_armed(desk:
     assert made.jumps[0] <= 2
 
 
-def test_an_end_while_a_servo_is_silent_folds_and_lets_go(desk: Make):
-    made = desk(settings=SupervisorSettings(patience=1.0, hopeless=2.0, pace=3.0)).active(20.0)
+def test_an_end_while_a_servo_is_silent_folds_the_others_and_waits_for_it(desk: Make):
+    made = desk(settings=SupervisorSettings(patience=1.0, consent=2.0, hopeless=2.0, pace=3.0)).active(20.0)
+    made.run(3.0)
     made.plant.servos[2].mute = True
     made.channel.set("ended", 1)
-    made.until(Stage.CLOSED, within=15.0)
+    made.until(Stage.WAITING, within=15.0)
+    assert made.true(TORQUE).all()
+    made.plant.servos[2].mute = False
+    made.until(Stage.CLOSED, within=5.0)
     assert not made.true(TORQUE).any()
+    assert not made.raised.any()
 
 
 def test_a_servo_that_falls_silent_stops_time_until_it_is_heard_again(desk: Make):

@@ -21,8 +21,8 @@ def records(*, current: int = 0, celsius: int = 30, position: int = 0, velocity:
 
 def after(seconds: float, **what: int) -> LoadState:
     load = LoadState.none(2)
-    for _ in range(round(seconds * 100)):
-        load = update_load(load, records(**what), STILL, 0.01, STRENGTH)
+    for k in range(round(seconds * 100) + 1):
+        load = update_load(load, records(**what), np.full(2, 0.01 * k), STILL, STRENGTH)
     return load
 
 
@@ -39,8 +39,8 @@ def test_full_current_for_seconds_slows_and_then_stops():
 
 def test_work_is_forgotten():
     tired = after(20.0, current=1000)
-    for _ in range(1000):
-        tired = update_load(tired, records(), STILL, 0.01, STRENGTH)
+    for k in range(1000):
+        tired = update_load(tired, records(), np.full(2, 21.0 + 0.01 * k), STILL, STRENGTH)
     assert derate(tired, records(), STRENGTH)[1] == 1.0
 
 

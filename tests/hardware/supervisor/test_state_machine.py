@@ -2,7 +2,8 @@ from dataclasses import replace
 
 import pytest
 
-from kinesic.hardware.supervisor.state_machine import Observation, Stage, SupervisorState, step
+from kinesic.hardware.supervisor.observation import Observation
+from kinesic.hardware.supervisor.state_machine import Stage, SupervisorState, step
 
 CALM = Observation(energised=True)
 
@@ -86,7 +87,9 @@ def test_holding_for_long_ends_at_rest_with_torque():
 def test_a_port_that_comes_back_is_adopted_and_one_that_does_not_is_given_up():
     state, actions = step(at(Stage.ACTIVE), "lost", CALM)
     assert (state.stage, actions) == (Stage.LOST, ("slow",))
-    assert step(state, "back", CALM)[1] == ("adopt",)
+    assert step(state, "back", CALM)[1] == ("identify",)
+    assert step(step(state, "back", CALM)[0], "done", CALM)[1] == ("adopt",)
+    assert step(step(state, "back", CALM)[0], "refused", CALM)[0].stage is Stage.LOST
     assert step(state, "tick", replace(CALM, hopeless=True))[0].stage is Stage.CLOSED
 
 
@@ -95,10 +98,68 @@ def test_an_emergency_stop_holds_or_lets_go_by_policy():
     assert step(at(Stage.ACTIVE), "estop", replace(CALM, policy="limp"))[1] == ("release",)
     stopped = step(at(Stage.ACTIVE), "estop", CALM)[0]
     assert step(stopped, "tick", replace(CALM, due=True))[0] == stopped
-    assert step(stopped, "tick", replace(CALM, release=True))[1] == ("release",)
+    state, _ = step(stopped, "tick", replace(CALM, release=True, raised=True))
+    assert step(state, "tick", replace(CALM, release=True, raised=True))[1] == ("fold",)
 
 
 def test_an_emergency_stop_outlives_a_lost_port():
     state, _ = step(at(Stage.LOST), "estop", CALM)
-    state, _ = step(state, "back", CALM)
-    assert step(state, "done", CALM)[0].stage is Stage.STOPPED
+    for event in ("back", "done", "done", "tick"):
+        state, _ = step(state, event, CALM)
+    assert state.stage is Stage.STOPPED
+
+
+RAISED = replace(CALM, raised=True, ended=True)
+
+
+def test_who_cannot_fold_is_held_until_a_person_confirms():
+    state = at(Stage.HOLD, folded=True, faulty=True)
+    assert step(state, "tick", RAISED) == (state, ())
+    state, actions = step(state, "tick", replace(RAISED, idle=True))
+    assert (state.stage, actions) == (Stage.WAITING, ())
+    assert step(state, "tick", RAISED) == (state, ())
+    assert step(state, "tick", replace(RAISED, confirmed=True))[1] == ("release",)
+    assert step(state, "tick", replace(RAISED, raised=False))[1] == ("release",)
+
+
+def test_who_is_mended_is_armed_and_folds_after_a_while():
+    mended = replace(RAISED, limp=True)
+    state, _ = step(at(Stage.WAITING, folded=True, faulty=True), "mended", mended)
+    state, actions = step(state, "tick", mended)
+    assert actions == ("arm",)
+    state, _ = step(state, "done", RAISED)
+    assert step(state, "tick", RAISED) == (state, ())
+    assert step(state, "tick", replace(RAISED, idle=True))[1] == ("fold",)
+
+
+def test_torque_that_was_refused_is_not_asked_for_again_and_again():
+    state, _ = step(at(Stage.ARM), "refused", replace(RAISED, limp=True))
+    assert step(state, "tick", replace(RAISED, limp=True))[1] == ("fold",)
+    assert step(replace(state, stage=Stage.WAITING), "tick", replace(RAISED, limp=True))[1] == ()
+
+
+def test_after_a_long_interruption_nothing_goes_on_without_consent():
+    going = replace(CALM, due=True)
+    state, _ = step(at(Stage.ACTIVE, armed=True), "tick", replace(going, interrupted=True))
+    assert (state.stage, state.paused) == (Stage.DEGRADED, True)
+    state, _ = step(state, "tick", going)
+    assert state.stage is Stage.HOLD
+    assert step(state, "tick", going) == (state, ())
+    assert step(state, "tick", replace(going, idle=True))[1] == ("fold",)
+    assert step(state, "tick", replace(CALM, limp=True)) == (state, ())
+    assert step(state, "tick", replace(CALM, limp=True, raised=True))[1] == ("arm",)
+    state, _ = step(state, "resumed", going)
+    assert state.stage is Stage.APPROACH
+
+
+def test_consent_during_an_interruption_is_void():
+    state, _ = step(at(Stage.HOLD, armed=True, paused=True), "resumed", replace(CALM, interrupted=True, due=True))
+    assert state.paused
+
+
+def test_a_weak_supply_folds_and_lets_go_at_rest():
+    state, actions = step(at(Stage.ACTIVE), "tick", replace(CALM, due=True, weak=True, raised=True))
+    assert actions == ("slow",)
+    assert not state.faulty
+    state, _ = step(state, "tick", replace(CALM, weak=True, raised=True))
+    assert step(state, "tick", replace(CALM, weak=True, raised=True))[1] == ("fold",)

@@ -203,27 +203,6 @@ def test_release_folds_and_lets_go(desk: Make):
     assert any("fold" in line for line in made.kinds())
 
 
-def test_an_emergency_stop_holds_at_once(desk: Make):
-    made = desk().active()
-    made.channel.set("estop", 1)
-    made.run(0.1)
-    held = made.true(GOAL)
-    made.run(1.0)
-    assert (made.true(GOAL) == held).all()
-    assert made.stage is Stage.STOPPED
-    assert made.true(TORQUE).all()
-    made.channel.set("release", 1)
-    made.until(Stage.CLOSED, within=1.0)
-    assert not made.true(TORQUE).any()
-
-
-def test_an_emergency_stop_may_let_go(desk: Make):
-    made = desk().active()
-    made.channel.set("estop", 2)
-    made.run(0.03)
-    assert not made.true(TORQUE).any()
-
-
 def test_every_event_is_a_line_with_its_time(desk: Make):
     made = desk().active()
     made.channel.set("release", 1)
@@ -239,28 +218,6 @@ def test_a_command_that_is_no_number_is_dropped_and_told(desk: Make):
     made.channel.write(9.0, np.full(4, np.nan))
     made.run(1.0)
     assert any(line.startswith("dropped") for line in made.kinds())
-
-
-def test_after_an_emergency_stop_it_holds_as_long_as_somebody_is_there(desk: Make):
-    made = desk().active(20.0)
-    made.channel.set("estop", 1)
-    made.run(0.2)
-    made.channel.set("ended", 1)
-    made.run(1.0)
-    assert made.stage is Stage.STOPPED
-    made.alive = False
-    made.until(Stage.CLOSED, within=1.0)
-    assert not made.true(TORQUE).any()
-
-
-def test_a_second_emergency_stop_lets_go(desk: Make):
-    made = desk().active()
-    made.channel.set("estop", 1)
-    made.run(0.2)
-    assert made.true(TORQUE).all()
-    made.channel.set("estop", 2)
-    made.run(0.05)
-    assert not made.true(TORQUE).any()
 
 
 def test_every_cycle_is_told(desk: Make):

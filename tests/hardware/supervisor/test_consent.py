@@ -1,0 +1,172 @@
+"""What needs somebody's consent: after an emergency stop, and after servos were out of hand for long."""
+
+from collections.abc import Callable
+
+import pytest
+
+from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.supervisor.state_machine import Stage
+from kinesic.hardware.virtual.faults import PlannedFault
+
+Make = Callable  # of a desk, see conftest
+PERIOD = 0.01
+TORQUE, GOAL, WATCHDOG = Register.TORQUE_ENABLE, Register.GOAL_POSITION, Register.BUS_WATCHDOG
+
+
+def test_an_emergency_stop_holds_at_once(desk: Make):
+    made = desk().active()
+    made.channel.set("estop", 1)
+    made.run(0.1)
+    held = made.true(GOAL)
+    made.run(1.0)
+    assert (made.true(GOAL) == held).all()
+    assert made.stage is Stage.STOPPED
+    assert made.true(TORQUE).all()
+    made.channel.set("release", 1)
+    made.until(Stage.FOLD, within=0.1)
+    made.until(Stage.CLOSED)
+    assert not made.true(TORQUE).any()
+    assert not made.raised.any()
+
+
+def test_an_emergency_stop_makes_an_earlier_release_void(desk: Make):
+    made = desk().active()
+    made.channel.set("release", 1)
+    made.until(Stage.FOLD)
+    made.channel.set("estop", 1)
+    made.run(10.0)
+    assert made.stage is Stage.STOPPED
+    assert made.status.waits == "consent"
+    made.channel.set("release", 2)
+    made.until(Stage.CLOSED)
+    assert not made.raised.any()
+
+
+def test_after_an_emergency_stop_it_goes_on_when_somebody_consents(desk: Make):
+    made = desk().active(6.0)
+    made.channel.set("estop", 1)
+    made.run(8.0)
+    assert made.stage is Stage.STOPPED
+    time = made.status.time
+    made.consent()
+    made.until(Stage.ACTIVE)
+    made.run(0.5)
+    assert made.status.time > time
+    made.channel.set("estop", 1)
+    made.run(0.1)
+    assert made.stage is Stage.STOPPED
+
+
+def test_a_stop_at_the_same_moment_as_a_consent_wins(desk: Make):
+    made = desk().active(6.0)
+    made.channel.set("estop", 1)
+    made.run(0.5)
+    made.consent()
+    made.channel.set("estop", 1)
+    made.run(1.0)
+    assert made.stage is Stage.STOPPED
+
+
+def test_an_emergency_stop_may_let_go(desk: Make):
+    made = desk().active()
+    made.channel.set("estop", 2)
+    made.run(0.03)
+    assert not made.true(TORQUE).any()
+
+
+@pytest.mark.parametrize("ended", [False, True])
+def test_after_an_emergency_stop_a_dead_planner_means_hold_then_fold(desk: Make, ended: bool):
+    made = desk().active(20.0)
+    made.run(4.0)
+    made.channel.set("estop", 1)
+    made.run(0.2)
+    made.channel.set("ended", int(ended))
+    made.run(1.0)
+    assert made.stage is Stage.STOPPED
+    assert made.raised.any()
+    held = made.true(GOAL)
+    made.alive = False
+    made.run(made.settings.patience - 0.1)
+    assert (made.true(GOAL) == held).all()
+    assert made.true(TORQUE).all()
+    made.until(Stage.FOLD, within=0.5)
+    made.until(Stage.RELEASE)
+    assert not made.raised.any()
+    made.until(Stage.CLOSED, within=1.0)
+    assert not made.true(TORQUE).any()
+
+
+def test_a_second_emergency_stop_lets_go(desk: Make):
+    made = desk().active()
+    made.channel.set("estop", 1)
+    made.run(0.2)
+    assert made.true(TORQUE).all()
+    made.channel.set("estop", 2)
+    made.run(0.05)
+    assert not made.true(TORQUE).any()
+
+
+def test_another_robot_behind_the_name_of_a_lost_port_is_neither_moved_nor_released(desk: Make):
+    made = desk().active(4.0)
+    made.expose(PlannedFault("unplug", seconds=0.5))
+    made.until(Stage.LOST)
+    left = made.plant.servos[:4]
+    goals = made.true(GOAL)[:4]
+    for servo in left:
+        servo.memory[Register.MAX_VOLTAGE_LIMIT] -= 1
+    made.run(3.0)
+    assert made.stage in (Stage.LOST, Stage.IDENTIFY)
+    assert made.status.waits in ("port", "nothing")
+    assert any("another robot is behind this port" in line for line in made.kinds())
+    assert (made.true(GOAL)[:4] == goals).all()
+    assert (made.true(WATCHDOG)[:4] == -1).all()
+    for servo in left:
+        servo.memory[Register.MAX_VOLTAGE_LIMIT] += 1
+    made.until(Stage.HOLD)
+    made.run(1.0)
+    assert made.status.waits == "consent"
+
+
+def test_a_process_that_stood_still_for_long_asks_for_consent(desk: Make):
+    made = desk().active(4.0)
+    made.run(0.5)
+    made.pass_time(12.0)
+    made.run(3.0)
+    assert made.stage is Stage.HOLD
+    assert made.status.waits == "consent"
+    assert any(line.startswith("paused: ") for line in made.kinds())
+    made.consent()
+    made.until(Stage.ACTIVE)
+
+
+def test_commands_that_go_on_after_a_long_time_without_ask_for_consent(desk: Make):
+    made = desk()
+    made.open()
+    for k in range(100):
+        made.channel.write(k * PERIOD, made.goals(k * PERIOD, 4.0))
+    made.until(Stage.ACTIVE)
+    made.until(Stage.HOLD)
+    made.run(2.0)
+    for k in range(100, 400):
+        made.channel.write(k * PERIOD, made.goals(k * PERIOD, 4.0))
+    made.run(2.0)
+    assert made.stage is Stage.HOLD
+    assert made.status.waits == "consent"
+    made.consent()
+    made.until(Stage.ACTIVE)
+
+
+@pytest.mark.parametrize("seconds", [0.1, 0.3, 0.6, 1.05, 2.0, 5.0, 10.0])
+@pytest.mark.parametrize("frozen", [False, True])
+def test_no_outage_is_taken_for_a_servo_that_cannot_move(desk: Make, seconds: float, frozen: bool):
+    made = desk().active(4.0)
+    if frozen:
+        made.expose(PlannedFault("lost", seconds=seconds), PlannedFault("lost", seconds=seconds, way="request"))
+    else:
+        made.expose(PlannedFault("silent", seconds=seconds))
+    made.run(seconds + 2.0)
+    assert not made.status.faulty, made.kinds()[-12:]
+    assert (made.status.waits == "consent") == (seconds > 1.0)
+    made.consent()
+    made.until(Stage.ACTIVE, Stage.HOLD)
+    assert not made.status.faulty
