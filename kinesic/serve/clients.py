@@ -26,6 +26,7 @@ from kinesic.serve.quotas import Quotas, TokenBucket, quota_feedback
 from kinesic.serve.session import Session
 
 NORMAL, POLICY, TOO_BIG, LATER = 1000, 1008, 1009, 1013  # WebSocket's close codes
+EXCESS = 10  # times as many messages as are taken at once may be refused before a client is sent away
 NO_TOKEN = 'a token is needed: send {"do": "hello", "token": "..."} first'
 
 
@@ -36,8 +37,10 @@ class ConnectedClient:
     number: int
     name: str  # its address
     admitted: bool  # has shown the token, or needs none
-    bucket: TokenBucket
+    bucket: TokenBucket  # of messages that are taken
+    excess: TokenBucket  # of those that are refused one by one
     output: OutputQueue
+    placed: bool = False  # has one of the places; without one it may only stop
     code: int = NORMAL  # why it was closed, as WebSocket says it
     why: str = ""
     count: int = 0  # documents so far
@@ -70,32 +73,40 @@ class ClientRegistry:
         """
         self.rules, self.access = rules, access
         self._clients: dict[int, ConnectedClient] = {}
+        self._taken = 0  # places
         self._numbers = count(1)
         self.session = session(self)
 
-    def join(self, name: str, *, token: str | None = None, trusted: bool = False) -> ConnectedClient:
-        """Takes up a client; one that is not let in is closed already.
+    def join(self, name: str, *, trusted: bool = False) -> ConnectedClient:
+        """Takes up a client.
 
         Args:
             name: its address.
-            token: that came with the connection.
-            trusted: needs no token.
+            trusted: needs no token, because it has shown it or is no stranger.
         """
-        admitted = trusted or self.access.token is None or self.is_token(token)
+        rate, burst = self.rules.rate, self.rules.burst
         client = ConnectedClient(
-            next(self._numbers), name, admitted, TokenBucket(self.rules), OutputQueue(self.rules.unread)
+            number=next(self._numbers),
+            name=name,
+            admitted=trusted or self.access.token is None,
+            bucket=TokenBucket(rate, burst),
+            excess=TokenBucket(rate, EXCESS * burst),
+            output=OutputQueue(self.rules.unread),
         )
-        if len(self._clients) >= self.rules.clients:
-            client.close(LATER, f"rule clients: {self.rules.clients} are connected already")
-        elif token is not None and not admitted:
-            client.close(POLICY, "the token is wrong")
-        else:
-            self._clients[client.number] = client
+        self._clients[client.number] = client
         return client
+
+    def place(self, client: ConnectedClient) -> bool:
+        """Gives a client that is admitted one of the places; False where none is left."""
+        if not client.placed and client.admitted and self._taken < self.rules.clients:
+            client.placed = True
+            self._taken += 1
+        return client.placed
 
     def leave(self, client: ConnectedClient) -> None:
         """Forgets a client that is gone; its blocks are performed all the same."""
-        self._clients.pop(client.number, None)
+        if self._clients.pop(client.number, None) is not None:
+            self._taken -= client.placed
         client.output.end()
 
     def is_token(self, token: str | None) -> bool:
@@ -109,17 +120,18 @@ class ClientRegistry:
         try:
             request = control(message)
         except ValueError as error:
-            client.send(json_answer("refused", why=str(error)))
+            self._refuse(client, json_answer("refused", why=str(error)))
             return
         if not client.admitted:
             self._admit(client, request)
         elif isinstance(request, Stop):
             self.session.halt()
             client.send(json_answer("stopped"))
+        elif not self.place(client) and not isinstance(request, Hello):
+            client.close(LATER, f"rule clients: {self.rules.clients} are connected already; you may only stop")
         elif not client.bucket.take():
-            client.send(
-                quota_feedback("rate", f"at most {self.rules.rate:g} messages a second are taken from each client")
-            )
+            what = f"at most {self.rules.rate:g} messages a second are taken from each client"
+            self._refuse(client, quota_feedback("rate", what))
         elif request is not None:
             self._obey(client, request)
         else:
@@ -144,9 +156,16 @@ class ClientRegistry:
         for client in self._clients.values():
             client.close(code, why)
 
+    def _refuse(self, client: ConnectedClient, why: str) -> None:
+        """Refuses one message; who goes on and on is sent away."""
+        client.send(why)
+        if not client.excess.take():
+            client.close(POLICY, "rule rate: too many messages were refused")
+
     def _admit(self, client: ConnectedClient, request: Control | None) -> None:
         if isinstance(request, Hello) and self.is_token(request.token):
             client.admitted = True
+            self.place(client)
             client.send(json_answer("welcome"))
             return
         why = "the token is wrong" if isinstance(request, Hello) else NO_TOKEN
@@ -162,7 +181,7 @@ class ClientRegistry:
             case Restyle(style, changes, amount, block):
                 self.session.restyle(Restyling(style, changes, amount, block, client.number))
             case Enquiry():
-                client.send(json_answer("status", clients=len(self._clients), **self.session.status()))
+                client.send(json_answer("status", clients=self._taken, **self.session.status()))
             case Ping(id):
                 client.send(json_answer("pong", id=id))
             case Hello():

@@ -20,6 +20,7 @@ class Quotas:
     burst: int = 100  # messages of one client at once
     waiting: int = 256  # blocks of one client that wait to be planned
     clients: int = 256  # at once
+    fragments: int = 1000  # WebSocket frames of one client at once, and half as many a second in the long run
     unread: int = 512  # messages that wait for one client to read them
     patience: float = 10.0  # [s] for a token, for the rest of a message, for a client that does not read
     planning: float = 10.0  # [s] that planning one block may take
@@ -35,15 +36,20 @@ USUAL = Quotas()
 
 
 class TokenBucket:
-    """Bounds messages to `rate` a second in the long run, and `burst` at once."""
+    """Bounds what happens to `rate` a second in the long run, and `burst` at once."""
 
-    def __init__(self, rules: Quotas) -> None:
+    def __init__(self, rate: float, burst: float) -> None:
         """Begins full."""
-        self._rate, self._burst = rules.rate, float(rules.burst)
-        self._left, self._time = self._burst, monotonic()
+        self._rate, self._burst = rate, burst
+        self._left, self._time = burst, monotonic()
+
+    @property
+    def period(self) -> float:
+        """[s] until another token is there."""
+        return 1.0 / self._rate
 
     def take(self) -> bool:
-        """Takes a token for one message; False where none is left."""
+        """Takes a token; False where none is left."""
         now = monotonic()
         self._left = min(self._burst, self._left + self._rate * (now - self._time))
         self._time = now

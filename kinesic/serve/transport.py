@@ -5,9 +5,10 @@ input.
 """
 
 import os
+import socket
 import sys
-from asyncio import StreamReader, StreamWriter, get_running_loop, timeout, to_thread
-from collections.abc import AsyncIterator, Callable, Iterable
+from asyncio import Lock, StreamReader, get_running_loop, sleep, timeout, to_thread
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
 from contextlib import suppress
 from threading import Thread
 
@@ -15,6 +16,8 @@ from kinesic.serve.protocol import END, MessageFramer, json_answer
 from kinesic.serve.quotas import Quotas
 
 CHUNK = 65_536  # [bytes] read at once
+UNKNOWN = 8192  # [bytes] read of a client before it is admitted
+DISCARD = 0.05  # [s] between two chunks that are thrown away
 LINGER = 1.0  # [s] in which a client may read what was said last, while what it still says is thrown away
 
 
@@ -22,18 +25,28 @@ class HalfError(EOFError):
     """The connection ended, or came to a halt, within a message."""
 
 
-class Transport:
-    """Bytes to and from a client, each within some time."""
+class OverlongError(ValueError):
+    """A client has said more than it may."""
 
-    def __init__(self, reader: StreamReader, writer: StreamWriter, patience: float) -> None:
-        """Takes over a connection.
+
+class Transport:
+    """Bytes to and from a client, each within some time, and read no faster than it may send."""
+
+    def __init__(self, connection: socket.socket, patience: float, await_turn: Callable[[], Awaitable[None]]) -> None:
+        """Takes over a connection, of which little is read until it is admitted.
 
         Args:
-            reader: from the client.
-            writer: to it.
+            connection: to the client; does not block.
             patience: how long is waited for it [s].
+            await_turn: waits until it may be read.
         """
-        self._reader, self._writer, self._patience = reader, writer, patience
+        self._socket, self._patience, self._await_turn = connection, patience, await_turn
+        self._loop, self._writing = get_running_loop(), Lock()
+        self._left: int | None = UNKNOWN  # [bytes] that are still read; None: any number
+
+    def admit(self) -> None:
+        """Lets the client say as much as it likes."""
+        self._left = None
 
     async def read(self, *, hurry: bool) -> bytes:
         """Reads what comes next; nothing at the end.
@@ -43,12 +56,19 @@ class Transport:
 
         Raises:
             HalfError: it must, and does not.
+            OverlongError: the client has said too much before it was admitted.
         """
+        if self._left == 0:
+            raise OverlongError(f"at most {UNKNOWN} bytes are read of a client that has not shown the token")
         try:
             async with timeout(self._patience if hurry else None):
-                return await self._reader.read(CHUNK)
+                await self._await_turn()
+                data = await self._loop.sock_recv(self._socket, CHUNK if self._left is None else self._left)
         except TimeoutError:
             raise HalfError(f"nothing came for {self._patience:g} s") from None
+        if self._left is not None:
+            self._left -= len(data)
+        return data
 
     async def write(self, pieces: Iterable[bytes]) -> None:
         """Sends pieces, of which an empty one says that no other follows.
@@ -56,32 +76,25 @@ class Transport:
         Raises:
             TimeoutError: the client does not read.
         """
-        for piece in pieces:
-            if piece:
-                self._writer.write(piece)
-            elif self._writer.can_write_eof():
-                self._writer.write_eof()
-        async with timeout(self._patience):
-            await self._writer.drain()
+        async with self._writing, timeout(self._patience):
+            for piece in pieces:
+                if piece:
+                    await self._loop.sock_sendall(self._socket, piece)
+                else:
+                    self._socket.shutdown(socket.SHUT_WR)
 
     async def close(self) -> None:
         """Ends the connection: this side at once, the other when the client does, or soon.
 
         A connection that is closed while something of the client's is unread is reset, and the client may never read
         why it was closed.
-
-        Raises:
-            TimeoutError: the client does not read what is still to be sent.
         """
-        if self._writer.can_write_eof():
-            self._writer.write_eof()
-        with suppress(TimeoutError):
+        with suppress(OSError):
+            self._socket.shutdown(socket.SHUT_WR)
             async with timeout(min(LINGER, self._patience)):
-                while await self._reader.read(CHUNK):
-                    pass
-        self._writer.close()
-        async with timeout(self._patience):
-            await self._writer.wait_closed()
+                while await self._loop.sock_recv(self._socket, CHUNK):
+                    await sleep(DISCARD)
+        self._socket.close()
 
 
 class Stream:

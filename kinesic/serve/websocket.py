@@ -1,6 +1,7 @@
 """A client by WebSocket: one message is one message."""
 
-from collections.abc import AsyncIterator, Callable
+from asyncio import sleep
+from collections.abc import AsyncIterator, Callable, Iterator
 from http import HTTPStatus
 
 from websockets.frames import Frame, Opcode
@@ -9,9 +10,11 @@ from websockets.protocol import State
 from websockets.server import ServerProtocol
 
 from kinesic.serve.origin import Access, Rejection, find_rejection
+from kinesic.serve.quotas import Quotas, TokenBucket
 from kinesic.serve.transport import HalfError, Transport
 
 BEARER = "Bearer "
+PIECE = 2048  # [bytes] parsed at once, which may be hundreds of frames
 DATA = (Opcode.TEXT, Opcode.BINARY, Opcode.CONT)
 
 
@@ -20,17 +23,19 @@ class WebSocket:
 
     lingers = False
 
-    def __init__(self, line: Transport, first: bytes, most: int) -> None:
+    def __init__(self, line: Transport, first: bytes, rules: Quotas) -> None:
         """Takes over a connection whose request is still to be read.
 
         Args:
             line: to the client.
             first: what has been read already.
-            most: how long a message may be [bytes].
+            rules: how long a message may be, and in how many fragments.
         """
-        self._line, self._most = line, most
-        self._protocol = ServerProtocol(max_size=most)
+        self._line, self._rules = line, rules
+        self._frames = TokenBucket(rules.fragments / 2, rules.fragments)
+        self._protocol = ServerProtocol(max_size=rules.message)
         self._protocol.receive_data(first)
+        self._unread = b""  # what the client has said and is still to be parsed
         self._half = False  # a message has begun and not ended
 
     async def open(self, access: Access, is_token: Callable[[str | None], bool], authorities: frozenset[str]) -> bool:
@@ -82,18 +87,26 @@ class WebSocket:
         """
         pieces: list[bytes] = []
         while True:
-            for event in self._protocol.events_received():
-                if isinstance(event, Frame) and event.opcode in DATA:
-                    pieces.append(bytes(event.data))
-                    if event.fin:
+            for frame in self._read_frames():
+                if frame.opcode in DATA:
+                    pieces.append(bytes(frame.data))
+                    if frame.fin:
                         yield b"".join(pieces)
                         pieces = []
                 self._half = bool(pieces)
             await self._flush()
             if self._protocol.parser_exc is not None:
-                raise ValueError(f"at most {self._most} bytes are read: {self._protocol.parser_exc}")
+                raise ValueError(f"at most {self._rules.message} bytes are read: {self._protocol.parser_exc}")
             if self._protocol.state is not State.OPEN or not await self._receive(hurry=hurry()):
                 return
+
+    def _read_frames(self) -> Iterator[Frame]:
+        for event in self._protocol.events_received():
+            if not self._frames.take():
+                most = self._rules.fragments
+                raise ValueError(f"at most {most} frames are read at once, {most // 2} a second: send fewer fragments")
+            if isinstance(event, Frame):
+                yield event
 
     async def send(self, message: str) -> None:
         """Sends a message.
@@ -113,14 +126,18 @@ class WebSocket:
         await self._line.close()
 
     async def _receive(self, *, hurry: bool) -> bool:
-        """Reads a little; False at the end."""
-        data = await self._line.read(hurry=self._half or hurry)
-        if data:
-            self._half = True
-            self._protocol.receive_data(data)
+        """Reads and parses a little, so that others have their turn in between; False at the end."""
+        if not self._unread:
+            self._unread = await self._line.read(hurry=self._half or hurry)
+            if not self._unread:
+                self._protocol.receive_eof()
+                return False
         else:
-            self._protocol.receive_eof()
-        return bool(data)
+            await sleep(0)
+        piece, self._unread = self._unread[:PIECE], self._unread[PIECE:]
+        self._half = True
+        self._protocol.receive_data(piece)
+        return True
 
     async def _flush(self) -> None:
         await self._line.write(self._protocol.data_to_send())

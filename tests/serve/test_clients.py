@@ -3,6 +3,7 @@
 import json
 import re
 import socket
+from contextlib import suppress
 
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
@@ -97,16 +98,55 @@ def test_too_many_messages_are_refused_one_by_one(guarded):
     assert any("rule rate" in answer for answer in answers)
 
 
-def test_too_many_clients_are_sent_away(guarded, becomes):
+@pytest.fixture
+def full(guarded, becomes):
+    """A server all of whose places are taken."""
     assert becomes(lambda: not guarded.open.clients._clients)
     clients = [Client(port=guarded.port, token="open sesame") for _ in range(4)]
+    yield guarded
+    for client in clients:
+        client.close()
+    assert becomes(lambda: not guarded.open.clients._clients)
+
+
+def test_too_many_clients_are_sent_away(full):
+    with Client(port=full.port, token="open sesame") as more:
+        more.do("ping")
+        assert json.loads(more.receive(20))["code"] == 1013
+
+
+def test_whoever_shows_the_token_may_stop_even_where_all_places_are_taken(full, becomes):
+    loop = full.open.clients.session.loop
+    with Client(port=full.port, token="open sesame") as more:
+        more.stop()
+        assert json.loads(more.receive(20)) == {"told": "stopped"}
+        assert becomes(lambda: loop.halted)
+    full.tasks.call_soon_threadsafe(full.open.clients.session.resume)
+    assert becomes(lambda: not loop.halted)
+
+
+def test_whoever_does_not_show_it_takes_no_place(guarded):
+    strangers = [Client(port=guarded.port) for _ in range(8)]
     try:
-        with Client(port=guarded.port) as more:
-            more.do("ping")
-            assert json.loads(more.receive(20))["code"] == 1013
+        for stranger in strangers:
+            stranger.send_bytes(b"<")
+        with Client(port=guarded.port, token="open sesame") as client:
+            client.do("status")
+            assert json.loads(client.receive(20))["clients"] == 1
     finally:
-        for client in clients:
-            client.close()
+        for stranger in strangers:
+            stranger.close()
+
+
+def test_who_goes_on_after_refusals_is_sent_away(guarded):
+    with Client(port=guarded.port, token="open sesame") as client, suppress(OSError):
+        for _ in range(400):
+            client.do("ping")
+        answers = []
+        while '"closed"' not in (answer := client.receive(20)):
+            answers.append(answer)
+        assert json.loads(answer)["why"] == "rule rate: too many messages were refused"
+        assert sum("rule rate" in each for each in answers) >= 30
 
 
 def test_a_client_that_never_reads_is_sent_away(guarded, becomes):

@@ -6,7 +6,9 @@ from kinesic.serve import quotas
 from kinesic.serve.quotas import Quotas, TokenBucket, quota_feedback
 
 
-@pytest.mark.parametrize("name", ["message", "rate", "burst", "waiting", "clients", "unread", "patience", "planning"])
+@pytest.mark.parametrize(
+    "name", ["message", "rate", "burst", "waiting", "clients", "fragments", "unread", "patience", "planning"]
+)
 def test_a_rule_that_forbids_everything_is_refused(name):
     with pytest.raises(ValueError, match=f"{name} is 0, must be above 0"):
         Quotas(**{name: 0})
@@ -15,7 +17,7 @@ def test_a_rule_that_forbids_everything_is_refused(name):
 def test_a_bucket_lets_a_burst_through_and_then_the_rate(monkeypatch):
     now = [0.0]
     monkeypatch.setattr(quotas, "monotonic", lambda: now[0])
-    bucket = TokenBucket(Quotas(rate=10.0, burst=3))
+    bucket = TokenBucket(10.0, 3)
     assert [bucket.take() for _ in range(5)] == [True, True, True, False, False]
     now[0] = 0.25
     assert [bucket.take() for _ in range(3)] == [True, True, False]

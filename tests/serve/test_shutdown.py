@@ -73,6 +73,7 @@ def test_who_comes_when_all_places_are_taken_is_told_so_however_often():
             assert b"rule clients: 3 are connected already" in heard(opened(server, b'{"do": "ping"}\0'))
         for _ in range(6):
             page = connect(f"ws://127.0.0.1:{server.port}")
+            page.send('{"do": "ping"}')
             with pytest.raises(ConnectionClosedError, match="3 are connected already"):
                 page.recv(PATIENCE)
             assert page.close_code == 1013

@@ -1,10 +1,10 @@
 import asyncio
 import socket
-from asyncio import StreamReader, StreamWriter
+from contextlib import suppress
 
 import pytest
 
-from kinesic.serve.transport import CHUNK, Transport
+from kinesic.serve.transport import CHUNK, UNKNOWN, OverlongError, Transport
 
 pytestmark = pytest.mark.realtime
 
@@ -22,27 +22,62 @@ def test_a_client_that_never_ends_its_side_is_left_after_a_while():
 
 async def _sent_home(said: bytes, *, patience: float = 10.0) -> bytes:
     """What a client hears that says a lot and is answered after the first piece."""
-    gone = asyncio.Event()
-
-    async def client(reader: StreamReader, writer: StreamWriter) -> None:
-        line = Transport(reader, writer, patience)
+    here, end = socket.socketpair()
+    here.setblocking(False)
+    line = Transport(here, patience, at_once)
+    line.admit()
+    with end:
+        hearing = asyncio.create_task(asyncio.to_thread(_told, end, said))
         assert 0 < len(await line.read(hurry=True)) <= CHUNK
         await line.write([ANSWER])
         await line.close()
-        gone.set()
+        return await hearing
 
-    async with await asyncio.start_server(client, "127.0.0.1", 0) as server:
-        address = server.sockets[0].getsockname()
-        with socket.create_connection(address) as end:
-            heard = await asyncio.to_thread(_told, end, said)
-            if len(said) < CHUNK:
-                await gone.wait()
-        await gone.wait()
-    return heard
+
+async def at_once() -> None:
+    """The turn of a connection beside which there is no other."""
+
+
+def test_little_is_read_of_a_client_that_is_not_admitted():
+    async def read() -> int:
+        here, end = socket.socketpair()
+        here.setblocking(False)
+        line, total = Transport(here, 10.0, at_once), 0
+        with here, end:
+            end.send(bytes(3 * UNKNOWN))
+            while total < UNKNOWN:
+                total += len(await line.read(hurry=True))
+            with pytest.raises(OverlongError, match="has not shown the token"):
+                await line.read(hurry=True)
+            line.admit()
+            return total + len(await line.read(hurry=True))
+
+    assert UNKNOWN < asyncio.run(read()) <= 3 * UNKNOWN
+
+
+def test_what_two_tasks_send_is_not_mixed():
+    async def send() -> bytes:
+        here, end = socket.socketpair()
+        here.setblocking(False)
+        line = Transport(here, 10.0, at_once)
+        with here, end:
+            hearing = asyncio.create_task(asyncio.to_thread(_heard, end, 2 * len(MUCH)))
+            await asyncio.gather(line.write([MUCH]), line.write([MUCH.replace(b"\0", b"x")]))
+            return await hearing
+
+    assert asyncio.run(send()) == MUCH + MUCH.replace(b"\0", b"x")
+
+
+def _heard(end: socket.socket, much: int) -> bytes:
+    heard = bytearray()
+    while len(heard) < much:
+        heard += end.recv(CHUNK)
+    return bytes(heard)
 
 
 def _told(end: socket.socket, said: bytes) -> bytes:
-    end.sendall(said)
+    with suppress(OSError):  # the rest is not wanted
+        end.sendall(said)
     heard = b""
     while piece := end.recv(CHUNK):
         heard += piece

@@ -1,0 +1,33 @@
+"""Shares out the server's time: a connection that sends little is read at once, those that send much take turns.
+
+Whoever waits for a turn is not read meanwhile, so that the system holds up the sender, and no flood costs more than a
+small share of a processor.
+"""
+
+from asyncio import sleep
+
+from kinesic.serve.quotas import TokenBucket
+
+TURN = 0.002  # [s] for each connection that waits: all of them together are read 500 times a second
+
+
+class Pace:
+    """When connections are read."""
+
+    def __init__(self) -> None:
+        """Begins with nobody waiting."""
+        self._waiting = 0
+
+    async def await_turn(self, bucket: TokenBucket) -> None:
+        """Waits until a connection may be read, the longer the more of them wait.
+
+        Args:
+            bucket: of the connection: how often it is read at once.
+        """
+        if bucket.take():
+            return
+        self._waiting += 1
+        try:
+            await sleep(max(bucket.period, TURN * self._waiting))
+        finally:
+            self._waiting -= 1
