@@ -11,6 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kinesic.body.servo import TICKS_PER_TURN
+from kinesic.hardware.bus.bounds import RecordBounds, Span
 from kinesic.hardware.bus.cycle import BLOCK, CELLS, SIZE, Cycle, Event, Happening, Records
 from kinesic.hardware.bus.goals import GoalFrame
 from kinesic.hardware.bus.late_replies import LateReplies
@@ -37,6 +39,7 @@ class Servo:
 
     id: int
     model: Model
+    span: Span = (0, TICKS_PER_TURN - 1)  # [ticks] between which it may have goals
 
     @property
     def cells(self) -> int:
@@ -59,7 +62,8 @@ class Bus:
         self.wire, self.servos, self.period, self.fast = wire, tuple(servos), period, fast
         self.ids = tuple(servo.id for servo in servos)
         self._frame = GoalFrame(self.ids)
-        self._believed = PlausibilityFilter(tuple(servo.model for servo in servos), period)
+        bounds = RecordBounds.of([servo.model for servo in servos], [servo.span for servo in servos])
+        self._believed = PlausibilityFilter(bounds, period)
         self._polling = PollingPlan(len(servos))
         self._listener = Listener(wire)
         self._late = LateReplies(self._believed, self._listener)
@@ -248,13 +252,16 @@ class Bus:
         if not (believed.fresh.all() and polling.whole) and not (self._lost or self._only_listens):
             gone, back = polling.note(believed.fresh | believed.late)
             for place in gone:
-                self._report(self.ids[place], "silent", "no answer in five cycles")
+                self._report(self.ids[place], "silent", "no answer that can be believed in five cycles")
             for place in back:
                 self._report(self.ids[place], "heard", "answers again")
             self._question, self._places = self._next_question()
         for place in believed.doubted:
             self._report(self.ids[place], "doubted", "said something surprising")
+        for place, text in believed.impossible.items():
+            self._report(self.ids[place], "impossible", f"{text}; not believed until it says otherwise")
         believed.doubted.clear()
+        believed.impossible.clear()
         if believed.signature != self._signature:
             self._compare(self._reported, believed.blocks)
             self._signature = believed.signature

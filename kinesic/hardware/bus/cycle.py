@@ -42,6 +42,7 @@ Happening = Literal[
     "error",  # its hardware error register has changed, to zero perhaps
     "watchdog",  # it has stopped because the bus was quiet
     "torque",  # switched on or off, by whoever
+    "impossible",  # it says what cannot be, however often
     "doubted",  # it said something surprising that it did not repeat
 ]
 

@@ -1,9 +1,10 @@
 """Filters the records of servos: a record counts if it is plausible, a surprise only when it is repeated.
 
 A CRC of 16 bits lets about one random error in 65536 pass, and Protocol 2.0 numbers no answers. So a record must be
-newer by the servo's own clock than the one before, and what is surprising must be said twice: a joint that jumped, a
-temperature that leapt, an error register that the alert bit does not confirm. A record without voltage is none: the
-servo has rebooted and no longer shows its registers in its cells.
+newer by the servo's own clock than the one before, and what is surprising must be said twice: a limp joint that jumped,
+a temperature that leapt, an error register that the alert bit does not confirm. No repetition makes true what cannot
+be: a value outside its bounds, or a jump of a joint whose servo has torque, which would pull the goals along. A record
+without voltage is none: the servo has rebooted and no longer shows its registers in its cells.
 """
 
 from math import inf
@@ -12,14 +13,12 @@ import numpy as np
 
 from kinesic.body.arrays import Flags, Floats
 from kinesic.body.servo import TICKS_PER_TURN
+from kinesic.hardware.bus.bounds import RecordBounds
 from kinesic.hardware.bus.cycle import BLOCK, Records, signature
 from kinesic.hardware.bus.query import ServoReplies
-from kinesic.hardware.protocol.models import Model
 from kinesic.hardware.protocol.packet import ALERT
-from kinesic.hardware.protocol.registers import CLOCK_WRAP, SPEED, TICK, Register
+from kinesic.hardware.protocol.registers import CLOCK_WRAP
 
-BY_HAND = 2 * TICKS_PER_TURN  # [ticks/s] that a limp joint may be pushed
-SURE = 2.0  # times its speed limit that a servo may seem to move
 LEEWAY = 40  # [ticks] that a joint may jump at any time
 LEAP, RUSH = 5, 60.0  # [C], [C/s] that a servo may seem to warm between two records
 LATEST = CLOCK_WRAP // 2  # [ms] of the servo's clock beyond which "newer" is "older"
@@ -31,14 +30,14 @@ Place = slice | np.ndarray[tuple[int], np.dtype[np.intp]]
 class PlausibilityFilter:
     """Keeps the last believed record of every servo of a bus, and decides which new ones count."""
 
-    def __init__(self, models: tuple[Model, ...], period: float) -> None:
+    def __init__(self, bounds: RecordBounds, period: float) -> None:
         """Knows no record yet.
 
         Args:
-            models: of the servos, in the order of the bus.
+            bounds: of the servos, in the order of the bus.
             period: [s] between cycles.
         """
-        count = len(models)
+        count = len(bounds.pace)
         self.blocks: Records = np.zeros(count, dtype=BLOCK)  # read-only, as the next two: each change makes new ones
         self.signature = signature(self.blocks)
         self.times: Floats = np.full(count, -inf)
@@ -46,11 +45,12 @@ class PlausibilityFilter:
         self.late: Flags = self.fresh  # (n,) came in this cycle, but of an earlier one
         self.forgetful: set[int] = set()  # places of those whose cells must be set again
         self.doubted: set[int] = set()  # places where doubt arose in this cycle
-        limits = np.array([model.starts(Register.VELOCITY_LIMIT) * SPEED / TICK for model in models])
-        self._pace = np.maximum(SURE * limits, BY_HAND)  # (n,) [ticks/s]
-        self._reach = (self._pace * 2 * period).astype(np.int32) + LEEWAY  # (n,) [ticks] between two cycles
+        self.impossible: dict[int, str] = {}  # place -> what it began in this cycle to say that cannot be
+        self._bounds, self._brief = bounds, 2 * period
+        self._reach = (bounds.pace * self._brief).astype(np.int32) + LEEWAY  # (n,) [ticks] between two cycles
         self._span = 2 * self._reach.astype(np.uint32)
         self._doubts: dict[int, np.void] = {}
+        self._accused: set[int] = set()  # places of those who say what cannot be
         self._stale: dict[int, int] = {}  # records from the past, in a row
         self._unset: set[int] = set()  # places of those whose clock is no longer compared with the wire's
         self._none, self._every = self.fresh, np.ones(count, dtype=np.bool_)
@@ -73,6 +73,7 @@ class PlausibilityFilter:
             self.times = self._ones * time
             self.fresh = self._every
             self._doubts.clear()
+            self._accused.clear()
             self._stale.clear()
             self._unset.clear()
             return
@@ -81,6 +82,7 @@ class PlausibilityFilter:
             if self._accepts(index, block, time):
                 blocks[index], times[index], fresh[index] = block, time, True
                 self._doubts.pop(index, None)
+                self._accused.discard(index)
                 self._stale.pop(index, None)
                 self._unset.discard(index)
         self.blocks, self.times, self.fresh, self.signature = blocks, times, fresh, signature(blocks)
@@ -117,7 +119,7 @@ class PlausibilityFilter:
             return False
         jumps = blocks["position"] - before["position"]
         jumps += self._reach
-        return not (jumps.view(np.uint32) > self._span).any()
+        return not (jumps.view(np.uint32) > self._span).any() and not self._bounds.outside(blocks).any()
 
     def is_late(self, place: int, block: np.void, time: float, *, leeway: float) -> bool:
         """Returns whether a record is older than a time [s] by more than a leeway [s], by the servo's clock."""
@@ -163,26 +165,55 @@ class PlausibilityFilter:
         if block["volts"] == 0:
             self.forgetful.add(index)
             return False
+        if reason := self._bounds.reason(index, block):
+            self._accuse(index, reason)
+            return False
         elapsed = time - self.times[index]
         if elapsed == inf:
             return True
         if elapsed < LATEST / 1000 and not 0 < self._since(index, block) < LATEST:
             self._stale[index] = self._stale.get(index, 0) + 1
             return self._stale[index] > TRUST
-        if self._is_ordinary(block, self.blocks[index], self._pace[index], elapsed):
-            return True
+        return self._is_credible(index, block, time)
+
+    def _is_credible(self, index: int, block: np.void, time: float) -> bool:
+        """Whether a record that is news within its bounds fits to what was said before, believed or not."""
+        before, elapsed = self.blocks[index], time - self.times[index]
         doubt = self._doubts.get(index)
-        if doubt is not None and self._confirms(block, doubt):
+        moment = elapsed if doubt is None else min(elapsed, self._brief)
+        near = self._is_near(index, block, before, moment)
+        if near and self._is_calm(block, before, moment):
+            return True
+        if doubt is not None and not near and block["torque"]:
+            if self._is_near(index, block, doubt, self._brief):  # it goes on from where it cannot have come to
+                self._doubts[index] = block.copy()
+                self._accuse(index, f"position leapt from {before['position']} to {block['position']}, with torque")
+                return False
+            if self._is_near(index, block, before, elapsed) and self._is_calm(block, before, elapsed):
+                return True
+        elif doubt is not None and self._confirms(block, doubt):
             return True
         self._doubts[index] = block.copy()
         self.doubted.add(index)
         return False
 
-    def _is_ordinary(self, block: np.void, before: np.void, pace: float, elapsed: float) -> bool:
+    def _accuse(self, index: int, reason: str) -> None:
+        if index not in self._accused:
+            self._accused.add(index)
+            self.impossible[index] = reason
+
+    def _is_near(self, index: int, block: np.void, before: np.void, elapsed: float) -> bool:
+        """Whether a joint can have come from one record to the other; torque coming on forgets whole turns."""
         jump = abs(int(block["position"]) - int(before["position"]))
+        if block["torque"] and not before["torque"]:
+            jump = abs((jump + TICKS_PER_TURN // 2) % TICKS_PER_TURN - TICKS_PER_TURN // 2)
+        return bool(jump <= self._bounds.pace[index] * elapsed + LEEWAY)
+
+    def _is_calm(self, block: np.void, before: np.void, elapsed: float) -> bool:
+        """Whether its temperature can have changed so, and its error is confirmed by the alert bit."""
         leap = abs(int(block["temperature"]) - int(before["temperature"]))
         confirmed = (block["error"] >= ALERT) == (block["hardware_error"] > 0)
-        return bool(jump <= pace * elapsed + LEEWAY and leap <= LEAP + RUSH * elapsed and confirmed)
+        return bool(leap <= LEAP + RUSH * elapsed and confirmed)
 
     def _confirms(self, block: np.void, doubt: np.void) -> bool:
         jump = abs(int(block["position"]) - int(doubt["position"]))

@@ -12,6 +12,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.body.servo import TICKS_PER_TURN, Drive
+from kinesic.hardware.bus.bounds import Span
 from kinesic.hardware.bus.bus import Servo
 from kinesic.hardware.protocol.models import BY_NUMBER, Model
 from kinesic.hardware.protocol.registers import SPEED, TICK, Mode, Register
@@ -54,7 +55,7 @@ class Member:
     @property
     def span(self) -> tuple[int, int]:
         """[ticks] that its goals may have: the hinge's range and a margin."""
-        return max(0, self.lower - MARGIN), min(TICKS_PER_TURN - 1, self.upper + MARGIN)
+        return goal_span(self.lower, self.upper)
 
     @property
     def lasting(self) -> Mapping[Register, int]:
@@ -200,6 +201,11 @@ def raised_joints(manifest: Manifest, angles: Floats) -> tuple[str, ...]:
     return tuple(lines)
 
 
+def goal_span(lower: int, upper: int) -> Span:
+    """Returns the least and the largest goal [ticks] of a hinge's range: with a margin, within one turn."""
+    return max(0, lower - MARGIN), min(TICKS_PER_TURN - 1, upper + MARGIN)
+
+
 def _members(robot: Robot, servos: HingeServos, joint: int) -> list[Member]:
     drive: Drive = robot.drives[joint]
     model = BY_NUMBER.get(drive.servo.model)
@@ -214,7 +220,7 @@ def _members(robot: Robot, servos: HingeServos, joint: int) -> list[Member]:
     return [
         Member(
             bus=servos.bus,
-            servo=Servo(servo, model),
+            servo=Servo(servo, model, goal_span(ends[0], ends[1])),
             hinge=servos.hinge,
             joint=joint,
             zero=servos.zero_ticks,

@@ -3,6 +3,7 @@ from math import inf
 import numpy as np
 import pytest
 
+from kinesic.hardware.bus.bounds import RecordBounds
 from kinesic.hardware.bus.cycle import BLOCK, Records
 from kinesic.hardware.bus.plausibility import LEAP, LEEWAY, PlausibilityFilter
 from kinesic.hardware.bus.query import ServoReplies
@@ -27,7 +28,7 @@ def answer(made: Records) -> ServoReplies:
 
 @pytest.fixture
 def gate() -> PlausibilityFilter:
-    opened = PlausibilityFilter((MODELS["xm430_w350"],) * 2, PERIOD)
+    opened = PlausibilityFilter(RecordBounds.of((MODELS["xm430_w350"],) * 2, ((1000, 3000),) * 2), PERIOD)
     opened.begin()
     opened.admit(ALL, answer(blocks(1000)), 1.0)
     opened.begin()
@@ -41,7 +42,7 @@ def told(gate: PlausibilityFilter, made: Records, time: float = 1.01) -> list[bo
 
 
 def test_the_first_record_is_believed():
-    opened = PlausibilityFilter((MODELS["xm430_w350"],) * 2, PERIOD)
+    opened = PlausibilityFilter(RecordBounds.of((MODELS["xm430_w350"],) * 2, ((1000, 3000),) * 2), PERIOD)
     opened.begin()
     assert opened.times.tolist() == [-inf, -inf]
     opened.admit(ALL, answer(blocks(1000, 17)), 1.0)
@@ -60,9 +61,8 @@ def test_what_a_servo_can_do_is_believed(gate: PlausibilityFilter):
     "lie",
     [
         {"position": 3000},
-        {"position": 2048 - 2**31},
-        {"position": -(2**31)},
-        {"temperature": 200},
+        {"position": 3000 + 2 * 4096},
+        {"temperature": 90},
         {"hardware_error": 4},
         {"error": 0x80},
     ],
@@ -72,6 +72,76 @@ def test_what_surprises_must_be_said_twice(gate: PlausibilityFilter, lie: dict[s
     assert gate.doubted == {1}
     assert gate.blocks["position"][1] == 2048
     assert told(gate, blocks(1020, **lie), 1.02) == [True, True]
+
+
+@pytest.mark.parametrize(
+    ("lie", "text"),
+    [
+        ({"position": 1_000_000}, "position is 1000000, must be -32768..32768"),
+        ({"position": 2048 - 2**31}, "position is -2147481600"),
+        ({"position": 3513, "torque": 1}, "position is 3513, must be 488..3512"),
+        ({"position": 487, "torque": 1}, "position is 487, must be 488..3512"),
+        ({"velocity": 5000}, "velocity is 5000, must be -700..700"),
+        ({"velocity": -(2**31)}, "velocity is -2147483648"),
+        ({"temperature": 126}, "temperature is 126, must be 0..125"),
+        ({"volts": 241}, "volts is 241, must be 25..240"),
+        ({"volts": 24}, "volts is 24, must be 25..240"),
+        ({"current": -2387}, "current is -2387, must be -2386..2386"),
+        ({"torque": 2}, "torque is 2, must be 0..1"),
+        ({"watchdog": -2}, "watchdog is -2, must be -1..127"),
+        ({"hardware_error": 0x40, "error": 0x80}, "hardware_error is 64, must be 0..63"),
+    ],
+)
+def test_what_cannot_be_is_not_believed_however_often_it_is_said(gate: PlausibilityFilter, lie: dict, text: str):
+    heard = [told(gate, blocks(1000 + 10 * k, **lie), 1.0 + 0.01 * k) for k in range(1, 200)]
+    assert all(fresh == [True, False] for fresh in heard)
+    assert gate.impossible[1].startswith(text)
+    gate.impossible.clear()
+    assert told(gate, blocks(3010, **lie), 3.01) == [True, False]
+    assert not gate.impossible, "it is told once"
+    assert told(gate, blocks(3020), 3.02) == [True, True]
+
+
+def test_what_cannot_be_is_not_believed_first_either(gate: PlausibilityFilter):
+    gate.forget(1)
+    assert told(gate, blocks(1010, position=10**6)) == [True, False]
+    assert told(gate, blocks(1020, position=2000), 1.02) == [True, True]
+
+
+@pytest.mark.parametrize("place", [2500, 1200])
+def test_a_joint_with_torque_does_not_leap_however_often_it_is_said(gate: PlausibilityFilter, place: int):
+    assert told(gate, blocks(1010, torque=1), 1.01) == [True, True]
+    heard = [told(gate, blocks(1000 + 10 * k, position=place, torque=1), 1.0 + 0.01 * k) for k in range(2, 200)]
+    assert all(fresh == [True, False] for fresh in heard)
+    assert gate.impossible[1] == f"position leapt from 2048 to {place}, with torque"
+    assert gate.blocks["position"][1] == 2048
+    assert told(gate, blocks(3010, position=2090, torque=1), 3.01) == [True, True]
+
+
+def test_a_joint_that_leapt_is_believed_when_it_is_limp(gate: PlausibilityFilter):
+    told(gate, blocks(1010, torque=1), 1.01)
+    for k in range(2, 20):
+        assert told(gate, blocks(1000 + 10 * k, position=2800, torque=1), 1.0 + 0.01 * k) == [True, False]
+    assert told(gate, blocks(1200, position=2800), 1.2) == [True, True]
+
+
+def test_torque_that_comes_on_forgets_whole_turns(gate: PlausibilityFilter):
+    gate.forget(1)
+    assert told(gate, blocks(1010, position=2048 + 4096), 1.01) == [True, True]
+    assert told(gate, blocks(1020, position=2050, torque=1), 1.02) == [True, True]
+    assert gate.blocks["position"][1] == 2050
+
+
+def test_one_lie_does_not_hide_the_truth_that_follows(gate: PlausibilityFilter):
+    told(gate, blocks(1010, torque=1), 1.01)
+    assert told(gate, blocks(1020, position=2048 + 300, torque=1), 1.02) == [True, False]
+    assert told(gate, blocks(1030, position=2048 + 60, torque=1), 1.03) == [True, True]
+
+
+def test_after_lies_and_a_silence_a_joint_may_be_elsewhere(gate: PlausibilityFilter):
+    told(gate, blocks(1010, torque=1), 1.01)
+    assert told(gate, blocks(1020, position=2700, torque=1), 1.02) == [True, False]
+    assert told(gate, blocks(1220, position=1500, torque=1), 1.22) == [True, True]
 
 
 def test_a_lie_that_is_not_repeated_is_forgotten(gate: PlausibilityFilter):
