@@ -50,7 +50,7 @@ class Desk:
         servos: str = "kinesic",
     ) -> None:
         self.manifest, self.settings, self.log, self.alive = manifest, settings, log, True
-        build, self.wire = BUILDERS[servos]
+        self.servos, (build, self.wire) = servos, BUILDERS[servos]
         self.plant, self.buses = build(wires)
         self.jumps: list[float] = []
         self.dropped: list[str] = []  # hinges whose torque was taken while they were raised

@@ -1,6 +1,7 @@
 """A servo that says the same nonsense again and again, each record with a right CRC, in the middle of a performance."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -8,8 +9,31 @@ import pytest
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.supervisor.state_machine import Stage
 
+from .conftest import Desk
+
 Make = Callable  # of a desk, see conftest
 LIAR, SECONDS = 2, 0.6
+
+
+@contextmanager
+def lying(made: Desk, register: Register, lie: int) -> Iterator[None]:
+    """One of the servos shows another value than it has, be it kinesic's own or the manual's."""
+    servo, (start, end) = made.plant.servos[LIAR], (register.field.address, register.field.end)
+    if made.servos == "manual":
+        tampers = servo.device.firmware.tampers
+        tampers.append(lambda memory: memory.bytes.__setitem__(slice(start, end), register.field.pack(lie)))
+        yield
+        tampers.clear()
+        return
+
+    def read(address: int, size: int) -> bytes:
+        servo.electronics.show()
+        servo.memory.put(start, register.field.pack(lie))
+        return servo.memory.read(address, size)
+
+    servo.read = read
+    yield
+    del servo.read
 
 
 @pytest.mark.parametrize(
@@ -24,28 +48,17 @@ LIAR, SECONDS = 2, 0.6
         (Register.PRESENT_CURRENT, -32_768),
     ],
 )
-def test_nonsense_moves_nothing_and_is_told_once(
-    desk: Make, monkeypatch: pytest.MonkeyPatch, register: Register, lie: int
-):
+def test_nonsense_moves_nothing_and_is_told_once(desk: Make, register: Register, lie: int):
     made = desk().active(6.0)
-    liar = made.plant.servos[LIAR]
-    honest = liar.read
-
-    def lying(address: int, size: int) -> bytes:
-        liar.electronics.show()
-        liar.memory.put(register.field.address, register.field.pack(lie))
-        return liar.memory.read(address, size)
-
-    monkeypatch.setattr(liar, "read", lying)
     before, pace = made.true(Register.GOAL_POSITION), made.manifest.speeds * made.settings.period
-    for _ in range(round(SECONDS / made.settings.period)):
-        made.cycle()
-        goals = made.true(Register.GOAL_POSITION)
-        assert (np.abs(goals - before) <= 1.6 * pace + 2).all()
-        assert np.abs(goals - made.here).max() <= 60
-        before = goals
-    assert made.status.scale == 0.0
-    assert made.true(Register.TORQUE_ENABLE).all()
-    assert sum(line.startswith("impossible") for line in made.kinds()) == 1
-    monkeypatch.setattr(liar, "read", honest)
+    with lying(made, register, lie):
+        for _ in range(round(SECONDS / made.settings.period)):
+            made.cycle()
+            goals = made.true(Register.GOAL_POSITION)
+            assert (np.abs(goals - before) <= 1.6 * pace + 2).all()
+            before = goals
+        assert np.abs(goals - made.here).max() <= 10
+        assert made.status.scale == 0.0
+        assert made.true(Register.TORQUE_ENABLE).all()
+        assert sum(line.startswith("impossible") for line in made.kinds()) == 1
     made.until(Stage.ACTIVE, within=5.0)
