@@ -11,9 +11,10 @@ from pathlib import Path
 import serial
 
 from kinesic.hardware.bus.host import stable_name
-from kinesic.hardware.protocol.wire import BusError
+from kinesic.hardware.protocol.wire import BITS_PER_BYTE, BusError
 
 CHUNK = 4096  # [bytes]
+STALLED = 0.05  # [s] beyond their time on the wire after which bytes that nobody takes mean that the port is gone
 
 
 class SerialWire:
@@ -49,13 +50,16 @@ class SerialWire:
 
     def write(self, data: bytes | bytearray, /) -> None:
         """See `Wire`."""
-        rest = memoryview(data)
+        rest, limit = memoryview(data), time.monotonic() + len(data) * BITS_PER_BYTE / self._baud + STALLED
         try:
             while rest:
                 try:
                     rest = rest[os.write(self._file, rest) :]
                 except BlockingIOError:  # no room for now
-                    select.select((), (self._file,), ())
+                    wait = limit - time.monotonic()
+                    if wait <= 0.0 or not select.select((), (self._file,), (), wait)[1]:
+                        termios.tcflush(self._file, termios.TCOFLUSH)  # or old goals come when it goes on
+                        raise TimeoutError(f"it has not taken {len(rest)} of {len(data)} bytes in time") from None
         except (OSError, ValueError, termios.error) as error:
             raise self._gone(error) from None
 

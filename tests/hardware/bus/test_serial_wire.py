@@ -1,15 +1,17 @@
 import os
+import termios
 import threading
 import time
 import tty
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 import serial
 
 from kinesic.hardware.bus.bring_up import open_bus
-from kinesic.hardware.bus.bus import Servo
+from kinesic.hardware.bus.bus import Bus, Servo
 from kinesic.hardware.bus.cycle import Cycle
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.models import MODELS
@@ -124,6 +126,32 @@ def test_a_port_that_is_gone_is_told(tmp_path: Path):
     assert not wire.reopen()
     with pytest.raises(BusError, match="the port is gone"):
         wire.write(b"a")
+
+
+def test_bytes_that_nobody_takes_mean_that_the_port_is_gone(ends: tuple[int, Path], monkeypatch: pytest.MonkeyPatch):
+    flushed: list[int] = []
+    monkeypatch.setattr(termios, "tcflush", lambda _, queue: flushed.append(queue))
+    ours, path = ends
+    wire = SerialWire(path, 57_600)
+    flushed.clear()
+    with pytest.raises(BusError, match="the port is gone.*it has not taken"):
+        for _ in range(1000):
+            wire.write(b"old" * 100)
+    assert flushed == [termios.TCOFLUSH], "or old goals would come when it goes on"
+    while b"new" not in os.read(ours, 10_000):
+        wire.write(b"new")
+    wire.close()
+
+
+def test_a_bus_that_nobody_hears_is_lost_and_holds_up_no_other(ends: tuple[int, Path]):
+    wire = SerialWire(ends[1], 1_000_000)
+    bus = Bus(wire, SERVOS, period=0.002)
+    cycles: list[Cycle] = []
+    while len(cycles) < 2000 and not (cycles and cycles[-1].lost):
+        cycles.append(bus.cycle(np.full(len(SERVOS), 2048)))
+    assert cycles[-1].lost
+    assert ["port lost"] == [event.kind for event in cycles[-1].events if event.servo is None]
+    wire.close()
 
 
 def test_servos_on_a_pseudo_terminal(port: tuple[Path, ShaftSimulation]):
