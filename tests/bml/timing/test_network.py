@@ -101,11 +101,11 @@ def test_points_of_a_behaviour_that_are_tied_the_wrong_way_round_clash(gap: floa
         assert loop == [Edge(points[2], points[4], 0.0, "g"), Edge(points[4], points[2], pytest.approx(-gap), "g")]
 
 
-def test_the_latest_point_so_far_is_what_the_next_may_not_precede() -> None:
+def test_the_first_point_that_precedes_the_latest_before_it_is_told_of_each_behaviour() -> None:
     _, network = resolved(BEAT.format("g", ""))
     points = network.chains[0].points
-    ties_of = (Distance(points[2], points[0], 3.0, None), Distance(points[4], points[0], 2.0, None))
-    (loop,) = Network(START, network.chains, ties_of, ()).clashes()
+    tied = tuple(Distance(points[k], points[0], 4.0 - k / 2, None) for k in (2, 4, 5))
+    (loop,) = Network(START, network.chains, tied, ()).clashes()
     assert (loop[0].tail, loop[0].head, loop[1].gap) == (points[2], points[4], 1.0)
 
 

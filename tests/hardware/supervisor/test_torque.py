@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from kinesic.hardware.protocol.packet import sync_write
 from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED, HardwareError, Register
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError
@@ -218,6 +219,17 @@ def test_torque_goes_of_everybody(bench: Bench):
     assert bench.run(release_torque(bench.axes, tries=10)) <= 2
     assert bench.true(Register.TORQUE_ENABLE) == [0] * COUNT
     assert bench.true(Register.BUS_WATCHDOG) == [0] * COUNT
+
+
+def test_that_torque_must_go_is_said_twice_in_a_cycle(bench: Bench):
+    """What is written to all is not answered, and may be lost."""
+    bench.energised()
+    written: list[bytes] = []
+    write = bench.wire.write
+    bench.wire.write = lambda data: (written.append(bytes(data)), write(data))[1]
+    bench.run(release_torque(bench.axes, tries=10))
+    off = sync_write(Register.TORQUE_ENABLE.field.address, 1, {k + 1: b"\0" for k in EVERYBODY})
+    assert written[0].count(off) == 2
 
 
 def test_who_does_not_answer_keeps_nobody_else_from_release_and_is_named(bench: Bench):

@@ -53,6 +53,21 @@ def test_no_posture_of_a_fine_grid_agrees_better(named: tuple[str, ...]) -> None
         assert _agreement(frame, wishes, found) >= max(_agreement(frame, wishes, a) for a in grid) - 1e-3
 
 
+def test_no_hinge_alone_can_do_better() -> None:
+    random = default_rng(10)
+    for _ in range(12):
+        frame = ARM.walk(random.uniform(CHAIN.lower, CHAIN.upper).tolist(), 3)[0]
+        along, aside = (unit(tuple(random.normal(size=3).tolist())) for _ in range(2))
+        wishes = [HandDirection("pointing", LINK.along, along), HandDirection("palm", PALM, unit(across(aside, along)))]
+        found = orient(LINK, frame, wishes, REST)
+        height = _agreement(frame, wishes, found)
+        for k, pivot in enumerate(LINK.pivots):
+            for step in (-0.02, 0.02):
+                aside_of = [angle + step * (j == k) for j, angle in enumerate(found)]
+                if pivot.lower <= aside_of[k] <= pivot.upper:
+                    assert _agreement(frame, wishes, tuple(aside_of)) < height
+
+
 def test_without_a_wish_the_hand_rests() -> None:
     frame = ARM.walk(CHAIN.rest.tolist(), 3)[0]
     assert orient(LINK, frame, [], (0.1, 0.2, 0.0)) == (0.1, 0.2, 0.0)
