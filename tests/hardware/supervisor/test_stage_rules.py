@@ -1,0 +1,177 @@
+"""The rules of the state machine, stage by stage: what follows from an event and from what is known."""
+
+from dataclasses import replace
+
+import pytest
+
+from kinesic.hardware.supervisor.observation import Observation
+from kinesic.hardware.supervisor.state_machine import Stage, SupervisorState, step
+
+CALM = Observation(energised=True)
+
+
+def at(stage: Stage, **changes: object) -> SupervisorState:
+    return replace(SupervisorState(stage, checked=True, powered=True), **changes)
+
+
+GOING = {"due": True}
+FOLDED, FAULTY, PAUSED = {"folded": True}, {"faulty": True}, {"paused": True}
+RULES = [  # stage, what it remembers, event, what is known; the next stage, what is begun, what is remembered then
+    (Stage.CLOSED, {}, "tick", {}, Stage.CLOSED, (), {}),
+    (Stage.PROBE, {}, "tick", {}, Stage.PROBE, (), {}),
+    (Stage.CONFIGURE, {}, "tick", {}, Stage.CONFIGURE, (), {}),
+    (Stage.CONFIGURE, {"powered": False}, "done", {}, Stage.ADOPT, ("adopt",), {"powered": True}),
+    (Stage.CONFIGURE, {}, "done", {"energised": False}, Stage.LIMP, (), {}),
+    (Stage.LIMP, {}, "tick", {"begun": True, "ended": True}, Stage.CLOSED, ("close",), {}),
+    (Stage.LIMP, FAULTY, "tick", {"begun": True}, Stage.CLOSED, ("close",), {}),
+    (Stage.LIMP, {}, "tick", {"begun": True, "answering": False}, Stage.LIMP, (), {}),
+    (Stage.LIMP, {"powered": False}, "tick", {"begun": True}, Stage.ARM, ("arm",), {"powered": True}),
+    (Stage.ARM, {}, "tick", {}, Stage.ARM, (), {"armed": False}),
+    (Stage.ARM, {}, "done", {}, Stage.HOLD, ("hold",), {"armed": True, "faulty": False, "refused": False}),
+    (Stage.ARM, {}, "refused", {}, Stage.HOLD, ("hold",), {"armed": True, "faulty": True, "refused": True}),
+    # holding: torque that is gone, or has to come
+    (Stage.HOLD, {}, "tick", {"energised": False}, Stage.RELEASE, ("release",), {}),
+    (Stage.HOLD, {}, "tick", {"energised": False, "limp": True}, Stage.ARM, ("arm",), {}),
+    (Stage.HOLD, FAULTY, "tick", {"energised": False, "limp": True}, Stage.RELEASE, ("release",), {}),
+    (Stage.HOLD, {}, "tick", {"limp": True, "answering": False}, Stage.HOLD, (), {}),
+    (Stage.HOLD, FOLDED, "tick", {"limp": True}, Stage.ARM, ("arm",), {"folded": False}),
+    (Stage.HOLD, {"refused": True}, "tick", {"limp": True}, Stage.HOLD, (), {}),
+    (Stage.HOLD, {}, "tick", {"limp": True, "confirmed": True, "raised": True}, Stage.FOLD, ("fold",), {}),
+    (Stage.HOLD, {}, "tick", {"limp": True, "ended": True}, Stage.FOLD, ("fold",), {}),
+    (Stage.HOLD, FAULTY, "tick", {"limp": True}, Stage.FOLD, ("fold",), {}),
+    (Stage.HOLD, PAUSED, "tick", {"limp": True}, Stage.HOLD, (), {}),
+    (Stage.HOLD, PAUSED, "tick", {"limp": True, "raised": True}, Stage.ARM, ("arm",), {}),
+    # holding: after an emergency stop
+    (Stage.HOLD, {"stopped": True}, "tick", GOING, Stage.STOPPED, ("hold",), {}),
+    (Stage.HOLD, {"stopped": True}, "tick", {"alone": True, "ended": True}, Stage.FOLD, ("fold",), {}),
+    # holding: the end
+    (Stage.HOLD, {}, "tick", {"ended": True}, Stage.FOLD, ("fold",), {}),
+    (Stage.HOLD, PAUSED, "tick", {"ended": True}, Stage.HOLD, (), {}),
+    (Stage.HOLD, PAUSED, "tick", {"ended": True, "idle": True}, Stage.FOLD, ("fold",), {}),
+    (Stage.HOLD, PAUSED, "tick", {"release": True}, Stage.FOLD, ("fold",), {}),
+    (Stage.HOLD, PAUSED, "tick", {"confirmed": True}, Stage.FOLD, ("fold",), {}),
+    (Stage.HOLD, {"careful": True}, "tick", {"release": True}, Stage.HOLD, (), {}),
+    (Stage.HOLD, {"careful": True}, "tick", {"release": True, "idle": True}, Stage.FOLD, ("fold",), {}),
+    (Stage.HOLD, FOLDED, "tick", {"ended": True}, Stage.RELEASE, ("release",), {}),
+    (Stage.HOLD, FOLDED, "tick", {"ended": True, "raised": True}, Stage.HOLD, (), {}),
+    (Stage.HOLD, FOLDED, "tick", {"ended": True, "raised": True, "confirmed": True}, Stage.RELEASE, ("release",), {}),
+    (Stage.HOLD, FOLDED, "tick", {"ended": True, "raised": True, "idle": True}, Stage.WAITING, (), {}),
+    # holding: what goes on
+    (Stage.HOLD, FOLDED, "tick", GOING, Stage.APPROACH, ("approach",), {"folded": False}),
+    (Stage.HOLD, {}, "tick", {"due": True, "well": False}, Stage.HOLD, (), {}),
+    (Stage.HOLD, {}, "tick", {"due": False}, Stage.HOLD, (), {}),
+    (Stage.HOLD, PAUSED, "tick", GOING, Stage.HOLD, (), {}),
+    (Stage.HOLD, FOLDED, "tick", {"idle": True}, Stage.HOLD, (), {}),
+    (Stage.WAITING, FOLDED, "tick", {"raised": True}, Stage.WAITING, (), {}),
+    (Stage.WAITING, FOLDED, "tick", {}, Stage.RELEASE, ("release",), {}),
+    (Stage.WAITING, FOLDED, "resumed", {"raised": True}, Stage.HOLD, ("hold",), {"folded": False, "careful": False}),
+    (Stage.WAITING, FOLDED, "mended", {"raised": True}, Stage.HOLD, ("hold",), {"folded": False, "careful": True}),
+    (Stage.WAITING, FOLDED, "tick", {"raised": True, "limp": True}, Stage.HOLD, ("hold",), {"careful": True}),
+    # performing
+    (Stage.APPROACH, {}, "tick", GOING, Stage.APPROACH, (), {}),
+    (Stage.ACTIVE, {}, "tick", {"due": True, "reached": True}, Stage.ACTIVE, (), {}),
+    (Stage.DEGRADED, {}, "tick", {"due": True, "still": True}, Stage.HOLD, ("hold",), {}),
+    (Stage.DEGRADED, {}, "tick", {"due": True, "still": False}, Stage.ACTIVE, (), {}),
+    (Stage.DEGRADED, {"slowed": Stage.APPROACH}, "tick", {"due": True, "still": False}, Stage.APPROACH, (), {}),
+    (Stage.DEGRADED, {}, "tick", {"due": True, "well": False, "still": False}, Stage.DEGRADED, (), {}),
+    (Stage.FOLD, {}, "tick", {}, Stage.FOLD, (), {"folded": False}),
+    (
+        Stage.FOLD,
+        {"careful": True},
+        "tick",
+        {"reached": True},
+        Stage.HOLD,
+        ("hold",),
+        {"folded": True, "careful": False},
+    ),
+    (Stage.FOLD, {}, "failed", {"reached": True}, Stage.FOLD, ("fold",), {"faulty": True, "folded": False}),
+    # letting go
+    (Stage.RELEASE, {}, "tick", {}, Stage.RELEASE, (), {"powered": True}),
+    (Stage.RELEASE, {}, "done", {}, Stage.CLOSED, ("close",), {"powered": False}),
+    (Stage.RELEASE, {}, "refused", {}, Stage.CLOSED, ("close",), {"powered": True}),
+    (Stage.STOPPED, {"stopped": True}, "tick", GOING, Stage.STOPPED, (), {}),
+    (Stage.STOPPED, {"stopped": True, "folded": True}, "resumed", {}, Stage.HOLD, ("hold",), {"folded": False}),
+    (Stage.STOPPED, {"stopped": True}, "tick", {"alone": True}, Stage.HOLD, ("hold",), {"stopped": True}),
+    # ports and watchdogs
+    (Stage.LOST, {}, "tick", {}, Stage.LOST, (), {}),
+    (Stage.LOST, {}, "tick", {"hopeless": True}, Stage.CLOSED, ("close",), {}),
+    (Stage.IDENTIFY, {}, "tick", {}, Stage.IDENTIFY, (), {}),
+    (Stage.IDENTIFY, {}, "refused", {}, Stage.LOST, ("slow",), {}),
+    (Stage.ADOPT, FOLDED, "tick", {}, Stage.ADOPT, (), {"armed": False}),
+    (Stage.ADOPT, FOLDED, "done", {}, Stage.HOLD, ("hold",), {"armed": True, "folded": False, "faulty": False}),
+    (Stage.ADOPT, FOLDED, "refused", {}, Stage.HOLD, ("hold",), {"armed": True, "folded": False, "faulty": True}),
+    (Stage.ADOPT, FAULTY, "done", {}, Stage.HOLD, ("hold",), {"faulty": True}),
+    (Stage.HOLD, {}, "tripped", {}, Stage.ADOPT, ("adopt",), {}),
+    (Stage.ARM, {}, "tripped", {}, Stage.ARM, (), {}),
+    (Stage.ADOPT, {}, "tripped", {}, Stage.ADOPT, (), {}),
+    (Stage.LIMP, {}, "lost", {}, Stage.LIMP, (), {}),
+    (Stage.ARM, {}, "lost", {}, Stage.LOST, ("slow",), {}),
+    # what is remembered, whatever the stage
+    (Stage.LOST, {"armed": True}, "tick", {"interrupted": True}, Stage.LOST, (), {"paused": True}),
+    (Stage.LOST, {}, "tick", {"interrupted": True}, Stage.LOST, (), {"paused": False}),
+    (Stage.LIMP, {"armed": True}, "tick", {"interrupted": True}, Stage.LIMP, (), {"paused": False}),
+    (Stage.LOST, {"refused": True, "stopped": True}, "mended", {}, Stage.LOST, (), {"refused": False, "stopped": True}),
+    (Stage.LOST, {"refused": True, **PAUSED}, "resumed", {}, Stage.LOST, (), {"refused": False, "paused": False}),
+    (Stage.LOST, {"stopped": True}, "resumed", {}, Stage.LOST, (), {"stopped": False}),
+]
+
+
+@pytest.mark.parametrize(("stage", "before", "event", "facts", "after", "actions", "remembered"), RULES)
+def test_what_follows(stage, before, event, facts, after, actions, remembered):
+    state, begun = step(at(stage, **before), event, replace(CALM, **facts))
+    assert (state.stage, begun) == (after, actions)
+    assert {name: getattr(state, name) for name in remembered} == remembered
+
+
+@pytest.mark.parametrize("stage", [Stage.APPROACH, Stage.ACTIVE])
+@pytest.mark.parametrize(
+    ("before", "facts"),
+    [
+        (FAULTY, GOING),
+        (PAUSED, GOING),
+        ({}, {"due": True, "ended": True}),
+        ({}, {"due": True, "well": False}),
+        ({}, {"due": False}),
+    ],
+)
+def test_a_performance_comes_to_a_stop_for_each_of_these(stage: Stage, before: dict, facts: dict):
+    other = Stage.ACTIVE if stage is Stage.APPROACH else Stage.APPROACH
+    known = replace(CALM, **facts, reached=True)
+    state, begun = step(at(stage, **before, slowed=other), "tick", known)
+    assert (state.stage, begun, state.slowed) == (Stage.DEGRADED, ("slow",), stage)
+    assert step(state, "tick", replace(known, still=False)) == (state, ())  # and does not go on by itself
+
+
+@pytest.mark.parametrize("policy", ["hold", "limp"])
+@pytest.mark.parametrize("raised", [False, True])
+@pytest.mark.parametrize("stage", Stage)
+def test_an_emergency_stop_in_every_stage(stage: Stage, policy: str, raised: bool):
+    state, begun = step(at(stage), "estop", replace(CALM, policy=policy, raised=raised))
+    ended = {Stage.CLOSED, Stage.RELEASE}
+    waiting = {Stage.LOST, Stage.IDENTIFY, Stage.ADOPT} | ({Stage.ARM} if raised else set())
+    if stage in ended or (policy == "hold" and stage in waiting):
+        expected = (stage, ())
+    elif policy == "limp" or stage is Stage.ARM:
+        expected = (Stage.RELEASE, ("release",))
+    elif stage in (Stage.PROBE, Stage.CONFIGURE, Stage.LIMP):
+        expected = (Stage.CLOSED, ("close",))
+    else:
+        expected = (Stage.STOPPED, ("slow",))
+    assert (state.stage, begun) == expected
+    assert state.stopped
+    assert state.paused
+
+
+def test_an_emergency_stop_before_the_servos_are_known_closes():
+    for policy in ("hold", "limp"):
+        state, begun = step(SupervisorState(Stage.PROBE), "estop", replace(CALM, policy=policy))
+        assert (state.stage, begun) == (Stage.CLOSED, ("close",))
+
+
+def test_performance_time_runs_or_comes_to_a_stop_in_two_stages():
+    assert {stage for stage in Stage if stage.runs} == {Stage.ACTIVE, Stage.DEGRADED}
+
+
+def test_who_opens_begins_anew():
+    after = SupervisorState(Stage.CLOSED, checked=True, armed=True, stopped=True, paused=True, faulty=True, folded=True)
+    assert step(after, "open", Observation()) == (SupervisorState(Stage.PROBE), ("check",))
