@@ -1,6 +1,6 @@
 """A document performed in real time: the face's window, the voice, the servos and the keys that stop them."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from time import monotonic
@@ -25,6 +25,7 @@ from kinesic.face.show.window import has_display
 from kinesic.files.output_file import new_file
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.channel import Status
+from kinesic.hardware.supervisor.state_machine import Awaited
 from kinesic.planning.face_track import commands_with_face
 from kinesic.planning.plan import Plan
 from kinesic.report.output import Written, rewrite
@@ -32,7 +33,12 @@ from kinesic.report.report import Json
 from kinesic.report.servo_report import live_log, with_live
 from kinesic.sim.log import write_log
 
-KEYS = "space: stop where it is; again: let go. Ctrl-C: fold to rest and let go."
+KEYS = "space: stop where it is; Enter: go on; Ctrl-C: fold to rest and let go."
+HELD: Mapping[Awaited, str] = {
+    "consent": "the servos hold: Enter goes on, Ctrl-C folds to rest and ends",
+    "confirmation": "a limb cannot fold, and is held: `kinesic servos release` lets it fall",
+    "port": "a port is gone: plug it in again",
+}
 
 
 @contextmanager
@@ -111,7 +117,7 @@ def perform_on_servos(
         if not quiet:
             click.echo(KEYS, err=True)
         with interrupted() as folding, pressed_keys() as keys, _display(quiet) as shown:
-            listeners = _all(shown, said, listener)
+            listeners = _all(shown, said, tell_waiting(), listener)
             return perform_live(performance, servos, requested=_requested(keys, folding), shown=listeners)
 
 
@@ -123,10 +129,25 @@ def _all(*listeners: Callable[[Status], None]) -> Callable[[Status], None]:
     return hear
 
 
+def tell_waiting() -> Callable[[Status], None]:
+    """Makes a callback that prints what the servos wait for, when it is a person that can help."""
+    before: list[Awaited] = ["nothing"]
+
+    def tell(status: Status) -> None:
+        if status.waits != before[-1] and status.waits in HELD:
+            warn(HELD[status.waits])
+        before[:] = [status.waits]
+
+    return tell
+
+
 def _requested(keys: Callable[[], str], folding: Callable[[], bool]) -> Callable[[], Request]:
     def request() -> Request:
-        if " " in keys():
+        pressed = keys()
+        if " " in pressed:
             return "stop"
+        if "\n" in pressed or "\r" in pressed:
+            return "resume"
         return "end" if folding() else "go on"
 
     return request

@@ -31,7 +31,7 @@ DELAY = 0.002  # [s] from a command's time until its goals have gone over the wi
 LOOK = 0.02  # [s] between two looks at supervisor and keyboard
 FULL = 0.999  # scale of time that is all of it
 
-Request = Literal["go on", "stop", "end"]  # "stop": at once; "end": fold to rest
+Request = Literal["go on", "stop", "resume", "end"]  # "stop": at once; "resume": consents; "end": fold to rest
 Ending = Literal["performed", "ended", "stopped", "failed"]
 
 
@@ -140,7 +140,8 @@ def perform_live(
     Args:
         performance: of the twin.
         servos: opened, and closed here.
-        requested: looked up every `LOOK` seconds. A second "stop" lets go of servos that hold.
+        requested: looked up every `LOOK` seconds. After "stop", or when the servos were out of hand for more than a
+            second, they hold until "resume", or "end"; who never resumes finds them folded and released after a minute.
         shown: gets each new status.
     """
     plan = performance.plan
@@ -164,8 +165,8 @@ def perform_live(
     if error is not None and not isinstance(error, BusError):
         raise error
     ran = tuple(status for status in history if status.stage.runs)
-    ending, why = _ending(history, requests, error)
-    return ServoRun(performance, ran, tuple(notes), ending, why or _last_failure(notes) if ending == "failed" else why)
+    ending, why = _ending(history, notes, requests, error)
+    return ServoRun(performance, ran, tuple(notes), ending, why)
 
 
 @contextmanager
@@ -200,23 +201,30 @@ def _listen(servos: Servos, history: list[Status], notes: list[Note], shown: Cal
 def _obey(servos: Servos, request: Request, requests: list[Request]) -> None:
     if request == "go on":
         return
-    if request == "stop" and "stop" not in requests:
+    if request == "stop":
         servos.stop()
+    elif request == "resume":
+        servos.resume()
+        requests.clear()
+        return
     else:
         servos.release()
     requests.append(request)
 
 
-def _ending(history: list[Status], requests: list[Request], error: BaseException | None) -> tuple[Ending, str]:
+def _ending(
+    history: list[Status], notes: list[Note], requests: list[Request], error: BaseException | None
+) -> tuple[Ending, str]:
     if error is not None:
         return "failed", str(error)
     if any(status.faulty for status in history):
-        return "failed", ""
+        return "failed", _last_of(notes, "failed", "refused", "error") or "a servo has failed"
     if requests:
         return ("stopped" if "stop" in requests else "ended"), ""
-    return "performed", ""
+    performed = max((status.clock for status in history if status.stage.runs), default=0.0)
+    why = _last_of([note for note in notes if note.clock >= performed], "paused", "supply")
+    return ("failed", why) if why else ("performed", "")
 
 
-def _last_failure(notes: list[Note]) -> str:
-    found = [note.text for note in notes if note.kind in ("failed", "refused", "error")]
-    return found[-1] if found else "a servo has failed"
+def _last_of(notes: list[Note], *kinds: str) -> str:
+    return next((note.text for note in reversed(notes) if note.kind in kinds), "")

@@ -100,7 +100,7 @@ class Servos:
             raise BusError(f"goals at {command.time:.3f} s are {command.goals}, must be {self._joints} finite numbers")
         self._waiting.append((command.time, command.goals))
         self._pass_on()
-        if not self.running:
+        if not self.running or self._channel.status().waits == "confirmation":
             raise BusError(self._epitaph())
 
     def positions(self) -> Floats:

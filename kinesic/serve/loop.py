@@ -34,7 +34,7 @@ from kinesic.serve.messages import (
     ProposalVerdict,
     RequestDone,
 )
-from kinesic.serve.sinks import MeasuringSink, RealTimeSink, TimedSink, is_steady
+from kinesic.serve.sinks import ConsentingSink, MeasuringSink, RealTimeSink, TimedSink, is_steady
 from kinesic.serve.tracks import Effects
 
 PERIOD = 1 / RATE
@@ -82,6 +82,7 @@ class Loop(Thread):
         self._moving: Mapping[tuple[str, str], Flags] = {}
         self._monitor = ArrivalMonitor()
         self._body = next((each.sink for each in reversed(sinks) if isinstance(each.sink, MeasuringSink)), None)
+        self._consenting = [each.sink for each in sinks if isinstance(each.sink, ConsentingSink)]
         self._orders: deque[Callable[[], None]] = deque()
         self._planner: Connection | None = None
         self._out = clock.now()  # [s] until when commands are out
@@ -98,6 +99,15 @@ class Loop(Thread):
         """
         self.stops += 1
         self._orders.appendleft(self._halt)
+
+    def waits(self) -> bool:
+        """Whether a sink holds until a client consents."""
+        return any(each.waits() for each in self._consenting)
+
+    def resume(self) -> None:
+        """Lets all sinks go on that wait for consent."""
+        for each in self._consenting:
+            each.resume()
 
     def leave(self) -> None:
         """Ends after the present tick."""

@@ -75,6 +75,9 @@ class Session:
         """Queues a document; says why not as BML feedback, or None."""
         if self._halted:
             return quota_feedback("stopped", "an emergency stop holds; resume first", name=block_id(document.text))
+        if self.loop.waits():
+            what = "the servos were out of hand for more than a second, and hold; resume first"
+            return quota_feedback("stopped", what, name=block_id(document.text))
         if not self._documents.add(document):
             what = f"{self._rules.waiting} blocks of yours wait to be planned; send fewer at once"
             return quota_feedback("waiting", what, name=block_id(document.text))
@@ -89,7 +92,8 @@ class Session:
             self._refuse(document, "stopped", "an emergency stop came; resume first")
 
     def resume(self) -> None:
-        """Returns to rest after an emergency stop; documents are taken again."""
+        """Returns to rest after an emergency stop, and lets servos go on; documents are taken again."""
+        self.loop.resume()
         if self._halted:
             self._halted = False
             self._request(Resumption(self.loop.stops))
@@ -107,7 +111,8 @@ class Session:
 
     def status(self) -> dict[str, object]:
         """Reports state, time, queue and faults, for people and programs."""
-        state = "stopped" if self._halted else "resting" if self.loop.settled() else "playing"
+        stopped = self._halted or self.loop.waits()
+        state = "stopped" if stopped else "resting" if self.loop.settled() else "playing"
         return {
             "state": state,
             "time": round(self.clock.now(), 3),

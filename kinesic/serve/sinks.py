@@ -40,6 +40,17 @@ class MeasuringSink(Protocol):
         """A time [s] of the clock and the angles (n,) [rad] then; None when there is nothing yet."""
 
 
+@runtime_checkable
+class ConsentingSink(Protocol):
+    """A sink that may stop, and goes on only when a client consents."""
+
+    def waits(self) -> bool:
+        """Whether it has stopped."""
+
+    def resume(self) -> None:
+        """Lets it go on."""
+
+
 class RealTwin:
     """A twin for a server: it forgets what it measured, and so lives without end."""
 
@@ -84,8 +95,19 @@ class RealServos:
         status = self.servos.state()
         return status.time_at(clock) if status.stage.runs else None
 
+    def waits(self) -> bool:
+        """Whether the servos hold until somebody consents, as they were out of hand for more than a second."""
+        return self.servos.state().waits == "consent"
+
+    def resume(self) -> None:
+        """Lets the servos go on, if they wait for that."""
+        if self.waits():
+            self.servos.resume()
+
     def close(self) -> None:
-        """Waits until the robot has folded and is limp."""
+        """Waits until the robot has folded and is limp; nobody has to consent any more."""
+        if self.waits():
+            self.servos.release()
         self.servos.close()
 
 

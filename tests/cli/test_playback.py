@@ -46,6 +46,16 @@ def test_what_is_said_begins_with_the_performance_and_the_speaker_is_let_go(monk
     assert fake.asked == ["stop", "close"]
 
 
+def test_what_is_waited_for_is_said_once(capsys):
+    tell = playback.tell_waiting()
+    for waits in ("nothing", "consent", "consent", "nothing", "confirmation"):
+        tell(Status(Stage.HOLD, waits=waits))
+    assert [line.split(":")[0] for line in capsys.readouterr().err.splitlines()] == [
+        "the servos hold",
+        "a limb cannot fold, and is held",
+    ]
+
+
 def test_without_a_loudspeaker_it_is_performed_in_silence(monkeypatch: pytest.MonkeyPatch, capsys):
     def none() -> None:
         raise SpeakerError("no device; plug one in")

@@ -50,6 +50,9 @@ class Actor:
     def stop(self) -> None:
         self.done.append("stop")
 
+    def resume(self) -> None:
+        self.done.append("resume")
+
     def release(self) -> None:
         self.done.append("release")
 
@@ -116,7 +119,9 @@ def test_the_log_is_what_was_sent_and_seen(performance: Performance):
     ("wishes", "done", "ending"),
     [
         (["stop"], ["stop"], "stopped"),
-        (["stop", "stop"], ["stop", "release"], "stopped"),
+        (["stop", "end"], ["stop", "release"], "stopped"),
+        (["stop", "stop"], ["stop", "stop"], "stopped"),
+        (["stop", "resume", "end"], ["stop", "resume", "release"], "ended"),
         (["end"], ["release"], "ended"),
         ([], [], "performed"),
     ],
@@ -136,6 +141,17 @@ def test_a_fault_is_told_by_its_reason(performance: Performance):
     assert (broken.ending, broken.why) == ("failed", "the supervisor died")
     faulty = perform_live(performance, Actor(faulty=True, part=0.3))
     assert (faulty.ending, faulty.why) == ("failed", "skullbase_tilt: shut down")
+
+
+@pytest.mark.parametrize("kind", ["paused", "supply"])
+def test_who_stopped_for_good_has_failed_with_the_reason(performance: Performance, monkeypatch, kind: str):
+    actor = Actor(part=0.3)
+    monkeypatch.setattr(actor, "events", lambda: (Note(1e6, -1, kind, "a port is gone"),))
+    live = perform_live(performance, actor)
+    assert (live.ending, live.why) == ("failed", "a port is gone")
+    monkeypatch.setattr(actor, "events", lambda: (Note(0.0, -1, kind, "a port is gone"),))
+    actor.done.append("close")
+    assert perform_live(performance, actor).ending == "performed"
 
 
 def test_a_robot_that_never_moved_has_no_figures(performance: Performance):

@@ -24,7 +24,14 @@ class Witness:
 
     def __init__(self) -> None:
         self.commands: list[tuple[float, Command]] = []
-        self.closed = False
+        self.closed = self.held = False
+
+    def waits(self) -> bool:
+        """Whether it was out of hand, and wants consent."""
+        return self.held
+
+    def resume(self) -> None:
+        self.held = False
 
     def write(self, command: Command, /) -> None:
         self.commands.append((monotonic(), command))

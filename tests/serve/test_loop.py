@@ -40,6 +40,19 @@ def test_who_resumes_at_once_is_heard(server, becomes):
         assert becomes(lambda: loop.settled() and not loop.halted)
 
 
+def test_servos_that_want_consent_refuse_blocks_until_somebody_resumes(server):
+    server.witness.held = True
+    with server.client() as client:
+        client.send(BLOCK.format("early", NOD))
+        assert "the servos were out of hand for more than a second, and hold" in heard(client, "early")[-1]
+        client.do("status")
+        assert '"state":"stopped"' in heard(client, "told")[-1]
+        client.do("resume")
+        client.send(BLOCK.format("again", NOD))
+        heard(client, 'id="again:end"')
+    assert not server.witness.held
+
+
 def test_another_stop_right_after_resuming_holds(server, becomes):
     loop = server.open.clients.session.loop
     with server.client() as client:

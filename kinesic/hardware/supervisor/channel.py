@@ -44,7 +44,6 @@ class Status:
     """How the supervisor and its servos are in one cycle."""
 
     stage: Stage = Stage.CLOSED
-    waits: Awaited = "nothing"  # for what
     clock: float = 0.0  # [s] of the machine's monotonic clock, when it was this performance time
     time: float = nan  # [s] performance time; NaN before the first command
     scale: float = 0.0  # how fast it runs
@@ -54,6 +53,7 @@ class Status:
     silent: int = 0  # servos that have not answered lately
     late: int = 0  # cycles that began more than a period late
     faulty: bool = False
+    waits: Awaited = "nothing"  # for what it waits
     angles: Floats = field(default_factory=_nothing)  # (n,) [rad] measured; NaN for a servo that did not answer
     goals: Floats = field(default_factory=_nothing)  # (n,) [rad]
     taken: Floats = field(default_factory=_nothing)  # (n,) [s] of that clock, of each angle; NaN likewise

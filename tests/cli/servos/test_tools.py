@@ -11,6 +11,7 @@ from kinesic.body.robot import Robot
 from kinesic.cli.servos import calibrate
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.supervisor.manifest import Manifest
 
 pytestmark = pytest.mark.realtime
 
@@ -66,6 +67,23 @@ def test_release_lets_go_of_all_and_says_so(kinesic, table):
     ended = kinesic("servos", "release", "--yes", "--port", table.port)
     assert (ended.code, ended.out) == (0, "all 23 servos are limp\n")
     assert table.energised == 0
+
+
+def test_release_says_what_will_fall(kinesic, table):
+    raised = next(member for member in table.members if member.hinge == "l_elbow_flexion")
+    k = [fitting.servo for fitting in table.cable.fittings].index(raised.id)
+    rest = np.degrees(Robot.load().skeleton.rest[raised.joint])
+    table.physics.turn(k, table.physics.shafts()[k].angle + raised.turns * np.radians(70.0))
+    table.plant.advance(0.01)
+    table.set(raised.id, Register.GOAL_POSITION, table.plant.servos[k].electronics.here())
+    table.energise()
+    ended = kinesic("servos", "release", "--port", table.port, stdin=b"n\n")
+    assert ended.code == 130
+    assert table.energised == 23
+    (line,) = [line for line in ended.err.splitlines() if line.startswith("will fall: ")]
+    ticks = np.full(23, table.plant.servos[k].electronics.here())
+    stood = np.degrees(Manifest.of(Robot.load()).scale.angles(ticks)[table.members.index(raised)])
+    assert line == f"will fall: l_elbow_flexion at {stood:.0f} deg (rest: {rest:.0f})"
 
 
 def test_release_asks_first(kinesic, table):
