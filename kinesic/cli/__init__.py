@@ -7,6 +7,7 @@ import click
 from kinesic.bml.block import BmlError
 from kinesic.body.config import ConfigError
 from kinesic.cli.servos import servo_verbs
+from kinesic.cli.terminal import printable
 from kinesic.cli.verbs import kinesic
 from kinesic.hardware.protocol.wire import BusError
 
@@ -22,7 +23,7 @@ def main() -> None:
         sys.exit(kinesic(standalone_mode=False) or 0)
     except (BmlError, ConfigError, BusError) as error:
         for line in str(error).splitlines():
-            click.echo(f"kinesic: {line}", err=True)
+            click.echo(f"kinesic: {printable(line)}", err=True)
         sys.exit(BAD_INPUT)
     except click.ClickException as error:
         error.show()

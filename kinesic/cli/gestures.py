@@ -10,7 +10,7 @@ from rich.table import Table
 
 from kinesic.bml.block import BmlError
 from kinesic.body.config import ConfigError, suggestion
-from kinesic.cli.terminal import console
+from kinesic.cli.terminal import console, printable, quote_text
 from kinesic.controller.perform import set_up
 from kinesic.expressivity.lexicon.form import Match
 from kinesic.expressivity.lexicon.lexicon import Lexicon
@@ -35,7 +35,8 @@ def list_gestures(lexicon: Path | None, robot: str, category: str | None, as_jso
         return 0
     table = Table("gesture", "category", "hands", "stroke s", "what is done", box=None)
     for entry in entries:
-        table.add_row(entry.id, entry.category, " ".join(entry.hands), f"{entry.stroke_s:.1f}", entry.says)
+        cells = (entry.id, entry.category, " ".join(entry.hands), f"{entry.stroke_s:.1f}", entry.says)
+        table.add_row(*map(quote_text, cells))
     console().print(table)
     return 0
 
@@ -45,11 +46,11 @@ def show_gesture(lexeme: str, lexicon: Path | None) -> int:
     known = Lexicon.load(lexicon)
     match = _found(lexeme, known)
     form = match.form
-    click.echo(f"{form.id} ({form.category}){', ' + match.substitute if match.substitute else ''}")
+    click.echo(printable(f"{form.id} ({form.category}){', ' + match.substitute if match.substitute else ''}"))
     sense = known.sense(form)
     if sense.says:
-        click.echo(sense.says)
-    click.echo(f"meanings: {', '.join(sense.words)}")
+        click.echo(printable(sense.says))
+    click.echo(printable(f"meanings: {', '.join(sense.words)}"))
     headings = ("key", "hand", "forward", "outward", "up", "palm", "pointing", "shape", "openness", "touches", "path")
     table = Table(*headings, box=None)
     for number, key in enumerate(form.keys, start=1):
@@ -59,7 +60,7 @@ def show_gesture(lexeme: str, lexicon: Path | None) -> int:
                 "" if way is None else " ".join(f"{value:.1f}" for value in way) for way in (pose.palm, pose.pointing)
             )
             more = pose.shape or "", f"{pose.openness:.2f}", pose.touch or "", pose.path.kind if pose.path else ""
-            table.add_row(str(number), side, *position, palm, pointing, *more)
+            table.add_row(str(number), side, *position, palm, pointing, *map(quote_text, more))
     console().print(table)
     return 0
 
@@ -88,7 +89,7 @@ def _drawable(known: Setup) -> Iterator[Show]:
         try:
             yield key_postures(form, plan_gesture(form, known), MOST)
         except BmlError as error:
-            click.echo(f"kinesic: {error}", err=True)
+            click.echo(printable(f"kinesic: {error}"), err=True)
 
 
 def _found(lexeme: str, lexicon: Lexicon) -> Match:

@@ -10,7 +10,7 @@ from rich.table import Table
 from kinesic.cli.options import FAULT, Output, Performers, Planning, TwinOptions, read_input
 from kinesic.cli.playback import follow_servos, perform_on_servos, play_whole, preview_window, write_live
 from kinesic.cli.servos.ports import all_ports
-from kinesic.cli.terminal import console
+from kinesic.cli.terminal import console, printable, quote_text
 from kinesic.controller.perform import dry_runs, performances, plan
 from kinesic.controller.performance import Performance
 from kinesic.controller.servo_performance import ServoRun
@@ -72,7 +72,7 @@ def _print_report(performances: tuple[Performance, ...], live: ServoRun | None, 
     screen.print(_table((*checks(performances[0]), *(live_checks(live) if live is not None else ()))))
     if len(performances) > 1:
         screen.print(_side_by_side(performances))
-    screen.print(verdict(data), highlight=False, markup=False, soft_wrap=True)
+    screen.print(printable(verdict(data)), highlight=False, markup=False, soft_wrap=True)
 
 
 def _performed(file: str, known: Setup, way: TwinOptions) -> tuple[Performance, ...]:
@@ -91,7 +91,7 @@ def plan_file(file: str, planning: Planning, out: Path, force: bool) -> int:
     planned = _imported(file, known) if file.endswith(SUFFIX) else plan(read_input(file), known, source=_name(file))
     save_motion(planned.trajectory, known.robot, out, force=force)
     for notice in planned.notices:
-        click.echo(f"{notice.type.value} {notice.id}: {notice.text}", err=True)
+        click.echo(printable(f"{notice.type.value} {notice.id}: {notice.text}"), err=True)
     click.echo(f"{planned.trajectory.duration:.2f} s, {len(planned.postures.postures)} keys")
     click.echo(f"motion: {out}")
     return 0
@@ -110,7 +110,9 @@ def _table(verdicts: tuple[Check, ...]) -> Table:
     table = Table("check", "status", "value", "limit", "unit", "where", box=None, header_style="bold")
     for check in verdicts:
         status = f"[{COLOURS[check.status]}]{check.status}[/]"
-        table.add_row(check.name, status, f"{check.value:.4g}", f"{check.limit:.4g}", check.unit, check.where)
+        table.add_row(
+            check.name, status, f"{check.value:.4g}", f"{check.limit:.4g}", check.unit, quote_text(check.where)
+        )
     return table
 
 

@@ -8,7 +8,7 @@ from rich.table import Table
 
 from kinesic.body.config import CONFIGS
 from kinesic.body.robot_schema import robot_text
-from kinesic.cli.terminal import console
+from kinesic.cli.terminal import console, quote_text
 from kinesic.files.output_file import check_file, write_text
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.planning.workspace import workspace
@@ -34,7 +34,7 @@ def show_robot(robot: str) -> int:
         low, high, rest = np.degrees([hinge.lower, hinge.upper, hinge.rest])
         servo = drive.servo.name if drive.count == 1 else f"{drive.count} x {drive.servo.name}"
         figures = f"{low:.0f}..{high:.0f}", f"{rest:.0f}", servo, f"{drive.reduction:g}", f"{drive.stall:.1f}"
-        table.add_row(hinge.name, *figures, f"{speed:.2f}")
+        table.add_row(*map(quote_text, (hinge.name, *figures)), f"{speed:.2f}")
     console().print(table)
     return 0
 
@@ -48,7 +48,7 @@ def assess_robot(robot: str) -> int:
     for name, rest, worst in zip(body.skeleton.names, physics.rest_ratios, physics.worst_ratios, strict=True):
         failed |= bool(worst > FAIL_TORQUE)
         mark = "[red]fail[/]" if worst > FAIL_TORQUE else "[yellow]warn[/]" if worst > WARN_TORQUE else "pass"
-        table.add_row(name, f"{rest:.3f}", f"{worst:.3f}", mark)
+        table.add_row(quote_text(name), f"{rest:.3f}", f"{worst:.3f}", mark)
     console().print(table)
     click.echo(
         f"mass {physics.mass:.2f} kg, {physics.moving_mass:.2f} kg of it moving; arm length {body.arm_length:.3f} m"
@@ -83,7 +83,7 @@ def _mapping(found: Mapped) -> Table:
         low, high = np.degrees([hinge.lower, hinge.upper])
         rest = found.file.rest.get(hinge.name, 0.0) + 0.0  # no -0
         ranges = f"{low:.0f}..{high:.0f}{' assumed' if hinge.assumed else ''}"
-        table.add_row(hinge.name, found.figure.tree.joints[hinge.joint].name, ranges, f"{rest:.0f}")
+        table.add_row(hinge.name, quote_text(found.figure.tree.joints[hinge.joint].name), ranges, f"{rest:.0f}")
     return table
 
 

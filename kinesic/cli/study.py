@@ -27,7 +27,7 @@ from kinesic.studies.perception.answers import (
     read_answers,
 )
 from kinesic.studies.perception.design import stimuli
-from kinesic.studies.perception.page import draw_stimuli, write_study_page
+from kinesic.studies.perception.page import draw_stimuli, find_origin, write_study_page
 
 EFFECTS = {
     "intensity": ("strength", ("high", "low")),
@@ -40,6 +40,7 @@ def make_study(out: Path | None, force: bool, size: int, preset: str, post_to: s
     """Draws all faces of the study, and the page that shows them and asks."""
     folder = out or default_folder("study")
     check_folder(folder, force=force)
+    find_origin(post_to)
     selected = stimuli()
     try:
         with (

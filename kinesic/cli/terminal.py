@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from rich.console import Console
+from rich.text import Text
 
 WIDTH = 160  # [characters]
 MOST = 64  # [bytes] taken at once
@@ -17,6 +18,16 @@ MOST = 64  # [bytes] taken at once
 def console() -> Console:
     """Opens standard output for tables: as wide as the terminal, or as `WIDTH` in a file."""
     return Console() if sys.stdout.isatty() else Console(width=WIDTH)
+
+
+def quote_text(words: str) -> Text:
+    """Makes a cell of a table of words that may come from strangers: as they stand, without markup."""
+    return Text(printable(words))
+
+
+def printable(words: str) -> str:
+    """Spells out characters that a terminal would obey, such as the beginning of an escape sequence."""
+    return "".join(letter if letter.isprintable() else repr(letter)[1:-1] for letter in words)
 
 
 @contextmanager

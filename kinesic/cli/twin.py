@@ -10,7 +10,7 @@ import numpy as np
 from rich.table import Table
 
 from kinesic.body.config import ConfigError
-from kinesic.cli.terminal import console
+from kinesic.cli.terminal import console, quote_text
 from kinesic.files.output_file import check_file, write_text
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.sim.fit import Estimate, Fit, fit_factors
@@ -42,7 +42,7 @@ def _table(found: Fit) -> Table:
     table = Table("figure", "factor or s", "+-", "", box=None, header_style="bold")
     for estimate in found.estimates:
         cells = ("as in the sheet", "") if estimate.why else (f"{estimate.value:.4f}", f"{estimate.deviation:.4f}")
-        table.add_row(str(estimate.unknown), *cells, estimate.why)
+        table.add_row(*map(quote_text, (str(estimate.unknown), *cells, estimate.why)))
     return table
 
 

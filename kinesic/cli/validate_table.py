@@ -6,6 +6,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+from kinesic.cli.terminal import printable, quote_text
 from kinesic.report.batch import DocumentVerdict
 from kinesic.report.batch_totals import OUTCOMES, SHARES, counts, tallies
 
@@ -32,7 +33,7 @@ def _print_trouble(verdicts: list[DocumentVerdict], screen: Console) -> None:
         if check.status == "fail"
     ]
     for line in lines:
-        screen.print(line, highlight=False, markup=False, soft_wrap=True)
+        screen.print(printable(line), highlight=False, markup=False, soft_wrap=True)
     if lines:
         screen.print()
 
@@ -49,7 +50,9 @@ def _folders(verdicts: list[DocumentVerdict]) -> Table:
     rows = [*groups.items(), ("all", verdicts)] if len(groups) > 1 else [*groups.items()]
     for name, here in rows:
         found = counts(here)
-        table.add_row(name, *(str(found[column]) for column in shown), style="bold" if here is verdicts else "")
+        table.add_row(
+            quote_text(name), *(str(found[column]) for column in shown), style="bold" if here is verdicts else ""
+        )
     return table
 
 
@@ -80,7 +83,7 @@ def _checks(verdicts: list[DocumentVerdict]) -> Table:
             f"{tally.worst.value:.3g}",
             f"{tally.worst.limit:.3g}",
             tally.worst.unit,
-            tally.worst.where,
-            Path(tally.file).name if tally.worst.where else "",
+            quote_text(tally.worst.where),
+            quote_text(Path(tally.file).name if tally.worst.where else ""),
         )
     return table

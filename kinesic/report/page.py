@@ -13,6 +13,7 @@ from kinesic.controller.performance import Performance
 from kinesic.expressivity.style.style import MODALITIES, RANGES
 from kinesic.report.checks.servos import CONTINUOUS, draw_load, loads
 from kinesic.report.conditioning import find_deviations, story
+from kinesic.report.content_policy import content_policy
 from kinesic.report.plots.hands import hands
 from kinesic.report.plots.joints import joints, still_hinges
 from kinesic.report.plots.margins import margins
@@ -72,11 +73,13 @@ def write_page(
         ValueError: a film or the sound is of another type.
     """
     chapters, strained = story(performance), loads(performance)
+    player = "\n".join((HERE / name).read_text(encoding="utf-8") for name in SCRIPTS)
     text = _template().render(
         data=data,
         verdict=verdict(data),
         look=Markup((HERE / "page.css").read_text(encoding="utf-8")),
-        player=Markup("\n".join((HERE / name).read_text(encoding="utf-8") for name in SCRIPTS)),
+        player=Markup(player),
+        policy=content_policy(f"\n{player}\n", img_src="data: blob:", media_src="data:"),
         replay=replay_data(performance),
         tiles=tiles(_rows(data, "checks")),
         checks=sorted(_rows(data, "checks"), key=lambda row: SEVERITY[str(row["status"])]),

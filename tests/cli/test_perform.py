@@ -90,3 +90,15 @@ def test_the_pessimistic_twin_tracks_worse(kinesic_in, folder, piped):
     options = ("--out", "pessimistic", "--no-film", "--json", "--twin", "pessimistic")
     runs = [json.loads(ended.out) for ended in (piped, kinesic_in(folder, "perform", "nod.bml", *options))]
     assert runs[0]["tracking"]["rmse_deg"] < runs[1]["tracking"]["rmse_deg"]
+
+
+def test_words_of_strangers_are_printed_as_they_stand(kinesic, tmp_path):
+    (tmp_path / "[red]m.bml").write_bytes(NOD.replace(b'id="h"', b'id="[/x]&#x9b;31m"'))
+    ended = kinesic("perform", "[red]m.bml", "--no-film", "--out", "o")
+    assert ended.code == 0, ended.err
+    assert "[/x]\\x9b31m:stroke" in ended.out
+    assert "ok: [red]m.bml on upper22" in ended.out
+    (tmp_path / "evil.bml").write_bytes(NOD.replace(b"NOD", "\x9b31m".encode()))
+    ended = kinesic("plan", "evil.bml", "--out", "evil.npz")
+    assert "\x9b" not in ended.err + ended.out
+    assert "\\x9b31m" in ended.err

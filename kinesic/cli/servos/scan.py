@@ -11,7 +11,7 @@ from rich.progress import Progress
 from rich.table import Table
 
 from kinesic.body.config import ConfigError
-from kinesic.cli.terminal import console
+from kinesic.cli.terminal import console, quote_text
 from kinesic.hardware.bus.host import ports as ports_here
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.registers import BAUD_RATES
@@ -73,7 +73,7 @@ def _table(found: Sequence[tuple[Path, Sighting]], hinges: dict[int, str]) -> Ta
         servo = sighting.servo
         note = "[red]several servos have this id[/]" if sighting.shared else ""
         cells = (str(sighting.baud), str(servo.id), servo.name, str(servo.firmware), hinges.get(servo.id, "-"))
-        table.add_row(path.name, *cells, note)
+        table.add_row(quote_text(path.name), *cells, note)
     return table
 
 

@@ -63,6 +63,8 @@ def read_answers(paths: Sequence[Path]) -> tuple[Rating, ...]:
             raise ConfigError(f"{path}: {error.strerror}") from None
         except UnicodeDecodeError:
             raise ConfigError(f"{path} is not text in UTF-8") from None
+        except csv.Error as error:
+            raise ConfigError(f"{path} is no CSV: {error}") from None
     if not found:
         raise ConfigError(f"{', '.join(map(str, paths))}: no answer for any of {', '.join(LABELS)}")
     return tuple(found)
@@ -149,8 +151,14 @@ def _read(path: Path, rows: "csv.DictReader[str]") -> Iterable[Rating]:
     missing = [name for name in NEEDED if name not in (rows.fieldnames or ())]
     if missing:
         have = list(rows.fieldnames or ())
-        raise ConfigError(f"{path}: no column {missing[0]}{suggestion(missing[0], have)}; it has {', '.join(have)}")
+        raise ConfigError(
+            f"{path}: no column {missing[0]}{suggestion(missing[0], have)}; it has {', '.join(have[:30])}"
+        )
     for row in rows:
+        if None in row or None in row.values():
+            raise ConfigError(
+                f"{path}:{rows.line_num}: must have {len(rows.fieldnames or ())} values, like the first line"
+            )
         if row["action"] in LABELS:
             yield _answer(f"{path}:{rows.line_num}", row)
 
@@ -167,6 +175,6 @@ def _answer(where: str, row: Mapping[str, str]) -> Rating:
 
 
 def _points(where: str, name: str, text: str) -> int:
-    if not (text.isdecimal() and 1 <= int(text) <= POINTS):
+    if not (text.isascii() and text.isdecimal() and len(text) < 3 and 1 <= int(text) <= POINTS):
         raise ConfigError(f"{where}: {name} is {text!r}, must be a whole number from 1 to {POINTS}")
     return int(text)

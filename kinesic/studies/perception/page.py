@@ -4,6 +4,7 @@ The page shows each stimulus once; it needs a browser and the folder of stimuli,
 """
 
 import json
+import re
 from collections.abc import Iterator, Sequence
 from itertools import groupby
 from pathlib import Path
@@ -12,11 +13,13 @@ import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from kinesic.body.config import ConfigError
 from kinesic.expressivity.face.expressions import Envelope
 from kinesic.face.render.camera import CLOSE
 from kinesic.face.render.portrait import Pixels, Portrait
 from kinesic.face.render.presets import NORMAL, Preset
 from kinesic.face.show.files import save, save_film
+from kinesic.report.content_policy import content_policy
 from kinesic.studies.perception.answers import COLUMNS
 from kinesic.studies.perception.design import ACTIONS, PER_CELL, POINTS, Stimulus, stimuli
 
@@ -35,6 +38,9 @@ def write_study_page(path: Path, *, folder: str = "stimuli", post_to: str = "") 
         path: of the page.
         folder: of the stimuli, as seen from the page.
         post_to: URL that each participant's answers are sent to as CSV; empty: they are only offered as a file.
+
+    Raises:
+        ConfigError: it is no http or https URL.
     """
     environment = Environment(
         loader=FileSystemLoader(HERE), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
@@ -63,13 +69,29 @@ def write_study_page(path: Path, *, folder: str = "stimuli", post_to: str = "") 
         "seconds": SECONDS,
         "postTo": post_to,
     }
+    script = (HERE / "study.js").read_text(encoding="utf-8")
     text = environment.get_template("study.jinja").render(
         look=Markup((HERE / "study.css").read_text(encoding="utf-8")),
-        script=Markup((HERE / "study.js").read_text(encoding="utf-8")),
+        script=Markup(script),
+        policy=content_policy(script, img_src="*", connect_src=f"blob: {find_origin(post_to)}".rstrip()),
         study=Markup(json.dumps(study).replace("<", "\\u003c")),
         shown=4 * PER_CELL,
     )
     path.write_text(text, encoding="utf-8")
+
+
+def find_origin(url: str) -> str:
+    """Finds the server of an http or https URL, such as `https://example.org:8080`; of an empty one, nothing.
+
+    Raises:
+        ConfigError: it is another kind of URL.
+    """
+    if not url:
+        return ""
+    found = re.match(r"(https?://(?:[\w.-]+|\[[0-9a-f:.]+\])(?::\d+)?)(?:[/?]|$)", url, re.ASCII | re.IGNORECASE)
+    if found is None:
+        raise ConfigError(f"--post-to {url}: must be a URL such as https://example.org/answers")
+    return found.group(1)
 
 
 def file_of(stimulus: Stimulus) -> str:

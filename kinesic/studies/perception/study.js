@@ -24,15 +24,33 @@ function drawn() {
   return shuffled([...cells.values()].flatMap((cell) => cell.slice(0, study.perCell)));
 }
 
-// What was answered survives a reload; a face that was seen and not answered is passed over, for it may be seen once.
-function resumed() {
-  const kept = JSON.parse(localStorage.getItem(KEPT) ?? "null");
-  if (kept === null) return { participant: crypto.getRandomValues(new Uint32Array(1))[0].toString(16), order: drawn().map((each) => each.id), place: 0, rows: [] };
-  return kept;
+// What other pages of the same server, or anybody at this browser, may have written is believed only if we could have.
+function sound(kept) {
+  const scalar = (value) => typeof value === "number" || (typeof value === "string" && value.length < 100);
+  return typeof kept?.participant === "string" && /^[0-9a-f]{1,8}$/.test(kept.participant)
+    && Array.isArray(kept.order) && kept.order.length <= study.stimuli.length && kept.order.every((id) => byId.has(id))
+    && Number.isInteger(kept.place) && kept.place >= 0 && kept.place <= kept.order.length
+    && Array.isArray(kept.rows) && kept.rows.length <= kept.place
+    && kept.rows.every((row) => row !== null && typeof row === "object" && Object.values(row).every(scalar));
 }
 
-const state = resumed();
+function remembered() {
+  try {
+    return JSON.parse(localStorage.getItem(KEPT) ?? "null");
+  } catch (error) {
+    return null;
+  }
+}
+
+// What was answered survives a reload; a face that was seen and not answered is passed over, for it may be seen once.
+function resumed() {
+  const kept = remembered();
+  if (sound(kept)) return kept;
+  return { participant: crypto.getRandomValues(new Uint32Array(1))[0].toString(16), order: drawn().map((each) => each.id), place: 0, rows: [] };
+}
+
 const byId = new Map(study.stimuli.map((each) => [each.id, each]));
+const state = resumed();
 let shownAt = 0;
 
 function keep() {
@@ -105,8 +123,14 @@ function answered() {
   keep();
 }
 
+// A value that holds a separator is quoted; one that a spreadsheet would calculate is made a text.
+function cell(value) {
+  const text = String(value ?? "").replace(/^[=+\-@\t\r]/, "'$&");
+  return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+}
+
 function csv() {
-  const lines = state.rows.map((row) => study.columns.map((name) => row[name] ?? "").join(","));
+  const lines = state.rows.map((row) => study.columns.map((name) => cell(row[name])).join(","));
   return [study.columns.join(","), ...lines].join("\r\n") + "\r\n";
 }
 

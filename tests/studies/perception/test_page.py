@@ -1,5 +1,8 @@
 """The page in a browser, and what it writes."""
 
+import csv
+import json
+import re
 from pathlib import Path
 
 import pytest
@@ -77,6 +80,66 @@ def test_all_32_faces_can_be_read_back(page: Page, tmp_path: Path):
     assert len(read_answers([path])) == len(asked)
 
 
+@pytest.mark.parametrize(
+    "kept",
+    [
+        '{"participant": "../../x<script>", "order": [], "place": 0, "rows": []}',
+        '{"participant": "=1+1,\\n", "order": [], "place": 0, "rows": []}',
+        '{"participant": "ab", "order": ["nowhere"], "place": 0, "rows": []}',
+        '{"participant": "ab", "order": [], "place": 1e9, "rows": []}',
+        '{"participant": "ab", "order": [], "place": 0, "rows": [{"realism": {}}]}',
+        "[1, 2",
+        "7",
+    ],
+)
+def test_what_we_did_not_write_ourselves_is_not_believed(page: Page, kept: str):
+    page.value(f"localStorage.setItem('kinesic-study', {json.dumps(kept)})")
+    page.call("Page.reload")
+    page.until("document.readyState === 'complete' && typeof state === 'object' && state.order?.length === 32")
+    assert re.fullmatch("[0-9a-f]{1,8}", page.value("state.participant"))
+    assert page.value("state.place") == 0
+
+
+def test_a_participant_who_writes_own_values_breaks_no_row_and_no_page(page: Page, tmp_path: Path):
+    page.click("#begin")
+    answer(page)
+    page.until("document.querySelectorAll('fieldset').length === 5")
+    hostile = '</script><img src=x onerror="window.hacked=1">,"\r\n=1+1'
+    page.value(f"state.participant = {json.dumps(hostile)}; state.rows[0].participant = {json.dumps('=' + hostile)}")
+    page.click("#stop")
+    page.until("!document.getElementById('thanks').hidden")
+    path = tmp_path / "answers.csv"
+    path.write_text(written(page), newline="")
+    with path.open(newline="") as lines:
+        (row,) = csv.DictReader(lines)
+    assert row["participant"] == "'=" + hostile
+    assert row["place"] == "1"
+    assert page.value("window.hacked ?? 0") == 0
+    assert page.value("document.querySelectorAll('script').length") == 2
+
+
+def test_no_script_runs_but_the_pages_own(page: Page):
+    page.value("document.body.insertAdjacentHTML('beforeend', '<img src=x: onerror=\"window.hacked=1\">')")
+    page.value("document.body.append(Object.assign(document.createElement('script'), {text: 'window.hacked = 2'}))")
+    page.until("document.querySelector('img[onerror]').complete")
+    assert page.value("window.hacked ?? 0") == 0
+
+
+@pytest.mark.parametrize(
+    "url", ["javascript:alert(1)", "file:///etc/passwd", "//example.org", "https://a b/", "https://a;script-src *", "x"]
+)
+def test_answers_are_sent_to_web_servers_only(url: str, tmp_path: Path):
+    with pytest.raises(ConfigError, match="must be a URL such as https://"):
+        write_study_page(tmp_path / "index.html", post_to=url)
+
+
+def test_the_page_may_talk_to_no_other_server(tmp_path: Path):
+    write_study_page(tmp_path / "index.html", post_to="https://example.org:8443/answers?a=';x</script>")
+    page = (tmp_path / "index.html").read_text()
+    assert 'connect-src blob: https://example.org:8443"' in page
+    assert page.count("</script>") == 2
+
+
 def test_a_moving_face_is_seen_once_even_after_a_reload(page: Page):
     moving = page.value("state.order.find((id) => byId.get(id).presentation === 'animation')")
     page.value(f"(() => {{ state.order = [{moving!r}, ...state.order.filter((id) => id !== {moving!r})]; keep(); }})()")
@@ -100,6 +163,11 @@ ROW = "p,1,s,female,4,upper,high,with,image,1,4,2,,,,3,3,1.0"
         (HEAD + "\n" + ROW.replace("high", "huge"), "strength is 'huge', must be one of low, high"),
         (HEAD + "\n" + ROW.replace(",1,4,2,", ",1,,2,"), "no answer in column 4"),
         (HEAD + "\n", "no answer for any of"),
+        (HEAD + "\n" + ROW[:-8], "must have 18 values, like the first line"),
+        (HEAD + "\n" + ROW + ",1", "must have 18 values, like the first line"),
+        (HEAD + "\n" + ROW.replace(",3,3,", ",3,\u0663,"), "must be a whole number"),
+        (HEAD + "\n" + ROW.replace(",3,3,", f",3,{'9' * 5000},"), "must be a whole number"),
+        (HEAD + "\n" + ROW.replace("p,1", f"{'p' * 200_000},1"), "is no CSV: field larger"),
     ],
 )
 def test_wrong_answers_are_told(text: str, what: str, tmp_path: Path):
