@@ -1,8 +1,21 @@
+from dataclasses import dataclass, field
+from math import degrees, radians
+
 import numpy as np
 import pytest
 
-from kinesic.hardware.bus.cycle import BLOCK
-from kinesic.hardware.supervisor.monitor import STUCK, LoadRatings, LoadState, derate, update_load
+from kinesic.hardware.bus.cycle import BLOCK, Records, signature
+from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED, HardwareError, Register
+from kinesic.hardware.supervisor.axes import Snapshot
+from kinesic.hardware.supervisor.manifest import Manifest, Member
+from kinesic.hardware.supervisor.monitor import (
+    STUCK,
+    CommunicationMonitor,
+    LoadRatings,
+    LoadState,
+    derate,
+    update_load,
+)
 
 STRENGTH = LoadRatings(
     celsius=np.array([80.0, 80.0]), current=np.array([1000.0, 1000.0]), full=np.array([140.0, 140.0])
@@ -55,3 +68,207 @@ def test_a_servo_far_from_its_goal_that_does_not_move_is_stuck():
     assert not after(STUCK + 0.02, position=200, velocity=20).stuck.any()
     assert not after(STUCK + 0.02, position=200, torque=0).stuck.any()
     assert not after(STUCK - 0.05, position=200).stuck.any()
+
+
+def test_work_is_the_mean_square_of_the_current_over_ten_seconds():
+    load = update_load(LoadState.none(2), records(), np.zeros(2), STILL, STRENGTH)
+    load = update_load(load, records(current=-500), np.full(2, 0.1), STILL, STRENGTH)
+    assert load.work == pytest.approx([0.0, 0.25 * 0.1 / 10.0])
+    load = update_load(load, records(current=2000), np.full(2, 0.2), STILL, STRENGTH)  # never more than its limit
+    assert load.work == pytest.approx([0.0, 0.0025 + (1.0 - 0.0025) * 0.01])
+
+
+@pytest.mark.parametrize(("work", "scale"), [(0.0, 1.0), (0.5, 1.0), (0.65, 0.5), (0.74, 0.2), (0.8, 0.0), (1.0, 0.0)])
+def test_work_slows_from_half_to_four_fifths_of_what_a_servo_bears(work: float, scale: float):
+    load = LoadState(np.array([0.0, work]), np.zeros(2), np.zeros(2))
+    assert derate(load, records(), STRENGTH) == pytest.approx([1.0, scale])
+
+
+@dataclass(frozen=True)
+class Given:
+    """A servo whose registers are these."""
+
+    member: Member
+    values: dict[Register, int] = field(default_factory=dict)
+
+    def __getitem__(self, register: Register) -> int:
+        return self.values[register]
+
+
+@pytest.fixture
+def manifest(robot) -> Manifest:
+    return Manifest.of(robot)
+
+
+def tables_of(manifest: Manifest) -> list[Given]:
+    limits = {Register.TEMPERATURE_LIMIT: 80, Register.CURRENT_LIMIT: 700}
+    return [Given(member, limits) for member in manifest.members]
+
+
+def test_ratings_are_those_of_the_servos(manifest):
+    """A servo without current sensor tells its load in thousandths; one whose limit is 0 bears hardly anything."""
+    tables = tables_of(manifest)
+    tables[3] = Given(manifest.members[3], {Register.TEMPERATURE_LIMIT: 70, Register.CURRENT_LIMIT: 0})
+    ratings = LoadRatings.of(tables)
+    assert ratings.current.tolist() == [700.0, 700.0, 1000.0, 1.0, 1000.0]
+    assert ratings.celsius.tolist() == [80.0, 80.0, 80.0, 70.0, 80.0]
+    assert ratings.full.tolist() == manifest.full.tolist()
+
+
+class Room:
+    """A monitor of five servos, whose records are what a test says."""
+
+    def __init__(self, manifest: Manifest) -> None:
+        self.manifest, self.time, self.lost = manifest, 0.0, False
+        self.monitor = CommunicationMonitor(manifest, tables_of(manifest))
+        self.recent = np.ones(5, dtype=bool)
+        self.goals = manifest.scale.nearest(manifest.rest.take(manifest.joints))
+        self.records: Records = np.zeros(5, dtype=BLOCK)
+        self.records["torque"], self.records["temperature"], self.records["position"] = 1, 30, np.rint(self.goals)
+
+    def look(self, cycles: int = 1, *, goals: bool = True) -> CommunicationMonitor:
+        for _ in range(cycles):
+            self.time += 0.01
+            kept = self.records.copy()
+            times = np.where(self.recent, self.time, -np.inf)
+            snapshot = Snapshot(self.time, kept, times, self.recent.copy(), self.lost, signature(kept), ())
+            self.monitor.look(snapshot, self.goals if goals else None, 0.01)
+        return self.monitor
+
+
+@pytest.fixture
+def room(manifest) -> Room:
+    return Room(manifest)
+
+
+def test_before_the_first_cycle_nothing_is_known(room):
+    monitor = room.monitor
+    assert np.isnan(monitor.present).all()
+    assert not monitor.raised.any()
+    known = (monitor.answering, monitor.everybody, monitor.well, monitor.any_energised, monitor.all_energised)
+    assert known == (False,) * 5
+    assert (monitor.lost, monitor.tripped, monitor.any_limp, monitor.weak, monitor.scale) == (False,) * 4 + (0.0,)
+
+
+def test_all_is_well(room):
+    monitor = room.look()
+    assert (monitor.answering, monitor.everybody, monitor.well, monitor.any_energised, monitor.all_energised) == (
+        True,
+    ) * 5
+    assert (monitor.lost, monitor.tripped, monitor.any_limp, monitor.weak) == (False,) * 4
+    assert monitor.present.tolist() == room.records["position"].tolist()
+    assert monitor.taken.tolist() == [0.01] * 5
+    assert (monitor.scale, monitor.trouble(), monitor.holding_joints) == (1.0, "", frozenset())
+    assert not monitor.raised.any()
+
+
+def test_a_silent_servo_is_named_and_nobody_knows_where_it_is(room):
+    room.look(3)
+    room.recent[3] = False
+    monitor = room.look()
+    assert np.isnan(monitor.present).tolist() == np.isnan(monitor.taken).tolist() == [False, False, False, True, False]
+    assert (monitor.answering, monitor.everybody, monitor.well) == (False,) * 3
+    assert monitor.trouble() == "l_twist: silent"
+    room.recent[3] = True
+    assert room.look().well
+
+
+def test_a_lost_port_is_no_silence(room):
+    room.look()
+    room.lost = True
+    monitor = room.look()
+    assert (monitor.lost, monitor.everybody, monitor.answering, monitor.well) == (True, True, False, False)
+    assert monitor.trouble() == "a port is gone"
+
+
+def test_a_servo_that_has_shut_down_has_failed_and_is_not_called_limp(room):
+    room.records["hardware_error"][2], room.records["torque"][2] = HardwareError.OVERLOAD.value, 0
+    monitor = room.look()
+    assert monitor.failed.tolist() == [False, False, True, False, False]
+    assert not monitor.limp.any()
+    assert (monitor.well, monitor.weak, monitor.any_limp) == (False, False, False)
+    assert (monitor.any_energised, monitor.all_energised) == (True, False)
+    assert monitor.trouble() == "l_flexion: shut down, or cannot move"
+    assert monitor.holding_joints == frozenset()  # the others of its chain may bring it to rest
+
+
+def test_a_servo_that_has_failed_with_torque_holds_its_chain(room):
+    room.records["hardware_error"][3] = HardwareError.ENCODER.value | HardwareError.VOLTAGE.value
+    monitor = room.look()
+    assert monitor.failed.tolist() == [False, False, False, True, False]
+    assert not monitor.weak
+    assert monitor.holding_joints == frozenset({1, 2})  # of the left arm
+
+
+def test_a_low_voltage_alone_is_weakness_and_no_failure(room):
+    room.records["hardware_error"][[0, 4]] = HardwareError.VOLTAGE.value
+    monitor = room.look()
+    assert (monitor.weak, monitor.well, monitor.failed.any()) == (True, True, False)
+
+
+def test_a_servo_without_torque_is_limp(room):
+    room.records["torque"][1] = 0
+    monitor = room.look()
+    assert monitor.limp.tolist() == [False, True, False, False, False]
+    assert (monitor.any_limp, monitor.any_energised, monitor.all_energised, monitor.well) == (True, True, False, False)
+    assert monitor.trouble() == "torsion: without torque"
+    room.records["torque"][:] = 0
+    assert not room.look().any_energised
+
+
+def test_a_watchdog_that_tripped_counts_where_there_is_torque(room):
+    room.records["watchdog"][2], room.records["torque"][2] = WATCHDOG_TRIPPED, 0
+    assert not room.look().tripped
+    room.records["torque"][2] = 1
+    monitor = room.look()
+    assert (monitor.tripped, monitor.well) == (True, False)
+    assert monitor.trouble() == "servos were stopped by their bus watchdog"
+
+
+def test_heat_is_looked_at_every_twentieth_of_a_second(room):
+    room.look()
+    room.records["temperature"][4] = 75
+    scales = [room.look().scale for _ in range(7)]
+    assert scales == pytest.approx([1.0] * 4 + [2 / 7] * 3)
+    room.records["temperature"][4] = 77
+    monitor = room.look(6)
+    assert (monitor.scale, monitor.well) == (0.0, False)
+    assert monitor.trouble() == "a servo is too hot, or works too hard"
+
+
+def test_a_servo_that_pushes_in_vain_is_stuck_until_its_torque_goes(room):
+    room.look()
+    room.goals = room.goals + np.array([0.0, 0.0, 200.0, 0.0, 0.0])
+    assert not room.look(25).stuck.any()
+    monitor = room.look(15)
+    assert monitor.stuck.tolist() == monitor.failed.tolist() == [False, False, True, False, False]
+    room.goals = np.array(room.records["position"], dtype=float)
+    assert room.look(20).stuck[2]  # that it is asked for nothing more does not mend it
+    room.records["torque"][2] = 0
+    assert not room.look(10).failed.any()
+
+
+def test_without_goals_nobody_is_stuck(room):
+    room.records["position"][2] += 500
+    assert not room.look(60, goals=False).stuck.any()
+
+
+@pytest.mark.parametrize("way", [-1.0, 1.0])
+def test_a_limb_is_raised_more_than_five_degrees_from_rest(room, manifest, way):
+    """The last servo turns 1.2 times as far as its hinge."""
+    rest = manifest.rest.take(manifest.joints)
+    for angle, raised in ((4.8, False), (5.2, True)):
+        room.records["position"] = np.rint(manifest.scale.ticks((rest + way * radians(angle))[None])[0])
+        assert degrees(np.abs(manifest.scale.angles(room.records["position"].astype(float)) - rest).min()) > angle - 0.1
+        assert room.look().raised.tolist() == [raised] * 5
+    room.records["torque"] = [1, 0, 1, 1, 1]
+    assert room.look().raised.tolist() == [True, False, True, True, True]
+
+
+def test_who_is_silent_may_be_where_its_goal_is(room):
+    room.look()
+    room.goals = room.goals + 300.0
+    assert not room.look().raised.any()
+    room.recent[4] = False
+    assert room.look().raised.tolist() == [False, False, False, False, True]
+    assert not room.look(goals=False).raised.any()
