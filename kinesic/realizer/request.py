@@ -33,6 +33,7 @@ from kinesic.planning.setup import Setup
 from kinesic.planning.speech import synthesise_block
 
 LEAD = 0.15  # [s] from the request to the beginning of a block that refers to others: time to plan it
+HEAD = 65_536  # [bytes] of a document in which its id is looked for
 _ID = re.compile(rb"""<(?:\w+:)?bml\b[^<>]*?\sid\s*=\s*["']([^"']+)["']""")
 
 
@@ -184,5 +185,5 @@ def refusal_feedback(message: Message, error: BmlError) -> str:
 
 def block_id(text: str | bytes) -> str:
     """Reads the id of a document's block from its first tag; `UNNAMED` where it has none."""
-    found = _ID.search(text.encode() if isinstance(text, str) else text)
+    found = _ID.search(text.encode() if isinstance(text, str) else text, 0, HEAD)
     return found[1].decode(errors="replace") if found else UNNAMED

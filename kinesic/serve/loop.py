@@ -13,13 +13,15 @@ from operator import attrgetter
 from threading import Event, Thread
 from time import monotonic, sleep
 
+import numpy as np
+
 from kinesic.body.arrays import Flags
 from kinesic.body.command import RATE
 from kinesic.controller.play import SETTLE
 from kinesic.face.display import DisplayError
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.motion.stopping import stop
-from kinesic.motion.trajectory import Trajectory, stay
+from kinesic.motion.trajectory import STEP, Trajectory, stay
 from kinesic.planning.setup import Setup
 from kinesic.realizer.realizer import ScheduledFeedback
 from kinesic.serve.arrival_monitor import ArrivalMonitor
@@ -40,6 +42,7 @@ from kinesic.serve.tracks import Effects
 PERIOD = 1 / RATE
 GRACE = 0.03  # [s] in which the way to rest is found, while the motion goes on
 PATIENCE = 0.1  # [s] that a message waits for the body to arrive
+REHEARSED = 0.1  # share of the greatest speed at which a stop is rehearsed
 HICCUP = 0.25  # [s] by which the loop may be late; beyond, time has stood still
 
 
@@ -87,6 +90,7 @@ class Loop(Thread):
         self._planner: Connection | None = None
         self._out = clock.now()  # [s] until when commands are out
         self._leave = Event()
+        _rehearse_stop(setup)
 
     def link(self, planner: Connection, beginning: LoopStart) -> None:
         """Connects a planner from the next tick on; it was started with this state of the loop."""
@@ -251,3 +255,12 @@ class Loop(Thread):
         if self._planner is not None:
             with suppress(OSError):  # it has died, and the next one begins from here
                 self._planner.send(Halted(self._stops_made, time, self.motion))
+
+
+def _rehearse_stop(setup: Setup) -> None:
+    """Makes one stop that nobody plays: the first one loads a solver, which takes longer than a stop may."""
+    limits, rest = setup.limits, setup.robot.skeleton.rest
+    rising = np.cumsum(np.linspace(0.0, REHEARSED, 30))[:, None] * STEP * limits.speed
+    inwards = np.where(rest < (limits.lower + limits.upper) / 2, 1.0, -1.0)
+    moving = Trajectory(rest + inwards * rising, 0.0)
+    stop(moving, moving.duration / 2, limits)

@@ -2,7 +2,7 @@
 
 from asyncio import AbstractEventLoop, Event, get_running_loop, sleep
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from kinesic.planning.setup import Setup
 from kinesic.realizer.request import Message, block_id
@@ -88,8 +88,7 @@ class Session:
         """Makes an emergency stop at once; what waits is not performed."""
         self.loop.halt()
         self._halted = True
-        for document in self._documents.clear():
-            self._refuse(document, "stopped", "an emergency stop came; resume first")
+        self._refuse_stopped(iter(self._documents.clear()))
 
     def resume(self) -> None:
         """Returns to rest after an emergency stop, and lets servos go on; documents are taken again."""
@@ -162,6 +161,13 @@ class Session:
         if isinstance(present, DocumentRequest):
             what = f"planning failed, or took longer than {self._rules.planning:g} s; send something simpler"
             self._refuse(present.message, "planning", what)
+
+    def _refuse_stopped(self, documents: Iterator[Message]) -> None:
+        """Refuses one document after the other; whoever waits for an answer has a turn in between."""
+        document = next(documents, None)
+        if document is not None:
+            self._refuse(document, "stopped", "an emergency stop came; resume first")
+            self._asyncio.call_soon(self._refuse_stopped, documents)
 
     def _refuse(self, document: Message, rule: str, what: str) -> None:
         self._tell(quota_feedback(rule, what, name=block_id(document.text)), document.sender)

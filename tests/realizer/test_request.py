@@ -7,7 +7,7 @@ import pytest
 
 from kinesic.bml.block import BmlError, Composition, Succession
 from kinesic.bml.composition import BlockState
-from kinesic.bml.parse import parse
+from kinesic.bml.parse import UNNAMED, parse
 from kinesic.bml.timing.constraints import Point
 from kinesic.planning.setup import Setup
 from kinesic.realizer.request import (
@@ -15,6 +15,7 @@ from kinesic.realizer.request import (
     Message,
     SceneContext,
     anchor_references,
+    block_id,
     read_request,
     refers_elsewhere,
     refusal_feedback,
@@ -122,3 +123,10 @@ def test_a_bad_document_is_refused_by_the_id_of_its_block(known: Setup) -> None:
 def test_expectations_count_only_what_is_known() -> None:
     block = replace(parse(BML.format("", "")), composition=Composition.APPEND, succession=Succession(after=("gone",)))
     assert CONTEXT.expected_start(block) == 10.0
+
+
+def test_the_id_of_a_hostile_document_is_found_or_given_up_at_once():
+    """Text that begins a tag again and again took hours, and nobody else had a turn."""
+    assert block_id(b"<bml " * 200_000) == UNNAMED
+    assert block_id("<bml " * 10 + ' id="late">') == "late"
+    assert block_id(b"<a/>" * 100_000 + b'<bml id="far">') == UNNAMED

@@ -5,6 +5,7 @@ from multiprocessing import Pipe
 import numpy as np
 import pytest
 
+from kinesic.motion import qp
 from kinesic.realizer.feedback import Progress, ScheduledFeedback
 from kinesic.serve.loop import Loop
 from kinesic.serve.messages import Clock, Proposal
@@ -118,3 +119,14 @@ def test_what_waits_for_the_body_outlives_the_next_proposal(known, becomes):
         loop.join()
     assert told[1:] == ["<behind/>", "<later/>"]
     assert 'id="b:h:stroke"' in told[0]
+
+
+def test_the_first_stop_finds_its_solver_loaded(known, monkeypatch):
+    solved = []
+    found = qp.nearest_within_limits
+    monkeypatch.setattr(qp, "nearest_within_limits", lambda *given: solved.append(given) or found(*given))
+    quiet = Effects(None, face=False)
+    loop = Loop(known, [], Clock(), effects=quiet, tell=lambda *_: None, news=lambda _: None)
+    assert solved
+    assert loop.stops == 0
+    assert not loop.halted
