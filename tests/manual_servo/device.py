@@ -88,9 +88,16 @@ class Device:
         return error
 
     def show(self, address: int, size: int) -> tuple[int, bytes]:
-        """Reads registers as they are now; returns an error number and the bytes."""
+        """Reads registers as it says that they are now; returns an error number and the bytes."""
         self.firmware.refresh()
-        return self.memory.read(address, size)
+        if not self.firmware.tampers:
+            return self.memory.read(address, size)
+        true = bytes(self.memory.bytes)
+        for tamper in self.firmware.tampers:
+            tamper(self.memory)
+        told = self.memory.read(address, size)
+        self.memory.bytes[:] = true
+        return told
 
     def answer(self, error: int, parameters: bytes = b"") -> Answer:
         """Makes a status of it, with the alert bit where a hardware error is shown."""

@@ -35,6 +35,7 @@ class Firmware:
         self.memory.reset()
         self.shut = False  # only a reboot brings torque back after a shutdown
         self.booted = self.heard = time
+        self._orient()
         self.fold()
         self.memory["goal_position"] = round(self.position)
         self.profile.stand(self.position)
@@ -48,14 +49,13 @@ class Firmware:
         """[ticks] as it counts them."""
         return self._sign * self.shaft.ticks + self._homing - self.base
 
-    @property
-    def _homing(self) -> int:
-        offset = self.memory["homing_offset"]
-        return 0 if self.memory["operating_mode"] == POSITION and abs(offset) > HOMING_MOST else offset
-
-    @property
-    def _sign(self) -> int:
-        return -1 if self.memory["drive_mode"] & 1 else 1
+    def _orient(self) -> None:
+        """Takes over how it counts."""
+        memory = self.memory
+        offset = memory["homing_offset"]
+        ignored = memory["operating_mode"] == POSITION and abs(offset) > HOMING_MOST
+        self._homing = 0 if ignored else offset
+        self._sign = -1 if memory["drive_mode"] & 1 else 1
 
     def fold(self) -> None:
         """Brings the position into one turn."""
@@ -64,6 +64,7 @@ class Firmware:
     def switched(self, before: dict[str, int]) -> None:
         """Follows a write, of which the values before are known."""
         memory = self.memory
+        self._orient()
         if before.get("operating_mode", memory["operating_mode"]) != memory["operating_mode"]:
             self._change_mode()
         if before.get("torque") == 0 and memory["torque"]:
@@ -100,6 +101,7 @@ class Firmware:
     def reload(self) -> None:
         """Takes over what the registers say, so that the loop need not read them."""
         memory = self.memory
+        self._orient()
         self.torque, self.mode = bool(memory["torque"]), memory["operating_mode"]
         self._gains = (memory["position_p"], memory["position_i"], memory["position_d"])
         self._limit = min(abs(memory["goal_pwm"]), memory["pwm_limit"])
@@ -174,5 +176,3 @@ class Firmware:
         memory["position_trajectory"] = round(self.profile.place)
         memory["velocity_trajectory"] = round(self.profile.speed / SPEED)
         memory["moving_status"] = int(self.profile.place == self.profile.goal) | (2 if self.profile.speed else 0)
-        for tamper in self.tampers:
-            tamper(memory)

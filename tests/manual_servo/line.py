@@ -198,7 +198,7 @@ class Line:
         return time
 
     def _write(self, packet: Packet, awake: Sequence[Device]) -> None:
-        for servo, address, data in _writes(packet):
+        for servo, address, data in writes_of(packet):
             for device in awake:
                 if servo == device.id:
                     device.write(address, data)
@@ -267,16 +267,18 @@ def _reads(packet: Packet) -> Iterator[tuple[int, int, int]]:
             yield servo, _word(said, 0), _word(said, 2)
 
 
-def _writes(packet: Packet) -> Iterator[tuple[int, int, bytes]]:
-    """Who is told what: id, address, bytes."""
+def writes_of(packet: Packet) -> Iterator[tuple[int, int, bytes]]:
+    """Who is told what by a write, of one or of a group: id, address, bytes."""
     said, at = packet.parameters, 0
-    if packet.instruction == p.BULK_WRITE:
+    if packet.instruction == p.WRITE and len(said) > 2:
+        yield packet.servo, _word(said, 0), said[2:]
+    elif packet.instruction == p.BULK_WRITE:
         while at + 5 <= len(said):
             size = _word(said, at + 3)
             if len(data := said[at + 5 : at + 5 + size]) == size:
                 yield said[at], _word(said, at + 1), data
             at += 5 + size
-    elif len(said) > 4:
+    elif packet.instruction == p.SYNC_WRITE and len(said) > 4:
         size = _word(said, 2)
         for at in range(4, len(said) - size, size + 1):
             yield said[at], _word(said, 0), said[at + 1 : at + 1 + size]

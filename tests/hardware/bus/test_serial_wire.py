@@ -150,7 +150,7 @@ def test_a_bus_that_nobody_hears_is_lost_and_holds_up_no_other(ends: tuple[int, 
     while len(cycles) < 2000 and not (cycles and cycles[-1].lost):
         cycles.append(bus.cycle(np.full(len(SERVOS), 2048)))
     assert cycles[-1].lost
-    assert ["port lost"] == [event.kind for event in cycles[-1].events if event.servo is None]
+    assert [event.kind for event in cycles[-1].events if event.servo is None] == ["port lost"]
     wire.close()
 
 

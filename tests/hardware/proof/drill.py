@@ -1,0 +1,193 @@
+"""A robot with raised arms that is struck by a random fault, under an observer."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from random import Random
+
+import numpy as np
+
+from kinesic.body.arrays import Flags, Floats
+from kinesic.body.robot import Robot
+from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.hardware.supervisor.settings import SupervisorSettings
+from kinesic.hardware.virtual.faults import PlannedFault
+from kinesic.hardware.virtual.wiring import cables
+
+from ...manual_servo import faults, lies, servo_faults, strangers
+from ...manual_servo.faults import Fault
+from ...manual_servo.physics import Arm, Link
+from ..manual.adapter import Plant
+from ..supervisor.conftest import PERIOD, Desk
+from .observer import Observer, SpyWire
+
+RAISED = np.radians([10.0, 70.0, 80.0, 20.0, 70.0, 80.0, -20.0])
+SWAY, SWAYING, RAISING = np.radians(8.0), 2.0, 1.3  # [rad]; [s] of a period; [s] until the arms are up
+LONG, AFTER = 22.0, 6.0  # [s] of the performance, [s] of looking after a fault has passed
+WEIGHTS = {"flexion": 0.6, "bend": 0.35}  # [Nm] of each part of an arm where it is level
+SETTINGS = SupervisorSettings(pace=2.0, patience=2.0, hopeless=12.0)
+BITS = (1, 4, 8, 16, 32)
+KIN_OF_WIRE = ("corrupt", "drop", "truncate", "duplicate", "noise", "lost", "late")
+
+
+@dataclass(frozen=True)
+class Strike:
+    """One fault: what, on which wire, when and for how long."""
+
+    name: str
+    bus: str
+    seconds: float
+    begin: Callable[[Desk], None]
+    wire: bool = False  # whether no servo has anything, so that none may be called stuck
+
+
+class TrueShafts:
+    """What servos really do, whatever they say."""
+
+    def __init__(self, desk: Desk) -> None:
+        self._desk = desk
+
+    def torque(self) -> Flags:
+        plant = self._desk.plant
+        if isinstance(plant, Plant):
+            return np.array([servo.device.firmware.torque for servo in plant.servos])
+        return self._desk.true(Register.TORQUE_ENABLE) != 0
+
+    def ticks(self) -> Floats:
+        return self._desk.here.astype(float)
+
+
+class Drill(Desk):
+    """A desk whose arms have weight, and whose wires are watched."""
+
+    observer: Observer | None = None
+
+    def start(self) -> None:
+        if self.observer is None:
+            self.observer = Observer(self.manifest, TrueShafts(self))
+            self._make = self.wire
+            if isinstance(self.plant, Plant):
+                self.plant.world.arms = _arms(self.plant, self.manifest)
+        self.wire = self._spied
+        super().start()
+
+    def _spied(self, bus: object, *, name: str, time: float) -> SpyWire:
+        return SpyWire(self._make(bus, name=name, time=time), self.observer, name)
+
+    def cycle(self) -> None:
+        super().cycle()
+        self.observer.look(self.plant.time, self.status.angles, self.status.taken)
+
+    def raise_arms(self) -> None:
+        """Brings the arms up, and lets them sway there."""
+        self.open()
+        rest, up = self.manifest.rest, RAISED
+        for k in range(round(LONG / PERIOD)):
+            time = k * PERIOD
+            share = min(1.0, time / RAISING)
+            smooth = share**3 * (10 - 15 * share + 6 * share**2)
+            sway = SWAY * (1 - np.cos(2 * np.pi * (time - RAISING) / SWAYING)) / 2 if time > RAISING else 0.0
+            assert self.channel.write(time, rest + smooth * (up - rest) - np.sign(up) * sway)
+        while not self.status.time > RAISING + 0.3:
+            self.cycle()
+            assert not self.supervisor.done, self.kinds()[-12:]
+
+    def suffer(self, strike: Strike) -> None:
+        """Lets a fault strike and looks what comes of it."""
+        self.observer.watching = True
+        strike.begin(self)
+        self.run(strike.seconds + AFTER)
+
+    @property
+    def called_stuck(self) -> bool:
+        """Whether a servo was said to be unable to move."""
+        return any(line.startswith("failed") for line in self.kinds())
+
+
+def _arms(plant: Plant, manifest: Manifest) -> tuple[Arm, ...]:
+    arms = []
+    for side in ("l", "r"):
+        links = []
+        for part, weight in WEIGHTS.items():
+            k = next(k for k, member in enumerate(manifest.members) if member.hinge == f"{side}_{part}")
+            links.append(Link(plant.servos[k].device.shaft, 0.0, manifest.members[k].turns, weight))
+        arms.append(Arm(tuple(links)))
+    return tuple(arms)
+
+
+def drill(servos: str, folder: Path) -> Drill:
+    """Makes a drill on one of the two kinds of virtual servos."""
+    robot = Robot.load(Path(__file__).with_name("arms.toml"))
+    return Drill(Manifest.of(robot), cables(robot), folder / "events.jsonl", settings=SETTINGS, servos=servos)
+
+
+def random_strike(servos: str, seed: int) -> Strike:
+    """Draws a fault for one of the two kinds of virtual servos."""
+    dice = Random(f"{servos} {seed}")
+    bus = dice.choice(["left", "right"])
+    seconds = dice.choice([0.1, 0.3, 0.3, 0.6, 0.6, 1.0, 1.5, 1.5, 2.0, 2.0, 4.0, 10.0]) * dice.uniform(0.8, 1.0)
+    servo = dice.choice([1, 2, 2, 3, 3, 4] if bus == "left" else [2, 2, 3, 3, 4])
+    if servos == "kinesic":
+        return _planned(dice, bus, servo, seconds)
+    return _manual(dice, bus, servo, seconds)
+
+
+def _planned(dice: Random, bus: str, servo: int, seconds: float) -> Strike:
+    rate = dice.choice([0.05, 0.3, 1.0])
+    choices = [PlannedFault(kind, rate=rate, seconds=seconds) for kind in KIN_OF_WIRE]
+    choices += [PlannedFault("silent", (servo,), seconds=seconds), PlannedFault("silent", seconds=seconds)] * 2
+    choices += [PlannedFault("unplug", seconds=seconds)] * 3
+    wire = len(choices)
+    choices += [PlannedFault("alert", (servo,), value=bit) for bit in BITS] * 2
+    choices += [PlannedFault("reboot", (servo,)), PlannedFault("reboot"), PlannedFault("watchdog", (servo,))]
+    choices += [PlannedFault("overheat", (servo,), seconds=seconds, value=8.0)]
+    choices += [PlannedFault("undervoltage", seconds=seconds)]
+    at = dice.randrange(len(choices))
+    fault = choices[at]
+    return Strike(fault.kind, bus, seconds, lambda desk: desk.expose(fault, bus=bus), wire=at < wire)
+
+
+def _manual(dice: Random, bus: str, servo: int, seconds: float) -> Strike:
+    seed, share = dice.randrange(1000), dice.choice([0.05, 0.3, 1.0])
+    other = 3 if servo != 3 else 4
+    spoiling = (
+        *(faults.Garble, faults.Truncate, faults.DropByte, faults.Insert, faults.Duplicate, faults.Lose, faults.Late),
+        *(faults.Mirror, faults.LostRequest, faults.Replay),
+    )
+    of_wire: list[Callable[[], Fault]] = [partial(kind, share, seed=seed) for kind in spoiling]
+    of_wire += [faults.Echo, faults.Flood, faults.FrozenLink, faults.FrozenLink, faults.SilentAll, faults.SilentAll]
+    of_wire += [
+        faults.Unplugged,
+        faults.Unplugged,
+        partial(faults.WrongId, servo, other),
+        partial(faults.BadCrc, servo),
+    ]
+    of_wire += [partial(faults.WrongLength, servo), partial(faults.Misquoted, servo)]
+    of_wire += [partial(kind, servo) for kind in (servo_faults.Silent, servo_faults.Unhearing, servo_faults.Boasting)]
+    of_wire += [partial(strangers.return_delay, servo), partial(strangers.return_level, servo)]
+    of_wire += [
+        partial(strangers.baud_changed, servo),
+        partial(lies.DriftingClock, servo),
+        partial(lies.StuckTick, servo),
+    ]
+    of_servo: list[Callable[[], Fault]] = [partial(servo_faults.Alert, servo, bit) for bit in BITS] * 2
+    of_servo += [partial(servo_faults.Reboot, servo), servo_faults.BrownOut, partial(servo_faults.TorqueOff, servo)]
+    of_servo += [partial(servo_faults.Tripped, servo), partial(servo_faults.GoalIgnored, servo)]
+    of_servo += [partial(servo_faults.Stalled, servo), partial(servo_faults.TemperatureRamp, servo, rate=8.0)]
+    of_servo += [partial(servo_faults.VoltageSag, servo), partial(servo_faults.Undervoltage, servo)]
+    of_servo += [
+        partial(lies.FrozenServo, servo),
+        partial(lies.Nonsense, servo),
+        partial(lies.Scattered, servo, seed=seed),
+    ]
+    of_servo += [partial(lies.TurnOffset, servo, turns=dice.choice([-1, 1])), partial(strangers.alias_id, servo, other)]
+    at = dice.randrange(len(of_wire) + len(of_servo))
+    make = (of_wire + of_servo)[at]
+    name = type(make()).__name__
+
+    def begin(desk: Desk) -> None:
+        desk.buses[bus].line.expose(make(), seconds=seconds)
+
+    return Strike(name, bus, seconds, begin, wire=at < len(of_wire))

@@ -1,0 +1,182 @@
+"""Watches bytes on the wires and shafts of servos, and says which rule was broken; it asks kinesic nothing but beliefs.
+
+The rules: no torque is taken from a servo more than 5 degrees from rest; goals never jump; torque comes where a servo
+is; after more than a second of standing nothing moves away from rest by itself; what is believed is where servos are.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+from math import radians
+from typing import Protocol
+
+import numpy as np
+
+from kinesic.body.arrays import Flags, Floats
+from kinesic.hardware.protocol.wire import BusError, Wire
+from kinesic.hardware.supervisor.manifest import Manifest
+
+from ...manual_servo import packet as p
+from ...manual_servo.line import writes_of
+from ...manual_servo.packet import Decoder, Packet
+
+TORQUE, PWM, GOAL = 64, 100, 116
+RESTING = radians(5)
+RECENT = 20  # moments that a belief is compared with
+STANDING = 1.0  # [s] after which motion needs consent
+AWAY = radians(3)  # that a goal may move away from rest without
+STILL = radians(0.2)  # that goals may move while the robot stands
+LANDING = radians(1)  # between goal and place when torque comes
+HASTE, ROUNDING = 1.6, 2  # times the speed of a servo without load; [ticks]
+BELIEF, BLUR = radians(3), 0.03  # that a belief may be wrong; [s] that its time may be
+
+
+class TrueServos(Protocol):
+    """What servos really do, by members."""
+
+    def torque(self) -> Flags:
+        """(m,) who has torque."""
+
+    def ticks(self) -> Floats:
+        """(m,) where they stand."""
+
+
+class SpyWire:
+    """A wire that shows an observer what goes out."""
+
+    def __init__(self, wire: Wire, observer: Observer, bus: str) -> None:
+        self._wire, self._observer, self._bus, self._decoder = wire, observer, bus, Decoder()
+
+    def __getattr__(self, name: str) -> object:
+        return getattr(self._wire, name)
+
+    def write(self, data: bytes | bytearray, /) -> None:
+        """Shows the bytes, while servos are as they were before, and writes them."""
+        time, told = self._wire.now(), len(self._observer.broken)
+        for packet in self._decoder.feed(bytes(data), time):
+            self._observer.hear(self._bus, packet, time)
+        try:
+            self._wire.write(data)
+        except BusError:
+            del self._observer.broken[told:]  # nobody has heard it
+            raise
+
+
+@dataclass(frozen=True)
+class Moment:
+    """What was true at a time."""
+
+    time: float  # [s]
+    torque: Flags
+    angles: Floats  # (m,) [rad]
+
+
+@dataclass
+class Observer:
+    """Collects what was against the rules."""
+
+    manifest: Manifest
+    true: TrueServos
+    broken: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        count = len(self.manifest.members)
+        self.watching = False  # whether what stands for long was interrupted
+        self._moments: deque[Moment] = deque(maxlen=RECENT)
+        self._goals, self._sent, self._powers = np.full(count, np.nan), np.full(count, np.nan), np.full(count, np.nan)
+        self._energised: Flags = np.zeros(count, dtype=np.bool_)
+        self._held, self._stood = self._goals.copy(), 0.0
+        self._nearest: Floats | None = None  # (m,) [rad] from rest, since it was interrupted
+
+    @property
+    def rest(self) -> Floats:
+        """(m,) [rad]."""
+        return self.manifest.rest[self.manifest.joints]
+
+    def angles(self, ticks: Floats) -> Floats:
+        """(m,) [rad] of joints."""
+        return np.asarray(self.manifest.scale.angles(ticks))
+
+    # the wires
+
+    def hear(self, bus: str, packet: Packet, time: float) -> None:
+        """Looks at a packet that is going out on a bus."""
+        places = {member.id: k for k, member in enumerate(self.manifest.members) if member.bus == bus}
+
+        def meant(servo: int) -> list[int]:
+            return list(places.values()) if servo == p.BROADCAST else [places[servo]] if servo in places else []
+
+        if packet.instruction in (p.REBOOT, p.FACTORY_RESET):
+            for place in meant(packet.servo):
+                self._lets_go(place, time, "reboot")
+        for servo, address, data in writes_of(packet):
+            for place in meant(servo):
+                self._written(place, address, data, time)
+
+    def _written(self, place: int, address: int, data: bytes, time: float) -> None:
+        if address <= TORQUE < address + len(data) and not data[TORQUE - address]:
+            self._lets_go(place, time, "torque off")
+        if (power := _value(address, data, PWM, 2)) is not None:
+            if self._energised[place] and power < self._powers[place] - 1:
+                self._lets_go(place, time, f"power {power}")
+            self._powers[place] = power
+        if (goal := _value(address, data, GOAL, 4)) is not None:
+            self._goal(place, float(goal), time)
+
+    def _lets_go(self, place: int, time: float, how: str) -> None:
+        away = self.angles(self.true.ticks())[place] - self.rest[place]
+        if self.true.torque()[place] and abs(away) > RESTING:
+            self._note(time, place, f"{how} at {np.degrees(away):.0f} degrees from rest")
+
+    def _goal(self, place: int, goal: float, time: float) -> None:
+        before, passed = self._goals[place], time - self._sent[place]
+        most = HASTE * self.manifest.speeds[place] * max(passed, 0.0) + ROUNDING
+        if self._energised[place] and abs(goal - before) > most:
+            self._note(time, place, f"goal jumps from {before:.0f} to {goal:.0f} ticks in {1000 * passed:.0f} ms")
+        self._goals[place], self._sent[place] = goal, time
+
+    # every cycle
+
+    def look(self, time: float, believed: Floats, taken: Floats) -> None:
+        """Looks at the servos, and at what is believed of them: (n,) [rad], (n,) [s], NaN where nothing is."""
+        torque, ticks = self.true.torque(), self.true.ticks()
+        angles = self.angles(ticks)
+        for place in np.flatnonzero(torque & ~self._energised):
+            off = abs(self._goals[place] - ticks[place]) / abs(self.manifest.scale.turns[place]) * np.pi / 2048
+            if off > LANDING:
+                self._note(time, int(place), f"torque comes {np.degrees(off):.1f} degrees from its goal")
+        self._energised = torque
+        self._moments.append(Moment(time, torque, angles))
+        self._judge_standing(time)
+        self._judge_beliefs(believed, taken)
+
+    def _judge_standing(self, time: float) -> None:
+        """Goals that have stood for long may go to rest, and nowhere else."""
+        goals = self.angles(self._goals)
+        away = np.abs(goals - self.rest)
+        if np.isnan(self._held).any() or not self.watching or np.abs(goals - self._held).max() > STILL:
+            self._held, self._stood = goals, time
+        elif time - self._stood > STANDING and self._nearest is None:
+            self._nearest = away
+        if self._nearest is None:
+            return
+        self._nearest = np.minimum(self._nearest, away)
+        for place in np.flatnonzero((away > self._nearest + AWAY) & self._energised):
+            self._note(time, int(place), "moves away from rest again, and nobody has agreed")
+
+    def _judge_beliefs(self, believed: Floats, taken: Floats) -> None:
+        for place, joint in enumerate(self.manifest.joints.tolist()):
+            if np.isnan(believed[joint] + taken[joint]):
+                continue
+            near = [m.angles[place] for m in self._moments if abs(m.time - taken[joint]) <= BLUR]
+            if near and min(abs(angle - believed[joint]) for angle in near) > BELIEF:
+                self._note(float(taken[joint]), place, f"is believed at {np.degrees(believed[joint]):.0f} degrees")
+
+    def _note(self, time: float, place: int, text: str) -> None:
+        self.broken.append(f"{time:.2f} s: {self.manifest.members[place].hinge}: {text}")
+
+
+def _value(address: int, data: bytes, register: int, size: int) -> int | None:
+    at = register - address
+    return int.from_bytes(data[at : at + size], "little", signed=True) if 0 <= at <= len(data) - size else None

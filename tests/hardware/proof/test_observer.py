@@ -1,0 +1,71 @@
+"""The observer says what was done against the rules: each is broken once, on purpose."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kinesic.hardware.protocol.registers import Register
+
+from ...manual_servo import packet as p
+from .drill import Drill, drill
+
+SHOULDER = 2  # id on both wires
+
+
+@pytest.fixture
+def raised(servos: str, tmp_path: Path) -> Iterator[Drill]:
+    """A robot with raised arms, on which nothing has gone wrong."""
+    made = drill(servos, tmp_path)
+    made.raise_arms()
+    assert made.observer.broken == []
+    yield made
+    made.end()
+
+
+def say(made: Drill, register: Register, value: int) -> None:
+    """Writes to the left shoulder behind the supervisor's back."""
+    field = register.field
+    parameters = field.address.to_bytes(2, "little") + field.pack(value)
+    made.wires["left"].write(p.instruct(SHOULDER, p.WRITE, parameters))
+
+
+def test_arms_are_raised_without_a_fault(raised: Drill):
+    raised.run(1.0)
+    assert raised.observer.broken == []
+    assert (np.abs(raised.observer.angles(raised.here.astype(float)))[[1, 2, 4, 5]] > np.radians(50)).all()
+
+
+@pytest.mark.parametrize(
+    ("deed", "text"),
+    [
+        (lambda made: say(made, Register.TORQUE_ENABLE, 0), "torque off at"),
+        (lambda made: say(made, Register.GOAL_PWM, 0), "power 0 at"),
+        (lambda made: say(made, Register.GOAL_POSITION, 2048), "goal jumps"),
+        (lambda made: made.wires["left"].write(p.instruct(SHOULDER, p.REBOOT)), "reboot at"),
+    ],
+)
+def test_a_broken_rule_is_told(raised: Drill, deed: Callable[[Drill], None], text: str):
+    deed(raised)
+    assert any("l_flexion" in line and text in line for line in raised.observer.broken)
+
+
+def test_motion_after_standing_is_told(raised: Drill):
+    observer = raised.observer
+    observer.watching = True
+    for _ in range(150):  # looks without a cycle: nothing moves
+        raised.pass_time(0.01)
+        observer.look(raised.plant.time, raised.status.angles, raised.status.taken)
+    assert observer.broken == []
+    up = raised.status.goals[1] + 0.1
+    say(raised, Register.GOAL_POSITION, round(2048 + up * 2048 / np.pi))
+    observer.look(raised.plant.time, raised.status.angles, raised.status.taken)
+    assert any("nobody has agreed" in line for line in observer.broken)
+
+
+def test_a_wrong_belief_is_told(raised: Drill):
+    believed = raised.status.angles.copy()
+    believed[1] += 0.2
+    raised.observer.look(raised.plant.time, believed, np.full(len(believed), raised.plant.time))
+    assert any("is believed at" in line for line in raised.observer.broken)

@@ -1,0 +1,17 @@
+"""Random faults with raised arms, on both virtual servos: a handful; `make soak` has two hundred of each."""
+
+from pathlib import Path
+
+import pytest
+
+from .drill import drill, random_strike
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_rule_is_broken(servos: str, tmp_path: Path, seed: int):
+    strike, made = random_strike(servos, seed), drill(servos, tmp_path)
+    made.raise_arms()
+    made.suffer(strike)
+    made.end()
+    assert made.observer.broken == [], strike.name
+    assert not (strike.wire and made.called_stuck), made.kinds()
