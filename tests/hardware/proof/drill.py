@@ -80,10 +80,10 @@ class Drill(Desk):
         super().cycle()
         self.observer.look(self.plant.time, self.status.angles, self.status.taken)
 
-    def raise_arms(self) -> None:
+    def raise_arms(self, up: Floats = RAISED) -> None:
         """Brings the arms up, and lets them sway there."""
         self.open()
-        rest, up = self.manifest.rest, RAISED
+        rest = self.manifest.rest
         for k in range(round(LONG / PERIOD)):
             time = k * PERIOD
             share = min(1.0, time / RAISING)

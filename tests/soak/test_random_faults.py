@@ -1,0 +1,47 @@
+"""Two hundred random faults of each virtual servo, and outages of all lengths, with raised arms."""
+
+from functools import partial
+from pathlib import Path
+from random import Random
+
+import pytest
+
+from kinesic.hardware.virtual.faults import PlannedFault
+
+from ..hardware.proof.drill import RAISED, Drill, Strike, drill, random_strike
+
+pytestmark = pytest.mark.soak
+
+KINDS = ("kinesic", "manual")
+OUTAGES = (0.1, 0.3, 0.6, 1.0, 2.0, 5.0, 10.0)  # [s]
+
+
+def suffer(made: Drill, strike: Strike) -> None:
+    """Lets a fault strike, and looks whether a rule was broken."""
+    made.suffer(strike)
+    made.end()
+    assert made.observer.broken == [], strike.name
+    assert not (strike.wire and made.called_stuck), made.kinds()
+
+
+@pytest.mark.parametrize("seed", range(200))
+@pytest.mark.parametrize("servos", KINDS)
+def test_no_rule_is_broken(servos: str, tmp_path: Path, seed: int):
+    made = drill(servos, tmp_path)
+    made.raise_arms()
+    suffer(made, random_strike(servos, seed))
+
+
+@pytest.mark.parametrize("seconds", OUTAGES)
+@pytest.mark.parametrize("kind", ["silent", "all silent", "lost", "unplug"])
+@pytest.mark.parametrize("servos", KINDS)
+def test_nobody_is_called_stuck_for_an_outage_in_any_posture(servos: str, tmp_path: Path, kind: str, seconds: float):
+    made = drill(servos, tmp_path)
+    made.raise_arms(RAISED * Random(f"{kind} {seconds}").uniform(0.0, 1.3))
+    fault = PlannedFault(kind.removeprefix("all "), (3,) if kind == "silent" else (), seconds=seconds)
+    suffer(made, Strike(kind, "left", seconds, partial(expose, fault=fault), wire=True))
+
+
+def expose(made: Drill, fault: PlannedFault) -> None:
+    """Lets a planned fault strike the left wire."""
+    made.expose(fault, bus="left")
