@@ -13,6 +13,8 @@ import msgspec
 
 CONFIGS = Path(__file__).resolve().parent.parent / "configs"
 
+LARGEST = 4_000_000  # [bytes]
+
 T = TypeVar("T")
 
 
@@ -31,13 +33,19 @@ def read_toml(path: Path, schema: type[T]) -> T:
         ConfigError: the file is missing, not TOML, or does not fit the schema.
     """
     try:
-        data, odd = _parsed(path.read_text(encoding="utf-8"))
+        with path.open("rb") as file:
+            raw = file.read(LARGEST + 1)
+        if len(raw) > LARGEST:
+            raise ConfigError(f"{path}: more than {LARGEST // 1_000_000} MB; such a file has some kB")
+        data, odd = _parsed(raw.decode("utf-8"))
     except FileNotFoundError:
         raise ConfigError(f"{path}: no such file") from None
     except OSError as error:
         raise ConfigError(f"{path}: {error.strerror}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ConfigError(f"{path}: not TOML: {error}") from None
+    except RecursionError:
+        raise ConfigError(f"{path}: not TOML: tables or lists are too deep inside one another") from None
     for place, value in odd:
         raise ConfigError(f"{path}: {place} is {value}, must be a finite number")
     try:

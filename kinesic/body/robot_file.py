@@ -50,7 +50,17 @@ def read_description(path: Path, *, calibrated: bool = True) -> Description:
         ConfigError: a file is missing or wrong.
     """
     file = read_toml(path, RobotFile)
+    _check_size(path, file)
     return robot_from_tables(file, path, read_calibration(path, file.robot.name) if calibrated else NONE)
+
+
+def _check_size(path: Path, file: RobotFile) -> None:
+    """Refuses more than any robot has, which would keep the machine busy for hours."""
+    capsules = sum(len(body.capsules) for body in file.body)
+    counts = (("bodies", len(file.body), 500), ("hinges", len(file.hinge), 200), ("capsules", capsules, 5000))
+    for what, count, most in counts:
+        if count > most:
+            raise ConfigError(f"{path}: {count} {what}, at most {most} are taken")
 
 
 def robot_from_tables(file: RobotFile, path: Path, calibration: Calibration = NONE) -> Description:

@@ -1,8 +1,9 @@
 """A log of servos: goals sent and angles measured, on a bus or in a twin."""
 
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
-from zipfile import BadZipFile
+from zipfile import BadZipFile, ZipFile
 
 import numpy as np
 
@@ -15,6 +16,7 @@ FORMAT = (
     "npz with times (m,) [s], names (n,) of the hinges, goals (m, n) [rad] sent at these times, and angles (m, n) "
     "[rad] measured there just before; it begins at rest"
 )
+LARGEST = 500_000_000  # [bytes] unpacked: an hour of 22 hinges at 100 Hz is 130 MB
 ARRAYS = ("times", "names", "goals", "angles")
 
 
@@ -40,11 +42,17 @@ def read_log(path: Path, robot: Robot) -> Log:
         ConfigError: it is missing, lacks an array or a hinge, or holds what is no motion.
     """
     try:
+        with ZipFile(path) as whole:
+            unpacked = sum(part.file_size for part in whole.infolist())
+        if unpacked > LARGEST:
+            raise ConfigError(f"{path}: unpacks to {unpacked / 1e6:.0f} MB, at most {LARGEST / 1e6:.0f} are read")
         with np.load(path, allow_pickle=False) as file:
             data = {name: file[name] for name in ARRAYS if name in file}
     except OSError as error:
         raise ConfigError(f"{path}: {error.strerror or error}") from None
-    except (ValueError, BadZipFile):
+    except ConfigError:
+        raise
+    except (ValueError, BadZipFile, MemoryError, zlib.error):
         raise ConfigError(f"{path}: no log; a log is {FORMAT}") from None
     missing = [name for name in ARRAYS if name not in data]
     if missing:

@@ -76,3 +76,20 @@ def test_closest_offers_the_nearest_word_or_all():
     assert suggestion("elbwo", ["elbow", "wrist"]) == "; did you mean elbow?"
     assert suggestion("knee", ["wrist", "elbow"]) == "; known: elbow, wrist"
     assert suggestion("knee", []) == ""
+
+
+def test_a_file_without_end_is_refused(tmp_path: Path):
+    path = tmp_path / "large.toml"
+    path.write_bytes(b"#" * 4_000_001)
+    with pytest.raises(ConfigError, match=r"large\.toml: more than 4 MB"):
+        read_toml(path, msgspec.Struct)
+    with pytest.raises(ConfigError, match="more than 4 MB"):
+        read_toml(Path("/dev/zero"), msgspec.Struct)
+
+
+@pytest.mark.parametrize("text", ["a = " + "[" * 5000 + "]" * 5000, "a = " + "{b = " * 5000 + "1" + "}" * 5000])
+def test_lists_inside_one_another_without_end_are_refused(tmp_path: Path, text: str):
+    path = tmp_path / "deep.toml"
+    path.write_text(text)
+    with pytest.raises(ConfigError, match=r"deep\.toml: not TOML: .*too deep"):
+        read_toml(path, msgspec.Struct)

@@ -84,3 +84,12 @@ def test_servo_models_carry_their_name():
     assert set(models) == {"xm540_w270", "xm540_w150", "xm430_w210", "xc430_w240", "xc330_t288"}
     assert all(model.name == name for name, model in models.items())
     assert len({model.model for model in models.values()}) == len(models)
+
+
+def test_more_than_any_robot_has_is_refused(tmp_path: Path):
+    path = tmp_path / "centipede.toml"
+    body = '[[body]]\nname = "b{}"\nparent = ""\npos = [0, 0, 0]\nmass = 1.0\ncapsules = []\n'
+    rest = "[robot]\nname = 'c'\n[chains]\n[sites]\n[collision]\nclearance = 0.01\n"
+    path.write_text("hinge = []\n" + rest + "".join(body.format(k) for k in range(501)), encoding="utf-8")
+    with pytest.raises(ConfigError, match="501 bodies, at most 500 are taken"):
+        Robot.load(path)

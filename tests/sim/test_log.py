@@ -1,3 +1,6 @@
+import io
+from zipfile import ZIP_DEFLATED, ZipFile
+
 import numpy as np
 import pytest
 
@@ -59,3 +62,22 @@ def test_a_missing_file_and_another_kind_of_file_are_refused(tmp_path):
     text.write_text("times")
     with pytest.raises(ConfigError, match="no log; a log is npz"):
         read_log(text, ROBOT)
+
+
+def test_a_log_that_unpacks_without_end_is_refused_before_it_is(tmp_path):
+    path = tmp_path / "bomb.npz"
+    with ZipFile(path, "w", ZIP_DEFLATED) as whole, whole.open("angles.npy", "w") as part:
+        for _ in range(600):
+            part.write(bytes(1_000_000))
+    assert path.stat().st_size < 1_000_000
+    with pytest.raises(ConfigError, match=r"bomb\.npz: unpacks to 600 MB, at most 500 are read"):
+        read_log(path, ROBOT)
+
+
+def test_an_array_that_claims_to_be_larger_than_its_file_is_no_log(tmp_path):
+    path, header = tmp_path / "lie.npz", io.BytesIO()
+    np.lib.format.write_array_header_1_0(header, {"descr": "<f8", "fortran_order": False, "shape": (1 << 50,)})
+    with ZipFile(path, "w") as whole:
+        whole.writestr("times.npy", header.getvalue() + bytes(8))
+    with pytest.raises(ConfigError, match=r"lie\.npz: no log"):
+        read_log(path, ROBOT)

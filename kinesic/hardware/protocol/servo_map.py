@@ -1,5 +1,6 @@
 """Reads which servo turns which hinge from the `[[bus]]` tables of a robot and its calibration, and checks it."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,6 +18,7 @@ from kinesic.hardware.protocol.registers import BAUD_RATES
 from kinesic.hardware.protocol.ticks import Scale
 
 MAX_ID = 252
+NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
 MID_TICKS = TICKS_PER_TURN // 2
 
 
@@ -126,6 +128,8 @@ def _check_buses(path: Path, tables: list[BusTable]) -> None:
         if table.name in names:
             raise ConfigError(f"{path}: bus {table.name} is described twice")
         names.add(table.name)
+        if not NAME.fullmatch(table.name):
+            raise ConfigError(f"{path}: bus {table.name!r} must be named by letters, digits, - and _, as its port is")
         if table.baud not in BAUD_RATES:
             rates = ", ".join(str(rate) for rate in BAUD_RATES)
             raise ConfigError(f"{path}: bus {table.name}: baud is {table.baud}, must be one of {rates}")

@@ -4,6 +4,7 @@ import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
+from xml.parsers.expat import ExpatError
 
 import mujoco
 import numpy as np
@@ -12,10 +13,11 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError
 from kinesic.body.skeleton import Capsule
 from kinesic.sim.importer.model_tree import BASE, Joint, Part, Tree
+from kinesic.sim.importer.screening import BODIES, GEOMS, screen_model
 
 MESHES = (mujoco.mjtGeom.mjGEOM_MESH, mujoco.mjtGeom.mjGEOM_HFIELD, mujoco.mjtGeom.mjGEOM_SDF)
 NOT_NEEDED = ("keys", "sensors", "tendons", "equalities", "pairs", "excludes", "skins", "flexes", "meshes", "hfields")
-LOOKS = ("materials", "textures", "cameras", "lights")
+LOOKS = ("materials", "textures", "cameras", "lights", "numerics", "texts", "tuples")
 GHOST_MASS = 1e-3  # [kg] of a body of which nothing is known
 GHOST_INERTIA = 1e-6  # [kg m^2]
 LEAST_SHAPE = 0.005  # [m] radius of a shape that counts
@@ -58,17 +60,20 @@ def load_model(path: Path) -> Tree:
         the root are held where they are.
 
     Raises:
-        ConfigError: the file is missing, or MuJoCo cannot read it.
+        ConfigError: the file is missing, MuJoCo cannot read it, or it reads or makes more than a robot may.
     """
     if not path.is_file():
         raise ConfigError(f"{path}: no such file")
     try:
+        screen_model(path)
         urdf = urdf_joints(path)
         mujoco.set_mju_user_warning(_unheard)  # by default they go to a file in the present folder
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of bodies without weight: they get some
             model = _without_meshes(path)
-    except (ValueError, ElementTree.ParseError) as error:
+    except ConfigError:
+        raise
+    except (ValueError, OSError, ExpatError, ElementTree.ParseError) as error:
         raise ConfigError(f"{path}: neither MJCF nor URDF that can be read: {' '.join(str(error).split())}") from None
     finally:
         mujoco.set_mju_user_warning(None)
@@ -83,6 +88,11 @@ def _unheard(_: str) -> None:
 
 def _without_meshes(path: Path) -> mujoco.MjModel:
     spec = mujoco.MjSpec.from_file(str(path))
+    if len(spec.bodies) > BODIES or len(spec.geoms) > GEOMS:
+        raise ConfigError(
+            f"{path}: {len(spec.bodies)} bodies and {len(spec.geoms)} shapes; at most {BODIES} and {GEOMS}"
+        )
+    spec.memory, spec.nuserdata, spec.nkey = -1, 0, 0  # nothing is simulated
     for geom in list(spec.geoms):
         if geom.type in MESHES:
             spec.delete(geom)

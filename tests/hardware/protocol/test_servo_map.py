@@ -126,3 +126,12 @@ def test_a_calibration_moves_zeros_and_turns_directions(tmp_path):
     assert (rows["vl5_tilt"].zero_ticks, rows["vl5_tilt"].inverted) == (MID_TICKS, False)
     plain = {row.hinge: row for row in ServoMap.of(Robot.load(path, calibrated=False)).servos}
     assert plain["vl5_roll"].zero_ticks == MID_TICKS
+
+
+@pytest.mark.parametrize("name", ["", "../body", "a/b", ".", "..", "a b", "\\u001b[31m", "x" * 65])
+def test_a_bus_has_a_name_that_a_port_can_have(changed, name: str):
+    robot = changed(
+        ("r_wrist_pivot = 28\n", f'r_wrist_pivot = 28\n[[bus]]\nname = "{name}"\nbaud = 57600\nids = {{}}\n')
+    )
+    with pytest.raises(ConfigError, match="must be named by letters, digits, - and _"):
+        ServoMap.of(robot)
