@@ -71,9 +71,7 @@ def try_all(mutants: list[Mutant], jobs: int, folder: Path) -> list[Outcome]:
     """Tries mutants, in as many processes as asked, and prints survivors; the outcomes in their order."""
     free: SimpleQueue[Sandbox] = SimpleQueue()
     for job in range(jobs):
-        sandbox = Sandbox.make(TREE, folder / str(job))
-        sandbox.compile()
-        free.put(sandbox)
+        free.put(Sandbox.make(TREE, folder / str(job)))
 
     def time_tests(tests: tuple[str, ...]) -> float:
         sandbox = free.get()

@@ -1,21 +1,29 @@
 """Tries mutants in copies of the tree, never in the tree itself."""
 
+import compileall
+import multiprocessing
 import os
 import resource
 import shutil
 import signal
-import subprocess
 import sys
 import time
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Literal
+
+import pytest
 
 MEMORY = 8 << 30  # [bytes] of address space that a mutant may take
 PATIENCE = (20.0, 8.0)  # [s] that tests of a mutant may take, and how many times as long as without it
 SELECTION = "not soak and not realtime"
+
+FORKS = multiprocessing.get_context("forkserver")  # each trial begins with the heavy libraries loaded
+FORKS.set_forkserver_preload(["trial", "numpy", "scipy.optimize", "scipy.sparse", "mujoco", "casadi", "msgspec"])
+os.environ |= {"PYTHONHASHSEED": "0", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # of the trials
 
 Outcome = Literal["killed", "timeout", "survived"]
 
@@ -33,15 +41,9 @@ class Sandbox:
             shutil.copytree(tree / name, root / name, ignore=shutil.ignore_patterns("__pycache__"))
         for name in ("pyproject.toml", "README.md", "CHANGELOG.md", "Makefile"):
             shutil.copy(tree / name, root / name)
+        for name in ("kinesic", "tests"):
+            compileall.compile_dir(root / name, quiet=1)  # once, so that no trial has to
         return cls(root)
-
-    def compile(self) -> None:
-        """Compiles all modules once, so that no trial has to, and checks that tests find this copy's."""
-        subprocess.run((sys.executable, "-m", "compileall", "-q", "kinesic", "tests"), cwd=self.root, check=True)
-        asked = (sys.executable, "-c", "import kinesic; print(kinesic.__file__)")
-        found = subprocess.check_output(asked, cwd=self.root, env=self._environment(), text=True).strip()
-        if Path(found).parent.parent != self.root:
-            raise SystemExit(f"tests would run {found}, not the copy in {self.root}")
 
     def try_mutant(self, module: str, mutant: bytes, tests: Sequence[str], *, usual: float) -> Outcome:
         """Runs tests on a mutant.
@@ -72,30 +74,29 @@ class Sandbox:
 
     def _run(self, tests: Sequence[str], limit: float) -> int | None:
         """Exit code of pytest; None where it takes too long."""
-        command = (sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-m", SELECTION, *tests)
-        running = subprocess.Popen(
-            command,
-            cwd=self.root,
-            env=self._environment(),
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,
-        )
-        resource.prlimit(running.pid, resource.RLIMIT_AS, (MEMORY, MEMORY))
-        try:
-            return running.wait(limit)
-        except subprocess.TimeoutExpired:
-            return None
-        finally:
-            _end_group(running)
-
-    def _environment(self) -> dict[str, str]:
-        fixed = {"PYTHONDONTWRITEBYTECODE": "1", "PYTHONHASHSEED": "0", "PYTHONPATH": str(self.root)}
-        return os.environ | fixed | {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+        running = FORKS.Process(target=run_tests, args=(self.root, tests))
+        running.start()
+        running.join(limit)
+        code = running.exitcode
+        if running.pid is not None:
+            with suppress(ProcessLookupError):
+                os.killpg(running.pid, signal.SIGKILL)  # and what the tests may have left behind
+        running.join()
+        return code
 
 
-def _end_group(running: subprocess.Popen[bytes]) -> None:
-    """Ends what the tests of a mutant may have left behind, too."""
-    with suppress(ProcessLookupError):
-        os.killpg(running.pid, signal.SIGKILL)
-    running.wait()
+def run_tests(root: Path, tests: Sequence[str]) -> None:
+    """Runs tests of a tree, in a process of their own, and ends it with their exit code."""
+    os.setsid()
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    os.chdir(root)
+    sys.path.insert(0, str(root))
+    found = find_spec("kinesic")
+    if found is None or found.origin != str(root / "kinesic" / "__init__.py"):
+        sys.exit(f"tests would run {found}, not the copy in {root}")
+    sys.dont_write_bytecode = True  # a mutant's would pass for another's
+    os.environ["PYTHONPATH"] = str(root)  # for what tests start
+    silence = os.open(os.devnull, os.O_RDWR)
+    for stream in (0, 1, 2):
+        os.dup2(silence, stream)
+    sys.exit(pytest.main(["-x", "-q", "-p", "no:cacheprovider", "-m", SELECTION, *tests]))
