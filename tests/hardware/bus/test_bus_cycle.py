@@ -5,11 +5,13 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from kinesic.hardware.bus.bus import REST
 from kinesic.hardware.bus.cycle import SIZE
 from kinesic.hardware.bus.late_replies import STUCK
 from kinesic.hardware.protocol import packet
 from kinesic.hardware.protocol.models import MODELS
 from kinesic.hardware.protocol.registers import HardwareError, Register
+from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
 
 from ..conftest import Rig
@@ -88,6 +90,25 @@ def test_a_lost_port_is_looked_for_twenty_times_a_second(rig: Make):
     assert all(cycle.lost for cycle in made.run(100))
     assert len(looks) in range(16, 21)
     assert np.diff(looks).min() > 0.049
+
+
+def test_a_port_that_is_given_up_is_left_alone_for_a_while(rig: Make):
+    made = rig(2)
+    made.run(3)
+    closed: list[float] = []
+    made.wire.close = lambda: closed.append(made.wire.now())
+    began = made.wire.now()
+    made.bus.drop(BusError("other servos stand there"))
+    cycles = made.run(150)
+    assert closed == [began]
+    events = [event for cycle in cycles for event in cycle.events]
+    assert [(event.kind, event.servo, event.text) for event in events] == [
+        ("port lost", None, "other servos stand there"),
+        ("port back", None, made.wire.name),
+    ]
+    lost = [cycle.time - began for cycle in cycles if cycle.lost]
+    assert lost == pytest.approx([0.01 * k for k in range(len(lost))])
+    assert lost[-1] == pytest.approx(REST + 0.05, abs=0.021)
 
 
 @pytest.mark.parametrize(("period", "end"), [(0.005, 0.00475), (0.01, 0.0095), (0.1, 0.0995)])
