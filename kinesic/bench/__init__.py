@@ -9,6 +9,6 @@ PARTS: Mapping[str, tuple[str, ...]] = {
     "plan": ("plan.first_command", "plan"),
     "twin": ("twin",),
     "bus": ("bus", "bus.faults"),
-    "bml": ("bml", "bml.speech", "bml.merging", "bml.server"),
+    "bml": ("bml", "bml.speech", "bml.merging", "bml.server", "bml.emergency_stop"),
     "face": ("face",),
 }

@@ -8,7 +8,7 @@ from asyncio import sleep
 
 from kinesic.serve.quotas import TokenBucket
 
-TURN = 0.002  # [s] for each connection that waits: all of them together are read 500 times a second
+TURN = 0.005  # [s] for each connection that waits: all of them together are read 200 times a second
 
 
 class Pace:

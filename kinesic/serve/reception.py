@@ -26,6 +26,7 @@ DOOR = 2048  # connections at the door, or half as many as files may be open
 BACKLOG = 4096  # connections that the system keeps until they are taken in
 AT_ONCE = 32  # connections taken in before others have their turn
 BUFFER = 65_536  # [bytes] that the system keeps for a client that does not read
+READS = 20  # of one connection at once, before it has to wait for its turn
 FAREWELL = 1.5  # [s] in which clients may read what was said last
 
 
@@ -169,7 +170,7 @@ class Reception:
         visitor.socket.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
         visitor.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BUFFER)
         visitor.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        turns = partial(self._pace.await_turn, TokenBucket(self._rules.rate, self._rules.burst))
+        turns = partial(self._pace.await_turn, TokenBucket(self._rules.rate, READS))
         line = Transport(visitor.socket, self._rules.patience, turns)
         wire: ClientWire
         async with timeout(self._rules.patience):

@@ -3,6 +3,7 @@
 It opens, waits until its end is requested, and folds the robot to rest.
 """
 
+import sys
 from asyncio import FIRST_COMPLETED, Event, create_task, sleep, timeout, wait
 from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager, suppress
@@ -17,6 +18,7 @@ from kinesic.serve.session import Session
 from kinesic.serve.sinks import RealTimeSink
 from kinesic.serve.tracks import SILENT, SoundAndFace
 
+SWITCH = 0.001  # [s] after which clients and the loop take the interpreter from each other
 AWAY = 1001  # WebSocket's code of a server that ends
 FOLDING = 30.0  # [s] that ending everything and coming to rest may take
 LOOK_AT_LOOP = 0.1  # [s] between two looks at whether the loop still runs
@@ -69,6 +71,7 @@ async def open_serving(
         rules, access, lambda own: Session(make_setup, sinks, rules, own.tell, accompaniment=accompaniment)
     )
     reception = Reception(clients)
+    sys.setswitchinterval(SWITCH)
     try:
         if address is not None:
             address = Address(address.host, reception.listen(address.host, address.port))

@@ -1,6 +1,7 @@
 """The live server for long: ten blocks a second for ten minutes, and ten thousand mutated documents."""
 
 import json
+import os
 import random
 import re
 import signal
@@ -10,6 +11,8 @@ import sys
 import pytest
 
 from kinesic.bench.blocks import corpus_folder
+from kinesic.bench.bml.emergency_stop import IDLE, measure_stops, stop_figures, watched_server
+from kinesic.bench.bml.flood import FLOODS
 from kinesic.bench.bml.server import FLAT, endurance, open_server
 from kinesic.body.config import CONFIGS
 from kinesic.client import Client
@@ -20,6 +23,7 @@ from ..serve.mutations import mutate
 
 DOCUMENTS = 10_000
 MINUTES = 10
+STOPS, LOAD = 200, 4.0
 
 pytestmark = pytest.mark.soak
 
@@ -29,6 +33,16 @@ def test_ten_blocks_a_second_for_ten_minutes_lose_nothing_and_memory_stays():
         lasting = endurance(server, 60.0 * MINUTES)
     assert lasting.lost == 0, lasting
     assert lasting.growth is None or lasting.growth <= FLAT, lasting
+
+
+@pytest.mark.parametrize("name", [IDLE, *FLOODS])
+def test_two_hundred_emergency_stops_are_in_time_under_each_flood(name):
+    if (load := os.getloadavg()[0]) > LOAD:
+        pytest.skip(f"the load is {load:.1f}, stops are promised up to {LOAD:g}")
+    with watched_server() as server:
+        acknowledged, still = stop_figures(name, measure_stops(server, name, STOPS))
+    assert acknowledged.ok, acknowledged
+    assert still.ok, still
 
 
 def test_mutated_documents_neither_crash_nor_stall_it():

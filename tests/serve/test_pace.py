@@ -1,0 +1,51 @@
+"""Connections that send much are read in turns; one that sends little never waits."""
+
+import asyncio
+
+import pytest
+
+from kinesic.serve import pace
+from kinesic.serve.pace import TURN, Pace
+from kinesic.serve.quotas import TokenBucket
+
+
+@pytest.fixture
+def waits(monkeypatch):
+    """For how long is waited each time; time itself stands still until all have asked."""
+    found = []
+    release = asyncio.Event()
+
+    async def sleep(seconds):
+        found.append(seconds)
+        await release.wait()
+
+    monkeypatch.setattr(pace, "sleep", sleep)
+    found.append(release)
+    return found
+
+
+def test_a_connection_that_sends_little_never_waits(waits):
+    async def read():
+        for _ in range(3):
+            await Pace().await_turn(TokenBucket(1.0, 3))
+
+    asyncio.run(read())
+    assert waits[1:] == []
+
+
+def test_the_more_send_much_the_longer_each_of_them_waits(waits):
+    async def read():
+        release, shared = waits.pop(0), Pace()
+        spent = [TokenBucket(100.0, 1) for _ in range(20)]
+        for bucket in spent:
+            await shared.await_turn(bucket)
+        assert waits == []
+        readers = [asyncio.create_task(shared.await_turn(bucket)) for bucket in spent]
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+        await shared.await_turn(TokenBucket(100.0, 1))  # a quiet one, meanwhile
+        release.set()
+        await asyncio.gather(*readers)
+
+    asyncio.run(read())
+    assert waits == [max(0.01, TURN * number) for number in range(1, 21)]
