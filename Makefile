@@ -5,13 +5,14 @@
 PYTHON ?= python3
 BIN := .venv/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
-SOURCES := pyproject.toml $(wildcard setup.py kinesic/ik/kernel/*.cpp kinesic/ik/kernel/*.h)
+TESTED := --constraint requirements.lock
+SOURCES := pyproject.toml requirements.lock $(wildcard setup.py kinesic/ik/kernel/*.cpp kinesic/ik/kernel/*.h)
 EXTRAS := speech face studio
 OPENGL := libegl1 libgl1-mesa-dri libopengl0 libgl1
 SCREENS := xvfb chromium
 
 .DELETE_ON_ERROR:
-.PHONY: demo test test-rounding check soak mutants bench system-deps test-deps clean
+.PHONY: demo test test-rounding check soak mutants bench system-deps test-deps lock clean
 
 demo: .venv/.stamp-demo
 	@$(BIN)/kinesic perform kinesic/configs/bml/welcome.bml --out out/demo --force
@@ -45,21 +46,33 @@ mutants: .venv/.stamp-test
 bench: .venv/.stamp-demo
 	@$(BIN)/kinesic bench all
 
-# The core must install; an extra that the machine does not allow is a warning. The second install finds the project
-# in place and adds only what the extra needs.
+# The core must install, in the versions that were tested or, where these are not to be had, in newer ones; an extra that
+# the machine does not allow is a warning. The second install finds the project in place and adds only what the extra needs.
 .venv/.stamp-demo: $(SOURCES)
 	@echo "setting up .venv ..."
 	@test -x $(BIN)/pip || $(PYTHON) -m venv --clear .venv
-	@$(INSTALL) --editable .
+	@$(INSTALL) $(TESTED) --editable . 2>.venv/tested.log || { \
+		echo "warn: not with the tested versions (why: .venv/tested.log); others are taken"; $(INSTALL) --editable .; }
 	@for extra in $(EXTRAS); do \
-		$(INSTALL) "kinesic[$$extra]" >.venv/$$extra.log 2>&1 || \
+		$(INSTALL) $(TESTED) "kinesic[$$extra]" >.venv/$$extra.log 2>&1 || \
 		echo "warn: extra $$extra is not installed, kinesic runs without it (why: .venv/$$extra.log)"; \
 	done
 	@touch $@
 
 .venv/.stamp-test: .venv/.stamp-demo
-	@$(INSTALL) "kinesic[dev]"
+	@$(INSTALL) $(TESTED) "kinesic[dev]" 2>.venv/dev.log || $(INSTALL) "kinesic[dev]"
 	@touch $@
+
+# The newest versions that the oldest Python takes, so that all take them; `make test` then says whether they are good.
+# Without hashes: pip would ask for those of the project itself, which is installed in place.
+lock:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11) and "make lock PYTHON=python3.11: the oldest")'
+	@$(PYTHON) -m venv --clear .venv/lock
+	@.venv/lock/bin/python -m pip install --quiet --editable ".[dev,all]"
+	@grep '^#' requirements.lock >.venv/lock/pins
+	@.venv/lock/bin/python -m pip freeze --exclude-editable >>.venv/lock/pins
+	@mv .venv/lock/pins requirements.lock
+	@rm -rf .venv/lock
 
 # OpenGL for films and for the face; everything else works without it.
 system-deps: INSTALLED := $(OPENGL)
