@@ -3,6 +3,7 @@
 import os
 import sys
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 
 BY_ID = Path("/dev/serial/by-id")
@@ -24,6 +25,45 @@ def stable_name(path: Path, *, names: Path = BY_ID) -> Path:
 def ports(*, names: Path = BY_ID) -> tuple[Path, ...]:
     """Returns all USB serial ports, by their lasting names."""
     return tuple(sorted(names.iterdir())) if names.is_dir() else ()
+
+
+STRETCHES = (1, 2, 4)
+NEAR = 0.25  # of a bus watchdog: the longest gap between two cycles that is far enough from it
+BUSY_PACE = 0.5  # time scale on a host so late that the longest watchdog is near
+CALM = 10.0  # [s] without a long gap after which it is forgotten
+
+
+class Punctuality:
+    """Judges how late a host lets cycles begin, and by how much bus watchdogs must be longer not to trip for that."""
+
+    def __init__(self, watchdog: float) -> None:
+        """Has seen no cycle; `watchdog` [s] is that of a punctual host."""
+        self._watchdog, self._last, self._worst, self._seen = watchdog, inf, 0.0, 0.0
+        self._excused = False  # whether the cycle before took its time
+        self.stretch = 1  # times the watchdog of a punctual host
+
+    def note(self, now: float, *, excused: bool) -> str:
+        """Notes that a cycle begins, and returns what has changed by that, if anything has.
+
+        Args:
+            now: [s].
+            excused: whether it takes its time, as when registers are read one by one.
+        """
+        gap = 0.0 if excused or self._excused else now - self._last
+        self._last, self._excused = now, excused
+        if gap >= self._worst or now - self._seen > CALM:
+            self._worst, self._seen = max(gap, 0.0), now
+        before = self.stretch
+        self.stretch = next((k for k in STRETCHES if self._worst <= NEAR * k * self._watchdog), STRETCHES[-1])
+        if self.stretch == before:
+            return ""
+        longer, slower = f"bus watchdogs are {self.stretch * self._watchdog:g} s", f"time runs at {100 * self.pace:g} %"
+        return f"cycles begin up to {1e3 * self._worst:.0f} ms apart: {longer}, {slower}"
+
+    @property
+    def pace(self) -> float:
+        """The time scale that it allows."""
+        return BUSY_PACE if self.stretch == STRETCHES[-1] else 1.0
 
 
 @dataclass(frozen=True)

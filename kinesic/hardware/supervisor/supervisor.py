@@ -6,6 +6,7 @@ from time import monotonic
 
 import numpy as np
 
+from kinesic.hardware.bus.host import Punctuality
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError, Wire
@@ -23,7 +24,15 @@ from kinesic.hardware.supervisor.requests import Requests
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import MOVING, Action, Event, Stage, SupervisorState, step
 from kinesic.hardware.supervisor.status import EventLog, StatusWriter
-from kinesic.hardware.supervisor.torque import RAMP, Procedure, adopt, energise, release_torque, watchdog_counts
+from kinesic.hardware.supervisor.torque import (
+    RAMP,
+    Procedure,
+    adopt,
+    energise,
+    keep_watchdogs,
+    release_torque,
+    watchdog_counts,
+)
 
 TAKEN = 32  # commands in one cycle at most: it must not take long
 AHEAD = 2.0  # [s] of the performance that are taken from the channel
@@ -52,7 +61,7 @@ class Supervisor:
         self.manifest, self.state = manifest, SupervisorState()
         self.late = 0  # cycles that began more than a period late, as the loop counts them
         self._around, self._channel, self._settings = surroundings, surroundings.channel, settings
-        self._watchdog = watchdog_counts(watchdog)
+        self._least_watchdog, self._host = watchdog_counts(watchdog), Punctuality(watchdog)
         self._writer = StatusWriter(manifest, surroundings.channel, surroundings.journal)
         self._steering, self._monitor = GoalSteering(manifest, settings), CommunicationMonitor(manifest, ())
         self._failures = FailureWatch(manifest, self._note)
@@ -85,10 +94,14 @@ class Supervisor:
         now = axes.now()
         seconds = min(max(now - self._clock, LEAST), 2 * self._settings.period)
         self._clock = now
+        if news := self._host.note(now, excused=self._procedure is not None):
+            self._note("host", news)
         self._requests.look()
         self._take_commands()
         self._move(seconds)
         self._look(axes, self._goals(), seconds)
+        if self._procedure is None and self._last is not None:
+            keep_watchdogs(axes, self._last, self._watchdog)
         self._proceed()
         for event in self._detect_events():
             self._advance(event)
@@ -124,7 +137,7 @@ class Supervisor:
 
     def _move(self, seconds: float) -> None:
         stage, monitor = self.state.stage, self._monitor
-        target = monitor.scale if stage is Stage.ACTIVE else float(stage in MOVING)
+        target = min(monitor.scale, self._host.pace) if stage is Stage.ACTIVE else float(stage in MOVING)
         hurry = self._requests.gone or stage in (Stage.STOPPED, Stage.LOST)
         slow = self._settings.quick if hurry and not target else self._settings.slow
         refused = self._steering.move(seconds, monitor.present, target=target, slow=slow) & monitor.energised
@@ -141,6 +154,11 @@ class Supervisor:
         return self._steering.ticks()
 
     # what is known
+
+    @property
+    def _watchdog(self) -> int:
+        """BUS_WATCHDOG of servos with torque."""
+        return min(self._host.stretch * self._least_watchdog, Register.BUS_WATCHDOG.field.upper)
 
     def _observe(self) -> Observation:
         player, monitor, asked, stage = self._steering.player, self._monitor, self._requests, self.state.stage

@@ -153,6 +153,14 @@ def release_torque(axes: Axes, *, tries: int) -> Procedure:
     raise BusError(f"{names}: may still have torque; switch the power off")
 
 
+def keep_watchdogs(axes: Axes, snapshot: Snapshot, watchdog: int) -> None:
+    """Sets BUS_WATCHDOG of servos with torque where it is another; one that has stopped its servo stays."""
+    told = snapshot.records["watchdog"]
+    axes.put_all(
+        Register.BUS_WATCHDOG, np.flatnonzero(snapshot.torque & (told > 0) & (told != watchdog)).tolist(), watchdog
+    )
+
+
 def _put_passing(axes: Axes, places: Sequence[int]) -> None:
     members = axes.manifest.members
     for register in members[places[0]].passing if places else ():

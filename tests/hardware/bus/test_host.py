@@ -1,6 +1,8 @@
 from pathlib import Path
 
-from kinesic.hardware.bus.host import AdapterLatency, latency, ports, stable_name
+import pytest
+
+from kinesic.hardware.bus.host import AdapterLatency, Punctuality, latency, ports, stable_name
 
 
 def links(folder: Path) -> tuple[Path, Path]:
@@ -60,3 +62,41 @@ def test_some_ports_have_no_timer(tmp_path: Path):
     assert latency(tmp_path / "pts3", system=tmp_path) is None
     timer(tmp_path, "nonsense")
     assert latency(tmp_path / "ttyUSB0", system=tmp_path) is None
+
+
+def beat(host: Punctuality, gaps: list[float], *, now: float = 100.0) -> list[str]:
+    """What is told when cycles begin with these gaps between them."""
+    told = [host.note(now, excused=False)]
+    for gap in gaps:
+        now += gap
+        told.append(host.note(now, excused=False))
+    return [line for line in told if line]
+
+
+@pytest.mark.parametrize(
+    ("gap", "stretch", "pace"),
+    [(0.01, 1, 1.0), (0.024, 1, 1.0), (0.026, 2, 1.0), (0.049, 2, 1.0), (0.051, 4, 0.5), (0.3, 4, 0.5)],
+)
+def test_a_late_host_gets_longer_watchdogs_before_they_trip_and_slower_time(gap: float, stretch: int, pace: float):
+    host = Punctuality(0.1)
+    told = beat(host, [0.01, gap, 0.01])
+    assert (host.stretch, host.pace) == (stretch, pace)
+    assert len(told) == (stretch > 1)
+    assert all(f"{1e3 * gap:.0f} ms apart: bus watchdogs are {0.1 * stretch:g} s" in line for line in told)
+
+
+def test_a_host_that_is_punctual_again_is_trusted_after_a_while():
+    host = Punctuality(0.1)
+    assert len(beat(host, [0.04, *[0.01] * 900])) == 1
+    assert host.stretch == 2
+    assert "bus watchdogs are 0.1 s" in beat(host, [0.01] * 200, now=109.05)[-1]
+    assert (host.stretch, host.pace) == (1, 1.0)
+
+
+def test_what_the_supervisor_takes_its_time_for_is_not_the_hosts_fault():
+    host = Punctuality(0.1)
+    beat(host, [0.01])
+    assert not host.note(100.02, excused=True)
+    assert not host.note(100.5, excused=False)
+    assert host.stretch == 1
+    assert host.note(100.6, excused=False)

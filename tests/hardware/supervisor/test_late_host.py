@@ -1,0 +1,43 @@
+"""A host that lets cycles begin late: what becomes of bus watchdogs and time, before any watchdog trips."""
+
+from collections.abc import Callable
+
+import pytest
+
+from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.supervisor.state_machine import Stage
+
+Make = Callable  # of a desk, see conftest
+WATCHDOG = Register.BUS_WATCHDOG
+
+
+@pytest.mark.parametrize(("late", "counts", "scale"), [(0.03, 10, 1.0), (0.06, 20, 0.5)])
+def test_watchdogs_are_longer_and_time_is_slower_while_cycles_are_late(
+    desk: Make, late: float, counts: int, scale: float
+):
+    made = desk().active(20.0)
+    assert set(made.true(WATCHDOG).tolist()) == {5}
+    for _ in range(40):
+        made.pass_time(late - 0.01)
+        made.cycle()
+    assert set(made.true(WATCHDOG).tolist()) == {counts}
+    assert made.status.scale == pytest.approx(scale, abs=0.01)
+    assert made.stage is Stage.ACTIVE
+    assert [line for line in made.kinds() if line.startswith("host: cycles begin up to")]
+
+
+def test_a_punctual_host_gets_its_watchdogs_back(desk: Make):
+    made = desk().active(20.0)
+    made.pass_time(0.03)
+    made.run(0.1)
+    assert set(made.true(WATCHDOG).tolist()) == {10}
+    made.run(10.5)
+    assert set(made.true(WATCHDOG).tolist()) == {5}
+    assert made.stage is Stage.ACTIVE
+
+
+def test_a_watchdog_that_got_lost_on_the_way_is_set_again(desk: Make):
+    made = desk().active(20.0)
+    made.plant.servos[1].memory[WATCHDOG] = 100
+    made.run(0.05)
+    assert set(made.true(WATCHDOG).tolist()) == {5}
