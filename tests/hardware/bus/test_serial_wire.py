@@ -128,15 +128,20 @@ def test_a_port_that_is_gone_is_told(tmp_path: Path):
         wire.write(b"a")
 
 
+def fill(wire: SerialWire) -> None:
+    """Writes far more than a terminal takes that nobody reads."""
+    for _ in range(1000):
+        wire.write(b"old" * 100)
+
+
 def test_bytes_that_nobody_takes_mean_that_the_port_is_gone(ends: tuple[int, Path], monkeypatch: pytest.MonkeyPatch):
     flushed: list[int] = []
     monkeypatch.setattr(termios, "tcflush", lambda _, queue: flushed.append(queue))
     ours, path = ends
     wire = SerialWire(path, 57_600)
     flushed.clear()
-    with pytest.raises(BusError, match="the port is gone.*it has not taken"):
-        for _ in range(1000):
-            wire.write(b"old" * 100)
+    with pytest.raises(BusError, match=r"the port is gone.*it has not taken"):
+        fill(wire)
     assert flushed == [termios.TCOFLUSH], "or old goals would come when it goes on"
     while b"new" not in os.read(ours, 10_000):
         wire.write(b"new")
