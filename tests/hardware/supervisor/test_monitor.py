@@ -70,6 +70,14 @@ def test_a_servo_far_from_its_goal_that_does_not_move_is_stuck():
     assert not after(STUCK - 0.05, position=200).stuck.any()
 
 
+def test_an_old_record_tells_nothing():
+    load = after(0.2, position=200, current=1000)
+    again = update_load(load, records(position=200), load.taken, np.array([0.0, 200.0]), STRENGTH)
+    assert again.stalled.tolist() == load.stalled.tolist()
+    assert again.work.tolist() == load.work.tolist()
+    assert load.stalled[1] == pytest.approx(0.2)
+
+
 def test_work_is_the_mean_square_of_the_current_over_ten_seconds():
     load = update_load(LoadState.none(2), records(), np.zeros(2), STILL, STRENGTH)
     load = update_load(load, records(current=-500), np.full(2, 0.1), STILL, STRENGTH)
