@@ -24,6 +24,7 @@ REQUEST = b"GET "  # how a WebSocket begins
 DOCUMENT = (b"<", b"{")  # how a client's first message begins, after blanks: no request of a browser does
 DOOR = 2048  # connections at the door, or half as many as files may be open
 BACKLOG = 4096  # connections that the system keeps until they are taken in
+REST = 0.1  # [s] for which nobody is taken in when no file can be opened
 AT_ONCE = 32  # connections taken in before others have their turn
 BUFFER = 65_536  # [bytes] that the system keeps for a client that does not read
 READS = 20  # of one connection at once, before it has to wait for its turn
@@ -100,7 +101,7 @@ class Reception:
     def open(self) -> None:
         """Takes in connections from now on."""
         for listener in self._listeners:
-            get_running_loop().add_reader(listener, self._take_in, listener)
+            self._wait_for(listener)
 
     def close(self) -> None:
         """Takes in no further connections."""
@@ -121,13 +122,19 @@ class Reception:
         if self._tasks:
             await wait(self._tasks)
 
+    def _wait_for(self, listener: socket.socket) -> None:
+        if listener in self._listeners:  # it may have been closed meanwhile
+            get_running_loop().add_reader(listener, self._take_in, listener)
+
     def _take_in(self, listener: socket.socket) -> None:
         for _ in range(AT_ONCE):
             try:
                 connection, address = listener.accept()
             except OSError as error:
-                if not isinstance(error, BlockingIOError | ConnectionError):
-                    self._make_room(least=1)  # too many files are open
+                if not isinstance(error, BlockingIOError | ConnectionError):  # too many files are open
+                    self._make_room(least=1)
+                    get_running_loop().remove_reader(listener)
+                    get_running_loop().call_later(REST, self._wait_for, listener)
                 return
             self._make_room(least=0)
             self._await_first(connection, ":".join(map(str, address[:2])))
