@@ -136,7 +136,7 @@ class ClientRegistry:
             self._obey(client, request)
         else:
             client.count += 1
-            source = f"{client.name}, message {client.count}"
+            source = f"<{client.name}, message {client.count}>"  # no file, so that it names none beside it
             refusal = self.session.perform(Message(message, client.number, source))
             if refusal is not None:
                 client.send(refusal)

@@ -67,6 +67,8 @@ def read_wav(path: Path) -> Sound:
     Raises:
         RecordingError: there is no such file, it is no plain WAV, or it is longer than `LONGEST`.
     """
+    if path.exists() and not path.is_file():
+        raise RecordingError(f"{path} is no ordinary file")  # whoever opens a pipe may wait for ever
     try:
         with wave.open(str(path), "rb") as file:
             rate, count, width, channels = (

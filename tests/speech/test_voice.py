@@ -1,3 +1,4 @@
+import os
 import pickle
 import wave
 from pathlib import Path
@@ -177,3 +178,9 @@ def test_a_file_that_is_not_there_is_said_instead(name: str, tmp_path: Path):
     said = VOICE.say(Script("one", recording=Recording(tmp_path / name)))
     assert said.voice == "durations"
     assert "said instead" in said.remarks[0]
+
+
+def test_a_pipe_is_no_recording_and_nobody_waits_for_it(tmp_path: Path):
+    os.mkfifo(tmp_path / "endless.wav")
+    with pytest.raises(RecordingError, match="is no ordinary file"):
+        read_wav(tmp_path / "endless.wav")
