@@ -3,6 +3,8 @@
 import socket
 
 import pytest
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
 
 from kinesic.serve.origin import Access
 
@@ -103,3 +105,11 @@ def test_other_protocols_that_a_page_can_speak_are_not_read_either(server, reach
     """STUN and TURN by TCP begin with NUL, TLS with 22."""
     assert answer(server.port, first + b"\0" + NOD.encode() + b"\0") == b""
     assert reached == []
+
+
+def test_a_websocket_that_sends_empty_fragments_without_end_is_closed(server):
+    with connect(f"ws://127.0.0.1:{server.port}") as client:
+        with pytest.raises(ConnectionClosed) as closed:
+            client.send("" for _ in range(100_000))
+        assert closed.value.rcvd.code == 1009
+        assert "at most 1000 frames are read at once" in closed.value.rcvd.reason

@@ -2,6 +2,7 @@
 
 import asyncio
 import errno
+import json
 import socket
 from types import SimpleNamespace
 
@@ -58,3 +59,22 @@ def test_an_address_that_cannot_be_had_leaves_nothing_open():
 def test_the_door_holds_at_most_half_of_the_files_that_may_be_open(monkeypatch):
     monkeypatch.setattr("kinesic.serve.reception.getrlimit", lambda _: (200, 200))
     assert reception()._room == 100
+
+
+def test_newcomers_replace_the_oldest_that_say_nothing(server, becomes, monkeypatch):
+    assert becomes(lambda: not server.open.clients._clients)
+    monkeypatch.setattr(server.open.reception, "_room", 8)
+    with server.client() as present:
+        present.do("ping")
+        present.receive(20)
+        silent = [socket.create_connection(("127.0.0.1", server.port), 20) for _ in range(20)]
+        try:
+            with server.client() as newcomer:
+                newcomer.do("ping", id="new")
+                assert json.loads(newcomer.receive(20))["id"] == "new"
+            assert silent[0].recv(1) == b""
+            present.do("ping", id="still")
+            assert json.loads(present.receive(20))["id"] == "still"
+        finally:
+            for each in silent:
+                each.close()

@@ -8,7 +8,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 from kinesic.body.command import RATE
@@ -93,33 +92,6 @@ def test_a_websocket_may_send_in_fragments_and_bytes(server):
         assert json.loads(client.recv(20)) == {"told": "pong", "id": "x"}
         client.send(b'{"do": "ping"}')
         assert json.loads(client.recv(20)) == {"told": "pong", "id": ""}
-
-
-def test_a_websocket_that_sends_empty_fragments_without_end_is_closed(server):
-    with connect(f"ws://127.0.0.1:{server.port}") as client:
-        with pytest.raises(ConnectionClosed) as closed:
-            client.send("" for _ in range(100_000))
-        assert closed.value.rcvd.code == 1009
-        assert "at most 1000 frames are read at once" in closed.value.rcvd.reason
-
-
-def test_newcomers_replace_the_oldest_that_say_nothing(server, becomes, monkeypatch):
-    assert becomes(lambda: not server.open.clients._clients)
-    monkeypatch.setattr(server.open.reception, "_room", 8)
-    with server.client() as present:
-        present.do("ping")
-        present.receive(20)
-        silent = [socket.create_connection(("127.0.0.1", server.port), 20) for _ in range(20)]
-        try:
-            with server.client() as newcomer:
-                newcomer.do("ping", id="new")
-                assert json.loads(newcomer.receive(20))["id"] == "new"
-            assert silent[0].recv(1) == b""
-            present.do("ping", id="still")
-            assert json.loads(present.receive(20))["id"] == "still"
-        finally:
-            for each in silent:
-                each.close()
 
 
 def test_a_client_that_ends_its_side_still_gets_everything(server):
