@@ -29,6 +29,7 @@ from kinesic.planning.syncs import SyncTime
 
 DELAY = 0.002  # [s] from a command's time until its goals have gone over the wire
 LOOK = 0.02  # [s] between two looks at supervisor and keyboard
+ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 FULL = 0.999  # scale of time that is all of it
 
 Request = Literal["go on", "stop", "resume", "end"]  # "stop": at once; "resume": consents; "end": fold to rest
@@ -171,9 +172,9 @@ def perform_live(
 
 @contextmanager
 def interrupted() -> Iterator[Callable[[], bool]]:
-    """Catches Ctrl-C: yields a function that tells whether it was pressed since its last call.
+    """Catches Ctrl-C, SIGTERM and a terminal that closes: yields a function that tells whether one came since its call.
 
-    Outside the main thread, which alone hears it, it is never pressed.
+    Outside the main thread, which alone hears them, none ever comes. One that is ignored, as under nohup, stays so.
     """
     if threading.current_thread() is not threading.main_thread():
         yield lambda: False
@@ -183,11 +184,13 @@ def interrupted() -> Iterator[Callable[[], bool]]:
     def note(number: int, _frame: FrameType | None) -> None:
         waiting.append(number)
 
-    before = signal.signal(signal.SIGINT, note)
+    heard = [number for number in ENDING if signal.getsignal(number) is not signal.SIG_IGN]
+    before = {number: signal.signal(number, note) for number in heard}
     try:
         yield lambda: bool(waiting and waiting.pop())
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _listen(servos: Servos, history: list[Status], notes: list[Note], shown: Callable[[Status], None]) -> None:

@@ -1,0 +1,27 @@
+"""A clock that is set, by hand or from the net, moves no robot: nothing but labels is taken from it."""
+
+import ast
+from pathlib import Path
+
+import kinesic
+
+ROOT = Path(kinesic.__file__).parent
+LABELS = {"hardware/supervisor/status.py", "report/output.py"}  # the time of day of an event, a folder's name
+WALL = {("time", "time"), ("time", "time_ns"), ("time", "localtime"), ("time", "gmtime"), ("datetime", "now")}
+
+
+def wall_clocks(source: str) -> bool:
+    """Whether a file reads the time of day."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and (node.value.id, node.attr) in WALL:
+            return True
+        if isinstance(node, ast.ImportFrom) and any((node.module, name.name) in WALL for name in node.names):
+            return True
+    return False
+
+
+def test_only_labels_are_taken_from_the_time_of_day():
+    assert wall_clocks("import time\nprint(time.time())")
+    assert wall_clocks("from time import time as wall_time")
+    found = {path.relative_to(ROOT).as_posix() for path in ROOT.rglob("*.py") if wall_clocks(path.read_text())}
+    assert found == LABELS
