@@ -39,7 +39,7 @@ soak: .venv/.stamp-test
 	@$(BIN)/python -m pytest tests/theorems -n auto --hypothesis-profile soak
 
 # Wrong programs: 200 small changes of the parts that must not fail, and which of them no test notices. A quarter of an
-# hour; `python tests/mutants -h` has options.
+# hour on two cores that are free; `python tests/mutants -h` has options.
 mutants: .venv/.stamp-test
 	@$(BIN)/python tests/mutants
 
