@@ -6,8 +6,8 @@ import click
 
 from kinesic.bml.block import BmlError
 from kinesic.body.config import ConfigError
+from kinesic.cli.plain_words import printable
 from kinesic.cli.servos import servo_verbs
-from kinesic.cli.terminal import printable
 from kinesic.cli.verbs import kinesic
 from kinesic.hardware.protocol.wire import BusError
 

@@ -10,7 +10,8 @@ from rich.table import Table
 
 from kinesic.bml.block import BmlError
 from kinesic.body.config import ConfigError, suggestion
-from kinesic.cli.terminal import console, printable, quote_text
+from kinesic.cli.plain_words import printable
+from kinesic.cli.terminal import console, quote_text
 from kinesic.controller.perform import set_up
 from kinesic.expressivity.lexicon.form import Match
 from kinesic.expressivity.lexicon.lexicon import Lexicon

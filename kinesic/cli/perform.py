@@ -8,9 +8,10 @@ import click
 from rich.table import Table
 
 from kinesic.cli.options import FAULT, Output, Performers, Planning, TwinOptions, read_input
+from kinesic.cli.plain_words import printable
 from kinesic.cli.playback import follow_servos, perform_on_servos, play_whole, preview_window, write_live
 from kinesic.cli.servos.ports import all_ports
-from kinesic.cli.terminal import console, printable, quote_text
+from kinesic.cli.terminal import console, quote_text
 from kinesic.controller.perform import dry_runs, performances, plan
 from kinesic.controller.performance import Performance
 from kinesic.controller.servo_performance import ServoRun

@@ -11,6 +11,8 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.text import Text
 
+from kinesic.cli.plain_words import printable
+
 WIDTH = 160  # [characters]
 MOST = 64  # [bytes] taken at once
 
@@ -23,11 +25,6 @@ def console() -> Console:
 def quote_text(words: str) -> Text:
     """Makes a cell of a table of words that may come from strangers: as they stand, without markup."""
     return Text(printable(words))
-
-
-def printable(words: str) -> str:
-    """Spells out characters that a terminal would obey, such as the beginning of an escape sequence."""
-    return "".join(letter if letter.isprintable() else repr(letter)[1:-1] for letter in words)
 
 
 @contextmanager

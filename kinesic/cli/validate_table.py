@@ -6,7 +6,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from kinesic.cli.terminal import printable, quote_text
+from kinesic.cli.plain_words import printable
+from kinesic.cli.terminal import quote_text
 from kinesic.report.batch import DocumentVerdict
 from kinesic.report.batch_totals import OUTCOMES, SHARES, counts, tallies
 
