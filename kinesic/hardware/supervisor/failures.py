@@ -1,4 +1,4 @@
-"""Tells when servos fail, complain of their supply, or are well again."""
+"""Tells when servos fail, complain of their supply, or are well again, and how long a motion was interrupted."""
 
 from collections.abc import Callable
 
@@ -34,3 +34,50 @@ class FailureWatch:
             events.append("mended")
         self._failed, self._hindered, self._weak = monitor.failed, hindered, monitor.weak
         return tuple(events)
+
+
+class InterruptionWatch:
+    """Remembers when all was well last, and since when commands have been missing."""
+
+    def __init__(self, startle: float) -> None:
+        """Begins undisturbed; `startle` [s] is what goes on by itself at most."""
+        self._startle = startle
+        self._clock = self._well_at = self._dry_since = 0.0  # [s] now; all was well last; nothing more to perform
+        self._starved = False  # whether commands go on in this cycle, after a long time without
+
+    def note_servos(self, *, well: bool) -> None:
+        """Notes whether all is well with the servos in this cycle."""
+        if well:
+            self._well_at = self._clock
+
+    def note_commands(self, clock: float, *, left: bool, go_on: bool) -> None:
+        """Notes the commands of a new cycle.
+
+        Args:
+            clock: now [s].
+            left: whether there was still something to perform when it began.
+            go_on: whether commands have come that continue the present performance.
+        """
+        self._clock = clock
+        if left:
+            self._dry_since = clock
+        self._starved = go_on and clock - self._dry_since > self._startle
+
+    @property
+    def unwell(self) -> float:
+        """[s] since all was well."""
+        return self._clock - self._well_at
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether somebody must consent before the motion goes on."""
+        return self._starved or self.unwell > self._startle
+
+    def describe(self, trouble: str) -> str:
+        """Says what was missing, and for how long.
+
+        Args:
+            trouble: of the servos; empty if they have none.
+        """
+        why = "commands came too late" if self._starved else trouble or "this process stood still"
+        return f"{why} ({self._clock - self._dry_since if self._starved else self.unwell:.1f} s and more)"

@@ -12,7 +12,7 @@ from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.supervisor.axes import Axes, Snapshot
 from kinesic.hardware.supervisor.channel import Channel
-from kinesic.hardware.supervisor.failures import FailureWatch
+from kinesic.hardware.supervisor.failures import FailureWatch, InterruptionWatch
 from kinesic.hardware.supervisor.goals import GoalSteering
 from kinesic.hardware.supervisor.identity import identify
 from kinesic.hardware.supervisor.manifest import Manifest
@@ -64,7 +64,7 @@ class Supervisor:
         self._least_watchdog, self._host = watchdog_counts(watchdog), Punctuality(watchdog)
         self._writer = StatusWriter(manifest, surroundings.channel, surroundings.journal)
         self._steering, self._monitor = GoalSteering(manifest, settings), CommunicationMonitor(manifest, ())
-        self._failures = FailureWatch(manifest, self._note)
+        self._failures, self._interruptions = FailureWatch(manifest, self._note), InterruptionWatch(settings.startle)
         self._requests = Requests(surroundings.channel, surroundings.planner)
         self._axes: Axes | None = None
         self._tables: tuple[Table, ...] = ()
@@ -72,8 +72,6 @@ class Supervisor:
         self._concerned: list[int] = []  # the members it is about
         self._last: Snapshot | None = None
         self._since = self._clock = 0.0  # [s] in this stage; of the last cycle
-        self._well_at = self._dry_since = 0.0  # [s] all was well last; there was nothing more to perform
-        self._starved = False  # whether commands go on in this cycle, after a long time without
         self._limited = False  # whether goals were cut in the last cycle
 
     @property
@@ -105,20 +103,18 @@ class Supervisor:
         self._proceed()
         for event in self._detect_events():
             self._advance(event)
-        if self._monitor.well or not self.state.armed:
-            self._well_at = self._clock
+        self._interruptions.note_servos(well=self._monitor.well or not self.state.armed)
         self._write_status()
 
     def _take_commands(self) -> None:
         player, performances = self._steering.player, self._steering.player.performances
-        if player.left > DONE:
-            self._dry_since = self._clock
+        left = player.left > DONE
         taken = self._channel.commands(TAKEN if player.left < AHEAD else 0)
         for time, goals in taken:
             if not player.take(time, goals):
                 self._note("dropped", f"a command for {time:.3f} s came too late, or is not a number")
-        dry = self._clock - self._dry_since > self._settings.startle
-        self._starved = dry and bool(taken) and player.performances == performances
+        go_on = bool(taken) and player.performances == performances
+        self._interruptions.note_commands(self._clock, left=left, go_on=go_on)
 
     def sleep(self, until: float) -> None:
         """Waits until a time [s] on the wires' clock."""
@@ -162,7 +158,7 @@ class Supervisor:
 
     def _observe(self) -> Observation:
         player, monitor, asked, stage = self._steering.player, self._monitor, self._requests, self.state.stage
-        settings, lasted, unwell = self._settings, self._clock - self._since, self._clock - self._well_at
+        settings, lasted = self._settings, self._clock - self._since
         resting = stage is Stage.HOLD and lasted > settings.patience
         patience = settings.consent if self.state.paused else settings.patience
         nobody = self.state.paused and asked.alone  # is there who could consent
@@ -182,11 +178,11 @@ class Supervisor:
             weak=monitor.weak,
             raised=bool(monitor.raised.any()),
             confirmed=asked.confirmed,
-            interrupted=self._starved or unwell > settings.startle,
+            interrupted=self._interruptions.interrupted,
             still=player.still,
             reached=player.reached and self._steering.arrived,
             idle=resting,
-            hopeless=stage is Stage.LOST and unwell > settings.hopeless,
+            hopeless=stage is Stage.LOST and self._interruptions.unwell > settings.hopeless,
             policy=asked.policy(settings.policy),
         )
 
@@ -213,7 +209,8 @@ class Supervisor:
             self._since = self._clock
             self._note("stage", f"{before.stage.value} -> {self.state.stage.value} ({event})")
         if self.state.paused and not before.paused and event != "estop":
-            self._tell_pause()
+            why = self._interruptions.describe(self._monitor.trouble())
+            self._note("paused", f"{why}; nothing goes on before somebody consents")
         for action in actions:
             self._perform(action)
 
@@ -311,11 +308,6 @@ class Supervisor:
         if self._axes is not None:
             self._axes.close()
         self._axes = self._procedure = None
-
-    def _tell_pause(self) -> None:
-        why = "commands came too late" if self._starved else self._monitor.trouble() or "this process stood still"
-        seconds = self._clock - (self._dry_since if self._starved else self._well_at)
-        self._note("paused", f"{why} ({seconds:.1f} s and more); nothing goes on before somebody consents")
 
     def _note(self, kind: str, text: str, servo: int = -1) -> None:
         self._writer.note(self.now(), kind, text, servo)
