@@ -14,6 +14,8 @@ from kinesic.sim.servo_factors import NOMINAL, Factors
 from kinesic.sim.servo_shafts import Shafts
 from kinesic.sim.twin import STEP
 
+AT_ONCE = 1e-9  # [s] in which nothing moves: several things happen at the same time
+
 
 class TwinPhysics:
     """The shafts of all servos of a robot, moved by one body. The servos of a tandem share a hinge and its torque.
@@ -56,6 +58,8 @@ class TwinPhysics:
 
     def advance(self, seconds: float, demands: Sequence[Demand]) -> None:
         """Moves time on under constant demands."""
+        if seconds < AT_ONCE:
+            return
         body = self._body
         angles, speeds = body.angles, body.speeds
         goals, shares = np.zeros(len(self._counts)), np.zeros(len(self._counts))

@@ -209,4 +209,6 @@ class CommunicationMonitor:
         return "" if self.scale > 0.0 else "a servo is too hot, or works too hard"
 
     def _names(self, who: Flags) -> str:
+        if who.all():
+            return "all servos"
         return ", ".join(sorted({self._manifest.members[k].hinge for k in np.flatnonzero(who)}))

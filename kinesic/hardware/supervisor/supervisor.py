@@ -208,7 +208,7 @@ class Supervisor:
         if self.state.stage is not before.stage:
             self._since = self._clock
             self._note("stage", f"{before.stage.value} -> {self.state.stage.value} ({event})")
-        if self.state.paused and not before.paused and event != "estop":
+        if self.state.paused and not before.paused and event != "estop" and not self.state.faulty:
             why = self._interruptions.describe(self._monitor.trouble())
             self._note("paused", f"{why}; nothing goes on before somebody consents")
         for action in actions:

@@ -1,0 +1,169 @@
+"""What becomes of two raised arms, with weight, when something fails: the twin's body behind virtual servos."""
+
+from collections.abc import Callable, Iterator
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kinesic.body.robot import Robot
+from kinesic.controller.virtual_robot import TwinPhysics
+from kinesic.hardware.protocol.registers import HardwareError, Register
+from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.hardware.supervisor.settings import SupervisorSettings
+from kinesic.hardware.supervisor.state_machine import Stage
+from kinesic.hardware.virtual.faults import PlannedFault
+from kinesic.hardware.virtual.wiring import build_bus, cables
+
+from .conftest import PERIOD, Desk
+
+RAISED = {"shoulder_flexion": 70.0, "elbow_flexion": 60.0}  # [deg]
+UP = 1.2  # [s] until they are
+FELL = 8.0  # [deg] behind its goal that a held limb never is
+BRIEF = SupervisorSettings(patience=1.0, pace=1.5)
+OVERLOAD, ENCODER, VOLTAGE = (
+    error.value for error in (HardwareError.OVERLOAD, HardwareError.ENCODER, HardwareError.VOLTAGE)
+)
+
+
+@cache
+def robot() -> Robot:
+    return Robot.load()
+
+
+def servo(hinge: str) -> int:
+    return next(member.id for member in Manifest.of(robot()).members if member.hinge == hinge)
+
+
+def assemble(wires):
+    return build_bus(wires, TwinPhysics(robot(), wires))
+
+
+def raised(log: Path) -> Desk:
+    """Both arms up, in the middle of a performance that keeps them there."""
+    names, rest = robot().skeleton.names, robot().skeleton.rest
+    there = rest.copy()
+    for hinge, angle in RAISED.items():
+        for side in "lr":
+            there[names.index(f"{side}_{hinge}")] = np.radians(angle)
+    desk = Desk(Manifest.of(robot()), cables(robot()), log, settings=BRIEF, assemble=assemble)
+    desk.open()
+    for k in range(3000):
+        share = min(1.0, k * PERIOD / UP)
+        assert desk.channel.write(k * PERIOD, rest + share**3 * (10 - 15 * share + 6 * share**2) * (there - rest))
+    desk.until(Stage.ACTIVE)
+    desk.run(UP + 0.3)
+    return desk
+
+
+@pytest.fixture
+def arms(tmp_path: Path) -> Iterator[Desk]:
+    desk = raised(tmp_path / "events.jsonl")
+    yield desk
+    desk.end()
+    assert not desk.dropped
+
+
+def behind(desk: Desk) -> float:
+    """[deg] by which the servo with torque that is farthest from its goal misses it."""
+    turns = np.abs([member.turns for member in desk.manifest.members])
+    away = np.degrees(
+        np.abs(desk.here - desk.true(Register.GOAL_POSITION)) / turns * Register.GOAL_POSITION.field.scale
+    )
+    return float(np.max(away[desk.true(Register.TORQUE_ENABLE) != 0], initial=0.0))
+
+
+def follow(desk: Desk, *stages: Stage, within: float = 30.0) -> None:
+    """Runs until a stage; no limb with torque falls meanwhile."""
+    began = desk.plant.time
+    while desk.stage not in stages and not desk.supervisor.done:
+        desk.cycle()
+        assert behind(desk) < FELL
+        assert desk.plant.time - began < within, desk.kinds()[-12:]
+
+
+def hinges_up(desk: Desk) -> set[str]:
+    torque = desk.true(Register.TORQUE_ENABLE) != 0
+    return {desk.manifest.members[k].hinge for k in np.flatnonzero(desk.raised & torque)}
+
+
+def estop_then_nobody(desk: Desk) -> None:
+    desk.channel.set("estop", 1)
+    desk.run(0.1)
+    desk.alive = False
+
+
+def nobody(desk: Desk) -> None:
+    desk.alive = False
+
+
+def alert(bits: int, *hinges: str) -> Callable[[Desk], None]:
+    return lambda desk: desk.expose(PlannedFault("alert", tuple(map(servo, hinges)), value=bits))
+
+
+FOLDED = {
+    "an emergency stop, then no planner": estop_then_nobody,
+    "an elbow overloaded": alert(OVERLOAD, "l_elbow_flexion"),
+    "no planner": nobody,
+    "a shoulder overloaded": alert(OVERLOAD, "l_shoulder_flexion"),
+    "both elbows overloaded": alert(OVERLOAD, "l_elbow_flexion", "r_elbow_flexion"),
+    "a low supply": alert(VOLTAGE),
+}
+ORDINARY = 2  # of them in every run
+
+
+@pytest.mark.parametrize(
+    "strike",
+    [
+        pytest.param(strike, id=name, marks=[pytest.mark.soak] * (k >= ORDINARY))
+        for k, (name, strike) in enumerate(FOLDED.items())
+    ],
+)
+def test_torque_goes_only_when_all_that_has_it_rests(arms: Desk, strike: Callable[[Desk], None]):
+    assert {"l_shoulder_flexion", "r_shoulder_flexion"} <= hinges_up(arms)
+    strike(arms)
+    follow(arms, Stage.RELEASE)
+    assert not hinges_up(arms)
+    follow(arms, Stage.CLOSED)
+    assert not arms.true(Register.TORQUE_ENABLE).any()
+
+
+def test_an_arm_that_may_not_be_moved_is_held_without_a_planner_until_a_person_lets_it_fall(arms: Desk):
+    alert(ENCODER, "l_elbow_flexion")(arms)
+    arms.run(0.5)
+    arms.alive = False
+    follow(arms, Stage.WAITING)
+    assert hinges_up(arms) == {"l_shoulder_flexion", "l_elbow_flexion"}
+    arms.run(3.0)
+    assert arms.stage is Stage.WAITING
+    assert behind(arms) < FELL
+    arms.channel.set("confirm", 1)
+    follow(arms, Stage.CLOSED)
+    assert not arms.true(Register.TORQUE_ENABLE).any()
+
+
+OUTAGES = [
+    ("silent", 0.1),
+    ("silent", 2.0),
+    ("silent", 10.0),
+    ("lost", 0.5),
+    ("lost", 3.0),
+    ("lost", 10.0),
+    ("unplug", 0.3),
+    ("unplug", 5.0),
+]
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize(("kind", "seconds"), OUTAGES)
+def test_arms_are_held_through_an_outage_and_move_on_by_themselves_after_a_short_one_alone(
+    arms: Desk, kind: str, seconds: float
+):
+    arms.expose(PlannedFault(kind, seconds=seconds))
+    for _ in range(round((seconds + 4.0) / PERIOD)):
+        arms.cycle()
+        assert behind(arms) < FELL
+    assert not arms.status.faulty
+    assert (arms.status.waits == "consent") == (seconds > 1.0)
+    assert arms.stage.runs == (seconds < 1.0)
