@@ -31,6 +31,12 @@ BRISK = SupervisorSettings(pace=3.0)
 MODEL = "xm430_w350"
 
 
+@pytest.fixture(params=["kinesic", pytest.param("manual", marks=pytest.mark.soak)])
+def servos(request: pytest.FixtureRequest) -> str:
+    """Whose virtual servos a test runs on; drills with the manual's are in every run (tests/hardware/proof)."""
+    return str(request.param)
+
+
 @pytest.fixture(scope="session")
 def robot() -> Robot:
     """Five servos on two wires."""

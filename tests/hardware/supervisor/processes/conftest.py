@@ -133,16 +133,6 @@ class Rig:
         self.wait(lambda: self.log.exists() and self.entered(Stage.ACTIVE))
         return process
 
-    @staticmethod
-    def supervisor_of(planner: subprocess.Popen[bytes]) -> int:
-        """Id of the supervisor's process."""
-        children = Path(f"/proc/{planner.pid}/task/{planner.pid}/children")
-        return int(children.read_text().split()[0])
-
-    def told(self, kind: str) -> bool:
-        """Whether an event of a kind is in the log."""
-        return any(found == kind for _, found, _ in self.events())
-
     def strike(self, line: str) -> None:
         self._table.in_order = self._table.in_order and not line.startswith("alert")  # which only a reboot ends
         self._table.tell(line)

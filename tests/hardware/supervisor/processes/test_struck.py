@@ -1,7 +1,5 @@
 """Wires and servos fail in the middle of a performance. Times are compared with what the machine's stalls allow."""
 
-import os
-import signal
 import time
 
 import numpy as np
@@ -84,26 +82,6 @@ def test_a_port_that_is_away_for_long_is_held_until_somebody_consents(rig):
     servos.release()
     servos.close()
     assert not rig.record().torque[-1].any()
-
-
-@pytest.mark.parametrize("which", ["supervisor", "planner"])
-def test_a_process_that_was_stopped_for_long_moves_nothing_without_consent(rig, which):
-    """The planner writes 0.7 s ahead, so that it runs dry meanwhile."""
-    planner = rig.planner()
-    pid = rig.supervisor_of(planner) if which == "supervisor" else planner.pid
-    os.kill(pid, signal.SIGSTOP)
-    time.sleep(3.0)
-    os.kill(pid, signal.SIGCONT)
-    went_on = time.monotonic()
-    rig.wait(lambda: rig.entered(Stage.HOLD, after=went_on) if which == "supervisor" else rig.told("paused"))
-    time.sleep(2.0)
-    record = rig.record()
-    still = record.times > went_on + 1.0
-    assert np.ptp(record.places[still], axis=0).max() <= 2
-    assert (record.torque[record.times > went_on] == 1).all()
-    planner.send_signal(signal.SIGINT)
-    planner.wait(60.0)
-    rig.wait(lambda: rig.entered(Stage.CLOSED))
 
 
 def test_a_limb_that_cannot_fold_is_held_until_somebody_lets_it_fall(rig, robot):
