@@ -1,8 +1,9 @@
 """Filters the records of servos: a record counts if it is plausible, a surprise only when it is repeated.
 
 A CRC of 16 bits lets about one random error in 65536 pass, and Protocol 2.0 numbers no answers. So a record must be
-newer by the servo's own clock than the one before, and what is surprising must be said twice: a limp joint that jumped,
-a temperature that leapt, an error register that the alert bit does not confirm. No repetition makes true what cannot
+newer by the servo's own clock than the one before (a clock that stands still dates nothing), and what is surprising
+must be said twice: a limp joint that jumped, a temperature that leapt, an error register that the alert bit does not
+confirm. No repetition makes true what cannot
 be: a value outside its bounds, or a jump of a joint whose servo has torque, which would pull the goals along. A record
 without voltage is none: the servo has rebooted and no longer shows its registers in its cells.
 """
@@ -51,7 +52,7 @@ class PlausibilityFilter:
         self._span = 2 * self._reach.astype(np.uint32)
         self._doubts: dict[int, np.void] = {}
         self._accused: set[int] = set()  # places of those who say what cannot be
-        self._stale: dict[int, int] = {}  # records from the past, in a row
+        self._past: dict[int, list[int]] = {}  # place -> clocks of records from the past, in a row, each after the last
         self._unset: set[int] = set()  # places of those whose clock is no longer compared with the wire's
         self._none, self._every = self.fresh, np.ones(count, dtype=np.bool_)
         self._ones = np.ones(count)
@@ -74,7 +75,7 @@ class PlausibilityFilter:
             self.fresh = self._every
             self._doubts.clear()
             self._accused.clear()
-            self._stale.clear()
+            self._past.clear()
             self._unset.clear()
             return
         blocks, times, fresh = self.blocks.copy(), self.times.copy(), self.fresh.copy()
@@ -83,7 +84,7 @@ class PlausibilityFilter:
                 blocks[index], times[index], fresh[index] = block, time, True
                 self._doubts.pop(index, None)
                 self._accused.discard(index)
-                self._stale.pop(index, None)
+                self._past.pop(index, None)
                 self._unset.discard(index)
         self.blocks, self.times, self.fresh, self.signature = blocks, times, fresh, signature(blocks)
 
@@ -115,7 +116,8 @@ class PlausibilityFilter:
         before = self.blocks
         if signature(blocks) != self.signature:
             return False
-        if not 0 < (int(blocks["tick"][0]) - int(before["tick"][0])) % CLOCK_WRAP < LATEST:
+        since = (blocks["tick"] - before["tick"]) % CLOCK_WRAP  # (n,) [ms] uint16, which wraps where it must
+        if not ((since > 0) & (since < LATEST)).all():
             return False
         jumps = blocks["position"] - before["position"]
         jumps += self._reach
@@ -151,7 +153,7 @@ class PlausibilityFilter:
         times[place] = -inf
         self.times = times
         self._doubts.pop(place, None)
-        self._stale.pop(place, None)
+        self._past.pop(place, None)
 
     def distrust_clocks(self) -> None:
         """Stops comparing servos' clocks with the wire's, until the next answer in time sets them anew."""
@@ -171,10 +173,20 @@ class PlausibilityFilter:
         elapsed = time - self.times[index]
         if elapsed == inf:
             return True
-        if elapsed < LATEST / 1000 and not 0 < self._since(index, block) < LATEST:
-            self._stale[index] = self._stale.get(index, 0) + 1
-            return self._stale[index] > TRUST
+        since = self._since(index, block)
+        if since == 0:
+            return False
+        if since >= LATEST and elapsed < LATEST / 1000:
+            return self._has_started_anew(index, int(block["tick"]))
         return self._is_credible(index, block, time)
+
+    def _has_started_anew(self, index: int, tick: int) -> bool:
+        """Whether records from the past go on for so long that the servo's clock must have started from zero."""
+        past = self._past.setdefault(index, [])
+        if past and not 0 < (tick - past[-1]) % CLOCK_WRAP < LATEST:
+            past.clear()
+        past.append(tick)
+        return len(past) > TRUST
 
     def _is_credible(self, index: int, block: np.void, time: float) -> bool:
         """Whether a record that is news within its bounds fits to what was said before, believed or not."""

@@ -11,7 +11,8 @@ from kinesic.hardware.supervisor.goal_buffer import GoalBuffer
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 
 PEAK = 15 / 8  # peak over mean speed of the minimum-jerk curve
-LEAST = 0.3  # [s]
+THRUST = 10 / sqrt(3)  # its peak acceleration over way / duration^2
+GENTLE = 7.0  # [rad/s^2] that no move which nobody has planned exceeds
 GAP = 0.5  # [s] between commands beyond which the later ones are a performance of their own
 DONE = 1e-6  # [s] before the end that is the end
 
@@ -61,9 +62,9 @@ class TimedMove:
 
     @classmethod
     def between(cls, start: Floats, goal: Floats, *, pace: float) -> "TimedMove":
-        """Makes a move in which no joint is faster than a pace [rad/s]; of no duration between equal postures."""
+        """Makes a gentle move in which no joint is faster than a pace [rad/s]; equal postures take no time."""
         longest = float(np.abs(goal - start).max(initial=0.0))
-        duration = 0.0 if longest < 1e-9 else max(LEAST, PEAK * longest / pace)
+        duration = max(PEAK * longest / pace, sqrt(THRUST * longest / GENTLE))
         return cls(sealed(start), sealed(goal), duration)
 
     def at(self, time: float) -> Floats:

@@ -21,7 +21,7 @@ class SupervisorSettings:
     slow: float = 0.4  # in which time comes to a stop, or up to speed, when there is no hurry
     quick: float = 0.06  # in which it stops when the planner is gone, or at an emergency stop
     patience: float = 5.0  # of holding without anything to perform before it folds
-    startle: float = 0.95  # of standing still after which nothing goes on without consent; it is seen in 4 periods
+    startle: float = 0.85  # of an interruption that goes on by itself: it is seen, and motion to be seen, 0.1 s later
     consent: float = 60.0  # of waiting for consent, folded, before a performance is ended
     hopeless: float = 20.0  # without a port after which it gives up
     pace: float = 0.7  # [rad/s] of moves that nobody has planned: to rest, to the first command

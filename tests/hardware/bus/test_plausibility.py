@@ -176,6 +176,29 @@ def test_a_clock_that_stays_in_the_past_has_started_anew(gate: PlausibilityFilte
     assert heard[-1] == [True, True]
 
 
+def test_a_record_from_the_past_that_is_repeated_is_no_new_clock(gate: PlausibilityFilter):
+    heard = [told(gate, blocks(990 - k % 2, 2060), 1.0 + 0.01 * k) for k in range(1, 12)]
+    assert not np.any(heard)
+
+
+@pytest.mark.parametrize("time", [1.001, 1.01, 2.0, 20.0])
+def test_a_clock_that_stands_still_dates_nothing(gate: PlausibilityFilter, time: float):
+    frozen = blocks(1010)
+    frozen["tick"][1] = 1000
+    heard = []
+    for k in range(20):
+        frozen["tick"][0] = 1000 + round(1000 * (time - 1.0)) + k
+        heard.append(told(gate, frozen, time + 0.001 * k))
+    assert heard == [[True, False]] * 20
+    assert gate.times[1] == 1.0
+
+
+def test_the_clock_of_every_servo_is_looked_at(gate: PlausibilityFilter):
+    mixed = blocks(1010)
+    mixed["tick"][1] = 990
+    assert told(gate, mixed) == [True, False]
+
+
 def test_a_record_without_voltage_is_none(gate: PlausibilityFilter):
     empty = blocks(1010)
     empty[1] = np.zeros(1, BLOCK)[0]

@@ -1,7 +1,8 @@
 """Watches bytes on the wires and shafts of servos, and says which rule was broken; it asks kinesic nothing but beliefs.
 
-The rules: no torque is taken from a servo more than 5 degrees from rest; goals never jump; torque comes where a servo
-is; after more than a second of standing nothing moves away from rest by itself; what is believed is where servos are.
+The rules: no torque is taken from a servo more than 5 degrees from rest; goals never jump, but to where a servo stands;
+torque comes where it is; after more than a second of standing nothing moves away from rest by itself; what is believed
+is where servos are.
 """
 
 from __future__ import annotations
@@ -132,9 +133,17 @@ class Observer:
     def _goal(self, place: int, goal: float, time: float) -> None:
         before, passed = self._goals[place], time - self._sent[place]
         most = HASTE * self.manifest.speeds[place] * max(passed, 0.0) + ROUNDING
-        if self._energised[place] and abs(goal - before) > most:
+        moves = self._off(place, goal) > LANDING
+        if not moves and self._nearest is not None and abs(goal - before) > most:
+            self._nearest[place] = np.inf  # it did not hear the goals before, and stands where it was
+        elif moves and self._energised[place] and abs(goal - before) > most:
             self._note(time, place, f"goal jumps from {before:.0f} to {goal:.0f} ticks in {1000 * passed:.0f} ms")
         self._goals[place], self._sent[place] = goal, time
+
+    def _off(self, place: int, goal: float) -> float:
+        """[rad] between a goal and where its servo is."""
+        turns = abs(self.manifest.scale.turns[place])
+        return float(abs(goal - self.true.ticks()[place]) / turns * np.pi / 2048)
 
     # every cycle
 
@@ -143,7 +152,7 @@ class Observer:
         torque, ticks = self.true.torque(), self.true.ticks()
         angles = self.angles(ticks)
         for place in np.flatnonzero(torque & ~self._energised):
-            off = abs(self._goals[place] - ticks[place]) / abs(self.manifest.scale.turns[place]) * np.pi / 2048
+            off = self._off(int(place), self._goals[place])
             if off > LANDING:
                 self._note(time, int(place), f"torque comes {np.degrees(off):.1f} degrees from its goal")
         self._energised = torque

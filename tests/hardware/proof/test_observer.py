@@ -51,6 +51,16 @@ def test_a_broken_rule_is_told(raised: Drill, deed: Callable[[Drill], None], tex
     assert any("l_flexion" in line and text in line for line in raised.observer.broken)
 
 
+def test_a_goal_that_comes_to_where_its_servo_stands_is_no_jump(raised: Drill):
+    say(raised, Register.GOAL_POSITION, 2048)
+    told = len(raised.observer.broken)
+    here = int(raised.here[1])
+    say(raised, Register.GOAL_POSITION, here)
+    assert len(raised.observer.broken) == told == 1
+    say(raised, Register.GOAL_POSITION, here + 100)
+    assert len(raised.observer.broken) == 2
+
+
 def test_motion_after_standing_is_told(raised: Drill):
     observer = raised.observer
     observer.watching = True

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinesic.hardware.supervisor.player import Player, TimedMove, TimeScale, advance_time
+from kinesic.hardware.supervisor.player import GENTLE, Player, TimedMove, TimeScale, advance_time
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 
 STEP = 0.01
@@ -64,8 +64,13 @@ def test_it_goes_from_rest_to_rest_and_no_joint_is_faster_than_the_pace():
     assert places[-1].tolist() == [0.5, -1.0]
 
 
-def test_a_little_way_takes_its_least_time_and_none_takes_none():
-    assert TimedMove.between(np.zeros(2), np.full(2, 0.001), pace=1.0).duration == 0.3
+def test_a_little_way_is_gentle_and_none_takes_no_time():
+    way = TimedMove.between(np.zeros(2), np.full(2, 0.01), pace=1.0)
+    times = np.linspace(0.0, way.duration, 2001)
+    places = np.array([way.at(time)[0] for time in times])
+    speeds = np.gradient(places, times)
+    assert np.abs(np.gradient(speeds, times)).max() == pytest.approx(GENTLE, rel=1e-2)
+    assert speeds.max() < 0.5
     still = TimedMove.between(np.ones(2), np.ones(2), pace=1.0)
     assert still.duration == 0.0
     assert still.at(0.0).tolist() == [1.0, 1.0]
