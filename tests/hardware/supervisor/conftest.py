@@ -25,6 +25,7 @@ from kinesic.hardware.virtual.faults import CALM, FaultPlan, PlannedFault
 from kinesic.hardware.virtual.wiring import Cable, ServoFitting, cables
 
 from ..conftest import BUILDERS
+from .judged import Room
 
 PERIOD = 0.01
 BRISK = SupervisorSettings(pace=3.0)
@@ -251,3 +252,15 @@ def manifest_of(count: int, baud: int) -> Manifest:
         upper=np.full(count, 1.5),
         chains=tuple(frozenset({k}) for k in range(count)),
     )
+
+
+@pytest.fixture
+def manifest(robot: Robot) -> Manifest:
+    """Of the little robot."""
+    return Manifest.of(robot)
+
+
+@pytest.fixture
+def room(manifest: Manifest) -> Room:
+    """A monitor of its servos."""
+    return Room(manifest)

@@ -1,261 +1,149 @@
-"""What the supervisor does when servos, wires and processes fail, in virtual time."""
+"""What is told of servos that fail, and of how long a motion was interrupted."""
 
-from collections.abc import Callable
-
-import numpy as np
 import pytest
 
-from kinesic.hardware.protocol.registers import HardwareError, Register
-from kinesic.hardware.supervisor.settings import SupervisorSettings
-from kinesic.hardware.supervisor.state_machine import Stage
-from kinesic.hardware.virtual.faults import PlannedFault
+from kinesic.hardware.protocol.registers import HardwareError
+from kinesic.hardware.supervisor.failures import FailureWatch, InterruptionWatch
+from kinesic.hardware.supervisor.manifest import Manifest
 
-Make = Callable  # of a desk, see conftest
-PERIOD = 0.01
-TORQUE, GOAL, WATCHDOG = Register.TORQUE_ENABLE, Register.GOAL_POSITION, Register.BUS_WATCHDOG
+from .judged import Room
 
-
-def test_a_planner_that_dies_is_held_within_100_ms_then_folded_and_released(desk: Make):
-    made = desk().active()
-    made.alive = False
-    made.run(0.1)
-    held = made.true(GOAL)
-    made.run(0.01)
-    assert (made.true(GOAL) == held).all() or made.stage is Stage.FOLD
-    assert made.stage in (Stage.HOLD, Stage.FOLD)
-    made.until(Stage.CLOSED)
-    assert not made.true(TORQUE).any()
-    rest = made.manifest.scale.ticks(made.manifest.rest[made.manifest.joints])
-    assert np.abs(made.here - rest).max() <= 3
+STARTLE = 0.5  # [s]
 
 
-def test_release_forgets_nobody_because_of_a_servo_that_is_silent(desk: Make):
-    made = desk(settings=SupervisorSettings(hopeless=1.0, pace=3.0)).active()
-    made.plant.servos[2].mute = True
-    made.channel.set("estop", 2)
-    made.run(0.2)
-    assert made.true(TORQUE).tolist() == [0, 0, 0, 0, 0]
-    assert made.stage is Stage.RELEASE
-    made.until(Stage.CLOSED)
-    assert any("may still have torque" in line and "l_flexion" in line for line in made.kinds())
+class Watched:
+    """A watch for failures, and what it wrote into the log."""
+
+    def __init__(self, room: Room, manifest: Manifest) -> None:
+        self.room, self.log = room, list[tuple[str, str]]()
+        self.watch = FailureWatch(manifest, lambda kind, text: self.log.append((kind, text)))
+
+    def look(self, cycles: int = 1) -> tuple[str, ...]:
+        return self.watch.look(self.room.look(cycles))
+
+    def err(self, place: int, error: HardwareError | None) -> tuple[str, ...]:
+        self.room.records["hardware_error"][place] = 0 if error is None else error.value
+        return self.look()
 
 
-def test_a_servo_that_reboots_rejoins_without_a_jump_and_the_performance_goes_on(desk: Make):
-    made = desk().active(4.0)
-    made.jumps.clear()
-    made.expose(PlannedFault("reboot", (3,)))
-    made.run(0.3)
-    assert made.stage in (Stage.DEGRADED, Stage.HOLD, Stage.ARM)
-    made.until(Stage.ACTIVE, within=3.0)
-    assert len(made.jumps) == 1
-    assert made.jumps[0] <= 2
-    assert made.true(TORQUE).all()
-    assert (made.true(WATCHDOG) == 5).all()
-    assert made.true(Register.PROFILE_VELOCITY).all()
-    time = made.status.time
-    made.run(0.5)
-    assert made.status.time > time
+@pytest.fixture
+def watched(room: Room, manifest: Manifest) -> Watched:
+    made = Watched(room, manifest)
+    assert made.look() == ()
+    return made
 
 
-def test_all_servos_may_reboot_at_once(desk: Make):
-    made = desk().active(4.0)
-    made.jumps.clear()
-    made.expose(PlannedFault("reboot"))
-    made.expose(PlannedFault("reboot"), bus="right")
-    made.run(0.3)
-    made.until(Stage.ACTIVE, within=5.0)
-    assert len(made.jumps) == 5
-    assert max(made.jumps) <= 2
+def test_a_failure_is_told_once_and_by_the_hinges_names(watched: Watched):
+    watched.room.records["hardware_error"][1] = HardwareError.OVERLOAD.value
+    assert watched.err(3, HardwareError.OVERHEATING) == ("failed",)
+    assert watched.log == [("failed", "torsion, l_twist: shut down, or cannot move")]
+    assert watched.look() == ()
+    assert len(watched.log) == 1
 
 
-def test_a_servo_that_shuts_down_ends_the_performance_and_the_others_fold_with_it_limp(desk: Make):
-    made = desk().active()
-    made.run(0.6)
-    assert made.raised.all()
-    made.expose(PlannedFault("alert", (3,), value=HardwareError.OVERLOAD.value))
-    made.cycle()
-    made.cycle()
-    assert made.stage is Stage.DEGRADED
-    made.until(Stage.RELEASE)
-    assert not made.raised[[0, 1, 3, 4]].any()
-    made.until(Stage.CLOSED)
-    assert not made.true(TORQUE).any()
-    assert made.status.faulty
+def test_each_further_failure_is_told_by_itself(watched: Watched):
+    watched.err(1, HardwareError.OVERLOAD)
+    assert watched.err(4, HardwareError.OVERLOAD) == ("failed",)
+    assert watched.log[1:] == [("failed", "r_flexion: shut down, or cannot move")]
 
 
-def test_a_low_supply_alone_folds_and_is_no_failure(desk: Make):
-    made = desk().active()
-    made.run(0.6)
-    made.expose(PlannedFault("alert", value=HardwareError.VOLTAGE.value))
-    made.until(Stage.RELEASE)
-    assert not made.raised.any()
-    made.until(Stage.CLOSED)
-    assert not made.status.faulty
-    assert any(line.startswith("supply: ") for line in made.kinds())
+def test_who_fails_again_is_told_again(watched: Watched):
+    watched.err(1, HardwareError.OVERLOAD)
+    assert watched.err(1, None) == ("mended",)
+    assert watched.look() == ()
+    assert watched.err(1, HardwareError.OVERLOAD) == ("failed",)
+    assert len(watched.log) == 2
 
 
-def test_a_servo_that_cannot_move_is_not_pushed_until_it_shuts_down(desk: Make):
-    made = desk()
-    made.open()
-    made.perform(4.0, amplitude=0.9)
-    made.until(Stage.ACTIVE)
-    made.run(0.6)
-    made.plant.physics.jammed[2] = True
-    made.until(Stage.WAITING)
-    assert made.status.faulty
-    assert made.status.waits == "confirmation"
-    assert not made.true(Register.HARDWARE_ERROR_STATUS).any()
-    assert made.true(TORQUE).all()
-    assert not made.raised[[0, 1, 4]].any()
-    made.alive = False
-    made.channel.set("release", 1)
-    made.run(20.0)
-    assert made.stage is Stage.WAITING
-    made.channel.set("confirm", 1)
-    made.until(Stage.CLOSED, within=1.0)
-    assert not made.true(TORQUE).any()
+def test_one_may_fail_while_another_is_well_again(watched: Watched):
+    watched.err(1, HardwareError.OVERLOAD)
+    watched.room.records["hardware_error"][1] = 0
+    assert watched.err(2, HardwareError.OVERLOAD) == ("failed", "mended")
 
 
-def test_a_limb_that_is_free_again_folds_after_a_while_and_is_released(desk: Make):
-    made = desk()
-    made.open()
-    made.perform(4.0, amplitude=0.9)
-    made.until(Stage.ACTIVE)
-    made.run(0.6)
-    made.plant.physics.jammed[2] = True
-    made.until(Stage.WAITING)
-    made.plant.physics.jammed[2] = False
-    made.run(3.0)
-    assert made.stage is Stage.WAITING, "nobody knows that it is free"
-    made.expose(PlannedFault("reboot", (3,)))
-    made.until(Stage.ARM)
-    made.until(Stage.HOLD)
-    assert made.until(Stage.FOLD) > made.settings.patience - 0.1
-    made.until(Stage.CLOSED)
-    assert not made.raised.any()
+def test_who_is_heard_again_is_mended_and_had_not_failed(watched: Watched):
+    watched.room.recent[2] = False
+    assert watched.look() == ()
+    watched.room.recent[2] = True
+    assert watched.look() == ("mended",)
+    assert watched.log == []
 
 
-def test_heat_slows_the_performance_before_the_servo_shuts_down(desk: Make):
-    made = desk().active(10.0)
-    made.plant.servos[2].electronics.celsius = 67.0
-    made.expose(PlannedFault("overheat", (3,), value=3.0))
-    scales = []
-    while made.stage is Stage.ACTIVE:
-        made.cycle()
-        scales.append(made.status.scale)
-    assert 0.0 < min(scales) < 0.5
-    made.run(0.5)
-    assert made.stage is Stage.HOLD
-    assert made.status.hottest < 80
-    assert not made.true(Register.HARDWARE_ERROR_STATUS).any()
+def test_who_is_heard_again_but_has_failed_is_not_mended(watched: Watched):
+    watched.room.recent[2] = False
+    watched.look()
+    watched.room.recent[2] = True
+    assert watched.err(2, HardwareError.OVERLOAD) == ("failed",)
 
 
-@pytest.mark.parametrize("seconds", [0.05, 0.4, 2.0])
-def test_a_port_that_goes_and_comes_is_held_within_250_ms_and_torque_stays(desk: Make, seconds: float):
-    made = desk().active(4.0)
-    made.expose(PlannedFault("unplug", seconds=seconds))
-    made.until(Stage.LOST)
-    lost = made.plant.time
-    made.until(Stage.HOLD, Stage.APPROACH)
-    assert made.plant.time - (lost + seconds) < 0.25
-    assert made.true(TORQUE).all()
-    assert (made.true(WATCHDOG) == 5).all()
-    if seconds > 1.0:
-        made.run(8.0)
-        assert made.stage is Stage.HOLD
-        assert made.status.waits == "consent"
-        assert not made.raised.any(), "it folds after its patience"
-        made.consent()
-    made.until(Stage.ACTIVE)
-    assert made.true(TORQUE).all()
+def test_a_weak_supply_is_told_once_with_its_lowest_voltage_and_is_no_event(watched: Watched):
+    watched.room.records["volts"] = [95, 94, 93, 95, 95]
+    assert watched.err(0, HardwareError.VOLTAGE) == ()
+    assert watched.log == [("supply", "9.3 V are not enough: the robot folds")]
+    assert watched.err(1, HardwareError.VOLTAGE) == ()
+    assert len(watched.log) == 1
+    watched.room.records["hardware_error"] = 0
+    watched.look()
+    watched.err(1, HardwareError.VOLTAGE)
+    assert len(watched.log) == 2
 
 
-def test_servos_whose_port_is_lost_stop_by_themselves(desk: Make):
-    made = desk().active(4.0)
-    made.expose(PlannedFault("unplug", seconds=1.0))
-    made.run(0.16)
-    here = made.here
-    made.run(0.3)
-    assert np.abs(made.here - here)[:4].max() <= 2
-    assert (made.true(WATCHDOG)[:4] == -1).all()
-    assert made.true(TORQUE).all()
+class Clock:
+    """A watch for interruptions, and its time."""
+
+    def __init__(self) -> None:
+        self.time = 0.0
+        self.watch = InterruptionWatch(STARTLE)
+
+    def cycle(self, seconds: float, *, well: bool = True, left: bool = True, go_on: bool = False) -> InterruptionWatch:
+        """One cycle, so long after the one before: commands are taken, then servos are judged."""
+        self.time += seconds
+        self.watch.note_commands(self.time, left=left, go_on=go_on)
+        self.watch.note_servos(well=well)
+        return self.watch
 
 
-def test_a_port_that_stays_away_is_given_up(desk: Make):
-    made = desk(settings=SupervisorSettings(hopeless=1.0)).active(4.0)
-    made.expose(PlannedFault("unplug", seconds=100.0))
-    made.until(Stage.CLOSED, within=5.0)
-    assert made.true(TORQUE)[:4].all()
+@pytest.fixture
+def clock() -> Clock:
+    made = Clock()
+    assert not made.cycle(64.0).interrupted
+    return made
 
 
-def test_a_watchdog_that_trips_is_adopted(desk: Make):
-    made = desk().active(4.0)
-    made.pass_time(0.3)
-    made.until(Stage.ADOPT)
-    made.until(Stage.ACTIVE)
-    assert made.true(TORQUE).all()
-    assert not made.jumps or max(made.jumps) <= 2
+def test_all_is_well(clock: Clock):
+    assert not clock.cycle(0.25).interrupted
+    assert clock.watch.unwell == 0.0
 
 
-def test_a_supervisor_that_is_killed_leaves_servos_stopped_and_the_next_adopts_them(desk: Make):
-    made = desk().active(4.0)
-    made.pass_time(0.12)
-    here = made.here
-    made.pass_time(1.0)
-    assert (made.true(WATCHDOG) == -1).all()
-    assert np.abs(made.here - here).max() <= 1
-    assert made.true(TORQUE).all()
-    made.start()
-    made.open()
-    assert made.stage is Stage.ADOPT
-    made.until(Stage.HOLD)
-    assert made.true(TORQUE).all()
-    assert np.abs(made.here - here).max() <= 2
-    made.channel.set("ended", 1)
-    made.until(Stage.CLOSED)
-    assert not made.true(TORQUE).any()
+def test_servos_that_are_unwell_for_longer_than_a_startle_interrupt(clock: Clock):
+    assert not clock.cycle(0.25, well=False).interrupted
+    assert not clock.cycle(0.25, well=False).interrupted
+    assert clock.watch.unwell == STARTLE
+    assert clock.cycle(0.25, well=False).interrupted
+    assert clock.watch.unwell == 0.75
+    assert clock.watch.describe("l_twist: silent") == "l_twist: silent (0.8 s and more)"
+    assert not clock.cycle(0.25).interrupted
 
 
-def test_servos_of_which_some_have_torque_are_adopted_and_the_others_armed(desk: Make):
-    made = desk().active(4.0)
-    made.pass_time(0.2)
-    made.plant.servos[1].write(TORQUE.field.address, b"\0")
-    made.start()
-    made.jumps.clear()
-    made.open()
-    made.until(Stage.ARM)
-    made.until(Stage.HOLD)
-    made.run(0.1)
-    assert made.true(TORQUE).all()
-    assert len(made.jumps) == 1
-    assert made.jumps[0] <= 2
+def test_a_process_that_stood_still_interrupts_before_servos_are_judged(clock: Clock):
+    clock.watch.note_commands(clock.time + 3.0, left=True, go_on=False)
+    assert clock.watch.interrupted
+    assert clock.watch.describe("") == "this process stood still (3.0 s and more)"
 
 
-def test_an_end_while_a_servo_is_silent_folds_the_others_and_waits_for_it(desk: Make):
-    made = desk(settings=SupervisorSettings(patience=1.0, consent=2.0, hopeless=2.0, pace=3.0)).active(20.0)
-    made.run(3.0)
-    made.plant.servos[2].mute = True
-    made.channel.set("ended", 1)
-    made.until(Stage.WAITING, within=15.0)
-    assert made.true(TORQUE).all()
-    made.plant.servos[2].mute = False
-    made.until(Stage.CLOSED, within=5.0)
-    assert not made.true(TORQUE).any()
-    assert not made.raised.any()
+def test_commands_that_go_on_after_a_long_time_without_interrupt(clock: Clock):
+    for _ in range(3):
+        assert not clock.cycle(0.25, left=False).interrupted
+    assert clock.cycle(0.25, left=False, go_on=True).interrupted
+    assert clock.watch.describe("l_twist: silent") == "commands came too late (1.0 s and more)"
+    assert not clock.cycle(0.25).interrupted, "they are there again"
 
 
-def test_a_servo_that_falls_silent_stops_time_until_it_is_heard_again(desk: Make):
-    made = desk().active(6.0)
-    made.plant.servos[2].mute = True
-    made.until(Stage.DEGRADED, within=0.2)
-    made.run(0.6)
-    stood = made.status.time
-    assert made.status.scale == 0.0
-    assert made.status.silent == 1
-    made.run(0.3)
-    assert made.status.time == stood
-    made.plant.servos[2].mute = False
-    made.until(Stage.ACTIVE, within=2.0)
-    made.run(0.5)
-    assert made.status.time > stood
-    assert made.true(TORQUE).all()
+def test_commands_that_go_on_in_time_do_not(clock: Clock):
+    assert not clock.cycle(STARTLE, left=False, go_on=True).interrupted
+    assert not clock.cycle(2.0, left=True, go_on=True).interrupted
+
+
+def test_a_new_performance_after_a_long_pause_is_no_interruption(clock: Clock):
+    clock.cycle(9.0, left=False)
+    assert not clock.cycle(9.0, left=False, go_on=False).interrupted

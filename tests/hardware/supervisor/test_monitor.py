@@ -1,21 +1,19 @@
-from dataclasses import dataclass, field
 from math import degrees, radians
 
 import numpy as np
 import pytest
 
-from kinesic.hardware.bus.cycle import BLOCK, Records, signature
+from kinesic.hardware.bus.cycle import BLOCK
 from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED, HardwareError, Register
-from kinesic.hardware.supervisor.axes import Snapshot
-from kinesic.hardware.supervisor.manifest import Manifest, Member
 from kinesic.hardware.supervisor.monitor import (
     STUCK,
-    CommunicationMonitor,
     LoadRatings,
     LoadState,
     derate,
     update_load,
 )
+
+from .judged import Given, tables_of
 
 STRENGTH = LoadRatings(
     celsius=np.array([80.0, 80.0]), current=np.array([1000.0, 1000.0]), full=np.array([140.0, 140.0])
@@ -92,27 +90,6 @@ def test_work_slows_from_half_to_four_fifths_of_what_a_servo_bears(work: float, 
     assert derate(load, records(), STRENGTH) == pytest.approx([1.0, scale])
 
 
-@dataclass(frozen=True)
-class Given:
-    """A servo whose registers are these."""
-
-    member: Member
-    values: dict[Register, int] = field(default_factory=dict)
-
-    def __getitem__(self, register: Register) -> int:
-        return self.values[register]
-
-
-@pytest.fixture
-def manifest(robot) -> Manifest:
-    return Manifest.of(robot)
-
-
-def tables_of(manifest: Manifest) -> list[Given]:
-    limits = {Register.TEMPERATURE_LIMIT: 80, Register.CURRENT_LIMIT: 700}
-    return [Given(member, limits) for member in manifest.members]
-
-
 def test_ratings_are_those_of_the_servos(manifest):
     """A servo without current sensor tells its load in thousandths; one whose limit is 0 bears hardly anything."""
     tables = tables_of(manifest)
@@ -121,32 +98,6 @@ def test_ratings_are_those_of_the_servos(manifest):
     assert ratings.current.tolist() == [700.0, 700.0, 1000.0, 1.0, 1000.0]
     assert ratings.celsius.tolist() == [80.0, 80.0, 80.0, 70.0, 80.0]
     assert ratings.full.tolist() == manifest.full.tolist()
-
-
-class Room:
-    """A monitor of five servos, whose records are what a test says."""
-
-    def __init__(self, manifest: Manifest) -> None:
-        self.manifest, self.time, self.lost = manifest, 0.0, False
-        self.monitor = CommunicationMonitor(manifest, tables_of(manifest))
-        self.recent = np.ones(5, dtype=bool)
-        self.goals = manifest.scale.nearest(manifest.rest.take(manifest.joints))
-        self.records: Records = np.zeros(5, dtype=BLOCK)
-        self.records["torque"], self.records["temperature"], self.records["position"] = 1, 30, np.rint(self.goals)
-
-    def look(self, cycles: int = 1, *, goals: bool = True) -> CommunicationMonitor:
-        for _ in range(cycles):
-            self.time += 0.01
-            kept = self.records.copy()
-            times = np.where(self.recent, self.time, -np.inf)
-            snapshot = Snapshot(self.time, kept, times, self.recent.copy(), self.lost, signature(kept), ())
-            self.monitor.look(snapshot, self.goals if goals else None, 0.01)
-        return self.monitor
-
-
-@pytest.fixture
-def room(manifest) -> Room:
-    return Room(manifest)
 
 
 def test_before_the_first_cycle_nothing_is_known(room):

@@ -16,7 +16,7 @@ from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.virtual.faults import PlannedFault
 from kinesic.hardware.virtual.wiring import build_bus, cables
 
-from .conftest import PERIOD, Desk
+from ..conftest import PERIOD, Desk
 
 RAISED = {"shoulder_flexion": 70.0, "elbow_flexion": 60.0}  # [deg]
 UP = 1.2  # [s] until they are

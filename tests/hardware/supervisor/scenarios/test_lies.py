@@ -9,7 +9,7 @@ import pytest
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.supervisor.state_machine import Stage
 
-from .conftest import Desk
+from ..conftest import Desk
 
 Make = Callable  # of a desk, see conftest
 LIAR, SECONDS = 2, 0.6

@@ -1,0 +1,261 @@
+"""What the supervisor does when servos, wires and processes fail, in virtual time."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from kinesic.hardware.protocol.registers import HardwareError, Register
+from kinesic.hardware.supervisor.settings import SupervisorSettings
+from kinesic.hardware.supervisor.state_machine import Stage
+from kinesic.hardware.virtual.faults import PlannedFault
+
+Make = Callable  # of a desk, see conftest
+PERIOD = 0.01
+TORQUE, GOAL, WATCHDOG = Register.TORQUE_ENABLE, Register.GOAL_POSITION, Register.BUS_WATCHDOG
+
+
+def test_a_planner_that_dies_is_held_within_100_ms_then_folded_and_released(desk: Make):
+    made = desk().active()
+    made.alive = False
+    made.run(0.1)
+    held = made.true(GOAL)
+    made.run(0.01)
+    assert (made.true(GOAL) == held).all() or made.stage is Stage.FOLD
+    assert made.stage in (Stage.HOLD, Stage.FOLD)
+    made.until(Stage.CLOSED)
+    assert not made.true(TORQUE).any()
+    rest = made.manifest.scale.ticks(made.manifest.rest[made.manifest.joints])
+    assert np.abs(made.here - rest).max() <= 3
+
+
+def test_release_forgets_nobody_because_of_a_servo_that_is_silent(desk: Make):
+    made = desk(settings=SupervisorSettings(hopeless=1.0, pace=3.0)).active()
+    made.plant.servos[2].mute = True
+    made.channel.set("estop", 2)
+    made.run(0.2)
+    assert made.true(TORQUE).tolist() == [0, 0, 0, 0, 0]
+    assert made.stage is Stage.RELEASE
+    made.until(Stage.CLOSED)
+    assert any("may still have torque" in line and "l_flexion" in line for line in made.kinds())
+
+
+def test_a_servo_that_reboots_rejoins_without_a_jump_and_the_performance_goes_on(desk: Make):
+    made = desk().active(4.0)
+    made.jumps.clear()
+    made.expose(PlannedFault("reboot", (3,)))
+    made.run(0.3)
+    assert made.stage in (Stage.DEGRADED, Stage.HOLD, Stage.ARM)
+    made.until(Stage.ACTIVE, within=3.0)
+    assert len(made.jumps) == 1
+    assert made.jumps[0] <= 2
+    assert made.true(TORQUE).all()
+    assert (made.true(WATCHDOG) == 5).all()
+    assert made.true(Register.PROFILE_VELOCITY).all()
+    time = made.status.time
+    made.run(0.5)
+    assert made.status.time > time
+
+
+def test_all_servos_may_reboot_at_once(desk: Make):
+    made = desk().active(4.0)
+    made.jumps.clear()
+    made.expose(PlannedFault("reboot"))
+    made.expose(PlannedFault("reboot"), bus="right")
+    made.run(0.3)
+    made.until(Stage.ACTIVE, within=5.0)
+    assert len(made.jumps) == 5
+    assert max(made.jumps) <= 2
+
+
+def test_a_servo_that_shuts_down_ends_the_performance_and_the_others_fold_with_it_limp(desk: Make):
+    made = desk().active()
+    made.run(0.6)
+    assert made.raised.all()
+    made.expose(PlannedFault("alert", (3,), value=HardwareError.OVERLOAD.value))
+    made.cycle()
+    made.cycle()
+    assert made.stage is Stage.DEGRADED
+    made.until(Stage.RELEASE)
+    assert not made.raised[[0, 1, 3, 4]].any()
+    made.until(Stage.CLOSED)
+    assert not made.true(TORQUE).any()
+    assert made.status.faulty
+
+
+def test_a_low_supply_alone_folds_and_is_no_failure(desk: Make):
+    made = desk().active()
+    made.run(0.6)
+    made.expose(PlannedFault("alert", value=HardwareError.VOLTAGE.value))
+    made.until(Stage.RELEASE)
+    assert not made.raised.any()
+    made.until(Stage.CLOSED)
+    assert not made.status.faulty
+    assert any(line.startswith("supply: ") for line in made.kinds())
+
+
+def test_a_servo_that_cannot_move_is_not_pushed_until_it_shuts_down(desk: Make):
+    made = desk()
+    made.open()
+    made.perform(4.0, amplitude=0.9)
+    made.until(Stage.ACTIVE)
+    made.run(0.6)
+    made.plant.physics.jammed[2] = True
+    made.until(Stage.WAITING)
+    assert made.status.faulty
+    assert made.status.waits == "confirmation"
+    assert not made.true(Register.HARDWARE_ERROR_STATUS).any()
+    assert made.true(TORQUE).all()
+    assert not made.raised[[0, 1, 4]].any()
+    made.alive = False
+    made.channel.set("release", 1)
+    made.run(20.0)
+    assert made.stage is Stage.WAITING
+    made.channel.set("confirm", 1)
+    made.until(Stage.CLOSED, within=1.0)
+    assert not made.true(TORQUE).any()
+
+
+def test_a_limb_that_is_free_again_folds_after_a_while_and_is_released(desk: Make):
+    made = desk()
+    made.open()
+    made.perform(4.0, amplitude=0.9)
+    made.until(Stage.ACTIVE)
+    made.run(0.6)
+    made.plant.physics.jammed[2] = True
+    made.until(Stage.WAITING)
+    made.plant.physics.jammed[2] = False
+    made.run(3.0)
+    assert made.stage is Stage.WAITING, "nobody knows that it is free"
+    made.expose(PlannedFault("reboot", (3,)))
+    made.until(Stage.ARM)
+    made.until(Stage.HOLD)
+    assert made.until(Stage.FOLD) > made.settings.patience - 0.1
+    made.until(Stage.CLOSED)
+    assert not made.raised.any()
+
+
+def test_heat_slows_the_performance_before_the_servo_shuts_down(desk: Make):
+    made = desk().active(10.0)
+    made.plant.servos[2].electronics.celsius = 67.0
+    made.expose(PlannedFault("overheat", (3,), value=3.0))
+    scales = []
+    while made.stage is Stage.ACTIVE:
+        made.cycle()
+        scales.append(made.status.scale)
+    assert 0.0 < min(scales) < 0.5
+    made.run(0.5)
+    assert made.stage is Stage.HOLD
+    assert made.status.hottest < 80
+    assert not made.true(Register.HARDWARE_ERROR_STATUS).any()
+
+
+@pytest.mark.parametrize("seconds", [0.05, 0.4, 2.0])
+def test_a_port_that_goes_and_comes_is_held_within_250_ms_and_torque_stays(desk: Make, seconds: float):
+    made = desk().active(4.0)
+    made.expose(PlannedFault("unplug", seconds=seconds))
+    made.until(Stage.LOST)
+    lost = made.plant.time
+    made.until(Stage.HOLD, Stage.APPROACH)
+    assert made.plant.time - (lost + seconds) < 0.25
+    assert made.true(TORQUE).all()
+    assert (made.true(WATCHDOG) == 5).all()
+    if seconds > 1.0:
+        made.run(8.0)
+        assert made.stage is Stage.HOLD
+        assert made.status.waits == "consent"
+        assert not made.raised.any(), "it folds after its patience"
+        made.consent()
+    made.until(Stage.ACTIVE)
+    assert made.true(TORQUE).all()
+
+
+def test_servos_whose_port_is_lost_stop_by_themselves(desk: Make):
+    made = desk().active(4.0)
+    made.expose(PlannedFault("unplug", seconds=1.0))
+    made.run(0.16)
+    here = made.here
+    made.run(0.3)
+    assert np.abs(made.here - here)[:4].max() <= 2
+    assert (made.true(WATCHDOG)[:4] == -1).all()
+    assert made.true(TORQUE).all()
+
+
+def test_a_port_that_stays_away_is_given_up(desk: Make):
+    made = desk(settings=SupervisorSettings(hopeless=1.0)).active(4.0)
+    made.expose(PlannedFault("unplug", seconds=100.0))
+    made.until(Stage.CLOSED, within=5.0)
+    assert made.true(TORQUE)[:4].all()
+
+
+def test_a_watchdog_that_trips_is_adopted(desk: Make):
+    made = desk().active(4.0)
+    made.pass_time(0.3)
+    made.until(Stage.ADOPT)
+    made.until(Stage.ACTIVE)
+    assert made.true(TORQUE).all()
+    assert not made.jumps or max(made.jumps) <= 2
+
+
+def test_a_supervisor_that_is_killed_leaves_servos_stopped_and_the_next_adopts_them(desk: Make):
+    made = desk().active(4.0)
+    made.pass_time(0.12)
+    here = made.here
+    made.pass_time(1.0)
+    assert (made.true(WATCHDOG) == -1).all()
+    assert np.abs(made.here - here).max() <= 1
+    assert made.true(TORQUE).all()
+    made.start()
+    made.open()
+    assert made.stage is Stage.ADOPT
+    made.until(Stage.HOLD)
+    assert made.true(TORQUE).all()
+    assert np.abs(made.here - here).max() <= 2
+    made.channel.set("ended", 1)
+    made.until(Stage.CLOSED)
+    assert not made.true(TORQUE).any()
+
+
+def test_servos_of_which_some_have_torque_are_adopted_and_the_others_armed(desk: Make):
+    made = desk().active(4.0)
+    made.pass_time(0.2)
+    made.plant.servos[1].write(TORQUE.field.address, b"\0")
+    made.start()
+    made.jumps.clear()
+    made.open()
+    made.until(Stage.ARM)
+    made.until(Stage.HOLD)
+    made.run(0.1)
+    assert made.true(TORQUE).all()
+    assert len(made.jumps) == 1
+    assert made.jumps[0] <= 2
+
+
+def test_an_end_while_a_servo_is_silent_folds_the_others_and_waits_for_it(desk: Make):
+    made = desk(settings=SupervisorSettings(patience=1.0, consent=2.0, hopeless=2.0, pace=3.0)).active(20.0)
+    made.run(3.0)
+    made.plant.servos[2].mute = True
+    made.channel.set("ended", 1)
+    made.until(Stage.WAITING, within=15.0)
+    assert made.true(TORQUE).all()
+    made.plant.servos[2].mute = False
+    made.until(Stage.CLOSED, within=5.0)
+    assert not made.true(TORQUE).any()
+    assert not made.raised.any()
+
+
+def test_a_servo_that_falls_silent_stops_time_until_it_is_heard_again(desk: Make):
+    made = desk().active(6.0)
+    made.plant.servos[2].mute = True
+    made.until(Stage.DEGRADED, within=0.2)
+    made.run(0.6)
+    stood = made.status.time
+    assert made.status.scale == 0.0
+    assert made.status.silent == 1
+    made.run(0.3)
+    assert made.status.time == stood
+    made.plant.servos[2].mute = False
+    made.until(Stage.ACTIVE, within=2.0)
+    made.run(0.5)
+    assert made.status.time > stood
+    assert made.true(TORQUE).all()

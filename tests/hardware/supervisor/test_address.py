@@ -1,0 +1,173 @@
+"""How another process finds the supervisor that holds a port."""
+
+import mmap
+import os
+import stat
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kinesic.hardware.supervisor import address
+from kinesic.hardware.supervisor.address import ALIVE, find_supervisor, publish
+from kinesic.hardware.supervisor.channel import Channel, Status, map_memory, memory_file, memory_size
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="needs /proc, as kinesic says")
+JOINTS, NOW = 3, 1000.0
+NOBODY = 65_534  # an owner who is not us
+
+
+@dataclass
+class Held:
+    """A port, and the channel of the supervisor that holds it, which is this process."""
+
+    port: Path
+    memory: int
+    channel: Channel
+    folder: Path
+
+    @property
+    def file(self) -> Path:
+        (only,) = self.folder.iterdir()
+        return only
+
+    def found(self) -> bool:
+        return find_supervisor(self.port, JOINTS) is not None
+
+
+def beat(clock: float) -> Status:
+    """A status of this time [s]."""
+    nowhere = np.zeros(JOINTS)
+    return Status(clock=clock, angles=nowhere, goals=nowhere, taken=nowhere)
+
+
+@pytest.fixture
+def held(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Held]:
+    folder = tmp_path / "shm"
+    folder.mkdir()
+    monkeypatch.setattr(address, "FOLDER", folder)
+    monkeypatch.setattr(address, "monotonic", lambda: NOW)
+    octets = memory_size(JOINTS)
+    memory = memory_file(octets)
+    channel = Channel(map_memory(memory, octets), JOINTS)
+    channel.write_status(beat(NOW))
+    yield Held(tmp_path / "ttyUSB0", memory, channel, folder)
+    os.close(memory)
+
+
+def test_who_was_published_is_found_and_hears(held: Held):
+    assert publish([held.port], held.memory) == (held.file,)
+    found = find_supervisor(held.port, JOINTS)
+    assert found is not None
+    found.set("confirm", 1)
+    assert held.channel.word("confirm") == 1
+    assert not list(held.folder.glob("*.*")), "no draft stays"
+
+
+def test_finding_leaves_nothing_open(held: Held):
+    publish([held.port], held.memory)
+    before = len(os.listdir("/proc/self/fd"))
+    kept = [find_supervisor(held.port, JOINTS) for _ in range(3)]
+    assert all(kept)
+    assert find_supervisor(held.port, JOINTS + 1) is None
+    del kept
+    assert len(os.listdir("/proc/self/fd")) == before
+
+
+def test_only_the_user_may_read_and_write_the_address(held: Held):
+    publish([held.port], held.memory)
+    assert stat.S_IMODE(held.file.stat().st_mode) == 0o600
+
+
+def test_ports_have_an_address_each_and_another_port_has_none(held: Held):
+    others = [held.port.with_name(name) for name in ("ttyUSB1", "ttyUSB2")]
+    assert len(set(publish([held.port, others[0]], held.memory))) == 2
+    assert held.found()
+    assert find_supervisor(others[0], JOINTS) is not None
+    assert find_supervisor(others[1], JOINTS) is None
+
+
+def test_a_port_is_the_same_by_whatever_path(held: Held, monkeypatch: pytest.MonkeyPatch):
+    publish([held.port], held.memory)
+    monkeypatch.chdir(held.port.parent)
+    assert find_supervisor("ttyUSB0", JOINTS) is not None
+
+
+def test_the_next_supervisor_takes_the_place_of_one_that_died(held: Held):
+    publish([held.port], held.memory)
+    held.file.write_text("1 1")
+    held.file.with_name(f"{held.file.name}.{os.getpid()}").write_text("a draft that was left")
+    publish([held.port], held.memory)
+    assert held.found()
+
+
+def test_where_nothing_can_be_written_nobody_is_published(held: Held, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(address, "FOLDER", held.folder / "missing")
+    assert publish([held.port], held.memory) == ()
+    assert not held.found()
+
+
+@pytest.mark.parametrize(("since", "alive"), [(-1.0, True), (0.5, True), (ALIVE, False), (5.0, False)])
+def test_a_supervisor_whose_clock_stands_is_none(held: Held, since: float, alive: bool):
+    publish([held.port], held.memory)
+    held.channel.write_status(beat(NOW - since))
+    assert held.found() is alive
+
+
+def test_a_robot_with_other_joints_is_none_of_ours(held: Held):
+    publish([held.port], held.memory)
+    assert find_supervisor(held.port, JOINTS + 1) is None
+    assert find_supervisor(held.port, JOINTS - 1) is None
+
+
+def test_a_process_that_has_ended_is_not_found(held: Held):
+    publish([held.port], held.memory)
+    ended = subprocess.Popen([sys.executable, "-c", ""])
+    ended.wait()
+    held.file.write_text(f"{ended.pid} {held.memory}")
+    assert not held.found()
+
+
+@pytest.mark.parametrize("text", ["", "nonsense", "1", "1 2 3", "-1 4", "../.. 4"])
+def test_an_address_that_is_none_finds_nobody(held: Held, text: str):
+    publish([held.port], held.memory)
+    held.file.write_text(text)
+    assert not held.found()
+
+
+def test_an_address_behind_a_link_is_not_followed(held: Held):
+    publish([held.port], held.memory)
+    elsewhere = held.folder.with_name("elsewhere")
+    held.file.rename(elsewhere)
+    link = Path(publish([held.port], held.memory)[0])
+    link.unlink()
+    link.symlink_to(elsewhere)
+    assert not held.found()
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can give files away")
+def test_an_address_of_somebody_else_is_not_believed(held: Held):
+    publish([held.port], held.memory)
+    os.chown(held.file, NOBODY, NOBODY)
+    assert not held.found()
+
+
+def test_memory_that_is_no_channel_is_not_mapped(held: Held):
+    """Neither that of another program, nor a file, though it is as large and its clock runs."""
+    octets = memory_size(JOINTS)
+    copy = bytes(map_memory(held.memory, octets))
+    foreign = os.memfd_create("other")
+    file = os.open(held.folder.with_name("kinesic"), os.O_CREAT | os.O_RDWR)
+    for descriptor in (foreign, file):
+        os.ftruncate(descriptor, octets)
+        with mmap.mmap(descriptor, octets) as memory:
+            memory[:] = copy
+        publish([held.port], descriptor)
+        assert not held.found()
+        os.close(descriptor)
+    publish([held.port], held.memory)
+    assert held.found()

@@ -1,0 +1,138 @@
+"""Servos behind a port that was lost and is back: those from before, or another robot's."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import pytest
+
+from kinesic.body.robot import Robot
+from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED, Register
+from kinesic.hardware.protocol.wire import BusError
+from kinesic.hardware.supervisor.axes import Axes, Snapshot
+from kinesic.hardware.supervisor.identity import LASTING, difference, identify
+from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.hardware.supervisor.preflight import Table, take_over
+from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
+from kinesic.hardware.virtual.memory_wire import MemoryWire
+from kinesic.hardware.virtual.servo import VirtualServo
+from kinesic.hardware.virtual.wiring import build_bus, cables
+
+PERIOD, AWAY = 0.01, 0.2  # [s]
+WATCHDOG = 5
+LEFT = (0, 1, 2, 3)  # places of the servos behind the first port
+
+
+@dataclass
+class Bench:
+    """A robot whose left port was lost and is back."""
+
+    axes: Axes
+    tables: tuple[Table, ...]
+    servos: list[VirtualServo]
+
+    def cycle(self) -> Snapshot:
+        snapshot = self.axes.cycle(None)
+        self.axes.sleep(snapshot.time + PERIOD)
+        return snapshot
+
+    def identify(self) -> tuple[int, str]:
+        """How many cycles it takes, and why the port is given up; empty if it is not."""
+        procedure, cycles = identify(self.axes, self.tables, watchdog=WATCHDOG), 0
+        try:
+            for _ in procedure:
+                self.cycle()
+                cycles += 1
+        except BusError as error:
+            return cycles, str(error)
+        return cycles, ""
+
+
+@pytest.fixture
+def bench(robot: Robot) -> Iterator[Bench]:
+    plant, buses = build_bus(cables(robot))
+    wires = {name: MemoryWire(bus, name=name, time=plant.time) for name, bus in buses.items()}
+    axes, tables = take_over(Manifest.of(robot), wires.__getitem__, period=PERIOD)
+    made = Bench(axes, tables, list(plant.servos))
+    made.cycle()
+    buses["left"].expose(FaultPlan((PlannedFault("unplug", start=0.001, seconds=AWAY),)))
+    while not made.cycle().lost:
+        pass
+    while made.cycle().lost:
+        pass
+    assert axes.strangers == LEFT
+    yield made
+    axes.close()
+
+
+def test_the_same_servos_are_welcome_after_a_cycle_for_each(bench: Bench):
+    assert bench.identify() == (4, "")
+    assert bench.axes.strangers == ()
+    assert bench.identify() == (0, "")
+
+
+def test_one_that_is_silent_may_still_be_starting(bench: Bench):
+    bench.servos[0].mute = True
+    assert bench.identify() == (4, "")
+    assert bench.axes.strangers == ()
+
+
+def test_where_nobody_answers_the_port_is_given_up(bench: Bench):
+    for servo in bench.servos[:4]:
+        servo.mute = True
+    cycles, why = bench.identify()
+    assert cycles == 5, "the fifth shows that the port is lost"
+    assert why == "left: servo 1 (torsion): no servo answers since the port is back; is the power on?"
+    assert bench.cycle().lost
+    assert bench.axes.strangers == LEFT
+
+
+def test_another_robot_is_told_by_its_first_servo_that_differs_and_by_no_more(bench: Bench):
+    bench.servos[1].memory[Register.SHUTDOWN] = 53
+    cycles, why = bench.identify()
+    assert cycles == 3
+    assert why.startswith("left: servo 2 (torsion): its SHUTDOWN is 53, must be 52; another robot is behind this port")
+    assert bench.cycle().lost
+    assert bench.axes.strangers == LEFT
+
+
+def test_who_comes_back_with_torque_must_have_had_our_watchdog(bench: Bench):
+    bench.servos[3].memory[Register.TORQUE_ENABLE] = 1
+    bench.servos[3].memory[Register.BUS_WATCHDOG] = 0
+    _, why = bench.identify()
+    assert "it has torque and a BUS_WATCHDOG of 0, must be 5, or have tripped; another robot" in why
+
+
+def changed(table: Table, **values: int) -> Table:
+    data = bytearray(table.data)
+    for name, value in values.items():
+        field = Register[name].field
+        data[field.address : field.end] = field.pack(value)
+    return Table(table.member, bytes(data))
+
+
+def test_a_servo_is_the_same_though_its_ram_was_lost(bench: Bench):
+    before = bench.tables[0]
+    assert difference(before, before, watchdog=WATCHDOG) == ""
+    for register in Register:
+        field = register.field
+        if field.address > 64 and field.end <= len(before.data) and register is not Register.BUS_WATCHDOG:
+            assert difference(before, changed(before, **{register.name: 1}), watchdog=WATCHDOG) == ""
+
+
+@pytest.mark.parametrize("register", [r for r in Register if r.field.address < 64], ids=lambda r: r.name)
+def test_what_lasts_without_power_tells_servos_apart(bench: Bench, register: Register):
+    assert register in LASTING
+    before = bench.tables[0]
+    other = before[register] ^ 1
+    said = difference(before, changed(before, **{register.name: other}), watchdog=WATCHDOG)
+    assert said == f"its {register.name} is {other}, must be {before[register]}"
+
+
+@pytest.mark.parametrize(
+    ("torque", "watchdog", "same"),
+    [(0, 0, True), (0, 9, True), (1, WATCHDOG, True), (1, WATCHDOG_TRIPPED, True), (1, 0, False), (1, 4, False)],
+)
+def test_torque_without_our_watchdog_is_somebody_elses(bench: Bench, torque: int, watchdog: int, same: bool):
+    before = bench.tables[0]
+    now = changed(before, TORQUE_ENABLE=torque, BUS_WATCHDOG=watchdog)
+    assert (difference(before, now, watchdog=WATCHDOG) == "") is same
