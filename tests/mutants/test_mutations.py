@@ -83,7 +83,7 @@ def test_an_edit_keeps_all_other_bytes():
 def test_mutants_of_the_parts_can_be_parsed_and_their_tests_exist(module: str):
     source = (TREE / module).read_bytes()
     sites = find_sites(source)
-    assert len(sites) > 20
+    assert len(sites) > 10
     for site in sites[::10]:
         ast.parse(site[0].apply(source))
     assert all((TREE / tests).is_file() for tests in MODULES[module])

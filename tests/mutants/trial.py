@@ -19,7 +19,7 @@ import pytest
 
 MEMORY = 8 << 30  # [bytes] of address space that a mutant may take
 PATIENCE = (20.0, 8.0)  # [s] that tests of a mutant may take, and how many times as long as without it
-SELECTION = "not soak and not realtime"
+SELECTION = ("-m", "not soak and not realtime", "-k", "not manual")  # the manual's servos take longer, and kill no more
 
 FORKS = multiprocessing.get_context("forkserver")  # each trial begins with the heavy libraries loaded
 FORKS.set_forkserver_preload(["trial", "numpy", "scipy.optimize", "scipy.sparse", "mujoco", "casadi", "msgspec"])
@@ -99,4 +99,4 @@ def run_tests(root: Path, tests: Sequence[str]) -> None:
     silence = os.open(os.devnull, os.O_RDWR)
     for stream in (0, 1, 2):
         os.dup2(silence, stream)
-    sys.exit(pytest.main(["-x", "-q", "-p", "no:cacheprovider", "-m", SELECTION, *tests]))
+    sys.exit(pytest.main(["-x", "-q", "-p", "no:cacheprovider", *SELECTION, *tests]))

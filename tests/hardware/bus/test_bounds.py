@@ -34,3 +34,52 @@ def test_an_outsider_is_named_with_its_bounds(name: str, sign: int):
     assert bounds.outside(records).tolist() == [False, True]
     assert bounds.reason(0, records[0]) == ""
     assert bounds.reason(1, records[1]).startswith(f"{name} is {sign * 32767}, must be ")
+
+
+FEW = {"volts": (25, 240), "torque": (0, 1), "watchdog": (-1, 127), "temperature": (0, 125), "hardware_error": (0, 63)}
+MOST = {
+    "xm430_w350": FEW | {"current": (-2386, 2386), "velocity": (-700, 700)},
+    "xl330_m288": FEW | {"current": (-3500, 3500), "velocity": (-890, 890), "volts": (25, 105)},
+    "xl430_w250": FEW | {"current": (-2000, 2000), "velocity": (-530, 530), "volts": (25, 210)},  # load in 0.1 %
+    "xm540_w270": FEW | {"current": (-4094, 4094), "velocity": (-525, 525)},  # of a shaft that is pushed by hand
+}
+"""Twice the factory's limits of current and speed, half as much again of the supply; by the vendor's tables."""
+
+
+@pytest.mark.parametrize(
+    ("model", "name", "ends"), [(model, name, ends) for model in MOST for name, ends in MOST[model].items()]
+)
+def test_the_ends_are_believed_and_what_is_beyond_is_not(model: str, name: str, ends: tuple[int, int]):
+    """The second servo has the ends of its own model, whatever the first is."""
+    bounds = RecordBounds.of([MODELS["xm430_w350"], MODELS[model]], [SPAN, (1000, 2000)])
+    for value, beyond in ((ends[0], ends[0] - 1), (ends[1], ends[1] + 1)):
+        record = np.zeros(2, BLOCK)
+        record["volts"], record["position"] = 100, 1500
+        record[name][1] = value
+        assert not bounds.outside(record).any()
+        assert bounds.reason(1, record[1]) == ""
+        held = np.iinfo(record[name].dtype)
+        if held.min <= beyond <= held.max:
+            record[name][1] = beyond
+            assert bounds.outside(record).tolist() == [False, True]
+            assert bounds.reason(1, record[1]) == f"{name} is {beyond}, must be {ends[0]}..{ends[1]}"
+
+
+@pytest.mark.parametrize(("torque", "ends"), [(1, (1000 - 512, 2000 + 512)), (0, (-8 * 4096, 8 * 4096))])
+def test_a_joint_with_torque_stands_near_its_range_and_a_limp_one_within_eight_turns(
+    torque: int, ends: tuple[int, int]
+):
+    bounds = RecordBounds.of([MODELS["xm430_w350"]] * 2, [SPAN, (1000, 2000)])
+    for value, beyond in ((ends[0], ends[0] - 1), (ends[1], ends[1] + 1)):
+        record = np.zeros(2, BLOCK)
+        record["volts"], record["position"] = 100, 1500
+        record["torque"][1], record["position"][1] = torque, value
+        assert not bounds.outside(record).any()
+        record["position"][1] = beyond
+        assert bounds.outside(record).tolist() == [False, True]
+        assert bounds.reason(1, record[1]) == f"position is {beyond}, must be {ends[0]}..{ends[1]}"
+
+
+def test_a_joint_seems_to_move_twice_as_fast_as_its_limit_or_two_turns_a_second():
+    bounds = RecordBounds.of([MODELS["xm430_w350"], MODELS["xm540_w270"]], [SPAN, SPAN])
+    assert bounds.pace == pytest.approx([2 * 350 * 0.229 / 60 * 4096, 2 * 4096])

@@ -41,6 +41,13 @@ def test_a_failure_is_told_once_and_by_the_hinges_names(watched: Watched):
     assert len(watched.log) == 1
 
 
+def test_what_is_so_from_the_first_cycle_on_is_told(room: Room, manifest: Manifest):
+    first = Watched(room, manifest)
+    room.records["hardware_error"][1] = HardwareError.OVERLOAD.value
+    assert first.err(0, HardwareError.VOLTAGE) == ("failed",)
+    assert [kind for kind, _ in first.log] == ["failed", "supply"]
+
+
 def test_each_further_failure_is_told_by_itself(watched: Watched):
     watched.err(1, HardwareError.OVERLOAD)
     assert watched.err(4, HardwareError.OVERLOAD) == ("failed",)
@@ -108,6 +115,14 @@ def clock() -> Clock:
     made = Clock()
     assert not made.cycle(64.0).interrupted
     return made
+
+
+def test_before_the_first_cycle_nothing_is_interrupted():
+    watch = InterruptionWatch(STARTLE)
+    assert (watch.interrupted, watch.unwell) == (False, 0.0)
+    watch.note_commands(0.75, left=False, go_on=True)
+    assert (watch.interrupted, watch.unwell) == (True, 0.75)
+    assert watch.describe("") == "commands came too late (0.8 s and more)"
 
 
 def test_all_is_well(clock: Clock):
