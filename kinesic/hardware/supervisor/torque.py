@@ -17,6 +17,7 @@ from kinesic.hardware.supervisor.axes import Axes, Snapshot, fold_turns
 from kinesic.hardware.supervisor.goal_limits import LEAD
 
 TRIES = 25  # cycles that a step may take
+AGAIN = 5  # cycles after which torque is asked for once more
 SETTLING = 200  # cycles in which limp servos must come to stand still
 STILL = 1.0  # [ticks] that a limp servo may have moved between reading and torque
 LOW = 0.1  # share of the PWM limit that torque begins with
@@ -68,19 +69,31 @@ def energise(
         names = ", ".join(axes.where(k) for k in chosen)
         raise BusError(f"{names}: some of them move, or do not take their goals; they stay limp")
     axes.put_all(Register.BUS_WATCHDOG, chosen, watchdog)
-    axes.put_all(Register.TORQUE_ENABLE, chosen, 1)
-    for _ in range(TRIES):
-        snapshot = yield goals
-        if snapshot.torque[chosen].all():
-            break
-    else:
-        dark = next(k for k in chosen if not snapshot.torque[k])
-        axes.put_all(Register.TORQUE_ENABLE, chosen, 0)
-        yield goals
-        raise BusError(f"{axes.where(dark)}: torque does not come on; has it shut down?")
+    yield from _switch_on(axes, chosen, goals)
     for share in np.linspace(LOW, 1.0, steps + 1)[1:].tolist():
         axes.put(Register.GOAL_PWM, {k: round(share * power[k]) for k in chosen})
         yield goals
+
+
+def _switch_on(axes: Axes, chosen: list[int], goals: Floats) -> Procedure:
+    """Switches torque on, and asks again whoever may not have heard it and has not moved since; or none gets it."""
+    dark, denials, since = list(chosen), 0, axes.now()
+    for cycle in range(SETTLING):
+        if cycle % AGAIN == 0:
+            axes.put_all(Register.TORQUE_ENABLE, dark, 1)
+        snapshot = yield goals
+        waiting = ~snapshot.torque[chosen]
+        if not waiting.any():
+            return
+        denials += bool((waiting & (snapshot.times[chosen] > since)).any())  # a late host may have heard nobody
+        if denials == TRIES:
+            break
+        still = np.abs(fold_turns(snapshot.positions[chosen]) - goals) <= STILL
+        dark, since = [chosen[k] for k in np.flatnonzero(waiting & still)], snapshot.time
+    where = axes.where(chosen[int(np.flatnonzero(waiting)[0])])
+    axes.put_all(Register.TORQUE_ENABLE, chosen, 0)
+    yield goals
+    raise BusError(f"{where}: torque does not come on; has it shut down?")
 
 
 def adopt(axes: Axes, first: Snapshot, earlier: Floats, power: Ticks, *, watchdog: int) -> Procedure:

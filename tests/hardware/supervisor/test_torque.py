@@ -13,6 +13,7 @@ from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.axes import Axes, Snapshot
 from kinesic.hardware.supervisor.preflight import configure, take_over
 from kinesic.hardware.supervisor.torque import (
+    TRIES,
     Procedure,
     adopt,
     energise,
@@ -168,6 +169,51 @@ def test_where_torque_does_not_come_nobody_keeps_it(bench: Bench):
     lit = [seen[Register.TORQUE_ENABLE] for seen in bench.seen]
     assert lit.count([1, 1, 0, 1]) == 25  # cycles that it is waited for
     assert lit[-1] == [0] * COUNT
+
+
+@pytest.fixture
+def deaf_once(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> list[list[int]]:
+    """The second servo does not hear the first request for torque; collects whose torque was asked for."""
+    asked: list[list[int]] = []
+    put_all = bench.axes.put_all
+
+    def lossy(register: Register, places: Sequence[int], value: int) -> None:
+        if register is Register.TORQUE_ENABLE and value:
+            asked.append(list(places))
+            places = [k for k in places if k != 1 or len(asked) > 1]
+        put_all(register, places, value)
+
+    monkeypatch.setattr(bench.axes, "put_all", lossy)
+    return asked
+
+
+def test_who_did_not_hear_the_request_for_torque_is_asked_again(bench: Bench, deaf_once: list[list[int]]):
+    bench.energised()
+    assert deaf_once == [list(EVERYBODY), [1]]
+    assert bench.true(Register.TORQUE_ENABLE) == [1] * COUNT
+
+
+def test_who_has_moved_since_is_not_asked_again(bench: Bench, deaf_once: list[list[int]]):
+    procedure = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
+    with pytest.raises(BusError, match=r"servo 2 \(hinge1\): torque does not come on"):
+        bench.run(procedure, lambda snapshot, cycle: moved(snapshot, 50 if deaf_once else 0))
+    assert [places for places in deaf_once if places] == [list(EVERYBODY)]
+    assert bench.true(Register.TORQUE_ENABLE) == [0] * COUNT
+
+
+def test_a_host_that_hears_nobody_for_a_while_waits_for_torque(bench: Bench, deaf_once: list[list[int]]):
+    told: list[Snapshot] = []
+    limp = bench.last
+
+    def late(snapshot: Snapshot, cycle: int) -> Snapshot:
+        if not deaf_once or len(told) > 2 * TRIES:
+            return snapshot
+        told.append(replace(snapshot, records=limp.records, times=limp.times))
+        return told[-1]
+
+    bench.run(energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3), late)
+    assert len(told) > 2 * TRIES
+    assert bench.true(Register.TORQUE_ENABLE) == [1] * COUNT
 
 
 def test_servos_with_torque_are_adopted_with_their_goals(bench: Bench):
