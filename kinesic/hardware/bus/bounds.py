@@ -50,11 +50,11 @@ class RecordBounds:
         pace = np.maximum(SURE * limits * SPEED / TICK, BY_HAND)
         current = SURE * np.array([_largest_current(model) for model in models])
         volts = SURGE * np.array([model.starts(Register.MAX_VOLTAGE_LIMIT) for model in models])
-        speed, same = np.ceil(pace * TICK / SPEED), np.ones(len(models))
+        speed = np.ceil(pace * TICK / SPEED)
         ends = np.array(spans, dtype=np.float64).reshape(-1, 2).T
         return cls(
-            lower=sealed([0 * same, -1 * same, -current, -speed, LEAST_VOLTS * same, 0 * same, 0 * same]),
-            upper=sealed([same, 127 * same, current, speed, volts, HOTTEST * same, ERRORS * same]),
+            lower=sealed(np.broadcast_arrays(0, -1, -current, -speed, LEAST_VOLTS, 0, 0)),
+            upper=sealed(np.broadcast_arrays(1, 127, current, speed, volts, HOTTEST, ERRORS)),
             driven=sealed(ends + np.array([[-BEYOND], [BEYOND]])),
             pace=sealed(pace),
         )

@@ -3,46 +3,17 @@ from math import inf
 import numpy as np
 import pytest
 
-from kinesic.hardware.bus.bounds import RecordBounds
 from kinesic.hardware.bus.cycle import BLOCK, Records
-from kinesic.hardware.bus.plausibility import LEAP, LEEWAY, PlausibilityFilter
+from kinesic.hardware.bus.plausibility import LEAP, LEEWAY, RUSH, PlausibilityFilter
 from kinesic.hardware.bus.query import ServoReplies
-from kinesic.hardware.protocol.models import MODELS
 
-ALL = slice(None)
-PERIOD = 0.01
+from .records import ALL, answer, blocks, gate, make_filter, told
 
-
-def blocks(tick: int, place: int = 2048, **changes: int) -> Records:
-    """Two servos; the changes are of the second."""
-    made = np.zeros(2, BLOCK)
-    made["tick"], made["position"], made["volts"], made["temperature"] = tick, place, 120, 40
-    for name, value in changes.items():
-        made[name][1] = value
-    return made
-
-
-def answer(made: Records) -> ServoReplies:
-    return ServoReplies(made, np.ones(len(made), dtype=np.bool_), True, 0)
-
-
-@pytest.fixture
-def gate() -> PlausibilityFilter:
-    opened = PlausibilityFilter(RecordBounds.of((MODELS["xm430_w350"],) * 2, ((1000, 3000),) * 2), PERIOD)
-    opened.begin()
-    opened.admit(ALL, answer(blocks(1000)), 1.0)
-    opened.begin()
-    return opened
-
-
-def told(gate: PlausibilityFilter, made: Records, time: float = 1.01) -> list[bool]:
-    gate.begin()
-    gate.admit(ALL, answer(made), time)
-    return [bool(fresh) for fresh in gate.fresh]
+__all__ = ["gate"]
 
 
 def test_the_first_record_is_believed():
-    opened = PlausibilityFilter(RecordBounds.of((MODELS["xm430_w350"],) * 2, ((1000, 3000),) * 2), PERIOD)
+    opened = make_filter()
     opened.begin()
     assert opened.times.tolist() == [-inf, -inf]
     opened.admit(ALL, answer(blocks(1000, 17)), 1.0)
@@ -212,29 +183,6 @@ def test_a_servo_that_was_forgotten_may_say_anything(gate: PlausibilityFilter):
     assert told(gate, blocks(5, position=3000)) == [False, True]
 
 
-def test_a_late_record_counts_from_when_it_was_taken(gate: PlausibilityFilter):
-    gate.admit_late(ALL, answer(blocks(1010, 2050)), 1.025)
-    assert not gate.fresh.any()
-    assert gate.late.all()
-    assert gate.blocks["position"].tolist() == [2050, 2050]
-    assert gate.times.tolist() == pytest.approx([1.01, 1.01])
-    gate.admit_late(ALL, answer(blocks(1005, 2070)), 1.03)
-    assert gate.blocks["position"].tolist() == [2050, 2050]
-
-
-def test_a_record_is_late_by_the_servos_clock(gate: PlausibilityFilter):
-    assert gate.is_late(0, blocks(1005)[0], 1.02, leeway=0.004)
-    assert not gate.is_late(0, blocks(1019)[0], 1.02, leeway=0.004)
-
-
-def test_a_clock_that_is_not_trusted_proves_nothing_until_the_next_record(gate: PlausibilityFilter):
-    gate.distrust_clocks()
-    assert not gate.is_late(0, blocks(1005)[0], 1.02, leeway=0.004)
-    gate.admit(ALL, answer(blocks(1005)), 1.02)
-    assert gate.times.tolist() == [1.02, 1.02]
-    assert gate.is_late(0, blocks(1010)[0], 1.04, leeway=0.004)
-
-
 def test_who_did_not_answer_keeps_the_record(gate: PlausibilityFilter):
     gate.begin()
     gate.admit(ALL, ServoReplies(blocks(1010, 2060), np.array([True, False]), False, 0), 1.01)
@@ -251,3 +199,88 @@ def test_what_was_handed_out_does_not_change(gate: PlausibilityFilter):
     gate.forget(0)
     assert (before == kept).all()
     assert times.tolist() == [1.0, 1.0]
+
+
+def test_a_joint_may_move_in_a_cycle_as_far_as_its_speed_allows_in_two(gate: PlausibilityFilter):
+    """10943 ticks/s over 20 ms, and the leeway."""
+    assert told(gate, blocks(1010, position=2048 + 218 + LEEWAY)) == [True, True]
+    assert told(gate, blocks(1020, position=2048), 1.02) == [True, True]
+    assert told(gate, blocks(1030, position=2048 + 219 + LEEWAY), 1.03) == [True, False]
+    assert told(gate, blocks(1040, position=2048 - 219 - LEEWAY), 1.04) == [True, False]
+
+
+def alone(made: PlausibilityFilter, block: Records, time: float) -> bool:
+    """Whether the second servo is believed, asked by itself."""
+    made.begin()
+    made.admit(np.array([1]), answer(block[1:]), time)
+    return bool(made.fresh[1])
+
+
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_after_a_silence_a_joint_may_be_as_far_as_its_speed_allows(sign: int):
+    """8192 ticks/s; times are sums of powers of two."""
+    most = 8192 // 8 + LEEWAY
+    for jump, believed in ((most, True), (most + 1, False)):
+        made = make_filter("xm540_w270")
+        made.admit(ALL, answer(blocks(1000, 0)), 1.0)
+        assert alone(made, blocks(1125, 0, position=sign * jump), 1.125) is believed
+
+
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_after_a_silence_a_servo_may_be_as_much_warmer_as_it_can(gate: PlausibilityFilter, sign: int):
+    most = LEAP + round(RUSH / 4)
+    assert not alone(gate, blocks(1250, temperature=40 + sign * (most + 1)), 1.25)
+    gate.forget(1)
+    assert alone(gate, blocks(1260, temperature=40), 1.25)
+    assert alone(gate, blocks(1510, temperature=40 + sign * most), 1.5)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "same"),
+    [
+        ({"position": 3000}, {"position": 3000 + 2 * LEEWAY}, True),
+        ({"position": 3000}, {"position": 3000 + 2 * LEEWAY + 1}, False),
+        ({"temperature": 90}, {"temperature": 90 + LEAP}, True),
+        ({"temperature": 90}, {"temperature": 90 - LEAP - 1}, False),
+        ({"hardware_error": 4}, {"hardware_error": 4}, True),
+        ({"hardware_error": 4}, {"hardware_error": 8}, False),
+        ({"position": 3000}, {"position": 3000, "temperature": 60}, False),
+        ({"position": 3000}, {"position": 3000, "hardware_error": 4}, False),
+    ],
+)
+def test_a_surprise_is_confirmed_by_one_of_the_same_kind(
+    gate: PlausibilityFilter, first: dict, second: dict, same: bool
+):
+    assert told(gate, blocks(1010, **first)) == [True, False]
+    assert told(gate, blocks(1020, **second), 1.02) == [True, same]
+
+
+def test_records_from_the_past_count_only_in_a_row(gate: PlausibilityFilter):
+    """Three from a clock that seems to have started anew, one in time, and three again."""
+    for begin in (0, 100):
+        for k in range(3):
+            time = 1.01 + (10 * k + begin) / 1000
+            assert told(gate, blocks(1010 + 10 * k + begin, tick=500 + 10 * k + begin), time) == [True, False]
+        assert told(gate, blocks(1050 + begin), 1.05 + begin / 1000) == [True, True]
+
+
+def test_a_clock_that_has_started_anew_is_believed_the_fourth_time(gate: PlausibilityFilter):
+    heard = [told(gate, blocks(1010 + 10 * k, tick=10 * k), 1.01 + 0.01 * k)[1] for k in range(5)]
+    assert heard == [False, False, False, True, True]
+
+
+def test_of_who_was_forgotten_no_doubt_is_left(gate: PlausibilityFilter):
+    """Neither what it said of the past, nor a surprise; also where its first record comes late."""
+    told(gate, blocks(1010, position=3000), 1.01)
+    for k in range(3):
+        told(gate, blocks(1020 + 10 * k, tick=10 * k), 1.02 + 0.01 * k)
+    gate.forget(1)
+    gate.admit_late(ALL, answer(blocks(1045, tick=40)), 1.05, sent_at=1.045)
+    assert told(gate, blocks(1050, tick=30), 1.05) == [True, False]
+    assert told(gate, blocks(1060, tick=60, position=3000), 1.06) == [True, False]
+
+
+def test_a_clock_that_is_back_after_half_its_turn_is_news(gate: PlausibilityFilter):
+    """After 16.4 s, what seems to be older may be newer."""
+    assert not alone(gate, blocks(900), 1.0 + 16.383)
+    assert alone(gate, blocks(900), 1.0 + 16.385)

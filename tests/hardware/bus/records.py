@@ -1,0 +1,46 @@
+"""Records of two servos as a test says them, and a filter that has believed the first."""
+
+import numpy as np
+import pytest
+
+from kinesic.hardware.bus.bounds import RecordBounds
+from kinesic.hardware.bus.cycle import BLOCK, Records
+from kinesic.hardware.bus.plausibility import PlausibilityFilter
+from kinesic.hardware.bus.query import ServoReplies
+from kinesic.hardware.protocol.models import MODELS
+
+ALL = slice(None)
+PERIOD = 0.01  # [s]
+
+
+def make_filter(model: str = "xm430_w350") -> PlausibilityFilter:
+    """Of two servos, that knows no record."""
+    return PlausibilityFilter(RecordBounds.of((MODELS[model],) * 2, ((1000, 3000),) * 2), PERIOD)
+
+
+def blocks(tick: int, place: int = 2048, /, **changes: int) -> Records:
+    """Two servos; the changes are of the second."""
+    made = np.zeros(2, BLOCK)
+    made["tick"], made["position"], made["volts"], made["temperature"] = tick, place, 120, 40
+    for name, value in changes.items():
+        made[name][1] = value
+    return made
+
+
+def answer(made: Records) -> ServoReplies:
+    return ServoReplies(made, np.ones(len(made), dtype=np.bool_), True, 0)
+
+
+@pytest.fixture
+def gate() -> PlausibilityFilter:
+    opened = make_filter()
+    opened.begin()
+    opened.admit(ALL, answer(blocks(1000)), 1.0)
+    opened.begin()
+    return opened
+
+
+def told(gate: PlausibilityFilter, made: Records, time: float = 1.01) -> list[bool]:
+    gate.begin()
+    gate.admit(ALL, answer(made), time)
+    return [bool(fresh) for fresh in gate.fresh]
