@@ -1,17 +1,222 @@
-"""Answers that come after their cycle, and clocks that only make them seem to."""
+"""Answers that come after their cycle, and clocks that only make them seem to: step by step, and on a bus."""
 
 from collections.abc import Callable
 
 import numpy as np
 import pytest
 
-from kinesic.hardware.bus.late_replies import STUCK
+from kinesic.hardware.bus.bounds import RecordBounds
+from kinesic.hardware.bus.cycle import BLOCK, CELLS, Records
+from kinesic.hardware.bus.late_replies import LAG, OWED, SETTLED, STUCK, LateReplies
+from kinesic.hardware.bus.listener import STEP, Listener
+from kinesic.hardware.bus.plausibility import PlausibilityFilter
+from kinesic.hardware.bus.query import ServoReplies, question_to
+from kinesic.hardware.protocol.models import MODELS
 from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.virtual.memory_wire import MemoryWire
+from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
 from ..conftest import Rig
 
-MID = 2048
 Make = Callable[..., Rig]
+MID = 2048
+ALL, PERIOD, MODEL = slice(None), 0.01, MODELS["xm430_w350"]
+LEEWAY = LAG + (8 + 3 * 22) * 1e-5  # [s] and the time of a whole answer on the wire
+
+
+class Waiting:
+    """Three servos whose clocks agree with the wire's, and what one waits for."""
+
+    def __init__(self) -> None:
+        self.plant, buses = build_bus([Cable("body", tuple(ServoFitting(k + 1) for k in range(3)))])
+        for servo in self.plant.servos:
+            servo.memory.put(MODEL.cells[0].addresses, CELLS)
+        self.wire = MemoryWire(buses["body"])
+        self.listener = Listener(self.wire)
+        self.believed = PlausibilityFilter(RecordBounds.of([MODEL] * 3, [(1000, 3000)] * 3), PERIOD)
+        self.late = LateReplies(self.believed, self.listener)
+        self.question = question_to((1, 2, 3), (MODEL.cells[0].data,) * 3, fast=True)
+
+    def ask(self, time: float) -> bytes:
+        """What the servos answer to a question at a time [s]."""
+        self.wire.sleep(time)
+        self.listener.forget()
+        self.listener.send(self.question.data)
+        raw = b""
+        while chunk := self.wire.read(time + 0.009):
+            raw += chunk
+        return raw
+
+    def miss(self, time: float) -> float:
+        """Until when [s] the answer to a question at a time, which does not come, is waited for."""
+        self.listener.sent_at = time
+        self.late.missed(self.question)
+        return time + (8 + 3 * 22) * 1e-5 + OWED
+
+    def is_of_earlier(self, answer: ServoReplies, sent_at: float) -> bool:
+        self.listener.sent_at = sent_at
+        return self.late.is_of_earlier(self.question, ALL, answer)
+
+    def cycle_of_the_past(self) -> None:
+        """A cycle that brings nothing but what seems to be older."""
+        self.believed.begin()
+        assert self.is_of_earlier(whole(1.001, 1.001, 1.001), self.miss(1.04) - 0.04)
+        self.late.note(fresh=False)
+        self.late.keep(self.question, ALL, sent_at=1.04, whole=True)
+
+
+def records(*times: float) -> Records:
+    made = np.zeros(3, BLOCK)
+    made["tick"], made["position"] = [round(1000 * time) for time in times], MID
+    made["volts"], made["temperature"] = 120, 25
+    return made
+
+
+def whole(*times: float) -> ServoReplies:
+    """All answer with records of these times [s]."""
+    return ServoReplies(records(*times), np.ones(3, dtype=np.bool_), True, 0)
+
+
+@pytest.fixture
+def waiting() -> Waiting:
+    made = Waiting()
+    made.believed.admit(ALL, whole(1.0, 1.0, 1.0), 1.0)
+    made.believed.begin()
+    return made
+
+
+def test_before_anything_was_missed_no_answer_is_of_an_earlier_question(waiting: Waiting):
+    assert not waiting.is_of_earlier(whole(1.001, 1.001, 1.001), 1.04)
+    assert not waiting.late.in_doubt
+
+
+@pytest.mark.parametrize(("after", "earlier"), [(-0.0005, True), (0.0005, False)])
+def test_a_missed_answer_may_come_fifty_milliseconds_after_its_own_time(waiting: Waiting, after: float, earlier: bool):
+    assert waiting.is_of_earlier(whole(1.001, 1.001, 1.001), waiting.miss(1.02) + after) is earlier
+
+
+@pytest.mark.parametrize(
+    ("times", "earlier"), [((1.001,) * 3, True), ((1.001, 1.001, 1.04), True), ((1.001, 1.04, 1.04), False)]
+)
+def test_most_records_decide_of_which_question_an_answer_is(waiting: Waiting, times: tuple[float, ...], earlier: bool):
+    waiting.miss(1.03)
+    assert waiting.is_of_earlier(whole(*times), 1.04) is earlier
+    assert waiting.believed.late.any() == earlier
+
+
+def test_half_of_the_records_do_not(waiting: Waiting):
+    waiting.miss(1.03)
+    waiting.listener.sent_at = 1.04
+    two = ServoReplies(records(1.001, 1.04, 1.04)[:2], np.ones(2, dtype=np.bool_), True, 0)
+    assert not waiting.late.is_of_earlier(waiting.question, np.array([0, 1]), two)
+
+
+@pytest.mark.parametrize(("sooner", "earlier"), [(0.0002, False), (0.0012, True)])
+def test_an_answer_may_seem_older_by_its_own_time_and_a_few_milliseconds(
+    waiting: Waiting, sooner: float, earlier: bool
+):
+    waiting.miss(1.03)
+    told = 1.03
+    assert waiting.is_of_earlier(whole(told, told, told), told + LEEWAY - 0.0007 + sooner) is earlier
+
+
+def test_an_answer_that_comes_before_its_bytes_can_is_of_an_earlier_question(waiting: Waiting):
+    waiting.miss(1.03)
+    waiting.listener.early = True
+    for _ in range(5):
+        assert waiting.is_of_earlier(whole(1.04, 1.04, 1.04), 1.04)
+        waiting.late.note(fresh=False)
+    assert not waiting.late.in_doubt, "no clock is needed to tell"
+
+
+def test_a_broken_answer_is_of_its_question_but_for_single_records(waiting: Waiting):
+    broken = whole(1.001, 1.04, 1.04)._replace(whole=False)
+    assert waiting.late.without_earlier(waiting.question, ALL, broken) is broken, "nothing was missed"
+    until = waiting.miss(1.03)
+    waiting.listener.sent_at = until + 0.001
+    assert waiting.late.without_earlier(waiting.question, ALL, broken) is broken, "it is too late for that"
+    assert not waiting.is_of_earlier(broken, 1.04)
+    assert waiting.late.without_earlier(waiting.question, ALL, broken).found.tolist() == [False, True, True]
+    assert waiting.believed.late.tolist() == [True, False, False]
+    unbroken = whole(1.001, 1.04, 1.04)
+    assert waiting.late.without_earlier(waiting.question, ALL, unbroken) is unbroken
+
+
+def test_two_cycles_in_a_row_that_bring_only_the_past_are_in_doubt(waiting: Waiting):
+    waiting.cycle_of_the_past()
+    assert not waiting.late.in_doubt
+    waiting.cycle_of_the_past()
+    assert waiting.late.in_doubt
+
+
+def test_one_that_brings_nothing_or_something_fresh_is_none_of_them(waiting: Waiting):
+    waiting.cycle_of_the_past()
+    waiting.late.note(fresh=False)
+    assert not waiting.late.in_doubt, "nothing was set aside"
+    waiting.late.note(fresh=True)
+    waiting.cycle_of_the_past()
+    assert not waiting.late.in_doubt, "not in a row"
+
+
+def test_silence_after_a_cycle_without_a_question_means_that_clocks_have_drifted(waiting: Waiting):
+    for _ in range(2):
+        waiting.cycle_of_the_past()
+    assert waiting.believed.is_late(0, records(1.002, 1.0, 1.0)[0], 1.05, leeway=0.004)
+    waiting.late.listen_for_late(waiting.question, ALL, 1.05)
+    assert waiting.wire.now() == 1.05
+    assert not waiting.late.in_doubt
+    assert not waiting.believed.is_late(0, records(1.002, 1.0, 1.0)[0], 1.05, leeway=0.004)
+
+
+def test_answers_that_come_unasked_are_late_and_settle_it_for_a_second(waiting: Waiting):
+    for _ in range(2):
+        waiting.cycle_of_the_past()
+    waiting.wire.sleep(1.05)
+    waiting.listener.send(waiting.question.data)
+    waiting.late.listen_for_late(waiting.question, ALL, 1.059)
+    assert waiting.believed.late.all()
+    assert waiting.believed.is_late(0, records(1.051, 1.0, 1.0)[0], 1.08, leeway=0.004)
+    for _ in range(SETTLED + 1):
+        waiting.late._set_aside = True
+        waiting.late.note(fresh=False)
+        assert not waiting.late.in_doubt
+    waiting.late.note(fresh=False)
+    assert waiting.late.in_doubt
+
+
+def test_the_rest_of_an_answer_is_taken_when_it_comes_piece_by_piece(waiting: Waiting):
+    raw, usual = waiting.ask(1.03), waiting.listener.slack.usual
+    waiting.listener.received = raw[:40]
+    waiting.late.keep(waiting.question, ALL, sent_at=1.03, whole=False)
+    waiting.late.catch_up(raw[40:60], 1.04)
+    assert waiting.believed.late.tolist() == [True, True, False]
+    assert waiting.listener.slack.usual == usual
+    waiting.late.catch_up(raw[60:], 1.05)
+    assert waiting.believed.late.all()
+    assert waiting.listener.slack.usual > usual + STEP, "answers take longer than was thought"
+    waiting.believed.begin()
+    waiting.late.catch_up(raw, 1.06)
+    assert not waiting.believed.late.any(), "nothing is expected any more"
+
+
+def test_after_a_whole_answer_nothing_is_expected(waiting: Waiting):
+    raw = waiting.ask(1.03)
+    waiting.late.catch_up(raw, 1.04)
+    waiting.listener.received = b""
+    waiting.late.keep(waiting.question, ALL, sent_at=1.03, whole=True)
+    waiting.late.catch_up(raw, 1.04)
+    assert not waiting.believed.late.any()
+
+
+def test_a_first_record_that_comes_late_counts_from_its_question():
+    made = Waiting()
+    raw = made.ask(0.5)
+    made.listener.received = raw[:8]
+    made.late.keep(made.question, ALL, sent_at=0.5, whole=False)
+    made.late.catch_up(b"", 0.51)
+    assert not made.believed.late.any()
+    made.late.catch_up(raw[8:], 0.51)
+    assert made.believed.times.tolist() == [0.5] * 3
 
 
 def miss_a_cycle(made: Rig) -> None:
