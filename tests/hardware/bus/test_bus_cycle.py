@@ -5,18 +5,21 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from kinesic.hardware.bus.bus import REST
-from kinesic.hardware.bus.cycle import SIZE
+from kinesic.hardware.bus.bus import REST, Bus, Servo
+from kinesic.hardware.bus.cycle import SIZE, signature
 from kinesic.hardware.bus.late_replies import STUCK
 from kinesic.hardware.protocol import packet
 from kinesic.hardware.protocol.models import MODELS
 from kinesic.hardware.protocol.registers import HardwareError, Register
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
+from kinesic.hardware.virtual.memory_wire import MemoryWire
+from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
 from ..conftest import Rig
 
 Make = Callable[..., Rig]
+BYTE = 1e-5  # [s] at 1 Mbit/s
 
 
 def overhear(made: Rig) -> list[bytes]:
@@ -145,4 +148,38 @@ def test_a_cycle_says_when_it_began_and_how_long_it_took(rig: Make):
     before = made.wire.now()
     cycle = made.bus.cycle()
     assert (cycle.time, cycle.time + cycle.duration) == pytest.approx((before, made.wire.now()))
-    assert (cycle.times > before).all()
+    question = packet.sync_read([1, 2, 3], MODELS["xm430_w350"].cells[0].data, SIZE, fast=True)
+    assert cycle.times == pytest.approx([before + len(question) * BYTE] * 3), "when it was out"
+    assert cycle.signature == signature(cycle.records)
+
+
+def test_a_port_that_is_lost_at_once_is_looked_for_in_the_next_cycle():
+    made = Cable("body", (ServoFitting(1),), faults=FaultPlan((PlannedFault("unplug", start=0.001, seconds=0.004),)))
+    _, buses = build_bus([made])
+    wire = MemoryWire(buses["body"])
+    bus = Bus(wire, [Servo(1, MODELS["xm430_w350"])])
+    assert bus.cycle().lost
+    wire.sleep(bus.period)
+    assert not bus.cycle().lost
+
+
+@pytest.mark.parametrize(("baud", "period"), [(1_000_000, 0.009), (1_000_000, 0.0075), (4_000_000, 0.006)])
+def test_as_many_are_asked_again_as_the_cycle_has_time_for(rig: Make, baud: int, period: float):
+    """The fourth servo's block is lost, and with it all behind it: the fourth is asked last, or not at all."""
+    made = rig(20, baud=baud, period=period)
+    made.run(30)
+    made.plant.servos[3].mute = True
+    asked_at: list[tuple[float, float, bytes]] = []
+    write = made.wire.write
+    made.wire.write = lambda data: (
+        asked_at.append((made.wire.now(), made.bus._listener.slack.usual, data)),
+        write(data),
+    )
+    (cycle,) = made.run(1)
+    (_, _, first), (time, usual, again), *_ = asked_at
+    byte = 10 / baud
+    end = cycle.time + max(0.95 * period, period - 0.0005)
+    fits = int((end - time - usual) / byte - 22) // 23
+    assert first == packet.sync_read(range(1, 21), made.bus.servos[0].cells, SIZE, fast=True)
+    later = (*range(5, 21), 4)[:fits]
+    assert again == packet.sync_read(later, made.bus.servos[0].cells, SIZE, fast=True)
