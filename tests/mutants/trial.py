@@ -19,7 +19,7 @@ import pytest
 
 MEMORY = 8 << 30  # [bytes] of address space that a mutant may take
 PATIENCE = (20.0, 8.0)  # [s] that tests of a mutant may take, and how many times as long as without it
-SELECTION = ("-m", "not soak and not realtime", "-k", "not manual")  # the manual's servos take longer, and kill no more
+SELECTION = ("-m", "not soak and not realtime", "-k", "not manual")  # the same on its servos takes twice as long
 
 FORKS = multiprocessing.get_context("forkserver")  # each trial begins with the heavy libraries loaded
 FORKS.set_forkserver_preload(["trial", "numpy", "scipy.optimize", "scipy.sparse", "mujoco", "casadi", "msgspec"])
