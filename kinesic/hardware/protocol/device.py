@@ -60,8 +60,9 @@ def demand_answers(wire: Wire) -> None:
 class Cold:
     """Slow access to the servos of one wire, one by one, with retries; for anything but the cycle."""
 
-    def __init__(self, wire: Wire) -> None:
-        self.wire = wire
+    def __init__(self, wire: Wire, *, tries: int = TRIES) -> None:
+        """Asks over a wire; each question is put `tries` times at most."""
+        self.wire, self._tries = wire, tries
         self._port, self._packets = WirePort(wire), Packets()
 
     def everyone(self) -> tuple[Found, ...]:
@@ -166,7 +167,7 @@ class Cold:
     def _repeat(self, servo: int, what: str, attempt: Attempt) -> list[list[int]]:
         """Repeats an attempt until something comes; an alert is no failure."""
         result = COMM_SUCCESS
-        for _ in range(TRIES):
+        for _ in range(self._tries):
             *data, result, error = attempt()
             fault = error & ~ALERT
             if fault:
@@ -174,7 +175,8 @@ class Cold:
                 raise BusError(f"{self._who(servo)}: {what} refused ({name.lower()} error)")
             if result == COMM_SUCCESS:
                 return data
+            self._port.pass_late_answers()  # or they would answer the next question, of another register
         reason = self._packets.getTxRxResult(result).removeprefix("[TxRxResult] ").rstrip("!")
         raise BusError(
-            f"{self._who(servo)}: {what}: {reason} in {TRIES} tries; is it powered, wired, at this baud rate?"
+            f"{self._who(servo)}: {what}: {reason} in {self._tries} tries; is it powered, wired, at this baud rate?"
         )

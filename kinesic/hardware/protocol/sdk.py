@@ -15,6 +15,8 @@ from kinesic.hardware.protocol.packet import ALERT, stuff, unstuff
 from kinesic.hardware.protocol.wire import BITS_PER_BYTE, Wire
 
 LATENCY_MS = 4.0  # [ms] that an adapter and a busy host may add, each way
+SLOW_LATENCY_MS = 16.0  # [ms] the same, of an adapter whose latency timer nobody has set
+LATEST_MS = 30.0  # [ms] after which the answer to a question that was given up does not come any more
 LEAST_MS = 2.0  # [ms]
 BODY = 7  # where the instruction stands
 STATUS_EXTRA = 4  # [bytes] of the length field of a status beyond its data: instruction, error, CRC
@@ -27,6 +29,7 @@ class WirePort(PortHandler):  # type: ignore[misc]  # the SDK ships no types
         super().__init__(wire.name)
         self._wire, self._spare = wire, bytearray()
         self.baudrate, self.is_open = wire.baud, True
+        self.latency_ms = LATENCY_MS
         self.tx_time_per_byte = 1000.0 * BITS_PER_BYTE / wire.baud
 
     def closePort(self) -> None:
@@ -38,6 +41,12 @@ class WirePort(PortHandler):  # type: ignore[misc]  # the SDK ships no types
         """Drops what has come so far."""
         self._spare.clear()
         self._wire.read(self._wire.now())
+
+    def pass_late_answers(self) -> None:
+        """Waits for what may still come of an earlier question, drops it, and gives the next one more time."""
+        self._wire.sleep(self._wire.now() + LATEST_MS / 1000.0)
+        self.clearPort()
+        self.latency_ms = SLOW_LATENCY_MS
 
     def getBytesAvailable(self) -> int:
         """How many bytes can be read without waiting."""
@@ -59,7 +68,7 @@ class WirePort(PortHandler):  # type: ignore[misc]  # the SDK ships no types
 
     def setPacketTimeout(self, packet_length: int) -> None:
         """Sets the time to wait for so many bytes, and for what was sent before them."""
-        self.setPacketTimeoutMillis(self.tx_time_per_byte * packet_length + 2 * LATENCY_MS + LEAST_MS)
+        self.setPacketTimeoutMillis(self.tx_time_per_byte * packet_length + 2 * self.latency_ms + LEAST_MS)
 
     def getCurrentTime(self) -> float:
         """[ms] of the wire's clock."""

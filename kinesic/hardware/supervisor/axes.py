@@ -57,6 +57,7 @@ class Axes:
         self.manifest = manifest
         self.buses: Mapping[str, Bus] = {name: buses[name] for name in manifest.bauds}
         self._cold = {name: Cold(bus.wire) for name, bus in self.buses.items()}
+        self._brief = {name: Cold(bus.wire, tries=1) for name, bus in self.buses.items()}
         places = {name: [k for k, m in enumerate(manifest.members) if m.bus == name] for name in manifest.bauds}
         self._parts = {name: slice(found[0], found[-1] + 1) for name, found in places.items()}
         self._strange: set[str] = set()  # buses whose port was lost: who is behind it now?
@@ -134,13 +135,13 @@ class Axes:
         )
 
     def read(self, place: int, registers: Collection[Register]) -> dict[Register, int]:
-        """Reads some registers of one member, asked alone.
+        """Reads some registers of one member, as `brief` does.
 
         Raises:
             BusError: it does not answer, or the port is gone.
         """
         member = self.manifest.members[place]
-        return self._cold[member.bus].read_several(member.id, registers)
+        return self._brief[member.bus].read_several(member.id, registers)
 
     def write(self, place: int, register: Register, value: int) -> None:
         """Sets a register of one member, alone.
@@ -154,6 +155,10 @@ class Axes:
     def cold(self, bus: str) -> Cold:
         """Returns the slow access (`Cold`) to the servos of a bus."""
         return self._cold[bus]
+
+    def brief(self, bus: str) -> Cold:
+        """Returns the access that asks once, for use between cycles: other servos wait for their goals meanwhile."""
+        return self._brief[bus]
 
     def where(self, place: int) -> str:
         """Names a member in messages."""

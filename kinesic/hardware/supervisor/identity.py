@@ -9,9 +9,11 @@ from kinesic.hardware.supervisor.torque import Procedure
 LASTING = tuple(register for register in Register if register.field.end <= Register.TORQUE_ENABLE.field.address)
 """What a servo keeps without power."""
 
+TRIES = 4  # cycles in which a servo is asked
+
 
 def identify(axes: Axes, tables: tuple[Table, ...], *, watchdog: int) -> Procedure:
-    """Compares the servos behind ports that were lost with those from before, one in each cycle, by reading alone.
+    """Compares the servos behind ports that were lost with those from before, one read in each cycle.
 
     Args:
         axes: all servos.
@@ -23,11 +25,15 @@ def identify(axes: Axes, tables: tuple[Table, ...], *, watchdog: int) -> Procedu
     """
     seen: set[str] = set()
     for place in axes.strangers:
-        yield None
-        member = axes.manifest.members[place]
-        try:
-            now = Table.read(axes.cold(member.bus), member)
-        except BusError:
+        member, now = axes.manifest.members[place], None
+        for _ in range(TRIES):
+            yield None
+            try:
+                now = Table.read(axes.brief(member.bus), member)
+            except BusError:
+                continue
+            break
+        if now is None:
             continue  # it may still be starting: the others tell whose bus this is
         if other := difference(tables[place], now, watchdog=watchdog):
             yield from _refuse(axes, place, f"{other}; another robot is behind this port")

@@ -6,7 +6,11 @@ from kinesic.hardware.protocol.device import Change, Cold, Found
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
+from kinesic.hardware.virtual.wiring import Cable, ServoFitting
 
+from ..conftest import BUILDERS
+
+FOUR_BYTES = (Register.MIN_POSITION_LIMIT, Register.MAX_POSITION_LIMIT, Register.HOMING_OFFSET, Register.GOAL_POSITION)
 Make = Callable  # of a rig, see conftest
 
 
@@ -36,6 +40,20 @@ def test_registers_are_read_and_written(cold: Cold):
 def test_who_does_not_answer_is_named(cold: Cold):
     with pytest.raises(BusError, match=r"memory: servo 9: read of 4 bytes at 132.*is it powered, wired"):
         cold.read(9, Register.PRESENT_POSITION)
+
+
+@pytest.mark.parametrize("latency", [0.001, 0.008, 0.012, 0.016, 0.030])
+def test_a_slow_adapter_answers_no_other_question(servos: str, latency: float):
+    build, wire_of = BUILDERS[servos]
+    plant, buses = build([Cable("body", (ServoFitting(1, model="xm430_w350"),), latency=latency)])
+    cold, right = Cold(wire_of(buses["body"])), list[bool]()
+    for register in FOUR_BYTES * 3:
+        try:
+            right.append(cold.read(1, register) == plant.servos[0].memory[register])
+        except BusError:
+            continue
+    assert all(right)
+    assert len(right) == 3 * len(FOUR_BYTES) or latency > 0.016
 
 
 def test_a_refusal_is_named(cold: Cold):

@@ -9,7 +9,7 @@ from kinesic.body.robot import Robot
 from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED, Register
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.axes import Axes, Snapshot
-from kinesic.hardware.supervisor.identity import LASTING, difference, identify
+from kinesic.hardware.supervisor.identity import TRIES, LASTING, difference, identify
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.preflight import Table, take_over
 from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
@@ -65,14 +65,14 @@ def bench(robot: Robot) -> Iterator[Bench]:
 
 
 def test_the_same_servos_are_welcome_after_a_cycle_for_each(bench: Bench):
-    assert bench.identify() == (4, "")
+    assert bench.identify() == (3 + TRIES, "")
     assert bench.axes.strangers == ()
     assert bench.identify() == (0, "")
 
 
 def test_one_that_is_silent_may_still_be_starting(bench: Bench):
     bench.servos[0].mute = True
-    assert bench.identify() == (4, "")
+    assert bench.identify() == (3 + TRIES, "")
     assert bench.axes.strangers == ()
 
 
@@ -80,7 +80,7 @@ def test_where_nobody_answers_the_port_is_given_up(bench: Bench):
     for servo in bench.servos[:4]:
         servo.mute = True
     cycles, why = bench.identify()
-    assert cycles == 5, "the fifth shows that the port is lost"
+    assert cycles == 4 * TRIES + 1, "the last one shows that the port is lost"
     assert why == "left: servo 1 (torsion): no servo answers since the port is back; is the power on?"
     assert bench.cycle().lost
     assert bench.axes.strangers == LEFT
