@@ -1,6 +1,6 @@
 """One cycle after the other, as heard on the wire: what is written, who is asked, and when it ends."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
-from ..conftest import Rig
+from ..conftest import Rig, rig_of
 
 Make = Callable[..., Rig]
 BYTE = 1e-5  # [s] at 1 Mbit/s
@@ -158,28 +158,69 @@ def test_a_port_that_is_lost_at_once_is_looked_for_in_the_next_cycle():
     _, buses = build_bus([made])
     wire = MemoryWire(buses["body"])
     bus = Bus(wire, [Servo(1, MODELS["xm430_w350"])])
+    assert (bus.period, bus.fast, bus.servos[0].span) == (0.01, True, (0, 4095)), "if nobody says otherwise"
     assert bus.cycle().lost
     wire.sleep(bus.period)
     assert not bus.cycle().lost
 
 
-@pytest.mark.parametrize(("baud", "period"), [(1_000_000, 0.009), (1_000_000, 0.0075), (4_000_000, 0.006)])
-def test_as_many_are_asked_again_as_the_cycle_has_time_for(rig: Make, baud: int, period: float):
-    """The fourth servo's block is lost, and with it all behind it: the fourth is asked last, or not at all."""
-    made = rig(20, baud=baud, period=period)
+@pytest.mark.parametrize(
+    ("firmware", "baud", "period", "mute"),
+    [
+        (52, 1_000_000, 0.009, (3,)),
+        (52, 1_000_000, 0.0075, (3,)),
+        (52, 4_000_000, 0.006, (3,)),
+        (41, 1_000_000, 0.0095, range(3, 15)),
+        (41, 1_000_000, 0.009, range(3, 15)),
+        (41, 1_000_000, 0.0085, range(3, 15)),
+    ],
+)
+def test_as_many_are_asked_again_as_the_cycle_has_time_for(
+    rig: Make, firmware: int, baud: int, period: float, mute: Sequence[int]
+):
+    """Each takes 22 bytes and one to be asked for, or 29 of old firmware; the first who is missing is asked last."""
+    made, byte = rig(20, baud=baud, period=period, firmware=firmware), 10 / baud
     made.run(30)
-    made.plant.servos[3].mute = True
-    asked_at: list[tuple[float, float, bytes]] = []
-    write = made.wire.write
-    made.wire.write = lambda data: (
-        asked_at.append((made.wire.now(), made.bus._listener.slack.usual, data)),
-        write(data),
-    )
+    for place in mute:
+        made.plant.servos[place].mute = True
+    said: list[tuple[float, float, bytes]] = []
+    write, slack = made.wire.write, made.bus._listener.slack
+    made.wire.write = lambda data: (said.append((made.wire.now(), slack.usual, data)), write(data))
     (cycle,) = made.run(1)
-    (_, _, first), (time, usual, again), *_ = asked_at
-    byte = 10 / baud
-    end = cycle.time + max(0.95 * period, period - 0.0005)
-    fits = int((end - time - usual) / byte - 22) // 23
-    assert first == packet.sync_read(range(1, 21), made.bus.servos[0].cells, SIZE, fast=True)
-    later = (*range(5, 21), 4)[:fits]
-    assert again == packet.sync_read(later, made.bus.servos[0].cells, SIZE, fast=True)
+    (_, _, first), (time, usual, again), *_ = said
+    fast, cells = made.bus.fast, made.bus.servos[0].cells
+    assert first == packet.sync_read(range(1, 21), cells, SIZE, fast=fast)
+    left = cycle.time + max(0.95 * period, period - 0.0005) - time - usual
+    room = max(1, int((left / byte - 22) / (23 if fast else 30)))
+    later = [*range(5, 21 if fast else 16), 4][:room]
+    assert again == (
+        packet.sync_read(later, cells, SIZE, fast=fast) if room > 1 else packet.read_packet(later[0], cells, SIZE)
+    )
+
+
+@pytest.mark.parametrize("mute", [(1,), (0, 1, 2)])
+def test_who_is_missing_is_asked_again_four_times_in_a_cycle_at_most(rig: Make, mute: tuple[int, ...]):
+    made = rig(3, period=0.05)
+    made.run(3)
+    for place in mute:
+        made.plant.servos[place].mute = True
+    written = overhear(made)
+    made.run(1)
+    assert len(written) == 1 + 4
+
+
+def test_what_was_heard_in_a_cycle_is_forgotten_in_the_next(rig: Make):
+    made = rig(3)
+    made.run(5)
+    assert len(made.bus._listener.received) == 8 + 3 * 22
+
+
+def test_an_answer_that_comes_while_servos_are_asked_again_is_taken_and_nothing_more_expected():
+    made = rig_of(14, faults=FaultPlan((PlannedFault("late", start=0.6, seconds=0.0095, value=0.005),)))
+    durations = []
+    for _ in range(60):
+        (cycle,) = made.run(1)
+        assert cycle.fresh.all()
+        assert made.bus._late._unfinished is None
+        durations.append(cycle.duration)
+    assert sum(duration > 0.006 for duration in durations) == 1, "one answer was late"
