@@ -38,8 +38,8 @@ soak: .venv/.stamp-test
 	@$(BIN)/python -m pytest -m soak
 	@$(BIN)/python -m pytest tests/theorems -n auto --hypothesis-profile soak
 
-# Wrong programs: 200 small changes of the parts that must not fail, and which of them no test notices. A quarter of an
-# hour on two cores that are free; `python tests/mutants -h` has options.
+# Wrong programs: 200 small changes of the parts that must not fail, and which of them no test notices. Ten minutes on two
+# cores that are free, three quarters of an hour under a load of twelve; `python tests/mutants -h` has options.
 mutants: .venv/.stamp-test
 	@$(BIN)/python tests/mutants
 
