@@ -3,9 +3,9 @@
 MuJoCo reads MUJOCO_GL when it is first imported: kinesic decides before. And whoever runs the tests may have calibrated
 a robot: here nobody has. A shell lets what it runs in the background ignore Ctrl-C, which programs would inherit that
 tests start and interrupt. Machines are shared: an example may take as long as it likes; what needs real time looks
-first whether the machine keeps time, is skipped where it does not (`machine too slow`), and is tried again after a
-failure, twice at most, which the summary tells. Examples of theorems are the same in every run; `make soak` has new
-ones each time.
+first whether the machine keeps time, and is skipped where it does not (`machine too slow`). Where it fails, the machine
+is looked at again: the test is skipped as well if the machine is too slow, and else tried again once, which the summary
+tells. Examples of theorems are the same in every run; `make soak` has new ones each time.
 """
 
 import atexit
@@ -82,7 +82,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     items.sort(key=lambda item: rank(item.path, config.rootpath))
     for item in items:
         if item.get_closest_marker("realtime"):
-            item.add_marker(pytest.mark.flaky(reruns=2))
+            item.add_marker(pytest.mark.flaky(reruns=1))
 
 
 _watch = Watch()
@@ -91,3 +91,12 @@ _watch = Watch()
 def pytest_runtest_setup(item: pytest.Item) -> None:
     if item.get_closest_marker("realtime") and (complaint := _watch.complaint()):
         pytest.skip(f"machine too slow: {complaint}")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    report = yield
+    if report.failed and item.get_closest_marker("realtime") and (excuse := _watch.excuse()):
+        reason = f"Skipped: machine too slow: {excuse}; it failed: {str(report.longrepr).splitlines()[-1]}"
+        report.outcome, report.longrepr = "skipped", (*item.location[:2], reason)
+    return report

@@ -2,7 +2,8 @@
 
 `make test` starts one process more than there are processors. Three quarters of what tests in real time take is
 waiting, so they get a process of their own while there are any; the others calculate, and step back where both want a
-processor. Large files come first, so that all processes end together.
+processor. They do not where others calculate too when the tests begin: they would step back behind these as well, and a
+run would hardly go on. Large files come first, so that all processes end together.
 """
 
 import os
@@ -15,7 +16,8 @@ from xdist.workermanage import WorkerController
 
 CLOCK_WORKER = "gw0"
 LONGEST = ("tests/serve/test_server.py", "tests/bench/bml/test_server.py")  # to wait for, in order
-STEP_BACK = 10  # of niceness
+STEP_BACK = 5  # of niceness
+CROWD = 3  # processes for each processor that want to calculate, from which on nobody steps back
 
 
 def rank(file: Path, root: Path) -> tuple[int, int]:
@@ -44,5 +46,11 @@ class ClockBesideCalculation(LoadFileScheduling):
 def step_back(config: pytest.Config) -> None:
     """Lets a process that calculates give way to those that keep time."""
     worker = getattr(config, "workerinput", {}).get("workerid", CLOCK_WORKER)
-    if worker != CLOCK_WORKER:
+    if worker != CLOCK_WORKER and wanting() < CROWD * (os.cpu_count() or 1):
         os.nice(STEP_BACK)
+
+
+def wanting() -> float:
+    """How many processes want to calculate, just now where the system says that, else in the last minute."""
+    loads = Path("/proc/loadavg")
+    return float(loads.read_text().split()[3].split("/")[0]) if loads.exists() else os.getloadavg()[0]

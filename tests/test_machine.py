@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from .machine import Look, Watch, look
+from .machine import FAILURES, Look, Watch, look
 from .nudge import nudge, nudged_generator
 
 
@@ -33,6 +33,29 @@ def test_a_machine_that_stays_slow_is_called_so(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(f"{Watch.__module__}.PATIENCE", 0.0)
     monkeypatch.setattr(f"{Watch.__module__}.look", lambda: Look(0.1, 1.0, 0.002))
     assert Watch().complaint() == "it wakes 100 ms late (at most 20)"
+
+
+def test_a_machine_that_was_too_slow_before_is_not_waited_for_again(monkeypatch: pytest.MonkeyPatch):
+    slow, looks = Look(0.1, 1.0, 0.002), []
+    monkeypatch.setattr(f"{Watch.__module__}.PATIENCE", 0.1)
+    monkeypatch.setattr(f"{Watch.__module__}.AGAIN", 0.0)
+    monkeypatch.setattr(f"{Watch.__module__}.look", lambda: looks.append(slow) or slow)
+    watch = Watch()
+    assert watch.complaint()
+    looks.clear()
+    assert watch.complaint()
+    assert len(looks) == 1
+
+
+def test_a_failure_is_excused_where_a_core_was_missing_and_some_end_all_tries(monkeypatch: pytest.MonkeyPatch):
+    shares = [0.9] + [0.2] * FAILURES
+    monkeypatch.setattr(f"{Watch.__module__}.look", lambda loops=0: Look(0.001, shares.pop(0) if loops else 1.0, 0.002))
+    watch = Watch()
+    assert watch.excuse() == ""
+    for _ in range(FAILURES):
+        assert watch.complaint() == ""
+        assert watch.excuse() == "it gives 20 % of a core (at least 50)"
+    assert watch.complaint() == f"{FAILURES} tests had too little of a core"
 
 
 def test_what_is_measured_is_finite_and_positive():

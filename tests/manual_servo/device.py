@@ -39,13 +39,14 @@ class Device:
         self.firmware = Firmware(self.memory, self.shaft)
         self.mute = self.deaf = False
         self.wakes = 0.0  # [s] when it hears again after a start
+        self._id_at = self.memory.item("id").address
         self._registered: tuple[int, bytes] | None = None
         self._backup: dict[str, int] | None = None
 
     @property
     def id(self) -> int:
         """Its own id."""
-        return self.memory["id"]
+        return self.memory.bytes[self._id_at]
 
     @property
     def baud(self) -> int:

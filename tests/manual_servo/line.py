@@ -220,20 +220,19 @@ class Line:
         """All in one packet, block by block, each with the CRC of everything before it."""
         wanted = list(_reads(packet))
         size = 1 + sum(size + 4 for _, _, size in wanted)
-        so_far = p.HEADER + bytes([p.BROADCAST]) + size.to_bytes(2, "little") + bytes([p.STATUS])
-        begin = 0
+        head = p.HEADER + bytes([p.BROADCAST]) + size.to_bytes(2, "little") + bytes([p.STATUS])
+        before = p.crc(head)
         for servo, address, size in wanted:
             mine = [device for device in awake if device.id == servo and device.fast and device.memory["status_return"]]
             told = [self._told(device, _padded(device, address, size)) for device in mine]
-            blocks = [p.sealed(so_far + bytes([a.error, a.servo]) + a.parameters) for a in told if a is not None]
-            if not blocks:
+            bodies = [bytes([a.error, a.servo]) + a.parameters for a in told if a is not None]
+            if not bodies:
                 break
-            so_far = _collide(blocks)
-            block = so_far[begin:]
+            block = _collide([body + p.crc(body, before).to_bytes(2, "little") for body in bodies])
+            before, block, head = p.crc(block, before), head + block, b""
             for fault in self.faults:
                 block = fault.frame(mine[0], block)
             time = self._carry(mine[0], block, time)
-            begin = len(so_far)
         return time
 
 
@@ -245,6 +244,8 @@ def _padded(device: Device, address: int, size: int) -> Answer:
 
 def _collide(said: Sequence[bytes]) -> bytes:
     """What is heard when several talk at once: a line that one of them pulls low is low."""
+    if len(said) == 1:
+        return said[0]
     heard = bytearray(max(said, key=len))
     for other in said:
         for k, byte in enumerate(other):

@@ -15,6 +15,7 @@ class Memory:
     def __init__(self, model: Model, servo: int, firmware: int) -> None:
         self.model, self.items = model, items(model, servo, firmware)
         self.bytes = bytearray(model.end)
+        self._spans = {name: (i.address, i.address + i.size, i.signed) for name, i in self.items.items()}
         self._name = {item.address: name for name, item in self.items.items()}
         self._owner = {item.address + k: name for name, item in self.items.items() for k in range(item.size)}
         self._cells = {first + k: k for first, _ in model.windows for k in range(2 * model.cells)}
@@ -26,8 +27,8 @@ class Memory:
         self._reset_pointers()
 
     def __getitem__(self, name: str) -> int:
-        item = self.items[name]
-        return int.from_bytes(self.bytes[item.address : item.address + item.size], "little", signed=item.signed)
+        begin, end, signed = self._spans[name]
+        return int.from_bytes(self.bytes[begin:end], "little", signed=signed)
 
     def __setitem__(self, name: str, value: int) -> None:
         item = self.items[name]

@@ -108,7 +108,11 @@ def test_one_servo_is_a_bus(rig: Make):
 
 
 @pytest.mark.parametrize("kind", ["corrupt", "drop", "truncate", "duplicate", "noise", "lost", "late"])
-@pytest.mark.parametrize("count", [7, 26])
+@pytest.mark.parametrize(
+    ("servos", "count"),
+    [("kinesic", 7), ("kinesic", 26), ("manual", 7), pytest.param("manual", 26, marks=pytest.mark.soak)],
+    indirect=["servos"],
+)
 def test_one_damaged_answer_in_a_hundred_is_made_good(rig: Make, kind: str, count: int):
     made = rig(count, baud=4_000_000, faults=plan(kind, rate=0.01, start=0.2))
     made.energise()
@@ -251,6 +255,7 @@ def test_an_adapter_slower_than_the_period_makes_records_old_and_nothing_worse(r
 
 
 @pytest.mark.parametrize("kind", ["corrupt", "drop", "truncate", "duplicate", "noise", "lost"])
+@pytest.mark.parametrize("servos", ["kinesic", pytest.param("manual", marks=pytest.mark.soak)], indirect=True)
 def test_a_wire_that_is_busy_for_four_fifths_of_the_time_leaves_enough_to_ask_again(rig: Make, kind: str):
     made = rig(26, period=0.0108, faults=plan(kind, rate=0.01, start=0.2))
     made.energise()

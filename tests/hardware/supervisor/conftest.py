@@ -28,7 +28,7 @@ from ..conftest import BUILDERS
 from .judged import Room
 
 PERIOD = 0.01
-BRISK = SupervisorSettings(pace=3.0)
+BRISK = SupervisorSettings(pace=3.0, patience=1.0)
 MODEL = "xm430_w350"
 
 

@@ -160,7 +160,7 @@ def test_an_empty_ring_is_held_then_folded_and_wakes_again(desk: Make):
     assert made.status.time == pytest.approx(1.19, abs=1e-6)
     made.until(Stage.FOLD)
     made.until(Stage.HOLD)
-    made.run(3.0)
+    made.run(1.5)
     assert made.stage is Stage.HOLD
     assert made.true(TORQUE).all()
     made.perform(2.0, begin=60.0)
@@ -177,7 +177,7 @@ def test_time_waits_for_a_planner_that_is_slow(desk: Make):
         made.channel.write(k * PERIOD, made.goals(k * PERIOD, 4.0))
     made.until(Stage.ACTIVE)
     before, fastest = made.true(GOAL), 0
-    for k in range(60, 400):
+    for k in range(60, 200):
         made.cycle()
         made.cycle()
         made.channel.write(k * PERIOD, made.goals(k * PERIOD, 4.0))

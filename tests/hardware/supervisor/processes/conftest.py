@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -78,6 +79,8 @@ class Rig:
     def __init__(self, robot: Robot, table: Table, folder: Path) -> None:
         self.robot, self.folder, self.log = robot, table.folder, folder / "events.jsonl"
         self._table, self._began = table, time.monotonic()
+        self._planners: list[subprocess.Popen[bytes]] = []
+        self._opened: list[Servos] = []
 
     @staticmethod
     def wait(until: Callable[[], object]) -> None:
@@ -120,7 +123,8 @@ class Rig:
         """Opens them, once more where the machine did not let the servos answer in time."""
         for _ in range(4):
             try:
-                return Servos(self.robot, self.ports, settings=SETTINGS, log=self.log)
+                self._opened.append(Servos(self.robot, self.ports, settings=SETTINGS, log=self.log))
+                return self._opened[-1]
             except BusError as error:
                 if "no status packet" not in str(error):
                     raise
@@ -130,6 +134,7 @@ class Rig:
         """A planner in a process of its own, in the middle of a performance."""
         arguments = [str(self.robot.path), str(self.folder), str(self.log), *seconds]
         process = subprocess.Popen([sys.executable, str(HERE / "planner.py"), *arguments])
+        self._planners.append(process)
         self.wait(lambda: self.log.exists() and self.entered(Stage.ACTIVE))
         return process
 
@@ -151,6 +156,20 @@ class Rig:
             if kind == "stage" and moment >= after and f"-> {stage.value} " in text:
                 return moment
         return None
+
+    def end(self) -> None:
+        """Kills what a test that failed has left running; its table is not in order any more."""
+        for planner in self._planners:
+            if planner.poll() is None:
+                self._table.in_order = False
+                planner.kill()
+                planner.wait(PATIENCE)
+        for servos in self._opened:
+            if servos.running:
+                self._table.in_order = False
+                self.kill(servos.pid)
+                with suppress(BusError):
+                    servos.close()
 
 
 @pytest.fixture(scope="session")
@@ -175,4 +194,5 @@ def rig(robot: Robot, tables: Callable[[], Table], tmp_path: Path) -> Iterator[R
     table = tables()
     made = Rig(robot, table, tmp_path)
     yield made
+    made.end()
     table.in_order = table.in_order and not made.record().torque[-1].any()

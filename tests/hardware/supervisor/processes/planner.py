@@ -12,10 +12,13 @@ import numpy as np
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
 from kinesic.hardware.servos import Servos
+from kinesic.hardware.supervisor.settings import SupervisorSettings
+
+BRISK = SupervisorSettings(pace=3.0, patience=1.0)
 
 
 def main(robot: Robot, folder: Path, log: Path, seconds: float | None) -> None:
-    servos = Servos(robot, {"left": folder / "left", "right": folder / "right"}, log=log)
+    servos = Servos(robot, {"left": folder / "left", "right": folder / "right"}, settings=BRISK, log=log)
     rest, tick, still = robot.skeleton.rest, 0, np.zeros(len(robot.skeleton.rest))
     while seconds is None or tick * 0.01 < seconds:
         time.sleep(0.02)

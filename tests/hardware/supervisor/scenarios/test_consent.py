@@ -34,7 +34,7 @@ def test_an_emergency_stop_makes_an_earlier_release_void(desk: Make):
     made.channel.set("release", 1)
     made.until(Stage.FOLD)
     made.channel.set("estop", 1)
-    made.run(10.0)
+    made.run(2 * made.settings.patience)
     assert made.stage is Stage.STOPPED
     assert made.status.waits == "consent"
     made.channel.set("release", 2)
@@ -45,7 +45,7 @@ def test_an_emergency_stop_makes_an_earlier_release_void(desk: Make):
 def test_after_an_emergency_stop_it_goes_on_when_somebody_consents(desk: Make):
     made = desk().active(6.0)
     made.channel.set("estop", 1)
-    made.run(8.0)
+    made.run(2 * made.settings.patience)
     assert made.stage is Stage.STOPPED
     time = made.status.time
     made.consent()
@@ -76,8 +76,8 @@ def test_an_emergency_stop_may_let_go(desk: Make):
 
 @pytest.mark.parametrize("ended", [False, True])
 def test_after_an_emergency_stop_a_dead_planner_means_hold_then_fold(desk: Make, ended: bool):
-    made = desk().active(20.0)
-    made.run(4.0)
+    made = desk().active(8.0)
+    made.run(1.5)
     made.channel.set("estop", 1)
     made.run(0.2)
     made.channel.set("ended", int(ended))
@@ -114,7 +114,7 @@ def test_another_robot_behind_the_name_of_a_lost_port_is_neither_moved_nor_relea
     goals = made.true(GOAL)[:4]
     for servo in left:
         servo.memory[Register.MAX_VOLTAGE_LIMIT] -= 1
-    made.run(3.0)
+    made.run(1.5)
     assert made.stage in (Stage.LOST, Stage.IDENTIFY)
     assert made.status.waits in ("port", "nothing")
     assert any("another robot is behind this port" in line for line in made.kinds())
@@ -131,7 +131,7 @@ def test_a_process_that_stood_still_for_long_asks_for_consent(desk: Make):
     made = desk().active(4.0)
     made.run(0.5)
     made.pass_time(12.0)
-    made.run(3.0)
+    made.run(2.5 * made.settings.patience)
     assert made.stage is Stage.HOLD
     assert made.status.waits == "consent"
     assert any(line.startswith("paused: ") for line in made.kinds())
@@ -146,17 +146,20 @@ def test_commands_that_go_on_after_a_long_time_without_ask_for_consent(desk: Mak
         made.channel.write(k * PERIOD, made.goals(k * PERIOD, 4.0))
     made.until(Stage.ACTIVE)
     made.until(Stage.HOLD)
-    made.run(2.0)
+    made.run(1.5)
     for k in range(100, 400):
         made.channel.write(k * PERIOD, made.goals(k * PERIOD, 4.0))
-    made.run(2.0)
+    made.run(1.0)
     assert made.stage is Stage.HOLD
     assert made.status.waits == "consent"
     made.consent()
     made.until(Stage.ACTIVE)
 
 
-@pytest.mark.parametrize("seconds", [0.1, 0.3, 0.6, 1.05, 2.0, 5.0, 10.0])
+OFTEN, AT_TIMES = (0.3, 0.6, 1.05, 2.0), (0.1, 5.0, 10.0)  # [s]
+
+
+@pytest.mark.parametrize("seconds", [*OFTEN, *(pytest.param(seconds, marks=pytest.mark.soak) for seconds in AT_TIMES)])
 @pytest.mark.parametrize("frozen", [False, True])
 def test_no_outage_is_taken_for_a_servo_that_cannot_move(desk: Make, seconds: float, frozen: bool):
     made = desk().active(4.0)

@@ -135,7 +135,7 @@ def test_an_arm_that_may_not_be_moved_is_held_without_a_planner_until_a_person_l
     arms.alive = False
     follow(arms, Stage.WAITING)
     assert hinges_up(arms) == {"l_shoulder_flexion", "l_elbow_flexion"}
-    arms.run(3.0)
+    arms.run(1.5)
     assert arms.stage is Stage.WAITING
     assert behind(arms) < FELL
     arms.channel.set("confirm", 1)
