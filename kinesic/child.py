@@ -1,6 +1,7 @@
 """Child processes: how a server, a pool of workers and a window begin, watch and end theirs."""
 
 import multiprocessing
+import os
 from collections.abc import Callable
 from multiprocessing.connection import Connection
 from multiprocessing.context import ForkServerContext, SpawnContext
@@ -25,7 +26,10 @@ def child_context(*preload: str) -> ForkServerContext | SpawnContext:
 
 
 class Child:
-    """A process that does one thing, and ends at the latest with the one that began it."""
+    """A process that does one thing, and ends at the latest with the one that began it.
+
+    Ctrl-C in a terminal, its closing, and other signals to a whole group of processes are for that one alone.
+    """
 
     def __init__(
         self,
@@ -43,7 +47,7 @@ class Child:
                 so that our end is told when the process dies.
             name: in lists of processes.
         """
-        self._process = context.Process(target=work, args=arguments, name=name, daemon=True)
+        self._process = context.Process(target=_work_apart, args=(work, *arguments), name=name, daemon=True)
         self._process.start()
         for argument in arguments:
             if isinstance(argument, Connection):
@@ -63,3 +67,9 @@ class Child:
         """Ends it at once, and waits until it has."""
         self._process.kill()
         self._process.join()
+
+
+def _work_apart(work: Callable[[*Arguments], None], *arguments: *Arguments) -> None:
+    """Works in a group of its own, which no terminal signals."""
+    os.setpgid(0, 0)
+    work(*arguments)

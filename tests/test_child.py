@@ -1,5 +1,6 @@
 """Child processes: begun, watched and ended."""
 
+import os
 import signal
 from multiprocessing.connection import Connection
 
@@ -18,6 +19,11 @@ def answer(line: Connection, word: str) -> None:
     line.recv()
 
 
+def tell_group(line: Connection) -> None:
+    """A child's work: says in which group of processes it is."""
+    line.send(os.getpgrp())
+
+
 def test_a_child_ends_when_its_work_is_done():
     ours, theirs = CONTEXT.Pipe()
     child = Child(CONTEXT, answer, theirs, "ready", name="answer")
@@ -27,6 +33,13 @@ def test_a_child_ends_when_its_work_is_done():
     ours.send("enough")
     assert child.wait() == 0
     assert not child.is_alive
+
+
+def test_what_a_terminal_signals_is_for_whoever_began_a_child_alone():
+    ours, theirs = CONTEXT.Pipe()
+    child = Child(CONTEXT, tell_group, theirs)
+    assert ours.recv() not in (os.getpgrp(), 0)
+    assert child.wait() == 0
 
 
 def test_a_child_that_is_killed_closes_its_end_of_the_pipe():

@@ -6,6 +6,7 @@ import click
 
 from kinesic.bml.block import BmlError
 from kinesic.body.config import ConfigError
+from kinesic.cli.ending_signals import ended_by_signals
 from kinesic.cli.plain_words import printable
 from kinesic.cli.servos import servo_verbs
 from kinesic.cli.verbs import kinesic
@@ -20,7 +21,8 @@ kinesic.add_command(servo_verbs)
 def main() -> None:
     """Runs the command line; errors of input and configuration are one line on standard error."""
     try:
-        sys.exit(kinesic(standalone_mode=False) or 0)
+        with ended_by_signals():
+            sys.exit(kinesic(standalone_mode=False) or 0)
     except (BmlError, ConfigError, BusError) as error:
         for line in str(error).splitlines():
             click.echo(f"kinesic: {printable(line)}", err=True)

@@ -1,6 +1,6 @@
 """A document performed in real time: the face's window, the voice, the servos and the keys that stop them."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from time import monotonic
@@ -12,6 +12,7 @@ from rich.live import Live as Display
 from kinesic.body.command import RATE
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
+from kinesic.cli.ending_signals import leave_closed_terminal
 from kinesic.cli.terminal import pressed_keys
 from kinesic.controller.performance import Performance
 from kinesic.controller.play import command_times, pace, play
@@ -24,7 +25,7 @@ from kinesic.face.show.process import PreviewSettings
 from kinesic.face.show.window import has_display
 from kinesic.files.output_file import new_file
 from kinesic.hardware.servos import Servos
-from kinesic.hardware.supervisor.channel import Status
+from kinesic.hardware.supervisor.channel import Note, Status
 from kinesic.hardware.supervisor.state_machine import Awaited
 from kinesic.planning.face_track import commands_with_face
 from kinesic.planning.plan import Plan
@@ -118,7 +119,9 @@ def perform_on_servos(
             click.echo(KEYS, err=True)
         with interrupted() as folding, pressed_keys() as keys, _display(quiet) as shown:
             listeners = _all(shown, said, tell_waiting(), listener)
-            return perform_live(performance, servos, requested=_requested(keys, folding), shown=listeners)
+            live = perform_live(performance, servos, requested=_requested(keys, folding), shown=listeners)
+    warn_of_lost_events(live.notes)
+    return live
 
 
 def _all(*listeners: Callable[[Status], None]) -> Callable[[Status], None]:
@@ -148,7 +151,10 @@ def _requested(keys: Callable[[], str], folding: Callable[[], bool]) -> Callable
             return "stop"
         if "\n" in pressed or "\r" in pressed:
             return "resume"
-        return "end" if folding() else "go on"
+        if not folding():
+            return "go on"
+        leave_closed_terminal()
+        return "end"
 
     return request
 
@@ -183,6 +189,13 @@ def _line(status: Status) -> str:
         *((f"{status.silent} silent",) if status.silent else ()),
     )
     return "  ".join(parts)
+
+
+def warn_of_lost_events(notes: Iterable[Note]) -> None:
+    """Prints to standard error why events of the servos are not kept, where that is so."""
+    for note in notes:
+        if note.kind == "journal":
+            warn(note.text)
 
 
 def warn(line: str) -> None:

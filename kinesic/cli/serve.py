@@ -3,6 +3,7 @@
 import asyncio
 import signal
 import sys
+from collections.abc import Iterable, Sequence
 from contextlib import AbstractAsyncContextManager
 from dataclasses import fields, replace
 from ipaddress import ip_address
@@ -10,11 +11,14 @@ from pathlib import Path
 
 import click
 
+from kinesic.body.command import Sink
 from kinesic.body.config import ConfigError, suggestion
+from kinesic.cli.ending_signals import leave_closed_terminal
 from kinesic.cli.options import FAULT, Door, Performers, Planning
+from kinesic.cli.playback import warn_of_lost_events
 from kinesic.cli.servos.ports import all_ports
 from kinesic.client import PORT
-from kinesic.controller.servo_performance import DELAY
+from kinesic.controller.servo_performance import DELAY, ENDING
 from kinesic.face.show.preview import Preview
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.manifest import Manifest
@@ -24,6 +28,8 @@ from kinesic.serve.server import Address, Serving, open_serving, until_done
 from kinesic.serve.sinks import AHEAD, RealServos, RealTimeSink, RealTwin
 from kinesic.serve.tracks import SoundAndFace
 from kinesic.speech.loudspeaker import audio_fault
+
+LOOK = 1.0  # [s] between two looks at what has happened to the servos
 
 
 def serve_blocks(
@@ -39,15 +45,16 @@ def serve_blocks(
         raise ConfigError(f"--sound: {why}")
     address, limits = read_address(door.listen, door.token), read_rules(rules)
     access = Access(door.token or None, frozenset(map(read_origin, door.origins)))
+    sinks = _open_sinks(planning, performers)
     server = open_serving(
         planning.set_up,
-        _open_sinks(planning, performers),
+        sinks,
         address=address,
         rules=limits,
         access=access,
         accompaniment=SoundAndFace(face="face" in performers.sinks, sound=not why),
     )
-    return asyncio.run(_serve(server))
+    return asyncio.run(_serve(server, sinks))
 
 
 def read_address(text: str, token: str | None) -> Address | None:
@@ -103,15 +110,30 @@ def _open_sinks(planning: Planning, performers: Performers) -> list[RealTimeSink
     return opened
 
 
-async def _serve(server: AbstractAsyncContextManager[Serving]) -> int:
+async def _serve(server: AbstractAsyncContextManager[Serving], sinks: Sequence[RealTimeSink]) -> int:
     enough = asyncio.Event()
+
+    def end() -> None:
+        leave_closed_terminal()
+        enough.set()
+
     async with server as open_:
-        for number in (signal.SIGINT, signal.SIGTERM):
-            asyncio.get_running_loop().add_signal_handler(number, enough.set)
+        for number in (each for each in ENDING if signal.getsignal(each) is not signal.SIG_IGN):
+            asyncio.get_running_loop().add_signal_handler(number, end)
         where = f"listening at {open_.address}" if open_.address is not None else "reading standard input"
         click.echo(f"{where}; Ctrl-C folds to rest and ends", err=True)
+        telling = asyncio.create_task(_tell_of_lost_events([each.sink for each in sinks]))
         await until_done(open_, enough, console=not sys.stdin.isatty())
+        telling.cancel()
     session = open_.clients.session
     if session.loop.error is not None:
         click.echo(f"kinesic: {session.loop.error}", err=True)
     return FAULT if session.loop.failed or session.planner.failed else 0
+
+
+async def _tell_of_lost_events(sinks: Iterable[Sink]) -> None:
+    servos = [each.servos for each in sinks if isinstance(each, RealServos)]
+    while True:
+        for each in servos:
+            warn_of_lost_events(each.events())
+        await asyncio.sleep(LOOK)

@@ -6,7 +6,7 @@ import sys
 import termios
 import tty
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 from rich.console import Console
 from rich.text import Text
@@ -39,7 +39,8 @@ def pressed_keys() -> Iterator[Callable[[], str]]:
     try:
         yield lambda: _waiting(terminal)
     finally:
-        termios.tcsetattr(terminal, termios.TCSADRAIN, before)
+        with suppress(termios.error):  # it has closed meanwhile
+            termios.tcsetattr(terminal, termios.TCSADRAIN, before)
 
 
 def _waiting(terminal: int) -> str:

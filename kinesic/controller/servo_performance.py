@@ -157,10 +157,14 @@ def perform_live(
                 servos.write(command)
         finally:
             closing = pool.submit(servos.close)
-        while not closing.done():
-            _listen(servos, history, notes, shown)
-            _obey(servos, requested(), requests)
-            time.sleep(LOOK)
+        try:
+            while not closing.done():
+                _listen(servos, history, notes, shown)
+                _obey(servos, requested(), requests)
+                time.sleep(LOOK)
+        except BaseException:
+            servos.release()  # nobody listens to the keyboard any more
+            raise
     _listen(servos, history, notes, shown)
     error = closing.exception()
     if error is not None and not isinstance(error, BusError):

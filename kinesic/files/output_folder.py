@@ -57,7 +57,8 @@ def new_folder(folder: Path, *, force: bool = False) -> Iterator[Path]:
         fresh = held.enter_context(hold_folder(name, inside=parent))
         try:
             _mark(fresh)
-            yield place.parent / name
+            with _naming(folder, place.parent / name):
+                yield place.parent / name
             earlier = held.enter_context(_hold_replaceable(place.name, folder, parent=parent, force=force))
             aside = _put_aside(place.name, earlier, folder, parent=parent) if earlier is not None else None
             try:
@@ -78,6 +79,15 @@ def is_made(folder: Path) -> bool:
     with suppress(OSError), hold_folder(folder) as held:
         return _is_marked(held)
     return False
+
+
+@contextmanager
+def _naming(folder: Path, fresh: Path) -> Iterator[None]:
+    """Lets what could not be written to a fresh folder be told of the folder whose place it would have taken."""
+    try:
+        yield
+    except ConfigError as error:
+        raise ConfigError(str(error).replace(str(fresh), str(folder))) from None
 
 
 def _put_aside(name: str, held: int, folder: Path, *, parent: int) -> str:

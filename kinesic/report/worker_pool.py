@@ -99,7 +99,6 @@ def run_pool(
 
 def _work(line: Connection, prepare: Callable[[], Callable[[Task], Result]], task: Task, errors: Path) -> None:
     """Does the first task, then those that are sent, until there are no more."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # an interruption is the caller's to handle
     with errors.open("wb") as file:
         os.dup2(file.fileno(), 2)
     faulthandler.enable(file=2)

@@ -1,6 +1,5 @@
 """The process that plans: it reads documents, keeps the scene, and proposes motions and feedback to the loop."""
 
-import signal
 import traceback
 from collections.abc import Callable
 from dataclasses import replace
@@ -84,7 +83,6 @@ def run_planner(
         properties: of the loop.
         rules: how large a document may be, and how long a block.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server, which then folds the robot
     try:
         setup = make_setup()
         warm_up(setup, properties.accompaniment)

@@ -3,7 +3,6 @@
 import io
 import os
 import pickle
-import signal
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection
@@ -70,7 +69,6 @@ def unpack(data: bytes, setup: Setup) -> RefinementJob | RefinedPlan:
 
 def run_refiner(make_setup: Callable[[], Setup], planner: Connection) -> None:
     """Does the jobs that the planner sends, one after the other, until the planner has ended."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         os.nice(NICE)
         setup = make_setup()

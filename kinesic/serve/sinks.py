@@ -1,7 +1,7 @@
 """Drives sinks in real time: each gets its commands when it wants them."""
 
 from collections.abc import Callable, Mapping
-from math import ceil, floor
+from math import ceil, floor, isnan
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -91,9 +91,9 @@ class RealServos:
         return (status.time, status.angles) if status.stage.runs else None
 
     def time(self, clock: float, /) -> float | None:
-        """Time [s] of the performance by the supervisor; None when it does not perform."""
+        """Time [s] of the performance by the supervisor, wherever it stands; None before there is one."""
         status = self.servos.state()
-        return status.time_at(clock) if status.stage.runs else None
+        return None if isnan(status.time) else status.time_at(clock)
 
     def waits(self) -> bool:
         """Whether the servos hold until somebody consents, as they were out of hand for more than a second."""

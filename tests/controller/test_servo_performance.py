@@ -182,3 +182,15 @@ def test_an_old_angle_is_compared_with_the_plan_of_its_own_time_and_counts_once(
     again = ServoRun(live.performance, tuple(rows), (), "performed")
     assert np.nanmax(np.abs(again.errors)) < 1e-6
     assert np.isfinite(again.errors).sum() == pytest.approx(np.isfinite(live.errors).sum() / 2, rel=0.2)
+
+
+def test_when_nobody_can_listen_any_more_the_robot_folds_at_once(performance: Performance):
+    actor = Actor(part=0.3)
+    actor.waiting = lambda: "release" not in actor.done
+
+    def closed() -> Request:
+        raise OSError("the terminal has closed")
+
+    with pytest.raises(OSError, match="has closed"):
+        perform_live(performance, actor, requested=closed)
+    assert actor.done == ["release", "close"]

@@ -1,7 +1,6 @@
 """Draws a preview in a process of its own: the newest command, as often as the machine can."""
 
 import multiprocessing
-import signal
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -77,7 +76,6 @@ class ChildAnswer(Protocol):
 
 def show_face(shared: SharedCommand, answer: ChildAnswer, look: PreviewSettings) -> None:
     """Opens a window or none, and draws until no command is to come or the window is closed."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process that plays tells when it is over
     try:
         with ExitStack() as opened:
             size = (look.side, look.side)

@@ -18,11 +18,6 @@ class Requests:
         self.ended = False  # whether no command is to follow those that are in the channel
 
     @property
-    def gone(self) -> bool:
-        """Whether the planner has left without a word."""
-        return self.alone and not self.ended
-
-    @property
     def release(self) -> bool:
         """Whether somebody has asked for the end since the last emergency stop."""
         return self._channel.word("release") > self._void

@@ -1,7 +1,10 @@
 """Writes the status of the supervisor into the channel, and events into the channel and a log file."""
 
+import errno
 import json
-from contextlib import suppress
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from math import inf, nan
 from pathlib import Path
 from time import time as wall_time
@@ -19,28 +22,40 @@ SLOWLY = 0.1  # [s] between two looks at temperatures and voltages
 
 
 class EventLog:
-    """A file of events, one JSON object per line; none if there is no path."""
+    """A file of events, one JSON object per line; none if there is no path. What cannot be written stops no robot."""
 
     def __init__(self, path: Path | None) -> None:
-        """Opens the file, to add to it.
-
-        Raises:
-            OSError: it cannot be written, or is a link.
-        """
-        self._file = open_to_add(path) if path is not None else None
+        """Opens the file, to add to it."""
+        self._path, self._file = path, None
+        self.failure = ""  # why events are lost, once some are
+        if path is not None:
+            with self._noting_failure():
+                self._file = open_to_add(path)
 
     def write(self, note: Note) -> None:
-        """Adds a line, which is lost where the disk is full: that stops no robot."""
-        if self._file is not None:
-            line = {"time": round(note.clock, 6), "wall": round(wall_time(), 3), "kind": note.kind}
-            servo = {"servo": note.servo} if note.servo >= 0 else {}
-            with suppress(OSError):
-                self._file.write(json.dumps({**line, **servo, "text": note.text}).encode() + b"\n")
+        """Adds a line; it is lost as a whole where the disk is full."""
+        if self._file is None:
+            return
+        line = {"time": round(note.clock, 6), "wall": round(wall_time(), 3), "kind": note.kind}
+        servo = {"servo": note.servo} if note.servo >= 0 else {}
+        octets = json.dumps({**line, **servo, "text": note.text}).encode() + b"\n"
+        with self._noting_failure():
+            written = self._file.write(octets)
+            if written < len(octets):
+                self._file.truncate(self._file.tell() - written)
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     def close(self) -> None:
         """Closes the file."""
         if self._file is not None:
             self._file.close()
+
+    @contextmanager
+    def _noting_failure(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            self.failure = self.failure or f"{self._path}: {error.strerror}; events are lost"
 
 
 class StatusWriter:
@@ -48,6 +63,7 @@ class StatusWriter:
 
     def __init__(self, manifest: Manifest, channel: Channel, journal: EventLog) -> None:
         self._manifest, self._channel, self._journal = manifest, channel, journal
+        self._failure = ""  # of the journal, that the planner has been told
         self._measured, self._hottest, self._volts = -inf, nan, nan  # [s] when the other two were looked at
 
     def note(self, clock: float, kind: str, text: str, servo: int = -1) -> None:
@@ -55,6 +71,9 @@ class StatusWriter:
         note = Note(clock, servo, kind, text)
         self._channel.note(note)
         self._journal.write(note)
+        if self._failure != self._journal.failure:
+            self._failure = self._journal.failure
+            self._channel.note(Note(clock, -1, "journal", self._failure))
 
     def write(
         self, clock: float, state: SupervisorState, monitor: CommunicationMonitor, steering: GoalSteering, late: int

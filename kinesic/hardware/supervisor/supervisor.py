@@ -134,7 +134,7 @@ class Supervisor:
     def _move(self, seconds: float) -> None:
         stage, monitor = self.state.stage, self._monitor
         target = min(monitor.scale, self._host.pace) if stage is Stage.ACTIVE else float(stage in MOVING)
-        hurry = self._requests.gone or stage in (Stage.STOPPED, Stage.LOST)
+        hurry = self._requests.alone or stage in (Stage.STOPPED, Stage.LOST)
         slow = self._settings.quick if hurry and not target else self._settings.slow
         refused = self._steering.move(seconds, monitor.present, target=target, slow=slow) & monitor.energised
         if refused.any() and not self._limited:
@@ -161,9 +161,8 @@ class Supervisor:
         settings, lasted = self._settings, self._clock - self._since
         resting = stage is Stage.HOLD and lasted > settings.patience
         patience = settings.consent if self.state.paused else settings.patience
-        nobody = self.state.paused and asked.alone  # is there who could consent
         waits = (stage is Stage.HOLD or not monitor.answering) and not self.state.stopped
-        vain = nobody or (waits and lasted > patience)
+        vain = waits and lasted > patience
         enough = DONE if stage in MOVING or asked.ended else settings.lead - DONE
         return Observation(
             energised=monitor.any_energised,
@@ -171,8 +170,8 @@ class Supervisor:
             well=monitor.well and self._procedure is None,
             limp=monitor.any_limp,
             begun=player.begun,
-            due=not asked.gone and player.left > enough,
-            ended=asked.gone or (asked.ended and (player.left <= DONE or vain)),
+            due=not asked.alone and player.left > enough,
+            ended=asked.alone or (asked.ended and (player.left <= DONE or vain)),
             alone=asked.alone,
             release=asked.release,
             weak=monitor.weak,

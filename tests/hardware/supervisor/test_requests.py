@@ -31,26 +31,26 @@ def asked() -> Asked:
 def test_nothing_is_asked_at_first(asked: Asked):
     requests = asked.requests
     for _ in range(2):
-        assert (requests.alone, requests.ended, requests.gone, requests.release, requests.confirmed) == (False,) * 5
+        assert (requests.alone, requests.ended, requests.release, requests.confirmed) == (False,) * 4
         assert requests.events() == ()
         requests.look()
 
 
-def test_a_planner_that_dies_is_gone_unless_it_has_ended(asked: Asked):
+def test_a_planner_is_looked_at_before_its_last_commands_are_taken(asked: Asked):
     asked.alive = False
-    assert not asked.requests.alone, "nobody has looked yet"
-    asked.requests.look()
-    assert (asked.requests.alone, asked.requests.ended, asked.requests.gone) == (True, False, True)
     asked.channel.set("ended", 1)
+    assert not asked.requests.alone, "nobody has looked yet"
     assert not asked.requests.ended, "its last commands are taken before"
     asked.requests.look()
-    assert (asked.requests.alone, asked.requests.ended, asked.requests.gone) == (True, True, False)
+    assert (asked.requests.alone, asked.requests.ended) == (True, True)
 
 
-def test_a_planner_that_has_ended_and_lives_is_not_gone(asked: Asked):
-    asked.channel.set("ended", 1)
+@pytest.mark.parametrize("word", [0, 1])
+def test_a_planner_that_ends_with_a_word_may_live_and_one_that_dies_may_have_said_none(asked: Asked, word: int):
+    asked.channel.set("ended", word)
+    asked.alive = bool(word)
     asked.requests.look()
-    assert (asked.requests.alone, asked.requests.ended, asked.requests.gone) == (False, True, False)
+    assert (asked.requests.alone, asked.requests.ended) == (not word, bool(word))
 
 
 def test_each_stop_is_told_once(asked: Asked):

@@ -1,5 +1,8 @@
 import json
 from pathlib import Path
+from resource import RLIMIT_FSIZE, getrlimit, setrlimit
+
+import pytest
 
 from kinesic.hardware.supervisor.channel import Note
 from kinesic.hardware.supervisor.status import EventLog
@@ -28,9 +31,39 @@ def test_a_file_goes_on(tmp_path: Path):
     assert len(path.read_text().splitlines()) == 2
 
 
-def test_without_a_file_and_on_a_full_disk_nothing_happens():
-    for path in (None, Path("/dev/full")):
-        journal = EventLog(path)
+def test_without_a_file_nothing_happens():
+    journal = EventLog(None)
+    journal.write(Note(1.0, -1, "stage", "x"))
+    journal.close()
+    assert journal.failure == ""
+
+
+@pytest.mark.parametrize(
+    ("path", "why"),
+    [("/dev/full", "No space left on device"), ("/nowhere/events.jsonl", "No such file or directory")],
+)
+def test_what_cannot_be_written_is_said_once_and_stops_nobody(path: str, why: str):
+    journal = EventLog(Path(path))
+    for _ in range(2):
         journal.write(Note(1.0, -1, "stage", "x"))
-        journal.write(Note(1.0, -1, "stage", "x"))
-        journal.close()
+    journal.close()
+    assert journal.failure == f"{path}: {why}; events are lost"
+
+
+def test_no_half_line_is_left_on_a_disk_that_fills_up(tmp_path: Path):
+    """The size that a file of this process may have stands for the disk."""
+    path, limits = tmp_path / "events.jsonl", getrlimit(RLIMIT_FSIZE)
+    journal = EventLog(path)
+    journal.write(Note(1.0, -1, "stage", "x"))
+    whole = path.read_text()
+    setrlimit(RLIMIT_FSIZE, (len(whole) + 20, limits[1]))
+    try:
+        for _ in range(2):
+            journal.write(Note(2.0, -1, "stage", "x"))
+    finally:
+        setrlimit(RLIMIT_FSIZE, limits)
+    assert path.read_text() == whole
+    assert journal.failure.endswith("events are lost")
+    journal.write(Note(3.0, -1, "stage", "x"))
+    journal.close()
+    assert len(path.read_text().splitlines()) == 2

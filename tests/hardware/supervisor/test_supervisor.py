@@ -187,12 +187,19 @@ def test_time_waits_for_a_planner_that_is_slow(desk: Make):
     assert made.status.time <= 4.0
 
 
-def test_a_planner_that_ended_with_a_word_is_performed_to_the_end(desk: Make):
-    made = desk().active(2.0)
-    made.channel.set("ended", 1)
+@pytest.mark.parametrize("ended", [False, True])
+def test_a_planner_that_dies_stops_the_performance_even_where_it_had_handed_over_all_of_it(desk: Make, ended: bool):
+    made = desk().active(20.0)
+    made.channel.set("ended", int(ended))
+    made.run(0.5)
+    assert made.stage is Stage.ACTIVE
     made.alive = False
-    made.until(Stage.HOLD)
-    assert made.status.time == pytest.approx(2.0, abs=1e-6)
+    made.until(Stage.HOLD, within=0.1)
+    made.until(Stage.FOLD, within=0.1)
+    made.until(Stage.CLOSED)
+    assert made.status.time < 1.5
+    assert not made.raised.any()
+    assert not made.true(TORQUE).any()
 
 
 def test_release_folds_and_lets_go(desk: Make):

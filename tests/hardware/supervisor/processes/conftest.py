@@ -130,10 +130,11 @@ class Rig:
                     raise
         raise AssertionError("the servos did not answer four times")
 
-    def planner(self, *seconds: str) -> subprocess.Popen[bytes]:
+    def planner(self, *seconds: str, **environment: str) -> subprocess.Popen[bytes]:
         """A planner in a process of its own, in the middle of a performance."""
         arguments = [str(self.robot.path), str(self.folder), str(self.log), *seconds]
-        process = subprocess.Popen([sys.executable, str(HERE / "planner.py"), *arguments])
+        command = [sys.executable, str(HERE / "planner.py"), *arguments]
+        process = subprocess.Popen(command, env=os.environ | environment)
         self._planners.append(process)
         self.wait(lambda: self.log.exists() and self.entered(Stage.ACTIVE))
         return process

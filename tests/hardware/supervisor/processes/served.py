@@ -1,9 +1,10 @@
 """A program for tests: a robot's virtual servos behind pseudo-terminals, in real time, and a record of what they did.
 
-`python served.py ROBOT FOLDER`: ports appear in FOLDER under the names of the buses. Lines on standard input strike:
-`unplug BUS SECONDS`, `reboot BUS ID SECONDS`, `alert BUS ID BITS`; its end ends the program. Each line of FOLDER/record
-is the plant's time on the machine's monotonic clock, whether each port is plugged in, then torque, goal, watchdog and
-position of each servo. After the line `show` the record is complete until now, which a line on standard output tells.
+`python served.py ROBOT FOLDER [SECONDS]`: ports appear in FOLDER under the names of the buses. Lines on standard input
+strike: `unplug BUS SECONDS`, `reboot BUS ID SECONDS`, `alert BUS ID BITS`; its end ends the program. Each line of
+FOLDER/record is the plant's time on the machine's monotonic clock, whether each port is plugged in, then torque, goal,
+watchdog and position of each servo; the next comes so many seconds later. After the line `show` the record is complete
+until now, which a line on standard output tells.
 """
 
 import os
@@ -20,7 +21,7 @@ from kinesic.hardware.virtual.pty import PtyPort, serve_wires
 from kinesic.hardware.virtual.wiring import build_bus, cables
 
 SHOWN = (Register.TORQUE_ENABLE, Register.GOAL_POSITION, Register.BUS_WATCHDOG)
-EVERY = 0.002  # [s] between lines
+EVERY = 0.002  # [s] between lines, unless told otherwise
 
 
 def fault(kind: str, *figures: float) -> PlannedFault:
@@ -29,7 +30,7 @@ def fault(kind: str, *figures: float) -> PlannedFault:
     return PlannedFault("reboot" if kind == "reboot" else "alert", (int(figures[0]),), value=figures[1])
 
 
-def main(robot: str, folder: Path) -> None:
+def main(robot: str, folder: Path, every: float) -> None:
     with suppress(OSError):  # servos are never late, whatever else the machine does, where it allows that
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(30))
     plant, buses = build_bus(cables(Robot.load(Path(robot))))
@@ -44,7 +45,7 @@ def main(robot: str, folder: Path) -> None:
 
         def running() -> bool:
             nonlocal written
-            if plant.time - written >= EVERY:
+            if plant.time - written >= every:
                 written = plant.time
                 show()
             if not select.select([0], [], [], 0)[0]:
@@ -63,4 +64,4 @@ def main(robot: str, folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], Path(sys.argv[2]))
+    main(sys.argv[1], Path(sys.argv[2]), float(sys.argv[3]) if sys.argv[3:] else EVERY)

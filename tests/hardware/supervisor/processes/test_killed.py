@@ -43,8 +43,9 @@ def test_the_supervisor_killed_leaves_servos_stopped_with_torque_and_the_next_on
     assert not record.torque[-1].any()
 
 
-def test_the_planner_killed_is_held_and_then_folded_and_released(rig):
-    planner = rig.planner()
+@pytest.mark.parametrize("handed_over", [(), ("60",)], ids=["0.7 s", "all"])
+def test_the_planner_killed_is_held_and_then_folded_and_released(rig, handed_over: tuple[str, ...]):
+    planner = rig.planner(*handed_over)
     time.sleep(0.5)
     killed = rig.kill(planner.pid)
     planner.wait(PATIENCE)

@@ -97,3 +97,5 @@ def test_a_full_disk_stops_no_robot(rig, robot: Robot):
     servos.release()
     servos.close()
     assert at_rest_and_limp(robot, rig.record())
+    said = [note.text for note in servos.events() if note.kind == "journal"]
+    assert said == ["/dev/full: No space left on device; events are lost"]

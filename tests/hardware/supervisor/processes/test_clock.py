@@ -1,0 +1,63 @@
+"""The time of day jumps by an hour, forth and back, under a performance's processes: nothing that moves sees it."""
+
+import json
+import shutil
+import subprocess
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kinesic.body.robot import Robot
+from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.hardware.supervisor.state_machine import Stage
+
+pytestmark = pytest.mark.realtime
+
+HERE = Path(__file__).parent
+HOUR, SECONDS = 3600, 3.0
+EARLY = 0.1  # [s] that cycles may be off before the supervisor slows time
+SPEED = 0.6  # [rad/s] of the planner's motion at most
+AWAY = 0.3  # [rad] of its amplitude
+
+
+@pytest.fixture(scope="module")
+def jumping_clock(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A library that moves the time of day of whoever preloads it."""
+    compiler = shutil.which("cc")
+    if compiler is None:
+        pytest.skip("no C compiler: the time of day of a process cannot be moved")
+    library = tmp_path_factory.mktemp("clock") / "jumping_clock.so"
+    subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-o", library, HERE / "jumping_clock.c"], check=True)
+    return library
+
+
+def test_a_clock_that_jumps_moves_no_goal_and_no_end(rig, robot: Robot, jumping_clock: Path, tmp_path: Path):
+    offset = tmp_path / "clock"
+    offset.write_bytes(bytes(8))
+    planner = rig.planner(str(SECONDS), LD_PRELOAD=str(jumping_clock), KINESIC_CLOCK=str(offset))
+    for jump in (HOUR, -HOUR):
+        time.sleep(0.5)
+        with offset.open("r+b") as file:  # in place: it is mapped
+            file.write(jump.to_bytes(8, "little", signed=True))
+    assert planner.wait(60.0) == 0
+    lines = [json.loads(line) for line in rig.log.read_text().splitlines()]
+    ahead = np.array([line["wall"] - line["time"] for line in lines])
+    assert np.ptp(ahead) > HOUR - 60.0, "the clock has not jumped"
+    assert (np.diff([line["time"] for line in lines]) >= 0.0).all()
+    begun, ended = rig.entered(Stage.ACTIVE), rig.entered(Stage.FOLD)
+    assert ended - begun > SECONDS - EARLY
+    assert rig.entered(Stage.CLOSED) is not None
+    if not any(line["kind"] in ("host", "paused") for line in lines):  # else the machine stood still, and time with it
+        assert ended - begun < SECONDS + 1.0
+        follows_the_plan(rig, robot, begun)
+
+
+def follows_the_plan(rig, robot: Robot, begun: float) -> None:
+    """Compares the goals of servos with what the planner wrote, second by second."""
+    record, manifest = rig.record(), Manifest.of(robot)
+    rows = (record.times > begun + EARLY) & (record.times < begun + SECONDS - EARLY)
+    sent = manifest.scale.angles(record.goals[rows]) - manifest.rest[manifest.joints]
+    planned = AWAY * (1 - np.cos(2 * (record.times[rows] - begun)))
+    assert np.abs(sent - planned[:, None]).max() < SPEED * EARLY
