@@ -59,8 +59,8 @@ class Performer:
         Args:
             robot: its name, or its TOML file.
             style: its name, or its TOML file.
-            options: settings, lexicon, dialect, gather, idle, seed, voice, pause, targets; what each says stands in
-                `kinesic.controller.options.PlanningOptions`.
+            options: settings, lexicon, dialect, gather, idle, seed, voice, pause, targets, character; what each says
+                stands in `kinesic.controller.options.PlanningOptions`.
 
         Raises:
             ConfigError: something is missing or wrong; says what would have worked.
@@ -93,7 +93,8 @@ class Performer:
         name = source or name
         if text is None:
             return plan_imported(read_bap(Path(str(document)), self.robot), self.setup, source=name)
-        return plan_block(parse(text, source=name, dialect=self.setup.dialect), self.setup)
+        setup = self.setup
+        return plan_block(parse(text, source=name, dialect=setup.dialect, performer=setup.character), setup)
 
     def perform(
         self,

@@ -279,3 +279,26 @@ def test_a_report_replaces_no_folder_of_somebody(run, tmp_path: Path):
     with pytest.raises(kinesic.ConfigError, match="not marked as kinesic's own"):
         run.report(tmp_path, film=False)
     assert (tmp_path / "report.json").read_text() == "dear"
+
+
+def test_a_performer_may_be_one_of_several_characters():
+    text = (
+        '<bml id="b" agent="Anna"><head id="h" lexeme="NOD"/><head id="i" lexeme="NOD" agent="Bert" start="1"/></bml>'
+    )
+    plans = {name: kinesic.Performer(character=name).plan(text) for name in (None, "Anna", "bert", "Cleo")}
+    performed = {
+        name: [id for id, outcome in plan.keyframes.outcomes.items() if outcome.kind == "realised"]
+        for name, plan in plans.items()
+    }
+    assert performed == {None: ["h"], "Anna": ["h"], "bert": ["i"], "Cleo": []}
+
+
+def test_what_others_say_is_neither_spoken_nor_remarked():
+    text = '<bml agent="Anna"><speech id="s">one</speech><speech id="t" agent="Bert">two \u79c1</speech></bml>'
+    plan = kinesic.Performer(voice="auto").plan(text)
+    assert [timed.behaviour.id for timed in plan.timeline.timed] == ["s"]
+    assert (plan.utterances["t"].sound, plan.utterances["t"].phonemes) == (None, ())
+    assert plan.utterances["t"].duration > 0.0
+    assert [notice.text for notice in plan.notices if notice.id.endswith(":t")] == [
+        "speech 't' is skipped: Bert performs it"
+    ]

@@ -210,6 +210,7 @@ class Behaviour:
     syncs: Mapping[str, SyncRef] = field(default_factory=dict)  # sync point -> what it must coincide with
     manner: Manner = Manner()
     required: bool = False
+    agent: str | None = None  # who else performs it; None: this robot
 
 
 @dataclass(frozen=True)

@@ -4,21 +4,25 @@ import itertools
 from collections.abc import Collection, Iterator
 from typing import Literal
 
+from kinesic.bml.agents import keep_own_part
 from kinesic.bml.block import BOUNDS, Action, Behaviour, Block, Bounds, Custom, Dialect, NoticeType, Speech
 from kinesic.bml.composition import command_of, composition_of, is_command
+from kinesic.bml.reading.dialect_words import in_own_words
 from kinesic.bml.reading.document import read_document
-from kinesic.bml.reading.elements import ACTIONS, richest, unknown_attributes
+from kinesic.bml.reading.elements import ACTIONS, richest
 from kinesic.bml.reading.manner import manners_of, read_manner
-from kinesic.bml.reading.namespaces import core_attributes, foreign_attributes, is_core, namespace
+from kinesic.bml.reading.namespaces import core_attributes, is_core, namespace
 from kinesic.bml.reading.reader import BehaviourElement, DocumentReading
 from kinesic.bml.reading.references import Constraint, Names, ReferenceReader, check_references
-from kinesic.bml.reading.script import PROSODY, pause_of
+from kinesic.bml.reading.script import pause_of
 from kinesic.bml.reading.tree import Element
+from kinesic.bml.reading.unread import STRAY, note_unread
+from kinesic.bml.reading.vocabulary import AGENTS
 
 UNNAMED = "block"  # id of a block that has none
 MOST_BEHAVIOURS = 1000  # in one block
 
-_SILENT = PROSODY | {"description", "constraint", "required", "tm", "sync"}
+_NO_BEHAVIOURS = STRAY | {"constraint"}
 
 
 def parse(
@@ -29,6 +33,7 @@ def parse(
     strict: bool = False,
     known_blocks: Collection[str] = (),
     bounds: Bounds = BOUNDS,
+    performer: str | None = None,
 ) -> Block:
     """Reads one <bml>.
 
@@ -39,6 +44,7 @@ def parse(
         strict: refuse behaviours of unknown types, which are `Custom` otherwise.
         known_blocks: ids of other blocks: they may have hyphens in references, and a block without an id gets another.
         bounds: largest size and depth.
+        performer: which of several characters this robot is; None: the one that the block is for.
 
     Raises:
         BmlError: the document is refused: broken XML, a number out of range, or a reference to a behaviour that exists
@@ -54,10 +60,15 @@ def parse(
     if needs_id and not written:
         reading.note(NoticeType.PARSING_FAILURE, f"<bml> has no id: it is called '{about.id}'")
     named = _named(bml, reading)
-    _note_foreign(bml, named, reading)
+    if document.in_capitals:
+        tags = ", ".join(f"<{name}>" for name in document.in_capitals)
+        reading.note(NoticeType.PARSING_FAILURE, f"{tags} in capitals: read as if written small")
+    note_unread(document.root, bml, [behaviour for behaviour, _ in named], reading)
     if strict:
         _refuse_unknown(named, reading)
+    character = about.word(*AGENTS) or None
     bare = [_bare(name, required, reading) for name, required in named]
+    bare = keep_own_part(bare, character, performer, reading)
     names = _names(about.id, bare, known_blocks)
     references = ReferenceReader(reading, names)
     cued = [references.add_sync_references(behaviour, name) for behaviour, (name, _) in zip(bare, named, strict=True)]
@@ -71,7 +82,7 @@ def parse(
         behaviours=behaviours,
         constraints=constraints,
         composition=composition,
-        character=about.word("characterId", "character") or None,
+        character=character,
         dialect=found,
         notices=tuple(reading.notices),
         source=source,
@@ -93,11 +104,11 @@ def _elements(bml: Element, home: str | None, *, required: bool = False) -> Iter
         is_known = is_core(child, home=home)
         if is_known and child.local == "required":
             yield from _elements(child, home, required=True)
-        elif not is_known or child.local not in _SILENT:
-            yield richest(child, home=home), required
+        elif not is_known or child.local not in _NO_BEHAVIOURS:
+            yield in_own_words(richest(child, home=home)), required
         if is_known and child.local == "speech":
             inner = (part for part in child.children if part.local in ACTIONS and is_core(part, home=home))
-            yield from ((part, required) for part in inner)
+            yield from ((in_own_words(part), required) for part in inner)
 
 
 def _named(bml: Element, reading: DocumentReading) -> list[tuple[BehaviourElement, bool]]:
@@ -137,17 +148,19 @@ def _bare(named: BehaviourElement, required: bool, reading: DocumentReading) -> 
     command = None if known else command_of(named, reading)
     action: Action = ACTIONS[element.local](named, reading) if known else command or Custom(element.name)
     manner = read_manner(named, action, reading)
-    return Behaviour(named.id, element.written, action, element.place, manner=manner, required=required)
+    agent = named.word(*AGENTS) or None
+    return Behaviour(named.id, element.written, action, element.place, manner=manner, required=required, agent=agent)
 
 
 def _names(block: str, behaviours: list[Behaviour], known_blocks: Collection[str]) -> Names:
-    marks: dict[str, str] = {}
-    for behaviour in behaviours:
-        if isinstance(behaviour.action, Speech):
-            for mark in behaviour.action.script.marks:
-                marks.setdefault(mark.name, behaviour.id)
+    speeches = {
+        behaviour.id: frozenset(mark.name for mark in behaviour.action.script.marks)
+        for behaviour in behaviours
+        if isinstance(behaviour.action, Speech)
+    }
+    marks = {mark: id for id, own in reversed(speeches.items()) for mark in own}
     ids = frozenset(behaviour.id for behaviour in behaviours)
-    return Names(block, ids, marks, frozenset(known_blocks) - {block})
+    return Names(block, ids, marks, frozenset(known_blocks) - {block}, speeches)
 
 
 def _constraints(bml: Element, references: ReferenceReader, *, required: bool = False) -> Iterator[Constraint]:
@@ -157,24 +170,6 @@ def _constraints(bml: Element, references: ReferenceReader, *, required: bool = 
                 yield from _constraints(child, references, required=True)
             elif child.local == "constraint":
                 yield from references.constraints(child, required=required)
-
-
-def _note_foreign(bml: Element, named: list[tuple[BehaviourElement, bool]], reading: DocumentReading) -> None:
-    """Notes each attribute of an unknown extension or name once, however often it stands."""
-    found = [(name, bml) for name in foreign_attributes(bml, home=reading.home)]
-    for behaviour, _ in named:
-        element = behaviour.element
-        if is_core(element, home=reading.home):
-            unread = (*foreign_attributes(element, home=reading.home), *unknown_attributes(behaviour))
-            found += [(name, element) for name in unread]
-    seen: set[tuple[str, str]] = set()
-    for name, element in found:
-        key = (name, "" if ":" in name else element.local)
-        if key not in seen:
-            seen.add(key)
-            where = f"<{element.written}> (line {element.place.line})"
-            what = f"the attribute {name} of {where} is not known and passed over"
-            reading.note(NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED, what)
 
 
 def _refuse_unknown(named: list[tuple[BehaviourElement, bool]], reading: DocumentReading) -> None:

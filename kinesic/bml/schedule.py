@@ -18,7 +18,7 @@ from kinesic.bml.block import (
     refusal,
 )
 from kinesic.bml.reading.references import LONGEST
-from kinesic.bml.timing.constraints import Tie, own_ties
+from kinesic.bml.timing.constraints import Tie, own_ties, point_of
 from kinesic.bml.timing.negative_cycles import Edge, contradictions
 from kinesic.bml.timing.network import SHORTEST, Elsewhere, Network, ReferenceResolver
 from kinesic.bml.timing.points import natural_spans
@@ -40,7 +40,7 @@ def schedule(
     Equalities hold exactly, sync points of a behaviour never go back, `after` and `before` hold; within this, phases
     are as near to their natural lengths as they can be (strokes first). A behaviour that cannot be timed is dropped.
     One that referred to it keeps its other references; when none is left it is dropped as well, unless it is a speech,
-    which is then free.
+    which is then free. What other agents perform is timed, for others refer to it, and then left out.
 
     Args:
         block: what was asked.
@@ -62,7 +62,7 @@ def schedule(
         resolver = ReferenceResolver(block, cast.behaviours, utterances, elsewhere or {}, spans)
         network = resolver.network(cast.ties(), cast.constraints)
         for unresolved in resolver.unresolved:
-            cast.give_up(unresolved.culprit, unresolved.kind, unresolved.why)
+            cast.give_up(unresolved.culprit, unresolved.kind, unresolved.why, unresolved.sync)
         if resolver.unresolved:
             continue
         loops = network.clashes() or contradictions(network.edges())
@@ -92,10 +92,11 @@ class _Cast:
     def note(self, kind: NoticeType, text: str, behaviour: str | None = None) -> None:
         self.notices.append(Notice(kind, ":".join(filter(None, (self.block.id, behaviour))), text))
 
-    def give_up(self, culprit: str | Constraint, kind: NoticeType, why: str) -> None:
-        """Drops a behaviour or passes over a constraint, unless that happened already."""
+    def give_up(self, culprit: str | Constraint, kind: NoticeType, why: str, sync: str = "") -> None:
+        """Drops a behaviour, or passes over a constraint or a time other than its start of a speech, where there is."""
         if isinstance(culprit, str):
-            if culprit in self.behaviours:
+            behaviour = self.behaviours.get(culprit)
+            if behaviour is not None and not self._say_without(behaviour, sync, why):
                 self.drop(culprit, kind, why)
         elif culprit in self.constraints:
             if culprit.required:
@@ -120,6 +121,14 @@ class _Cast:
                 if any(self._is_of(ref, gone) for ref in _refs(other)) and not self._untied(other, gone):
                     reason = f"its times refer to '{gone}', which is dropped"
                     going.append((other.id, NoticeType.IMPOSSIBLE_TO_SCHEDULE, reason))
+
+    def skip(self, behaviour: Behaviour, agent: str) -> None:
+        """Leaves out what another agent performs, whose times others may refer to."""
+        why = f"{agent} performs it"
+        self.dropped.append(Drop(behaviour, why))
+        self.note(
+            NoticeType.CANNOT_CREATE_BEHAVIOR, f"{behaviour.type} '{behaviour.id}' is skipped: {why}", behaviour.id
+        )
 
     def _is_of(self, ref: SyncRef, name: str) -> bool:
         return (ref.block, ref.behaviour) == (self.block.id, name)
@@ -149,10 +158,39 @@ class _Cast:
         later = tuple(ref for ref in constraint.later if not self._is_of(ref, gone))
         return [replace(constraint, later=later)] if later and not self._is_of(constraint.earlier, gone) else []
 
+    def _say_without(self, behaviour: Behaviour, sync: str, why: str) -> bool:
+        """Takes a time that cannot be met away from a speech, which is said all the same; False: it is not that."""
+        is_spoken = isinstance(behaviour.action, Speech) and not behaviour.required
+        if not is_spoken or sync == "start" or sync not in behaviour.syncs:
+            return False
+        left = {name: ref for name, ref in behaviour.syncs.items() if name != sync}
+        self.behaviours[behaviour.id] = replace(behaviour, syncs=left)
+        what = f"'{behaviour.id}' is said without its {sync}: {why}"
+        self.note(NoticeType.IMPOSSIBLE_TO_SCHEDULE, what, behaviour.id)
+        return True
+
+    def _free_speech(self, loop: list[Edge]) -> bool:
+        """Takes from a speech of a contradiction what makes it one: the last of its times, or a constraint on it."""
+        points = [point for edge in loop for point in (edge.tail, edge.head)]
+        why = _describe_loop(loop, self.block.id)
+        for point in reversed(points):
+            behaviour = self.behaviours.get(point.behaviour)
+            if behaviour is not None and self._say_without(behaviour, point.sync, why):
+                return True
+        owners = {point.behaviour for point in points} - {"bml"}
+        if all(isinstance(self.behaviours[name].action, Speech) for name in owners & self.behaviours.keys()):
+            for constraint in self.constraints:
+                if not constraint.required and any(point_of(ref) in points for ref in _refs(constraint)):
+                    self.give_up(constraint, NoticeType.IMPOSSIBLE_TO_SCHEDULE, why)
+                    return True
+        return False
+
     def resolve(self, loops: list[list[Edge]]) -> None:
-        """Drops one behaviour of each contradiction."""
+        """Drops one behaviour of each contradiction, unless a speech can be said without what makes it one."""
         for loop in loops:
             names = {point.behaviour for edge in loop for point in (edge.tail, edge.head)} - {"bml"}
+            if self._free_speech(loop):
+                continue
             if names <= self.behaviours.keys() and (candidates := [n for n in self.behaviours if n in names]):
                 weakest = max(candidates, key=lambda name: (self._weakness(name), candidates.index(name)))
                 self.drop(weakest, NoticeType.IMPOSSIBLE_TO_SCHEDULE, _describe_loop(loop, self.block.id))
@@ -160,8 +198,10 @@ class _Cast:
                 self._give_up_constraint(loop)
 
     def _weakness(self, name: str) -> int:
-        """Speech stays longer than the rest, what is required longer than speech."""
+        """Speech stays longer than the rest, what is required longer than speech; what others perform goes first."""
         behaviour = self.behaviours[name]
+        if behaviour.agent is not None:
+            return 3
         return 0 if behaviour.required else 1 if isinstance(behaviour.action, Speech) else 2
 
     def _give_up_constraint(self, loop: list[Edge]) -> None:
@@ -208,5 +248,8 @@ def _timeline(cast: _Cast, network: Network, spans: Mapping[str, Mapping[str, fl
             raise refusal(
                 cast.block.source, chain.behaviour.place, what, f"a block lasts at most {LONGEST:g} s: split it"
             )
-        timed.append(TimedBehaviour(chain.behaviour, own))
+        if chain.behaviour.agent is None:
+            timed.append(TimedBehaviour(chain.behaviour, own))
+        else:
+            cast.skip(chain.behaviour, chain.behaviour.agent)
     return Timeline(cast.block, tuple(timed), tuple(cast.dropped), tuple(cast.notices))

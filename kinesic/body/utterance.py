@@ -18,6 +18,7 @@ class Mark:
 
     name: str
     position: int
+    time: float | None = None  # [s] from the start of the speech, where the document says it; None: as the voice has it
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ SET_HELP = (
     f"of {', '.join(RANGES)} (openness 0 to 1). Repeat for more."
 )
 VOICE_HELP = "Who speaks: espeak is heard, durations is silent; auto takes espeak where it is installed."
+CHARACTER_HELP = "Which of several characters the robot is; without it, the one that a block is for, or the first."
 PAUSE_HELP = "Longest pause before a word for which the body would be late, unless documents say otherwise."
 
 
@@ -54,6 +55,7 @@ class PlanningOptions(TypedDict, total=False):
         "str | Path | Mapping[str, Sequence[float] | Floats] | None",
         Offer("TOML of named points in the world [m].", kind=Path),
     ]
+    character: Annotated[str | None, Offer(CHARACTER_HELP, metavar="NAME")]
 
 
 CHOICES: Mapping[str, tuple[str, ...]] = {

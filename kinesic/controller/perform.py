@@ -66,6 +66,7 @@ def set_up(
         gathering=options.get("gather", "complex"),
         idling=Idling(options.get("idle", "off"), options.get("seed", 0)),
         pause=options.get("pause", 0.0),
+        character=options.get("character"),
     )
 
 
@@ -101,7 +102,7 @@ def plan(text: str | bytes, known: Setup | None = None, *, source: str = "<text>
         BmlError: the document is refused.
     """
     known = known or set_up()
-    return plan_block(parse(text, source=source, dialect=known.dialect), known)
+    return plan_block(parse(text, source=source, dialect=known.dialect, performer=known.character), known)
 
 
 def perform(
@@ -137,7 +138,7 @@ def performances(
     """
     known = known or set_up()
     began = perf_counter()
-    block = parse(text, source=source, dialect=known.dialect)
+    block = parse(text, source=source, dialect=known.dialect, performer=known.character)
     parsed = perf_counter() - began
     planned = plan_block(block, known)
     return dry_runs(planned, twins, feedforward=feedforward, correction=correction, parse_seconds=parsed)

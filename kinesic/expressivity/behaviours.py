@@ -28,6 +28,7 @@ from kinesic.expressivity.lexicon.lexicon import mirror_form
 from kinesic.expressivity.turns import UPRIGHT, Layer, exclusive, pass_layer
 
 REALISED = Outcome("realised")
+COUNTING = "count"  # gestures whose names begin with it count on one hand
 
 
 @dataclass(frozen=True)
@@ -77,7 +78,8 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
     works = tuple(poses(option, context.robot, manner) if option.keys else hanging_arms(SIDES) for option in options)
     outcome, warnings = substitution_outcome(match.substitute)
     halves = action.mode == "unspecified"
-    stroke = Stroke(timed.behaviour.id, timed.times, works, form.rest, manner, halves=halves)
+    series = COUNTING if halves and form.id.startswith(f"{COUNTING}_") else ""
+    stroke = Stroke(timed.behaviour.id, timed.times, works, form.rest, manner, halves=halves, series=series)
     return Move(outcome, strokes=(stroke,), warnings=(*warnings, *unmet))
 
 

@@ -27,6 +27,7 @@ from kinesic.bml.block import (
     refusal,
 )
 from kinesic.bml.timing.constraints import placed_points
+from kinesic.bml.timing.points import is_repeated
 from kinesic.body.robot import PartName
 from kinesic.expressivity.behaviours import (
     BehaviourWarning,
@@ -70,7 +71,8 @@ def keyframes(timeline: Timeline, context: BlockContext, *, without: Mapping[str
     outcomes |= {id: move.outcome for id, move in moves.items()}
     _check_required(timeline.block, outcomes)
     uses = {id: _uses(id, move, hands) for id, move in moves.items()}
-    timeline = replace(timeline, timed=tuple(_move_syncs(timed, hands.times) for timed in timeline.timed))
+    done = {work.id: work.poses.times for work in hands.works}
+    timeline = replace(timeline, timed=tuple(_actual_syncs(timed, hands.times, done) for timed in timeline.timed))
     syncs = [
         SyncPoint(time, timed.behaviour.id, sync)
         for timed in timeline.timed
@@ -104,10 +106,14 @@ def _sequences(timeline: Timeline, context: BlockContext, moves: Mapping[str, Mo
     return add_idle_motion(sequences, (timeline.start, timeline.end), context.shared.idling, context.robot)
 
 
-def _move_syncs(timed: TimedBehaviour, times: Mapping[str, Mapping[str, float]]) -> TimedBehaviour:
-    """Moves the sync points that neighbours of its hands changed, where the document left them open."""
-    moved = times.get(timed.behaviour.id)
-    return replace(timed, times={**timed.times, **moved}) if moved else timed
+def _actual_syncs(
+    timed: TimedBehaviour, moved: Mapping[str, Mapping[str, float]], done: Mapping[str, int]
+) -> TimedBehaviour:
+    """Moves the sync points that neighbours of its hands changed, and leaves out strokes that are not done again."""
+    id, action = timed.behaviour.id, timed.behaviour.action
+    times = {**timed.times, **moved.get(id, {})}
+    beyond = [s for s in times if is_repeated(action, s) and int(s.partition(":")[2]) > done.get(id, 1)]
+    return replace(timed, times={sync: time for sync, time in times.items() if sync not in beyond})
 
 
 def _moves(timed: list[TimedBehaviour], context: BlockContext) -> dict[str, Move]:

@@ -34,6 +34,7 @@ class Setup:
     gathering: Gathering = "complex"  # how key frames are filled
     idling: Idling = OFF  # what fills pauses
     pause: float = 0.0  # [s] longest pause before a word that waits for the body, where documents do not say
+    character: str | None = None  # which of several characters the robot is; None: the one that a block is for
 
     @cached_property
     def limits(self) -> Limits:

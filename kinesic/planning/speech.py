@@ -5,7 +5,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from kinesic.bml.block import Block, Notice, NoticeType, Speech, Timeline
+from kinesic.bml.block import Behaviour, Block, Notice, NoticeType, Speech, Timeline
 from kinesic.body.utterance import Mark, Pause, Script, Utterance
 from kinesic.expressivity.style.style import Style
 from kinesic.motion.keys import Sync
@@ -39,13 +39,14 @@ def synthesise_block(block: Block, setup: Setup, waiting: tuple[SpeechPause, ...
         waiting: pauses that are made for the body.
     """
     rate, pitch = choose_rate_and_pitch(setup.style)
-    scripts = {b.id: b.action.script for b in block.behaviours if isinstance(b.action, Speech)}
-    return {
-        name: setup.voice.say(
-            insert_pauses(script, tuple(each for each in waiting if each.speech == name)), rate=rate, pitch=pitch
-        )
-        for name, script in scripts.items()
-    }
+    found: dict[str, Utterance] = {}
+    for behaviour in block.behaviours:
+        if isinstance(behaviour.action, Speech):
+            pauses = tuple(each for each in waiting if each.speech == behaviour.id)
+            said = setup.voice.say(insert_pauses(behaviour.action.script, pauses), rate=rate, pitch=pitch)
+            others = behaviour.agent is not None  # who say it themselves
+            found[behaviour.id] = replace(said, sound=None, phonemes=(), remarks=()) if others else said
+    return found
 
 
 def choose_rate_and_pitch(style: Style) -> tuple[float, float]:
@@ -69,7 +70,7 @@ def remarks(block: Block, utterances: Mapping[str, Utterance]) -> list[Notice]:
 
 
 def allowed_pauses(block: Block, usual: float) -> dict[str, float]:
-    """Looks up the longest pause [s] before a word of each speech that may wait; a recording cannot.
+    """Looks up the longest pause [s] before a word of each speech that may wait; one with given times cannot.
 
     Args:
         block: says so for each speech, or for all.
@@ -79,9 +80,13 @@ def allowed_pauses(block: Block, usual: float) -> dict[str, float]:
     found = {
         behaviour.id: longest if behaviour.action.pause is None else behaviour.action.pause
         for behaviour in block.behaviours
-        if isinstance(behaviour.action, Speech) and behaviour.action.script.recording is None
+        if isinstance(behaviour.action, Speech) and _may_wait(behaviour.action.script)
     }
     return {name: most for name, most in found.items() if most > 0.0}
+
+
+def _may_wait(script: Script) -> bool:
+    return script.recording is None and all(mark.time is None for mark in script.marks)
 
 
 def mark_delays(timeline: Timeline, syncs: tuple[SyncTime, ...]) -> dict[Sync, tuple[float, Sync]]:
@@ -118,7 +123,8 @@ def required_pauses(
     for timed in timeline.timed:
         name, times = timed.behaviour.id, timed.times
         moved, reached = 0.0, 0.0
-        for mark in sorted(times.keys() - {"start", "end"}, key=lambda mark: times[mark]) if name in most else ():
+        marks = [mark for mark in _marks(timed.behaviour) if mark in times and name in most]
+        for mark in sorted(marks, key=lambda mark: times[mark]):
             late, sync = missed.get((name, mark), (reached, ("", "")))
             waiting = made.get((name, mark), SpeechPause(name, mark, 0.0, sync))
             more = min(late - reached, most[name] - waiting.later) if late - reached > SHIFT_TO_WARN else 0.0
@@ -127,6 +133,10 @@ def required_pauses(
                 until = times[mark] - times["start"] + moved
                 found.append(replace(waiting, until=until, later=waiting.later + more))
     return tuple(found)
+
+
+def _marks(behaviour: Behaviour) -> tuple[str, ...]:
+    return tuple(mark.name for mark in behaviour.action.script.marks) if isinstance(behaviour.action, Speech) else ()
 
 
 def lengthen_pauses(waiting: tuple[SpeechPause, ...], utterances: Mapping[str, Utterance]) -> tuple[SpeechPause, ...]:

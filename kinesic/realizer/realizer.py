@@ -185,8 +185,9 @@ def _refusal(scene: Scene, prepared: PreparedBlock) -> str | None:
     if same is not None:
         how = "plays" if same.state.is_playing else "waits"
         return f"a block of this id {how} already ({same.state.value}): give each block an id of its own"
-    if scene.character is not None and block.character not in (None, scene.character):
-        return f"it is for {block.character}, and {scene.character} performs here"
+    own, others = scene.setup.character, [each.agent for each in block.behaviours if each.agent is not None]
+    if own is not None and len(others) == len(block.behaviours) and (others or block.character not in (None, own)):
+        return f"it is for {' and '.join(dict.fromkeys(others)) or block.character}, and {own} performs here"
     if len(scene.blocks) >= MOST_BLOCKS:
         return f"{MOST_BLOCKS} blocks play and wait already, send it again when some are over"
     return None

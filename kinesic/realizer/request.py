@@ -159,6 +159,7 @@ def read_request(
         dialect=setup.dialect,
         known_blocks=context.states,
         bounds=bounds,
+        performer=setup.character,
     )
     zero, is_anchored = context.expected_start(block), refers_elsewhere(block)
     own = anchor_references(block, context, zero)

@@ -33,7 +33,6 @@ class Scene:
     said: tuple[ScheduledFeedback, ...] = ()  # feedback to be sent now; the next `advance` takes it away
     ended: tuple[EndedBlock, ...] = ()  # the last blocks that are over
     replans: tuple[TimedRequest, ...] = ()  # blocks to be planned anew, each plan for `improve_block`
-    character: str | None = None  # who performs here; None: blocks for every character
     ahead: float = 0.0  # [s] the motion is handed over so early: changes begin no sooner
     lasting: tuple[Occupancy, ...] = ()  # of blocks that are over, what stays: the last gaze shift and posture
 
@@ -44,10 +43,11 @@ class Scene:
         Args:
             setup: robot, style and all else that planning is given.
             now: [s] global time.
-            character: who performs here: blocks for others are refused. None: every block is performed.
+            character: who performs here: blocks for others are refused. None: who the setup says, if anybody.
             ahead: [s] by which the motion is handed over before it is performed.
         """
-        return cls(setup, stay(setup.robot.skeleton.rest, start=now), character=character, ahead=ahead)
+        setup = setup if character is None else replace(setup, character=character)
+        return cls(setup, stay(setup.robot.skeleton.rest, start=now), ahead=ahead)
 
     @cached_property
     def _by_id(self) -> dict[str, RunningBlock]:

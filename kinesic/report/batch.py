@@ -14,6 +14,7 @@ from typing import Generic, Literal, TypeVar
 import msgspec
 
 from kinesic.bml.block import BmlError
+from kinesic.bml.reading.document import begins_as_bml
 from kinesic.controller.perform import performances
 from kinesic.controller.performance import Performance
 from kinesic.files.output_file import new_file, open_to_add, write_text
@@ -27,6 +28,7 @@ Outcome = Literal["performed", "refused", "crashed"]
 
 Entry = TypeVar("Entry")
 SUFFIXES = (".xml", ".bml")
+HEAD = 4096  # [bytes] of a file of another ending that tell what it is
 JOURNAL = "finished.jsonl"
 
 
@@ -101,18 +103,32 @@ class DocumentVerdict:
 def documents(paths: tuple[Path, ...]) -> list[Path]:
     """Finds the BML and XML files below folders in order of their names, beside files that are named; each once.
 
+    A file with another ending is one of them where its content begins as BML.
+
     Raises:
         BmlError: a path does not exist.
     """
     found: list[Path] = []
     for path in paths:
         if path.is_dir():
-            found += sorted(file for file in path.rglob("*") if file.suffix.lower() in SUFFIXES)
+            found += sorted(file for file in path.rglob("*") if _is_document(file))
         elif path.exists():
             found.append(path)
         else:
             raise BmlError(f"{path}: no such file or folder")
     return list(dict.fromkeys(found))
+
+
+def _is_document(path: Path) -> bool:
+    if path.suffix.lower() in SUFFIXES:
+        return True
+    if not path.is_file():  # whoever opens a pipe may wait for ever
+        return False
+    try:
+        with path.open("rb") as file:
+            return begins_as_bml(file.read(HEAD))
+    except OSError:
+        return False
 
 
 def validate_documents(

@@ -19,11 +19,13 @@ from kinesic.body.utterance import Mark, Pause, Phoneme, Script, Sound, Utteranc
 from kinesic.speech.durations import DurationModel
 from kinesic.speech.espeak_pool import EngineReply, SpeechError, engine, espeak_fault, synthesise
 from kinesic.speech.ssml import ssml
+from kinesic.speech.writing import unreadable_letters
 
 WORDS_PER_MINUTE = 175  # of espeak-ng at rate 1
 SLOWEST, FASTEST = 80, 450  # words per minute
 MIDDLE, HIGHEST = 50, 99  # espeak-ng's pitch: 50 more is an octave up
 REMEMBERED = 64  # utterances of one run
+SHOWN = 40  # letters in a remark
 LONGEST = 25_000  # characters, about half an hour: more than a block may last
 ENGLISH = "en-us"
 ALIASES: Mapping[str, str] = {  # tags that the files of espeak-ng spell otherwise
@@ -97,6 +99,13 @@ def _said(script: Script, rate: float, pitch: float) -> Utterance:
         why = f"a text of {len(script.text)} characters is too long for one speech, at most {LONGEST} are said"
         return DurationModel(f"nothing is heard: {why}").say(replace(script, text=script.text[:LONGEST]), rate=rate)
     voice, remark = voice_of(script.language, place.data)
+    lost = unreadable_letters(script.text, voice)
+    if lost:
+        why = f"the voice {voice} cannot read {_shown(lost)}"
+        readable = script.text.translate(dict.fromkeys(map(ord, lost), " "))
+        if not _has_word(readable):
+            return DurationModel(f"nothing is heard: {why}").say(script, rate=rate)
+        script, remark = replace(script, text=readable), "; ".join(filter(None, (remark, f"{why}: it is lost")))
     words = min(max(round(WORDS_PER_MINUTE * rate), SLOWEST), FASTEST)
     height = min(max(round(MIDDLE * (1 + math.log2(pitch))), 0), HIGHEST)
     try:
@@ -105,6 +114,11 @@ def _said(script: Script, rate: float, pitch: float) -> Utterance:
         return DurationModel(f"nothing is heard: {error}").say(script, rate=rate)
     utterance = _timed(script, reply)
     return replace(utterance, remarks=tuple(filter(None, (remark, *utterance.remarks))))
+
+
+def _shown(letters: str) -> str:
+    more = len(letters) - SHOWN
+    return f"{letters[:SHOWN]} and {more} other letters" if more > 0 else letters
 
 
 def _timed(script: Script, reply: EngineReply) -> Utterance:

@@ -14,6 +14,7 @@ from kinesic.speech.durations import DurationModel
 from kinesic.speech.espeak import Espeak
 from kinesic.speech.espeak_pool import espeak_fault
 
+ASTRAY = 0.05  # [s] by which a mark may be off its word without a remark
 LONGEST = 1300  # [s] of a recording that is read
 
 
@@ -49,16 +50,38 @@ class Recorded:
         """Says a script, or plays its recording, which neither rate nor pitch changes.
 
         Marks whose time nobody gave, and what the lips do, are where the duration model has them, stretched to the
-        length of the recording. One that cannot be read is said by the other voice, with a remark.
+        length of the recording. One that cannot be read is said by the other voice, with a remark. Where the document
+        says when a mark falls, it falls then, whoever speaks.
         """
         if script.recording is None:
-            return self.voice.say(script, rate=rate, pitch=pitch)
+            return _keep_times(script, self.voice.say(script, rate=rate, pitch=pitch))
         try:
-            sound = read_wav(script.recording.path)
+            sound = read_wav(_with_ending(script.recording.path))
         except RecordingError as error:
-            said = self.voice.say(replace(script, recording=None), rate=rate, pitch=pitch)
+            said = self.say(replace(script, recording=None), rate=rate, pitch=pitch)
             return replace(said, remarks=(f"{error}: it is said instead", *said.remarks))
         return _played(script, script.recording, sound)
+
+
+def _keep_times(script: Script, said: Utterance) -> Utterance:
+    """Puts marks where the document has them, and remarks where the voice would have had them elsewhere."""
+    given = {mark.name: mark.time for mark in reversed(script.marks) if mark.time is not None}
+    if not given:
+        return said
+    kept = {name: min(max(time, 0.0), said.duration) for name, time in given.items()}
+    apart = [
+        f"{name} (given {given[name]:g} s, said {said.marks.get(name, 0.0):.2f} s)"
+        for name in reversed(given)
+        if abs(given[name] - said.marks.get(name, 0.0)) > ASTRAY
+    ]
+    remark = f"marks fall when the document says, not when the voice says their words: {', '.join(apart)}"
+    return replace(said, marks={**said.marks, **kept}, remarks=(*said.remarks, *([remark] if apart else [])))
+
+
+def _with_ending(path: Path) -> Path:
+    """A recording may be named without its ending."""
+    named = path.with_name(f"{path.name}.wav")
+    return named if not path.suffix and not path.exists() and named.exists() else path
 
 
 def read_wav(path: Path) -> Sound:
@@ -103,9 +126,11 @@ def _samples(data: bytes, width: int) -> NDArray[np.float64]:
 def _played(script: Script, recording: Recording, sound: Sound) -> Utterance:
     guessed = DurationModel().say(replace(script, pauses=()))
     stretch = sound.duration / guessed.duration if guessed.duration else 0.0
-    given = {name: min(max(time, 0.0), sound.duration) for name, time in reversed(recording.marks)}
+    in_text = {mark.name: mark.time for mark in reversed(script.marks) if mark.time is not None}
+    known = in_text | dict(reversed(recording.marks))
+    given = {name: min(max(time, 0.0), sound.duration) for name, time in known.items()}
     marks = {name: given.get(name, stretch * time) for name, time in guessed.marks.items()} | given
-    late = [f"{name} ({time:g} s)" for name, time in recording.marks if not 0.0 <= time <= sound.duration]
+    late = [f"{name} ({time:g} s)" for name, time in known.items() if not 0.0 <= time <= sound.duration]
     open_ones = [name for name in guessed.marks if name not in given]
     remarks = []
     if late:

@@ -8,11 +8,12 @@ import pytest
 
 from kinesic.bml.block import RANGES, Command, Dialect, NoticeType
 from kinesic.bml.parse import parse
-from kinesic.bml.reading.elements import ACTIONS, ATTRIBUTES, INSIDE
+from kinesic.bml.reading.elements import ACTIONS
 from kinesic.bml.reading.fragments import REWRITTEN, WORDS
 from kinesic.bml.reading.json_words import REWRITES
 from kinesic.bml.reading.namespaces import COMPOSING_ATTRIBUTES
 from kinesic.bml.reading.script import PAUSE
+from kinesic.bml.reading.vocabulary import ATTRIBUTES, INSIDE
 from kinesic.bml.timing.points import sync_points
 
 PAGE = (Path(__file__).parents[2] / "docs" / "bml.md").read_text(encoding="utf-8")

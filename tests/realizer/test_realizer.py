@@ -111,3 +111,13 @@ def test_what_is_over_is_forgotten(play):
     assert np.max(sizes[500:], axis=0).tolist() == np.max(sizes[100:500], axis=0).tolist()
     assert play.scene.motion.start > 490.0
     assert sum(':end" globalTime' in due.xml and "blockProgress" in due.xml for due in play.told) >= 998
+
+
+def test_of_a_block_for_several_each_performs_its_own_part(played):
+    both = NOD + '<head id="other" lexeme="NOD" agent="Bert" start="h:end"/>'
+    play = played(character="Bert").send("a", both, 'characterId="Anna"').until(4.0)
+    assert play.was_told("a:other:stroke")
+    assert not any("a:h:" in due.xml for due in play.told if "syncPoint" in due.xml)
+    assert any("Anna performs it" in text for text in play.warnings("a:h"))
+    nobody = played(character="Cleo").send("a", both, 'characterId="Anna"')
+    assert "it is for Anna and Bert, and Cleo performs here" in nobody.warnings("a")[0]

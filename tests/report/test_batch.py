@@ -1,6 +1,8 @@
+import os
+
 import pytest
 
-from kinesic.report.batch import BatchJournal, DocumentVerdict
+from kinesic.report.batch import BatchJournal, DocumentVerdict, documents
 from kinesic.report.checks import Check
 
 CHECK = Check("limits.speed", "pass", 0.5, 1.0, "ratio", "l_elbow_flexion at 1.00 s")
@@ -46,3 +48,21 @@ def test_rewriting_leaves_only_what_is_given(journal, tmp_path):
     journal.rewrite({"b": VERDICTS["b"]})
     assert journal.read() == {"b": VERDICTS["b"]}
     assert [path.name for path in tmp_path.iterdir()] == ["finished.jsonl"]
+
+
+def test_files_below_a_folder_are_known_by_what_they_hold(tmp_path):
+    texts = {
+        "a.bml": "anything",
+        "b.xml": "<anything/>",
+        "c.mary": '<?xml version="1.0"?>\n<!-- <fml> -->\n<!DOCTYPE bml>\n<bml id="b"/>',
+        "d": '\ufeff<BML id="b"/>',
+        "e.txt": "<x:fml-apml xmlns:x='y'></x:fml-apml>",
+        "f.html": "<html><bml/></html>",
+        "g.py": "text = '<bml/>'",
+        "h.txt": "<bmlx/>",
+    }
+    for name, text in texts.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    os.mkfifo(tmp_path / "i.pipe")
+    assert [path.name for path in documents((tmp_path,))] == ["a.bml", "b.xml", "c.mary", "d", "e.txt"]
+    assert documents((tmp_path / "f.html",)) == [tmp_path / "f.html"]

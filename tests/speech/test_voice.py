@@ -184,3 +184,29 @@ def test_a_pipe_is_no_recording_and_nobody_waits_for_it(tmp_path: Path):
     os.mkfifo(tmp_path / "endless.wav")
     with pytest.raises(RecordingError, match="is no ordinary file"):
         read_wav(tmp_path / "endless.wav")
+
+
+TIMED = (Mark("m", 6, 0.25), Mark("n", 10), Mark("late", 10, 9.0))
+
+
+def test_marks_fall_when_the_document_says():
+    said = VOICE.say(Script("Hello my friend", TIMED))
+    assert (said.marks["m"], said.marks["late"]) == (0.25, said.duration)
+    assert said.marks["n"] == DurationModel().say(Script("Hello my friend", TIMED)).marks["n"]
+    (remark,) = said.remarks
+    assert "m (given 0.25 s, said " in remark
+    assert "late (given 9 s" in remark
+    near = DurationModel().say(Script("Hello my friend", TIMED)).marks["m"] + 0.04
+    assert VOICE.say(Script("Hello my friend", (Mark("m", 6, near),))).remarks == ()
+
+
+def test_marks_in_the_text_say_when_they_fall_in_a_recording(tmp_path: Path):
+    with wave.open(str(tmp_path / "hello.wav"), "wb") as file:
+        file.setparams((1, 2, RATE, 0, "NONE", ""))
+        file.writeframes(bytes(2 * 2 * RATE))
+    named = Recording(tmp_path / "hello", (("n", 1.5),))
+    said = VOICE.say(Script("Hello my friend", (Mark("m", 6, 0.25), Mark("n", 10, 0.5)), recording=named))
+    assert (said.voice, said.marks, said.remarks) == ("recording", {"m": 0.25, "n": 1.5}, ())
+    gone = VOICE.say(Script("Hello", (Mark("m", 5, 0.125),), recording=Recording(tmp_path / "none")))
+    assert gone.marks["m"] == 0.125
+    assert "it is said instead" in gone.remarks[0]

@@ -196,3 +196,19 @@ def _renamed(block: Block, new: Mapping[str, str]) -> Block:
 def _shifted(block: Block, shift: float) -> Block:
     refs = {r: replace(r, offset=r.offset + shift) if r.behaviour == "bml" else r for r in _refs(block)}
     return _changed(block, refs)
+
+
+@settings(max_examples=120, deadline=None)
+@given(documents(), st.lists(st.tuples(st.sampled_from(POINTS), offsets, st.booleans()), min_size=1, max_size=3))
+def test_whatever_hangs_on_the_end_of_the_block_finds_its_time(text: str, ends: list[tuple[str, float, bool]]) -> None:
+    refs = [f"bml:end{-abs(offset):+}" for _, offset, _ in ends]
+    texts = [f"after({ref})" if after else ref for ref, (_, _, after) in zip(refs, ends, strict=True)]
+    written = "".join(
+        f'<gesture id="e{k}" lexeme="BEAT" {point}="{ref}"/>'
+        for k, ((point, _, _), ref) in enumerate(zip(ends, texts, strict=True))
+    )
+    timeline = _scheduled(parse(text.replace("</bml>", f"{written}</bml>")))
+    for timed in timeline.timed:
+        own = list(timed.times.values())
+        assert own == sorted(own)
+        assert max(map(abs, own)) < 200.0

@@ -1,15 +1,21 @@
 """From text to the tree of a document, in whatever notation: XML, a fragment of it, or JSON."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 from kinesic.bml.block import BOUNDS, Bounds, Dialect, refusal
+from kinesic.bml.reading.dialect_words import fold_capitals
 from kinesic.bml.reading.elements import ACTIONS
 from kinesic.bml.reading.fragments import is_fragment, read_fragments
 from kinesic.bml.reading.json_notation import is_json, read_json
 from kinesic.bml.reading.namespaces import BML_1_0, DRAFTS, namespace
 from kinesic.bml.reading.tree import Element, read_tree
 
+_FIRST_TAG = re.compile(
+    r"\ufeff?\s*(?:<\?.*?\?>\s*|<!--.*?-->\s*|<!DOCTYPE[^>]*>\s*)*<(?:[\w.-]+:)?(?:bml|fml-apml)[\s/>]",
+    re.DOTALL | re.IGNORECASE,
+)
 _MARKED = (b"\xef\xbb\xbf", b"\xff\xfe", b"\xfe\xff")  # byte order marks
 
 
@@ -20,6 +26,7 @@ class Document:
     root: Element
     bml: Element
     dialect: Dialect
+    in_capitals: tuple[str, ...] = ()  # names of elements that are read as if they were small
 
 
 def read_document(text: str | bytes, *, source: str, bounds: Bounds = BOUNDS) -> Document:
@@ -41,8 +48,15 @@ def read_document(text: str | bytes, *, source: str, bounds: Bounds = BOUNDS) ->
         root = read_fragments(plain, source=source, bounds=bounds)
         return Document(root, root, "smartbody")
     root = read_tree(text, source=source, bounds=bounds)
+    folded: set[str] = set()
+    root = fold_capitals(root, folded)
     bml = _only_bml(root, source)
-    return Document(root, bml, _dialect(root, namespace(bml)))
+    return Document(root, bml, _dialect(root, namespace(bml)), tuple(sorted(folded)))
+
+
+def begins_as_bml(start: bytes) -> bool:
+    """Checks whether a file's first bytes are those of a <bml> or an FML-APML document, whatever its ending is."""
+    return _FIRST_TAG.match(start.decode("utf-8", errors="replace")) is not None
 
 
 def _plain(text: str | bytes) -> str | None:

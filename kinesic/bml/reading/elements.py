@@ -25,12 +25,15 @@ from kinesic.bml.block import (
     Torso,
     Wait,
 )
+from kinesic.bml.reading.hands import hands_named
 from kinesic.bml.reading.manner import lexeme, reference_of
 from kinesic.bml.reading.namespaces import is_core
 from kinesic.bml.reading.reader import BehaviourElement, DocumentReading, read_number, read_whole
-from kinesic.bml.reading.references import LONGEST, SYNC_ATTRIBUTES
+from kinesic.bml.reading.references import LONGEST
 from kinesic.bml.reading.script import pause_of, script_of
+from kinesic.bml.reading.sync_names import sync_name
 from kinesic.bml.reading.tree import Element
+from kinesic.bml.reading.vocabulary import KINDS
 
 MOST_STROKES = 100  # of one head movement
 LAST_ACTION_UNIT = 99
@@ -41,6 +44,7 @@ DIRECTIONS = ("NONE", "RIGHT", "LEFT", "UP", "DOWN", "UPRIGHT", "UPLEFT", "DOWNL
 
 _MODES: dict[str, Mode] = {"left": "left", "right": "right", "both": "both", "unspecified": "unspecified"}
 _ROTATIONS = {"X": "NOD", "Y": "SHAKE", "Z": "TILT"}  # of the draft: about which axis
+_WHOLE = "WHOLEBODY"  # part of a posture that names none
 _SIDES: dict[str, Literal["left", "right", "both"]] = {"left": "left", "right": "right", "both": "both"}
 
 
@@ -48,8 +52,9 @@ def _gesture(named: BehaviourElement, reading: DocumentReading) -> Action:
     kind = named.word("type")
     if kind.upper() == "POINT" and not named.word("lexeme"):
         return _pointing(named, reading)
+    written = _lexeme(named, "lexeme", "type")
     target = named.word("target") or None
-    return Gesture(_lexeme(named, "lexeme", "type"), _mode(named, reading), target)
+    return Gesture("" if written.lower() in KINDS else written, _mode(named, reading, name=written), target)
 
 
 def _pointing(named: BehaviourElement, reading: DocumentReading) -> Action:
@@ -91,8 +96,9 @@ def _face(named: BehaviourElement, reading: DocumentReading) -> Action:
         reading.note(NoticeType.PARSING_FAILURE, what, behaviour=named.id)
     first = units[0] if units else named
     amount = next((part for part in (named, first, *inside) if part.word("amount")), named)
+    kind = "" if units or named.word("type").lower() in KINDS else named.word("type")
     return Face(
-        lexemes=lexemes or tuple(filter(None, [reference_of(named.element)])),
+        lexemes=lexemes or tuple(filter(None, [reference_of(named.element) or kind])),
         action_unit=read_whole(first, "au", reading, default=1, largest=LAST_ACTION_UNIT) if units else None,
         side=_SIDES.get(first.word("side").lower(), "both"),
         amount=read_number(amount, "amount", reading, default=0.5),
@@ -103,11 +109,19 @@ def _face(named: BehaviourElement, reading: DocumentReading) -> Action:
 def _posture(named: BehaviourElement, _: DocumentReading) -> Action:
     inside = [BehaviourElement(named.id, child, child.attributes) for child in named.element.children]
     stances = (part.word("type") for part in inside if part.element.local == "stance")
+    poses = [part for part in (named, *inside) if part.element.local == "pose" or part.word("shape")]
     return Posture(
         stance=named.word("stance") or next(stances, None),
-        poses=tuple((part.word("part"), part.word("lexeme")) for part in inside if part.element.local == "pose"),
+        poses=tuple(_pose(part.word("part", default=_WHOLE), part.word("lexeme", "shape")) for part in poses),
         shift=named.element.local == "postureShift",
     )
+
+
+def _pose(part: str, lexeme: str) -> tuple[str, str]:
+    """A pose of a part; of both arms or the whole body, its name may say that one arm takes it."""
+    side = hands_named(lexeme)
+    one_arm = part.upper() in (_WHOLE, "ARMS") and side in ("left", "right")
+    return (f"{side.upper()}_ARM" if one_arm else part, lexeme)
 
 
 def _torso(named: BehaviourElement, reading: DocumentReading) -> Action:
@@ -153,52 +167,6 @@ ACTIONS: dict[str, Callable[[BehaviourElement, DocumentReading], Action]] = {
 }
 
 
-_FACE = ("lexeme", "au", "side", "amount", "type")
-_GAZE = ("target", "type", "influence", "modality", "offsetAngle", "offsetDirection")
-ATTRIBUTES: dict[str, tuple[str, ...]] = {  # that are read, beside the id and the sync points
-    "gesture": ("lexeme", "type", "mode", "hand", "target"),
-    "pointing": ("target", "mode", "hand"),
-    "head": ("lexeme", "rotation", "type", "action", "repetition", "amount"),
-    "headDirectionShift": ("target", "lexeme"),
-    "gaze": _GAZE,
-    "gazeShift": _GAZE,
-    "face": _FACE,
-    "faceLexeme": _FACE,
-    "faceFacs": _FACE,
-    "faceShift": _FACE,
-    "posture": ("stance",),
-    "postureShift": ("stance",),
-    "torso": ("lexeme", "amount"),
-    "locomotion": ("target", "manner", "type"),
-    "speech": ("text", "type", "language", "voice"),
-    "wait": ("duration", "max-wait"),
-}
-INSIDE: dict[str, tuple[str, ...]] = {  # attributes that are read of elements inside behaviours and of constraints
-    "lexeme": ("lexeme", "amount"),
-    "facs": ("au", "side", "amount"),
-    "stance": ("type",),
-    "pose": ("part", "lexeme"),
-    "description": ("type", "priority"),
-    "text": (),
-    "sync": ("id", "ref"),
-    "tm": ("id",),
-    "mark": ("name",),
-    "constraint": ("id",),
-    "synchronize": ("ref",),
-    "before": ("ref",),
-    "after": ("ref",),
-}
-_ALWAYS = frozenset({"id", "xmlns", *(name.lower() for name in SYNC_ATTRIBUTES)})
-
-
-def unknown_attributes(named: BehaviourElement) -> list[str]:
-    """Lists attributes without prefix that a behaviour's element has, and that nobody reads."""
-    read = ATTRIBUTES.get(named.element.local)
-    if read is None:
-        return []
-    return [name for name in named.attributes if name not in read and name.lower() not in _ALWAYS]
-
-
 def richest(element: Element, *, home: str | None) -> Element:
     """Picks the form of a behaviour that is performed: of its <description>s the most important that is understood.
 
@@ -228,7 +196,7 @@ def _priority(description: Element) -> float:
 
 def _in_place(richer: Element, element: Element) -> Element:
     """The richer form with the id of the core form, and with its times unless the richer one has its own."""
-    kept = {name: value for name, value in element.attributes.items() if name in ("id", *SYNC_ATTRIBUTES)}
+    kept = {name: value for name, value in element.attributes.items() if name == "id" or sync_name(name)}
     own = {name: value for name, value in richer.attributes.items() if name != "id"}
     return replace(richer, attributes=MappingProxyType({**kept, **own}))
 
@@ -253,7 +221,10 @@ def _one_of(known: tuple[str, ...], named: BehaviourElement, reading: DocumentRe
     return meant if meant in known else None
 
 
-def _mode(named: BehaviourElement, reading: DocumentReading) -> Mode:
+def _mode(named: BehaviourElement, reading: DocumentReading, *, name: str = "") -> Mode:
+    """Which hands do it: those that the document says, else those that the name of the gesture decides."""
+    if not named.word("mode", "hand"):
+        return hands_named(name)
     written = named.word("mode", "hand", default="unspecified")
     mode = _MODES.get(written.lower().removesuffix("s").removesuffix("_hand"))
     if mode is None:

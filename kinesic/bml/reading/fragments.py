@@ -10,6 +10,7 @@ from dataclasses import replace
 from types import MappingProxyType
 
 from kinesic.bml.block import BOUNDS, Bounds
+from kinesic.bml.reading.hands import hands_named
 from kinesic.bml.reading.tree import Element, read_tree
 
 _TAG = re.compile(r"<([A-Za-z_][\w.:-]*)")
@@ -18,6 +19,8 @@ _DECLARATION = re.compile(r"\s*<\?xml[^>]*\?>")
 _ACTION_UNIT = re.compile(r"(\d+)_(left|right|both)", re.IGNORECASE)
 _JOINTS = {"BACK": "WAIST", "CHEST": "SHOULDER", "NECK": "NECK", "EYES": "EYES"}  # of gaze, from the widest
 _CATEGORIES = frozenset({"BEAT", "DEICTIC", "METAPHORIC", "ICONIC", "EMBLEM", "ADAPTOR"})
+
+_POSTURE = re.compile(r"_(Motex|Idle\d*)$", re.IGNORECASE)  # end of the name of an animation that is a posture
 
 WORDS = frozenset({"body", "saccade", "animation", "blend", "event", "viseme"})
 
@@ -72,7 +75,7 @@ def _gaze(element: Element) -> Element:
     if "sbm:target-pos" in written:
         added["target"] = _turned(written["sbm:target-pos"])
     if "sbm:time-hint" in written:
-        added["ready"] = f"{written['id']}:start+{written['sbm:time-hint'].strip()}"
+        added["ready"] = f"start+{written['sbm:time-hint'].strip()}"
     name = None if "end" in written or "relax" in written else "gazeShift"
     return element.reword(name, "sbm:joint-range", "sbm:target-pos", "sbm:time-hint", "sbm:handle", **added)
 
@@ -100,16 +103,27 @@ def _face(element: Element) -> Element:
 def _gesture(element: Element) -> Element:
     """The lexeme may be a category, whose gesture stands in `type`; a name is one of an animation."""
     written = dict(element.attributes)
-    lexeme, kind = written.get("lexeme", ""), written.get("type", "")
-    added: dict[str, str | None] = {}
+    lexeme, kind, name = written.get("lexeme", ""), written.get("type", ""), written.get("name", "")
+    side = hands_named(name)
+    added: dict[str, str | None] = {} if side == "unspecified" or "mode" in written else {"mode": side}
     if kind and lexeme.upper() in _CATEGORIES:
         added |= {"lexeme": f"{kind}_{lexeme}", "type": None}
-    elif not lexeme and not kind and "name" in written:
-        added["lexeme"] = written["name"].rpartition("@")[2].rpartition("_")[2]  # behind its character and skeleton
+    elif not lexeme and not kind and name:
+        words = _POSTURE.sub("", name.rpartition("@")[2])
+        added["lexeme"] = words.rpartition("_")[2]  # behind its character, skeleton and posture
     for hold, point, before in (("prestroke_hold", "strokeStart", "ready"), ("poststroke_hold", "relax", "strokeEnd")):
         if hold in written and point not in written:
-            added[point] = f"{written['id']}:{before}+{written[hold].strip()}"
+            added[point] = f"{before}+{written[hold].strip()}"
     return element.reword(None, "prestroke_hold", "poststroke_hold", "name", **added)
+
+
+def _animation(element: Element) -> Element:
+    """An animation is performed as the gesture that its name speaks of."""
+    return (
+        replace(_gesture(element), name="gesture", called=element.written)
+        if element.attributes.get("name")
+        else element
+    )
 
 
 def _body(element: Element) -> Element:
@@ -145,6 +159,7 @@ REWRITTEN: Mapping[str, Callable[[Element], Element]] = {
     "head": _head,
     "face": _face,
     "gesture": _gesture,
+    "animation": _animation,
     "body": _body,
     "reach": _reach,
 }

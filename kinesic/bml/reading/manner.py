@@ -28,6 +28,7 @@ _FIELDS = {
     "TEN.value": "tension",
     "intensity": "intensity",
 }
+GRETA_FIELDS = frozenset({"reference", *_FIELDS})  # elements that are read in a `gretabml` description
 _GRETA_RANGES = {**dict.fromkeys(_FIELDS.values(), (-1.0, 1.0)), "openness": GRETA_OPENNESS, "intensity": (0.0, 1.0)}
 
 

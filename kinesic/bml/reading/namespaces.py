@@ -5,12 +5,12 @@ from kinesic.bml.reading.tree import Element
 BML_1_0 = "http://www.bml-initiative.org/bml/bml-1.0"
 EXTENSIONS = "http://www.bml-initiative.org/bml/coreextensions-1.0"
 DRAFTS = ("http://www.mindmakers.org/projects/BML", "org.mindmakers.bml")
-GRETA = "VIBNameSpace"
+GRETA = frozenset({"vibnamespace", "gretanamespace"})  # in any case of their letters
 KINESIC = "urn:kinesic"  # expressivity: kinesic:power="0.8"
 ASAP = "http://www.asap-project.org/bmla"
 ELCKERLYC = "http://hmi.ewi.utwente.nl/bmlt"  # ASAP's predecessor
 
-CORE = frozenset({"", BML_1_0, EXTENSIONS, GRETA, *DRAFTS})
+CORE = frozenset({"", BML_1_0, EXTENSIONS, *DRAFTS})
 CORE_PREFIXES = frozenset({"bml", "ext", "greta"})  # meant when nobody declares them
 OWN_PREFIX = "kinesic"  # likewise
 COMPOSING = frozenset({ASAP, ELCKERLYC})  # extensions in which blocks say what they do to one another
@@ -90,4 +90,4 @@ def _is_own(prefix: str, uri: str | None) -> bool:
 def _is_core(prefix: str, uri: str | None, home: str | None) -> bool:
     if uri is None:
         return prefix in CORE_PREFIXES
-    return uri in CORE or uri == home
+    return uri in CORE or uri == home or uri.lower() in GRETA

@@ -13,6 +13,7 @@ from typing import Literal
 
 from kinesic.bml.block import Behaviour, BmlError, NoticeType, Place, Precedence, Synchronize, SyncRef
 from kinesic.bml.reading.reader import BehaviourElement, DocumentReading
+from kinesic.bml.reading.sync_names import sync_name
 from kinesic.bml.reading.tree import Element
 from kinesic.bml.timing.points import sync_points
 
@@ -25,9 +26,7 @@ _NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _BARE = re.compile(rf"[+-]?{_NUMBER}")
 _OFFSET = re.compile(rf"(?P<path>.*?)\s*(?P<sign>[+-])\s*(?P<number>{_NUMBER})", re.DOTALL)
 _WRAPPED = re.compile(r"(after|before)\s*\((.*)\)", re.DOTALL)
-SYNC_ATTRIBUTES = ("start", "ready", "strokeStart", "attackPeak", "stroke", "strokeEnd", "relax", "end")
 _ARRIVALS = ("ready", "attackPeak")  # of what stays, whose end is when it has come
-_BY_LOWER_CASE = {name.lower(): name for name in SYNC_ATTRIBUTES}  # dialects misspell the case
 
 
 @dataclass(frozen=True)
@@ -38,10 +37,17 @@ class Names:
     behaviours: frozenset[str] = frozenset()  # ids in this block
     marks: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))  # mark -> the first speech with it
     blocks: frozenset[str] = frozenset()  # ids of other blocks that are known
+    speeches: Mapping[str, frozenset[str]] = field(default_factory=lambda: MappingProxyType({}))  # id -> its marks
+    within: str = ""  # behaviour in whose attribute it stands: it may name its own sync points alone
 
     def knows(self, name: str) -> bool:
         """Whether a name is one of these."""
         return name == self.block or name in self.behaviours or name in self.marks or name in self.blocks
+
+    def sync_of(self, owner: str, written: str) -> str:
+        """Finds the sync point of a behaviour, or the mark of a speech, that is meant by a name."""
+        is_mark = written in self.speeches.get(owner, ())
+        return written if is_mark else sync_name(written) or written
 
 
 def relation(text: str) -> tuple[Relation, str]:
@@ -99,7 +105,7 @@ def _parts(path: str) -> list[str]:
 
 
 def _is_plain(part: str) -> bool:
-    return "-" not in part and "+" not in part
+    return ("-" not in part and "+" not in part) or sync_name(part) is not None
 
 
 def _resolved(text: str, parts: list[str], offset: float, names: Names) -> SyncRef:
@@ -111,14 +117,16 @@ def _resolved(text: str, parts: list[str], offset: float, names: Names) -> SyncR
     match parts:
         case [mark] if mark in names.marks:
             return SyncRef(names.block, names.marks[mark], mark, offset=offset)
+        case [own] if names.within and (sync := sync_name(own)):
+            return SyncRef(names.block, names.within, sync, offset=offset)
         case [owner, sync] if owner == names.block and owner not in names.behaviours:
-            return SyncRef(names.block, "bml", sync, offset=offset)
+            return SyncRef(names.block, "bml", names.sync_of("bml", sync), offset=offset)
         case [owner, sync]:
-            return SyncRef(names.block, owner, sync, offset=offset)
+            return SyncRef(names.block, owner, names.sync_of(owner, sync), offset=offset)
         case [owner, "stroke", count] if count.isdecimal():
             return SyncRef(names.block, owner, "stroke", _iteration(text, count), offset)
         case [block, owner, sync] if not _is_iterated(parts, names):
-            return SyncRef(block, owner, sync, offset=offset)
+            return SyncRef(block, owner, names.sync_of(owner if block == names.block else "", sync), offset=offset)
         case [block, owner, "stroke", count] if count.isdecimal():
             return SyncRef(block, owner, "stroke", _iteration(text, count), offset)
     raise _unreadable(text)
@@ -161,7 +169,7 @@ class ReferenceReader:
         orders: list[Precedence] = []
         points = sync_points(behaviour.action, self.reading.dialect)
         for name, text in named.attributes.items():
-            sync = _BY_LOWER_CASE.get(name.lower())
+            sync = sync_name(name)
             if sync in _ARRIVALS and sync not in points and "end" not in named.attributes:
                 sync = "end"
             if sync is None or sync in syncs or not text.strip():
@@ -171,7 +179,7 @@ class ReferenceReader:
                 self.reading.note(NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED, what, behaviour=behaviour.id)
                 continue
             how, inner = relation(text)
-            ref = self._ref(inner, name, behaviour.place)
+            ref = self._ref(inner, name, behaviour.place, within=behaviour.id)
             own = SyncRef(self.names.block, behaviour.id, sync)
             if how == "at":
                 syncs[sync] = ref
@@ -201,9 +209,9 @@ class ReferenceReader:
     def _of(self, element: Element) -> SyncRef:
         return self._ref(element.attributes.get("ref", ""), "ref", element.place)
 
-    def _ref(self, text: str, attribute: str, place: Place) -> SyncRef:
+    def _ref(self, text: str, attribute: str, place: Place, *, within: str = "") -> SyncRef:
         try:
-            return parse_ref(text, self.names)
+            return parse_ref(text, replace(self.names, within=within))
         except BmlError as error:
             what, _, remedy = str(error).partition("; ")
             raise self.reading.refuse(place, f"{attribute}: {what}", remedy) from None

@@ -12,10 +12,10 @@ from kinesic.bml.block import NoticeType
 from kinesic.bml.reading.namespaces import own_attributes
 from kinesic.bml.reading.reader import BehaviourElement, DocumentReading, read_finite
 from kinesic.bml.reading.tree import Element
+from kinesic.bml.reading.vocabulary import ATTRIBUTES, SPOKEN
 from kinesic.body.utterance import Emphasis, Mark, Pause, Recording, Script, Stress
 
 MARKS = frozenset({"sync", "tm", "mark"})
-PROSODY = frozenset({"pitchaccent", "boundary"})
 SSML = "application/ssml+xml"
 STRENGTHS = {"none": 0.0, "x-weak": 0.05, "weak": 0.1, "medium": 0.25, "strong": 0.5, "x-strong": 1.0}  # [s] of a break
 LONGEST_BREAK = 60.0  # [s]
@@ -23,12 +23,8 @@ WAV = frozenset({"audio/wav", "audio/x-wav", "audio/wave", "audio/vnd.wave"})
 PAUSE = "pause"  # attribute of our namespace
 LONGEST_PAUSE = 2.0  # [s] of `kinesic:pause="true"`
 
-_STRESSES: dict[Stress, tuple[str, ...]] = {  # elements that are passed on -> their attributes that are
-    "prosody": ("rate", "pitch", "range", "volume", "contour", "duration"),
-    "emphasis": ("level",),
-    "say-as": ("interpret-as", "format", "detail"),
-}
-_FILES = ("ref", "src", "href", "file")  # attributes that name a recording
+_STRESSES: tuple[Stress, ...] = ("prosody", "emphasis", "say-as")  # elements that are passed on as they are
+FILES = ("ref", "src", "href", "file")  # attributes that name a recording
 _SPEAKERS = frozenset({"lang", "voice", "p", "s"})  # elements that may change the language
 _TIME = re.compile(r"\+?(\d+\.?\d*|\.\d+)(ms|s)")
 _LANGUAGES = {
@@ -59,7 +55,7 @@ def script_of(named: BehaviourElement, reading: DocumentReading) -> Script:
     played in place of a voice; other descriptions are passed over.
     """
     written = _Written(named, reading)
-    written.read(_body(named.element), outermost=True)
+    written.read(spoken_part(named.element))
     if written.unusable:
         what = f"marks without a name of their own are passed over: {', '.join(map(repr, written.unusable))}"
         reading.note(NoticeType.PARSING_FAILURE, what, behaviour=named.id)
@@ -67,7 +63,7 @@ def script_of(named: BehaviourElement, reading: DocumentReading) -> Script:
     end = len(text)
     return Script(
         text,
-        tuple(Mark(name, min(position, end)) for name, position in written.marks.items()),
+        tuple(Mark(name, min(at, end), written.times.get(name)) for name, at in written.marks.items()),
         _language(named),
         tuple(Pause(min(pause.position, end), pause.duration, pause.after) for pause in written.pauses),
         tuple(Emphasis(e.begin, min(e.end, end), e.element, e.attributes) for e in written.emphases if e.begin < end),
@@ -112,8 +108,9 @@ def pause_of(element: Element, reading: DocumentReading) -> float | None:
     return None
 
 
-def _body(speech: Element) -> Element:
-    inside = {child.local: child for child in speech.children}
+def spoken_part(speech: Element) -> Element:
+    """Finds what is said of a <speech>: a description in SSML, its <text>, or all of it."""
+    inside = {child.local: child for child in reversed(speech.children)}
     for child in speech.children:
         is_ssml = child.local == "description" and child.attributes.get("type", "").strip() == SSML
         if is_ssml and not child.attributes.get("priority", "").strip().startswith("-"):
@@ -129,33 +126,38 @@ class _Written:
     reading: DocumentReading
     text: str = ""
     marks: dict[str, int] = field(default_factory=dict)
+    times: dict[str, float] = field(default_factory=dict)  # [s] of marks, where the document says them
     unusable: list[str] = field(default_factory=list)
     pauses: list[Pause] = field(default_factory=list)
     emphases: list[Emphasis] = field(default_factory=list)
 
-    def read(self, element: Element, *, outermost: bool = False) -> None:
-        """Adds what an element has inside."""
+    def read(self, element: Element) -> None:
+        """Adds what an element has inside; behaviours and descriptions in a <speech> are none of its text."""
         for piece in element.content:
             if isinstance(piece, str):
                 self._say(piece)
             elif piece.local in MARKS:
-                self._mark((piece.attributes.get("id") or piece.attributes.get("name") or "").strip())
+                self._mark(piece)
             elif piece.local == "break":
                 self._pause(piece)
             elif piece.local == "sub" and "alias" in piece.attributes:
                 self._say(piece.attributes["alias"])
-            elif not outermost or element.local != "speech":
+            elif element.local != "speech" or piece.local not in ("description", *ATTRIBUTES):
                 self._stress(piece)
 
     def _say(self, piece: str) -> None:
         spaced = re.sub(r"\s+", " ", piece)
         self.text += spaced.lstrip() if not self.text or self.text.endswith(" ") else spaced
 
-    def _mark(self, name: str) -> None:
+    def _mark(self, element: Element) -> None:
+        written = (element.attributes.get("id") or element.attributes.get("name") or "").strip()
+        name = written.removeprefix(f"{self.named.id}:")  # as MARY's tools write it
         if not name or name in ("start", "end") or name in self.marks:
             self.unusable.append(name)
-        else:
-            self.marks[name] = len(self.text)
+            return
+        self.marks[name] = len(self.text)
+        if time := element.attributes.get("time", "").strip():
+            self.times[name] = _seconds(time, element, self.reading)
 
     def _pause(self, element: Element) -> None:
         duration = _duration(element)
@@ -177,9 +179,10 @@ class _Written:
 
 def _stress_of(element: Element) -> tuple[Stress, tuple[tuple[str, str], ...]] | None:
     language = element.attributes.get("xml:lang", "").strip()
-    for stress, allowed in _STRESSES.items():
+    for stress in _STRESSES:
         if element.local == stress:
-            return stress, tuple((name, element.attributes[name]) for name in allowed if name in element.attributes)
+            written = element.attributes
+            return stress, tuple((name, written[name]) for name in SPOKEN[stress] if name in written)
     if element.local in _SPEAKERS and language:
         return "voice", (("xml:lang", language),)
     return None
@@ -195,6 +198,14 @@ def _duration(element: Element) -> float | None:
         return None
     seconds = float(written[1]) / (1000.0 if written[2] == "ms" else 1.0)
     return seconds if seconds <= LONGEST_BREAK else None
+
+
+def _seconds(text: str, element: Element, reading: DocumentReading) -> float:
+    """[s] of a mark, as a number or as SSML writes durations."""
+    written = _TIME.fullmatch(text)
+    if written is None:
+        return read_finite(text, "time", element.place, reading)
+    return float(written[1]) / (1000.0 if written[2] == "ms" else 1.0)
 
 
 def _language(named: BehaviourElement) -> str:
@@ -213,7 +224,7 @@ def _recording(description: Element, named: BehaviourElement, reading: DocumentR
         reading.note(NoticeType.CANNOT_CREATE_BEHAVIOR, what, behaviour=named.id)
         return None
     marks = tuple(
-        (mark, read_finite(child.attributes["time"].strip(), "time", child.place, reading))
+        (mark, _seconds(child.attributes["time"].strip(), child, reading))
         for child in description.children
         if child.local in MARKS and "time" in child.attributes
         if (mark := (child.attributes.get("id") or child.attributes.get("name") or "").strip())
@@ -223,7 +234,7 @@ def _recording(description: Element, named: BehaviourElement, reading: DocumentR
 
 def _file(description: Element) -> str:
     for element in (description, *description.children):
-        for name in _FILES:
+        for name in FILES:
             if element.local not in MARKS and element.attributes.get(name, "").strip():
                 return element.attributes[name].strip()
     named = next((child.text.strip() for child in description.children if child.local == "reference"), "")

@@ -49,7 +49,7 @@ def own_ties(behaviour: Behaviour, block: str) -> Iterator[Tie]:
 
 def synchronize_equalities(constraint: Synchronize) -> Iterator[Tie]:
     """Yields the equalities of a <synchronize>, all with its first point that moves."""
-    moving = (ref for ref in constraint.refs if ref.behaviour != "bml")
+    moving = (ref for ref in constraint.refs if (ref.behaviour, ref.sync) != ("bml", "start"))
     first = next(moving, None)
     for ref in constraint.refs:
         if first is not None and ref is not first:

@@ -27,6 +27,7 @@ _SHRINK = 10.0  # of one behaviour, per natural second
 _SHRINK_ALL = 5.0  # of the one that shrinks most, per natural second of all
 _BLOCK_END = 0.3  # per second that the block ends later
 _EARLY = 1e-4  # per second that a behaviour starts later
+_BEFORE_ZERO = 0.5  # per second that one starts before 0, where the block's end gains by it: more than that gains
 
 
 @dataclass
@@ -130,11 +131,13 @@ class Program:
         """
         natural = sum(sum(spans[chain.behaviour.id].values()) for chain in chains)
         all_shrink = self._rows.unknown(_SHRINK_ALL * natural, 0.0)
+        closes = any(order.head.behaviour == "bml" for order in orders)
+        before_zero = _BEFORE_ZERO if closes else _EARLY * (len(chains) + 1)
         for chain in chains:
             if chain.is_rigid:
-                self._prefer_early(chain.points[0], _EARLY * (len(chains) + 1))
+                self._prefer_early(chain.points[0], before_zero)
             else:
-                self._add(chain, spans[chain.behaviour.id], all_shrink, _EARLY * (len(chains) + 1))
+                self._add(chain, spans[chain.behaviour.id], all_shrink, before_zero)
         for order in orders:
             self._at_least(order.tail, order.head, order.gap)
             if order.head.behaviour == "bml":

@@ -8,7 +8,7 @@ from itertools import pairwise
 from kinesic.bml.block import Behaviour, Block, NoticeType, Precedence, Speech, Synchronize, SyncRef
 from kinesic.bml.timing.constraints import Point, Tie, point_of, synchronize_equalities
 from kinesic.bml.timing.negative_cycles import EQUAL, Edge
-from kinesic.bml.timing.points import sync_points
+from kinesic.bml.timing.points import speech_offsets, sync_points
 from kinesic.body.utterance import Utterance
 
 SHORTEST = 1e-6  # [s] of a behaviour whose length is not asked for
@@ -131,6 +131,7 @@ class Unresolved:
     culprit: str | Synchronize | Precedence  # the behaviour's id, or the constraint
     kind: NoticeType
     why: str
+    sync: str = ""  # the behaviour's own point whose attribute it is
 
 
 class ReferenceResolver:
@@ -152,9 +153,8 @@ class ReferenceResolver:
     def _chain(self, behaviour: Behaviour) -> SyncChain:
         names = sync_points(behaviour.action, self._block.dialect, self._spans.get(behaviour.id, ()))
         if isinstance(behaviour.action, Speech):
-            marks = self._utterances[behaviour.id].marks
-            spoken = sorted((name for name in names[1:-1] if name in marks), key=lambda name: marks[name])
-            names = ("start", *spoken, "end")
+            offsets = speech_offsets(self._utterances[behaviour.id])
+            names = tuple(sorted((name for name in names if name in offsets), key=lambda name: offsets[name]))
         return SyncChain(behaviour, tuple(Point(self._block.id, behaviour.id, name) for name in names))
 
     def network(self, ties: list[Tie], constraints: list[Synchronize | Precedence]) -> Network:
@@ -184,13 +184,12 @@ class ReferenceResolver:
     def _speech(self, chain: SyncChain) -> Iterator[Distance]:
         if chain.is_rigid:
             owner, first = chain.behaviour.id, chain.points[0]
-            utterance = self._utterances[owner]
-            for point in chain.points[1:-1]:
-                yield Distance(point, first, utterance.marks[point.sync], owner)
-            yield Distance(chain.points[-1], first, utterance.duration, owner)
+            offsets = speech_offsets(self._utterances[owner])
+            for point in chain.points[1:]:
+                yield Distance(point, first, offsets[point.sync], owner)
 
     def _distances(self, tie: Tie, culprit: str | Synchronize) -> Iterator[Distance]:
-        left, right = self._point(tie.left, culprit), self._point(tie.right, culprit)
+        left, right = (self._point(ref, culprit, tie.left.sync) for ref in (tie.left, tie.right))
         if left is not None and right is not None:
             yield Distance(left[0], right[0], right[1] - left[1], tie.owner)
 
@@ -201,7 +200,9 @@ class ReferenceResolver:
             if earlier is not None and later is not None:
                 yield Edge(earlier[0], later[0], earlier[1] - later[1])
 
-    def _point(self, ref: SyncRef, culprit: str | Synchronize | Precedence) -> tuple[Point, float] | None:
+    def _point(
+        self, ref: SyncRef, culprit: str | Synchronize | Precedence, sync: str = ""
+    ) -> tuple[Point, float] | None:
         """Point of a reference and the offset to it; None and an entry in `unresolved` when there is none."""
         point = point_of(ref)
         if point.block != self._block.id:
@@ -219,5 +220,5 @@ class ReferenceResolver:
                 return point, ref.offset
             known = ", ".join(own.sync for own in chain.points)
             why = f"{point.behaviour} has no sync point '{point.sync}', but {known}"
-        self.unresolved.append(Unresolved(culprit, NoticeType.IMPOSSIBLE_TO_SCHEDULE, why))
+        self.unresolved.append(Unresolved(culprit, NoticeType.IMPOSSIBLE_TO_SCHEDULE, why, sync))
         return None

@@ -21,9 +21,11 @@ from kinesic.bml.block import (
     Speech,
     Wait,
 )
+from kinesic.body.utterance import Utterance
 
 HOLDS = frozenset({"strokeStart", "relax"})  # sync points that end a hold
 
+_SPEECH_BEGINS, _SPEECH_ENDS = GESTURE_SYNCS[:4], GESTURE_SYNCS[4:]  # of the draft: when it begins, when it ends
 _DRAFT_FACE_SYNCS = (GESTURE_SYNCS[0], "attackPeak", *GESTURE_SYNCS[1:])  # the draft's seven, and BML 1.0's
 _NATURAL: Mapping[type, Mapping[str, float]] = {
     Gaze: {"ready": 0.4, "relax": 1.0, "end": 0.4},
@@ -41,7 +43,7 @@ _WAIT = 1.0  # [s] when nothing says how long
 def sync_points(action: Action, dialect: Dialect, spans: Iterable[str] = ()) -> tuple[str, ...]:
     """Lists the sync points of a behaviour; those of a speech are start, its marks as written, end.
 
-    Gaze, face and posture have the gesture's seven points in the drafts: outside BML 1.0 they get both sets.
+    Speech, gaze, face and posture have the gesture's seven points in the drafts: outside BML 1.0 they get both sets.
 
     Args:
         action: what is done.
@@ -51,7 +53,9 @@ def sync_points(action: Action, dialect: Dialect, spans: Iterable[str] = ()) -> 
     is_draft = dialect != "bml-1.0"
     match action:
         case Speech(script):
-            return ("start", *(mark.name for mark in script.marks), "end")
+            marks = tuple(mark.name for mark in script.marks)
+            begins, ends = (_SPEECH_BEGINS, _SPEECH_ENDS) if is_draft else (("start",), ("end",))
+            return (*(sync for sync in begins if sync not in marks), *marks, *(s for s in ends if s not in marks))
         case Gaze(shift=True) | Face(shift=True) | Posture(shift=True) | Wait():
             return SHIFT_SYNCS
         case Interrupt() | Activate() | ParameterChange():
@@ -67,6 +71,12 @@ def sync_points(action: Action, dialect: Dialect, spans: Iterable[str] = ()) -> 
         case Gesture():
             return _with_strokes([name for name in spans if is_repeated(action, name)])
     return GESTURE_SYNCS
+
+
+def speech_offsets(utterance: Utterance) -> dict[str, float]:
+    """Computes when each sync point of a speech comes [s], from its start; those of the draft are its start or end."""
+    begins, ends = dict.fromkeys(_SPEECH_BEGINS, 0.0), dict.fromkeys(_SPEECH_ENDS, utterance.duration)
+    return {**begins, **ends, **utterance.marks}
 
 
 def is_repeated(action: Action, sync: str) -> bool:

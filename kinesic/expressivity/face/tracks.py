@@ -89,6 +89,8 @@ def face_at_ticks(shown: Channels, ticks: int) -> Iterator[Mapping[str, float]]:
 
 def outcome(action: Face) -> Outcome:
     """Says what becomes of a face behaviour; of several lexemes those that are known are shown."""
+    if action.action_unit is None and not action.lexemes:
+        return Outcome("dropped", "it names neither a lexeme nor an action unit")
     shown = expression(action)
     if not shown.unknown:
         return Outcome("realised")

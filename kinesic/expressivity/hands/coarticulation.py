@@ -9,14 +9,11 @@ from dataclasses import dataclass, field, replace
 from kinesic.bml.block import GESTURE_SYNCS
 from kinesic.body.robot import OTHER_SIDE, SIDE_NAMES, SIDES, Side
 from kinesic.expressivity.hands.poses import REST, Poses, pose_distance, resting_hands
-from kinesic.expressivity.hands.strokes import HandStroke, Stroke, do_stroke, least_stroke_times
+from kinesic.expressivity.hands.strokes import HandStroke, Stroke, do_stroke, least_stroke_times, overlaps, shortened
 from kinesic.expressivity.keyframes import Outcome
 from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.turns import MERGE
 
 Tied = Mapping[str, Collection[str]]  # behaviour id -> sync points that the document places
-
-_SAME = 1e-9  # [s]
 
 
 @dataclass(frozen=True)
@@ -67,7 +64,7 @@ def allot_hands(strokes: Sequence[Stroke], pace: Pace, tied: Tied, engaged: Sequ
         engaged: hands that other blocks need.
     """
     hands = _Hands(pace, tied, engaged)
-    for stroke in sorted(strokes, key=lambda stroke: stroke.times["strokeStart"]):
+    for stroke in sorted(strokes, key=lambda each: each.times["stroke" if each.series else "strokeStart"]):
         hands.give(stroke)
     works = {id(work): work for row in hands.works.values() for work in row}.values()
     remarks = {work.id: work.remarks for work in works if work.remarks}
@@ -90,14 +87,29 @@ class _Hands:
         if stroke.rest:
             self._take(stroke, stroke.options[0])
             return
+        stroke = self._with_its_series(stroke)
         wholes, halves = stroke.options, self._halves(stroke)
         free, alone = (
             tuple(option for option in options if not self._engagements(stroke, option)) for options in (wholes, halves)
         )
         ways = (self._finds_free, self._makes_room)
         given = any(way(stroke, options) for options in (free, alone, wholes) for way in ways)
+        if not given and stroke.series and not {"strokeStart", "strokeEnd"} & set(self._tied(stroke.id)):
+            brief, why = shortened(stroke), self._why(stroke)
+            given = any(way(brief, brief.options) for way in ways)
+            if given:
+                self._note(stroke, brief)
+                self.outcomes[stroke.id] = Outcome("substituted", f"shown once, without its movement: {why}")
         if not given and not self._shares(stroke):
             self.outcomes[stroke.id] = Outcome("dropped", self._why(stroke))
+
+    def _with_its_series(self, stroke: Stroke) -> Stroke:
+        """Leaves a stroke of a series only the hands that do what came before in it."""
+        before = [work for row in self.works.values() for work in row if work.stroke.series == stroke.series != ""]
+        if not before:
+            return stroke
+        hands = max(before, key=lambda work: work.at("stroke")).poses.hands.keys()
+        return replace(stroke, options=tuple(o for o in stroke.options if o.hands.keys() == hands) or stroke.options)
 
     def _halves(self, stroke: Stroke) -> tuple[Poses, ...]:
         """Splits a two-handed stroke into its hands, if it may be halved."""
@@ -119,7 +131,7 @@ class _Hands:
 
     def _clashes(self, stroke: Stroke, option: Poses) -> dict[Side, list[HandStroke]]:
         """Finds work whose stroke is not over when the hands are needed."""
-        found = {side: [work for work in self.works[side] if _overlap(work, stroke)] for side in sorted(option.hands)}
+        found = {side: [work for work in self.works[side] if overlaps(work, stroke)] for side in sorted(option.hands)}
         return {side: works for side, works in found.items() if works}
 
     def _engagements(self, stroke: Stroke, option: Poses) -> list[Engaged]:
@@ -163,7 +175,7 @@ class _Hands:
                     shorter = earlier.get(id(work), (work, work))[1]
                     later, shorter = self._move_apart(shorter, later, option, side)
                     earlier[id(work)] = work, shorter
-            if not any(_overlap(shorter, later) for _, shorter in earlier.values()):
+            if not any(overlaps(shorter, later) for _, shorter in earlier.values()):
                 if option is not stroke.options[0] and self._engagements(stroke, stroke.options[0]):
                     self._note_moved(stroke, option)
                 for work, shorter in earlier.values():
@@ -266,14 +278,6 @@ class _Hands:
             need = f"{other.by} until {other.end:.2f} s, and needs {way:.2f} s to come"
         start = stroke.times["strokeStart"]
         return f"its stroke begins at {start:.2f} s, the {SIDE_NAMES[side]} hand is busy with {need}"
-
-
-def _overlap(work: HandStroke, stroke: Stroke) -> bool:
-    """Whether a work is still in its stroke when the hand is needed for another."""
-    ends = work.at("strokeEnd")
-    return not work.stroke.rest and (
-        stroke.times["strokeStart"] < ends - _SAME or stroke.times["stroke"] < ends + MERGE - _SAME
-    )
 
 
 def _cut_short(times: Mapping[str, float], end: float) -> dict[str, float]:

@@ -19,6 +19,7 @@ from kinesic.expressivity.turns import MERGE
 BENT = 1.5  # a swing of a path is worth a straight way of so many lengths: not all hinges turn at once
 SPARE = 1.4  # and takes so many times the shortest time, for it cannot choose where its hinges turn
 
+_SAME = 1e-9  # [s]
 _LEAST_TURNS: Mapping[Kind, float] = {"wave": 0.5, "arc": 0.5}  # what is left to see of it; one turn of others
 
 
@@ -45,6 +46,7 @@ class Stroke:
     rest: bool = False  # it stays, and becomes the rest pose
     manner: Expressivity = NEUTRAL
     halves: bool = False  # whether one of its two hands may do it alone where another block needs the other
+    series: str = ""  # strokes of one series, as of counting, stay with the hand that began it
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +68,14 @@ class HandStroke:
         return self.stroke.times[sync]
 
 
+def overlaps(work: HandStroke, stroke: Stroke) -> bool:
+    """Whether a work is still in its stroke when the hand is needed for another."""
+    ends = work.at("strokeEnd")
+    return not work.stroke.rest and (
+        stroke.times["strokeStart"] < ends - _SAME or stroke.times["stroke"] < ends + MERGE - _SAME
+    )
+
+
 def do_stroke(stroke: Stroke, option: Poses, pace: Pace) -> HandStroke:
     """Does a stroke by one of its options, as often and with as many turns as there is time for."""
     chosen = _drop_repetitions(option, stroke.times, pace)
@@ -76,6 +86,16 @@ def do_stroke(stroke: Stroke, option: Poses, pace: Pace) -> HandStroke:
     moments = stroke_key_times(chosen, stroke.times, pace)
     slowed, slower = _slow_paths(chosen, moments, pace)
     return HandStroke(stroke, slowed, moments, (*remarks, *slower))
+
+
+def shortened(stroke: Stroke) -> Stroke:
+    """Reduces a stroke to its one key at `stroke`, for which there is nearly always time."""
+    at = stroke.times["stroke"]
+    times = {**stroke.times, "strokeStart": at, "strokeEnd": at}
+    options = tuple(
+        Poses({side: (row[option.stroke],) for side, row in option.hands.items()}, 0) for option in stroke.options
+    )
+    return replace(stroke, times=times, options=options)
 
 
 def natural_times(poses: Poses, pace: Pace, manner: Expressivity = NEUTRAL) -> tuple[float, ...]:

@@ -1,0 +1,77 @@
+"""The attributes that are read, element by element; what a document has beside them has no effect, which is said."""
+
+from collections.abc import Mapping
+
+_FACE = ("lexeme", "au", "side", "amount", "type")
+_GAZE = ("target", "type", "influence", "modality", "offsetAngle", "offsetDirection")
+_POSTURE = ("stance", "part", "shape")
+BLOCK = ("id", "characterId", "character", "agent", "composition")  # of a <bml>
+AGENTS = ("characterId", "character", "agent")  # of a <bml> or a behaviour: who performs
+ATTRIBUTES: Mapping[str, tuple[str, ...]] = {  # of behaviours, beside the id, the agent and the sync points
+    "gesture": ("lexeme", "type", "mode", "hand", "target"),
+    "pointing": ("target", "mode", "hand"),
+    "head": ("lexeme", "rotation", "type", "action", "repetition", "amount"),
+    "headDirectionShift": ("target", "lexeme"),
+    "gaze": _GAZE,
+    "gazeShift": _GAZE,
+    "face": _FACE,
+    "faceLexeme": _FACE,
+    "faceFacs": _FACE,
+    "faceShift": _FACE,
+    "posture": _POSTURE,
+    "postureShift": _POSTURE,
+    "torso": ("lexeme", "amount"),
+    "locomotion": ("target", "manner", "type"),
+    "speech": ("text", "type", "language", "voice"),
+    "wait": ("duration", "max-wait"),
+}
+INSIDE: Mapping[str, tuple[str, ...]] = {  # of elements inside behaviours and of constraints
+    "lexeme": ("lexeme", "amount"),
+    "facs": ("au", "side", "amount"),
+    "stance": ("type",),
+    "pose": ("part", "lexeme", "shape"),
+    "description": ("type", "priority"),
+    "text": (),
+    "sync": ("id", "ref", "time"),
+    "tm": ("id", "time"),
+    "mark": ("name", "time"),
+    "constraint": ("id",),
+    "synchronize": ("ref",),
+    "before": ("ref",),
+    "after": ("ref",),
+}
+PARTS: Mapping[str, frozenset[str]] = {  # elements that are read inside another, beside <description>
+    **dict.fromkeys(("face", "faceLexeme", "faceFacs", "faceShift"), frozenset({"lexeme", "facs", "faceFacs"})),
+    **dict.fromkeys(("posture", "postureShift"), frozenset({"stance", "pose"})),
+    "constraint": frozenset({"synchronize", "before", "after"}),
+    **dict.fromkeys(("synchronize", "before", "after"), frozenset({"sync"})),
+}
+SPOKEN: Mapping[str, tuple[str, ...]] = {  # elements that are read in what a speech says, and their attributes
+    "sync": INSIDE["sync"],
+    "tm": INSIDE["tm"],
+    "mark": ("name", "id", "time"),
+    "break": ("time", "strength"),
+    "sub": ("alias",),
+    "prosody": ("rate", "pitch", "range", "volume", "contour", "duration"),
+    "emphasis": ("level",),
+    "say-as": ("interpret-as", "format", "detail"),
+    **dict.fromkeys(("lang", "voice", "p", "s", "text"), ()),
+    "speak": ("version",),
+}
+ALTERNATIVES: Mapping[str, tuple[tuple[str, ...], ...]] = {  # names of one thing, of which the first counts
+    "gesture": (("lexeme", "type"), ("mode", "hand")),
+    "pointing": (("mode", "hand"),),
+    "head": (("lexeme", "rotation", "type"),),
+    "headDirectionShift": (("target", "lexeme"),),
+    **dict.fromkeys(("face", "faceLexeme", "faceFacs", "faceShift"), (("lexeme", "au", "type"),)),
+    **dict.fromkeys(("gaze", "gazeShift"), (("influence", "modality"),)),
+    "wait": (("duration", "max-wait"),),
+}
+EMPTY: Mapping[tuple[str, str], frozenset[str]] = {  # values that say nothing beside the rest; others have no effect
+    ("gaze", "type"): frozenset({"at"}),
+    ("gazeShift", "type"): frozenset({"at"}),
+    ("head", "action"): frozenset({"rotation"}),
+    ("speech", "type"): frozenset({"text/plain", "application/ssml+xml"}),
+    ("speech", "voice"): frozenset(),
+}
+KINDS = frozenset({"lexicalized", "lexicalised", "facs"})  # values of `type` that say how the rest is written

@@ -1,0 +1,61 @@
+"""Which hand the name of a gesture decides."""
+
+import pytest
+
+from kinesic.bml.block import Gesture, Mode, Posture
+from kinesic.bml.parse import parse
+from kinesic.bml.reading.hands import hands_named
+
+
+@pytest.mark.parametrize(
+    ("name", "hands"),
+    [
+        ("dismiss_LH", "left"),
+        ("bridge_RH_2", "right"),
+        ("frame_2H", "both"),
+        ("frame_2h_3", "both"),
+        ("CUP_LH", "left"),
+        ("LHandOnHip_Motex", "left"),
+        ("RHandOnHip", "right"),
+        ("LHandOnHip_RArm_GestureOffer", "right"),
+        ("LHandOnHip_Arms_GestureWhy", "both"),
+        ("Someone@Idle01_BeatMidRt01", "right"),
+        ("Someone@Idle01_NoLeftRt01", "right"),
+        ("Someone@Idle01_MeLf01", "left"),
+        ("left_arm_up", "left"),
+        ("both_hands_open", "both"),
+        ("HandsAtSide_Motex", "unspecified"),
+        ("past_Ges_L", "unspecified"),
+        ("turn_left", "unspecified"),
+        ("thumbs_up", "unspecified"),
+        ("", "unspecified"),
+    ],
+)
+def test_the_last_hand_that_is_named_counts(name: str, hands: Mode) -> None:
+    assert hands_named(name) == hands
+
+
+def test_the_document_goes_before_the_name() -> None:
+    found = parse(
+        '<bml><gesture lexeme="cup_LH"/><gesture lexeme="cup_LH" mode="RIGHT_HAND"/><gesture lexeme="cup"/></bml>'
+    )
+    assert [b.action.mode for b in found.behaviours if isinstance(b.action, Gesture)] == [
+        "left",
+        "right",
+        "unspecified",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("posture", "pose"),
+    [
+        ('<pose part="ARMS" lexeme="LHandOnHip"/>', ("LEFT_ARM", "LHandOnHip")),
+        ('<pose part="WHOLEBODY" shape="RHand_OnHip"/>', ("RIGHT_ARM", "RHand_OnHip")),
+        ('<pose part="RIGHT_ARM" lexeme="LHandOnHip"/>', ("RIGHT_ARM", "LHandOnHip")),
+        ('<pose part="ARMS" lexeme="ARMS_CROSSED"/>', ("ARMS", "ARMS_CROSSED")),
+        ('<pose part="HEAD" lexeme="LHandUp"/>', ("HEAD", "LHandUp")),
+    ],
+)
+def test_a_pose_of_both_arms_is_taken_by_the_one_that_its_name_says(posture: str, pose: tuple[str, str]) -> None:
+    (found,) = parse(f"<bml><posture>{posture}</posture></bml>").behaviours
+    assert found.action == Posture(poses=(pose,))

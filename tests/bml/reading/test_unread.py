@@ -1,0 +1,88 @@
+"""What has no effect is said, each kind once."""
+
+import pytest
+
+from kinesic.bml.parse import parse
+
+
+def notices(text: str) -> list[str]:
+    return [notice.text for notice in parse(text).notices]
+
+
+@pytest.mark.parametrize(
+    ("inside", "words"),
+    [
+        ('<head id="h" lexeme="NOD" speed="2"/><head id="i" lexeme="NOD" speed="3"/>', ["attribute speed of <head>"]),
+        ('<head id="h" lexeme="NOD" x:speed="2"/>', ["attribute x:speed"]),
+        ('<head id="h" lexeme="NOD">now<style/></head>', ["text 'now' in <head>", "<style> (line 1) in <head>"]),
+        ('<face id="f"><lexeme lexeme="joy" colour="red"/></face>', ["attribute colour of <lexeme>"]),
+        ('<face id="f"><facs au="1"/><lips/></face>', ["<lips> (line 1) in <face>"]),
+        ('<posture id="p"><stance type="SITTING">deep</stance></posture>', ["text 'deep' in <stance>"]),
+        ('<constraint id="c"><meanwhile/></constraint>', ["<meanwhile> (line 1) in <constraint>"]),
+        ('<constraint><after ref="1"><tm ref="2"/></after></constraint>', ["<tm> (line 1) in <after>"]),
+        ('<required strict="yes"><wait id="w"/>never</required>', ["attribute strict", "text 'never' in <required>"]),
+        ("Good day<wait id='w'/>", ["text 'Good day' in <bml>"]),
+        ('<sync id="m"/><description type="x"/>', ["<sync> (line 1) in <bml>", "<description> (line 1) in <bml>"]),
+        ('<gaze id="z" target="user" type="AVERT"/>', ["the type 'AVERT' of <gaze>"]),
+        ('<head id="h" rotation="NOD" action="ORIENTATION"/>', ["the action 'ORIENTATION' of <head>"]),
+        ('<gesture id="g" lexeme="beat" type="BEAT"/><gesture id="h" lexeme="wave" type="BEAT"/>', ["type 'BEAT'"]),
+        ('<gesture id="g" mode="LEFT_HAND" hand="RIGHT_HAND"/>', ["the hand 'RIGHT_HAND' of <gesture>"]),
+        ('<gesture id="g"><description type="lights"><on/></description></gesture>', ["description of type 'lights'"]),
+        (
+            '<gesture id="g"><description type="gretabml"><PWR.value>0.1</PWR.value><SPEED.value>1</SPEED.value>'
+            "</description></gesture>",
+            ["<SPEED.value> (line 1) in <description>"],
+        ),
+        ('<speech id="s" voice="Anna">Hi</speech>', ["the voice 'Anna' of <speech>"]),
+        ('<speech id="s"><text>Hi <laugh/>you</text></speech>', ["<laugh> (line 1) in <text>"]),
+        ('<speech id="s"><text>Hi <m:loud>you</m:loud></text></speech>', ["<m:loud> (line 1) in <text>"]),
+        ('<speech id="s"><text>Hi <break time="1s" loud="1"/></text></speech>', ["attribute loud of <break>"]),
+        ('<speech id="s">lost<text>Hi</text><tm id="m"/></speech>', ["text 'lost' in <speech>", "<tm> (line 1) in"]),
+        ('<speech id="s"><text>Hi</text><text>you</text></speech>', ["<text> (line 1) in <speech>"]),
+        (
+            '<speech id="s">Hi<pitchaccent id="p"/><pitchaccent id="q"/></speech>',
+            ["<pitchaccent> (line 1) in <speech>"],
+        ),
+    ],
+)
+def test_each_kind_is_said_once(inside: str, words: list[str]) -> None:
+    found = notices(f'<bml id="b">{inside}</bml>')
+    assert len(found) == len(words), found
+    for part in words:
+        assert any(part in text for text in found), (part, found)
+
+
+@pytest.mark.parametrize(
+    "inside",
+    [
+        '<gesture id="g" lexeme="beat" type="LEXICALIZED" mode="LEFT_HAND" xml:lang="en"/>',
+        '<face id="f" type="FACS" au="1" side="LEFT"/><gaze id="z" type="AT" target="user"/>',
+        '<face id="f"><lexeme lexeme="joy"/><description type="kinesic"><power>0.1</power></description></face>',
+        '<head id="h" action="ROTATION" rotation="X"/>',
+        '<speech id="s"><head id="h" lexeme="NOD"/><text>Hi <mark name="m"/><emphasis level="strong">you</emphasis>'
+        '</text><description type="audio/wav" ref="a.wav"><sync id="m" time="1"/></description></speech>',
+        '<speech id="s"><text>Hi</text><description priority="1" type="application/ssml+xml">'
+        '<speak version="1.0"><s xml:lang="fr">Salut</s></speak></description></speech>',
+        '<gesture id="g"><description priority="1" type="x"><head lexeme="NOD"/></description></gesture>',
+        '<x:dance id="d" speed="1"><step/>left</x:dance>',
+    ],
+)
+def test_nothing_is_said_of_what_has_an_effect(inside: str) -> None:
+    assert [text for text in notices(f'<bml id="b">{inside}</bml>') if "a.wav" not in text] == []
+
+
+def test_what_stands_beside_the_block_is_said() -> None:
+    text = '<fml-apml><fml><emotion/></fml><bml id="b"><wait id="w"/></bml><fml/></fml-apml>'
+    assert notices(text) == ["<fml> (line 1) in <fml-apml> has no effect and is passed over"]
+    assert len(notices('<bml id="b" agent="A" mood="good"><wait id="w"/></bml>')) == 1
+    assert len(notices('{"id": "b", "mood": "good", "behaviours": [{"type": "wait", "id": "w"}]}')) == 1
+
+
+def test_a_long_text_is_cut_in_the_notice() -> None:
+    (found,) = notices(f'<bml id="b">{"very " * 20}<wait id="w"/></bml>')
+    assert "the text 'very very very very very very ...' in <bml>" in found
+
+
+def test_text_of_unknown_markup_in_a_speech_is_said_by_the_voice() -> None:
+    (speech,) = parse('<bml id="b"><speech id="s">Hi <m:loud>you</m:loud> there</speech></bml>').behaviours
+    assert speech.action.script.text == "Hi you there"

@@ -1,0 +1,83 @@
+"""Counting stays with one hand; strokes that are not done again are not claimed."""
+
+import pytest
+
+from kinesic.bml.parse import parse
+from kinesic.bml.schedule import schedule
+from kinesic.expressivity.context import BlockContext
+from kinesic.expressivity.durations import spans
+from kinesic.expressivity.keyframes import KeyFrames
+from kinesic.expressivity.realise import keyframes
+
+NUMBERS = ("one", "two", "three", "four", "five")
+
+
+@pytest.fixture
+def realise(known):
+    def realise(inside: str) -> KeyFrames:
+        block = parse(f'<bml id="b">{inside}</bml>')
+        context = BlockContext(block, known.context)
+        return keyframes(schedule(block, {}, spans(context)), context)
+
+    return realise
+
+
+def count(apart: float, attributes: str = "") -> str:
+    return "".join(
+        f'<gesture id="g{k}" lexeme="{name}" stroke="{2 + k * apart}" {attributes}/>' for k, name in enumerate(NUMBERS)
+    )
+
+
+def hands(frames: KeyFrames) -> list[frozenset[str]]:
+    return [frames.uses[f"g{k}"] for k in range(len(NUMBERS))]
+
+
+@pytest.mark.parametrize("apart", [0.45, 0.7, 1.0, 2.0])
+def test_counting_stays_with_one_hand(realise, apart):
+    frames = realise(count(apart))
+    assert hands(frames) == [frozenset({"r_hand"})] * len(NUMBERS)
+    for timed in frames.timeline.timed:
+        assert list(timed.times.values()) == sorted(timed.times.values())
+
+
+def test_what_time_does_not_allow_is_left_out_of_counting_and_said(realise):
+    outcomes = realise(count(0.45)).outcomes.values()
+    brief = [outcome for outcome in outcomes if "shown once, without its movement" in outcome.why]
+    assert brief
+    assert all(outcome.kind == "substituted" for outcome in brief)
+    assert not any("without its movement" in each.why for each in realise(count(4.0)).outcomes.values())
+
+
+def test_a_brief_stroke_has_its_points_where_it_is_done(realise):
+    frames = realise(count(0.45))
+    for timed in frames.timeline.timed:
+        if "without its movement" in frames.outcomes[timed.behaviour.id].why:
+            assert timed.times["strokeStart"] == timed.times["stroke"] == timed.times["strokeEnd"]
+
+
+def test_the_document_may_give_counting_to_another_hand(realise):
+    assert hands(realise(count(2.0, 'mode="LEFT_HAND"'))) == [frozenset({"l_hand"})] * len(NUMBERS)
+    mixed = realise(count(2.0).replace('lexeme="two"', 'lexeme="two" mode="LEFT_HAND"'))
+    assert [sorted(used) for used in hands(mixed)] == [["r_hand"], ["l_hand"], *[["r_hand"]] * 3]
+
+
+def test_other_gestures_take_the_free_hand_as_before(realise):
+    beats = "".join(f'<gesture id="g{k}" lexeme="beat" stroke="{2 + k * 0.45}"/>' for k in range(len(NUMBERS)))
+    assert len(set(hands(realise(beats)))) == 2
+
+
+def test_a_stroke_that_is_not_done_again_is_not_reported(realise):
+    again = '<gesture id="g" lexeme="beat" kinesic:repetition="1" stroke="1" {}/>'
+    none, all_of_them = (realise(again.format(end)) for end in ('strokeEnd="1"', 'strokeEnd="4"'))
+    assert not any(sync.startswith("stroke:") for sync in none.timeline.timed[0].times)
+    assert any("done once, not 3" in notice.text for notice in none.notices)
+    assert {"stroke:2", "stroke:3"} <= all_of_them.timeline.timed[0].times.keys()
+
+
+def test_a_face_that_names_nothing_is_dropped(realise):
+    frames = realise('<face id="f" start="0"/><face id="happy" type="happy"/><face id="unit" au="1"/>')
+    assert {id: outcome.kind for id, outcome in frames.outcomes.items()} == {
+        "f": "dropped",
+        "happy": "realised",
+        "unit": "realised",
+    }
