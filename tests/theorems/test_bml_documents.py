@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from kinesic.bml.block import BmlError, Speech
 from kinesic.bml.feedback import prediction, warning
 from kinesic.bml.parse import parse
-from kinesic.bml.reading.elements import ACTIONS, ATTRIBUTES
+from kinesic.bml.reading.elements import ACTIONS
+from kinesic.bml.reading.vocabulary import ATTRIBUTES
 from kinesic.bml.schedule import schedule
 from kinesic.body.utterance import Utterance
 
