@@ -50,6 +50,11 @@ def test_behaviours_that_hang_on_the_end_together_take_their_natural_time(timed:
     assert found.start == 0.0
 
 
+def test_the_end_of_a_block_is_that_of_what_others_bound(timed: Timing) -> None:
+    found = timed(gesture("g", 'ready="bml:end-10"') + gesture("f", 'end="8"'))
+    assert (at(found, "f:end"), at(found, "g:ready")) == pytest.approx((8.0, -2.0))
+
+
 def test_a_constraint_may_say_when_the_block_ends(timed: Timing) -> None:
     ends = '<constraint><synchronize><sync ref="bml:end"/><sync ref="3"/></synchronize></constraint>'
     assert at(timed(gesture("g", 'end="bml:end"') + ends), "g:end") == pytest.approx(3.0)

@@ -159,7 +159,9 @@ def _block(block: _Object, source: str) -> Element:
                 place = wrong[0].place if isinstance(wrong[0], _Object) else block.place
                 raise refusal(source, place, "no constraint", f"its type is one of {', '.join(_CONSTRAINTS)}")
             inside += _constraints(value, block.place)
-    if not inside and not any(key in block.fields for key in _BEHAVIOURS):
+        elif not _is_scalar(value):  # of a type that nobody knows, which is said
+            inside += [_inner(key, each, block.place) for each in _many(value)[:1]]
+    if block.fields.keys().isdisjoint((*_BEHAVIOURS, "required", "constraints")):
         what = f"the object has no {' or '.join(map(repr, _BEHAVIOURS))}"
         raise refusal(source, block.place, what, 'for example {"id": "b1", "behaviours": [{"type": "head", ...}]}')
     attributes = {key: _text(value) for key, value in block.fields.items() if _is_scalar(value) and key != "type"}

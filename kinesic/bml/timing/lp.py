@@ -25,9 +25,8 @@ _SHORTER = 3.0
 _STROKE_SHORTER = 20.0
 _SHRINK = 10.0  # of one behaviour, per natural second
 _SHRINK_ALL = 5.0  # of the one that shrinks most, per natural second of all
-_BLOCK_END = 0.3  # per second that the block ends later
+_BLOCK_END = 0.3  # per second that the block ends later, or before its start
 _EARLY = 1e-4  # per second that a behaviour starts later
-_BEFORE_ZERO = 0.5  # per second that one starts before 0, where the block's end gains by it: more than that gains
 
 
 @dataclass
@@ -109,13 +108,13 @@ class Program:
         first, last = chain.points[0], chain.points[-1]
         if self._potentials.find(first)[0] != self._potentials.find(last)[0]:
             self._at_least(first, last, SHORTEST)
-        self._prefer_early(first, early)
+        self._pull_to_zero(first, _EARLY, early)
 
-    def _prefer_early(self, start: Point, before_zero: float) -> None:
-        """Costs little for each second after 0, and more for each second before it."""
-        terms, gap = self._time(start)
+    def _pull_to_zero(self, point: Point, after_zero: float, before_zero: float) -> None:
+        """Costs so much for each second that a point is after 0, and so much for each second before it."""
+        terms, gap = self._time(point)
         if terms:
-            after, before = self._rows.unknown(_EARLY, 0.0), self._rows.unknown(before_zero, 0.0)
+            after, before = self._rows.unknown(after_zero, 0.0), self._rows.unknown(before_zero, 0.0)
             self._rows.at_most(-gap, [*terms, (after, -1.0)])
             self._rows.at_most(gap, [(terms[0][0], -1.0), (before, -1.0)])
 
@@ -131,17 +130,14 @@ class Program:
         """
         natural = sum(sum(spans[chain.behaviour.id].values()) for chain in chains)
         all_shrink = self._rows.unknown(_SHRINK_ALL * natural, 0.0)
-        closes = any(order.head.behaviour == "bml" for order in orders)
-        before_zero = _BEFORE_ZERO if closes else _EARLY * (len(chains) + 1)
         for chain in chains:
             if chain.is_rigid:
-                self._prefer_early(chain.points[0], before_zero)
+                self._pull_to_zero(chain.points[0], _EARLY, _EARLY * (len(chains) + 1))
             else:
-                self._add(chain, spans[chain.behaviour.id], all_shrink, before_zero)
+                self._add(chain, spans[chain.behaviour.id], all_shrink, _EARLY * (len(chains) + 1))
         for order in orders:
             self._at_least(order.tail, order.head, order.gap)
-            if order.head.behaviour == "bml":
-                for unknown, _ in self._time(order.head)[0]:
-                    self._rows.costs[unknown] = _BLOCK_END
+        for end in dict.fromkeys(order.head for order in orders if order.head.behaviour == "bml"):
+            self._pull_to_zero(end, _BLOCK_END, _BLOCK_END)  # from both sides: nothing else may hold it
         found = self._rows.solve()
         return {root: found[unknown] for root, unknown in self._root.items()}

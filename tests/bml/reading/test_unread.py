@@ -75,7 +75,8 @@ def test_what_stands_beside_the_block_is_said() -> None:
     text = '<fml-apml><fml><emotion/></fml><bml id="b"><wait id="w"/></bml><fml/></fml-apml>'
     assert notices(text) == ["<fml> (line 1) in <fml-apml> has no effect and is passed over"]
     assert len(notices('<bml id="b" agent="A" mood="good"><wait id="w"/></bml>')) == 1
-    assert len(notices('{"id": "b", "mood": "good", "behaviours": [{"type": "wait", "id": "w"}]}')) == 1
+    text = '{"id": "b", "mood": "good", "notes": [1, 2], "behaviours": [{"type": "wait", "id": "w"}]}'
+    assert (len(notices(text)), [b.type for b in parse(text).behaviours]) == (1, ["notes", "wait"])
 
 
 def test_a_long_text_is_cut_in_the_notice() -> None:
