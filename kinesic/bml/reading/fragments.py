@@ -104,7 +104,7 @@ def _gesture(element: Element) -> Element:
     """The lexeme may be a category, whose gesture stands in `type`; a name is one of an animation."""
     written = dict(element.attributes)
     lexeme, kind, name = written.get("lexeme", ""), written.get("type", ""), written.get("name", "")
-    side = hands_named(name)
+    side = hands_named(name, of_animation=True)
     added: dict[str, str | None] = {} if side == "unspecified" or "mode" in written else {"mode": side}
     if kind and lexeme.upper() in _CATEGORIES:
         added |= {"lexeme": f"{kind}_{lexeme}", "type": None}

@@ -1,7 +1,7 @@
 """The hand that the name of a gesture or of an animation decides: `cup_LH`, `LHandOnHip`, `Idle01_RArm_Offer`."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
 
 from kinesic.bml.block import Mode
@@ -14,27 +14,29 @@ _WHOLE: dict[str, Mode] = {  # words that say it by themselves
     **dict.fromkeys(("rh", "rhand", "rarm"), "right"),
     **dict.fromkeys(("bh", "botharms", "bothhands"), "both"),
 }
-_NUMBERED: dict[str, Mode] = {"lf": "left", "lt": "left", "rt": "right"}  # `BeatMidRt01`
+_SHORT: dict[str, Mode] = {"lf": "left", "lt": "left", "rt": "right"}  # `BeatMidRt01`
 
 
-def hands_named(name: str) -> Mode:
+def hands_named(name: str, *, of_animation: bool = False) -> Mode:
     """Reads which hands a name decides; of several the last counts, since a posture stands before what is done in it.
 
     A letter alone (`Ges_L`) and the words left and right by themselves are left to the lexicon.
+
+    Args:
+        name: of a gesture, a pose or an animation.
+        of_animation: whether `Lf01` and `Rt01` are hands, too; in a lexeme they may be anything.
     """
-    found: list[Mode] = list(_modes(["_", *_TOKEN.findall(name.lower() if name.isupper() else name), "_"]))
+    words = ["_", *(token.lower() for token in _TOKEN.findall(name.lower() if name.isupper() else name)), "_"]
+    found = list(_modes(words, {**_WHOLE, **(_SHORT if of_animation else {})}))
     return found[-1] if found else "unspecified"
 
 
-def _modes(tokens: list[str]) -> Iterator[Mode]:
-    words = [token.lower() for token in tokens]
+def _modes(words: list[str], whole: Mapping[str, Mode]) -> Iterator[Mode]:
     for k, (word, following) in enumerate(pairwise(words)):
         limb = words[k + 2] if following == "_" and k + 2 < len(words) else following
-        if word in _WHOLE:
-            yield _WHOLE[word]
+        if word in whole:
+            yield whole[word]
         elif word in _SIDES and limb in _LIMBS:
             yield _SIDES[word]
         elif (word, following) == ("2", "h") or words[k - 1 : k + 2] == ["_", "arms", "_"]:
             yield "both"
-        elif word in _NUMBERED and (following.isdecimal() or following == "_"):
-            yield _NUMBERED[word]

@@ -19,9 +19,7 @@ from kinesic.bml.reading.hands import hands_named
         ("RHandOnHip", "right"),
         ("LHandOnHip_RArm_GestureOffer", "right"),
         ("LHandOnHip_Arms_GestureWhy", "both"),
-        ("Someone@Idle01_BeatMidRt01", "right"),
-        ("Someone@Idle01_NoLeftRt01", "right"),
-        ("Someone@Idle01_MeLf01", "left"),
+        ("WeRt01", "unspecified"),
         ("left_arm_up", "left"),
         ("both_hands_open", "both"),
         ("HandsAtSide_Motex", "unspecified"),
@@ -33,6 +31,23 @@ from kinesic.bml.reading.hands import hands_named
 )
 def test_the_last_hand_that_is_named_counts(name: str, hands: Mode) -> None:
     assert hands_named(name) == hands
+
+
+@pytest.mark.parametrize(
+    ("name", "hands"),
+    [
+        ("Someone@Idle01_BeatMidRt01", "right"),
+        ("Someone@Idle01_NoLeftRt01", "right"),
+        ("Someone@Idle01_MeLf01", "left"),
+        ("Someone@Idle01_Guitar01", "unspecified"),
+        ("HandsAtSide_RArm_GestureYou", "right"),
+    ],
+)
+def test_names_of_animations_have_short_words_for_hands(name: str, hands: Mode) -> None:
+    assert hands_named(name, of_animation=True) == hands
+    (gesture,) = parse(f'<gesture name="{name}"/>').behaviours
+    assert isinstance(gesture.action, Gesture)
+    assert gesture.action.mode == hands
 
 
 def test_the_document_goes_before_the_name() -> None:
