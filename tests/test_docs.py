@@ -85,6 +85,27 @@ def test_the_page_of_gestures_is_in_step_with_the_lexicon():
     assert (ROOT / "docs" / "gestures.png").stat().st_size < 1.5e6
 
 
+def test_the_page_of_names_is_in_step_with_the_table():
+    script = runpy.run_path(str(ROOT / "docs" / "make" / "synonyms.py"))
+    written = (ROOT / "docs" / "synonyms.md").read_text(encoding="utf-8")
+    assert written == script["page"](Lexicon.load()), "run docs/make/synonyms.py"
+
+
+def test_the_example_of_names_is_a_lexicon(tmp_path: Path):
+    page = (ROOT / "docs" / "my-gestures.md").read_text(encoding="utf-8")
+    gestures, names = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    (tmp_path / "gestures.toml").write_text(gestures, encoding="utf-8")
+    (tmp_path / "names.toml").write_text(names, encoding="utf-8")
+    lexicon = Lexicon.load(tmp_path)
+    found = {name: lexicon.find(name) for name in ("Grüß Gott!", "on_balance_2H", "waltz", "versus")}
+    assert {name: match and match.form.id for name, match in found.items()} == {
+        "Grüß Gott!": "greet_wave",
+        "on_balance_2H": "weigh_up",
+        "waltz": "conduct",
+        "versus": "weigh_up",
+    }
+
+
 def test_the_gesture_page_describes_every_shape():
     page = (ROOT / "docs" / "my-gestures.md").read_text(encoding="utf-8")
     assert all(f"| `{name}` | {shape.says} |" in page for name, shape in SHAPES.items())

@@ -47,11 +47,14 @@ def show_gesture(lexeme: str, lexicon: Path | None) -> int:
     known = Lexicon.load(lexicon)
     match = _found(lexeme, known)
     form = match.form
-    click.echo(printable(f"{form.id} ({form.category}){', ' + match.substitute if match.substitute else ''}"))
+    how = match.substitute or (f"a synonym of {form.id}" if match.kind == "synonym" else "")
+    click.echo(printable(f"{form.id} ({form.category}){', ' + how if how else ''}"))
     sense = known.sense(form)
     if sense.says:
         click.echo(printable(sense.says))
     click.echo(printable(f"meanings: {', '.join(sense.words)}"))
+    if names := known.names_of(form.id):
+        click.echo(printable(f"synonyms: {', '.join(names)}"))
     headings = ("key", "hand", "forward", "outward", "up", "palm", "pointing", "shape", "openness", "touches", "path")
     table = Table(*headings, box=None)
     for number, key in enumerate(form.keys, start=1):
@@ -96,5 +99,6 @@ def _drawable(known: Setup) -> Iterator[Show]:
 def _found(lexeme: str, lexicon: Lexicon) -> Match:
     match = lexicon.find(lexeme)
     if match is None:
-        raise BmlError(f"no gesture {lexeme}{suggestion(lexeme, [form.id for form in lexicon.forms])}")
+        near = ", ".join(lexicon.near(lexeme))
+        raise BmlError(f"no gesture {lexeme}{f'; near are {near}' if near else ''}")
     return match

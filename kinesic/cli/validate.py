@@ -143,6 +143,7 @@ def _entry(verdict: DocumentVerdict) -> dict[str, Json]:
         "outcome": verdict.outcome,
         "exit": verdict.exit,
         "realised": verdict.count("realised"),
+        "partly": verdict.count("partly"),
         "substituted": verdict.count("substituted"),
         "dropped": verdict.count("dropped"),
     }

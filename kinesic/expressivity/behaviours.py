@@ -23,7 +23,7 @@ from kinesic.expressivity.hands.poses import REST, Poses, pointing_poses, poses
 from kinesic.expressivity.hands.strokes import Stroke
 from kinesic.expressivity.head import head_form, head_layer
 from kinesic.expressivity.keyframes import Outcome
-from kinesic.expressivity.lexicon.form import GestureForm
+from kinesic.expressivity.lexicon.form import PLAIN_SHAPES, GestureForm, Match
 from kinesic.expressivity.lexicon.lexicon import mirror_form
 from kinesic.expressivity.turns import UPRIGHT, Layer, exclusive, pass_layer
 
@@ -62,9 +62,11 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
     """
     match = context.lexicon.find(action.lexeme, action.mode)
     if match is None:
-        return drop_behaviour(
-            f"the lexicon has no gesture for {action.lexeme}; `kinesic gestures list` shows what it has"
+        near = ", ".join(context.lexicon.near(action.lexeme))
+        hint = (
+            f"near are {near}, which may mean something else" if near else "`kinesic gestures list` shows what it has"
         )
+        return drop_behaviour(f"the lexicon has no gesture for {action.lexeme}; {hint}")
     form = match.form
     if not form.keys and not form.rest:
         return drop_behaviour(f"gesture {form.id} has no stroke")
@@ -76,11 +78,24 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
     if action.mode == "unspecified" and len(form.sides) == 1 and not form.rest:
         options.append(mirror_form(form))
     works = tuple(poses(option, context.robot, manner) if option.keys else hanging_arms(SIDES) for option in options)
-    outcome, warnings = substitution_outcome(match.substitute)
+    outcome, warnings = _match_outcome(match)
     halves = action.mode == "unspecified"
     series = COUNTING if halves and form.id.startswith(f"{COUNTING}_") else ""
     stroke = Stroke(timed.behaviour.id, timed.times, works, form.rest, manner, halves=halves, series=series)
     return Move(outcome, strokes=(stroke,), warnings=(*warnings, *unmet))
+
+
+def _match_outcome(match: Match) -> tuple[Outcome, tuple[BehaviourWarning, ...]]:
+    """Says how much of what a lexeme means is performed: not the hand shapes, as no robot of ours moves fingers."""
+    named = f"a synonym of {match.form.id}" if match.kind == "synonym" and not match.substitute else ""
+    shapes = [f'"{shape}"' for shape in match.form.shapes if shape not in PLAIN_SHAPES]
+    lacking = f"hand shape{'s' * (len(shapes) > 1)} {' and '.join(shapes)} need{'s' * (len(shapes) == 1)} fingers"
+    why = "; ".join(filter(None, (match.substitute, lacking * bool(shapes), named)))
+    if match.substitute:
+        return substitution_outcome(why)
+    if shapes:
+        return Outcome("partly", why), (BehaviourWarning(NoticeType.CANNOT_CREATE_BEHAVIOR, f"partly: {why}"),)
+    return Outcome("realised", why), ()
 
 
 def _unmet(action: Gesture, form: GestureForm, context: BlockContext) -> tuple[BehaviourWarning, ...]:

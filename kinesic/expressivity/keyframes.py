@@ -17,7 +17,7 @@ Touch = Literal["hand", "forearm", "upper_arm", "head", "chest", "lap"]  # arm a
 class Outcome:
     """What became of a behaviour."""
 
-    kind: Literal["realised", "substituted", "dropped"]
+    kind: Literal["realised", "partly", "substituted", "dropped"]
     why: str = ""
 
 

@@ -136,9 +136,6 @@ def _arms(lexeme: str, mode: Mode, lexicon: Lexicon) -> Arms | None:
     if gesture is not None and (match := lexicon.find(gesture, mode)) is not None and match.form.keys:
         return replace(match.form, keys=match.form.keys[-1:], rest=True)
     match = lexicon.find(lexeme, mode, category="rest")
-    if match is not None and match.substitute:
-        telling = "_".join(word for word in found if not word.startswith(("arm", "hand")))
-        match = lexicon.find(telling, mode) if telling else None
     return match.form if match is not None and match.form.rest and match.form.keys else None
 
 

@@ -9,7 +9,7 @@ from kinesic.report.checks import Check
 from kinesic.report.report import Json
 
 OUTCOMES = ("performed", "refused", "crashed")
-SHARES = ("realised", "substituted", "dropped")
+SHARES = ("realised", "partly", "substituted", "dropped")
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ keys = [
 def test_the_list_is_a_vocabulary(kinesic):
     entries = json.loads(kinesic("gestures", "list", "--json").out)
     assert len(entries) >= 150
-    fields = {"id", "category", "says", "meanings", "hands", "shapes", "stroke_s", "whole_s"}
+    fields = {"id", "category", "says", "meanings", "hands", "shapes", "stroke_s", "whole_s", "synonyms"}
     assert all(fields <= set(entry) for entry in entries)
     offer = next(entry for entry in entries if entry["id"] == "offer")
     assert offer["category"] == "metaphoric"
@@ -39,7 +39,9 @@ def test_a_gesture_is_shown_with_words_shapes_and_paths(kinesic, tmp_path):
     (tmp_path / "own.toml").write_text(OWN)
     shown = kinesic("gestures", "show", "swirl", "--lexicon", "own.toml")
     assert shown.code == 0
-    assert shown.out.startswith('own (emotion), substituted by own: "swirl"\nThe fist circles.\nmeanings: swirl, own\n')
+    assert shown.out.startswith(
+        "own (emotion), a synonym of own\nThe fist circles.\nmeanings: swirl, own\nsynonyms: swirl\n"
+    )
     assert "circle" in shown.out
     assert "fist" in shown.out
 

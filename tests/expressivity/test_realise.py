@@ -21,6 +21,7 @@ from kinesic.bml.block import (
 )
 from kinesic.body.utterance import Script
 from kinesic.expressivity.durations import spans
+from kinesic.expressivity.keyframes import Outcome
 from kinesic.expressivity.realise import keyframes
 from kinesic.expressivity.style.pace import Pace
 
@@ -58,15 +59,46 @@ def test_a_gesture_is_realised_between_rest_and_rest(perform, beat):
 
 
 def test_a_substitute_says_so(perform, beat):
-    frames = perform(("g", Gesture("hello_Ges_R"), beat))
+    frames = perform(("g", Gesture("hello_low_Ges_R"), beat))
     assert frames.outcomes["g"].kind == "substituted"
+    assert frames.outcomes["g"].why == 'substituted by greet_wave: "low" is left out'
     assert {notice.id for notice in frames.notices} == {"bml1:g"}
+
+
+def test_a_synonym_is_realised_and_named(perform, beat):
+    frames = perform(("g", Gesture("hello_Ges_R"), beat))
+    assert frames.outcomes["g"] == Outcome("realised", "a synonym of greet_wave")
+    assert NoticeType.CANNOT_CREATE_BEHAVIOR not in {notice.type for notice in frames.notices}
+
+
+@pytest.mark.parametrize(
+    ("lexeme", "outcome"),
+    [
+        ("thumb_up", Outcome("partly", 'hand shape "thumb" needs fingers')),
+        ("thumbs_up", Outcome("partly", 'hand shape "thumb" needs fingers; a synonym of thumb_up')),
+        ("explode", Outcome("partly", 'hand shapes "fist" and "spread" need fingers')),
+        (
+            "point",
+            Outcome(
+                "substituted",
+                'substituted by this_index: it stands for its class, point; hand shape "index" needs fingers',
+            ),
+        ),
+        ("stop", Outcome("realised")),
+    ],
+)
+def test_a_hand_shape_that_needs_fingers_is_said_to_be_missing(perform, beat, lexeme, outcome):
+    frames = perform(("g", Gesture(lexeme), beat))
+    assert frames.outcomes["g"] == outcome
+    said = {"partly": f"partly: {outcome.why}", "substituted": outcome.why}.get(outcome.kind)
+    assert [notice.text for notice in frames.notices] == ([said] if said else [])
 
 
 def test_what_the_lexicon_does_not_know_is_dropped_and_named(perform, beat):
     frames = perform(("g", Gesture("xyzzy"), beat))
     assert frames.outcomes["g"].kind == "dropped"
     assert "xyzzy" in frames.outcomes["g"].why
+    assert "`kinesic gestures list` shows" in frames.outcomes["g"].why
     assert [notice.id for notice in frames.notices] == ["bml1:g"]
 
 

@@ -13,7 +13,7 @@ from kinesic.body.action_units import UNITS, FaceSide, channels, face_keys, unkn
 from kinesic.body.arrays import Floats
 from kinesic.body.config import CONFIGS, ConfigError, read_toml
 from kinesic.expressivity.head import amplitude_factor
-from kinesic.expressivity.lexicon.synonyms import Sense, nearest_sense, read_lexeme
+from kinesic.expressivity.lexicon.senses import Sense, nearest_sense, read_lexeme
 from kinesic.expressivity.style.style import NEUTRAL, Expressivity
 from kinesic.motion.easing import ease
 

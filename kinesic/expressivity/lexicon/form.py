@@ -12,6 +12,8 @@ from kinesic.body.robot import Side
 from kinesic.expressivity.keyframes import Touch
 from kinesic.expressivity.lexicon.paths import HandPath
 
+Kind = Literal["exact", "synonym", "class"]  # the name itself; another name of it; one for all of its class
+
 HandShape = Literal[
     "relaxed",
     "open",
@@ -73,6 +75,11 @@ class GestureForm:
     rest: bool = False  # a posture that stays until the next one (arms crossed, hands together)
 
     @property
+    def shapes(self) -> tuple[str, ...]:
+        """Hand shapes that it takes, each once, in order."""
+        return tuple(dict.fromkeys(pose.shape for key in self.keys for pose in key.hands.values() if pose.shape))
+
+    @property
     def sides(self) -> frozenset[Side]:
         """Hands that take part."""
         return frozenset(side for key in self.keys for side in key.hands)
@@ -83,7 +90,8 @@ class Match:
     """What the lexicon offers for a lexeme."""
 
     form: GestureForm  # with the sides that the behaviour's mode asks for
-    substitute: str = ""  # why it is not the lexeme itself; empty when it is
+    kind: Kind = "exact"  # how it was found
+    substitute: str = ""  # what of the lexeme it does not mean; empty when it means the same
 
 
 @dataclass(frozen=True)
@@ -93,6 +101,14 @@ class Shape:
     says: str  # in words
     straight: tuple[float, float, float, float, float]  # thumb .. little finger: 0 closed .. 1 straight
     apart: float = 0.0  # fingers, -1 crossed .. 0 side by side .. 1 as far as they go
+
+
+PLAIN_SHAPES = frozenset(  # that a hand without fingers comes near to; the second line is Greta's names
+    (
+        "relaxed open flat curved " + "form_open form_openapart form_default open_default open_thumbout open_thumbin "
+        "bend_curved relax reset thumb_away thumb_default"
+    ).split()
+)
 
 
 SHAPES: Mapping[str, Shape] = {

@@ -1,31 +1,38 @@
-"""The lexicon: from a lexeme and a mode to the form of a gesture, or to a sensible substitute."""
+"""The lexicon: from a lexeme and a mode to the form of a gesture that means it."""
 
+import difflib
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 
 from kinesic.bml.block import Mode
-from kinesic.body.config import CONFIGS
+from kinesic.body.config import CONFIGS, ConfigError
 from kinesic.body.robot import OTHER_SIDE, Side
 from kinesic.expressivity.lexicon.form import GestureForm, Match, StrokeKey
 from kinesic.expressivity.lexicon.gestuary import is_enabled, read_gestuary
+from kinesic.expressivity.lexicon.names import read_name, split_words
+from kinesic.expressivity.lexicon.senses import Sense
 from kinesic.expressivity.lexicon.space import spread_hands
-from kinesic.expressivity.lexicon.synonyms import Sense, nearest_sense, read_lexeme
-from kinesic.expressivity.lexicon.toml_file import read_gestures
+from kinesic.expressivity.lexicon.synonyms import Found, GestureClass, NameTable, check_names
+from kinesic.expressivity.lexicon.toml_file import LexiconPart, read_gestures
 
-_NAMELESS = "beat"  # what a gesture without a lexeme most likely is
+NAMELESS = "beat"  # what a gesture without a lexeme most likely is
+MOST_NEAR = 3  # gestures that are named when a lexeme is unknown
+LONGEST = 40  # characters of a name that are compared with others
 
 
 @dataclass(frozen=True, eq=False)
 class Lexicon:
-    """Gestures and the words that speak of them; of two with one name, the first counts."""
+    """Gestures, and the names that mean them; of two gestures with one name, the first counts."""
 
     forms: tuple[GestureForm, ...]
     senses: tuple[Sense, ...]  # of the forms, in the same order
+    synonyms: tuple[tuple[str, str], ...] = ()  # (name, gesture); of two with one name, the first counts
+    classes: tuple[GestureClass, ...] = ()  # in the order in which they are tried
 
     @classmethod
     def load(cls, path: str | Path | None = None) -> "Lexicon":
-        """Reads the gestures of `configs/gestures/`, behind those of a file or folder of the user's.
+        """Reads the gestures and names of `configs/gestures/`, behind those of a file or folder of the user's.
 
         Args:
             path: a gestuary of Greta's (.xml), a TOML file, or a folder of TOML files.
@@ -33,26 +40,62 @@ class Lexicon:
         Raises:
             ConfigError: a file is missing or wrong.
         """
-        entries = (*(() if path is None else _entries(Path(path))), *_own())
-        return cls(tuple(form for form, _ in entries), tuple(sense for _, sense in entries))
+        users = LexiconPart() if path is None else _read_part(Path(path))
+        own = _own()
+        forms, senses = zip(*users.entries, *own.entries, strict=True)
+        names = (
+            *users.synonyms,
+            *users.meanings,
+            *own.synonyms,
+        )  # our meanings are too loose: many gestures share them
+        lexicon = cls(forms, senses, names, (*users.classes, *own.classes))
+        for problem in check_names(users.synonyms, users.classes, lexicon.forms_by_id):
+            raise ConfigError(f"{path}: {problem}")
+        return lexicon
+
+    @cached_property
+    def forms_by_id(self) -> dict[str, GestureForm]:
+        """Gesture forms by their names; of two with one name, the first."""
+        return {form.id: form for form in reversed(self.forms)}
+
+    @cached_property
+    def _names(self) -> NameTable:
+        return NameTable({form.id: form.category for form in self.forms}, self.synonyms, self.classes)
 
     def find(self, lexeme: str, mode: Mode = "unspecified", category: str | None = None) -> Match | None:
         """Finds the gesture of a lexeme, with the hands that the mode asks for.
 
         Args:
-            lexeme: a name, in any case, or `category=name`; empty: a beat.
-            mode: which hands; unspecified: those of the entry, or those that a substituted lexeme names.
-            category: preferred among entries of one name; what a lexeme without meaning falls back to.
+            lexeme: a name in any spelling, or `category=name`; empty: a beat.
+            mode: which hands; unspecified: those that the name says, else those of the entry.
+            category: preferred among entries of one name; may name the class of a gesture of which no more is known.
 
         Returns:
-            The match, which says why when it is a substitute; None when the lexeme means nothing here.
+            The match, which says how it was found; None when the lexeme means nothing here.
         """
         if "=" in lexeme:
             category, _, lexeme = (part.strip() for part in lexeme.partition("="))
         form = self._entry(lexeme, category)
         if form is not None:
             return Match(in_mode(form, mode))
-        return self._substitute(lexeme, mode, category)
+        found = self._names.find(lexeme, category)
+        if found is not None:
+            return self._match(found, mode)
+        if lexeme.strip() or NAMELESS not in self.forms_by_id:
+            return None
+        return Match(in_mode(self.forms_by_id[NAMELESS], mode), "class", f"substituted by {NAMELESS}: no lexeme")
+
+    def near(self, lexeme: str) -> tuple[str, ...]:
+        """Names gestures that an unknown lexeme may have meant: by their letters, or by words that speak of them."""
+        words = set(split_words(lexeme))
+        scores = [len(words.intersection((*sense.words, sense.category))) for sense in self.senses]
+        likely = sorted((k for k, score in enumerate(scores) if score), key=lambda k: (-scores[k], k))
+        alike = difflib.get_close_matches("_".join(read_name(lexeme).words)[:LONGEST], self.forms_by_id, n=MOST_NEAR)
+        return tuple(dict.fromkeys([*alike, *(self.forms[k].id for k in likely)]))[:MOST_NEAR]
+
+    def names_of(self, gesture: str) -> tuple[str, ...]:
+        """Lists the names that mean a gesture, beside its own."""
+        return tuple(name for name, meant in self.synonyms if meant == gesture)
 
     def sense(self, form: GestureForm) -> Sense:
         """Returns the words that describe a gesture form, whichever hands perform it."""
@@ -67,18 +110,14 @@ class Lexicon:
         wanted = (category or "").lower()
         return next((form for form in named if form.category.lower() == wanted), named[0] if named else None)
 
-    def _substitute(self, lexeme: str, mode: Mode, category: str | None) -> Match | None:
-        """Finds the gesture that the words of a lexeme speak of, else one of its category."""
-        reading, kind = read_lexeme(lexeme), read_lexeme(category or "").words
-        found = nearest_sense(reading.words, self.senses) or nearest_sense(kind, self.senses)
-        why = f'"{" ".join(found[1])}"' if found is not None else "no lexeme"
-        if found is None and not lexeme.strip():
-            found = nearest_sense((_NAMELESS,), self.senses)
-        if found is None:
-            return None
-        form = self.forms[found[0]]
-        side = reading.mode if mode == "unspecified" else mode
-        return Match(in_mode(form, side), f"substituted by {form.id}: {why}")
+    def _match(self, found: Found, mode: Mode) -> Match:
+        """Gives what a name means the hands that are asked for, and says what of the name it does not show."""
+        form = self.forms_by_id[found.gesture]
+        left_out = f'"{" ".join(found.name.left_out)}" is left out' if found.name.left_out else ""
+        stands = f"it stands for its class, {found.of}" if found.of else ""
+        why = "; ".join(filter(None, (stands, left_out)))
+        posed = in_mode(form, found.name.hand if mode == "unspecified" else mode)
+        return Match(posed, found.kind, f"substituted by {form.id}: {why}" if why else "")
 
 
 def in_mode(form: GestureForm, mode: Mode) -> GestureForm:
@@ -110,14 +149,18 @@ def _doubled(key: StrokeKey) -> StrokeKey:
 
 
 @cache
-def _own() -> tuple[tuple[GestureForm, Sense], ...]:
-    """The entries of `configs/gestures/`, which are many and do not change while a program runs."""
-    return tuple(read_gestures(CONFIGS / "gestures"))
+def _own() -> LexiconPart:
+    """What `configs/gestures/` holds, which is much and does not change while a program runs."""
+    return read_gestures(CONFIGS / "gestures")
 
 
-def _entries(path: Path) -> list[tuple[GestureForm, Sense]]:
-    """Reads a file of the user's."""
+def _read_part(path: Path) -> LexiconPart:
+    """Reads a file or folder of the user's."""
     if path.suffix.lower() != ".xml":
         return read_gestures(path)
     forms = [form for form in read_gestuary(path) if is_enabled(form)]
-    return [(form, Sense(read_lexeme(form.id).words, form.category.lower())) for form in forms]
+    return LexiconPart(tuple((form, Sense(_words(form), form.category.lower())) for form in forms))
+
+
+def _words(form: GestureForm) -> tuple[str, ...]:
+    return tuple(word for word in read_name(form.id).words if not word.isdigit())

@@ -1,97 +1,185 @@
-"""What a lexeme means when it is no entry of the lexicon: its words, and the gesture that they speak of."""
+"""Finds the gesture that a name means, by words and never by letters: itself, a synonym, or a gesture of its class.
 
-import re
-from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cache
+The names come from the `[synonyms]` and `[classes]` of lexicon files.
+"""
 
-from kinesic.bml.block import Mode
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 
-_WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
-_NOISE = frozenset({"a", "an", "the", "of", "to", "ges", "gesture", "pos", "pose", "posture", "hand", "lexeme"})
-_SIDES: dict[str, Mode] = {"l": "left", "r": "right", "b": "both"}
-_SIDE_WORDS: dict[str, Mode] = {"left": "left", "right": "right", "both": "both"}
-_ENDINGS = ("s", "es", "d", "ed", "ing", "er", "est", "ly", "ment")
-_SHORTEST_STEM = 3  # letters
-_SHORTEST_ABBREVIATION = 4  # letters
+from kinesic.body.config import suggestion
+from kinesic.expressivity.lexicon.form import Kind
+from kinesic.expressivity.lexicon.names import CATEGORIES, SIDE_WORDS, GestureName, read_name, split_words
 
-_EXACT, _NEAR, _CATEGORY = 1.0, 0.75, 0.25
+POINTING = "deictic"  # the category
 
-
-@dataclass(frozen=True)
-class LexemeReading:
-    """A lexeme taken apart."""
-
-    words: tuple[str, ...]  # that may carry its meaning, lower-case, in order
-    mode: Mode = "unspecified"  # the side that its letters or words name
+_FILLERS = frozenset(  # of a class: words between it and what is meant, and what does it
+    {"at", "to", "of", "on", "in", "with", "by", "for", "toward", "towards"}
+    | {"hand", "hands", "arm", "arms", "finger", "fingers", "index", "forefinger"}
+)
+_PLACES = frozenset(
+    {"forward", "forwards", "front", "back", "up", "upward", "down", "downward"}
+)  # where a beat is done
+_NEGATIONS = frozenset({"no", "not", "dont", "never", "none", "without"})
 
 
 @dataclass(frozen=True)
-class Sense:
-    """The words that describe one gesture, the most characteristic first."""
+class GestureClass:
+    """A kind of gesture that one gesture may stand for, when no more is known."""
 
-    words: tuple[str, ...]
-    category: str
-    says: str = ""  # what is done and what it means, in one line
+    name: str
+    gesture: str  # its id
+    words: tuple[tuple[str, ...], ...]  # words, or several in a row, that name the class
+
+    def others(self, words: Sequence[str]) -> tuple[str, ...] | None:
+        """Returns what some words say beside the class; None when they do not name it."""
+        named: set[int] = set()
+        for phrase in self.words:
+            for start in range(len(words) - len(phrase) + 1):
+                if tuple(words[start : start + len(phrase)]) == phrase:
+                    named |= set(range(start, start + len(phrase)))
+        return tuple(word for k, word in enumerate(words) if k not in named) if named else None
 
 
-def read_lexeme(lexeme: str) -> LexemeReading:
-    """Takes a lexeme apart at underscores, capitals and digits: `Rise_Arm_R2` is ("rise", "arm") on the right.
+@dataclass(frozen=True)
+class Found:
+    """The gesture that a name means."""
 
-    Articles, digits and words such as `Ges` say nothing about the meaning. A single letter L, R or B names the
-    side; the words left, right and both do so too, if other words are there to carry the meaning.
+    gesture: str  # its id
+    kind: Kind
+    name: GestureName  # what was left of the name, with the hand and what is not shown
+    of: str = ""  # the class that it stands for
+
+
+@dataclass(frozen=True, eq=False)
+class NameTable:
+    """All names of all gestures."""
+
+    categories: Mapping[str, str]  # of each gesture by id
+    synonyms: Sequence[tuple[str, str]]  # (name as written, id); of two with one name, the first counts
+    classes: tuple[GestureClass, ...]  # in the order in which they are tried
+
+    @cached_property
+    def _spelled(self) -> Mapping[tuple[str, ...], tuple[str, Kind]]:
+        """Words of a name -> gesture; a gesture's own name goes before synonyms."""
+        own: dict[tuple[str, ...], tuple[str, Kind]] = {}
+        for gesture in self.categories:
+            own.setdefault(read_name(gesture).words, (gesture, "exact"))
+        known: dict[tuple[str, ...], tuple[str, Kind]] = {}
+        for name, gesture in self.synonyms:
+            known.setdefault(read_name(name).words, (gesture, "synonym"))
+        return {**known, **own}
+
+    @cached_property
+    def _run_together(self) -> Mapping[str, tuple[str, Kind]]:
+        """Names without gaps between their words; `now here` and `nowhere` are then one, and neither counts."""
+        found: dict[str, tuple[str, Kind]] = {}
+        several: set[str] = set()
+        for words, entry in self._spelled.items():
+            key = "".join(words)
+            if found.setdefault(key, entry)[0] != entry[0]:
+                several.add(key)
+        return {key: entry for key, entry in found.items() if key not in several}
+
+    def find(self, name: str, category: str | None = None) -> Found | None:
+        """Finds the gesture that a name means.
+
+        First comes a gesture of this name, however it is spelled, then a synonym, then the gesture that stands for a
+        class that one of its words names.
+
+        Args:
+            name: as a document writes it.
+            category: of the gesture, as far as the document says; it may name a class.
+        """
+        read = read_name(name)
+        for shorter in read.shortened():
+            entry = self._look_up(shorter.words)
+            if entry is not None:
+                return Found(*entry, self._with_sides(entry[0], shorter, read))
+        numberless = GestureName(tuple(word for word in read.words if not word.isdigit()), read.hand)
+        classified = replace(numberless, words=(*read_name(category or "").words, *numberless.words))
+        for each in self.classes:
+            if each.others(classified.words) is not None:
+                return self._of_class(each, classified)
+        return None
+
+    def _with_sides(self, gesture: str, shorter: GestureName, whole: GestureName) -> GestureName:
+        """Leaves a side out of what a pointing gesture shows: it may be where to point, and not the hand alone."""
+        if self.categories[gesture] != POINTING:
+            return shorter
+        shown = {*shorter.words, *shorter.left_out, "both"}
+        return replace(
+            shorter, left_out=(*shorter.left_out, *(w for w in whole.words if w in SIDE_WORDS.keys() - shown))
+        )
+
+    def _look_up(self, words: tuple[str, ...]) -> tuple[str, Kind] | None:
+        return self._spelled.get(words) or self._run_together.get("".join(words)) if words else None
+
+    def _of_class(self, each: GestureClass, name: GestureName) -> Found | None:
+        """Finds the gesture of a class that the other words ask for, else the one that stands for the class.
+
+        Nothing is found when they ask for a gesture of another category, for two of this one, or for none at all: the
+        class alone would say something else.
+        """
+        beside = self.categories[each.gesture] != POINTING  # words of a side and place are beside the point
+        if beside:
+            name = name.sideless()
+        others = each.others(name.words) or ()
+        asked = replace(name, words=tuple(word for word in others if word not in _FILLERS | CATEGORIES))
+        if beside:
+            asked = asked.without(_PLACES)
+        if not asked.words:
+            return Found(each.gesture, "class", asked, each.name)
+        for shorter in asked.shortened() if beside else (asked,):
+            entry = self._look_up((*split_words(each.name), *shorter.words)) or self._look_up(shorter.words)
+            if entry is not None and self._alike(entry[0], each.gesture):
+                return Found(entry[0], "synonym", shorter)
+            if entry is not None and (beside or self.categories[entry[0]] != "iconic"):  # any thing may be pointed at
+                return None
+        if _NEGATIONS & set(asked.words):
+            return None
+        named = {word: entry[0] for word in asked.words if (entry := self._look_up((word,))) is not None}
+        alike = {gesture for gesture in named.values() if self._alike(gesture, each.gesture)}
+        if len(alike) > 1:
+            return None
+        if not alike:
+            return Found(each.gesture, "class", asked.without(frozenset(asked.words)), each.name)
+        gesture = alike.pop()
+        return Found(gesture, "synonym", asked.without(frozenset(w for w in asked.words if named.get(w) != gesture)))
+
+    def _alike(self, one: str, other: str) -> bool:
+        return self.categories[one] == self.categories[other]
+
+
+def check_names(
+    synonyms: Iterable[tuple[str, str]], classes: Iterable[GestureClass], gestures: Iterable[str]
+) -> Iterator[str]:
+    """Yields what is wrong with names: an unknown gesture, a name of two gestures, or one that a gesture has itself.
+
+    Args:
+        synonyms: (name, gesture).
+        classes: of gestures.
+        gestures: ids of all gestures.
     """
-    tokens = [word.lower() for word in _WORD.findall(lexeme)]
-    words = [word for word in tokens if len(word) > 1 and word not in _NOISE]
-    sides = [_SIDES[word] for word in tokens if word in _SIDES]
-    meant = [word for word in words if word not in _SIDE_WORDS]
-    if meant:
-        sides += [_SIDE_WORDS[word] for word in words if word in _SIDE_WORDS]
-    return LexemeReading(tuple(meant or words), sides[-1] if sides else "unspecified")
+    known = sorted(gestures)
+    own = {read_name(gesture).words for gesture in known}
+    seen: dict[tuple[str, ...], str] = {}
+    for each in classes:
+        if each.gesture not in known:
+            yield f"class {each.name}: no gesture {each.gesture}{suggestion(each.gesture, known)}"
+    for name, gesture in synonyms:
+        words = read_name(name).words
+        if gesture not in known:
+            yield f"synonym {name}: no gesture {gesture}{suggestion(gesture, known)}"
+        elif not words:
+            yield f"synonym {name!r} of {gesture} has no word that says what is done"
+        elif words in own:
+            yield f"synonym {name} of {gesture} is a gesture itself"
+        elif words in seen:
+            yield f"synonym {name} of {gesture} is one of {seen[words]} already"
+        seen.setdefault(words, gesture)
 
 
-def nearest_sense(words: Sequence[str], senses: Sequence[Sense]) -> tuple[int, tuple[str, ...]] | None:
-    """Finds the sense that most of some words speak of.
-
-    Among equals the one wins that the earliest word speaks of, then the one it is most characteristic of, then
-    the first.
-
-    Returns:
-        Index of the sense and the words that led to it; None when no word speaks of any.
-    """
-    best, best_key = None, (0.0, 0.0, 0.0)
-    for index, sense in enumerate(senses):
-        marks = [_mark(word, sense) for word in words]
-        found = [k for k, (quality, _) in enumerate(marks) if quality > 0]
-        if not found:
-            continue
-        key = (sum(quality for quality, _ in marks), -float(found[0]), -float(marks[found[0]][1]))
-        if best is None or key > best_key:
-            best, best_key = (index, tuple(words[k] for k in found)), key
-    return best
-
-
-def _mark(word: str, sense: Sense) -> tuple[float, int]:
-    """How well a word names a sense, and how far down its list."""
-    if word in sense.words:
-        return _EXACT, sense.words.index(word)
-    for rank, known in enumerate(sense.words):
-        if _near(word, known):
-            return _NEAR, rank
-    return (_CATEGORY, 0) if word == sense.category else (0.0, 0)
-
-
-def _near(word: str, known: str) -> bool:
-    """An inflection either way (tables, large-r) or an abbreviation (manip for manipulate)."""
-    if word in _inflections(known) or known in _inflections(word):
-        return True
-    return len(word) >= _SHORTEST_ABBREVIATION and known.startswith(word)
-
-
-@cache
-def _inflections(word: str) -> frozenset[str]:
-    """A word with the usual endings, a silent e dropped; words of one or two letters have none."""
-    if len(word) < _SHORTEST_STEM:
-        return frozenset()
-    stem = word.removesuffix("e")
-    return frozenset(word + ending for ending in _ENDINGS) | {stem + ending for ending in ("ing", "er", "est", "ed")}
+def class_of(name: str, gesture: str, words: Iterable[str]) -> GestureClass:
+    """Makes a class of gestures from the words that name it."""
+    return GestureClass(name, gesture, tuple(split_words(phrase) for phrase in words))

@@ -1,8 +1,9 @@
-"""The tables of `configs/gestures/*.toml`, and how they become entries of the lexicon."""
+"""The tables of `configs/gestures/*.toml`, and how they become parts of the lexicon."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_args
 
 import msgspec
 import numpy as np
@@ -13,8 +14,9 @@ from kinesic.body.robot import Side
 from kinesic.expressivity.keyframes import Touch
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, HandShape, StrokeKey
 from kinesic.expressivity.lexicon.paths import HandPath, Kind, Variation, shape_path
+from kinesic.expressivity.lexicon.senses import Sense
 from kinesic.expressivity.lexicon.space import position
-from kinesic.expressivity.lexicon.synonyms import Sense
+from kinesic.expressivity.lexicon.synonyms import GestureClass, class_of
 
 Category = Literal["beat", "deictic", "iconic", "metaphoric", "emblem", "adaptor", "emotion", "rest"]
 AxisName = Literal["forward", "outward", "up"]
@@ -78,42 +80,79 @@ class GestureTable(StrictTable):
     says: str = ""  # what is done and what it means, in one line
 
 
+class ClassTable(StrictTable):
+    """A class of gestures, and the gesture that stands for it."""
+
+    gesture: str
+    words: list[str]  # that name the class; several in one mean: in a row
+
+
 class GestureFile(StrictTable):
-    """One file: the gestures of a category."""
+    """One file: the gestures of a category, and names that find gestures."""
 
-    category: Category
-    gesture: list[GestureTable]
+    category: Category | None = None
+    gesture: list[GestureTable] = []
+    synonyms: dict[str, list[str]] = {}  # by gesture, of this file or another
+    classes: dict[str, ClassTable] = {}
 
 
-def read_gestures(path: Path) -> list[tuple[GestureForm, Sense]]:
-    """Reads the gestures of a TOML file, or of all TOML files in a folder in the order of their names.
+@dataclass(frozen=True, eq=False)
+class LexiconPart:
+    """What files say."""
+
+    entries: tuple[tuple[GestureForm, Sense], ...] = ()
+    synonyms: tuple[tuple[str, str], ...] = ()  # (name, gesture)
+    meanings: tuple[tuple[str, str], ...] = ()  # (word, gesture), looser than synonyms
+    classes: tuple[GestureClass, ...] = ()
+
+
+def read_gestures(path: Path) -> LexiconPart:
+    """Reads the gestures and names of a TOML file, or of all TOML files in a folder in the order of their names.
 
     Raises:
         ConfigError: a file is missing or wrong, or a folder holds none.
     """
     if not path.is_dir():
-        return _entries(path)
+        return _part(path)
     files = sorted(path.glob("*.toml"))
     if not files:
         raise ConfigError(f"{path}: a folder without .toml files")
-    return [entry for file in files for entry in _entries(file)]
+    return join_parts([_part(file) for file in files])
 
 
-def _entries(path: Path) -> list[tuple[GestureForm, Sense]]:
+def join_parts(parts: Sequence[LexiconPart]) -> LexiconPart:
+    """Puts parts one behind the other; of two entries with one name, the first counts."""
+    return LexiconPart(
+        tuple(entry for part in parts for entry in part.entries),
+        tuple(pair for part in parts for pair in part.synonyms),
+        tuple(pair for part in parts for pair in part.meanings),
+        tuple(each for part in parts for each in part.classes),
+    )
+
+
+def _part(path: Path) -> LexiconPart:
     file = read_toml(path, GestureFile)
-    entries = []
-    for table in file.gesture:
-        try:
-            keys = tuple(_key(key) for key in table.keys)
-            if not keys:
-                raise ValueError("has no keys, needs at least one")
-            _check_paths(keys)
-        except ValueError as error:
-            raise ConfigError(f"{path}: gesture {table.id}: {error}") from None
-        form = GestureForm(table.id, file.category, keys, rest=file.category == "rest")
-        own_words = [word for word in table.id.split("_") if word not in table.meanings]
-        entries.append((form, Sense((*table.meanings, *own_words), file.category, table.says)))
-    return entries
+    if file.gesture and file.category is None:
+        raise ConfigError(f"{path}: has gestures and no category; {', '.join(get_args(Category))} are known")
+    return LexiconPart(
+        tuple(_entry(table, file.category or "", path) for table in file.gesture),
+        tuple((name, gesture) for gesture, names in file.synonyms.items() for name in names),
+        tuple((word, table.id) for table in file.gesture for word in table.meanings),
+        tuple(class_of(name, table.gesture, table.words) for name, table in file.classes.items()),
+    )
+
+
+def _entry(table: GestureTable, category: str, path: Path) -> tuple[GestureForm, Sense]:
+    try:
+        keys = tuple(_key(key) for key in table.keys)
+        if not keys:
+            raise ValueError("has no keys, needs at least one")
+        _check_paths(keys)
+    except ValueError as error:
+        raise ConfigError(f"{path}: gesture {table.id}: {error}") from None
+    own_words = [word for word in table.id.split("_") if word not in table.meanings]
+    form = GestureForm(table.id, category, keys, rest=category == "rest")
+    return form, Sense((*table.meanings, *own_words), category, table.says)
 
 
 def _key(table: KeyTable) -> StrokeKey:

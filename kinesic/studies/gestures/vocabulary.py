@@ -7,7 +7,7 @@ from kinesic.expressivity.durations import stroke_spans
 from kinesic.expressivity.hands.poses import poses
 from kinesic.expressivity.lexicon.form import GestureForm
 from kinesic.expressivity.lexicon.lexicon import Lexicon
-from kinesic.expressivity.lexicon.synonyms import Sense
+from kinesic.expressivity.lexicon.senses import Sense
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import NEUTRAL
 
@@ -19,11 +19,12 @@ class VocabularyEntry:
     id: str  # what BML's `lexeme` says
     category: str
     says: str  # one line: what is done, and what it means
-    meanings: tuple[str, ...]  # words that find it too, the most characteristic first
+    meanings: tuple[str, ...]  # words that speak of it, the most characteristic first
     hands: tuple[str, ...]  # left, right: those that take part
     shapes: tuple[str, ...]  # that they take
     stroke_s: float  # [s] that its stroke naturally takes
     whole_s: float  # [s] from rest to rest
+    synonyms: tuple[str, ...] = ()  # names that find it too
 
 
 def vocabulary(lexicon: Lexicon, pace: Pace) -> list[VocabularyEntry]:
@@ -33,20 +34,23 @@ def vocabulary(lexicon: Lexicon, pace: Pace) -> list[VocabularyEntry]:
         lexicon: of gestures.
         pace: of the robot that would play them.
     """
-    found = [_entry(form, sense, pace) for form, sense in zip(lexicon.forms, lexicon.senses, strict=True)]
+    found = [
+        _entry(form, sense, lexicon.names_of(form.id), pace)
+        for form, sense in zip(lexicon.forms, lexicon.senses, strict=True)
+    ]
     return sorted(found, key=lambda entry: (entry.category, entry.id))
 
 
-def _entry(form: GestureForm, sense: Sense, pace: Pace) -> VocabularyEntry:
+def _entry(form: GestureForm, sense: Sense, names: tuple[str, ...], pace: Pace) -> VocabularyEntry:
     natural = stroke_spans(poses(form, pace.robot, NEUTRAL), pace, NEUTRAL, holds=not form.rest)
-    shapes = [pose.shape for key in form.keys for pose in key.hands.values() if pose.shape]
     return VocabularyEntry(
         id=form.id,
         category=form.category,
         says=sense.says,
         meanings=sense.words,
         hands=tuple(SIDE_NAMES[side] for side in SIDES if side in form.sides),
-        shapes=tuple(dict.fromkeys(shapes)),
+        shapes=form.shapes,
         stroke_s=round(natural["stroke"] + natural["strokeEnd"], 2),
         whole_s=round(sum(natural.values()), 2),
+        synonyms=names,
     )

@@ -201,7 +201,7 @@ def _plain(axes: Axes, title: str) -> None:
 
 def _check(gesture: str, setup: Setup) -> None:
     match = setup.lexicon.find(gesture)
-    if match is None or match.substitute or not match.form.keys:
+    if match is None or match.kind != "exact" or not match.form.keys:
         raise ConfigError(f"no gesture {gesture}{suggestion(gesture, [form.id for form in setup.lexicon.forms])}")
 
 

@@ -12,7 +12,7 @@ def read(tmp_path):
     def from_keys(*keys):
         path = tmp_path / "own.toml"
         path.write_text(f'category = "iconic"\n[[gesture]]\nid = "own"\nkeys = [{", ".join(keys)}]\n')
-        return read_gestures(path)[0][0]
+        return read_gestures(path).entries[0][0]
 
     return from_keys
 

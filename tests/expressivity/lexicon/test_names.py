@@ -1,0 +1,78 @@
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kinesic.expressivity.lexicon.names import GestureName, read_name, split_words
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("GreetWave-RH2", ("greet", "wave", "rh", "2")),
+        ("INFORM_GES_B_UP", ("inform", "ges", "b", "up")),
+        ("LHandOnHip_Motex", ("l", "hand", "on", "hip", "motex")),
+        ("cup-flip_2H_2", ("cup", "flip", "2h", "2")),
+        ("don't", ("dont",)),
+        ("déjà vu", ("déjà", "vu")),
+        ("", ()),
+    ],
+)
+def test_a_name_is_split_at_marks_capitals_and_numbers(name, words):
+    assert split_words(name) == words
+
+
+@pytest.mark.parametrize(
+    ("name", "words", "hand"),
+    [
+        ("past_Ges_L", ("past",), "left"),
+        ("HandsTogetherR_Pos_B", ("hands", "together"), "both"),
+        ("Point_Left_RH", ("point", "left"), "right"),
+        ("beat_chop_mid_LH", ("beat", "chop", "mid"), "left"),
+        ("walls_2H", ("walls",), "both"),
+        ("ChopBt01", ("chop", "1"), "both"),
+        ("The Point of a Pen", ("point", "of", "pen"), "unspecified"),
+        ("animations/Stand/Emotions/Negative/Angry_1", ("angry", "1"), "unspecified"),
+        ("yes/no", ("yes", "no"), "unspecified"),
+        ("RH", (), "right"),
+    ],
+)
+def test_a_name_is_its_words_and_its_hand(name, words, hand):
+    assert read_name(name) == GestureName(words, hand)
+
+
+def shorter(name):
+    return [(each.words, each.hand, each.left_out) for each in read_name(name).shortened()]
+
+
+def test_numbers_categories_hands_and_manner_are_put_aside_in_this_order():
+    assert shorter("you_iconic_left_low_1") == [
+        (("you", "iconic", "left", "low", "1"), "unspecified", ()),
+        (("you", "iconic", "left", "low"), "unspecified", ()),
+        (("you", "left", "low"), "unspecified", ()),
+        (("you", "left"), "unspecified", ("low",)),
+        (("you", "low"), "left", ()),
+        (("you",), "left", ("low",)),
+    ]
+
+
+def test_a_side_is_left_out_where_the_suffix_names_another_hand():
+    assert shorter("StopLeftRt")[-1] == (("stop",), "right", ("left",))
+    assert shorter("StopRightRt")[-1] == (("stop",), "right", ())
+    assert shorter("Stop_left_right")[-1] == (("stop",), "unspecified", ("left", "right"))
+
+
+@pytest.mark.parametrize("name", ["left", "3", "iconic", "low", "very", "left right"])
+def test_the_last_words_stay(name):
+    assert shorter(name)[-1] == (tuple(name.split()), "unspecified", ())
+
+
+def test_manner_is_cut_before_and_behind_but_not_within():
+    assert shorter("very_slow_wave_big")[-1] == (("wave",), "unspecified", ("very", "slow", "big"))
+    assert shorter("count_big_boxes")[-1][0] == ("count", "big", "boxes")
+
+
+@given(st.text(max_size=60))
+def test_any_text_can_be_taken_apart(text):
+    for each in read_name(text).shortened():
+        assert bool(each.words) == bool(read_name(text).words)
+        assert set(each.words) <= set(read_name(text).words)

@@ -1,0 +1,28 @@
+import pytest
+
+from kinesic.expressivity.lexicon.senses import LexemeReading, Sense, nearest_sense, read_lexeme
+
+
+@pytest.mark.parametrize(
+    ("lexeme", "reading"),
+    [
+        ("past_Ges_L", LexemeReading(("past",), "left")),
+        ("HandsTogetherR_Pos_B", LexemeReading(("hands", "together"), "both")),
+        ("INFORM_GES_B_UP", LexemeReading(("inform", "up"), "both")),
+        ("wave_right", LexemeReading(("wave",), "right")),
+        ("right", LexemeReading(("right",), "unspecified")),
+        ("beat4", LexemeReading(("beat",), "unspecified")),
+        ("", LexemeReading((), "unspecified")),
+    ],
+)
+def test_a_lexeme_is_taken_apart(lexeme, reading):
+    assert read_lexeme(lexeme) == reading
+
+
+def test_exact_words_outweigh_inflected_and_abbreviated_ones():
+    senses = [Sense(("manipulate", "larger"), "iconic"), Sense(("other", "large"), "beat"), Sense(("x",), "iconic")]
+    assert nearest_sense(["large"], senses) == (1, ("large",))
+    assert nearest_sense(["manip"], senses) == (0, ("manip",))
+    assert nearest_sense(["iconic"], senses) == (0, ("iconic",))
+    assert nearest_sense(["zzz"], senses) is None
+    assert nearest_sense([], senses) is None
