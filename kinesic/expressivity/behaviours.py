@@ -63,9 +63,7 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
     match = context.lexicon.find(action.lexeme, action.mode)
     if match is None:
         near = ", ".join(context.lexicon.near(action.lexeme))
-        hint = (
-            f"near are {near}, which may mean something else" if near else "`kinesic gestures list` shows what it has"
-        )
+        hint = f"near are {near}, which may mean something else" if near else "`kinesic gestures list` shows all"
         return drop_behaviour(f"the lexicon has no gesture for {action.lexeme}; {hint}")
     form = match.form
     if not form.keys and not form.rest:
@@ -75,7 +73,8 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
         return pointing_move(timed, Pointing(action.target, action.mode), context)
     manner = context.manner(timed.behaviour)
     options = [form]
-    if action.mode == "unspecified" and len(form.sides) == 1 and not form.rest:
+    whole = context.lexicon.forms_by_id[form.id]  # whose one hand may be turned round, while that of `left` is `right`
+    if action.mode == "unspecified" and len(form.sides) == len(whole.sides) == 1 and not form.rest:
         options.append(mirror_form(form))
     works = tuple(poses(option, context.robot, manner) if option.keys else hanging_arms(SIDES) for option in options)
     outcome, warnings = _match_outcome(match)

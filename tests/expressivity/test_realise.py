@@ -65,6 +65,13 @@ def test_a_substitute_says_so(perform, beat):
     assert {notice.id for notice in frames.notices} == {"bml1:g"}
 
 
+def test_who_leads_to_the_left_with_a_busy_hand_does_not_lead_to_the_right(perform, beat):
+    for first, second in (("IndicateLeft_L", "left"), ("IndicateRight_R", "right")):
+        frames = perform(("a", Gesture("beat", second), beat), ("g", Gesture(first), beat))
+        assert frames.outcomes["g"].kind == "dropped"
+        assert frames.uses["g"] == frozenset()
+
+
 def test_a_synonym_is_realised_and_named(perform, beat):
     frames = perform(("g", Gesture("hello_Ges_R"), beat))
     assert frames.outcomes["g"] == Outcome("realised", "a synonym of greet_wave")
