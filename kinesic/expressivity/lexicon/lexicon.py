@@ -18,7 +18,8 @@ from kinesic.expressivity.lexicon.toml_file import LexiconPart, read_gestures
 
 NAMELESS = "beat"  # what a gesture without a lexeme most likely is
 MOST_NEAR = 3  # gestures that are named when a lexeme is unknown
-LONGEST = 40  # characters of a name that are compared with others
+LONGEST = 120  # characters of a name that are read; a longer one is none
+COMPARED = 40  # characters of a name that are compared with others
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +79,7 @@ class Lexicon:
         form = self._entry(lexeme, category)
         if form is not None:
             return Match(in_mode(form, mode))
-        found = self._names.find(lexeme, category)
+        found = self._names.find(lexeme, category) if len(lexeme) <= LONGEST else None
         if found is not None:
             return self._match(found, mode)
         if lexeme.strip() or NAMELESS not in self.forms_by_id:
@@ -87,10 +88,11 @@ class Lexicon:
 
     def near(self, lexeme: str) -> tuple[str, ...]:
         """Names gestures that an unknown lexeme may have meant: by their letters, or by words that speak of them."""
+        lexeme = lexeme[:LONGEST]
         words = set(split_words(lexeme))
         scores = [len(words.intersection((*sense.words, sense.category))) for sense in self.senses]
         likely = sorted((k for k, score in enumerate(scores) if score), key=lambda k: (-scores[k], k))
-        alike = difflib.get_close_matches("_".join(read_name(lexeme).words)[:LONGEST], self.forms_by_id, n=MOST_NEAR)
+        alike = difflib.get_close_matches("_".join(read_name(lexeme).words)[:COMPARED], self.forms_by_id, n=MOST_NEAR)
         return tuple(dict.fromkeys([*alike, *(self.forms[k].id for k in likely)]))[:MOST_NEAR]
 
     def names_of(self, gesture: str) -> tuple[str, ...]:

@@ -216,6 +216,13 @@ def test_a_word_without_meaning_finds_nothing(lexeme):
     assert LEXICON.find(lexeme) is None
 
 
+def test_a_name_longer_than_names_are_is_none():
+    assert LEXICON.find("stop " * 30) is None
+    assert LEXICON.find(f"stop{' ' * 100}now").form.id == "stop"
+    assert LEXICON.find(f"stop{' ' * 200}now") is None
+    assert LEXICON.near("left " * 100_000) == LEXICON.near("left " * 24)
+
+
 def test_gestures_near_an_unknown_lexeme_are_named_by_words_and_by_letters():
     assert "doubt_shrug" in LEXICON.near("unknown_thing")
     assert LEXICON.near("greet_wav")[0] == "greet_wave"
