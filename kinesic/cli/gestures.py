@@ -100,5 +100,5 @@ def _found(lexeme: str, lexicon: Lexicon) -> Match:
     match = lexicon.find(lexeme)
     if match is None:
         near = ", ".join(lexicon.near(lexeme))
-        raise BmlError(f"no gesture {lexeme}{f'; near are {near}' if near else ''}")
+        raise BmlError(f"no gesture {lexeme}{f'; near to it: {near}' if near else ''}")
     return match

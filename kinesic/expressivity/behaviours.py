@@ -63,7 +63,7 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
     match = context.lexicon.find(action.lexeme, action.mode)
     if match is None:
         near = ", ".join(context.lexicon.near(action.lexeme))
-        hint = f"near are {near}, which may mean something else" if near else "`kinesic gestures list` shows all"
+        hint = f"near to it: {near}, which may mean something else" if near else "`kinesic gestures list` shows all"
         return drop_behaviour(f"the lexicon has no gesture for {action.lexeme}; {hint}")
     form = match.form
     if not form.keys and not form.rest:
