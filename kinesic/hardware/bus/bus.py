@@ -174,10 +174,10 @@ class Bus:
             answer = late.without_earlier(question, places, answer)
         if answer is not None and answer.whole:
             late.catch_up(listener.before, self._begun)
+        if answer is not None:
+            self._believed.admit(places, answer, min(listener.sent_at, self.wire.now()), by_clock=late.open)
         if answer is None or not answer.whole:
             late.missed(question)
-        if answer is not None:
-            self._believed.admit(places, answer, min(listener.sent_at, self.wire.now()))
         return answer is not None and answer.whole
 
     def _repair(self) -> None:

@@ -34,6 +34,11 @@ class LateReplies:
         """Whether a cycle without a question should find out if answers are really late."""
         return self._seeming >= STUCK
 
+    @property
+    def open(self) -> bool:
+        """Whether the answer to an earlier question than the last may still come."""
+        return self._listener.sent_at <= self._until
+
     def missed(self, question: Query) -> None:
         """Notes that what was asked last has not been answered in full."""
         self._until = self._listener.sent_at + self._listener.spoken(question.length) + OWED
@@ -41,7 +46,7 @@ class LateReplies:
     def is_of_earlier(self, question: Query, places: Place, answer: ServoReplies) -> bool:
         """Checks whether a whole answer belongs to an earlier question, and admits its new records if it does."""
         listener, believed, sent_at = self._listener, self._believed, self._listener.sent_at
-        if not answer.whole or sent_at > self._until:
+        if not answer.whole or not self.open:
             return False
         places_of = np.arange(len(believed.blocks))[places].tolist()
         leeway = LAG + listener.spoken(question.length)
@@ -58,7 +63,7 @@ class LateReplies:
     def without_earlier(self, question: Query, places: Place, answer: ServoReplies) -> ServoReplies:
         """Returns a broken answer without the records that belong to an earlier question."""
         listener = self._listener
-        if answer.whole or listener.sent_at > self._until:
+        if answer.whole or not self.open:
             return answer
         leeway = LAG + listener.spoken(question.length)
         return self._believed.without_late(places, answer, listener.sent_at, leeway=leeway)

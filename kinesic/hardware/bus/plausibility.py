@@ -61,15 +61,16 @@ class PlausibilityFilter:
         """Starts a cycle, in which nothing is fresh yet."""
         self.fresh = self.late = self._none
 
-    def admit(self, places: Place, answer: ServoReplies, time: float) -> None:
+    def admit(self, places: Place, answer: ServoReplies, time: float, *, by_clock: bool = False) -> None:
         """Takes the plausible records of an answer.
 
         Args:
             places: of the answer's servos among all.
             answer: CRC and id checked.
             time: [s] when the servos were asked.
+            by_clock: whether they may have been asked earlier, which then their clocks tell.
         """
-        if answer.whole and isinstance(places, slice) and self._continues(answer.blocks):
+        if not by_clock and answer.whole and isinstance(places, slice) and self._continues(answer.blocks):
             self.blocks = answer.blocks
             self.times = self._ones * time
             self.fresh = self._every
@@ -81,7 +82,8 @@ class PlausibilityFilter:
         blocks, times, fresh = self.blocks.copy(), self.times.copy(), self.fresh.copy()
         for index, block in self._answers(places, answer):
             if self._accepts(index, block, time):
-                blocks[index], times[index], fresh[index] = block, time, True
+                asked_at = min(time, self._time_by_clock(index, block)) if by_clock else time
+                blocks[index], times[index], fresh[index] = block, asked_at, True
                 self._doubts.pop(index, None)
                 self._accused.discard(index)
                 self._past.pop(index, None)
@@ -158,6 +160,11 @@ class PlausibilityFilter:
     def distrust_clocks(self) -> None:
         """Stops comparing servos' clocks with the wire's, until the next answer in time sets them anew."""
         self._unset = set(range(len(self.blocks)))
+
+    def _time_by_clock(self, index: int, block: np.void) -> float:
+        """[s] when a record was taken by the servo's clock; infinity if that is not known."""
+        before = self.times[index]
+        return inf if before == -inf or index in self._unset else float(before + self._since(index, block) / 1000)
 
     def _since(self, index: int, block: np.void) -> int:
         """[ms] of the servo's clock since the last record."""
