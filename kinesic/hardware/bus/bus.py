@@ -8,6 +8,7 @@ raises for them. Opening, and everything that may take its time, is in `bring_up
 from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 
@@ -175,7 +176,8 @@ class Bus:
         if answer is not None and answer.whole:
             late.catch_up(listener.before, self._begun)
         if answer is not None:
-            self._believed.admit(places, answer, min(listener.sent_at, self.wire.now()), by_clock=late.open)
+            since = self._sent_at if late.open else inf
+            self._believed.admit(places, answer, min(listener.sent_at, self.wire.now()), open_since=since)
         if answer is None or not answer.whole:
             late.missed(question)
         return answer is not None and answer.whole

@@ -89,7 +89,7 @@ class Cycle:
     duration: float  # [s]
     servos: tuple[int, ...]  # ids
     records: Records  # (n,) of dtype HEALTH and more: the last one believed, zeros before the first
-    times: Floats  # (n,) [s] when it was taken, to 1 ms where only the servo's clock tells; -inf: never
+    times: Floats  # (n,) [s] when it was taken; -inf: never
     fresh: Flags  # (n,) taken in this cycle
     late: Flags  # (n,) whose record of an earlier cycle has come in this one, dated by the servo's clock
     silent: Flags  # (n,) in quarantine

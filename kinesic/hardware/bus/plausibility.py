@@ -23,6 +23,7 @@ from kinesic.hardware.protocol.registers import CLOCK_WRAP
 LEEWAY = 40  # [ticks] that a joint may jump at any time
 LEAP, RUSH = 5, 60.0  # [C], [C/s] that a servo may seem to warm between two records
 LATEST = CLOCK_WRAP // 2  # [ms] of the servo's clock beyond which "newer" is "older"
+BLUR = 0.0015  # [s] by which a clock that counts in ms may be behind
 TRUST = 3  # records from the past in a row after which the servo's clock must have started anew
 
 Place = slice | np.ndarray[tuple[int], np.dtype[np.intp]]
@@ -61,16 +62,16 @@ class PlausibilityFilter:
         """Starts a cycle, in which nothing is fresh yet."""
         self.fresh = self.late = self._none
 
-    def admit(self, places: Place, answer: ServoReplies, time: float, *, by_clock: bool = False) -> None:
+    def admit(self, places: Place, answer: ServoReplies, time: float, *, open_since: float = inf) -> None:
         """Takes the plausible records of an answer.
 
         Args:
             places: of the answer's servos among all.
             answer: CRC and id checked.
             time: [s] when the servos were asked.
-            by_clock: whether they may have been asked earlier, which then their clocks tell.
+            open_since: [s] when this cycle began to ask, where an earlier answer may come: then servos' clocks tell.
         """
-        if not by_clock and answer.whole and isinstance(places, slice) and self._continues(answer.blocks):
+        if open_since == inf and answer.whole and isinstance(places, slice) and self._continues(answer.blocks):
             self.blocks = answer.blocks
             self.times = self._ones * time
             self.fresh = self._every
@@ -79,16 +80,19 @@ class PlausibilityFilter:
             self._past.clear()
             self._unset.clear()
             return
-        blocks, times, fresh = self.blocks.copy(), self.times.copy(), self.fresh.copy()
+        blocks, times, fresh, late = self.blocks.copy(), self.times.copy(), self.fresh.copy(), self.late.copy()
         for index, block in self._answers(places, answer):
             if self._accepts(index, block, time):
-                asked_at = min(time, self._time_by_clock(index, block)) if by_clock else time
-                blocks[index], times[index], fresh[index] = block, asked_at, True
+                told = self._time_by_clock(index, block) if open_since < inf else inf
+                old = told < open_since - BLUR
+                blocks[index], times[index] = block, told if old else min(time, max(told, open_since))
+                fresh[index], late[index] = fresh[index] or not old, late[index] or old
                 self._doubts.pop(index, None)
                 self._accused.discard(index)
                 self._past.pop(index, None)
                 self._unset.discard(index)
-        self.blocks, self.times, self.fresh, self.signature = blocks, times, fresh, signature(blocks)
+        self.blocks, self.times, self.signature = blocks, times, signature(blocks)
+        self.fresh, self.late = fresh, late
 
     def admit_late(self, places: Place, answer: ServoReplies, now: float, *, sent_at: float | None = None) -> None:
         """Takes the answers to an earlier question that are news, dated by the servo's clock.
