@@ -25,7 +25,7 @@ class FailureWatch:
         events = list[Event]()
         news, hindered = monitor.failed & ~self._failed, monitor.failed | ~monitor.answered
         if news.any():
-            names = ", ".join(self._manifest.members[k].hinge for k in np.flatnonzero(news))
+            names = ", ".join(dict.fromkeys(self._manifest.members[k].hinge for k in np.flatnonzero(news)))
             self._tell("failed", f"{names}: shut down, or cannot move")
             events.append("failed")
         if monitor.weak and not self._weak and monitor.records is not None:

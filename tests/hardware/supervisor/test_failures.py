@@ -41,6 +41,12 @@ def test_a_failure_is_told_once_and_by_the_hinges_names(watched: Watched):
     assert len(watched.log) == 1
 
 
+def test_a_hinge_whose_servos_fail_together_is_named_once(watched: Watched):
+    watched.room.records["hardware_error"][0] = HardwareError.OVERLOAD.value
+    assert watched.err(1, HardwareError.OVERLOAD) == ("failed",)
+    assert watched.log == [("failed", "torsion: shut down, or cannot move")]
+
+
 def test_what_is_so_from_the_first_cycle_on_is_told(room: Room, manifest: Manifest):
     first = Watched(room, manifest)
     room.records["hardware_error"][1] = HardwareError.OVERLOAD.value
