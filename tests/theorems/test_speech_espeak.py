@@ -54,5 +54,7 @@ def test_marks_and_sounds_keep_their_order_and_stay_inside(script: Script):
     assert all(phoneme.duration >= 0.0 for phoneme in said.phonemes)
     assert all(phoneme.start >= end - 1e-9 for phoneme, end in zip(said.phonemes, ends, strict=False))
     assert ends[-1] <= said.duration + 1e-9
-    assert said.sound is not None
-    assert said.sound.duration == pytest.approx(said.duration)
+    if said.sound is None:
+        assert any(remark.startswith("nothing is heard") for remark in said.remarks)
+    else:
+        assert said.sound.duration == pytest.approx(said.duration)

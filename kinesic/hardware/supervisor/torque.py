@@ -121,15 +121,17 @@ def adopt(axes: Axes, first: Snapshot, earlier: Floats, power: Ticks, *, watchdo
     yield goals
     _put_passing(axes, chosen)
     axes.put(Register.GOAL_PWM, {k: int(power[k]) for k in chosen})
-    late = chosen
-    for _ in range(TRIES):
+    late, denials, since = chosen, 0, axes.now()
+    for _ in range(SETTLING):
         axes.put_all(Register.BUS_WATCHDOG, late, 0)
         axes.put_all(Register.BUS_WATCHDOG, late, watchdog)
         snapshot = yield goals
         late = [k for k in late if snapshot.records["watchdog"][k] != watchdog and snapshot.torque[k]]
-        if not late:
+        denials += bool((snapshot.times[late] > since).any())  # a late host may have heard nobody
+        since = snapshot.time
+        if not late or denials == TRIES:
             break
-    else:
+    if late:
         raise BusError(f"{axes.where(late[0])}: its bus watchdog does not come on")
     for k in chosen:  # one a cycle, as all have torque
         for _ in range(TRIES):

@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -115,8 +116,8 @@ class Command:
     said: str = ""
 
     def __post_init__(self) -> None:
-        self.temporary = self.folder / "tmp"
-        self.temporary.mkdir()
+        self._own = TemporaryDirectory(prefix="kinesic-", ignore_cleanup_errors=True)  # sockets need a short path
+        self.temporary = Path(self._own.name)
         self.mark = f"KINESIC_TEST={self.folder}"
         self._keys, terminal = pty.openpty()
         name, _, value = self.mark.partition("=")

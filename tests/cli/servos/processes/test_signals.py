@@ -37,7 +37,7 @@ def test_a_performance_that_stood_still_needs_enter_and_folds_the_arms_when_its_
     assert command.leaves_nothing()
     assert "Traceback" not in command.said
     assert json.loads((command.folder / "out" / "report.json").read_text())["servos"]["ending"] == "ended"
-    assert sorted(path.name for path in command.folder.iterdir()) == ["out", "raise.bml", "tmp"]
+    assert sorted(path.name for path in command.folder.iterdir()) == ["out", "raise.bml"]
 
 
 @pytest.mark.soak
