@@ -4,6 +4,7 @@ import fcntl
 import os
 import pty
 import select
+import shutil
 import signal
 import subprocess
 import sys
@@ -12,7 +13,7 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import mkdtemp
 
 import numpy as np
 import pytest
@@ -116,8 +117,7 @@ class Command:
     said: str = ""
 
     def __post_init__(self) -> None:
-        self._own = TemporaryDirectory(prefix="kinesic-", ignore_cleanup_errors=True)  # sockets need a short path
-        self.temporary = Path(self._own.name)
+        self.temporary = Path(mkdtemp(prefix="kinesic-"))  # sockets need a short path
         self.mark = f"KINESIC_TEST={self.folder}"
         self._keys, terminal = pty.openpty()
         name, _, value = self.mark.partition("=")
@@ -196,6 +196,7 @@ class Command:
         for process in self.processes():
             os.kill(process, signal.SIGKILL)
         self.process.wait(PATIENCE)
+        shutil.rmtree(self.temporary, ignore_errors=True)
         if self._keys >= 0:
             os.close(self._keys)
 
