@@ -12,7 +12,7 @@ from kinesic.motion.stopping import cut_knot, stop
 from kinesic.motion.trajectory import STEP
 from kinesic.planning.plan import Plan
 
-from ..passage import passage_text
+from ...passage import passage_text
 
 
 @lru_cache(maxsize=2)

@@ -63,7 +63,7 @@ def test_any_pair_of_targets_has_an_answer_in_the_ranges(left, right, weight):
 def test_finishing_never_loses_ground(place, start, far):
     linkage, posture = linkage_of(LEFT), _posture(start)
     x, y, z = (far * place).tolist()
-    found = finish(linkage, (x, y, z), posture.tolist())
+    found = finish(linkage, (x, y, z), [posture.tolist()])
     assert found.miss <= np.linalg.norm(LEFT.hand(posture) - far * place) * (1 + 1e-12)
     angles = np.array(found.angles)
     assert np.all((LEFT.lower[: len(angles)] <= angles) & (angles <= LEFT.upper[: len(angles)]))

@@ -21,7 +21,7 @@ from kinesic.bml.block import BmlError
 from kinesic.controller.perform import plan, set_up
 from kinesic.report.batch import documents
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 WELCOME = ROOT / "kinesic" / "configs" / "bml" / "welcome.bml"
 CORPUS = Path(os.environ.get("KINESIC_CORPUS", ROOT.parent / "shared" / "corpus"))
 FOLDERS = {"greta/bml": 2, "openbmlparser": 7, "realizertester": 9, "asap": 2}  # the first take longest

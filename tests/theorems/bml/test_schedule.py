@@ -15,7 +15,7 @@ from kinesic.bml.schedule import schedule
 from kinesic.bml.timing.constraints import point_of, ties
 from kinesic.body.utterance import Utterance
 
-CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
+CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[4] / "shared" / "corpus"))
 REFUSED = ("testinvalidxml.xml", "testspeech_unknownbehavior.xml")
 FILES = sorted(
     path

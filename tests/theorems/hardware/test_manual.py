@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
-from ..hardware.manual.adapter import ManualWire, build_manual
-from ..manual_servo import packet as p
-from ..manual_servo.table import MODELS, items
+from ...hardware.manual.adapter import ManualWire, build_manual
+from ...manual_servo import packet as p
+from ...manual_servo.table import MODELS, items
 
 IDS = (1, 2)
 START = 0.4  # [s] that a servo may take
