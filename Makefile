@@ -7,7 +7,7 @@ BIN := .venv/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 TESTED := --constraint requirements.lock
 SOURCES := pyproject.toml requirements.lock $(wildcard setup.py kinesic/ik/kernel/*.cpp kinesic/ik/kernel/*.h)
-EXTRAS := speech face studio
+EXTRAS := speech face
 OPENGL := libegl1 libgl1-mesa-dri libopengl0 libgl1
 SCREENS := xvfb chromium
 

@@ -100,3 +100,13 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
         reason = f"Skipped: machine too slow: {excuse}; it failed: {str(report.longrepr).splitlines()[-1]}"
         report.outcome, report.longrepr = "skipped", (*item.location[:2], reason)
     return report
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Names tests that failed while the machine was too slow: nobody knows whether they would have passed."""
+    skipped = terminalreporter.stats.get("skipped", [])
+    unknown = [report for report in skipped if "; it failed: " in str(report.longrepr)]
+    if unknown:
+        terminalreporter.section("failed on a machine too slow to tell")
+    for report in unknown:
+        terminalreporter.write_line(f"{report.nodeid}: {report.longrepr[2]!s}")

@@ -38,6 +38,12 @@ def test_what_a_page_imports_is_there(page: Path):
     assert [name for name in names if not hasattr(import_module(name[0]), name[1])] == []
 
 
+def test_the_index_lists_every_page_once():
+    index = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
+    listed = re.findall(r"^\| \[([\w-]+\.md)\]\(\1\) \| \S.*\|$", index, re.MULTILINE)
+    assert sorted(listed) == sorted(page.name for page in (ROOT / "docs").glob("*.md") if page.name != "index.md")
+
+
 def test_every_path_that_contributors_are_shown_exists():
     """What stands in backticks and has a slash or ends as a file does; NAME stands for any name."""
     prose = re.sub(r"```.*?```", "", CONTRIBUTING, flags=re.DOTALL)

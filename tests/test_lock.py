@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parent.parent
 LINES = (ROOT / "requirements.lock").read_text(encoding="utf-8").splitlines()
 PINS = dict(line.split("==") for line in LINES if not line.startswith("#"))
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-EXTRAS = ("speech", "face", "studio", "dev")
+EXTRAS = ("speech", "face", "dev")
 
 
 def normalised(name: str) -> str:
@@ -37,3 +37,12 @@ def test_make_uses_them():
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     assert "TESTED := --constraint requirements.lock" in makefile
     assert makefile.count("$(INSTALL) $(TESTED)") == 3
+
+
+def test_make_installs_no_extra_of_which_kinesic_uses_nothing():
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    (listed,) = re.findall(r"^EXTRAS := (.+)$", makefile, re.MULTILINE)
+    text = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "kinesic").rglob("*.py"))
+    needed = [Requirement(each) for extra in listed.split() for each in PROJECT["optional-dependencies"][extra]]
+    assert [each.name for each in needed if not re.search(rf"\b{each.name.replace('-', '_')}\b", text)] == []
+    assert set(listed.split()) < set(EXTRAS)

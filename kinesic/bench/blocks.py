@@ -61,6 +61,20 @@ def crowd(seed: int, lexemes: Sequence[str]) -> str:
     return ROOT.format("".join(lines))
 
 
+def rhythm(seed: int) -> str:
+    """Writes a nod or a shake of the head with three to six strokes, in less time than they take.
+
+    Args:
+        seed: of all choices.
+    """
+    chance = random.Random(seed)
+    count, amount = chance.randint(3, 6), chance.uniform(0.6, 1.0)
+    lexeme = chance.choice(("NOD", "SHAKE"))
+    end = 0.5 + (0.34 if lexeme == "NOD" else 0.5) * (count + 0.8) * amount**0.5 * chance.uniform(0.85, 1.0)
+    line = f'<head id="h" lexeme="{lexeme}" amount="{amount:.2f}" repetition="{count}" start="0.5" end="{end:.3f}"/>'
+    return ROOT.format(line)
+
+
 def corpus_folder() -> Path | None:
     """Finds KINESIC_CORPUS, or `shared/corpus` beside the project; None where there is none."""
     path = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))

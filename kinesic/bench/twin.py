@@ -24,6 +24,17 @@ from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors
 
 BLOCKS = 50
 TWINS: tuple[tuple[str, Factors], ...] = (("nominal", NOMINAL), ("pessimistic", PESSIMISTIC))
+WRONG: tuple[tuple[str, Factors], ...] = (  # each in one way, the last in four
+    ("gain_0.5", Factors(gain=0.5)),
+    ("gain_2", Factors(gain=2.0)),
+    ("latency_15_ms", Factors(latency=0.015)),
+    ("supply_0.8", Factors(supply=0.8)),
+    ("stall_0.7", Factors(stall=0.7)),
+    ("friction_2", Factors(friction=2.0)),
+    ("armature_1.5", Factors(armature=1.5)),
+    ("mass_1.25", Factors(mass=1.25)),
+    ("four_at_once", Factors(stall=0.7, friction=2.0, armature=1.5, mass=1.25)),
+)
 HELPS: tuple[tuple[str, Terms, bool], ...] = (
     ("", "full", True),
     ("_feedforward_only", "full", False),
@@ -77,7 +88,7 @@ class Errors:
 def tracking_figures(known: Setup, blocks: int = BLOCKS) -> list[Figure]:
     """Measures each figure of each twin, with feed-forward and correction, with feed-forward only, and with neither.
 
-    Only the first has goals; the others stand beside it.
+    Only the first has goals, and is measured in wrong twins, too; the others stand beside it.
     """
     where = corpus_folder()
     plans = plan_corpus(where, known, blocks) if where else ()
@@ -85,7 +96,7 @@ def tracking_figures(known: Setup, blocks: int = BLOCKS) -> list[Figure]:
     return [
         Figure(f"twin.{name}_{twin}{kind}", value, UNITS[name], _goal(name, twin, kind), "lower", why)
         for kind, terms, correction in HELPS
-        for twin, factors in TWINS
+        for twin, factors in (TWINS if kind else (*TWINS, *WRONG))
         for name, value in _figures(plans, factors, terms, correction).items()
     ]
 
@@ -98,7 +109,7 @@ def _figures(plans: Iterable[Plan], factors: Factors, terms: Terms, correction: 
 
 
 def _goal(name: str, twin: str, kind: str) -> float | None:
-    if kind:
+    if kind or twin == WRONG[-1][0]:
         return None
     return NOMINAL_RMSE if (name, twin) == ("rmse", "nominal") else GOALS[name]
 

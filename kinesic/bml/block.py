@@ -244,6 +244,7 @@ class Block:
     dialect: Dialect = "bml-1.0"
     notices: tuple[Notice, ...] = ()
     source: str = "<text>"  # file name, for messages
+    text: str = field(default="", repr=False, compare=False)  # of the whole document, for people; empty if unknown
     manners: Mapping[Modality, Manner] = field(default_factory=dict)  # of all its behaviours of a modality
     succession: Succession = Succession()
     pause: float | None = None  # [s] of its speeches, where they do not say; None: as is usual

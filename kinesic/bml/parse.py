@@ -86,6 +86,7 @@ def parse(
         dialect=found,
         notices=tuple(reading.notices),
         source=source,
+        text=document.text,
         manners=manners,
         succession=succession,
         pause=pause_of(bml, reading),

@@ -8,6 +8,21 @@ Flags = NDArray[np.bool_]
 Indices = NDArray[np.intp]
 
 
+def distinct_rows(values: Floats, least: float) -> tuple[Indices, Indices]:
+    """Finds the rows that differ from the one before: where nothing changes, one row stands for many.
+
+    Args:
+        values: (m, n).
+        least: what is the same: each row is nearer than this to the one that stands for it.
+
+    Returns:
+        (k,) the rows that stand for themselves and those after them; (m,) index of the one that stands for each.
+    """
+    steps = np.round(values / least)
+    fresh = np.append(True, np.any(steps[1:] != steps[:-1], axis=1))[: len(values)]
+    return np.flatnonzero(fresh), np.cumsum(fresh) - 1
+
+
 def sealed(values: ArrayLike) -> Floats:
     """Returns a read-only float64 copy: what every array in a public type goes through."""
     array = np.array(values, dtype=np.float64)

@@ -2,15 +2,17 @@
 
 import sys
 
-import click
+from kinesic.cli.ending_signals import STOPPED, ended_by_signals, ended_on_the_spot
 
-from kinesic.bml.block import BmlError
-from kinesic.body.config import ConfigError
-from kinesic.cli.ending_signals import ended_by_signals
-from kinesic.cli.plain_words import printable
-from kinesic.cli.servos import servo_verbs
-from kinesic.cli.verbs import kinesic
-from kinesic.hardware.protocol.wire import BusError
+with ended_on_the_spot():  # Ctrl-C is one line from the beginning
+    import click
+
+    from kinesic.bml.block import BmlError
+    from kinesic.body.config import ConfigError
+    from kinesic.cli.plain_words import printable
+    from kinesic.cli.servos import servo_verbs
+    from kinesic.cli.verbs import kinesic
+    from kinesic.hardware.protocol.wire import BusError
 
 BAD_INPUT = 2
 
@@ -31,4 +33,4 @@ def main() -> None:
         error.show()
         sys.exit(BAD_INPUT)
     except click.Abort:
-        sys.exit(130)
+        sys.exit(STOPPED)

@@ -1,6 +1,5 @@
 """`kinesic doctor` and `kinesic servos doctor`: what works here, and the line that mends what does not."""
 
-import importlib.util
 import platform
 
 import click
@@ -19,7 +18,6 @@ from kinesic.speech import espeak_pool, loudspeaker
 from kinesic.version import __version__
 
 CHECK_FAILED = 1
-EXTRAS = {"studio (viser)": ("viser", "studio")}
 
 
 def examine_machine() -> int:
@@ -31,9 +29,6 @@ def examine_machine() -> int:
     table.add_row("face (moderngl, EGL)", display.available() or "works")
     table.add_row("speech (espeak-ng)", espeak_pool.espeak_fault() or "works")
     table.add_row("loudspeaker (PortAudio)", loudspeaker.audio_fault() or "works")
-    for name, (module, extra) in EXTRAS.items():
-        present = importlib.util.find_spec(module) is not None
-        table.add_row(name, "installed" if present else f"not installed: pip install 'kinesic[{extra}]'")
     console().print(table)
     return 0
 

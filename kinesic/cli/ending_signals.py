@@ -9,6 +9,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
+STOPPED = 130  # the exit code of Ctrl-C
+STOPPED_LINE = "kinesic: stopped"
+
 
 @contextmanager
 def ended_by_signals() -> Iterator[None]:
@@ -30,6 +33,25 @@ def ended_by_signals() -> Iterator[None]:
     finally:
         for number in usual:
             signal.signal(number, signal.SIG_DFL)
+
+
+@contextmanager
+def ended_on_the_spot() -> Iterator[None]:
+    """Lets Ctrl-C end the process at once while modules are imported, which may swallow it; nothing is made by then."""
+    usual = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or usual is not signal.default_int_handler:
+        yield
+        return
+    signal.signal(signal.SIGINT, _vanish)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, usual)
+
+
+def _vanish(_number: int, _frame: FrameType | None) -> None:
+    os.write(2, f"{STOPPED_LINE}\n".encode())
+    os._exit(STOPPED)
 
 
 def _end(number: int, _frame: FrameType | None) -> None:

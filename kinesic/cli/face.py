@@ -1,6 +1,6 @@
 """`kinesic face`: the face in pictures, films and a window."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -13,6 +13,7 @@ from kinesic.body.command import Command
 from kinesic.body.config import ConfigError
 from kinesic.cli.options import CELL, SIDE, STRIP, ExpressionOptions, FaceView, PictureFile, Planning, read_input
 from kinesic.cli.playback import play_whole
+from kinesic.cli.progress import share_of, show_stages
 from kinesic.controller.perform import plan
 from kinesic.controller.play import command_times, play
 from kinesic.controller.soundtrack import sound, write_wav
@@ -85,8 +86,9 @@ def draw_face(
         if out is None:
             _show(units if planned is None else planned, settings)
         else:
-            with new_file(out, force=picture.force) as fresh:
-                _draw(units if planned is None else planned, settings, fresh, sheet=sheet)
+            with new_file(out, force=picture.force) as fresh, show_stages() as stage:
+                drawing = share_of(stage, "drawing")
+                _draw(units if planned is None else planned, settings, fresh, drawing, sheet=sheet)
     except DisplayError as error:
         raise ConfigError(str(error)) from None
     if out is not None:
@@ -135,22 +137,33 @@ def _check_picture(out: Path, *, still: bool) -> None:
     (check_film if _is_film(out) and not still else check_ending)(out)
 
 
-def _draw(shown: Mapping[str, float] | Plan, settings: ViewSettings, out: Path, *, sheet: bool) -> None:
+def _draw(
+    shown: Mapping[str, float] | Plan,
+    settings: ViewSettings,
+    out: Path,
+    progress: Callable[[float], None],
+    *,
+    sheet: bool,
+) -> None:
     if isinstance(shown, Plan):
-        _film_whole(shown, settings, out)
+        _film_whole(shown, settings, out, progress)
         return
+    progress(0.0)
     with settings.portrait(CELL if sheet else SIDE) as portrait:
         if sheet:
-            save(contact_sheet(portrait, settings.camera), out)
+            save(contact_sheet(portrait, settings.camera, progress=progress), out)
         elif _is_film(out):
-            save_film(list(_film(portrait, shown, settings)), out, rate=FILM_RATE)
+            save_film(list(_film(portrait, shown, settings, progress)), out, rate=FILM_RATE)
         else:
             save(portrait.draw(shown, settings.camera, gain=settings.view.gain), out)
 
 
-def _film(portrait: Portrait, units: Mapping[str, float], settings: ViewSettings) -> Iterator[Pixels]:
+def _film(
+    portrait: Portrait, units: Mapping[str, float], settings: ViewSettings, progress: Callable[[float], None]
+) -> Iterator[Pixels]:
     """Yields the expression as it rises from rest, stays and goes again."""
     for frame in range(round(SECONDS * FILM_RATE)):
+        progress(frame / (SECONDS * FILM_RATE))
         time = frame / FILM_RATE
         t = min(1.0, time / RISE, (SECONDS - time) / RISE)
         share = t * t * (3 - 2 * t)
@@ -171,7 +184,7 @@ def _show(shown: Mapping[str, float] | Plan, settings: ViewSettings) -> None:
         preview.wait()
 
 
-def _film_whole(planned: Plan, settings: ViewSettings, out: Path) -> None:
+def _film_whole(planned: Plan, settings: ViewSettings, out: Path, progress: Callable[[float], None]) -> None:
     """Films the face of a document."""
     robot, times = planned.setup.robot, command_times(planned.duration)
     with TemporaryDirectory() as folder:
@@ -182,5 +195,5 @@ def _film_whole(planned: Plan, settings: ViewSettings, out: Path) -> None:
         is_strip, view = out.suffix.lower() == ".png", settings.view
         side, rate = (STRIP, FILM_RATE / 2) if is_strip else (SIDE, FILM_RATE)
         look = PortraitSettings(view.variant, PRESETS[view.preset], settings.side(side), settings.camera, view.gain)
-        recording = FaceRecording(out, robot, look=look, rate=rate, sound=wav)
+        recording = FaceRecording(out, robot, look=look, rate=rate, sound=wav, progress=progress)
         play(commands_with_face(planned, times), recording)

@@ -1,7 +1,7 @@
 """`kinesic gestures`: what the lexicon offers, in words, in numbers and in pictures."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from pathlib import Path
 
@@ -11,6 +11,7 @@ from rich.table import Table
 from kinesic.bml.block import BmlError
 from kinesic.body.config import ConfigError, suggestion
 from kinesic.cli.plain_words import printable
+from kinesic.cli.progress import share_of, show_stages
 from kinesic.cli.terminal import console, quote_text
 from kinesic.controller.perform import set_up
 from kinesic.expressivity.lexicon.form import Match
@@ -76,10 +77,13 @@ def render_gestures(lexeme: str | None, whole: bool, out: Path, force: bool, lex
     check_picture(out)
     check_file(out, force=force)
     known = set_up(load_robot(robot), lexicon=lexicon)
-    with new_file(out, force=force) as fresh:
+    with new_file(out, force=force) as fresh, show_stages() as stage:
         if lexeme is None:
-            draw_gesture_sheet(list(_drawable(known)), known.robot, fresh)
+            shows = list(_drawable(known, share_of(stage, "planning gestures")))
+            stage("drawing them")
+            draw_gesture_sheet(shows, known.robot, fresh)
         else:
+            stage("drawing")
             form = _found(lexeme, known.lexicon).form
             shown, says = key_postures(form, plan_gesture(form, known), MOST), known.lexicon.sense(form).says
             draw_strip(shown, known.robot, fresh, says=says)
@@ -87,9 +91,10 @@ def render_gestures(lexeme: str | None, whole: bool, out: Path, force: bool, lex
     return 0
 
 
-def _drawable(known: Setup) -> Iterator[Show]:
+def _drawable(known: Setup, progress: Callable[[float], None]) -> Iterator[Show]:
     """Yields all gestures that the robot can play; the others are named on standard error."""
-    for form in known.lexicon.forms:
+    for k, form in enumerate(known.lexicon.forms):
+        progress(k / len(known.lexicon.forms))
         try:
             yield key_postures(form, plan_gesture(form, known), MOST)
         except BmlError as error:

@@ -13,6 +13,7 @@ import click
 from kinesic.bml.block import BmlError
 from kinesic.body.choices import Terms, Variant
 from kinesic.body.config import names_of
+from kinesic.cli.ending_signals import STOPPED, STOPPED_LINE, ended_on_the_spot
 from kinesic.client import PORT
 from kinesic.controller.options import CHOICES, LONGEST_PAUSE, Offer, PlanningOptions, offers
 from kinesic.face.render.presets import PRESETS
@@ -190,14 +191,22 @@ class FaceView:
 
 
 def done_by(place: str) -> Callable[[Callable[[], None]], Verb]:
-    """Has a verb done by a function MODULE:NAME of this package, which is imported when the verb is called."""
+    """Has a verb done by a function MODULE:NAME of this package, which is imported when the verb is called.
+
+    Where the function leaves Ctrl-C to us, it is one line and an exit code.
+    """
     module, name = place.split(":")
 
     def decorate(verb: Callable[[], None]) -> Verb:
         @wraps(verb)
         def begin(**given: object) -> int:
-            function: Verb = getattr(import_module(f"{__package__}.{module}"), name)
-            return function(**given)
+            with ended_on_the_spot():
+                function: Verb = getattr(import_module(f"{__package__}.{module}"), name)
+            try:
+                return function(**given)
+            except KeyboardInterrupt:
+                click.echo(STOPPED_LINE, err=True)
+                return STOPPED
 
         return begin
 

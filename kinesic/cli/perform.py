@@ -1,51 +1,59 @@
-"""`kinesic plan` and `kinesic perform`: one document as a motion, and in the twin with a report."""
+"""`kinesic perform`: one document in the twin, with a report, and then on servos."""
 
 import json
-from dataclasses import asdict
+from contextlib import nullcontext
 from pathlib import Path
+from time import perf_counter
 
 import click
-from rich.table import Table
 
-from kinesic.cli.options import FAULT, Output, Performers, Planning, TwinOptions, read_input
+from kinesic.cli.ending_signals import STOPPED
+from kinesic.cli.options import FAULT, Output, Performers, Planning, TwinOptions
 from kinesic.cli.plain_words import printable
+from kinesic.cli.plan import document_name, is_motion, parse_document, plan_motion
 from kinesic.cli.playback import follow_servos, perform_on_servos, play_whole, preview_window, write_live
+from kinesic.cli.progress import Stage, share_of, show_stages
 from kinesic.cli.servos.ports import all_ports
-from kinesic.cli.terminal import console, quote_text
-from kinesic.controller.perform import dry_runs, performances, plan
+from kinesic.cli.summary import MOST, print_checks, print_notices, print_side_by_side
+from kinesic.cli.terminal import console
+from kinesic.controller.perform import dry_runs
 from kinesic.controller.performance import Performance
 from kinesic.controller.servo_performance import ServoRun
-from kinesic.files.output_file import check_file
 from kinesic.files.output_folder import check_folder
 from kinesic.hardware.supervisor.manifest import Manifest
-from kinesic.planning.bap import SUFFIX, read_bap
-from kinesic.planning.imported_motion import plan_imported
-from kinesic.planning.motion_files import check_motion_file, save_motion
-from kinesic.planning.plan import Plan
+from kinesic.planning.plan import plan_block
 from kinesic.planning.setup import Setup
-from kinesic.report.checks import Check, checks
-from kinesic.report.checks.twin import measure_tracking
-from kinesic.report.output import Written, default_folder, write_report
+from kinesic.report.checks import checks
+from kinesic.report.films import film_processes
+from kinesic.report.output import Written, add_films, default_folder, write_report
 from kinesic.report.page import verdict
 from kinesic.report.report import Json, report
 from kinesic.report.servo_report import live_checks
 from kinesic.sim.servo_factors import read_twins
-
-COLOURS = {"pass": "green", "warn": "yellow", "fail": "red"}
 
 
 def perform_file(
     file: str, planning: Planning, performers: Performers, way: TwinOptions, output: Output, film: bool
 ) -> int:
     """Performs a document or a motion in the twin, reports, and then performs on the servos where no check failed."""
-    source = _name(file)
+    source = document_name(file)
     folder = output.out or default_folder(source)
     check_folder(folder, force=output.force)
-    known = planning.set_up()
-    paths = all_ports(performers.ports, Manifest.of(known.robot).bauds) if "servos" in performers.sinks else {}
-    performance, *beside = _performed(file, known, way)
-    data = report(performance, source=source, seed=known.idling.seed, beside=beside)
-    written = write_report(performance, data, folder, film=film, force=output.force)
+    with film_processes() if film else nullcontext() as processes, show_stages() as stage:
+        stage("reading the robot")
+        known = planning.set_up()
+        paths = all_ports(performers.ports, Manifest.of(known.robot).bauds) if "servos" in performers.sinks else {}
+        performance, *beside = _performed(file, known, way, stage)
+        stage("writing the report")
+        data = report(performance, source=source, seed=known.idling.seed, beside=beside)
+        written = write_report(performance, data, folder, film=film, force=output.force)
+        try:
+            drawing = share_of(stage, printable(f"drawing films; the page is there: {written.page}"))
+            if processes is not None:
+                written = add_films(written, performance, data, processes, progress=drawing)
+        except KeyboardInterrupt:
+            click.echo(f"kinesic: stopped before its films were drawn; page: {written.page}", err=True)
+            return STOPPED
     live, log, planned = None, None, performance.plan
     film_beside = written.film if "twin" in performers.sinks else None
     with preview_window(known.robot, requested="face" in performers.sinks, beside=film_beside) as preview:
@@ -70,59 +78,28 @@ def perform_file(
 
 def _print_report(performances: tuple[Performance, ...], live: ServoRun | None, data: dict[str, Json]) -> None:
     screen = console()
-    screen.print(_table((*checks(performances[0]), *(live_checks(live) if live is not None else ()))))
+    print_checks((*checks(performances[0]), *(live_checks(live) if live is not None else ())), screen)
     if len(performances) > 1:
-        screen.print(_side_by_side(performances))
+        print_side_by_side(performances, screen)
+    print_notices(performances[0].plan, screen, most=MOST)
     screen.print(printable(verdict(data)), highlight=False, markup=False, soft_wrap=True)
 
 
-def _performed(file: str, known: Setup, way: TwinOptions) -> tuple[Performance, ...]:
-    twins, terms, correction = read_twins(way.twin), way.feedforward, way.correction
-    if file.endswith(SUFFIX):
-        return dry_runs(_imported(file, known), twins, feedforward=terms, correction=correction)
-    text, source = read_input(file), _name(file)
-    return performances(text, twins, known, source=source, feedforward=terms, correction=correction)
-
-
-def plan_file(file: str, planning: Planning, out: Path, force: bool) -> int:
-    """Plans a document or a motion, and writes the motion to a file; nothing moves."""
-    check_motion_file(out)
-    check_file(out, force=force)
-    known = planning.set_up()
-    planned = _imported(file, known) if file.endswith(SUFFIX) else plan(read_input(file), known, source=_name(file))
-    save_motion(planned.trajectory, known.robot, out, force=force)
-    for notice in planned.notices:
-        click.echo(printable(f"{notice.type.value} {notice.id}: {notice.text}"), err=True)
-    click.echo(f"{planned.trajectory.duration:.2f} s, {len(planned.postures.postures)} keys")
-    click.echo(f"motion: {out}")
-    return 0
-
-
-def _imported(file: str, known: Setup) -> Plan:
-    return plan_imported(read_bap(Path(file), known.robot), known, source=file)
-
-
-def _name(file: str) -> str:
-    """Names a document as messages and reports have it."""
-    return "stdin" if file == "-" else file
-
-
-def _table(verdicts: tuple[Check, ...]) -> Table:
-    table = Table("check", "status", "value", "limit", "unit", "where", box=None, header_style="bold")
-    for check in verdicts:
-        status = f"[{COLOURS[check.status]}]{check.status}[/]"
-        table.add_row(
-            check.name, status, f"{check.value:.4g}", f"{check.limit:.4g}", check.unit, quote_text(check.where)
-        )
-    return table
-
-
-def _side_by_side(performances: tuple[Performance, ...]) -> Table:
-    table = Table("error", *(each.twin_name for each in performances), box=None, header_style="bold")
-    found = [asdict(measure_tracking(each)) for each in performances]
-    for figure in found[0]:
-        table.add_row(figure, *("-" if row[figure] is None else f"{row[figure]:.4g}" for row in found))
-    return table
+def _performed(file: str, known: Setup, way: TwinOptions, stage: Stage) -> tuple[Performance, ...]:
+    """Plans a document, and performs it in the twins."""
+    stage("planning")
+    begun = perf_counter()
+    block = None if is_motion(file) else parse_document(file, known)
+    parsed = perf_counter() - begun
+    planned = plan_motion(file, known) if block is None else plan_block(block, known)
+    return dry_runs(
+        planned,
+        read_twins(way.twin),
+        feedforward=way.feedforward,
+        correction=way.correction,
+        parse_seconds=parsed,
+        progress=share_of(stage, "performing in the twin"),
+    )
 
 
 def _print_paths(written: Written, log: Path | None, *, on_error: bool) -> None:

@@ -8,6 +8,7 @@ from rich.table import Table
 
 from kinesic.body.config import CONFIGS
 from kinesic.body.robot_schema import robot_text
+from kinesic.cli.progress import show_stages
 from kinesic.cli.terminal import console, quote_text
 from kinesic.files.output_file import check_file, write_text
 from kinesic.hardware.protocol.servo_map import load_robot
@@ -42,7 +43,11 @@ def show_robot(robot: str) -> int:
 def assess_robot(robot: str) -> int:
     """Prints static torque ratios, workspace and clearance of a robot."""
     body = load_robot(robot)
-    physics, reach = check_robot(body), workspace(body)
+    with show_stages() as stage:
+        stage("searching the worst postures")
+        physics = check_robot(body)
+        stage("reaching for every sector")
+        reach = workspace(body)
     table = Table("hinge", "at rest", "worst", "", box=None, title="static torque / stall")
     failed = False
     for name, rest, worst in zip(body.skeleton.names, physics.rest_ratios, physics.worst_ratios, strict=True):
@@ -66,7 +71,9 @@ def import_robot(file: Path, out: Path | None, force: bool) -> int:
     """Maps the hinges of a humanoid's MJCF or URDF, and writes a robot's TOML to edit."""
     target = out or Path(f"{file.stem}.toml")
     check_file(target, force=force)
-    found = import_humanoid(file)
+    with show_stages() as stage:
+        stage("mapping its hinges")
+        found = import_humanoid(file)
     text = robot_text(found.file, heading=_heading(found, file.name), remarks=found.remarks)
     write_text(target, text, force=force)
     console().print(_mapping(found))

@@ -4,7 +4,7 @@ import asyncio
 import signal
 import sys
 from collections.abc import Iterable, Sequence
-from contextlib import AbstractAsyncContextManager
+from contextlib import AbstractAsyncContextManager, AsyncExitStack
 from dataclasses import fields, replace
 from ipaddress import ip_address
 from pathlib import Path
@@ -16,6 +16,7 @@ from kinesic.body.config import ConfigError, suggestion
 from kinesic.cli.ending_signals import leave_closed_terminal
 from kinesic.cli.options import FAULT, Door, Performers, Planning
 from kinesic.cli.playback import warn_of_lost_events
+from kinesic.cli.progress import show_stages
 from kinesic.cli.servos.ports import all_ports
 from kinesic.client import PORT
 from kinesic.controller.servo_performance import DELAY, ENDING
@@ -117,7 +118,10 @@ async def _serve(server: AbstractAsyncContextManager[Serving], sinks: Sequence[R
         leave_closed_terminal()
         enough.set()
 
-    async with server as open_:
+    async with AsyncExitStack() as opened:
+        with show_stages() as stage:
+            stage("starting the planner")
+            open_ = await opened.enter_async_context(server)
         for number in (each for each in ENDING if signal.getsignal(each) is not signal.SIG_IGN):
             asyncio.get_running_loop().add_signal_handler(number, end)
         where = f"listening at {open_.address}" if open_.address is not None else "reading standard input"

@@ -10,6 +10,7 @@ from rich.table import Table
 
 from kinesic.body.config import ConfigError
 from kinesic.cli.options import Output, Planning
+from kinesic.cli.progress import show_stages
 from kinesic.cli.terminal import console
 from kinesic.expressivity.style.style import RANGES
 from kinesic.files.output_folder import check_folder, new_folder
@@ -31,11 +32,16 @@ def sweep_gesture(
     check_folder(folder, force=output.force)
     known = planning.set_up()
     parameters = list(MEASURE_OF) if parameter is None else [parameter]
-    found = [sweep_parameter(gesture, name, known, values=_numbers(values)) for name in parameters]
-    styles = presets(gesture, known) if every else {}
-    data = _data(gesture, planning.style, found, styles)
-    with new_folder(folder, force=output.force) as fresh:
-        names = _write(found, fresh, data)
+    with show_stages() as stage:
+        found = []
+        for k, name in enumerate(parameters):
+            stage(f"sweeping {name}", k / len(parameters) if every else None)
+            found.append(sweep_parameter(gesture, name, known, values=_numbers(values)))
+        stage("measuring the presets of style" if every else "drawing")
+        styles = presets(gesture, known) if every else {}
+        data = _data(gesture, planning.style, found, styles)
+        with new_folder(folder, force=output.force) as fresh:
+            names = _write(found, fresh, data)
     if output.as_json:
         click.echo(json.dumps(data, indent=1))
     else:

@@ -22,6 +22,11 @@ def console() -> Console:
     return Console() if sys.stdout.isatty() else Console(width=WIDTH)
 
 
+def error_console() -> Console:
+    """Opens standard error for lines with colours; in a file, without."""
+    return Console(stderr=True) if sys.stderr.isatty() else Console(stderr=True, width=WIDTH)
+
+
 def quote_text(words: str) -> Text:
     """Makes a cell of a table of words that may come from strangers: as they stand, without markup."""
     return Text(printable(words))

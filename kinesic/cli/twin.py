@@ -10,6 +10,7 @@ import numpy as np
 from rich.table import Table
 
 from kinesic.body.config import ConfigError
+from kinesic.cli.progress import show_stages
 from kinesic.cli.terminal import console, quote_text
 from kinesic.files.output_file import check_file, write_text
 from kinesic.hardware.protocol.servo_map import load_robot
@@ -24,7 +25,14 @@ def fit_twin(log: Path, robot: str, free: tuple[str, ...], out: Path | None, for
         check_file(out, force=force)
     body = load_robot(robot)
     try:
-        found = fit_factors(read_log(log, body), body, free=cast(tuple[Figure, ...], free))
+        with show_stages() as stage:
+            stage("reading the log")
+            found = fit_factors(
+                read_log(log, body),
+                body,
+                free=cast(tuple[Figure, ...], free),
+                progress=lambda count: stage(f"fitting: replay {count} of the log"),
+            )
     except ValueError as error:
         raise ConfigError(f"--free: {error}") from None
     if as_json:

@@ -13,6 +13,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from kinesic.body.calibration import calibration_path
 from kinesic.body.config import ConfigError, locate
+from kinesic.cli.ending_signals import STOPPED
 from kinesic.cli.options import Output, Planning
 from kinesic.cli.terminal import console
 from kinesic.cli.validate_table import summarise
@@ -20,13 +21,14 @@ from kinesic.files.output_file import write_text
 from kinesic.files.output_folder import check_folder, is_made, new_folder
 from kinesic.report.batch import JOURNAL, DocumentVerdict, documents, validate_documents
 from kinesic.report.batch_totals import totals
+from kinesic.report.checks import Check, Status
 from kinesic.report.report import Json
 from kinesic.sim.servo_factors import read_twins
 
 PACKAGE = Path(__file__).resolve().parents[1]
 PARTS = (".py", ".toml", ".so", ".pyd")  # endings of the program's files
 SUMMARY = "validate.json"
-INTERRUPTED = 130
+LISTED: dict[str, Status] = {"failed": "fail", "poor": "poor"}  # checks that are listed, by key
 
 
 def validate_paths(paths: tuple[Path, ...], planning: Planning, twin: str, jobs: int | None, output: Output) -> int:
@@ -66,7 +68,7 @@ def validate_paths(paths: tuple[Path, ...], planning: Planning, twin: str, jobs:
     if not finished:
         rest = "the same command goes on from here" if folder else "--out DIR lets a run go on where it stopped"
         click.echo(f"kinesic: interrupted after {len(verdicts)} of {len(files)} documents; {rest}", err=True)
-        return INTERRUPTED
+        return STOPPED
     return max((verdict.exit for verdict in verdicts), default=0)
 
 
@@ -149,9 +151,13 @@ def _entry(verdict: DocumentVerdict) -> dict[str, Json]:
     }
     if verdict.error:
         return entry | {"error": verdict.error}
-    failed: list[Json] = [
+    beyond: dict[str, Json] = {key: _rows(verdict.checks, status) for key, status in LISTED.items()}
+    return entry | {"report": verdict.report, **beyond}
+
+
+def _rows(checks: Iterable[Check], status: Status) -> list[Json]:
+    return [
         {"name": c.name, "value": c.value, "limit": c.limit, "unit": c.unit, "where": c.where}
-        for c in verdict.checks
-        if c.status == "fail"
+        for c in checks
+        if c.status == status
     ]
-    return entry | {"report": verdict.report, "failed": failed}

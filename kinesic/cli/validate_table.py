@@ -7,10 +7,13 @@ from rich.console import Console
 from rich.table import Table
 
 from kinesic.cli.plain_words import printable
+from kinesic.cli.summary import COLOURS
 from kinesic.cli.terminal import quote_text
 from kinesic.report.batch import DocumentVerdict
 from kinesic.report.batch_totals import OUTCOMES, SHARES, counts, tallies
+from kinesic.report.checks import GRAVITY
 
+BEYOND = {"fail": "failed", "poor": "poor"}
 MOST_ROWS = 16  # of folders; with more, folders are counted together
 
 
@@ -25,13 +28,14 @@ def summarise(verdicts: list[DocumentVerdict], screen: Console) -> None:
 
 
 def _print_trouble(verdicts: list[DocumentVerdict], screen: Console) -> None:
-    """Prints a line for each document that is refused or crashed, and each check that failed."""
+    """Prints a line for each document that is refused or crashed, and each check that failed or is poor."""
     lines = [f"{verdict.outcome:8} {verdict.error}" for verdict in verdicts if verdict.error]
     lines += [
-        f"failed   {verdict.file}: {check.name} {check.value:.4g} {check.unit} (limit {check.limit:.4g}) {check.where}"
+        f"{BEYOND[check.status]:8} {verdict.file}: {check.name} {check.value:.4g} {check.unit} "
+        f"(limit {check.limit:.4g}) {check.where}"
         for verdict in verdicts
         for check in verdict.checks
-        if check.status == "fail"
+        if check.status in BEYOND
     ]
     for line in lines:
         screen.print(printable(line), highlight=False, markup=False, soft_wrap=True)
@@ -40,7 +44,7 @@ def _print_trouble(verdicts: list[DocumentVerdict], screen: Console) -> None:
 
 
 def _folders(verdicts: list[DocumentVerdict]) -> Table:
-    columns = ("documents", *OUTCOMES, "failed", *SHARES)
+    columns = ("documents", *OUTCOMES, "failed", "poor", *SHARES)
     shown = [column for column in columns if column != "crashed" or counts(verdicts)[column]]
     table = Table("folder", box=None, header_style="bold")
     for column in shown:
@@ -70,17 +74,15 @@ def _groups(folders: list[Path]) -> list[str]:
 def _checks(verdicts: list[DocumentVerdict]) -> Table:
     """Tabulates every check over all documents, with its worst value."""
     table = Table("check", box=None, header_style="bold")
-    for column in ("pass", "warn", "fail", "worst", "limit"):
+    for column in (*reversed(GRAVITY), "worst", "limit"):
         table.add_column(column, justify="right")
     for column in ("unit", "worst where", "in"):
         table.add_column(column, overflow="ellipsis", no_wrap=True)
     for tally in tallies(verdicts):
-        passed, warned, failed = tally.counts
+        counted = (f"[{COLOURS[status]}]{number}[/]" if number else "0" for status, number in tally.counts.items())
         table.add_row(
             tally.name,
-            str(passed),
-            f"[yellow]{warned}[/]" if warned else "0",
-            f"[red]{failed}[/]" if failed else "0",
+            *counted,
             f"{tally.worst.value:.3g}",
             f"{tally.worst.limit:.3g}",
             tally.worst.unit,

@@ -133,11 +133,14 @@ def _perform() -> None:
 @kinesic.command("plan")
 @click.argument("file")
 @planning
-@click.option("--out", required=True, type=click.Path(path_type=Path), help="motion.npz, motion.csv or motion.bap.")
+@click.option("--out", type=click.Path(path_type=Path), help="motion.npz, .csv or .bap; without it, a timeline.")
 @force_option
-@done_by("perform:plan_file")
+@done_by("plan:plan_file")
 def _plan() -> None:
-    """Plans FILE (BML, a .bap motion, or - for BML from standard input) and writes the motion."""
+    """Plans FILE (BML, a .bap motion, or - for BML from standard input) and writes the motion.
+
+    Without --out nothing is written: it prints what would happen when, and what could not be done as asked.
+    """
 
 
 @kinesic.group()

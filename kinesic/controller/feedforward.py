@@ -18,6 +18,7 @@ class FeedForwardGoals:
 
     goals: Floats  # (m, n) [rad] clipped to the ranges
     loads: Floats  # (m, n) [rad] part of the goals that carries torque
+    leads: Floats  # (m, n) [rad] part of the goals that carries speed
     duties: Floats  # (m, n) torque / stall + speed / no-load of the reference, may exceed 1
 
 
@@ -48,7 +49,9 @@ class FeedForward:
         duties = torques / stall + speeds / no_load
         if self.terms == "none":
             sent = trajectory.sample(times)[0]
-            return FeedForwardGoals(sealed(robot.skeleton.clamp(sent)), sealed(np.zeros_like(sent)), sealed(duties))
-        lags = (speeds / no_load + rate * speeds / stall) / gain
+            nothing = sealed(np.zeros_like(sent))
+            return FeedForwardGoals(sealed(robot.skeleton.clamp(sent)), nothing, nothing, sealed(duties))
+        leads = (speeds / no_load + rate * speeds / stall) / gain
         loads = torques / (gain * stall) if self.terms == "full" else np.zeros_like(torques)
-        return FeedForwardGoals(sealed(robot.skeleton.clamp(angles + lags + loads)), sealed(loads), sealed(duties))
+        goals = robot.skeleton.clamp(angles + leads + loads)
+        return FeedForwardGoals(sealed(goals), sealed(loads), sealed(leads), sealed(duties))

@@ -4,21 +4,22 @@ Feed-forward sends each hinge u = q + lead, which would be exact for servos as t
 by e = measured - reference, and follow, linearised about the reference (I inertia, s stall torque, w no-load speed,
 g gain, r rate gain, f viscous friction),
 
-    I e'' + (s / w + r + f) e' + s g e = s g (c + push - share load),
+    I e'' + (s / w + r + f) e' + s g e = s g (c + push - share load - pace lead),
 
-where c is the correction of the goal, load the part of the lead that carries torque, share by how much the torque per
-duty is overestimated, and push whatever else disturbs, all but load and share as angles of the goal. Per tick:
+where c is the correction of the goal, load and lead are the parts of it that carry torque and speed, share and pace say
+by how much what they do is overestimated, and push is whatever else disturbs, as an angle of the goal. A torque
+constant that is wrong shows in the share, a gain in both, a delay of goals in the pace. Per tick:
 
 1. A Luenberger observer of (e, e', push), its three poles at exp(-BANDWIDTH T), compares its forecast for the last
    tick with the position measured there: one cycle old, rounded to ticks.
-2. What it finds as push while a load was led is ascribed to the share by recursive least squares: a wrong torque
-   constant then is foreseen at the next acceleration, instead of being noticed after it.
-3. c = share load - RESTORING (e, e', push); bounded in size and in rate; goals stay within the ranges.
+2. What it finds as push while something was led is ascribed to share and pace by recursive least squares: a wrong
+   torque constant then is foreseen at the next acceleration, a wrong gain at the next speed, not noticed after it.
+3. c = share load + pace lead - RESTORING (e, e', push); bounded in size and in rate; goals stay within the ranges.
 
-Stability: whatever share is learned, share load enters as a bounded disturbance; what is left is linear. Closed over a
-plant with a bus latency from 0 to 20 ms, known to the observer or not, all poles of all hinges lie within the unit
-circle when stall torque, no-load speed or inertia is wrong by a factor of 2, and for the pessimistic twin. Two such
-errors at once may oscillate where they leave the servo's own loop hardly damped or double its stiffness at 20 ms:
+Stability: whatever is learned, share load + pace lead enters as a bounded disturbance; what is left is linear. Closed
+over a plant with a bus latency from 0 to 20 ms, known to the observer or not, all poles of all hinges lie within the
+unit circle when stall torque, no-load speed or inertia is wrong by a factor of 2, and for the pessimistic twin. Two
+such errors at once may oscillate where they leave the servo's own loop hardly damped or double its stiffness at 20 ms:
 then only the bounds hold, and servos that wrong are better fitted first.
 
 A goal further than 1 / g from the measured position gives no more duty: the observer knows what could act, so that
@@ -36,6 +37,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.command import Body, Command
 from kinesic.body.dynamics import Dynamics
 from kinesic.body.robot import SPEED_SHARE, Robot
+from kinesic.controller.feedforward import FeedForwardGoals
 from kinesic.controller.observer_step import compile_tick
 
 BANDWIDTH = 100.0  # [rad/s] of the observer's three poles
@@ -49,7 +51,7 @@ SLICES = 1024  # of a period, for its exact solution
 class LoadEstimate:
     """Belief about the hinges at one tick, in joint order."""
 
-    rows: Floats  # (6 + h, n) all of it, one under another
+    rows: Floats  # (7 + h, n) all of it, one under another
 
     @property
     def motion(self) -> Floats:
@@ -59,6 +61,11 @@ class LoadEstimate:
     @property
     def share(self) -> Floats:
         """(n,) share by which each hinge's load exceeds the modelled one."""
+        return np.asarray(self.rows[-4])
+
+    @property
+    def pace(self) -> Floats:
+        """(n,) share by which each hinge's speed takes more lead than the modelled one."""
         return np.asarray(self.rows[-3])
 
     @property
@@ -83,10 +90,13 @@ class ObserverInputs:
     loads: Floats  # (m, n) [rad] part of the goals that carries torque
     noticed: Floats  # (m, n) [rad] the same, as late as its effects are noticed
     trust: Floats  # (m, n) [1/rad] share for each push that is found
+    leads: Floats  # (m, n) [rad] part of the goals that carries speed
+    noticed_leads: Floats  # (m, n) [rad] likewise
+    trust_leads: Floats  # (m, n) [1/rad] likewise
 
     @cached_property
     def rows(self) -> Floats:
-        """(m, 7, n) all arrays, one under another."""
+        """(m, 10, n) all arrays, one under another."""
         return np.stack([getattr(self, field.name) for field in fields(self)], axis=1)
 
 
@@ -140,8 +150,8 @@ class Observer:
         """Function of rows of belief, measured deviation and rows of inputs, with CasADi's own memory."""
         hinges, late = len(self.lower), len(self.arrival)
         gains: Floats = np.concatenate([self.forecast.reshape(9, hinges), self.gain, [self.step, self.full]])
-        inputs = np.zeros((6 + late, hinges)), np.zeros(hinges), np.zeros((7, hinges))
-        constant, found = (gains, np.array(self.arrival)), np.zeros((6 + late, hinges))
+        inputs = np.zeros((7 + late, hinges)), np.zeros(hinges), np.zeros((10, hinges))
+        constant, found = (gains, np.array(self.arrival)), np.zeros((7 + late, hinges))
         function = compile_tick(hinges, late)
         memory, run = function.buffer()
         for k, values in enumerate((*inputs, *constant)):
@@ -161,26 +171,29 @@ class Observer:
 
     def begin(self) -> LoadEstimate:
         """Begins where the reference begins, without deviation."""
-        return LoadEstimate(np.zeros((6 + len(self.arrival), len(self.lower))))
+        return LoadEstimate(np.zeros((7 + len(self.arrival), len(self.lower))))
 
-    def precompute_inputs(self, stream: Sequence[Command], loads: Floats) -> ObserverInputs:
+    def precompute_inputs(self, stream: Sequence[Command], setpoints: FeedForwardGoals) -> ObserverInputs:
         """Precomputes the observer's inputs for all ticks from the commands; they do not depend on measurements.
 
         Args:
             stream: commands as the feed-forward has them.
-            loads: (m, n) [rad] part of their goals that carries torque.
+            setpoints: of the same ticks.
         """
-        bodies = len(self.lower) // loads.shape[1]
-        angles, goals, loads = (
+        bodies = len(self.lower) // setpoints.loads.shape[1]
+        angles, goals, loads, leads = (
             np.tile(rows, bodies)
-            for rows in ([command.angles for command in stream], [command.goals for command in stream], loads)
+            for rows in (
+                [command.angles for command in stream],
+                [command.goals for command in stream],
+                setpoints.loads,
+                setpoints.leads,
+            )
         )
-        late = len(self.arrival)
-        earlier = np.concatenate([np.broadcast_to(loads[0], (late + 1, loads.shape[1])), loads])
-        acting = sum(share * earlier[late - 1 - k : -2 - k] for k, share in enumerate(self.arrival))
-        noticed = _smoothed(acting, loads[0], 1.0 / (1.0 + 3.0 / (BANDWIDTH * self.period)))
+        noticed, noticed_leads = self._notice(loads), self._notice(leads)
         forgotten = self.period / FORGETTING
-        learned = _smoothed(noticed**2, np.zeros(loads.shape[1]), forgotten) / forgotten
+        known = np.zeros(loads.shape[1])
+        learned = _smoothed(noticed**2 + noticed_leads**2, known, forgotten) / forgotten
         return ObserverInputs(
             angles=angles,
             goals=goals,
@@ -189,7 +202,17 @@ class Observer:
             loads=loads,
             noticed=noticed,
             trust=noticed / (CLEAR_LOAD**2 + learned),
+            leads=leads,
+            noticed_leads=noticed_leads,
+            trust_leads=noticed_leads / (CLEAR_LOAD**2 + learned),
         )
+
+    def _notice(self, led: Floats) -> Floats:
+        """(m, n) parts of goals, as late as their effects are noticed."""
+        late = len(self.arrival)
+        earlier = np.concatenate([np.broadcast_to(led[0], (late + 1, led.shape[1])), led])
+        acting = sum(share * earlier[late - 1 - k : -2 - k] for k, share in enumerate(self.arrival))
+        return _smoothed(acting, led[0], 1.0 / (1.0 + 3.0 / (BANDWIDTH * self.period)))
 
     def after(self, belief: LoadEstimate, deviation: Floats, inputs: ObserverInputs, tick: int) -> LoadEstimate:
         """Advances the estimate by one tick, and corrects the goals.
@@ -207,7 +230,7 @@ class Observer:
 
 
 def correct_goals(
-    stream: Sequence[Command], loads: Floats, bodies: Sequence[Body], observer: Observer
+    stream: Sequence[Command], setpoints: FeedForwardGoals, bodies: Sequence[Body], observer: Observer
 ) -> Iterator[tuple[Command, ...]]:
     """Corrects the goals of commands for each body by what it did with those before.
 
@@ -215,12 +238,12 @@ def correct_goals(
 
     Args:
         stream: commands as the feed-forward has them.
-        loads: (m, n) [rad] part of their goals that carries torque.
+        setpoints: of the same ticks.
         bodies: each is read once per tick.
         observer: of as many.
     """
-    inputs, belief = observer.precompute_inputs(stream, loads), observer.begin()
-    for tick, command in zip(range(len(loads)), stream, strict=True):
+    inputs, belief = observer.precompute_inputs(stream, setpoints), observer.begin()
+    for tick, command in zip(range(len(setpoints.loads)), stream, strict=True):
         if tick == 0:
             yield (command,) * len(bodies)
         else:

@@ -21,15 +21,15 @@ def compile_tick(hinges: int, late: int) -> casadi.Function:
         late: ticks on which corrections may be under way.
 
     Returns:
-        From belief (n, 6 + late), deviation (n,), inputs (n, 7), gains (n, 14) and arrival (late,) to the belief of
+        From belief (n, 7 + late), deviation (n,), inputs (n, 10), gains (n, 14) and arrival (late,) to the belief of
         this tick; CasADi's columns are NumPy's rows.
     """
-    names = {"belief": 6 + late, "measured": 1, "inputs": 7, "gains": 14}
+    names = {"belief": 7 + late, "measured": 1, "inputs": 10, "gains": 14}
     given = [casadi.MX.sym(name, hinges, columns) for name, columns in names.items()]
     arrival = casadi.MX.sym("arrival", late)
     columns = [casadi.horzsplit(symbol) for symbol in given]
-    deviation, speed, push, *under_way, share, correction, _ = columns[0]
-    (measured,), (angles, led, lowest, highest, load, noticed, trust) = columns[1:3]
+    deviation, speed, push, *under_way, share, pace, correction, _ = columns[0]
+    (measured,), (angles, led, lowest, highest, load, noticed, trust, lead, noticed_lead, trust_lead) = columns[1:3]
     *forecast, gain_deviation, gain_speed, gain_push, step, full = columns[3]
 
     answers = casadi.fabs(measured) < np.inf  # a silent servo's NaN is not
@@ -37,8 +37,8 @@ def compile_tick(hinges: int, late: int) -> casadi.Function:
     deviation += gain_deviation * innovation
     speed += gain_speed * innovation
     push = casadi.if_else(answers, push + gain_push * innovation, FADING * push)
-    learned = _between(share - trust * push, *SHARES)
-    push += (learned - share) * noticed  # what goes to the share is no longer push
+    learned, learned_pace = _between(share - trust * push, *SHARES), _between(pace - trust_lead * push, *SHARES)
+    push += (learned - share) * noticed + (learned_pace - pace) * noticed_lead  # what is learned is no longer push
 
     nothing = casadi.MX(0.0)
     arrived = sum((arrival[k] * goal for k, goal in enumerate(under_way)), nothing)
@@ -46,12 +46,12 @@ def compile_tick(hinges: int, late: int) -> casadi.Function:
     motion = [sum((forecast[3 * k + i] * acting[i] for i in range(3)), nothing) for k in range(3)]
     motion[2] -= arrived
 
-    foreseen, before = led + learned * load, led + correction
+    foreseen, before = led + learned * load + learned_pace * lead, led + correction
     asked = foreseen - sum((float(RESTORING[k]) * motion[k] for k in range(3)), nothing)
     goals = _between(_between(asked, before - step, before + step), lowest, highest)
     position = angles + motion[0]
     newest = _between(goals, position - full, position + full) - foreseen
-    belief = casadi.horzcat(*motion, newest, *under_way[:-1], learned, goals - led, goals)
+    belief = casadi.horzcat(*motion, newest, *under_way[:-1], learned, learned_pace, goals - led, goals)
     return casadi.Function("tick", [*given, arrival], [belief])
 
 

@@ -1,7 +1,7 @@
 """Joins planning with the twin: plans a BML document and performs it."""
 
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from time import perf_counter
@@ -12,7 +12,7 @@ import numpy as np
 from kinesic.bml.parse import parse
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.choices import Terms
-from kinesic.body.command import RATE, Measurements
+from kinesic.body.command import RATE, Command, Measurements
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.controller.feedforward import FeedForward
@@ -164,6 +164,7 @@ def dry_runs(
     correction: bool = True,
     delay: float = 0.0,
     parse_seconds: float = 0.0,
+    progress: Callable[[float], None] = lambda share: None,
 ) -> tuple[Performance, ...]:
     """Performs a plan in several twins at once, tick by tick, so that they share what does not depend on them.
 
@@ -174,6 +175,7 @@ def dry_runs(
         correction: whether goals are corrected by what the twins measure.
         delay: [s] of the bus, as feed-forward and correction believe it to be; the twins' own is in their factors.
         parse_seconds: for the report.
+        progress: gets the share of the ticks that are over, now and then.
     """
     known, trajectory, robot = planned.setup, planned.trajectory, planned.setup.robot
     began = perf_counter()
@@ -185,10 +187,10 @@ def dry_runs(
     def performed(*, touches: bool) -> list[Measurements]:
         start = trajectory.at(0.0).angles
         bodies = [Twin(robot, factors=factors, start=start, touches=touches) for factors in twins]
+        ticks: Iterator[tuple[Command, ...]] = ((command,) * len(bodies) for command in stream)
         if observer:
-            play_together(correct_goals(stream, setpoints.loads, bodies, observer), bodies)
-        else:
-            play_together(((command,) * len(bodies) for command in stream), bodies)
+            ticks = correct_goals(stream, setpoints, bodies, observer)
+        play_together(_counted(ticks, len(stream), progress), bodies)
         return [body.measurements() for body in bodies]
 
     measured = performed(touches=False)
@@ -197,6 +199,16 @@ def dry_runs(
     reference = Reference(planned, times, setpoints.duties)
     seconds = perf_counter() - began
     return tuple(Performance(reference, *each, parse_seconds, seconds) for each in zip(twins, measured, strict=True))
+
+
+def _counted(
+    ticks: Iterator[tuple[Command, ...]], count: int, progress: Callable[[float], None]
+) -> Iterator[tuple[Command, ...]]:
+    """Passes ticks on, and tells once a second which share of them is over."""
+    for k, tick in enumerate(ticks):
+        yield tick
+        if k % RATE == 0:
+            progress(k / count)
 
 
 @lru_cache(maxsize=8)

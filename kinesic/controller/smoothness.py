@@ -1,4 +1,4 @@
-"""Measures how smoothly a point moves: dimensionless jerk and spectral arc length."""
+"""Measures how smoothly a point moves: dimensionless jerk, jerk that is seen, and spectral arc length."""
 
 import numpy as np
 import scipy
@@ -30,6 +30,21 @@ def dimensionless_jerk(path: Floats, *, period: float) -> float | None:
     jerks = np.diff(path, n=3, axis=0) / period**3
     duration = (moving[-1] - moving[0] + 1) * period
     return float((jerks**2).sum() * period * duration**3 / peak**2)
+
+
+def visible_jerk(path: Floats, *, period: float) -> float:
+    """Measures the mean square of the jerk [m^2/s^6] below 10 Hz, where a shake is large enough to be seen.
+
+    The jerk of a servo's ticks is far larger than that of a slow reach, though they move a hand by 0.1 mm.
+
+    Args:
+        path: (m, 3) [m], longer than 0.2 s.
+        period: [s] between samples.
+    """
+    width = np.sqrt(np.log(2.0)) / (2.0 * np.pi * CUT * period)  # [samples]; half the power passes at CUT
+    edge = int(np.ceil(3.0 * width))  # where the filter looks beyond the path
+    seen = scipy.ndimage.gaussian_filter1d(path, width, axis=0)[edge:-edge]
+    return float(((np.diff(seen, n=3, axis=0) / period**3) ** 2).sum(axis=1).mean())
 
 
 def spectral_arc_length(path: Floats, *, period: float) -> float | None:

@@ -162,7 +162,7 @@ def _with_hands(id: str, move: Move, hands: Arranged) -> Move:
     if outcome.kind == "dropped":
         return drop_behaviour(outcome.why, NoticeType.IMPOSSIBLE_TO_SCHEDULE)
     why = "; ".join(filter(None, [move.outcome.why, outcome.why]))
-    warned = BehaviourWarning(NoticeType.IMPOSSIBLE_TO_SCHEDULE, outcome.why)
+    warned = BehaviourWarning(NoticeType.CANNOT_CREATE_BEHAVIOR, outcome.why)  # it has its time, in another form
     return replace(move, outcome=Outcome("substituted", why), warnings=(*move.warnings, warned))
 
 

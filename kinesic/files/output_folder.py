@@ -50,8 +50,7 @@ def new_folder(folder: Path, *, force: bool = False) -> Iterator[Path]:
     """
     check_folder(folder, force=force)
     place = find_place(folder)
-    with name_failures(folder), ExitStack() as held:
-        place.parent.mkdir(parents=True, exist_ok=True)
+    with name_failures(folder), _folders_above(place), ExitStack() as held:
         parent, name = held.enter_context(hold_folder(place.parent)), name_beside(place.name)
         os.mkdir(name, dir_fd=parent)
         fresh = held.enter_context(hold_folder(name, inside=parent))
@@ -79,6 +78,20 @@ def is_made(folder: Path) -> bool:
     with suppress(OSError), hold_folder(folder) as held:
         return _is_marked(held)
     return False
+
+
+@contextmanager
+def _folders_above(place: Path) -> Iterator[None]:
+    """Makes the folders above a place; when what follows fails, those that are new go again while they are empty."""
+    missing = [above for above in place.parents if not above.exists()]
+    try:
+        place.parent.mkdir(parents=True, exist_ok=True)
+        yield
+    except BaseException:
+        with suppress(OSError):
+            for above in missing:
+                above.rmdir()
+        raise
 
 
 @contextmanager

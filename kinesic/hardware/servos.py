@@ -17,7 +17,7 @@ from kinesic.body.command import Command
 from kinesic.body.robot import Robot
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.address import find_supervisor
-from kinesic.hardware.supervisor.channel import POLICIES, Channel, Note, Status, map_memory, memory_file, memory_size
+from kinesic.hardware.supervisor.channel import Channel, Note, Status, map_memory, memory_file, memory_size
 from kinesic.hardware.supervisor.manifest import Manifest, raised_joints
 from kinesic.hardware.supervisor.settings import USUAL, Policy, SupervisorOrder, SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
@@ -125,7 +125,7 @@ class Servos:
 
     def stop(self, policy: Policy = "hold") -> None:
         """Stops in an emergency: holds where the robot is until `release`, or lets go."""
-        self._channel.set("estop", POLICIES.index(policy) + 1)
+        self._channel.stop(policy)
 
     def resume(self) -> None:
         """Lets the performance go on after an emergency stop, or after an interruption of more than a second.

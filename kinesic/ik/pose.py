@@ -14,9 +14,9 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
-from kinesic.ik.arm.hinges import first_of_two, turn_towards
 from kinesic.ik.arm.linkage import Link, Linkage, linkage_of
 from kinesic.ik.arm.mirror import ACROSS, is_right, mirror_chain
+from kinesic.ik.arm.subproblems import first_of_two, turn_towards
 from kinesic.ik.arm.swivel_search import Cell, cells
 from kinesic.ik.arm.wrist import HandDirection, orient
 from kinesic.ik.box_lm import Box, Errors, descend

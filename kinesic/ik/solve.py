@@ -14,10 +14,10 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
 from kinesic.ik.angles import arccosine
+from kinesic.ik.arm import multistart
 from kinesic.ik.arm.compiled import KERNEL, Kernel, arm_of
 from kinesic.ik.arm.linkage import Linkage, linkage_of
 from kinesic.ik.arm.mirror import is_right, mirror_chain, mirror_place, mirror_reach
-from kinesic.ik.arm.multistart import STALLED, approach
 from kinesic.ik.arm.nearest import finish
 from kinesic.ik.arm.shoulder_elbow import Bend, ShoulderPlace, bend_elbow, place_of, place_shoulder
 from kinesic.ik.arm.wrist import HandDirection, orient
@@ -67,7 +67,7 @@ def solve(
     answer = _compiled(chain, reach, start, rest, mobility) if kernel == "compiled" else None
     if answer is None:
         answer = _examined(chain, reach, start, rest, mobility, kernel)
-    return answer if answer.reached else _finished(chain, reach, rest, answer)
+    return answer if answer.reached else _finished(chain, reach, rest, answer, kernel)
 
 
 def _compiled(
@@ -126,18 +126,24 @@ def _with_wrist(
     return Solution(sealed(angles), residual, pointing_error, palm_error, reached, iterations, sealed(target), 0.0)
 
 
-def _finished(chain: Chain, reach: Reach, rest: Floats | None, answer: Solution) -> Solution:
-    """Out of reach: the last steps to the nearest that the hand can come, where they win something."""
+def _finished(chain: Chain, reach: Reach, rest: Floats | None, answer: Solution, kernel: Kernel) -> Solution:
+    """Out of reach: the last steps to the nearest that the hand can come, where they win something.
+
+    Which side of the body the arm goes was judged by the clamped target; behind the back the asked one may lie nearer
+    to the other side, so seeds are tried once more on that.
+    """
+    elsewhere = np.array(answer.angles)
+    multistart.reach(chain, np.array(reach.position, dtype=np.float64), elsewhere, kernel=kernel)
     if is_right(chain):
-        solution = _finished(mirror_chain(chain), mirror_reach(reach), rest, answer)
-        return solution if solution is answer else replace(solution, target=answer.target)
+        chain, reach = mirror_chain(chain), mirror_reach(reach)
     linkage = linkage_of(chain)
-    best = finish(linkage, vector(reach.position), answer.angles.tolist())
-    if best.angles == tuple(answer.angles.tolist()[: len(best.angles)]):
+    kept = tuple(answer.angles.tolist()[: linkage.links[-1].first])
+    best = finish(linkage, vector(reach.position), (kept, elsewhere.tolist()))
+    if best.angles == kept:
         return answer
     home = np.clip(chain.rest if rest is None else rest, chain.lower, chain.upper).tolist()
     done = _with_wrist(chain, reach, best.angles, home, answer.iterations + best.rounds, vector(answer.target))
-    return replace(done, pulled_in=answer.pulled_in)
+    return replace(done, pulled_in=answer.pulled_in, target=answer.target)
 
 
 def _found(
@@ -153,9 +159,9 @@ def _found(
     first = bend_elbow(linkage, place, near=near, swivel=swivel)
     if first.exact:
         return first
-    best = approach(linkage, place.target, first.angles, posture=home, mobility=ease)
+    best = multistart.approach(linkage, place.target, first.angles, posture=home, mobility=ease)
     iterations = first.iterations + best.rounds
-    if best.miss >= STALLED:
+    if best.miss >= multistart.STALLED:
         return Bend(best.angles, False, iterations)
     again = place_of(linkage, best.angles, linkage.hand(best.angles))
     second = bend_elbow(linkage, again, near=best.angles, swivel=swivel)

@@ -56,13 +56,17 @@ class Grid:
         return _banded(self.closeness, 2)
 
     @cached_property
-    def calm(self) -> Floats:
-        """Banded Cholesky factor, upper form, of the sum of squares of acceleration and jerk."""
+    def calmness(self) -> "scipy.sparse.csc_array":
+        """(k + 3, k + 3) quadratic form of acceleration and jerk: the sum of their squares."""
         second, third = np.array([1.0, -2.0, 1.0]), np.array([-1.0, 3.0, -3.0, 1.0]) * CALM / self.step
         bend = scipy.sparse.diags_array(second, offsets=[0, 1, 2], shape=(self.pieces + 1, self.size))
         turn = scipy.sparse.diags_array(third, offsets=[0, 1, 2, 3], shape=(self.pieces, self.size))
-        anchor = ANCHOR * scipy.sparse.eye_array(self.size)
-        return _banded(bend.T @ bend + turn.T @ turn + anchor, 3)
+        return (bend.T @ bend + turn.T @ turn + ANCHOR * scipy.sparse.eye_array(self.size)).tocsc()
+
+    @cached_property
+    def calm(self) -> Floats:
+        """Banded Cholesky factor of `calmness`, upper form."""
+        return _banded(self.calmness, 3)
 
     def rows(self, limits: Limits, hinge: int) -> "scipy.sparse.csr_array":
         """(4 k + 4, k + 3) rows of every limit of a hinge but its range, scaled to -1..1.

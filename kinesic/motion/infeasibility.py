@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Literal
 
-import casadi
 import numpy as np
 import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
-from kinesic.motion.qp import column, numbers, smoothest
+from kinesic.motion.bspline import Grid
+from kinesic.motion.qp import smoothest, solve_linear
 from kinesic.motion.segments import SplineSegment
 from kinesic.motion.trajectory import spline_weights
 
@@ -22,7 +22,6 @@ Quantity = Literal["speed", "acceleration", "jerk", "duty"]
 
 ORDERS: dict[Quantity, int] = {"speed": 1, "acceleration": 2, "jerk": 3, "duty": 2}  # of the time
 EASY = -0.2  # a share of time to spare that need not be known better
-PRECISION = {"max_iter": 250, "eps_abs": 1e-6, "eps_rel": 1e-7}
 ACCELERATING = np.array([1 / 3, -1 / 6, 1 / 3])  # control points at angle 0 and speed 0 with acceleration 1 / step^2
 SPARE = -0.01  # amount below which nobody asks for slopes
 UNEVEN = 0.1  # share of the slopes that do not sum to 0, as they must: moving all keys together changes nothing
@@ -37,6 +36,7 @@ class Infeasibility:
     amount: float  # of the logarithm of their time; negative where there is some to spare
     slopes: Floats  # (m + 2,) [1/s] of the amount over the times of start, keys and end
     binding: tuple[Quantity | None, ...]  # (m + 1,) the limit that binds most in each gap
+    controls: Floats  # (k + 3,) [rad] control points of the motion that exceeds the limits least
 
 
 def guess_share(segment: SplineSegment, limits: Limits) -> float:
@@ -44,6 +44,16 @@ def guess_share(segment: SplineSegment, limits: Limits) -> float:
     if segment.still:
         return 0.0
     return segment.grid.largest(smoothest(segment), limits, segment.hinge)
+
+
+def orders(grid: Grid) -> Floats:
+    """Lists by which powers of time the rows of limits fall when it is stretched."""
+    return np.repeat([float(order) for order in ORDERS.values()], _counts(grid))
+
+
+def _counts(grid: Grid) -> tuple[int, int, int, int]:
+    """How many rows of each quantity there are."""
+    return grid.pieces + 2, grid.pieces + 1, grid.pieces, grid.pieces + 1
 
 
 def measure_shortage(segment: SplineSegment, limits: Limits) -> Infeasibility | None:
@@ -58,7 +68,7 @@ def measure_shortage(segment: SplineSegment, limits: Limits) -> Infeasibility | 
             slopes[key + 1] = _difference(segment, limits, key, found.amount)
     total = float(np.abs(slopes).sum())
     even = slopes - slopes.sum() * np.abs(slopes) / total if total else slopes
-    return Infeasibility(found.amount, even, found.binding)
+    return Infeasibility(found.amount, even, found.binding, found.controls)
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,24 +83,22 @@ class _Least:
 
 def _least(segment: SplineSegment, limits: Limits) -> _Least | None:
     grid, (matrix, values) = segment.grid, segment.fixed
-    rows, count = grid.rows(limits, segment.hinge), grid.pieces
     lower, upper = segment.corridor(limits)
-    counts = [count + 2, count + 1, count, count + 1]
-    some = grid.bounds == 1.0
-    rows, orders = rows[some], np.repeat([float(order) for order in ORDERS.values()], counts)[some, None]
-    solution = _solve(
-        _relaxed(scipy.sparse.coo_array(matrix), rows.tocoo(), orders[:, 0]),
-        np.concatenate([values, np.full(len(orders), -np.inf), np.full(len(orders), -1.0)]),
-        np.concatenate([values, np.full(len(orders), 1.0), np.full(len(orders), np.inf)]),
-        np.append(lower, EASY),
-        np.append(upper, np.inf),
+    some, counts = grid.bounds == 1.0, _counts(grid)
+    rows, powers = grid.rows(limits, segment.hinge)[some], orders(grid)[some]
+    one, endless = np.ones(len(powers)), np.full(len(powers), np.inf)
+    solution = solve_linear(
+        np.append(np.zeros(grid.size), 1.0),
+        _relaxed(matrix.tocoo(), rows.tocoo(), powers),
+        (np.concatenate([values, -endless, -one]), np.concatenate([values, one, endless])),
+        (np.append(lower, EASY), np.append(upper, np.inf)),
     )
     if solution is None:
         return None
     found, pulls = solution
     least = float(found[-1])
-    binds = np.abs(pulls[len(values) :]).reshape(2, -1).max(axis=0) * orders[:, 0]
-    places = np.concatenate([np.linspace(0, count, k) for k in counts])[some]
+    binds = np.abs(pulls[len(values) :]).reshape(2, -1).max(axis=0) * powers
+    places = np.concatenate([np.linspace(0, grid.pieces, k) for k in counts])[some]
     kinds = np.repeat(np.arange(len(counts)), counts)[some]
     return _Least(
         found[:-1],
@@ -101,32 +109,16 @@ def _least(segment: SplineSegment, limits: Limits) -> _Least | None:
 
 
 def _relaxed(
-    fixed: "scipy.sparse.coo_array", rows: "scipy.sparse.coo_array", orders: Floats
+    fixed: "scipy.sparse.coo_array", rows: "scipy.sparse.coo_array", powers: Floats
 ) -> "scipy.sparse.csc_array":
     """Stacks what is fixed, the rows of limits less what relaxes them (the last variable), and the rows plus it."""
     above, (count, size) = fixed.shape[0], rows.shape
     every, last = np.arange(count), np.full(count, size)
     down = [fixed.row, rows.row + above, every + above, rows.row + above + count, every + above + count]
     across = [fixed.col, rows.col, last, rows.col, last]
-    data = np.concatenate([fixed.data, rows.data, -orders, rows.data, orders])
+    data = np.concatenate([fixed.data, rows.data, -powers, rows.data, powers])
     shape = (above + 2 * count, size + 1)
     return scipy.sparse.coo_array((data, (np.concatenate(down), np.concatenate(across))), shape=shape).tocsc()
-
-
-def _solve(
-    every: "scipy.sparse.csc_array", lower: Floats, upper: Floats, least: Floats, most: Floats
-) -> tuple[Floats, Floats] | None:
-    """Solution with the smallest last variable, and the multipliers of the rows; None where it is not found."""
-    quadratic, linear = numbers(scipy.sparse.csc_array((len(least), len(least)))), numbers(every)
-    program = {"h": quadratic.sparsity(), "a": linear.sparsity()}
-    solver = casadi.conic("shortage", "piqp", program, {"error_on_fail": False, "piqp": PRECISION})
-    goal = np.zeros(len(least))
-    goal[-1] = 1.0
-    bounds = {"lba": lower, "uba": upper, "lbx": least, "ubx": most}
-    solution = solver(h=quadratic, a=linear, g=column(goal), **{name: column(given) for name, given in bounds.items()})
-    if not solver.stats()["success"]:
-        return None
-    return np.array(solution["x"]).ravel(), np.array(solution["lam_a"]).ravel()
 
 
 def _slopes(segment: SplineSegment, found: _Least) -> Floats:

@@ -3,99 +3,43 @@
 A linear program moves key times as little as needed, strokes least of all. The least time of a hinge from one key to
 the next is that of its full speed; the time with a rest at both is always enough. Times that are too short for some
 hinge are cut off by a plane, its shortage linearised, and the program is solved again (Kelley, The cutting-plane
-method, 1960). What a hinge lacks is nearly convex in the logarithm of its time, so that a few planes suffice; where
-they do not, the hinge rests at each of its keys, which is always possible.
+method, 1960). What a hinge lacks is nearly convex in the logarithm of its time, so that mostly a few planes suffice.
+Where they do not, as in strokes that are repeated, times are stretched along the motions (`stretching`); where even
+that leads to no end, the hinge rests at each of its keys, which is always possible.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-import scipy
 
 from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
 from kinesic.motion.double_s import least_rest_times
 from kinesic.motion.infeasibility import Infeasibility, Quantity, guess_share, measure_shortage
+from kinesic.motion.key_time_lp import CuttingPlane, KeyTimeProblem, relax_key_times, strain
 from kinesic.motion.keys import SAME, Keys, Pair
 from kinesic.motion.segments import SplineSegment, segments
+from kinesic.motion.stretching import stretch_until_enough
 from kinesic.motion.trajectory import STEP
 
-Gaps = Mapping[tuple[int, Pair], float]  # hinge, two of its keys -> [s]
+Way = tuple[int, Pair]  # hinge, two of its keys that follow one another
+Gaps = Mapping[Way, float]  # [s]
 
-LATENESS = 3.0  # weight of being late over being early
-BROKEN = 50.0  # weight of a bond that cannot be kept, per second
-UNMOVED = 1e-7  # [s]
 RESERVE = 1.02  # on durations from rest to rest
 GRID = 0.04  # [s] that the grid may cost
-PLANES = 40  # of a hinge before it rests at its keys
+PLANES = 40  # of a way before its times are stretched
+STRETCHES = 6  # of a way before its hinge rests
 MARGIN = 0.002  # of the time, kept so that a motion is found quickly
 LONGER = 1.1  # on rests that do not suffice after all
 LONGEST = 100.0  # times as long as a rest should suffice, before nothing does
 ROUGH = 1.3  # share of a limit on a smooth way that makes a segment suspect
 FLAT = 0.1  # [1/s] slopes that lead nowhere
+ABOUT = 2.0  # [s] about what is short that are stretched with it
 NEAR = 0.02  # share of the time within which a segment is looked at again
-
-
-@dataclass(frozen=True, eq=False)
-class CuttingPlane:
-    """Times t with slopes @ t > bound are too short for some hinge."""
-
-    slopes: Floats  # (m,) [1/s]
-    bound: float
-
-
-def relax_key_times(
-    keys: Keys, gaps: Mapping[Pair, float], lead_in: float, cuts: Sequence[CuttingPlane] = ()
-) -> Floats:
-    """Finds the key times that are nearest to the asked ones under gaps, cuts and bonds.
-
-    Variables are t (m,), lateness e+ and earliness e- (m,) with t - asked = e+ - e-, and what each bond lacks.
-
-    Args:
-        keys: what was asked, with its bonds.
-        gaps: least time [s] from one key to another.
-        lead_in: [s] by which the first key may come earlier.
-        cuts: that exclude other times; gaps alone can always be kept.
-
-    Returns:
-        (m,) [s] block time.
-
-    Raises:
-        ArithmeticError: the cuts leave no times.
-    """
-    count, ties = len(keys.asked), len(keys.bonds)
-    pairs = [*gaps, *keys.bonds]
-    rows = np.zeros((len(pairs) + len(cuts), 3 * count + ties))
-    for row, (i, j) in enumerate(pairs):
-        rows[row, i], rows[row, j] = 1.0, -1.0
-    for row, cut in enumerate(cuts, len(pairs)):
-        rows[row, :count] = cut.slopes
-    rows[len(gaps) : len(pairs), 3 * count :] = -np.eye(ties)
-    least = np.array([*gaps.values(), *keys.bonds.values()])
-    one = np.eye(count)
-    result = scipy.optimize.linprog(
-        np.concatenate([np.zeros(count), LATENESS * keys.weights, keys.weights, np.full(ties, BROKEN)]),
-        A_ub=rows,
-        b_ub=np.append(-least, [cut.bound for cut in cuts]),
-        A_eq=np.hstack([one, -one, one, np.zeros((count, ties))]),
-        b_eq=keys.asked,
-        bounds=[(keys.asked[0] - lead_in, None)] * count + [(0.0, None)] * (2 * count + ties),
-        method="highs",
-    )
-    if result.x is None:
-        raise ArithmeticError(f"no key times: {result.message}")
-    times = np.array(result.x[:count])
-    return keys.spread(np.where(np.abs(times - keys.asked) < UNMOVED, keys.asked, times))
-
-
-def strain(keys: Keys, times: Floats) -> float:
-    """Computes what moving the keys to times (m,) [s] costs: the sum that `relax_key_times` makes least."""
-    late = times - keys.asked
-    lacking = sum(max(least - float(times[j] - times[i]), 0.0) for (i, j), least in keys.bonds.items())
-    return float(keys.weights @ np.where(late > 0.0, LATENESS * late, -late)) + BROKEN * lacking
 
 
 def rest_to_rest(keys: Keys, limits: Limits) -> Gaps:
@@ -143,11 +87,13 @@ class Search:
         self.met: dict[Pair, Bottleneck] = {}  # what was too fast as asked, between which keys
         self._gaps = dict(keys.gaps)
         self._cuts: dict[int, list[CuttingPlane]] = {}  # of each hinge
-        self._rests: dict[int, float] = {}  # hinge -> by which its rests are longer
+        self._tries: Counter[Way] = Counter()  # to give each more time
+        self._spans: dict[Way, float] = {}  # [s] in which ways have a motion, found by stretching
+        self._rests: dict[Way, float] = {}  # by which rests at both ends are longer
         self._shortages: dict[tuple[object, ...], Infeasibility | None] = {}  # that were looked at
         self._lengthen_to_full_speed()
         spaced = all(keys.asked[j] - keys.asked[i] >= gap - SAME for (i, j), gap in self._gaps.items())
-        self.times = keys.asked if spaced else relax_key_times(keys, self._gaps, lead_in)
+        self.times = keys.asked if spaced else relax_key_times(self._problem(self._gaps))
 
     def avoid(self, lost: SplineSegment) -> None:
         """Moves the times until every segment that is known to lack time has a motion again.
@@ -155,21 +101,36 @@ class Search:
         Raises:
             ArithmeticError: a hinge cannot even move from rest to rest.
         """
-        first = not self._cuts and not self._rests
-        pending = [segment for segment in self._segments() if first and self._suspect(segment, lost)]
+        first = not self._tries
+        pending = [segment for segment in self._segments(self.times) if first and self._suspect(segment, lost)]
         lacking = [(lost, self._shortage(lost)), *self._lacking(pending)]
         while lacking:
             for segment, found in lacking:
-                if found is None or segment.hinge in self._rests or len(self._cuts.get(segment.hinge, ())) >= PLANES:
-                    self._rest(segment.hinge)
-                else:
-                    self._cut_off(segment, found)
-            self._relax({segment.hinge for segment, _ in lacking})
-            lacking = self._lacking([segment for segment in self._segments() if self._near(segment)])
+                self._lengthen(segment, found)
+                self._note(segment, found)
+            short = {way for segment, _ in lacking for way in _ways(segment)}
+            if stretched := short & self._spans.keys():
+                self._stretch(stretched)
+            else:
+                self._relax(short)
+            lacking = self._lacking([segment for segment in self._segments(self.times) if self._near(segment)])
 
     def _lacking(self, pending: list[SplineSegment]) -> list[tuple[SplineSegment, Infeasibility | None]]:
         found = [(segment, self._shortage(segment)) for segment in pending]
         return [(segment, lack) for segment, lack in found if lack is None or lack.amount > -MARGIN / 4]
+
+    def _lengthen(self, segment: SplineSegment, found: Infeasibility | None) -> None:
+        """Sees to it that a segment gets more time: by a plane, by a stretch, in the end by rests."""
+        ways = set(_ways(segment))
+        self._tries.update(ways)
+        tries = max((self._tries[way] for way in ways), default=0)
+        if found is None or ways & self._rests.keys() or tries > PLANES + STRETCHES:
+            self._rest(ways)
+        elif ways & self._spans.keys() or tries > PLANES:
+            self._drop_cuts(ways)
+            self._spans |= dict.fromkeys(ways, 0.0)
+        else:
+            self._cut_off(segment, found)
 
     def _shortage(self, segment: SplineSegment) -> Infeasibility | None:
         """Remembered by keys and places, which determine it: many a segment stays the same when others move."""
@@ -178,17 +139,27 @@ class Search:
             self._shortages[known] = measure_shortage(segment, self._limits)
         return self._shortages[known]
 
-    def _segments(self) -> Iterator[SplineSegment]:
-        return segments(self.times, self._keys, STEP)
+    def _segments(self, times: Floats) -> Iterator[SplineSegment]:
+        """Those of a motion that may lack time."""
+        return (segment for segment in segments(times, self._keys, STEP) if not self._roomy(segment))
 
     def _suspect(self, segment: SplineSegment, lost: SplineSegment) -> bool:
-        return (segment.hinge, segment.first) != (lost.hinge, lost.first) and guess_share(segment, self._limits) > ROUGH
+        known = (segment.hinge, segment.first) == (lost.hinge, lost.first)
+        return not known and guess_share(segment, self._limits) > ROUGH
+
+    def _roomy(self, segment: SplineSegment) -> bool:
+        """Whether a hinge could even rest at each key of a segment."""
+        ends = np.array([0.0, *segment.places, segment.grid.pieces]) * STEP
+        turns = np.diff(np.array([segment.start, *segment.angles, segment.end]))
+        rests = least_rest_times(turns[:, None], self._limits.part(np.array([segment.hinge])))[:, 0]
+        return bool(np.all(np.diff(ends) >= RESERVE * rests + GRID))
 
     def _near(self, segment: SplineSegment) -> bool:
-        return any(cut.slopes @ self.times > cut.bound - NEAR for cut in self._cuts.get(segment.hinge, ()))
+        stretched = not self._spans.keys().isdisjoint(_ways(segment))
+        return stretched or any(cut.slopes @ self.times > cut.bound - NEAR for cut in self._cuts.get(segment.hinge, ()))
 
     def _cut_off(self, segment: SplineSegment, found: Infeasibility) -> None:
-        """Puts up a plane before times that are too short for a segment, and notes the limit that is met."""
+        """Puts up a plane before times that are too short for a segment."""
         cuts, amount = self._cuts.setdefault(segment.hinge, []), max(found.amount, 0.0) + MARGIN
         if np.abs(found.slopes).max() > FLAT:
             slopes = self._spread(segment, found.slopes)
@@ -198,10 +169,14 @@ class Search:
                 slopes = self._spread(segment, np.eye(len(segment.marks))[k] - np.eye(len(segment.marks))[k + 1])
                 if quantity is not None:
                     cuts.append(CuttingPlane(slopes, float(slopes @ self.times) * float(np.exp(amount))))
-        ratio = float(np.exp(found.amount))
+
+    def _note(self, segment: SplineSegment, found: Infeasibility | None) -> None:
+        """Notes the limits that are met in a segment."""
+        if found is None:
+            return
         for pair, quantity in zip(segment.pairs, found.binding, strict=True):
             if quantity is not None and pair[0] != pair[1]:
-                self._meet(pair, Bottleneck(segment.hinge, quantity, ratio))
+                self._meet(pair, Bottleneck(segment.hinge, quantity, float(np.exp(found.amount))))
 
     def _spread(self, segment: SplineSegment, slopes: Floats) -> Floats:
         """(m,) over all key times, from (m + 2,) over start, keys and end of a segment."""
@@ -214,24 +189,66 @@ class Search:
         if pair not in self.met or found.ratio > self.met[pair].ratio:
             self.met[pair] = found
 
-    def _rest(self, hinge: int) -> None:
-        """Lets a hinge rest at each of its keys; for longer, where it already does."""
-        self._rests[hinge] = longer = LONGER * self._rests[hinge] if hinge in self._rests else 1.0
-        if longer > LONGEST:
-            raise ArithmeticError(f"hinge {hinge} cannot move within its limits, however slowly")
-        for (other, pair), rest in self._all_rests.items():
-            if other == hinge:
-                self._gaps[pair] = max(self._gaps[pair], longer * rest)
-        self._cuts.pop(hinge, None)
+    def _stretch(self, short: set[Way]) -> None:
+        """Stretches times about some ways that are short until they are not; else hinges rest there."""
+        here = [self.times[key] for _, pair in short for key in pair]
+        begin, end = min(here) - ABOUT, max(here) + ABOUT
+        open_ways = {way for way in self._spans if begin <= self.times[way[1][0]] <= end}
 
-    def _relax(self, lacking: set[int]) -> None:
-        """Solves the linear program; hinges whose planes leave no times, or worse ones than rests, rest instead."""
-        for resting in (set(), lacking, set(self._cuts)):
-            for hinge in resting:
-                self._rest(hinge)
-            cuts = [cut for own in self._cuts.values() for cut in own]
+        def measure(times: Floats) -> list[tuple[SplineSegment, Infeasibility | None]]:
+            tight = [segment for segment in self._segments(times) if not open_ways.isdisjoint(_ways(segment))]
+            return [(segment, self._shortage(segment)) for segment in tight]
+
+        for segment, lack in measure(self.times):
+            self._note(segment, lack)
+        kept = self._lengthened({way: span for way, span in self._spans.items() if way not in open_ways})
+        times = stretch_until_enough(self._problem(kept, self._all_cuts), self.times, self._limits, measure)
+        if times is None:
+            self._rest(short)
+            self._relax(short)
+            return
+        self.times = times
+        self._spans |= {(hinge, (i, j)): float(times[j] - times[i]) for hinge, (i, j) in open_ways}
+
+    def _problem(self, gaps: Mapping[Pair, float], cuts: Sequence[CuttingPlane] = ()) -> KeyTimeProblem:
+        return KeyTimeProblem(self._keys, gaps, self._lead_in, cuts)
+
+    @property
+    def _all_cuts(self) -> list[CuttingPlane]:
+        return [cut for own in self._cuts.values() for cut in own]
+
+    def _lengthened(self, spans: Gaps) -> dict[Pair, float]:
+        """All gaps, with those that were found by stretching."""
+        gaps = dict(self._gaps)
+        for (_, pair), span in spans.items():
+            gaps[pair] = max(gaps[pair], span)
+        return gaps
+
+    def _drop_cuts(self, ways: Iterable[Way]) -> None:
+        """Forgets the planes between the keys of some ways."""
+        for hinge, pair in ways:
+            places = list(pair)
+            self._cuts[hinge] = [cut for cut in self._cuts.get(hinge, ()) if not cut.slopes[places].any()]
+
+    def _rest(self, ways: Iterable[Way]) -> None:
+        """Lets hinges rest at both ends of some ways; for longer, where they already do."""
+        for way in ways:
+            hinge, pair = way
+            self._rests[way] = longer = LONGER * self._rests[way] if way in self._rests else 1.0
+            if longer > LONGEST:
+                raise ArithmeticError(f"hinge {hinge} cannot move within its limits, however slowly")
+            self._spans.pop(way, None)
+            self._gaps[pair] = max(self._gaps[pair], longer * self._all_rests[way])
+        self._drop_cuts(ways)
+
+    def _relax(self, short: set[Way]) -> None:
+        """Solves the linear program; where planes leave no times, or worse ones than rests, hinges rest instead."""
+        every = {way for way in self._all_rests if self._cuts.get(way[0])}
+        for resting in (set[Way](), short, every):
+            self._rest(resting - self._rests.keys())
+            gaps, cuts = self._lengthened(self._spans), self._all_cuts
             try:
-                self.times = relax_key_times(self._keys, self._gaps, self._lead_in, cuts)
+                self.times = relax_key_times(self._problem(gaps, cuts))
             except ArithmeticError:
                 continue
             if not cuts or strain(self._keys, self.times) <= self._enough:
@@ -243,7 +260,7 @@ class Search:
         gaps = dict(self._keys.gaps)
         for (_, pair), rest in self._all_rests.items():
             gaps[pair] = max(gaps[pair], LONGER * rest)
-        return strain(self._keys, relax_key_times(self._keys, gaps, self._lead_in))
+        return strain(self._keys, relax_key_times(self._problem(gaps)))
 
     @cached_property
     def _all_rests(self) -> Gaps:
@@ -257,3 +274,7 @@ class Search:
             if gap > max(asked, keys.gaps[pair]) + SAME:
                 rated = limits.speed[hinge] <= limits.duty[hinge] / limits.viscous[hinge]
                 self._meet(pair, Bottleneck(hinge, "speed" if rated else "duty", gap / max(asked, keys.gaps[pair])))
+
+
+def _ways(segment: SplineSegment) -> list[Way]:
+    return [(segment.hinge, pair) for pair in segment.pairs if pair[0] != pair[1]]

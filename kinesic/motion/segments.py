@@ -6,6 +6,7 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
+import scipy
 
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.limits import Limits
@@ -17,6 +18,7 @@ SWING = 0.1  # of a way, beyond which a hinge may not swing
 LEAST_SWING = 0.05  # [rad] that it may swing in any case
 NEAR = 2  # steps about a key in which both its gaps count
 LEAST_HOLD = 40  # steps of a hold in whose middle the hinge rests: in shorter ones it may swing back for what follows
+LONG_HOLD = 100  # steps at either end of a longer hold in which a hinge may swing; in between nothing moves
 LEAST = 4  # pieces of a motion
 SAME = 0.02  # steps: a hinge that comes to rest moves by less than 1e-7 rad in them
 NOWHERE = sealed([])
@@ -155,8 +157,8 @@ class SplineSegment:
         return np.maximum(lower, lowest), np.minimum(upper, highest)
 
     @cached_property
-    def fixed(self) -> tuple[Floats, Floats]:
-        """Matrix (m + 6, k + 3) and values of the control points that are fixed by entry, keys and exit.
+    def fixed(self) -> tuple["scipy.sparse.csr_array", Floats]:
+        """Sparse matrix (m + 6, k + 3) and values of the control points that are fixed by entry, keys and exit.
 
         A key in the last piece is the rest itself: the control point before the rest is as the rest is.
         """
@@ -172,8 +174,7 @@ class SplineSegment:
             rows += [count + 4, count + 5]
             data += [-1.0, -1.0]
             end = [self.end, 0.0, 0.0]
-        matrix = np.zeros((count + 6, last + 1))
-        matrix[rows, columns] = data
+        matrix = scipy.sparse.csr_array((data, (rows, columns)), shape=(count + 6, last + 1))
         values = np.array([*self.angles, *(self.entry or [self.start] * 3), *end])
         kept = np.arange(count + 6) != (count + 3 if self.halts else -1)
         return matrix[kept], values[kept]
@@ -200,7 +201,11 @@ def pieces(times: Floats, step: float) -> int:
 
 
 def _cuts(places: Floats, angles: Floats, led: Flags) -> Iterator[Cut]:
-    """One in the middle of each long hold."""
+    """One in the middle of each hold; two in a long one, so that stillness costs nothing."""
     for k in np.flatnonzero((np.abs(np.diff(angles)) < HOLD) & ~led):
-        if places[k + 1] - places[k] >= LEAST_HOLD:
-            yield round((places[k] + places[k + 1]) / 2), int(k)
+        begin, end = places[k], places[k + 1]
+        if end - begin > 2 * LONG_HOLD + LEAST_HOLD:
+            yield round(begin) + LONG_HOLD, int(k)
+            yield round(end) - LONG_HOLD, int(k)
+        elif end - begin >= LEAST_HOLD:
+            yield round((begin + end) / 2), int(k)

@@ -6,7 +6,7 @@ the motion: where inverse dynamics finds a drive above its full duty, its row be
 
 import numpy as np
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, distinct_rows
 from kinesic.motion.condition import LEAD_IN, Conditioned, condition
 from kinesic.motion.keys import Bond, KeyPosture
 from kinesic.motion.trajectory import STEP, Trajectory
@@ -15,6 +15,8 @@ from kinesic.planning.setup import Setup
 FULL = 0.995  # of the duty, at the knots: in between it may be a little more
 TIGHTER = 0.93  # on the row of a drive above its full duty, beside what it exceeds
 ATTEMPTS = 6
+BLOCK = 4096  # knots that are looked at together, however long the motion is
+SAME = 1e-5  # [rad, rad/s, rad/s^2] knots that differ by less ask for the same torque
 
 
 def certify(
@@ -49,7 +51,13 @@ def certify(
 
 
 def duties(trajectory: Trajectory, setup: Setup) -> Floats:
-    """Computes (n,) the largest duty of each drive at the knots of a motion."""
-    angles, speeds, accelerations = trajectory.sample(trajectory.start + np.arange(0.0, trajectory.duration, STEP))
-    torques = setup.dynamics.torques(angles, speeds, accelerations)
-    return np.asarray(np.abs(torques / setup.robot.drives.stall + speeds * setup.limits.viscous).max(axis=0))
+    """Computes (n,) the largest duty of each drive at the knots of a motion; standing still counts once."""
+    times = trajectory.start + np.arange(0.0, trajectory.duration, STEP)
+    peaks = []
+    for block in (slice(k, k + BLOCK) for k in range(0, len(times), BLOCK)):
+        states = trajectory.sample(times[block])
+        chosen, _ = distinct_rows(np.hstack(states), SAME)
+        angles, speeds, accelerations = (state[chosen] for state in states)
+        torques = setup.dynamics.torques(angles, speeds, accelerations)
+        peaks.append(np.abs(torques / setup.robot.drives.stall + speeds * setup.limits.viscous).max(axis=0))
+    return np.asarray(np.max(peaks, axis=0))

@@ -1,5 +1,6 @@
 """Keeps a motion clear of the body by detours, or names the behaviour that must go."""
 
+from collections.abc import Mapping
 from typing import Protocol
 
 import numpy as np
@@ -9,7 +10,7 @@ from kinesic.body.dynamics import Clearance, Distances
 from kinesic.body.robot import SIDES, Robot
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.condition import Conditioned
-from kinesic.motion.key_times import relax_key_times
+from kinesic.motion.key_time_lp import KeyTimeProblem, relax_key_times
 from kinesic.motion.keys import Bond, KeyPosture, Keys
 from kinesic.motion.trajectory import Trajectory, stay
 from kinesic.planning.certify import certify
@@ -32,6 +33,7 @@ LAG_RESERVE = 0.004  # [m] kept in the plan for what the servos lag behind it
 REPAIRS = 2  # times that a motion is conditioned again because it comes nearer than it should
 EASIER = 0.8  # times the limits, for a motion that strays from a clear desired one
 REPAIR = 0.002  # [m] over what it then lacks
+TOGETHER = 2.0  # [s] within which one behaviour may be what brings segments too near at all times
 
 
 def keep_clear(
@@ -57,7 +59,7 @@ def keep_clear(
         return solved, still, *scan_clearance(still.trajectory, setup.distances)
     ease, least = 1.0, setup.robot.least_clearance + LAG_RESERVE
     keys = Keys.of(solved.postures, setup.limits)
-    planned = keys.asked if keys.spaced else relax_key_times(keys, keys.gaps, 0.0)
+    planned = keys.asked if keys.spaced else relax_key_times(KeyTimeProblem(keys, keys.gaps, 0.0))
     wanted, postures = least, _lead_around(solved.postures, planned, setup, least)
     motion = conditioned(postures, setup, bonds, ease=ease)
     times, clearance = scan_clearance(motion.trajectory, setup.distances)
@@ -92,19 +94,33 @@ def scan_clearance(trajectory: Trajectory, distances: Distances) -> tuple[Floats
 def culprits(
     frames: KeyFrames, motion: Conditioned, times: Floats, clearance: Clearance, robot: Robot
 ) -> dict[str, str]:
-    """Finds the behaviour that brings two segments too near, and why; empty when the motion is clear."""
-    worst = clearance.worst
-    distance = float(clearance.distances[worst])
-    if distance >= robot.least_clearance + LAG_RESERVE or not frames.frames:
+    """Finds the behaviours that bring two segments too near, and why; empty when the motion is clear.
+
+    Of near times only the worst counts: when its behaviour is gone, the others may be clear.
+    """
+    if not frames.frames:
         return {}
-    at = float(times[worst] - motion.trajectory.zero)
-    pair = clearance.pairs[worst]
-    parts = {f"{side}_hand" for side in SIDES if set(pair) & set(robot.arm(side).segments)} or {"torso", "head"}
-    why = f"brings {pair[0]} within {1000 * distance:.0f} mm of {pair[1]} at {at:.2f} s"
+    close = np.flatnonzero(clearance.distances < robot.least_clearance + LAG_RESERVE)
+    close = close[np.argsort(clearance.distances[close], kind="stable")]
     spans_of = planned_spans((name, planned) for name, _, _, planned in on_keys(frames, motion))
+    found: dict[str, str] = {}
+    while close.size:
+        worst = int(close[0])
+        pair, at = clearance.pairs[worst], float(times[worst] - motion.trajectory.zero)
+        why = f"brings {pair[0]} within {1000 * clearance.distances[worst]:.0f} mm of {pair[1]} at {at:.2f} s"
+        found.setdefault(_culprit(pair, at, spans_of, frames, robot), why)
+        close = close[np.abs(times[close] - times[worst]) > TOGETHER]
+    return found
+
+
+def _culprit(
+    pair: tuple[str, str], at: float, spans_of: Mapping[str, tuple[float, float]], frames: KeyFrames, robot: Robot
+) -> str:
+    """The behaviour of these parts that is nearest in time."""
+    parts = {f"{side}_hand" for side in SIDES if set(pair) & set(robot.arm(side).segments)} or {"torso", "head"}
     near = {
         name: max(start - at, at - end, 0.0)
         for name, (start, end) in spans_of.items()
         if frames.uses.get(name, frozenset()) & parts
     }
-    return {min(near, key=lambda name: near[name]): why} if near else {min(spans_of): why}
+    return min(near, key=lambda name: near[name]) if near else min(spans_of)

@@ -103,31 +103,46 @@ def lead_around(course: PostureCourse, distances: Distances, *, least: float) ->
     Returns:
         The same where nothing needs to be done; not clear everywhere where nothing helps.
     """
-    lacking, hopeless = _lacking(course, distances, least), set[int]()
+    scan, hopeless = _Scan.of(course, distances, least), set[int]()
     for _ in range(STEPS):
-        open_stretches = [sample for sample in _closest(lacking) if sample not in hopeless]
+        open_stretches = [sample for sample in _closest(scan.lacking) if sample not in hopeless]
         if not open_stretches:
             break
         sample = open_stretches[0]
         time = sample / SCAN_RATE - course.motion.zero
-        best, best_lacking = course, GAIN * lacking
+        best, best_scan, enough = course, scan, GAIN * scan.lacking.sum()
         for change in _changes(course, time, distances, least):
-            left = _lacking(change, distances, least)
-            if left.sum() < best_lacking.sum():
-                best, best_lacking = change, left
-            if left.sum() == 0.0:
+            left = scan.after(change, distances, least)
+            if left.lacking.sum() < enough:
+                best, best_scan, enough = change, left, left.lacking.sum()
+            if enough == 0.0:
                 break
         if best is course:
             hopeless.add(sample)
         else:
-            course, lacking, hopeless = best, best_lacking, set()
+            course, scan, hopeless = best, best_scan, set()
     return course
 
 
-def _lacking(course: PostureCourse, distances: Distances, least: float) -> Floats:
-    """(m,) [m] that each sample lacks of the clearance."""
-    times = np.arange(0.0, course.motion.duration, 1.0 / SCAN_RATE)
-    return np.maximum(least - distances.clearance(course.motion.angles(times)).distances, 0.0)
+@dataclass(frozen=True, eq=False)
+class _Scan:
+    """A course as samples."""
+
+    angles: Floats  # (m, n) [rad]
+    lacking: Floats  # (m,) [m] of the clearance
+
+    @classmethod
+    def of(cls, course: PostureCourse, distances: Distances, least: float) -> "_Scan":
+        angles = course.motion.angles(np.arange(0.0, course.motion.duration, 1.0 / SCAN_RATE))
+        return cls(angles, np.maximum(least - distances.clearance(angles).distances, 0.0))
+
+    def after(self, change: PostureCourse, distances: Distances, least: float) -> "_Scan":
+        """Scans another course of the same length: only where it is another."""
+        angles = change.motion.angles(np.arange(len(self.angles)) / SCAN_RATE)
+        other = np.flatnonzero((angles != self.angles).any(axis=1))
+        lacking = self.lacking.copy()
+        lacking[other] = np.maximum(least - distances.clearance(angles[other]).distances, 0.0)
+        return _Scan(angles, lacking)
 
 
 def _closest(lacking: Floats) -> Iterator[int]:

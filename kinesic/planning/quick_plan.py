@@ -16,7 +16,7 @@ from kinesic.expressivity.hands.coarticulation import Engaged
 from kinesic.motion.bspline import grid
 from kinesic.motion.condition import Conditioned
 from kinesic.motion.desired import join_keys
-from kinesic.motion.key_times import relax_key_times
+from kinesic.motion.key_time_lp import KeyTimeProblem, relax_key_times
 from kinesic.motion.keys import Bond, KeyPosture, Keys, Passage
 from kinesic.motion.qp import nearest_motion
 from kinesic.motion.segments import pieces, segments
@@ -62,7 +62,7 @@ def rest_at_keys(
             gaps[i, j] = max(gaps[i, j], duration(way, limits, hinge))
     motion = None
     while motion is None:
-        times = relax_key_times(keys, gaps, lead_in=0.0)
+        times = relax_key_times(KeyTimeProblem(keys, gaps, lead_in=0.0))
         motion = _stepwise(times, keys, limits)
         gaps = {pair: LONGER * gap for pair, gap in gaps.items()}
     return Conditioned(motion, keys.asked, sealed(times), {}, sealed(np.zeros(len(limits.lower))))

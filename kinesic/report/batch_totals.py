@@ -1,11 +1,11 @@
 """Counts what became of many documents, of their behaviours, and of every check."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from kinesic.report.batch import DocumentVerdict
-from kinesic.report.checks import Check
+from kinesic.report.checks import GRAVITY, Check, Status, grade
 from kinesic.report.report import Json
 
 OUTCOMES = ("performed", "refused", "crashed")
@@ -17,7 +17,7 @@ class Tally:
     """One check over many documents."""
 
     name: str
-    counts: tuple[int, int, int]  # pass, warn, fail
+    counts: Mapping[Status, int]  # documents by status
     worst: Check
     file: str  # where the worst value is
 
@@ -32,9 +32,9 @@ def tallies(verdicts: Iterable[DocumentVerdict]) -> list[Tally]:
 
 
 def _tally(name: str, made: list[tuple[Check, str]]) -> Tally:
-    passed, warned, failed = (sum(check.status == status for check, _ in made) for status in ("pass", "warn", "fail"))
+    found = {status: sum(check.status == status for check, _ in made) for status in reversed(GRAVITY)}
     worst, file = max(made, key=lambda entry: -entry[0].value if entry[0].at_least else entry[0].value)
-    return Tally(name, (passed, warned, failed), worst, file)
+    return Tally(name, found, worst, file)
 
 
 def totals(verdicts: list[DocumentVerdict]) -> dict[str, Json]:
@@ -51,11 +51,12 @@ def totals(verdicts: list[DocumentVerdict]) -> dict[str, Json]:
 
 
 def counts(verdicts: list[DocumentVerdict]) -> dict[str, Json]:
-    """Counts documents by what became of them, and their behaviours; `failed` are among the performed."""
+    """Counts documents by what became of them, and their behaviours; `failed` and `poor` are among the performed."""
     return {
         "documents": len(verdicts),
         **{outcome: sum(verdict.outcome == outcome for verdict in verdicts) for outcome in OUTCOMES},
         "failed": sum(verdict.outcome == "performed" and verdict.exit > 0 for verdict in verdicts),
+        "poor": sum(grade(verdict.checks) == "poor" for verdict in verdicts),
         **_shares([outcome for verdict in verdicts for _, outcome in verdict.behaviours]),
     }
 
@@ -65,11 +66,8 @@ def _shares(outcomes: list[str]) -> dict[str, Json]:
 
 
 def _json(tally: Tally) -> dict[str, Json]:
-    passed, warned, failed = tally.counts
     return {
-        "pass": passed,
-        "warn": warned,
-        "fail": failed,
+        **dict[str, Json](tally.counts.items()),
         "worst": tally.worst.value,
         "limit": tally.worst.limit,
         "unit": tally.worst.unit,

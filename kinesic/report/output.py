@@ -1,29 +1,26 @@
-"""Writes a performance into a folder of its own."""
+"""Writes a performance into a folder of its own: the page first, then its films."""
 
 import json
+import shutil
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from kinesic.controller.performance import Performance
-from kinesic.controller.play import command_times, play
+from kinesic.controller.play import command_times
 from kinesic.controller.soundtrack import sound, write_wav
-from kinesic.face.display import DisplayError
-from kinesic.face.show.recording import FaceRecording, PortraitSettings
 from kinesic.files.output_file import new_file, write_text
 from kinesic.files.output_folder import new_folder
 from kinesic.planning.face_track import asks_face, commands_with_face
-from kinesic.planning.plan import Plan
+from kinesic.report.films import FACE_RATE, FaceFilm, FilmJob, FilmProcesses, TwinFilm, draw_films
 from kinesic.report.page import Recordings, write_page
 from kinesic.report.report import Json
-from kinesic.sim.film import FilmError
-from kinesic.sim.film import film as write_film
 from kinesic.sim.log import write_log
 
-FILM_RATE = 12.5  # [Hz]
-FACE_RATE = 16  # [Hz] lips move faster than arms: no closure of theirs is left out
 NOT_ASKED = "not asked for"
-FACE = PortraitSettings(side=256)
+NOT_YET = "not drawn yet, or stopped; this page is written anew when it is"
 
 
 def default_folder(source: str) -> Path:
@@ -55,34 +52,74 @@ class Written(Recordings):
 def write_report(
     performance: Performance, data: dict[str, Json], folder: Path, *, film: bool = True, force: bool = False
 ) -> Written:
-    """Writes report.json, report.html, measured.npz, speech.wav and, where OpenGL works, films of twin and face.
+    """Writes report.json, report.html, measured.npz and speech.wav; films are drawn afterwards, by `add_films`.
 
     Args:
         performance: in the twin.
         data: of its report.
         folder: that is made, as a whole: when something fails there is none, or still the earlier one.
-        film: whether twin and face are filmed.
+        film: whether films are to follow; the page then says that they are not there yet.
         force: whether an earlier folder that kinesic has made may be replaced.
 
     Raises:
         ConfigError: the folder must not be written.
     """
     with new_folder(folder, force=force) as fresh:
-        written = _write_files(performance, data, fresh, film=film)
+        written = _write_files(performance, data, fresh, why_no_film=NOT_YET if film else NOT_ASKED)
     return written.within(folder)
+
+
+def add_films(
+    written: Written,
+    performance: Performance,
+    data: dict[str, Json],
+    processes: FilmProcesses,
+    *,
+    progress: Callable[[float], None] = lambda share: None,
+) -> Written:
+    """Draws the films of twin and face, where OpenGL works, and puts them into a report that is there.
+
+    Args:
+        written: the report.
+        performance: in the twin.
+        data: of the report.
+        processes: that draw.
+        progress: gets the share of the films that is drawn.
+
+    Raises:
+        ConfigError: a film could not be written.
+    """
+    plan, measured = performance.plan, performance.measured
+    robot = plan.setup.robot
+    with TemporaryDirectory() as place:
+        film, face = (Path(place) / name for name in ("film.webp", "face.webp"))
+        jobs: dict[Path, FilmJob] = {film: TwinFilm(robot, measured.times, measured.angles)}
+        if asks_face(plan):
+            times = command_times(plan.duration, rate=FACE_RATE)
+            jobs[face] = FaceFilm.of(robot, commands_with_face(plan, times))
+        whys = {face: "nothing is asked of it"} | draw_films(jobs, processes, progress)
+        for drawn in (path for path, why in whys.items() if not why):
+            with new_file(written.report.with_name(drawn.name), force=True) as fresh:
+                shutil.copyfile(drawn, fresh)
+    kept = {path: None if why else written.report.with_name(path.name) for path, why in whys.items()}
+    whole = replace(written, film=kept[film], why_no_film=whys[film], face=kept[face], why_no_face=whys[face])
+    _write_page(whole, performance, data)
+    return whole
 
 
 def rewrite(written: Written, performance: Performance, data: dict[str, Json]) -> None:
     """Writes the report and its page, over older ones."""
     write_text(written.report, json.dumps(data, indent=1), force=True)
+    _write_page(written, performance, data)
+
+
+def _write_page(written: Written, performance: Performance, data: dict[str, Json]) -> None:
     with new_file(written.page, force=True) as fresh:
         write_page(performance, data, written, path=fresh)
 
 
-def _write_files(performance: Performance, data: dict[str, Json], folder: Path, *, film: bool) -> Written:
+def _write_files(performance: Performance, data: dict[str, Json], folder: Path, *, why_no_film: str) -> Written:
     plan = performance.plan
-    twin, why_no_film = _filmed(performance, folder / "film.webp") if film else (None, NOT_ASKED)
-    face, why_no_face = _face(plan, folder / "face.webp") if film else (None, NOT_ASKED)
     measured = folder / "measured.npz"
     write_log(performance.measured, plan.setup.robot, measured)
     voice, heard = folder / "speech.wav", sound(plan)
@@ -92,33 +129,9 @@ def _write_files(performance: Performance, data: dict[str, Json], folder: Path, 
         report=folder / "report.json",
         page=folder / "report.html",
         measured=measured,
-        film=twin,
         why_no_film=why_no_film,
-        face=face,
-        why_no_face=why_no_face,
+        why_no_face=why_no_film,
         voice=None if heard is None else voice,
     )
     rewrite(written, performance, data)
     return written
-
-
-def _face(plan: Plan, path: Path) -> tuple[Path | None, str]:
-    """The path of the face's film, or why there is none."""
-    if not asks_face(plan):
-        return None, "nothing is asked of it"
-    times = command_times(plan.duration, rate=FACE_RATE)
-    try:
-        play(commands_with_face(plan, times), FaceRecording(path, plan.setup.robot, look=FACE, rate=FACE_RATE))
-    except DisplayError as error:
-        return None, str(error)
-    return path, ""
-
-
-def _filmed(performance: Performance, path: Path) -> tuple[Path | None, str]:
-    """The film's path, or why there is none."""
-    measured = performance.measured
-    try:
-        write_film(performance.plan.setup.robot, measured.times, measured.angles, path, rate=FILM_RATE)
-    except FilmError as error:
-        return None, str(error)
-    return path, ""

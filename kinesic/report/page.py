@@ -11,16 +11,19 @@ from markupsafe import Markup, escape
 
 from kinesic.controller.performance import Performance
 from kinesic.expressivity.style.style import MODALITIES, RANGES
+from kinesic.report.checks import GRAVITY
 from kinesic.report.checks.servos import CONTINUOUS, draw_load, loads
 from kinesic.report.conditioning import find_deviations, story
 from kinesic.report.content_policy import content_policy
+from kinesic.report.document_lines import document_lines
 from kinesic.report.plots.hands import hands
 from kinesic.report.plots.joints import joints, still_hinges
 from kinesic.report.plots.margins import margins
 from kinesic.report.plots.score import score
-from kinesic.report.plots.svg import spark
+from kinesic.report.plots.spark import spark
 from kinesic.report.replay import replay_data
 from kinesic.report.report import Json
+from kinesic.report.transcript import transcribe
 
 FILM_TYPES = {".webp": "image/webp", ".png": "image/png", ".gif": "image/gif"}
 SOUND_TYPES = {".wav": "audio/wav"}
@@ -30,8 +33,10 @@ FIRST_CHAPTERS = 6  # behaviours likewise
 OUTCOMES = {"dropped": 0, "substituted": 1, "partly": 2, "realised": 3}
 HERE = Path(__file__).parent / "templates"
 SCRIPTS = ("shapes.js", "scene.js", "film.js", "replay.js")
-SEVERITY = {"fail": 0, "warn": 1, "pass": 2}
+STATUSES: list[str] = list(GRAVITY)  # the gravest first
 TITLES = {
+    "meaning": "Meaning",
+    "amplitude": "Amplitude",
     "limits": "Limits",
     "collision": "Clearance",
     "timing": "Timing",
@@ -72,7 +77,7 @@ def write_page(
     Raises:
         ValueError: a film or the sound is of another type.
     """
-    chapters, strained = story(performance), loads(performance)
+    chapters, strained, rows = story(performance), loads(performance), _rows(data, "behaviours")
     player = "\n".join((HERE / name).read_text(encoding="utf-8") for name in SCRIPTS)
     text = _template().render(
         data=data,
@@ -82,8 +87,11 @@ def write_page(
         policy=content_policy(f"\n{player}\n", img_src="data: blob:", media_src="data:"),
         replay=replay_data(performance),
         tiles=tiles(_rows(data, "checks")),
-        checks=sorted(_rows(data, "checks"), key=lambda row: SEVERITY[str(row["status"])]),
-        behaviours=sorted(_rows(data, "behaviours"), key=lambda row: OUTCOMES[str(row["outcome"])]),
+        checks=sorted(_rows(data, "checks"), key=_gravity),
+        behaviours=sorted(rows, key=lambda row: OUTCOMES[str(row["outcome"])]),
+        fates={row["id"]: row for row in rows},
+        transcript=transcribe(performance.plan),
+        document=document_lines(performance.plan.timeline.block),
         chapters=(chapters[:FIRST_CHAPTERS], chapters[FIRST_CHAPTERS:]),
         deviations=find_deviations(performance),
         parts=PARTS,
@@ -125,7 +133,7 @@ def verdict(data: Mapping[str, Json]) -> str:
         data: what `report` says.
     """
     checks = _rows(data, "checks")
-    failed = [row for row in checks if row["status"] == "fail"]
+    bad = [row for row in checks if row["status"] in ("fail", "poor")]
     dropped = [row for row in _rows(data, "behaviours") if row["outcome"] == "dropped"]
     timing = data["timing"]
     duration = format_number(timing["duration_s"]) if isinstance(timing, dict) else "?"
@@ -135,11 +143,20 @@ def verdict(data: Mapping[str, Json]) -> str:
         (len(_rows(data, "warnings")), "warning"),
     )
     notes = ", ".join(f"{count} {noun}{'s' if count > 1 else ''}" for count, noun in counts if count)
-    fails = ", ".join(
-        f"{row['name']} {format_number(row['value'])} (limit {format_number(row['limit'])})" for row in failed
-    )
+    beyond = ", ".join(_beyond(row) for row in sorted(bad, key=_gravity))
     what = f"{data['input']} on {data['robot']}, {duration} s"
-    return f"{'fail' if failed else 'ok'}: {what}, {fails or 'nothing fails'}{'; ' if notes else ''}{notes}"
+    found = "fail" if any(row["status"] == "fail" for row in bad) else "poor" if bad else "ok"
+    return f"{found}: {what}, {beyond or 'nothing fails'}{'; ' if notes else ''}{notes}"
+
+
+def _beyond(row: Mapping[str, Json]) -> str:
+    """A check and the limit that it is beyond; units are in the table below."""
+    word = "limit" if row["status"] == "fail" else "poor below" if row["at_least"] else "poor above"
+    return f"{row['name']} {format_number(row['value'])} ({word} {format_number(row['limit'])})"
+
+
+def _gravity(row: Mapping[str, Json]) -> int:
+    return STATUSES.index(str(row["status"]))
 
 
 def shift(seconds: float) -> str:
@@ -194,7 +211,7 @@ def tiles(checks: Sequence[Mapping[str, Json]]) -> list[Tile]:
 
 
 def _tile(title: str, rows: list[Mapping[str, Json]]) -> Tile:
-    worst = min(rows, key=lambda row: (SEVERITY[str(row["status"])], -_nearness(row)))
+    worst = min(rows, key=lambda row: (_gravity(row), -_nearness(row)))
     unit = str(worst["unit"])
     value, shown = quantity(worst["value"], unit)
     limit, beside = quantity(worst["limit"], unit)

@@ -9,9 +9,11 @@ from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Capsule, Hinge
 from kinesic.controller.performance import Performance
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
+from kinesic.report.labels import label
 from kinesic.report.plots.score import captions
 from kinesic.report.report import Json
-from kinesic.sim.scene_style import VIEW_FROM, VIEW_HEIGHT, VIEW_RISE, eyeballs, parts
+from kinesic.sim.scene_layout import VIEW_FROM, rods, view_of
+from kinesic.sim.scene_style import eyeballs, parts
 
 RATE = 50.0  # [Hz]
 MOST_FRAMES = 6000  # of one motion; longer ones have a lower rate
@@ -46,7 +48,7 @@ def replay_data(performance: Performance) -> dict[str, Json]:
         "hinges": list(robot.skeleton.names),
         "segments": _segments(robot),
         "servos": _servos(robot),
-        "eyes": _eyes(robot),
+        "details": [*_eyes(robot), *_rods(robot)],
         "view": _view(robot),
         "motions": {name: _packed(angles / step, "<i2") for name, angles in motions.items()},
         "duties": _packed(duties / DUTY_STEP, "u1"),
@@ -110,10 +112,24 @@ def _eyes(robot: Robot) -> list[Json]:
     ]
 
 
+def _rods(robot: Robot) -> list[Json]:
+    """What holds the parts together: segment, capsule, colour."""
+    painted = parts(robot)
+    return [
+        {"segment": robot.skeleton.segment(rod.segment), "capsule": _capsule(rod.shape), "colour": painted[rod.segment]}
+        for rod in rods(robot)
+    ]
+
+
 def _view(robot: Robot) -> dict[str, Json]:
-    """As the film's camera: what is looked at, from where, and how much of it."""
-    middle = robot.gesture_origin + np.array([0.0, 0.0, VIEW_RISE * robot.arm_length])
-    return {"middle": _rounded(middle), "from": list(VIEW_FROM), "height": VIEW_HEIGHT * robot.arm_length}
+    """As the film's camera: what is looked at, from where, how much of it, and where the floor is."""
+    view = view_of(robot)
+    return {
+        "middle": _rounded(view.middle),
+        "from": list(VIEW_FROM),
+        "height": round(view.height, DIGITS),
+        "floor": round(view.floor, DIGITS),
+    }
 
 
 def _marks(performance: Performance) -> list[Json]:
@@ -121,17 +137,20 @@ def _marks(performance: Performance) -> list[Json]:
     syncs = list(performance.plan.syncs)
     if len(syncs) > MOST_MARKS:
         syncs = [sync for sync in syncs if sync.is_stroke][:MOST_MARKS]
-    return [_mark(sync, performance) for sync in syncs]
+    names = {behaviour.id: label(behaviour) for behaviour in performance.plan.timeline.block.behaviours}
+    return [_mark(sync, names[sync.behaviour], performance) for sync in syncs]
 
 
-def _mark(sync: SyncTime, performance: Performance) -> dict[str, Json]:
+def _mark(sync: SyncTime, name: str, performance: Performance) -> dict[str, Json]:
     zero, lag = performance.plan.trajectory.zero, performance.lags.get(sync, 0.0)
     moved = abs(sync.planned - sync.asked) > SHIFT_TO_WARN
     twin = "never reached" if lag is None else f"in the twin {sync.planned + lag:.3f} s"
+    times = f"asked {sync.asked:.3f} s, planned {sync.planned:.3f} s, {twin}"
     return {
         "at": round(zero + sync.planned, 4),
         "behaviour": sync.behaviour,
+        "name": name,
         "sync": sync.sync,
         "kind": " ".join(name for name, yes in (("stroke", sync.is_stroke), ("moved", moved)) if yes),
-        "words": f"{sync.behaviour}:{sync.sync} asked {sync.asked:.3f} s, planned {sync.planned:.3f} s, {twin}",
+        "words": f"{name} ({sync.behaviour}:{sync.sync}) {times}",
     }

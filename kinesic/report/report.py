@@ -17,10 +17,11 @@ from kinesic.ik import KERNEL
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SyncTime
 from kinesic.realizer.feedback import Progress, agenda, span, times_of
-from kinesic.report.checks import TOLERANCE, checks
+from kinesic.report.checks import TOLERANCE, checks, grade
 from kinesic.report.checks.plan import penetrations
 from kinesic.report.checks.twin import measure_tracking, tracking_errors
 from kinesic.report.conditioning import story
+from kinesic.report.labels import label
 from kinesic.version import __version__
 
 Json = None | bool | int | float | str | list["Json"] | dict[str, "Json"]
@@ -53,7 +54,8 @@ def report(
         "style": _style(plan.setup.style, plan.timeline.block),
         "seed": seed,
         "kernel": KERNEL,
-        "ok": all(check.status != "fail" for check in verdicts),
+        "grade": grade(verdicts),
+        "ok": grade(verdicts) != "fail",
         "checks": [asdict(check) for check in verdicts],
         "behaviours": _behaviours(performance),
         "speech": _speech(plan),
@@ -107,6 +109,7 @@ def _behaviours(performance: Performance) -> list[Json]:
         found.append(
             {
                 "id": behaviour.id,
+                "name": label(behaviour),
                 "type": behaviour.type,
                 "outcome": outcome.kind,
                 "why": "; ".join(reasons),

@@ -1,6 +1,7 @@
 """A performance that knows its verdicts and writes its report."""
 
 from collections.abc import Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
@@ -17,8 +18,9 @@ from kinesic.files.output_file import new_file
 from kinesic.files.output_folder import MARKER, check_folder
 from kinesic.planning.motion_files import save_motion
 from kinesic.planning.syncs import Syncs, SyncTime
-from kinesic.report.checks import Check, checks
-from kinesic.report.output import Written, write_report
+from kinesic.report.checks import Check, checks, grade
+from kinesic.report.films import film_processes
+from kinesic.report.output import Written, add_films, write_report
 from kinesic.report.page import verdict
 from kinesic.report.report import Json, report
 from kinesic.report.servo_report import live_checks, live_log, with_live
@@ -60,7 +62,7 @@ class Performance(DryRun):
     @property
     def ok(self) -> bool:
         """Whether no check has failed."""
-        return all(check.status != "fail" for check in self.checks)
+        return grade(self.checks) != "fail"
 
     @cached_property
     def data(self) -> Mapping[str, Json]:
@@ -121,7 +123,10 @@ class Performance(DryRun):
         """
         place = Path(folder)
         _check_free(place)
-        written = write_report(self, dict(self.data), place, film=film, force=True)
+        with film_processes() if film else nullcontext() as processes:
+            written = write_report(self, dict(self.data), place, film=film, force=True)
+            if processes is not None:
+                written = add_films(written, self, dict(self.data), processes)
         if self.servos is not None:
             with new_file(place / LOG, force=True) as fresh:
                 write_log(live_log(self.servos), self.plan.setup.robot, fresh)

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from kinesic.controller.servo_performance import ServoRun
-from kinesic.report.checks import Check
+from kinesic.report.checks import GRADES, Check, grade
 from kinesic.report.checks.twin import MAX, P95
 from kinesic.report.report import Json
 from kinesic.sim.log import Log
@@ -42,7 +42,8 @@ def with_live(data: Mapping[str, Json], live: ServoRun) -> dict[str, Json]:
     assert isinstance(syncs, list)
     return {
         **data,
-        "ok": bool(data["ok"]) and all(check.status != "fail" for check in found),
+        "grade": max(str(data["grade"]), grade(found), key=GRADES.index),
+        "ok": bool(data["ok"]) and grade(found) != "fail",
         "checks": [*earlier, *rows],
         "sync": _syncs(syncs, live),
         "servos": _servos(live, {check.name.partition(".")[2]: check.value for check in found}),

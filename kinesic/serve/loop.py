@@ -36,6 +36,7 @@ from kinesic.serve.messages import (
     ProposalVerdict,
     RequestDone,
 )
+from kinesic.serve.priority import urgent
 from kinesic.serve.sinks import ConsentingSink, MeasuringSink, RealTimeSink, TimedSink, is_steady
 from kinesic.serve.tracks import Effects
 
@@ -138,7 +139,7 @@ class Loop(Thread):
         """Ticks until it is to leave, or a sink fails."""
         self.failed = True
         try:
-            with ExitStack() as closing:
+            with urgent(), ExitStack() as closing:
                 for each in self._sinks:
                     closing.callback(each.sink.close)
                 while not self._leave.is_set():

@@ -8,11 +8,11 @@ from asyncio import sleep
 
 from kinesic.serve.quotas import TokenBucket
 
-TURN = 0.005  # [s] for each connection that waits: all of them together are read 200 times a second
+TURN = 0.005  # [s] of waiting for each that waits: all of them together are read 200 times a second at most
 
 
 class Pace:
-    """When connections are read."""
+    """Says when each connection of a server is read; they share one."""
 
     def __init__(self) -> None:
         """Begins with nobody waiting."""
@@ -22,12 +22,13 @@ class Pace:
         """Waits until a connection may be read, the longer the more of them wait.
 
         Args:
-            bucket: of the connection: how often it is read at once.
+            bucket: of the connection; with a token in it, it does not wait.
         """
         if bucket.take():
             return
         self._waiting += 1
         try:
             await sleep(max(bucket.period, TURN * self._waiting))
+            bucket.empty()  # the tokens of the time that it waited would let a burst through after each turn
         finally:
             self._waiting -= 1

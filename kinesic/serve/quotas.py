@@ -48,6 +48,15 @@ class TokenBucket:
         """[s] until another token is there."""
         return 1.0 / self._rate
 
+    def widen(self, burst: float) -> None:
+        """Bounds what happens to so much at once from now on, if that is more."""
+        self._left += max(0.0, burst - self._burst)
+        self._burst = max(self._burst, burst)
+
+    def empty(self) -> None:
+        """Takes all tokens."""
+        self._left, self._time = 0.0, monotonic()
+
     def take(self) -> bool:
         """Takes a token; False where none is left."""
         now = monotonic()

@@ -27,7 +27,8 @@ BACKLOG = 4096  # connections that the system keeps until they are taken in
 REST = 0.1  # [s] for which nobody is taken in when no file can be opened
 AT_ONCE = 32  # connections taken in before others have their turn
 BUFFER = 65_536  # [bytes] that the system keeps for a client that does not read
-READS = 20  # of one connection at once, before it has to wait for its turn
+FIRST_READS = 4  # of a connection at once, before it has to wait for its turn; floods open many
+READS = 20  # likewise of one that has a place
 FAREWELL = 1.5  # [s] in which clients may read what was said last
 
 
@@ -177,8 +178,8 @@ class Reception:
         visitor.socket.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
         visitor.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BUFFER)
         visitor.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        turns = partial(self._pace.await_turn, TokenBucket(self._rules.rate, READS))
-        line = Transport(visitor.socket, self._rules.patience, turns)
+        reads = TokenBucket(self._rules.rate, FIRST_READS)
+        line = Transport(visitor.socket, self._rules.patience, partial(self._pace.await_turn, reads))
         wire: ClientWire
         async with timeout(self._rules.patience):
             first = await _read_first(line)
@@ -194,16 +195,17 @@ class Reception:
             else:
                 await line.close()
                 return
-        notice = partial(self._notice, visitor, line, client)
+        notice = partial(self._notice, visitor, line, reads, client)
         notice()
         await attend(self._clients, wire, client, notice=notice)
 
-    def _notice(self, visitor: Visitor, line: Transport, client: ConnectedClient) -> None:
+    def _notice(self, visitor: Visitor, line: Transport, reads: TokenBucket, client: ConnectedClient) -> None:
         """Lets a client in from the door as soon as it may: it may say more, and newcomers do not replace it."""
         if client.admitted:
             line.admit()
         if client.placed:
             self._door.pop(visitor, None)
+            reads.widen(READS)
 
 
 async def attend_console(clients: ClientRegistry) -> None:

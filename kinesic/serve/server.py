@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from kinesic.planning.setup import Setup
 from kinesic.serve.clients import ClientRegistry
 from kinesic.serve.origin import ANYBODY_HERE, Access
+from kinesic.serve.priority import urgent
 from kinesic.serve.quotas import USUAL, Quotas
 from kinesic.serve.reception import Reception, attend_console
 from kinesic.serve.session import Session
@@ -77,7 +78,8 @@ async def open_serving(
             address = Address(address.host, reception.listen(address.host, address.port))
         await clients.session.start()
         reception.open()
-        yield Serving(clients, reception, address)
+        with urgent():  # not before: planners are ordinary processes, and begin with what this thread has
+            yield Serving(clients, reception, address)
         reception.close()
         with suppress(TimeoutError):
             async with timeout(FOLDING):

@@ -5,7 +5,7 @@ from typing import cast
 
 import numpy as np
 
-from kinesic.body.arrays import Floats, Indices, sealed
+from kinesic.body.arrays import Floats, Indices, distinct_rows, sealed
 from kinesic.body.dynamics import Clearance
 from kinesic.body.robot import Robot
 from kinesic.body.skeleton import Capsule, Segment, Skeleton
@@ -13,6 +13,7 @@ from kinesic.sim.kinematics import MotionFrames, motion_frames
 
 BLOCK = 512  # postures whose kinematics are computed at once
 STRIP = 128  # of them at once for all pairs, so that arrays stay in the cache and products on one core
+SAME = 1e-5  # [rad] postures that differ by less are one: no capsule is farther off than 0.01 mm for each hinge
 SHORTEST = 1e-9  # [m] of a reach that is not none
 
 
@@ -43,7 +44,7 @@ class CapsuleDistances:
         self._reaches = _reaches(robot.skeleton, self._capsules, pairs)  # (p, n) [m]
 
     def clearance(self, angles: Floats) -> Clearance:
-        """Finds the smallest distance between the capsules of counted pairs.
+        """Finds the smallest distance between the capsules of counted pairs; a posture that lasts is measured once.
 
         Args:
             angles: (m, n) [rad] in joint order.
@@ -51,7 +52,9 @@ class CapsuleDistances:
         Returns:
             Distance and pair of segments for each posture; infinite for a robot without counted pairs.
         """
-        return self._named(*self._nearest(angles))
+        chosen, back = distinct_rows(angles, SAME)
+        distances, pairs = self._nearest(angles[chosen])
+        return self._named(distances[back], pairs[back])
 
     def gaps(self, angles: Floats) -> Floats:
         """Measures the distances between the segments of every counted pair.
@@ -124,18 +127,14 @@ class CapsuleDistances:
         """(m,) [m] and index of the closest pair of capsules, for (m, n) [rad]."""
         if not self._names:
             return np.full(len(angles), np.inf), np.zeros(len(angles), dtype=np.intp)
-        lowest = self._lowest(angles)
-        return lowest.min(axis=0, initial=np.inf), lowest.argmin(axis=0)
-
-    def _lowest(self, angles: Floats) -> Floats:
-        """(p, m) [m] distance of each pair for (m, n) [rad]; for those that cannot be the closest, a lower bound."""
-        blocks = [
-            self._strips(motion_frames(self._skeleton, angles[k : k + BLOCK])) for k in range(0, len(angles), BLOCK)
-        ]
-        return np.concatenate(blocks, axis=1) if blocks else np.empty((len(self._names), 0))
+        distances, pairs = np.empty(len(angles)), np.empty(len(angles), dtype=np.intp)
+        for block in (slice(k, k + BLOCK) for k in range(0, len(angles), BLOCK)):
+            lowest = self._strips(motion_frames(self._skeleton, angles[block]))
+            distances[block], pairs[block] = lowest.min(axis=0), lowest.argmin(axis=0)
+        return distances, pairs
 
     def _strips(self, frames: MotionFrames) -> Floats:
-        """The same from where the segments are."""
+        """(p, m) [m] distance of each pair in m postures; for those that cannot be the closest, a lower bound."""
         starts, ends = self._axes(frames)
         strips = [
             self._closest(starts[:, :, k : k + STRIP], ends[:, :, k : k + STRIP])

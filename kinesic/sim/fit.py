@@ -9,7 +9,7 @@ fitted only if the log tells it whatever the other figures are.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import pairwise
+from itertools import count, pairwise
 
 import msgspec
 import numpy as np
@@ -52,13 +52,20 @@ class Fit:
     after: float  # [rad] the same with the factors found
 
 
-def fit_factors(log: Log, robot: Robot, *, free: tuple[Figure, ...] = DEFAULT) -> Fit:
+def fit_factors(
+    log: Log,
+    robot: Robot,
+    *,
+    free: tuple[Figure, ...] = DEFAULT,
+    progress: Callable[[int], None] = lambda count: None,
+) -> Fit:
     """Fits factors to a log.
 
     Args:
         log: goals and angles of the whole robot.
         robot: as its data sheets describe it.
         free: figures that may differ from them.
+        progress: gets, after each replay of the log, how many there were; nobody knows how many there will be.
 
     Returns:
         The same for the same log: nothing is random.
@@ -69,9 +76,13 @@ def fit_factors(log: Log, robot: Robot, *, free: tuple[Figure, ...] = DEFAULT) -
     asked = unknowns(robot, free)
     noise = robot.drives.tick / 2  # of a rounded angle; neighbours are rounded alike
 
+    replays = count(1)
+
     @lru_cache(maxsize=LATEST)
     def errors_at(*values: float) -> Floats:
-        return sealed(((replay_log(log, robot, factors_of(asked, np.array(values))) - log.angles) / noise).ravel())
+        found = replay_log(log, robot, factors_of(asked, np.array(values)))
+        progress(next(replays))
+        return sealed(((found - log.angles) / noise).ravel())
 
     def errors(values: Floats) -> Floats:
         return errors_at(*values.tolist())

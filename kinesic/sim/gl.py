@@ -43,17 +43,24 @@ def prepare(environment: MutableMapping[str, str] = os.environ) -> str:
     return environment["MUJOCO_GL"]
 
 
+def missing_libraries() -> str | None:
+    """Finds what hinders drawing as far as it shows without trying, with the line that mends it."""
+    if platform.system() == "Linux":
+        if absent := _absent(os.environ):
+            return f"OpenGL is missing ({', '.join(absent)}): {APT_LINE}"
+        if os.environ.get("MUJOCO_GL", "").lower().strip() in _OFF:
+            return f"drawing is switched off by MUJOCO_GL={os.environ['MUJOCO_GL']}: unset it"
+    return None
+
+
 @cache
 def opengl_fault() -> str | None:
     """Finds what hinders drawing, with the line that mends it; None when a picture was really drawn.
 
     Draws once in another process, since a missing driver may end the process that tries.
     """
-    if platform.system() == "Linux":
-        if absent := _absent(os.environ):
-            return f"OpenGL is missing ({', '.join(absent)}): {APT_LINE}"
-        if os.environ.get("MUJOCO_GL", "").lower().strip() in _OFF:
-            return f"drawing is switched off by MUJOCO_GL={os.environ['MUJOCO_GL']}: unset it"
+    if why := missing_libraries():
+        return why
     try:
         probe = subprocess.run(
             [sys.executable, "-c", _PROBE], capture_output=True, text=True, timeout=60, check=False, env=os.environ

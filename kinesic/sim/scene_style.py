@@ -9,6 +9,7 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Robot
 from kinesic.sim.model import capsule_name, describe
+from kinesic.sim.scene_layout import VIEW_ANGLE, VIEW_FROM, View, rods, view_of
 
 CAMERA = "audience"
 Part = Literal["trunk", "limb", "l_hand", "r_hand"]
@@ -23,15 +24,14 @@ SKY = (0.62, 0.74, 0.84)
 HORIZON = (0.90, 0.93, 0.95)
 WHITE = (1.0, 1.0, 1.0, 1.0)
 BLACK = (0.06, 0.07, 0.10, 1.0)
-EYE_RADIUS = 0.018  # [m]
-EYE_SPACING = 0.027  # [m] from the face's midline
-EYE_DEPTH = 0.006  # [m] of the whites' centres behind the site
-PUPIL_RADIUS = 0.0105  # [m]
-PUPIL_AHEAD = 0.0095  # [m] of the pupils' centres before those of the whites
-VIEW_ANGLE = 28.0  # [deg] of the camera, vertical
-VIEW_FROM = (0.92, 0.36, 0.16)  # direction from the robot to the camera: in front, slightly to its left and above
-VIEW_RISE = 0.45  # of the picture's middle above gesture space's origin, in arm lengths
-VIEW_HEIGHT = 2.6  # of the picture at the robot, in arm lengths
+EYE_RADIUS = 0.043  # this and what follows in arm lengths
+EYE_SPACING = 0.064  # from the face's midline
+EYE_DEPTH = 0.014  # of the whites' centres behind the site
+PUPIL_RADIUS = 0.025
+PUPIL_AHEAD = 0.0226  # of the pupils' centres before those of the whites
+SUN, FILL = (-0.5, -0.45, -0.8), (-0.6, 0.7, -0.4)  # where the lights shine
+SHADOWED = 2.0  # extents of the robot that the sun's shadows reach; at their edge the floor is speckled
+SUN_AWAY = 2.0  # picture heights from the robot; shadows fall as far beyond it
 
 
 def styled_model(robot: Robot, *, width: int, height: int) -> mujoco.MjModel:
@@ -39,10 +39,12 @@ def styled_model(robot: Robot, *, width: int, height: int) -> mujoco.MjModel:
     spec = describe(robot)
     _paint(spec, robot)
     _add_eyes(spec, robot)
-    _add_room(spec, robot)
+    _add_rods(spec, robot)
+    _add_room(spec, view_of(robot))
     spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
     spec.visual.quality.offsamples = 4
-    spec.visual.quality.shadowsize = 1024
+    spec.visual.quality.shadowsize = 2048
+    spec.visual.map.shadowclip = SHADOWED
     spec.visual.quality.numslices, spec.visual.quality.numstacks = 20, 10
     spec.visual.headlight.ambient = [0.38, 0.38, 0.40]
     spec.visual.headlight.diffuse = [0.20, 0.20, 0.20]
@@ -77,11 +79,11 @@ def eyeballs(robot: Robot) -> tuple[Eyeball, ...]:
     if not sideways.any():
         return ()
     sideways /= np.linalg.norm(sideways)
-    found = []
+    found, size = [], robot.arm_length
     for side in (-1, 1):
-        white = eyes.position + side * EYE_SPACING * sideways - EYE_DEPTH * eyes.facing
-        found.append(Eyeball(sealed(white), EYE_RADIUS, dark=False))
-        found.append(Eyeball(sealed(white + PUPIL_AHEAD * eyes.facing), PUPIL_RADIUS, dark=True))
+        white = eyes.position + size * (side * EYE_SPACING * sideways - EYE_DEPTH * eyes.facing)
+        found.append(Eyeball(sealed(white), size * EYE_RADIUS, dark=False))
+        found.append(Eyeball(sealed(white + size * PUPIL_AHEAD * eyes.facing), size * PUPIL_RADIUS, dark=True))
     return tuple(found)
 
 
@@ -107,7 +109,21 @@ def _add_eyes(spec: mujoco.MjSpec, robot: Robot) -> None:
         )
 
 
-def _add_room(spec: mujoco.MjSpec, robot: Robot) -> None:
+def _add_rods(spec: mujoco.MjSpec, robot: Robot) -> None:
+    painted = parts(robot)
+    for rod in rods(robot):
+        spec.body(rod.segment).add_geom(
+            type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+            fromto=np.concatenate([rod.shape.start, rod.shape.end]),
+            size=[rod.shape.radius, 0, 0],
+            rgba=COLOURS[painted[rod.segment]],
+            mass=0,
+            contype=0,
+            conaffinity=0,
+        )
+
+
+def _add_room(spec: mujoco.MjSpec, view: View) -> None:
     spec.add_texture(
         name="sky",
         type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
@@ -119,30 +135,35 @@ def _add_room(spec: mujoco.MjSpec, robot: Robot) -> None:
     )
     spec.add_material(name="floor", rgba=[0.70, 0.73, 0.74, 1], specular=0.1, shininess=0.1)
     spec.worldbody.add_geom(
-        type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 0.05], material="floor", contype=0, conaffinity=0
+        type=mujoco.mjtGeom.mjGEOM_PLANE,
+        pos=[0, 0, view.floor],
+        size=[0, 0, 0.05],
+        material="floor",
+        contype=0,
+        conaffinity=0,
     )
-    _add_lights(spec)
-    _add_camera(spec, robot)
+    _add_lights(spec, view)
+    _add_camera(spec, view)
 
 
-def _add_lights(spec: mujoco.MjSpec) -> None:
+def _add_lights(spec: mujoco.MjSpec, view: View) -> None:
     """A sun with shadows from the robot's left, and a cool light without from its right."""
-    sun = {"pos": [1.5, 1.5, 3.0], "dir": [-0.5, -0.45, -0.8], "diffuse": [0.55, 0.54, 0.52], "castshadow": True}
-    fill = {"pos": [1.0, -2.0, 2.0], "dir": [-0.6, 0.7, -0.4], "diffuse": [0.22, 0.24, 0.27], "castshadow": False}
+    sun = {"dir": SUN, "diffuse": [0.55, 0.54, 0.52], "castshadow": True}
+    fill = {"dir": FILL, "diffuse": [0.22, 0.24, 0.27], "castshadow": False}
     for light in (sun, fill):
-        spec.worldbody.add_light(type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, **light)
+        away = view.middle - SUN_AWAY * view.height * np.array(light["dir"])
+        spec.worldbody.add_light(type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, pos=away, **light)
 
 
-def _add_camera(spec: mujoco.MjSpec, robot: Robot) -> None:
-    """In front of the robot, so far that the hands stay in the picture wherever they reach."""
-    middle = robot.gesture_origin + np.array([0.0, 0.0, VIEW_RISE * robot.arm_length])
+def _add_camera(spec: mujoco.MjSpec, view: View) -> None:
+    """In front of the robot, so far that the picture has its height there."""
     towards = np.array(VIEW_FROM) / np.linalg.norm(VIEW_FROM)
-    distance = VIEW_HEIGHT * robot.arm_length / 2 / np.tan(np.radians(VIEW_ANGLE) / 2)
+    distance = view.height / 2 / np.tan(np.radians(VIEW_ANGLE) / 2)
     right = np.cross([0.0, 0.0, 1.0], towards)
     right /= np.linalg.norm(right)
     spec.worldbody.add_camera(
         name=CAMERA,
-        pos=middle + distance * towards,
+        pos=view.middle + distance * towards,
         xyaxes=[*right, *np.cross(towards, right)],
         fovy=VIEW_ANGLE,
     )

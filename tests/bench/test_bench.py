@@ -19,6 +19,7 @@ def brief(monkeypatch):
     """One or two repetitions are enough to see that the figures are there."""
     monkeypatch.setattr(plan, "REPETITIONS", 1)
     monkeypatch.setattr(plan, "CROWDS", 1)
+    monkeypatch.setattr(plan, "RHYTHMS", 1)
     monkeypatch.setattr(plan, "crowd", lambda seed, lexemes: crowd(SMALL + seed, lexemes))
     monkeypatch.setattr(first_command, "REPETITIONS", 2)
     monkeypatch.setattr(twin, "REPETITIONS", 2)
@@ -35,7 +36,7 @@ def test_plan_has_its_figures_and_no_violation(brief):
     figures = {figure.name: figure for figure in plan.bench()}
     assert figures["plan.full_5s_p95"].value > 0
     assert figures["plan.violations"].value == 0
-    assert figures["plan.stretch_blocks"].value == 1
+    assert figures["plan.stretch_blocks"].value == 2
     assert figures["plan.stretch"].ok
 
 
@@ -60,7 +61,7 @@ def test_feed_forward_and_correction_each_bring_servos_nearer_to_the_plan():
 def test_without_a_corpus_the_table_is_null_and_says_why(monkeypatch):
     monkeypatch.setenv("KINESIC_CORPUS", "nowhere")
     figures = twin.tracking_figures(set_up())
-    assert len(figures) == 36
+    assert len(figures) == 36 + 6 * len(twin.WRONG)
     assert all(figure.value is None and "KINESIC_CORPUS" in figure.why for figure in figures)
 
 

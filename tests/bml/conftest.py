@@ -10,6 +10,19 @@ from kinesic.bml.schedule import schedule
 from kinesic.body.utterance import Utterance
 
 SECONDS_PER_LETTER = 0.1
+SPEECH = '<speech id="s"><text>Hello <sync id="m"/>big world</text></speech>'
+
+
+def gesture(name: str, syncs: str = "") -> str:
+    """A beat with these sync attributes."""
+    return f'<gesture id="{name}" lexeme="BEAT" {syncs}/>'
+
+
+def at(timeline: Timeline, sync: str) -> float:
+    """The time [s] of a sync point, as in `g:stroke`."""
+    behaviour, _, point = sync.partition(":")
+    (found,) = (timed.times for timed in timeline.timed if timed.behaviour.id == behaviour)
+    return found[point]
 
 
 def _spoken(block: Block) -> dict[str, Utterance]:

@@ -9,19 +9,9 @@ from kinesic.bml.parse import parse
 from kinesic.bml.schedule import schedule
 from kinesic.body.utterance import Utterance
 
+from .conftest import SPEECH, at, gesture
+
 Timing = Callable[[str], Timeline]
-
-SPEECH = '<speech id="s"><text>Hello <sync id="m"/>big world</text></speech>'  # 0.1 s per letter
-
-
-def gesture(name: str, syncs: str = "") -> str:
-    return f'<gesture id="{name}" lexeme="BEAT" {syncs}/>'
-
-
-def at(timeline: Timeline, sync: str) -> float:
-    behaviour, _, point = sync.partition(":")
-    (found,) = (timed.times for timed in timeline.timed if timed.behaviour.id == behaviour)
-    return found[point]
 
 
 def why(timeline: Timeline) -> dict[str, str]:

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from kinesic.body.arrays import sealed
+from kinesic.body.arrays import distinct_rows, sealed
 
 
 def test_a_sealed_array_cannot_be_written():
@@ -17,3 +17,22 @@ def test_sealing_copies():
     source[0] = 1.0
     assert array[0] == 0.0
     assert source.flags.writeable
+
+
+def test_rows_that_do_not_change_are_one():
+    rows = np.array([[0.0, 1.0], [0.0, 1.0], [0.0, 1.0 + 4e-4], [0.5, 1.0], [0.0, 1.0], [0.0, 1.0]])
+    chosen, back = distinct_rows(rows, 1e-3)
+    assert chosen.tolist() == [0, 3, 4]
+    assert back.tolist() == [0, 0, 0, 1, 2, 2]
+
+
+def test_what_creeps_is_not_taken_for_still():
+    creeping = np.linspace(0.0, 1.0, 10_001)[:, None]
+    chosen, back = distinct_rows(creeping, 1e-2)
+    assert np.abs(creeping - creeping[chosen][back]).max() < 1.001e-2
+    assert 90 < len(chosen) < 110
+
+
+def test_no_rows_are_none():
+    chosen, back = distinct_rows(np.empty((0, 3)), 1e-3)
+    assert (len(chosen), len(back)) == (0, 0)

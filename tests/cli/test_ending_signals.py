@@ -8,9 +8,10 @@ import sys
 
 import pytest
 
-from kinesic.cli.ending_signals import ended_by_signals, leave_closed_terminal
+from kinesic.cli.ending_signals import ended_by_signals, ended_on_the_spot, leave_closed_terminal
 
 PATIENCE = 30.0  # [s]
+NOD = b'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" start="0.2"/></bml>'
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
@@ -37,6 +38,49 @@ def test_the_command_line_ends_so_too():
     )
     ended = subprocess.run([sys.executable, "-c", program], capture_output=True, timeout=PATIENCE, check=False)
     assert (ended.returncode, ended.stderr) == (143, b"")
+
+
+def test_ctrl_c_is_one_line_and_leaves_no_folder(kinesic, tmp_path, monkeypatch: pytest.MonkeyPatch):
+    def stop(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("kinesic.report.output.write_log", stop)  # while the folder of the report is being filled
+    ended = kinesic("perform", "-", "--no-film", stdin=NOD)
+    assert (ended.code, ended.out, ended.err) == (130, "", "kinesic: stopped\n")
+    assert list(tmp_path.iterdir()) == []
+
+
+IMPORTING = {
+    "a verb": (
+        "import os, sys; from kinesic import cli; from kinesic.cli import options\n"
+        "options.import_module = lambda name: os.kill(os.getpid(), 2)\n"
+        "sys.argv = ['kinesic', 'robots', 'list']\n"
+        "cli.main()"
+    ),
+    "the command line": (
+        "import os, sys\n"
+        "class Stop:\n"
+        "    def find_spec(self, name, *_):\n"
+        "        if name == 'kinesic.cli.verbs': os.kill(os.getpid(), 2)\n"
+        "sys.meta_path.insert(0, Stop())\n"
+        "import kinesic.cli"
+    ),
+}
+
+
+@pytest.mark.parametrize("program", IMPORTING.values(), ids=IMPORTING)
+def test_ctrl_c_in_an_import_is_one_line_and_not_swallowed(program: str):
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, timeout=PATIENCE, check=False)
+    assert (ended.returncode, ended.stderr) == (130, b"kinesic: stopped\n")
+
+
+def test_ctrl_c_that_is_ignored_stays_so_while_a_verb_is_imported():
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with ended_on_the_spot():
+            assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def test_a_terminal_that_has_closed_is_left_and_other_streams_stay(capfd: pytest.CaptureFixture[str]):

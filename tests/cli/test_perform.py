@@ -1,4 +1,6 @@
 import json
+import re
+from subprocess import Popen
 
 import pytest
 
@@ -54,6 +56,7 @@ def piped(kinesic_in, folder):
 
 def test_a_nod_is_performed_and_the_paths_are_printed_last(written, folder):
     assert written.code == 0, written.err
+    assert re.match(r"all \d\d checks pass\nok: nod.bml on upper22, ", written.out)
     assert written.out.splitlines()[-2:] == ["report: there/report.json", "page: there/report.html"]
     data = json.loads((folder / "there" / "report.json").read_text())
     assert data.keys() >= KEYS
@@ -93,12 +96,30 @@ def test_the_pessimistic_twin_tracks_worse(kinesic_in, folder, piped):
 
 
 def test_words_of_strangers_are_printed_as_they_stand(kinesic, tmp_path):
-    (tmp_path / "[red]m.bml").write_bytes(NOD.replace(b'id="h"', b'id="[/x]&#x9b;31m"'))
+    (tmp_path / "[red]m.bml").write_bytes(NOD.replace(b'id="h"', b'id="[/x]&#x9b;31m" amount="5"'))
     ended = kinesic("perform", "[red]m.bml", "--no-film", "--out", "o")
     assert ended.code == 0, ended.err
-    assert "[/x]\\x9b31m:stroke" in ended.out
+    assert "warning     b:[/x]\\x9b31m: " in ended.out
     assert "ok: [red]m.bml on upper22" in ended.out
     (tmp_path / "evil.bml").write_bytes(NOD.replace(b"NOD", "\x9b31m".encode()))
     ended = kinesic("plan", "evil.bml", "--out", "evil.npz")
     assert "\x9b" not in ended.err + ended.out
     assert "\\x9b31m" in ended.err
+
+
+def test_the_page_is_there_before_films_are_drawn_and_stays_when_they_are_stopped(kinesic, tmp_path, monkeypatch):
+    def stop(jobs: object, processes: dict[str, Popen[bytes]], progress: object) -> None:
+        text = (tmp_path / "there" / "report.html").read_text()
+        assert "No film: not drawn yet" in text
+        assert all(process.poll() is None for process in processes.values())
+        began.extend(processes.values())
+        raise KeyboardInterrupt
+
+    began: list[Popen[bytes]] = []
+    monkeypatch.setattr("kinesic.report.output.draw_films", stop)
+    ended = kinesic("perform", "-", "--out", "there", stdin=NOD)
+    assert (ended.code, ended.out) == (130, "")
+    assert ended.err == "kinesic: stopped before its films were drawn; page: there/report.html\n"
+    assert json.loads((tmp_path / "there" / "report.json").read_text())["ok"]
+    assert len(began) == 2
+    assert all(process.poll() is not None for process in began), "they end with the command"

@@ -1,7 +1,7 @@
 """The face in `kinesic perform`."""
 
 import json
-import sys
+import os
 
 import pytest
 from PIL import Image
@@ -39,7 +39,9 @@ def test_the_face_is_filmed_and_shown_beside_the_twin(kinesic, smile, tmp_path):
 
 
 def test_without_opengl_the_page_says_why_there_is_no_face(kinesic, smile, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "moderngl", None)
+    (tmp_path / "empty").mkdir()  # of the process that draws
+    (tmp_path / "empty" / "moderngl.py").write_text("raise ModuleNotFoundError(name='moderngl')")
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path / "empty"), os.environ.get("PYTHONPATH", "")]))
     ended = kinesic("perform", smile, "--out", "there", "--voice", "durations")
     assert ended.code == 0, ended.err
     why = "moderngl is not installed; pip install 'kinesic[face]'"

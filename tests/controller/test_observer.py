@@ -8,6 +8,7 @@ from scipy.linalg import expm
 from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
 from kinesic.body.robot import SPEED_SHARE, Robot
+from kinesic.controller.feedforward import FeedForwardGoals
 from kinesic.controller.observer import LARGEST, LoadEstimate, Observer, ObserverInputs, _forecast, correct_goals
 from kinesic.controller.observer_step import FADING, RESTORING, SHARES
 from kinesic.sim.dynamics import MujocoDynamics
@@ -25,9 +26,14 @@ def command(angles: Floats = REST) -> Command:
     return Command(0.0, angles, NOTHING, NOTHING, angles)
 
 
+def setpoints(loads: Floats, leads: Floats | None = None) -> FeedForwardGoals:
+    """Set points with (m, n) parts that carry torque and speed."""
+    return FeedForwardGoals(loads, loads, np.zeros_like(loads) if leads is None else leads, loads)
+
+
 def inputs(angles: Floats = REST, load: float = 0.0, **changes: Floats) -> ObserverInputs:
     """One tick that teaches nothing, but for what is changed."""
-    return replace(OBSERVER.precompute_inputs([command(angles)], NOTHING[None] + load), **changes)
+    return replace(OBSERVER.precompute_inputs([command(angles)], setpoints(NOTHING[None] + load)), **changes)
 
 
 INPUTS = inputs()
@@ -93,6 +99,7 @@ def test_without_deviation_nothing_is_corrected():
         belief = OBSERVER.after(belief, NOTHING, INPUTS, 0)
     np.testing.assert_array_equal(belief.goals, REST)
     np.testing.assert_array_equal(belief.share, 0.0)
+    np.testing.assert_array_equal(belief.pace, 0.0)
 
 
 def test_a_step_is_pure():
@@ -114,7 +121,7 @@ def test_a_hinge_that_hangs_low_is_raised():
 @pytest.mark.parametrize("deviation", [-3.0, -0.05, 0.05, 3.0])
 def test_size_rate_and_range_are_bounded(deviation):
     belief, one = OBSERVER.begin(), np.ones((1, COUNT))
-    taught = inputs(load=0.1, noticed=0.1 * one, trust=one)
+    taught = inputs(load=0.1, noticed=0.1 * one, trust=one, leads=0.1 * one, noticed_leads=0.1 * one, trust_leads=one)
     step = (1 - SPEED_SHARE) * ROBOT.drives.no_load * PERIOD
     for _ in range(200):
         before = belief.correction
@@ -122,14 +129,15 @@ def test_size_rate_and_range_are_bounded(deviation):
         assert np.all(np.abs(belief.correction) <= LARGEST + 1e-12)
         assert np.all(np.abs(belief.correction - before) <= step + 1e-12)
         assert np.all((belief.goals >= ROBOT.skeleton.lower) & (belief.goals <= ROBOT.skeleton.upper))
-        assert np.all((belief.share >= SHARES[0]) & (belief.share <= SHARES[1]))
+        for learned in (belief.share, belief.pace):
+            assert np.all((learned >= SHARES[0]) & (learned <= SHARES[1]))
 
 
 def test_a_heavier_load_is_learned_while_it_is_led():
     share, belief = 0.6, OBSERVER.begin()
     plant = np.zeros((COUNT, 3))
     loads = 0.06 * np.sin(np.arange(60) / 5)[:, None] + NOTHING
-    taught = OBSERVER.precompute_inputs([command(NOTHING)] * 60, loads)
+    taught = OBSERVER.precompute_inputs([command(NOTHING)] * 60, setpoints(loads))
     for tick, load in enumerate(loads):
         previous = plant[:, 0]
         belief = OBSERVER.after(belief, previous, taught, tick)
@@ -137,6 +145,23 @@ def test_a_heavier_load_is_learned_while_it_is_led():
         plant = np.einsum("ijn,nj->ni", OBSERVER.forecast, plant)
     middle = (ROBOT.skeleton.lower < -0.2) & (ROBOT.skeleton.upper > 0.2)
     np.testing.assert_allclose(belief.share[middle], share, atol=0.2)
+
+
+@pytest.mark.parametrize("gain", [0.75, 1.5])
+def test_a_gain_that_is_wrong_is_learned_from_load_and_speed(gain):
+    """What carries speed and what carries torque are a quarter turn apart, as in every swing."""
+    belief, plant, ticks = OBSERVER.begin(), np.zeros((COUNT, 3)), np.arange(300) / 5
+    loads = 0.06 * np.sin(ticks)[:, None] + NOTHING
+    leads = 0.06 * np.cos(ticks)[:, None] + NOTHING
+    taught = OBSERVER.precompute_inputs([command(NOTHING)] * len(ticks), setpoints(loads, leads))
+    middle = (ROBOT.skeleton.lower < -0.2) & (ROBOT.skeleton.upper > 0.2)
+    for tick, led in enumerate(loads + leads):
+        previous = plant[:, 0]
+        belief = OBSERVER.after(belief, previous, taught, tick)
+        plant[:, 2] = gain * np.clip(belief.correction, -1, 1) - (1.0 - gain) * led
+        plant = np.einsum("ijn,nj->ni", OBSERVER.forecast, plant)
+    for learned in (belief.share, belief.pace):
+        np.testing.assert_allclose(learned[middle], 1.0 / gain - 1.0, atol=0.2)
 
 
 def test_a_silent_servo_loses_its_push_and_the_others_do_not():
@@ -155,12 +180,12 @@ def test_a_silent_servo_loses_its_push_and_the_others_do_not():
 
 def test_bodies_side_by_side_are_observed_like_each_alone():
     random = np.random.default_rng(0)
-    loads = 0.05 * random.standard_normal((30, COUNT))
+    loads, leads = 0.05 * random.standard_normal((2, 30, COUNT))
     deviations = 0.01 * random.standard_normal((2, 30, COUNT))
     stream = [command()] * 30
 
     def goals(observer: Observer, measured: Floats) -> Floats:
-        taught, belief, found = observer.precompute_inputs(stream, loads), observer.begin(), []
+        taught, belief, found = observer.precompute_inputs(stream, setpoints(loads, leads)), observer.begin(), []
         for tick, deviation in enumerate(measured):
             belief = observer.after(belief, deviation, taught, tick)
             found.append(belief.goals)
@@ -192,7 +217,7 @@ class Still:
 def test_commands_keep_their_reference_and_the_first_its_goals():
     body = Still(REST + 0.01)
     stream = [structs.replace(command(), time=k * PERIOD) for k in range(5)]
-    for (told,) in correct_goals(stream, np.zeros((5, COUNT)), [body], OBSERVER):
+    for (told,) in correct_goals(stream, setpoints(np.zeros((5, COUNT))), [body], OBSERVER):
         body.write(told)
     assert [told.time for told in body.written] == [asked.time for asked in stream]
     np.testing.assert_array_equal(body.written[0].goals, REST)
@@ -203,7 +228,7 @@ def test_commands_keep_their_reference_and_the_first_its_goals():
 
 def test_as_many_loads_as_commands():
     with pytest.raises(ValueError, match="shorter"):
-        list(correct_goals([command()], np.zeros((2, COUNT)), [Still(REST)], OBSERVER))
+        list(correct_goals([command()], setpoints(np.zeros((2, COUNT))), [Still(REST)], OBSERVER))
 
 
 def test_a_delay_splits_a_goal_between_two_ticks():

@@ -85,7 +85,7 @@ def test_a_robot_that_follows_is_said_to(performance: Performance):
 def test_a_late_robot_is_measured_by_the_plan(performance: Performance):
     live = perform_live(performance, Actor(late=0.1))
     found = {check.name: check for check in live_checks(live)}
-    assert found["measured.rmse"].status == "warn"
+    assert found["measured.rmse"].status == "poor"
     assert found["measured.rmse"].where == "most skullbase_tilt"
     assert max(live.lags.values()) == pytest.approx(0.1, abs=0.03)
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from kinesic.controller.smoothness import dimensionless_jerk, spectral_arc_length
+from kinesic.controller.smoothness import CUT, dimensionless_jerk, spectral_arc_length, visible_jerk
 
 PERIOD = 0.005
 
@@ -48,3 +48,16 @@ def test_two_strokes_and_trembling_are_less_smooth():
 def test_a_path_without_motion_has_no_figure(path):
     assert dimensionless_jerk(path, period=PERIOD) is None
     assert spectral_arc_length(path, period=PERIOD) is None
+
+
+def test_jerk_that_is_seen_is_that_of_what_moves_slowly_enough():
+    """A sine's mean square of the jerk is half of (amplitude x angular frequency cubed)^2."""
+    times = PERIOD * np.arange(4000)
+
+    def seen(frequency, amplitude):
+        path = np.outer(amplitude * np.sin(2 * np.pi * frequency * times), [0.0, 0.6, 0.8])
+        return visible_jerk(path, period=PERIOD) / (0.5 * (amplitude * (2 * np.pi * frequency) ** 3) ** 2)
+
+    assert seen(1.0, 0.2) == pytest.approx(1.0, rel=0.03)
+    assert seen(CUT, 0.001) == pytest.approx(0.5, rel=0.1)
+    assert seen(40.0, 0.0001) < 0.001

@@ -121,6 +121,7 @@ def test_an_overlapping_gesture_is_dropped_with_a_notice(perform, beat, phases):
 def test_an_overlapping_gesture_moves_to_the_free_hand(perform, beat, phases):
     frames = perform(("g1", Gesture("beat"), beat), ("g2", Gesture("beat"), phases(0.2, 0.8, 0.8, 1.3, 1.3, 1.4, 2)))
     assert frames.outcomes["g2"].kind == "substituted"
+    assert [notice.type for notice in frames.notices] == [NoticeType.CANNOT_CREATE_BEHAVIOR], "it has its time"
     assert frames.uses == {"g1": {"r_hand"}, "g2": {"l_hand"}}
 
 

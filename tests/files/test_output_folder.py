@@ -50,6 +50,25 @@ def test_a_run_that_fails_loses_nothing(made: Path, error: type[BaseException]):
     assert os.listdir(made.parent) == ["demo"]
 
 
+@pytest.mark.parametrize("error", [ZeroDivisionError, KeyboardInterrupt])
+def test_folders_above_are_made_and_go_again_with_a_run_that_fails(tmp_path: Path, error: type[BaseException]):
+    (tmp_path / "here").mkdir()
+    with pytest.raises(error), new_folder(tmp_path / "here" / "new" / "newer" / "demo"):
+        raise error if (tmp_path / "here" / "new" / "newer").is_dir() else AssertionError
+    assert os.listdir(tmp_path / "here") == []
+
+
+def test_a_folder_above_in_which_somebody_has_written_meanwhile_stays(tmp_path: Path):
+    def write_and_fail(folder: Path) -> None:
+        with new_folder(folder):
+            (tmp_path / "new" / "letter").write_text("dear")
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        write_and_fail(tmp_path / "new" / "newer" / "demo")
+    assert os.listdir(tmp_path / "new") == ["letter"]
+
+
 def test_a_full_disk_is_one_line(made: Path):
     with pytest.raises(ConfigError, match="demo: No space left"), new_folder(made, force=True):
         raise OSError(28, "No space left on device")

@@ -9,13 +9,14 @@ from numpy.random import Generator, default_rng
 
 from kinesic.body.robot import Robot
 from kinesic.ik.arm.compiled import arm_of
-from kinesic.ik.arm.hinges import extract, first_of_two, turn_towards
+from kinesic.ik.arm.hinges import extract
 from kinesic.ik.arm.linkage import linkage_of
 from kinesic.ik.arm.masses import settle_masses
 from kinesic.ik.arm.multistart import RESTARTS
 from kinesic.ik.arm.polish import polish
 from kinesic.ik.arm.seeds import nearest_seeds, seeds
 from kinesic.ik.arm.shoulder_elbow import bend_elbow, gap, place_shoulder
+from kinesic.ik.arm.subproblems import first_of_two, turn_towards
 from kinesic.ik.arm.swivel import elbow_at, swivel_of
 from kinesic.ik.arm.wrist import HandDirection, orient
 from kinesic.ik.scalar3 import Vector, unit, vector

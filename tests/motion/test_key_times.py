@@ -8,7 +8,7 @@ from kinesic.body.limits import Limits
 from kinesic.motion import key_times
 from kinesic.motion.condition import condition
 from kinesic.motion.infeasibility import measure_shortage
-from kinesic.motion.key_times import CuttingPlane, Search, full_speed, relax_key_times, rest_to_rest, strain
+from kinesic.motion.key_times import Search, full_speed, rest_to_rest
 from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.motion.segments import segments
 from kinesic.motion.trajectory import STEP
@@ -104,34 +104,30 @@ def test_a_hinge_that_can_hardly_move_takes_long():
     assert {met.quantity for met in motion.bottlenecks.values()} == {"duty"}
 
 
-def test_gaps_push_the_cheapest_key():
-    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), LIMITS)
-    times = relax_key_times(keys, keys.gaps | {(1, 2): 0.5}, lead_in=0.6)
-    assert times == pytest.approx([0.0, 0.7, 1.2, 2.0])
+def nods(count: int, seconds: float) -> Keys:
+    """A hinge that goes there and back so many times, in a time."""
+    turns = [0.0, *(0.35 * (k % 2) for k in range(2 * count + 1)), 0.0]
+    times = [0.0, *(0.3 + seconds * k / (2 * count) for k in range(2 * count + 1)), seconds + 0.5]
+    names = ["start", *("relax" if k % 2 == 0 else f"stroke:{k}" for k in range(2 * count + 1)), "end"]
+    return Keys.of(keys_of(*zip(times, turns, names, strict=True)), SLOW)
 
 
-def test_the_lead_in_lets_the_start_come_earlier_and_no_more():
-    keys = Keys.of(keys_of((0, 0, "start"), (0.5, 1, "stroke"), (2, 0, "end")), LIMITS)
-    assert relax_key_times(keys, keys.gaps | {(0, 1): 0.9}, lead_in=0.6) == pytest.approx([-0.4, 0.5, 2.0])
-    assert relax_key_times(keys, keys.gaps | {(0, 1): 1.5}, lead_in=0.6) == pytest.approx([-0.6, 0.9, 2.0])
+SLOW = Limits(*(sealed([value]) for value in (-2, 2, 6, 40, 1e3, 0.01, 0.05, 0.5)))
 
 
-def test_cuts_are_kept_as_gaps_are():
-    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), LIMITS)
-    slopes = sealed([0.0, 2.0, -2.0, 0.0])
-    times = relax_key_times(keys, keys.gaps, 0.6, [CuttingPlane(slopes, -1.0)])
-    assert times == pytest.approx(relax_key_times(keys, keys.gaps | {(1, 2): 0.5}, 0.6))
+def test_repeated_strokes_do_not_rest_at_each_turn():
+    keys = nods(6, 1.9)
+    motion = condition(keys_of(*zip(keys.asked, keys.angles[:, 0], [s[0][1] for s in keys.syncs], strict=True)), SLOW)
+    rests = rest_to_rest(keys, SLOW)
+    gaps = np.diff(motion.planned)[1:-1]
+    assert motion.planned[-2] - motion.planned[1] > 1.95
+    assert gaps.sum() < 0.8 * sum(rests[0, (k, k + 1)] for k in range(1, len(gaps) + 1))
 
 
-def test_cuts_that_leave_nothing_are_told():
-    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "stroke")), LIMITS)
-    with pytest.raises(ArithmeticError, match="no key times"):
-        relax_key_times(
-            keys, keys.gaps, 0.6, [CuttingPlane(sealed([0.0, 1.0]), 0.5), CuttingPlane(sealed([0.0, -1.0]), -0.7)]
-        )
-
-
-def test_the_strain_is_what_is_made_least():
-    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), LIMITS)
-    assert strain(keys, keys.asked) == 0.0
-    assert strain(keys, np.add(keys.asked, [0.0, -0.3, 0.1, 0.0])) == pytest.approx(0.3 * 0.3 + 3.0 * 5.0 * 0.1)
+def test_what_no_stretch_leads_to_rests(monkeypatch):
+    monkeypatch.setattr(key_times, "stretch_until_enough", lambda *given: None)
+    keys = nods(6, 1.9)
+    search = Search(keys, SLOW, 0.6)
+    search.avoid(next(segment for segment in segments(search.times, keys, STEP) if not segment.still))
+    rests = rest_to_rest(keys, SLOW)
+    assert all(search.times[j] - search.times[i] >= 0.999 * rest for (_, (i, j)), rest in rests.items())

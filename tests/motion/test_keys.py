@@ -3,7 +3,7 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.key_times import relax_key_times
+from kinesic.motion.key_time_lp import KeyTimeProblem, relax_key_times
 from kinesic.motion.keys import LEAST_GAP, KeyPosture, Keys, Passage
 
 LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
@@ -30,7 +30,7 @@ def test_keys_beside_a_path_stay_between_its_ends():
 def test_keys_on_a_path_keep_their_order_when_others_move():
     found = keys(*PATH)
     for gap in ({(0, 1): 0.5}, {(1, 3): 0.4}, {(3, 5): 0.6}, {(1, 5): 0.9}, {(0, 3): 0.8}):
-        times = relax_key_times(found, {**found.gaps, **gap}, 0.0)
+        times = relax_key_times(KeyTimeProblem(found, {**found.gaps, **gap}, 0.0))
         assert np.all(np.diff(times) > 0.0)
         assert times[5] - times[1] >= 2 * LEAST_GAP - 1e-9
 

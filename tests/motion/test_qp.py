@@ -3,6 +3,7 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
+from kinesic.motion import qp
 from kinesic.motion.bspline import grid
 from kinesic.motion.qp import nearest_motion, nearest_without_limits
 from kinesic.motion.segments import SplineSegment
@@ -63,3 +64,19 @@ def test_what_does_not_move_needs_no_program():
     np.testing.assert_array_equal(
         nearest_motion(segment(20, 0.3, 0.3, p5=0.3), np.full(21, 0.3), LIMITS), np.full(23, 0.3)
     )
+
+
+def test_many_keys_are_passed_as_few_are():
+    """A sparse system finds the same as a dense one."""
+    rng = np.random.default_rng(8)
+    places = np.arange(30, 3000, 30) + rng.uniform(-5, 5, 99)
+    way = SplineSegment(0, 0, grid(3030, STEP), 0.0, 0.0, places, rng.uniform(-0.5, 0.5, 99))
+    wish = np.interp(np.arange(3031), [0, *places, 3030], [0, *way.angles, 0])
+    matrix, values = way.fixed
+    assert len(values) >= qp.MANY
+    for found in (nearest_without_limits(way, wish), qp.smoothest(way)):
+        np.testing.assert_allclose(matrix @ found, values, atol=1e-9)
+    sparse = nearest_without_limits(way, wish)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(qp, "MANY", 1000)
+        np.testing.assert_allclose(sparse, nearest_without_limits(way, wish), atol=1e-9)

@@ -59,3 +59,13 @@ def test_a_path_between_two_keys_of_one_angle_is_no_hold():
         (0, 0, True),
         (1, 0, True),
     ]
+
+
+def test_a_long_hold_stands_still_in_between():
+    rows = ((0.0, 0.0), (0.5, 0.7), (300.0, 0.7), (300.5, 0.0))
+    keys = Keys.of(tuple(KeyPosture(t, sealed([a] * 2), (True, True)) for t, a in rows), LIMITS)
+    before, still, after = [found for found in segments(keys.asked, keys, STEP) if found.hinge == 0]
+    assert (before.still, still.still, after.still) == (False, True, False)
+    assert before.grid.pieces < 200
+    assert after.grid.pieces < 200
+    assert still.pairs == ((1, 2),)

@@ -9,7 +9,7 @@ from kinesic.body.dynamics import Load
 from kinesic.motion.condition import Conditioned, condition
 from kinesic.motion.keys import Bond, KeyPosture
 from kinesic.motion.trajectory import STEP, Trajectory
-from kinesic.planning.certify import ATTEMPTS, FULL, TIGHTER, certify, duties
+from kinesic.planning.certify import ATTEMPTS, BLOCK, FULL, TIGHTER, certify, duties
 from kinesic.planning.setup import Setup
 
 Law = Callable[[Floats, Floats, Floats], Floats]  # (m, n) angles, speeds, accelerations -> (m, n) torques
@@ -160,3 +160,16 @@ def test_a_weight_that_no_drive_holds_is_given_up_after_some_attempts(known: Set
     all_rows[BEARER] *= (TIGHTER / 1.25) ** ATTEMPTS
     expected = condition(keys, known.limits.times(all_rows))
     np.testing.assert_allclose(found.trajectory.controls, expected.trajectory.controls, atol=1e-6)
+
+
+def test_standing_still_counts_once(known: Setup):
+    setup = under(known, nothing)
+    duties(Trajectory(sealed(np.zeros((3000, len(known.limits.lower)))), 0.0), setup)
+    assert sum(map(len, setup.dynamics.asked)) == 1
+
+
+def test_a_long_motion_is_looked_at_to_its_end(known: Setup):
+    heights = np.zeros((2 * BLOCK, len(known.limits.lower)))
+    heights[-5] = 0.1
+    setup = under(known, lambda angles, speeds, accelerations: angles * known.robot.drives.stall)
+    assert duties(Trajectory(sealed(heights), 0.0), setup).max() > 0.06

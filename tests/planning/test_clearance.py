@@ -10,6 +10,7 @@ from kinesic.bml.parse import parse
 from kinesic.controller.perform import set_up
 from kinesic.expressivity.lexicon.lexicon import mirror_form
 from kinesic.expressivity.style.style import Expressivity, Style
+from kinesic.planning.certify import certify
 from kinesic.planning.clearance import LAG_RESERVE
 from kinesic.planning.plan import plan_block
 
@@ -106,3 +107,19 @@ def test_what_cannot_be_mended_is_dropped_by_name_pair_and_time():
     made = planned('<gesture id="g" lexeme="offer" start="0"/>', robot=replace(ROBOT, least_clearance=0.2))
     why = made.keyframes.outcomes["g"].why
     assert re.fullmatch(r"brings \w+ within -?\d+ mm of \w+ at -?\d+\.\d\d s", why)
+
+
+def test_behaviours_far_from_one_another_are_dropped_at_once():
+    """And the one that is clear stays."""
+    conditioned: list[int] = []
+
+    def counted(keys, setup, bonds=(), /, *, ease=1.0):
+        conditioned.append(len(keys))
+        return certify(keys, setup, bonds, ease=ease)
+
+    body = "".join(f'<gesture id="g{k}" lexeme="offer" start="{10 * k}"/>' for k in range(4))
+    tight = replace(SETUP, robot=replace(ROBOT, least_clearance=0.2))
+    made = plan_block(parse(ROOT.format(body)), tight, conditioned=counted)
+    assert {outcome.kind for outcome in made.keyframes.outcomes.values()} == {"dropped"}
+    rounds = len([keys for before, keys in zip([0, *conditioned], conditioned, strict=False) if keys < before])
+    assert rounds <= 1

@@ -86,3 +86,24 @@ def test_a_new_key_is_asked_for_when_its_arm_was_asked_to_be_there():
     assert added.time == pytest.approx(1.5)
     assert longer.planned[list(longer.postures).index(added)] == 2.25
     assert [joint for joint, keyed in enumerate(added.keyed) if keyed] == LEFT
+
+
+def test_a_change_is_looked_at_where_it_changes_something(monkeypatch):
+    """Each change of a long course costs what it changes, and what is known of the rest stays."""
+    asked: list[int] = []
+    clearance = CapsuleDistances.clearance
+
+    def counted(self, angles):
+        asked.append(len(angles))
+        return clearance(self, angles)
+
+    monkeypatch.setattr(CapsuleDistances, "clearance", counted)
+    first, second = (
+        (key(at, left=IN_FRONT), key(at + 0.4, right=IN_FRONT), key(at + 0.8, left=HIGHER)) for at in (1.0, 61.0)
+    )
+    long = course(key(0.0), *first, key(3.0), key(60.0), *second, key(63.0))
+    led = lead_around(long, DISTANCES, least=LEAST)
+    assert asked[0] >= 6300
+    assert len(asked) > 2
+    assert max(asked[1:]) < 700
+    assert least(led) >= LEAST - 1e-3

@@ -45,7 +45,7 @@ def test_a_gesture_whose_hand_is_busy_takes_the_other(play):
     alone = play.ready("b", OPEN).plan
     play.send("a", BEAT).until(0.5).send("b", OPEN).until(5.0)
     (text,) = play.warnings()
-    assert 'id="b:g" type="IMPOSSIBLE_TO_SCHEDULE"' in text
+    assert 'id="b:g" type="CANNOT_CREATE_BEHAVIOR"' in text
     assert "moved to the left hand: its stroke begins at 0.56 s, the right hand is busy with a:g until 0.89 s" in text
     assert play.at("b:start") == pytest.approx(0.5, abs=STEP)
     late = play.at("b:g:stroke") - play.at("b:start")

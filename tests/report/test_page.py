@@ -64,10 +64,33 @@ def page(performance: Performance, data: dict[str, Json], folder: Path, film: Pa
     return path.read_text(encoding="utf-8")
 
 
-def test_page_says_the_verdict_first_then_figures_then_pictures(text: str, data: dict[str, Json]) -> None:
-    places = [text.index(mark) for mark in ("<h1>", 'class="tiles"', 'id="stage"', 'class="plot"', "<h2>")]
+def test_page_says_what_was_meant_then_the_verdict_then_figures_and_pictures(text: str, data: dict[str, Json]) -> None:
+    places = [
+        text.index(mark)
+        for mark in ('<p class="transcript"', "<h1>", 'class="tiles"', 'id="stage"', 'class="plot"', "<h2>")
+    ]
     assert places == sorted(places)
     assert verdict(data) in "".join(Outline(text).words)
+
+
+def test_strokes_stand_under_the_words_and_lead_to_their_moment(text: str) -> None:
+    transcript = text[text.index('<p class="transcript"') : text.index("<h1>")]
+    words = Outline(transcript).words
+    assert [word for word in words if word in ("Hello", "there,", "welcome")] == ["Hello", "there,", "welcome"]
+    assert re.search(r'welcome<a href="#stage" data-at="\d+\.\d{3}" class="realised">NOD</a>', transcript)
+    assert "xyzzy" not in transcript
+
+
+def test_the_document_is_on_the_page_with_the_fate_of_each_behaviour(known: Setup, tmp_path: Path) -> None:
+    lines = ('<bml id="b">', '<gesture id="a" lexeme="beat"/>', '<gesture id="b" lexeme="xyzzy"/>', "</bml>")
+    performance = perform("\n".join(lines), known)
+    text = page(performance, report(performance, source="x.bml"), tmp_path)
+    shown = re.findall(r"<pre>(.*?)</pre></td><td>(.*?)</td>", text)
+    assert [line.replace("&#34;", '"').replace("&lt;", "<").replace("&gt;", ">") for line, _ in shown] == list(lines)
+    fates = ["".join(Outline(fate).words) for _, fate in shown]
+    assert (fates[0], fates[1], fates[3]) == ("", "realised", "")
+    assert fates[2].startswith("dropped")
+    assert "xyzzy" in fates[2]
 
 
 def test_page_holds_every_table(text: str, data: dict[str, Json]) -> None:
@@ -203,6 +226,10 @@ def test_verdict_names_what_fails(data: dict[str, Json]) -> None:
     )
     wrong: dict[str, Json] = {"name": "collision.twin", "status": "fail", "value": 0.004, "limit": 0.01}
     assert re.match(r"fail: .*, collision\.twin 0\.004 \(limit 0\.01\)", verdict(data | {"checks": [wrong]}))
+    late: dict[str, Json] = {"name": "timing.shift", "status": "poor", "value": 6.0, "limit": 0.5, "at_least": False}
+    assert re.match(r"poor: .* s, timing\.shift 6 \(poor above 0\.5\)", verdict(data | {"checks": [late]}))
+    both = verdict(data | {"checks": [late, wrong]})
+    assert re.match(r"fail: .*, collision\.twin 0\.004 \(limit 0\.01\), timing\.shift 6 \(poor above 0\.5\)", both)
 
 
 def test_shift_and_breakable() -> None:

@@ -105,3 +105,26 @@ def test_a_page_without_them_has_neither(hurried: Performance, tmp_path: Path):
         assert page.value("document.querySelector('audio') === null")
         page.click("[data-part=play]")
         page.until("Number(document.querySelector('[data-part=clock]').textContent.split(' ')[0]) > 0.2")
+
+
+def edges(selector: str) -> str:
+    """An expression: left and top of an element [px]."""
+    return f"(() => {{ const r = document.querySelector('{selector}').getBoundingClientRect(); return [r.x, r.y]; }})()"
+
+
+def test_the_time_line_stands_over_the_score_and_first_on_a_telephone(url: str, tmp_path: Path):
+    with opened(url, tmp_path) as page:
+        page.until("document.querySelector('#stage')?.hidden === false")
+        for width in (700, 1180):
+            page.call("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=False)
+            for time in (0.0, 1.0):
+                seek(page, time)
+                mark = f"document.querySelector('.line').getBoundingClientRect().x + 8 + {time} / Number(max) * track"
+                share = "const max = document.querySelector('[data-part=time]').max;"
+                track = "const track = document.querySelector('.line').getBoundingClientRect().width - 16;"
+                thumb = float(str(page.value(f"(() => {{ {share} {track} return {mark}; }})()")))
+                assert thumb == pytest.approx(page.value(edges(".playhead"))[0], abs=2.0)
+            assert page.value(edges(".tiles"))[1] < page.value(edges("#stage"))[1]
+        page.call("Emulation.setDeviceMetricsOverride", width=390, height=800, deviceScaleFactor=1, mobile=False)
+        assert page.value(edges("#stage"))[1] < page.value(edges(".tiles"))[1]
+        assert page.value("document.documentElement.scrollWidth <= document.documentElement.clientWidth")

@@ -54,7 +54,8 @@ def test_shapes_stand_where_the_skeleton_puts_them(hurried: Performance) -> None
     )
     assert len(data["servos"]) == len(skeleton.hinges)
     assert {"trunk", "limb", "l_hand", "r_hand"} == {segment["colour"] for segment in data["segments"]}
-    assert [eye["colour"] for eye in data["eyes"]] == ["white", "pupil"] * 2
+    assert [detail["colour"] for detail in data["details"]][:4] == ["white", "pupil"] * 2
+    assert {detail["colour"] for detail in data["details"][4:]} <= {"trunk", "limb", "l_hand", "r_hand"}
 
 
 def test_marks_are_the_sync_points(hurried: Performance, calm: Performance) -> None:

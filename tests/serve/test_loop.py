@@ -1,10 +1,12 @@
-"""The live loop: stops and resuming that come faster than it ticks, and feedback that waits for the body."""
+"""The live loop: stops and resuming faster than its tick, feedback that waits for the body, contention for a hand."""
 
+import re
 from multiprocessing import Pipe
 
 import numpy as np
 import pytest
 
+from kinesic.controller.perform import set_up
 from kinesic.motion import qp
 from kinesic.realizer.feedback import Progress, ScheduledFeedback
 from kinesic.serve.loop import Loop
@@ -130,3 +132,25 @@ def test_the_first_stop_finds_its_solver_loaded(known, monkeypatch):
     assert solved
     assert loop.stops == 0
     assert not loop.halted
+
+
+def passed(messages, point):
+    """When a point of a block was passed [s]; None as long as it was not."""
+    found = (re.search(rf'Progress [^>]*id="{point}" [^>]*globalTime="([^"]*)"', each) for each in messages)
+    return next((float(match[1]) for match in found if match), None)
+
+
+def test_a_gesture_takes_the_hand_that_another_block_leaves_free(server, becomes):
+    assert becomes(server.open.clients.session.loop.settled)
+    with server.client() as working, server.client() as other:
+        working.send(BLOCK.format("holds", '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND" start="0" relax="4"/>'))
+        messages = heard(working, 'id="holds:start"')
+        answers = list(other.perform(BLOCK.format("beside", '<gesture id="g" lexeme="BEAT" start="0"/>')))
+        messages += heard(working, 'id="holds:end"')
+    (warning,) = (each for each in answers if "warningFeedback" in each)
+    assert "moved to the left hand" in warning
+    assert "the right hand is busy with holds:g" in warning
+    assert passed(answers, "beside:end") < passed(messages, "holds:g:relax")
+    robot, at = set_up().robot, passed(answers, "beside:g:stroke")
+    pose = min((command for _, command in server.witness.commands), key=lambda each: abs(each.time - at)).angles
+    assert np.abs((pose - robot.skeleton.rest)[list(robot.joints("l_arm"))]).max() > np.radians(10.0)

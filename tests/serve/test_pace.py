@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from kinesic.serve import pace
+from kinesic.serve import pace, quotas
 from kinesic.serve.pace import TURN, Pace
 from kinesic.serve.quotas import TokenBucket
 
@@ -49,3 +49,33 @@ def test_the_more_send_much_the_longer_each_of_them_waits(waits):
 
     asyncio.run(read())
     assert waits == [max(0.01, TURN * number) for number in range(1, 21)]
+
+
+def test_all_that_always_have_something_to_say_are_read_two_hundred_times_a_second_together(monkeypatch):
+    """A hundred connections for twenty seconds: the first bursts apart, a turn is no beginning of another burst."""
+    seconds, burst, connections = 20.0, 20, 100
+    loop = asyncio.new_event_loop()
+    now = [loop.time()]
+
+    def skip(timeout: float | None) -> list[object]:
+        now[0] += timeout or 0.0
+        return []
+
+    monkeypatch.setattr(loop, "time", lambda: now[0])
+    monkeypatch.setattr(loop._selector, "select", skip)
+    monkeypatch.setattr(quotas, "monotonic", lambda: now[0])
+    reads, end, shared = [], now[0] + seconds, Pace()
+
+    async def read():
+        bucket = TokenBucket(50.0, burst)
+        while now[0] < end:
+            await shared.await_turn(bucket)
+            reads.append(now[0])
+
+    async def read_all():
+        await asyncio.gather(*(read() for _ in range(connections)))
+
+    loop.run_until_complete(read_all())
+    loop.close()
+    assert len(reads) <= connections * burst + 1.1 * seconds / TURN
+    assert len(reads) >= connections * burst + 0.8 * seconds / TURN

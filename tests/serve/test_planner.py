@@ -1,43 +1,68 @@
-"""Two clients whose gestures want the same hand at a real server."""
+"""The planner's side of the wire: a defect costs the document that shows it, and nothing else."""
 
 import re
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection
 
-import numpy as np
 import pytest
 
 from kinesic.controller.perform import set_up
+from kinesic.motion.trajectory import stay
+from kinesic.realizer.request import Message
+from kinesic.serve import planner
+from kinesic.serve.messages import (
+    Clock,
+    DocumentRequest,
+    FeedbackNotice,
+    LoopProperties,
+    LoopStart,
+    Proposal,
+    ProposalVerdict,
+)
+from kinesic.serve.planner import PlannerState
+from kinesic.serve.quotas import USUAL
+from kinesic.serve.tracks import SILENT
 
-pytestmark = pytest.mark.realtime
-
-BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
-HOLDS = '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND" start="0" relax="4"/>'
-OPEN = '<gesture id="g" lexeme="BEAT" start="0"/>'
-
-
-def told(messages, point):
-    """When a point of a block was passed [s]; None as long as it was not."""
-    found = (re.search(rf'Progress [^>]*id="{point}" [^>]*globalTime="([^"]*)"', each) for each in messages)
-    return next((float(match[1]) for match in found if match), None)
-
-
-def listened(client, messages, point):
-    """Messages until a point was told."""
-    while told(messages, point) is None:
-        messages.append(client.receive(20))
-    return messages
+NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}"><head id="h" lexeme="NOD" start="0"/></bml>'
 
 
-def test_a_gesture_takes_the_hand_that_another_block_leaves_free(server, becomes):
-    assert becomes(server.open.clients.session.loop.settled)
-    with server.client() as working, server.client() as other:
-        working.send(BLOCK.format("holds", HOLDS))
-        messages = listened(working, [], "holds:start")
-        answers = list(other.perform(BLOCK.format("beside", OPEN)))
-        listened(working, messages, "holds:end")
-    (warning,) = (each for each in answers if "warningFeedback" in each)
-    assert "moved to the left hand" in warning
-    assert "the right hand is busy with holds:g" in warning
-    assert told(answers, "beside:end") < told(messages, "holds:g:relax")
-    robot, at = set_up().robot, told(answers, "beside:g:stroke")
-    pose = min((command for _, command in server.witness.commands), key=lambda each: abs(each.time - at)).angles
-    assert np.abs((pose - robot.skeleton.rest)[list(robot.joints("l_arm"))]).max() > np.radians(10.0)
+@pytest.fixture
+def wired() -> tuple[PlannerState, Connection]:
+    """A planner that has taken over, and the loop's end of its pipe."""
+    setup, clock = set_up(), Clock()
+    to_planner, to_loop = Pipe()
+    beginning = LoopStart(stay(setup.robot.skeleton.rest, start=clock.now()), 0, ())
+    properties = LoopProperties(clock, SILENT)
+    return PlannerState(setup, to_loop, Pipe()[0], properties, beginning=beginning, rules=USUAL), to_planner
+
+
+def fulfil(wired: tuple[PlannerState, Connection], name: str) -> list[object]:
+    """What the loop hears of a document; it accepts whatever is proposed."""
+    planning, loop = wired
+    loop.send(ProposalVerdict(accepted=True, stops=0, time=0.0))
+    planning.fulfil(DocumentRequest(Message(NOD.format(name), sender=7), stops=0))
+    said = []
+    while loop.poll():
+        said.append(loop.recv())
+    return said
+
+
+@pytest.mark.parametrize("part", ["read_request", "prepare_block", "begin"])
+@pytest.mark.parametrize("defect", [ZeroDivisionError, AssertionError, KeyError, RecursionError, MemoryError])
+def test_a_defect_is_told_to_its_sender_and_the_next_document_is_planned(
+    wired, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], part: str, defect: type[Exception]
+):
+    def fail(*_arguments: object, **_more: object) -> None:
+        raise defect("a defect")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(planner, part, fail)
+        *_, last = fulfil(wired, "bad")
+    assert isinstance(last, FeedbackNotice)
+    assert last.sender == 7
+    assert re.search(rf'id="bad".*rule planning: planning failed \({defect.__name__}\)', last.message)
+    assert "a defect" in capfd.readouterr().err
+    (*_, proposal) = fulfil(wired, "good")
+    assert isinstance(proposal, Proposal)
+    assert proposal.motion is not None
+    assert {block for block, _ in proposal.moving} == {"good"}

@@ -23,6 +23,16 @@ def test_a_bucket_lets_a_burst_through_and_then_the_rate(monkeypatch):
     assert [bucket.take() for _ in range(3)] == [True, True, False]
     now[0] = 1000.0
     assert [bucket.take() for _ in range(4)] == [True, True, True, False]
+    now[0] = 2000.0
+    bucket.empty()
+    now[0] = 2000.15
+    assert [bucket.take() for _ in range(2)] == [True, False]
+    for _ in range(2):
+        bucket.widen(5)
+    bucket.widen(1)
+    assert [bucket.take() for _ in range(3)] == [True, True, False]
+    now[0] = 3000.0
+    assert sum(bucket.take() for _ in range(8)) == 5
 
 
 def test_a_refusal_names_its_rule():

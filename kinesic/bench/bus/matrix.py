@@ -87,7 +87,7 @@ def cases() -> tuple[FaultCase, ...]:
         FaultCase("silent", (PlannedFault("silent", (2,), start=STRIKE),)),
         FaultCase("reboot", (PlannedFault("reboot", (2,), start=STRIKE),)),
         *alerts,
-        FaultCase("overheat", (PlannedFault("overheat", (2,), start=0.1, value=60.0),)),
+        FaultCase("overheat", (PlannedFault("overheat", (2,), start=0.1, seconds=1.5, value=60.0),)),  # to 115 C
         FaultCase("undervoltage", (PlannedFault("undervoltage", start=STRIKE, seconds=0.5, value=8.0),)),
         FaultCase("watchdog", (PlannedFault("watchdog", (2,), start=STRIKE),)),
         FaultCase("unplug", tuple(PlannedFault("unplug", start=STRIKE + k, seconds=0.2) for k in range(2))),

@@ -6,7 +6,7 @@ from time import perf_counter
 
 import numpy as np
 
-from kinesic.bench.blocks import crowd, passage_text
+from kinesic.bench.blocks import crowd, passage_text, rhythm
 from kinesic.bench.figure import Figure
 from kinesic.bench.plan.optimum import best_times
 from kinesic.bml.block import NoticeType
@@ -14,7 +14,7 @@ from kinesic.body.arrays import Floats
 from kinesic.controller.perform import plan, set_up
 from kinesic.ik import KERNEL
 from kinesic.motion.condition import LEAD_IN, condition
-from kinesic.motion.key_times import strain
+from kinesic.motion.key_time_lp import strain
 from kinesic.motion.keys import Keys
 from kinesic.motion.limit_check import RATE, check_limits
 from kinesic.planning.plan import Plan
@@ -24,6 +24,7 @@ from kinesic.report.checks import TOLERANCE
 
 REPETITIONS = 9
 CROWDS = 4  # blocks whose times must move
+RHYTHMS = 6  # blocks with repeated strokes whose times must move
 STRAINED = 1e-6  # strain above which times have moved
 
 
@@ -35,7 +36,8 @@ def bench() -> list[Figure]:
     seconds, plans = _timed(passage_text, known)
     hurried, moved = _timed(hurry, known)
     crowded = [plan(crowd(seed, lexemes), known) for seed in range(CROWDS)]
-    every = [*plans, *moved, *crowded]
+    repeated = [plan(rhythm(seed), known) for seed in range(RHYTHMS)]
+    every = [*plans, *moved, *crowded, *repeated]
     missing, false = (sum(found) for found in zip(*map(count_wrong_warnings, every), strict=True))
     return [
         Figure(f"plan.full_5s_{KERNEL}", 1000 * median(seconds), "ms", 300.0, "lower"),
@@ -45,7 +47,7 @@ def bench() -> list[Figure]:
         Figure("plan.shifted_syncs", float(median(len(_shifted(found)) for found in plans)), "count", 0.0, "lower"),
         Figure("plan.warnings_missing", float(missing), "count", 0.0, "lower"),
         Figure("plan.warnings_false", float(false), "count", 0.0, "lower"),
-        *stretch(crowded),
+        *stretch([*crowded, *repeated]),
     ]
 
 

@@ -17,7 +17,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.condition import Conditioned
 from kinesic.motion.infeasibility import measure_shortage
-from kinesic.motion.key_times import BROKEN, LATENESS, strain
+from kinesic.motion.key_time_lp import BROKEN, LATENESS, strain
 from kinesic.motion.keys import Keys
 from kinesic.motion.segments import LEAST_SWING, SWING, segments
 from kinesic.motion.trajectory import STEP

@@ -27,6 +27,7 @@ class Document:
     bml: Element
     dialect: Dialect
     in_capitals: tuple[str, ...] = ()  # names of elements that are read as if they were small
+    text: str = ""  # as it was read; empty where it is not UTF-8
 
 
 def read_document(text: str | bytes, *, source: str, bounds: Bounds = BOUNDS) -> Document:
@@ -43,15 +44,15 @@ def read_document(text: str | bytes, *, source: str, bounds: Bounds = BOUNDS) ->
     plain = _plain(text) if len(text) <= bounds.size else None
     if plain is not None and is_json(plain):
         root = read_json(plain, source=source, bounds=bounds)
-        return Document(root, root, "json")
+        return Document(root, root, "json", text=plain)
     if plain is not None and is_fragment(plain, frozenset(ACTIONS)):
         root = read_fragments(plain, source=source, bounds=bounds)
-        return Document(root, root, "smartbody")
+        return Document(root, root, "smartbody", text=plain)
     root = read_tree(text, source=source, bounds=bounds)
     folded: set[str] = set()
     root = fold_capitals(root, folded)
     bml = _only_bml(root, source)
-    return Document(root, bml, _dialect(root, namespace(bml)), tuple(sorted(folded)))
+    return Document(root, bml, _dialect(root, namespace(bml)), tuple(sorted(folded)), plain or "")
 
 
 def begins_as_bml(start: bytes) -> bool:

@@ -13,7 +13,7 @@ PHYSICS_HELP = "What turns the shafts: each servo's motor for itself, or the rob
 
 @click.group("servos")
 def servo_verbs() -> None:
-    """Finds, shows, calibrates, releases and simulates servos on wires."""
+    """Finds, shows, calibrates, stops, releases and simulates servos on wires."""
 
 
 @servo_verbs.command("calibrate")
@@ -74,3 +74,9 @@ def _show_servos() -> None:
 @done_by("servos.simulate:simulate_servos")
 def _simulate_servos() -> None:
     """Simulates a robot's servos behind pseudo-terminals, and prints their paths, until it is stopped."""
+
+
+@servo_verbs.command("stop")
+@done_by("servos.stop:stop_robots")
+def _stop_robots() -> None:
+    """Stops every robot that you drive from this machine, at once: it holds where it is, with torque."""

@@ -1,6 +1,6 @@
 """The face as a sink that makes a film: it keeps commands, and draws them when the performance is over."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import TracebackType
@@ -46,6 +46,7 @@ class FaceRecording:
         look: PortraitSettings = PLAIN,
         rate: float = 25.0,
         sound: Path | None = None,
+        progress: Callable[[float], None] = lambda share: None,
     ) -> None:
         """Begins a film.
 
@@ -55,12 +56,14 @@ class FaceRecording:
             look: of the pictures.
             rate: [Hz] of pictures; less when there would be more than `MOST_PICTURES`.
             sound: a WAV on the clock of the performance, for formats that have a sound.
+            progress: gets the share of the pictures that are drawn, after each of them.
 
         Raises:
             DisplayError: the path names no format that can be written here.
         """
         check_film(path)
         self._path, self._robot, self._look, self._rate, self._sound = path, robot, look, rate, sound
+        self._progress = progress
         self._rows: list[tuple[float, Mapping[str, float], Floats]] = []
 
     def write(self, command: Command) -> None:
@@ -84,8 +87,9 @@ class FaceRecording:
         stands = np.zeros((len(rows), 3)) if self._robot is None else turns(self._robot, angles)
         look, size = self._look, (self._look.side, self._look.side)
         with Portrait(look.variant, preset=look.preset, size=size) as portrait:
-            for (_, units, _), (left, up, over) in zip(rows, stands.tolist(), strict=True):
+            for k, ((_, units, _), (left, up, over)) in enumerate(zip(rows, stands.tolist(), strict=True)):
                 yield portrait.draw(units, replace(look.camera, turn=(left, up, over)), gain=look.gain)
+                self._progress((k + 1) / len(rows))
 
     def __enter__(self) -> "FaceRecording":
         return self

@@ -1,6 +1,6 @@
 """A contact sheet: every action unit low and high, with and without wrinkles (thesis Figures 4.4 to 4.6)."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -18,13 +18,20 @@ PAPER, INK = (250, 250, 250), (40, 40, 40)
 HEADINGS = f"of each: {LOW:g} plain, {LOW:g} with wrinkles, {HIGH:g} plain, {HIGH:g} with wrinkles"
 
 
-def draw_units_sheet(portrait: Portrait, camera: Camera = CLOSE, *, units: Sequence[int] = tuple(UNITS)) -> Pixels:
+def draw_units_sheet(
+    portrait: Portrait,
+    camera: Camera = CLOSE,
+    *,
+    units: Sequence[int] = tuple(UNITS),
+    progress: Callable[[float], None] = lambda share: None,
+) -> Pixels:
     """Draws four pictures of each action unit under its number and name, in one picture.
 
     Args:
         portrait: that draws them, each at its size.
         camera: where all are seen from.
         units: which of them.
+        progress: gets the share of them that is drawn, before each.
     """
     width, height = portrait.size
     rows = -(-len(units) // ACROSS)
@@ -33,6 +40,7 @@ def draw_units_sheet(portrait: Portrait, camera: Camera = CLOSE, *, units: Seque
     pen = ImageDraw.Draw(paper)
     pen.text((2, 2), HEADINGS, fill=INK)
     for place, number in enumerate(units):
+        progress(place / len(units))
         left, top = place % ACROSS * wide, place // ACROSS * tall + LABEL
         pen.text((left + 2, top + 2), f"{number} {UNITS[number].name}", fill=INK)
         for column, (intensity, gain) in enumerate(KINDS):

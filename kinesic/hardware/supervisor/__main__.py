@@ -51,7 +51,7 @@ def supervise(order: SupervisorOrder, planner: Callable[[], bool], ended: Callab
     supervisor = Supervisor(manifest, Surroundings(opens, channel, planner, journal), settings, watchdog=watchdog)
     supervisor.open()
     refused = supervisor.done
-    found = () if refused else publish(order.ports.values(), order.memory)
+    found = () if refused else publish(order.ports.values(), order.memory, joints)
     gc.collect()
     gc.freeze()
     due = supervisor.now()

@@ -100,6 +100,10 @@ class Channel:
         """Sets a counter or a request of this side."""
         self._words[_PLACES[name]] = value
 
+    def stop(self, policy: Policy) -> None:
+        """Asks the supervisor for an emergency stop."""
+        self.set("estop", POLICIES.index(policy) + 1)
+
     @property
     def room(self) -> int:
         """Commands that still fit."""

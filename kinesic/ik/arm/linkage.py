@@ -10,10 +10,10 @@ import numpy as np
 from kinesic.body.chain import Chain
 from kinesic.body.skeleton import Hinge
 from kinesic.ik.arm.accepts import accept_chain
-from kinesic.ik.scalar3 import IDENTITY, Rotation, Vector, after, norm, plus, rotated, turned, unit, vector
+from kinesic.ik.arm.subproblems import first_of_two, turn_towards
+from kinesic.ik.scalar3 import IDENTITY, Rotation, Vector, after, cross, norm, plus, rotated, turned, unit, vector
 
 PARALLEL = 1e-9  # sine of the angle below which a hinge lies along its bone
-ELBOW_SAMPLES = 65  # of the elbow's range, to find how far the hand can be
 GIRDLE_MOBILITY = 0.1  # the collar bone moves late
 
 
@@ -136,14 +136,29 @@ def linkage_of(chain: Chain) -> Linkage:
         links.append(Link(pivots, bone, unit(bone), norm(bone), first))
         first += len(hinges)
     origin = vector(chain.origin_in_base)
+    upper, fore = links[-3], links[-2]
+    twisted = bool(fore.pivots) and norm(cross(fore.pivots[0].axis, upper.along)) < PARALLEL
     aside = origin[1] + sum(link.bone[1] for link in links[:-3])
-    return Linkage(origin, tuple(links), -1.0 if aside < 0.0 else 1.0, _reach(links[-3], links[-2]))
+    return Linkage(
+        origin, tuple(links), -1.0 if aside < 0.0 else 1.0, _farthest(upper.bone, fore.pivots[twisted:], fore.bone)
+    )
 
 
-def _reach(upper: Link, fore: Link) -> float:
-    """The longest distance from shoulder to hand that the elbow's last hinge allows [m]."""
-    if not fore.pivots:
-        return norm(plus(upper.bone, fore.bone))
-    elbow = fore.pivots[-1]
-    turns = np.linspace(elbow.lower, elbow.upper, ELBOW_SAMPLES).tolist()
-    return max(norm(plus(upper.bone, turned(fore.bone, elbow.axis, turn))) for turn in turns)
+def _farthest(upper: Vector, pivots: Sequence[Pivot], fore: Vector) -> float:
+    """The longest distance from shoulder to hand that at most two hinges between their bones allow [m].
+
+    The longest is where both hinges aim one bone along the other, or where one of them is stopped and the other aims.
+    """
+    if not pivots:
+        return norm(plus(upper, fore))
+    first, last = pivots[0], pivots[-1]
+    if len(pivots) == 1:
+        turn = turn_towards(first.axis, unit(fore), unit(upper))
+        angle = first.lower if turn is None else first.held(turn, first.rest)
+        return norm(plus(upper, turned(fore, first.axis, angle)))
+    ways = first_of_two(first.axis, last.axis, unit(fore), unit(upper))
+    firsts = (first.lower, first.upper, *(first.held(way, first.rest) for way in ways))
+    return max(
+        *(_farthest(turned(upper, first.axis, -turn), (last,), fore) for turn in firsts),
+        *(_farthest(upper, (first,), turned(fore, last.axis, turn)) for turn in (last.lower, last.upper)),
+    )

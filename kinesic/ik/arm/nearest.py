@@ -31,21 +31,24 @@ class _Shape:
     curvature: Floats  # (n, n) [m^2/rad^2]
 
 
-def finish(linkage: Linkage, target: Vector, angles: Sequence[float]) -> Polished:
-    """Brings a hand as near to a target as it comes, downhill from a posture.
+def finish(linkage: Linkage, target: Vector, beginnings: Sequence[Sequence[float]]) -> Polished:
+    """Brings a hand as near to a target as it comes, downhill from the nearest of some postures.
 
     Args:
         linkage: the arm.
         target: [m] of the wrist's centre, in the base: where it was asked for, not where it was clamped to.
-        angles: [rad] to begin with, inside the ranges; of all hinges or of those before the hand's own.
+        beginnings: postures [rad] inside the ranges, of all hinges or of those before the hand's own; the first is
+            the one to keep if the others do not lead nearer.
 
     Returns:
-        Angles inside the ranges that bring the hand nearer by a millimetre or more; else those of the beginning.
+        Angles inside the ranges that bring the hand nearer by a millimetre or more; else those of the first posture.
     """
     pivots = linkage.pivots[: linkage.links[-1].first]
     lower, upper = sealed([pivot.lower for pivot in pivots]), sealed([pivot.upper for pivot in pivots])
-    now = np.array(angles[: len(pivots)])
-    begin = here = _shape(linkage, target, now)
+    postures = [np.array(angles[: len(pivots)]) for angles in beginnings]
+    shapes = [_shape(linkage, target, posture) for posture in postures]
+    nearest = min(range(len(shapes)), key=lambda k: shapes[k].distance)
+    now, here = postures[nearest], shapes[nearest]
     damping, rounds = LEAST_DAMPING, 0
     while rounds < ROUNDS and damping < MOST_DAMPING:
         rounds += 1
@@ -61,8 +64,8 @@ def finish(linkage: Linkage, target: Vector, angles: Sequence[float]) -> Polishe
         now, here, damping = tried, there, max(LEAST_DAMPING, damping / CAUTION)
         if won <= GAIN * here.distance**2:
             break
-    if begin.distance - here.distance < WORTH * linkage.farthest:
-        return Polished(tuple(angles[: len(pivots)]), begin.distance, rounds)
+    if shapes[0].distance - here.distance < WORTH * linkage.farthest:
+        now, here = postures[0], shapes[0]
     return Polished(tuple(now.tolist()), here.distance, rounds)
 
 

@@ -1,14 +1,16 @@
-"""Checks a performance: pass, warn or fail, each with value, limit and place."""
+"""Checks a performance: pass, warn, poor or fail, each with value, limit and place."""
 
-# A goal that is missed without danger warns (timing, tracking, load); limits and distances fail.
+# A goal that is missed without danger warns (timing, tracking, load), and is poor where an audience would see it;
+# limits and distances fail.
 
 from kinesic.controller.performance import Performance
-from kinesic.report.checks.check import Check, Status
+from kinesic.report.checks.check import GRADES, GRAVITY, Check, Grade, Status, grade
+from kinesic.report.checks.content import content_checks
 from kinesic.report.checks.plan import TOLERANCE, distance_checks, limit_checks
 from kinesic.report.checks.servos import power_checks, servo_checks
 from kinesic.report.checks.twin import motion_checks, stroke_errors, timing_checks, tracking_checks
 
-__all__ = ["TOLERANCE", "Check", "Status", "checks", "stroke_errors"]
+__all__ = ["GRADES", "GRAVITY", "TOLERANCE", "Check", "Grade", "Status", "checks", "grade", "stroke_errors"]
 
 
 def checks(performance: Performance) -> tuple[Check, ...]:
@@ -16,6 +18,7 @@ def checks(performance: Performance) -> tuple[Check, ...]:
     parts = (
         limit_checks,
         distance_checks,
+        content_checks,
         timing_checks,
         tracking_checks,
         servo_checks,

@@ -1,10 +1,15 @@
 """One check of a performance: its value beside its limit, and what it means to be beyond."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import inf
 from typing import Literal, Self
 
-Status = Literal["pass", "warn", "fail"]
+Status = Literal["pass", "warn", "poor", "fail"]
+GRAVITY: dict[Status, int] = {"fail": 0, "poor": 1, "warn": 2, "pass": 3}
+
+Grade = Literal["ok", "poor", "fail"]
+GRADES: tuple[Grade, ...] = ("ok", "poor", "fail")
 
 
 @dataclass(frozen=True)
@@ -14,7 +19,12 @@ class Limit:
     unit: str
     beyond: Status = "warn"  # a goal that is missed does no harm, and warns; a danger fails
     at_least: bool = False  # whether a value below the limit is the bad one
+    poor: float | None = None  # a goal that is missed by more than this is what an audience sees
     danger: float = inf  # a goal's value above this fails, with this as its limit
+
+    def is_beyond(self, value: float, bound: float) -> bool:
+        """Whether a value is on the bad side of a bound."""
+        return value < bound if self.at_least else value > bound
 
 
 LIMITS = {
@@ -26,21 +36,27 @@ LIMITS = {
     "collision.plan": Limit("m", "fail", at_least=True),
     "collision.twin": Limit("m", "fail", at_least=True),
     "collision.penetrations": Limit("samples", "fail"),
-    "timing.shift": Limit("s"),
-    "timing.twin": Limit("s"),
-    "timing.arrival": Limit("strokes"),
-    "timing.stroke_median": Limit("s"),
-    "timing.stroke_p95": Limit("s"),
-    **{f"tracking.{error}": Limit("deg") for error in ("rmse", "p95", "max")},
-    "tracking.lateness": Limit("s"),
-    "servo.saturation": Limit("s"),
+    "meaning.performed": Limit("ratio", at_least=True, poor=0.75),
+    "amplitude.path": Limit("ratio", poor=0.25),
+    "timing.shift": Limit("s", poor=0.5),
+    "timing.twin": Limit("s", poor=0.1),
+    "timing.arrival": Limit("strokes", poor=0.0),
+    "timing.stroke_median": Limit("s", poor=0.08),
+    "timing.stroke_p95": Limit("s", poor=0.2),
+    "tracking.rmse": Limit("deg", poor=3.0),
+    "tracking.p95": Limit("deg", poor=7.5),
+    "tracking.max": Limit("deg", poor=15.0),
+    "tracking.lateness": Limit("s", poor=0.1),
+    "servo.saturation": Limit("s", poor=0.5),
     "servo.load": Limit("of stall"),
     "power.peak": Limit("A"),
     "power.mean": Limit("A"),
     "power.warming": Limit("K"),
-    "smoothness.hands": Limit("times"),
+    "smoothness.hands": Limit("times", poor=10.0),
     "measured.performed": Limit("ratio", "fail", at_least=True),
-    **{f"measured.{error}": Limit("deg") for error in ("rmse", "p95", "max")},
+    "measured.rmse": Limit("deg", poor=3.0),
+    "measured.p95": Limit("deg", poor=7.5),
+    "measured.max": Limit("deg", poor=15.0),
 }
 
 
@@ -70,8 +86,16 @@ class Check:
         rule = LIMITS[name]
         if value > rule.danger:
             return cls(name, "fail", value, rule.danger, rule.unit, where)
-        good = value >= limit - slack if rule.at_least else value <= limit + slack
-        return cls(name, "pass" if good else rule.beyond, value, limit, rule.unit, where, rule.at_least)
+        if rule.poor is not None and rule.is_beyond(value, rule.poor):
+            return cls(name, "poor", value, rule.poor, rule.unit, where, rule.at_least)
+        bad = rule.is_beyond(value, limit - slack if rule.at_least else limit + slack)
+        return cls(name, rule.beyond if bad else "pass", value, limit, rule.unit, where, rule.at_least)
+
+
+def grade(verdicts: Iterable[Check]) -> Grade:
+    """Grades a performance by its gravest check; one that only warns is still ok."""
+    statuses = {check.status for check in verdicts}
+    return "fail" if "fail" in statuses else "poor" if "poor" in statuses else "ok"
 
 
 def format_time(time: float) -> str:

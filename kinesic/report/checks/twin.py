@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinesic.controller.performance import Performance
-from kinesic.controller.smoothness import dimensionless_jerk
+from kinesic.controller.smoothness import visible_jerk
 from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.report.checks.check import Check, format_time
 from kinesic.sim.servo_factors import NOMINAL
@@ -17,7 +17,8 @@ RMSE = {True: 0.2, False: 1.0}  # [deg] whether the servos are as described
 P95 = 2.5  # [deg]
 MAX = 5.0  # [deg]
 LATENESS = 0.030  # [s] of a hinge
-JERKIER = 2.0  # times the dimensionless jerk
+JERKIER = 2.0  # times the squared jerk
+UNSEEN = 0.5 * (0.0005 * (2.0 * np.pi * 5.0) ** 3) ** 2  # [m^2/s^6] of a shake by 0.5 mm at 5 Hz
 
 
 def timing_checks(performance: Performance) -> list[Check]:
@@ -134,18 +135,16 @@ def tracking_checks(performance: Performance) -> list[Check]:
 
 
 def motion_checks(performance: Performance) -> list[Check]:
-    """Checks how many times the planned jerk the twin's hands have, both of them without dimension.
+    """Checks how many times the planned jerk the twin's hands have, as far as anybody sees it.
 
     Spectral arc length would not tell: it is made for single reaches, and of several even a shaking hand's is short.
     """
+    reference = performance.reference
     jerkier: dict[str, float] = {}
     for side, performed in performance.measured.hands.items():
-        planned = performance.reference.smoothness[side]
-        if planned is None:
-            continue
-        found = dimensionless_jerk(performed, period=performance.period)
-        if found is not None:
-            jerkier[side] = found / planned
+        if reference.smoothness[side] is not None:
+            planned = visible_jerk(reference.hands[side], period=float(reference.times[1] - reference.times[0]))
+            jerkier[side] = visible_jerk(performed, period=performance.period) / (planned + UNSEEN)
     if not jerkier:
         return []
     worst = max(jerkier, key=lambda side: jerkier[side])

@@ -1,7 +1,6 @@
 """The paths of the hands in three views that share their height: from the robot's right, the front, and its left."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from markupsafe import Markup
@@ -10,18 +9,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES, PartName, Robot, Side
 from kinesic.controller.arrival import part_paths
 from kinesic.controller.performance import Performance
-from kinesic.report.plots.svg import (
-    DASHES,
-    WIDTH,
-    Colour,
-    empty_figure,
-    plain,
-    svg,
-    write_heading,
-)
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+from kinesic.report.plots.axes import WIDTH, Axes, Colour, Figure
 
 HANDS: dict[Side, PartName] = {"l": "l_hand", "r": "r_hand"}
 GAP, TOP, BOTTOM = 0.5, 0.3, 0.3  # [in]
@@ -59,35 +47,32 @@ def hands(performance: Performance) -> Markup:
     spans = [float((high - low)[view.across]) for view in VIEWS]
     scale = min((WIDTH - GAP * len(VIEWS)) / sum(spans), TALLEST / float((high - low)[2]))  # [in/m]
     tall = scale * float((high - low)[2])
-    height = tall + TOP + BOTTOM
-    drawn = empty_figure(height)
+    drawn = Figure(tall + TOP + BOTTOM)
     left = (WIDTH - scale * sum(spans) - GAP * (len(VIEWS) - 1)) / 2 + GAP / 4
     for view, span in zip(VIEWS, spans, strict=True):
-        axes = drawn.add_axes((left / WIDTH, BOTTOM / height, scale * span / WIDTH, tall / height))
+        axes = drawn.axes(left, BOTTOM, scale * span, tall)
         left += scale * span + GAP
         _frame(axes, view, low, high)
         for bone in bones:
-            axes.plot(bone[:, view.across], bone[:, 2], color=Colour.GRID, linewidth=3, solid_capstyle="round")
+            axes.line(bone[:, view.across], bone[:, 2], Colour.GRID, width=3.0)
         for side in view.sides:
             _path(axes, view, reference[side], performance.measured.hands[side], keys[side])
-    return svg(drawn)
+    return drawn.svg()
 
 
-def _frame(axes: "Axes", view: View, low: Floats, high: Floats) -> None:
-    plain(axes, ticks=6)
-    span = (low[view.across], high[view.across])
-    axes.set_xlim(*(span[::-1] if view.mirrored else span))
-    axes.set_ylim(low[2], high[2])
-    write_heading(axes, view.title, f"{'xyz'[view.across]}, z [m]", height=1.02)
+def _frame(axes: Axes, view: View, low: Floats, high: Floats) -> None:
+    axes.ticks = 6
+    span = (float(low[view.across]), float(high[view.across]))
+    axes.limit_x(*(span[::-1] if view.mirrored else span))
+    axes.limit_y(float(low[2]), float(high[2]))
+    axes.head(view.title, f"{'xyz'[view.across]}, z [m]", height=1.02)
 
 
-def _path(axes: "Axes", view: View, planned: Floats, performed: Floats, keys: Floats) -> None:
+def _path(axes: Axes, view: View, planned: Floats, performed: Floats, keys: Floats) -> None:
     planned, performed = (path[:: len(path) // MOST_POINTS + 1] for path in (planned, performed))
-    axes.plot(planned[:, view.across], planned[:, 2], color=Colour.PLANNED, linewidth=1.2)
-    axes.plot(performed[:, view.across], performed[:, 2], color=Colour.PERFORMED, linewidth=1.0, linestyle=DASHES)
-    axes.scatter(
-        keys[:, view.across], keys[:, 2], s=8, facecolor=Colour.ASKED, edgecolor=Colour.PLANNED, linewidth=0.8, zorder=3
-    )
+    axes.line(planned[:, view.across], planned[:, 2], Colour.PLANNED, width=1.2)
+    axes.line(performed[:, view.across], performed[:, 2], Colour.PERFORMED, width=1.0, dashed=True)
+    axes.dots(keys[:, view.across], keys[:, 2], Colour.ASKED, Colour.PLANNED)
 
 
 def _keys(performance: Performance, side: Side) -> Floats:

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from itertools import zip_longest
-from typing import TYPE_CHECKING
 
 import numpy as np
 from markupsafe import Markup
@@ -11,22 +10,8 @@ from kinesic.body.arrays import Flags, Floats
 from kinesic.body.robot import CHAINS, Robot
 from kinesic.controller.performance import Performance
 from kinesic.planning.syncs import SyncTime
-from kinesic.report.plots.svg import (
-    DASHES,
-    WIDTH,
-    Colour,
-    empty_figure,
-    fit_text,
-    spaced_indices,
-    svg,
-    thin_line,
-    time_axes,
-    write_heading,
-    write_text,
-)
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+from kinesic.report.plots.axes import WIDTH, Axes, Colour, Figure
+from kinesic.report.plots.fitting import fit_text, spaced_indices, thin_line
 
 PAIRS = (("torso", "neck"), ("r_arm", "l_arm"))  # side by side
 PARTS = {chain: part for part, chain in CHAINS.items()}  # of key frames
@@ -80,56 +65,57 @@ def _figure(
     rows: list[tuple[int | None, int | None]],
     curves: tuple[Floats, Floats, Floats],
 ) -> Markup:
-    height = TOP + PANEL * len(rows) + BOTTOM
-    drawn = empty_figure(height)
+    drawn = Figure(TOP + PANEL * len(rows) + BOTTOM)
     width = (WIDTH - LEFT - RIGHT - GAP) / 2
-    left, moving = LEFT / WIDTH, _moving(curves)
+    left, moving = LEFT, _moving(curves)
     for column, name in enumerate(names):
         shown = [(row, joint) for row, pair in enumerate(rows) if (joint := pair[column]) is not None and moving[joint]]
         syncs = _syncs(performance, name)
         for row, joint in shown:
-            bottom = (BOTTOM + PANEL * (len(rows) - 1 - row)) / height
-            axes = drawn.add_axes((left, bottom, width / WIDTH, (PANEL - HEAD) / height))
+            bottom = BOTTOM + PANEL * (len(rows) - 1 - row)
+            axes = drawn.axes(left, bottom, width, PANEL - HEAD, timed=True)
+            axes.labelled = row == shown[-1][0]
             _panel(axes, performance, joint, curves, syncs)
-            axes.tick_params(labelbottom=row == shown[-1][0])
             if row == shown[0][0]:
-                drawn.text(left, bottom + (PANEL + 0.2) / height, NAMES.get(name, name), fontsize=9, color=Colour.INK)
+                drawn.write(left, bottom + PANEL + 0.2, NAMES.get(name, name))
                 _label(axes, performance, syncs, width)
-        left += (width + GAP) / WIDTH if shown else 0.0
-    return svg(drawn)
+        left += width + GAP if shown else 0.0
+    return drawn.svg()
 
 
 def _panel(
-    axes: "Axes",
+    axes: Axes,
     performance: Performance,
     joint: int,
     curves: tuple[Floats, Floats, Floats],
     syncs: list[SyncTime],
 ) -> None:
     times, robot = performance.measured.times, performance.plan.setup.robot
-    time_axes(axes, end=float(times[-1]))
+    axes.limit_x(0.0, float(times[-1]))
     _mark(axes, performance, syncs)
-    styles = ((Colour.ASKED, 2.6, "-"), (Colour.PLANNED, 1.2, "-"), (Colour.PERFORMED, 1.0, DASHES))
-    for curve, (colour, width, dashes) in zip(curves, styles, strict=True):
-        axes.plot(*thin_line(times, curve[:, joint]), color=colour, linewidth=width, linestyle=dashes)
-    low, high = min(c[:, joint].min() for c in curves), max(c[:, joint].max() for c in curves)
+    styles = ((Colour.ASKED, 2.6, False), (Colour.PLANNED, 1.2, False), (Colour.PERFORMED, 1.0, True))
+    for curve, (colour, width, dashed) in zip(curves, styles, strict=True):
+        axes.line(*thin_line(times, curve[:, joint]), colour, width=width, dashed=dashed)
+    low, high = (
+        float(limit) for limit in (min(c[:, joint].min() for c in curves), max(c[:, joint].max() for c in curves))
+    )
     room = max(0.12 * (high - low), (LEAST_SPAN - (high - low)) / 2)
-    axes.set_ylim(low - room, high + room)
+    axes.limit_y(low - room, high + room)
     _shade(axes, robot, joint)
     hinge = robot.skeleton.hinges[joint]
     span = f"range {np.degrees(hinge.lower):.0f}\u2026{np.degrees(hinge.upper):.0f}\u00b0"
-    write_heading(axes, hinge.name, span, height=1.06)
+    axes.head(hinge.name, span, height=1.06)
 
 
-def _shade(axes: "Axes", robot: Robot, joint: int) -> None:
+def _shade(axes: Axes, robot: Robot, joint: int) -> None:
     """Angles outside the range of a hinge, where the panel shows some."""
-    low, high = axes.get_ylim()
+    low, high = axes.y_limits
     hinge = robot.skeleton.hinges[joint]
     lower, upper = float(np.degrees(hinge.lower)), float(np.degrees(hinge.upper))
     if low < lower:
-        axes.axhspan(low, lower, color=Colour.OUTSIDE, linewidth=0)
+        axes.band(low, lower, Colour.OUTSIDE)
     if high > upper:
-        axes.axhspan(upper, high, color=Colour.OUTSIDE, linewidth=0)
+        axes.band(upper, high, Colour.OUTSIDE)
 
 
 def _syncs(performance: Performance, chain: str) -> list[SyncTime]:
@@ -139,20 +125,20 @@ def _syncs(performance: Performance, chain: str) -> list[SyncTime]:
     return [sync for sync in plan.syncs if part in plan.keyframes.uses.get(sync.behaviour, frozenset())]
 
 
-def _mark(axes: "Axes", performance: Performance, syncs: list[SyncTime]) -> None:
+def _mark(axes: Axes, performance: Performance, syncs: list[SyncTime]) -> None:
     """Sync points as lines, strokes stronger; of many only the strokes."""
     zero = performance.plan.trajectory.zero
     for strong in (False, True) if len(syncs) <= MOST_LINES else (True,):
         times = [zero + sync.planned for sync in syncs if sync.is_stroke == strong]
         colour, width = (Colour.FAINT, 0.9) if strong else (Colour.GRID, 0.7)
-        axes.vlines(times, 0, 1, transform=axes.get_xaxis_transform(), colors=colour, linewidth=width)
+        axes.verticals(times, colour, width=width)
 
 
-def _label(axes: "Axes", performance: Performance, syncs: list[SyncTime], width: float) -> None:
+def _label(axes: Axes, performance: Performance, syncs: list[SyncTime], width: float) -> None:
     """Names of behaviours over their strokes, as many as fit."""
     zero = performance.plan.trajectory.zero
     strokes = [sync for sync in syncs if sync.is_stroke]
     per_second = width / float(performance.measured.times[-1])
     for k in spaced_indices([sync.planned for sync in strokes], LABEL / per_second):
         label = fit_text(strokes[k].behaviour, LABEL)
-        write_text(axes, (zero + strokes[k].planned, 1.3), label, colour=Colour.FAINT, place="time", align="center")
+        axes.write((zero + strokes[k].planned, 1.3), label, colour=Colour.FAINT, place="time", align="center")

@@ -3,25 +3,15 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 from markupsafe import Markup
 
 from kinesic.bml.block import Speech
 from kinesic.controller.performance import Performance
 from kinesic.planning.plan import Plan
-from kinesic.report.plots.svg import (
-    WIDTH,
-    Colour,
-    empty_figure,
-    fit_text,
-    svg,
-    time_axes,
-    write_text,
-)
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+from kinesic.report.labels import label
+from kinesic.report.plots.axes import WIDTH, Axes, Colour, Figure
+from kinesic.report.plots.fitting import fit_text
 
 ROW, TOP, BOTTOM = 0.21, 0.06, 0.3  # [in]
 LEFT, RIGHT = 1.6, 0.1  # [in]
@@ -62,29 +52,27 @@ def score(performance: Performance) -> Markup | None:
     if not behaviours:
         return None
     rows = behaviours[:ROWS]
-    height = TOP + ROW * (len(rows) + (len(behaviours) > ROWS)) + BOTTOM
-    drawn = empty_figure(height)
-    width = WIDTH - LEFT - RIGHT
-    axes = drawn.add_axes((LEFT / WIDTH, BOTTOM / height, width / WIDTH, 1 - (TOP + BOTTOM) / height))
+    count, width = len(rows) + (len(behaviours) > ROWS), WIDTH - LEFT - RIGHT
+    drawn = Figure(TOP + ROW * count + BOTTOM)
+    axes = drawn.axes(LEFT, BOTTOM, width, ROW * count, timed=True)
     end = float(performance.measured.times[-1])
-    time_axes(axes, end=end)
-    axes.set_ylim((height - TOP - BOTTOM) / ROW, 0)
-    axes.set_yticks([])
+    axes.limit_x(0.0, end)
+    axes.limit_y(count, 0.0)
+    axes.ticks = 0
     pieces = tuple(captions(performance.plan))
     for row, behaviour in enumerate(rows):
-        write_text(axes, (-0.008 * end, row + 0.7), fit_text(behaviour.id, LEFT), place="data", align="right")
+        axes.write((-0.008 * end, row + 0.7), fit_text(label(behaviour), LEFT), place="data", align="right")
         if isinstance(behaviour.action, Speech):
             _words(axes, row, (said for said in pieces if said.behaviour == behaviour.id), width / end)
         else:
             _phases(axes, row, behaviour.id, performance)
     if len(behaviours) > ROWS:
-        write_text(
-            axes, (0.0, ROWS + 0.7), f"and {len(behaviours) - ROWS} more behaviours", colour=Colour.FAINT, place="data"
-        )
-    return svg(drawn)
+        more = f"and {len(behaviours) - ROWS} more behaviours"
+        axes.write((0.0, ROWS + 0.7), more, colour=Colour.FAINT, place="data")
+    return drawn.svg()
 
 
-def _phases(axes: "Axes", row: int, name: str, performance: Performance) -> None:
+def _phases(axes: Axes, row: int, name: str, performance: Performance) -> None:
     """From start to end, the stroke or hold in full colour; below it what was asked."""
     zero = performance.plan.trajectory.zero
     syncs = [sync for sync in performance.plan.syncs if sync.behaviour == name]
@@ -92,24 +80,22 @@ def _phases(axes: "Axes", row: int, name: str, performance: Performance) -> None
         return
     at = {sync.sync: zero + sync.planned for sync in syncs}
     begin, end = min(at.values()), max(at.values())
-    axes.broken_barh([(begin, end - begin)], (row + 0.2, 0.5), color=Colour.PLANNED, alpha=0.3, linewidth=0)
+    axes.bars([(begin, end)], row + 0.2, row + 0.7, Colour.PLANNED, 0.3)
     for first, last in CORES:
         if first in at and last in at:
-            axes.broken_barh([(at[first], at[last] - at[first])], (row + 0.2, 0.5), color=Colour.PLANNED, linewidth=0)
+            axes.bars([(at[first], at[last])], row + 0.2, row + 0.7, Colour.PLANNED)
             break
     strokes = [sync for sync in syncs if sync.is_stroke]
-    axes.vlines([zero + sync.planned for sync in strokes], row + 0.08, row + 0.82, colors=Colour.INK, linewidth=1.2)
+    axes.verticals([zero + sync.planned for sync in strokes], Colour.INK, width=1.2, span=(row + 0.08, row + 0.82))
     asked = [zero + sync.asked for sync in syncs]
-    axes.hlines(row + 0.86, min(asked), max(asked), colors=Colour.ASKED, linewidth=1.8)
-    axes.vlines([zero + sync.asked for sync in strokes], row + 0.74, row + 0.98, colors=Colour.ASKED, linewidth=1.8)
+    axes.level(row + 0.86, Colour.ASKED, width=1.8, span=(min(asked), max(asked)))
+    axes.verticals([zero + sync.asked for sync in strokes], Colour.ASKED, width=1.8, span=(row + 0.74, row + 0.98))
 
 
-def _words(axes: "Axes", row: int, pieces: Iterable[Caption], per_second: float) -> None:
+def _words(axes: Axes, row: int, pieces: Iterable[Caption], per_second: float) -> None:
     """The text between its marks, each piece where it is said."""
     for said in pieces:
-        axes.broken_barh(
-            [(said.begin, said.end - said.begin)], (row + 0.1, 0.8), facecolor=Colour.SPEECH, alpha=0.25, linewidth=0
-        )
-        axes.vlines(said.begin, row + 0.1, row + 0.9, colors=Colour.SPEECH, linewidth=1.0)
+        axes.bars([(said.begin, said.end)], row + 0.1, row + 0.9, Colour.SPEECH, 0.25)
+        axes.verticals([said.begin], Colour.SPEECH, span=(row + 0.1, row + 0.9))
         words = fit_text(said.text, (said.end - said.begin) * per_second - 0.06)
-        write_text(axes, (said.begin + 0.03 / per_second, row + 0.7), words, place="data")
+        axes.write((said.begin + 0.03 / per_second, row + 0.7), words, place="data")

@@ -46,16 +46,20 @@
   let last = 0;
   let due = false;
 
+  const ASTRAY = Math.PI / 180; // [rad] from which a ghost over the twin can be seen
+  const strays = (angles, others) => angles.some((angle, hinge) => Math.abs(angle - others[hinge]) > ASTRAY);
+
   const draw = () => {
     due = false;
-    const [who, place] = ghostChoice.value.split(" ");
+    const [who, place, when] = ghostChoice.value.split(" ");
     const beside = place === "beside";
     const ink = getComputedStyle(stage)
       .color.match(/[\d.]+/g)
       .slice(0, 3)
       .map((value) => value / 255);
     const twin = { angles: mixed(motions.twin, data.step, time), duty: mixed(duties, data.duty_step, time) };
-    const ghost = motions[who] && mixed(motions[who], data.step, time);
+    const wished = motions[who] && mixed(motions[who], data.step, time);
+    const ghost = when && !strays(twin.angles, wished) ? undefined : wished;
     const places = scene.draw({ look, twin, ghost, beside, ink });
     [
       [part("twin"), "twin"],
@@ -93,11 +97,12 @@
         first: Math.min(known.first, mark.at),
         last: Math.max(known.last, mark.at),
         phase: mark.at <= time ? mark.sync : known.phase,
+        name: mark.name,
       });
     }
     part("now").textContent = [...now]
       .filter(([, { first, last }]) => first <= time && time <= last)
-      .map(([name, { phase }]) => `${name} (${phase})`)
+      .map(([, { name, phase }]) => `${name} (${phase})`)
       .join(", ");
     const duty = mixed(duties, data.duty_step, time);
     const worst = duty.indexOf(Math.max(...duty));

@@ -44,11 +44,11 @@ const sceneOf = (canvas, data) => {
         mesh: capsule(ends),
       })),
     ),
-    ...data.eyes.map((ball) => ({
-      segment: ball.segment,
+    ...data.details.map((detail) => ({
+      segment: detail.segment,
       hinges: [],
-      colour: ball.colour,
-      mesh: capsule(ball.capsule),
+      colour: detail.colour,
+      mesh: capsule(detail.capsule),
     })),
     ...data.servos.map((servo) => ({
       segment: servo.segment,
@@ -147,6 +147,8 @@ const sceneOf = (canvas, data) => {
 
   const REACH = 1.6; // [m] of the floor
   const SPREAD = 0.78 * data.view.height; // [m] between twin and ghost
+  const UP = [0, 0, -data.view.floor]; // from the world to the picture, whose floor is at 0
+  const MIDDLE = add(data.view.middle, UP);
 
   const camera = (look, middle, tall) => {
     const field = (28 * Math.PI) / 180;
@@ -188,10 +190,10 @@ const sceneOf = (canvas, data) => {
     }
     const spread = beside ? SPREAD : 0;
     const across = beside ? 1.8 : 0.9; // shares of the height that must be seen
-    const { eye, view } = camera(look, data.view.middle, data.view.height * Math.max(1, (across * height) / width));
+    const { eye, view } = camera(look, MIDDLE, data.view.height * Math.max(1, (across * height) / width));
     const aside = [(-Math.sin(look.turn) * spread) / 2, (Math.cos(look.turn) * spread) / 2, 0];
-    const solidBody = { frames: frames(twin.angles, shifted(aside.map((value) => -value))), duty: twin.duty, alpha: 1 };
-    const ghostBody = ghost && { frames: frames(ghost, shifted(aside)), alpha: beside ? 0.5 : 0.38 };
+    const solidBody = { frames: frames(twin.angles, shifted(add(UP, aside, -1))), duty: twin.duty, alpha: 1 };
+    const ghostBody = ghost && { frames: frames(ghost, shifted(add(UP, aside))), alpha: beside ? 0.5 : 0.38 };
     gl.viewport(0, 0, width, height);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT | gl.STENCIL_BUFFER_BIT);
@@ -214,7 +216,7 @@ const sceneOf = (canvas, data) => {
       gl.colorMask(true, true, true, true);
       body(ghostBody);
     }
-    return [add(data.view.middle, aside, -1), add(data.view.middle, aside)].map((place) => above(place, view));
+    return [add(MIDDLE, aside, -1), add(MIDDLE, aside)].map((place) => above(place, view));
   };
 
   const cast = (bodies) => {

@@ -18,6 +18,7 @@ from kinesic.sim.importer.screening import BODIES, GEOMS, screen_model
 MESHES = (mujoco.mjtGeom.mjGEOM_MESH, mujoco.mjtGeom.mjGEOM_HFIELD, mujoco.mjtGeom.mjGEOM_SDF)
 NOT_NEEDED = ("keys", "sensors", "tendons", "equalities", "pairs", "excludes", "skins", "flexes", "meshes", "hfields")
 LOOKS = ("materials", "textures", "cameras", "lights", "numerics", "texts", "tuples")
+ENDINGS = (".xml", ".urdf")
 GHOST_MASS = 1e-3  # [kg] of a body of which nothing is known
 GHOST_INERTIA = 1e-6  # [kg m^2]
 LEAST_SHAPE = 0.005  # [m] radius of a shape that counts
@@ -86,8 +87,16 @@ def _unheard(_: str) -> None:
     """What MuJoCo warns of in a URDF is looked at here."""
 
 
+def _read_spec(path: Path) -> mujoco.MjSpec:
+    """Reads a file whatever its name ends in: MuJoCo itself knows only some endings, in small letters."""
+    if path.suffix in ENDINGS:
+        return mujoco.MjSpec.from_file(str(path))
+    named = path.with_suffix(".xml")
+    return mujoco.MjSpec.from_file(str(named), {named.name: path.read_bytes()})
+
+
 def _without_meshes(path: Path) -> mujoco.MjModel:
-    spec = mujoco.MjSpec.from_file(str(path))
+    spec = _read_spec(path)
     if len(spec.bodies) > BODIES or len(spec.geoms) > GEOMS:
         raise ConfigError(
             f"{path}: {len(spec.bodies)} bodies and {len(spec.geoms)} shapes; at most {BODIES} and {GEOMS}"

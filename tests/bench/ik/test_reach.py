@@ -6,6 +6,7 @@ import pytest
 from kinesic.bench.ik import reach, tasks, tracking
 from kinesic.bench.ik.arms import random_arm, targets
 from kinesic.ik import KERNEL
+from kinesic.ik.arm.linkage import linkage_of
 
 
 @pytest.fixture
@@ -42,7 +43,14 @@ def test_tracking_is_exact_and_comes_home():
     assert figures["ik.tracking_drift"].ok
 
 
-def test_random_arms_hang_and_their_targets_are_reachable():
+def test_random_arms_swing_the_elbow_with_one_or_two_hinges_with_and_without_twist_of_the_upper_arm():
+    chance = np.random.default_rng(3)
+    arms = [random_arm(chance) for _ in range(60)]
+    kinds = {(len(arm.joints[0].hinges) == 3, len(linkage_of(arm).links[-2].pivots)) for arm in arms}
+    assert kinds == {(False, 1), (False, 2), (True, 2), (True, 3)}
+
+
+def test_targets_of_random_arms_are_within_reach():
     chance = np.random.default_rng(3)
     chain = random_arm(chance)
     asked = targets(chance, chain, 20)

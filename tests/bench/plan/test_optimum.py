@@ -8,7 +8,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.controller.perform import plan, set_up
 from kinesic.motion.condition import LEAD_IN, condition
-from kinesic.motion.key_times import strain
+from kinesic.motion.key_time_lp import strain
 from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.planning.syncs import find_bonds
 

@@ -1,6 +1,7 @@
 """A greeting's nod on the servos of a pseudo-terminal, through the supervisor's own process."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -27,7 +28,8 @@ def test_servos_perform_what_the_twin_has(kinesic, served, nod: Path, tmp_path: 
     options = ("--on", "servos,twin", "--port", f"body={served.port}", "--no-film", "--out", out, "--force")
     ended = kinesic("perform", nod, *options)
     assert ended.code == 0, ended.out + ended.err
-    told = json.loads((out / "report.json").read_text(encoding="utf-8"))["servos"]
+    report = json.loads((out / "report.json").read_text(encoding="utf-8"))
+    told = report["servos"]
     assert served.energised == 0
     assert (told["ending"], told["why"]) == ("performed", "")
     assert told["rmse_deg"] < 5.0
@@ -36,7 +38,8 @@ def test_servos_perform_what_the_twin_has(kinesic, served, nod: Path, tmp_path: 
     log = read_log(out / "servos.npz", Robot.load())
     assert len(log.times) > 50
     assert (out / "events.jsonl").stat().st_size > 0
-    assert "measured.performed" in ended.out
+    assert {"measured.performed", "measured.rmse"} <= {check["name"] for check in report["checks"]}
+    assert re.search(r"^(all )?\d+ .*checks pass$", ended.out, re.MULTILINE)
     fitted = kinesic("twin", "fit", out / "servos.npz", "--free", "latency", "--json")
     assert fitted.code == 0, fitted.err
     found = json.loads(fitted.out)

@@ -39,7 +39,7 @@ def twins() -> tuple[Performance, ...]:
 @pytest.fixture(autouse=True)
 def _once(monkeypatch: pytest.MonkeyPatch, twins: tuple[Performance, ...]) -> None:
     """The twin has performed before the servos are asked; once is enough, and nobody reads its page."""
-    monkeypatch.setattr(perform, "performances", lambda *_, **__: twins)
+    monkeypatch.setattr(perform, "_performed", lambda *_, **__: twins)
     monkeypatch.setattr(output, "write_page", lambda *_, path: path.touch())
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from kinesic.hardware.supervisor import address
-from kinesic.hardware.supervisor.address import ALIVE, find_supervisor, publish
+from kinesic.hardware.supervisor.address import ALIVE, find_supervisor, find_supervisors, publish
 from kinesic.hardware.supervisor.channel import Channel, Status, map_memory, memory_file, memory_size
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="needs /proc, as kinesic says")
@@ -60,7 +60,7 @@ def held(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Held]:
 
 
 def test_who_was_published_is_found_and_hears(held: Held):
-    assert publish([held.port], held.memory) == (held.file,)
+    assert publish([held.port], held.memory, JOINTS) == (held.file,)
     found = find_supervisor(held.port, JOINTS)
     assert found is not None
     found.set("confirm", 1)
@@ -68,8 +68,24 @@ def test_who_was_published_is_found_and_hears(held: Held):
     assert not list(held.folder.glob("*.*")), "no draft stays"
 
 
+def test_all_supervisors_are_found_once_each_without_their_ports(held: Held):
+    publish([held.port, held.port.with_name("ttyUSB1")], held.memory, JOINTS)
+    octets = memory_size(JOINTS + 1)
+    memory = memory_file(octets)
+    other = Channel(map_memory(memory, octets), JOINTS + 1)
+    more = np.zeros(JOINTS + 1)
+    other.write_status(Status(clock=NOW, angles=more, goals=more, taken=more))
+    publish([held.port.with_name("ttyACM0")], memory, JOINTS + 1)
+    (held.folder / f"{held.folder.name}-of-another-program").write_text("1 2 3")
+    found = find_supervisors()
+    assert sorted(len(channel.status().angles) for channel in found) == [JOINTS, JOINTS + 1]
+    held.channel.write_status(beat(NOW - ALIVE))
+    assert [len(channel.status().angles) for channel in find_supervisors()] == [JOINTS + 1]
+    os.close(memory)
+
+
 def test_finding_leaves_nothing_open(held: Held):
-    publish([held.port], held.memory)
+    publish([held.port], held.memory, JOINTS)
     before = len(os.listdir("/proc/self/fd"))
     kept = [find_supervisor(held.port, JOINTS) for _ in range(3)]
     assert all(kept)
@@ -79,71 +95,74 @@ def test_finding_leaves_nothing_open(held: Held):
 
 
 def test_only_the_user_may_read_and_write_the_address(held: Held):
-    publish([held.port], held.memory)
+    publish([held.port], held.memory, JOINTS)
     assert stat.S_IMODE(held.file.stat().st_mode) == 0o600
 
 
 def test_ports_have_an_address_each_and_another_port_has_none(held: Held):
     others = [held.port.with_name(name) for name in ("ttyUSB1", "ttyUSB2")]
-    assert len(set(publish([held.port, others[0]], held.memory))) == 2
+    assert len(set(publish([held.port, others[0]], held.memory, JOINTS))) == 2
     assert held.found()
     assert find_supervisor(others[0], JOINTS) is not None
     assert find_supervisor(others[1], JOINTS) is None
 
 
 def test_a_port_is_the_same_by_whatever_path(held: Held, monkeypatch: pytest.MonkeyPatch):
-    publish([held.port], held.memory)
+    publish([held.port], held.memory, JOINTS)
     monkeypatch.chdir(held.port.parent)
     assert find_supervisor("ttyUSB0", JOINTS) is not None
 
 
 def test_the_next_supervisor_takes_the_place_of_one_that_died(held: Held):
-    publish([held.port], held.memory)
-    held.file.write_text("1 1")
+    publish([held.port], held.memory, JOINTS)
+    held.file.write_text("1 1 3")
     held.file.with_name(f"{held.file.name}.{os.getpid()}").write_text("a draft that was left")
-    publish([held.port], held.memory)
+    publish([held.port], held.memory, JOINTS)
     assert held.found()
 
 
 def test_where_nothing_can_be_written_nobody_is_published(held: Held, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(address, "FOLDER", held.folder / "missing")
-    assert publish([held.port], held.memory) == ()
+    assert publish([held.port], held.memory, JOINTS) == ()
     assert not held.found()
 
 
 @pytest.mark.parametrize(("since", "alive"), [(-1.0, True), (0.5, True), (ALIVE, False), (5.0, False)])
 def test_a_supervisor_whose_clock_stands_is_none(held: Held, since: float, alive: bool):
-    publish([held.port], held.memory)
+    publish([held.port], held.memory, JOINTS)
     held.channel.write_status(beat(NOW - since))
     assert held.found() is alive
 
 
 def test_a_robot_with_other_joints_is_none_of_ours(held: Held):
-    publish([held.port], held.memory)
+    publish([held.port], held.memory, JOINTS)
     assert find_supervisor(held.port, JOINTS + 1) is None
     assert find_supervisor(held.port, JOINTS - 1) is None
 
 
 def test_a_process_that_has_ended_is_not_found(held: Held):
-    publish([held.port], held.memory)
+    publish([held.port], held.memory, JOINTS)
     ended = subprocess.Popen([sys.executable, "-c", ""])
     ended.wait()
-    held.file.write_text(f"{ended.pid} {held.memory}")
+    held.file.write_text(f"{ended.pid} {held.memory} {JOINTS}")
     assert not held.found()
 
 
-@pytest.mark.parametrize("text", ["", "nonsense", "1", "1 2 3", "-1 4", "../.. 4"])
+WRONG = ("", "nonsense", "1 3", "1 2 3 4", "-1 4 3", "../.. 4 3", "1 4 0", "1 4 -3", "1 4 999999999999")
+
+
+@pytest.mark.parametrize("text", WRONG)
 def test_an_address_that_is_none_finds_nobody(held: Held, text: str):
-    publish([held.port], held.memory)
+    publish([held.port], held.memory, JOINTS)
     held.file.write_text(text)
     assert not held.found()
 
 
 def test_an_address_behind_a_link_is_not_followed(held: Held):
-    publish([held.port], held.memory)
+    publish([held.port], held.memory, JOINTS)
     elsewhere = held.folder.with_name("elsewhere")
     held.file.rename(elsewhere)
-    link = Path(publish([held.port], held.memory)[0])
+    link = Path(publish([held.port], held.memory, JOINTS)[0])
     link.unlink()
     link.symlink_to(elsewhere)
     assert not held.found()
@@ -151,7 +170,7 @@ def test_an_address_behind_a_link_is_not_followed(held: Held):
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can give files away")
 def test_an_address_of_somebody_else_is_not_believed(held: Held):
-    publish([held.port], held.memory)
+    publish([held.port], held.memory, JOINTS)
     os.chown(held.file, NOBODY, NOBODY)
     assert not held.found()
 
@@ -166,8 +185,8 @@ def test_memory_that_is_no_channel_is_not_mapped(held: Held):
         os.ftruncate(descriptor, octets)
         with mmap.mmap(descriptor, octets) as memory:
             memory[:] = copy
-        publish([held.port], descriptor)
+        publish([held.port], descriptor, JOINTS)
         assert not held.found()
         os.close(descriptor)
-    publish([held.port], held.memory)
+    publish([held.port], held.memory, JOINTS)
     assert held.found()

@@ -1,10 +1,12 @@
 import math
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
 from numpy.random import default_rng
 
+from kinesic.bench.ik.arms import random_arm
 from kinesic.body.arrays import sealed
 from kinesic.body.chain import Chain, ChainJoint
 from kinesic.body.robot import Robot
@@ -38,6 +40,23 @@ def test_sides_and_reach(arm: Chain) -> None:
     assert linkage_of(arm).side == 1.0
     assert linkage_of(robot.arms["r"]).side == -1.0
     assert linkage_of(arm).farthest == pytest.approx(0.42)
+
+
+def test_the_reach_is_the_longest_that_all_elbow_hinges_together_allow() -> None:
+    random, kinds = default_rng(7), set()
+    for _ in range(24):
+        chain = random_arm(random)
+        fore = linkage_of(chain).links[-2]
+        grid = product(*(np.linspace(pivot.lower, pivot.upper, 13) for pivot in fore.pivots[-2:]))
+        longest = 0.0
+        for turns in grid:
+            angles = chain.rest.copy()
+            angles[fore.first + len(fore.pivots) - len(turns) : fore.first + len(fore.pivots)] = turns
+            shoulder, _, hand = chain.frames(angles)[1][-4:-1]
+            longest = max(longest, float(np.linalg.norm(hand - shoulder)))
+        kinds.add(len(fore.pivots))
+        assert longest - 1e-12 <= linkage_of(chain).farthest <= 1.03 * longest, chain.name
+    assert kinds == {1, 2, 3}
 
 
 def test_an_angle_is_held_by_its_equivalent_inside_the_range_or_by_the_nearest_stop() -> None:

@@ -31,17 +31,38 @@ def test_the_hand_comes_as_near_as_the_offline_reference_finds():
     gaps = []
     for target in _beyond(30, seed=41):
         first = solve(LEFT, Reach(target), start=LEFT.rest)
-        found = finish(LINKAGE, vector(target), first.angles.tolist())
+        found = finish(LINKAGE, vector(target), [first.angles.tolist()])
         gaps.append(found.miss - best_posture(LEFT, Reach(target), beginnings=8).residual)
     assert np.mean(np.array(gaps) < 5e-3) >= 0.95
     assert np.mean(np.array(gaps) < 1e-3) >= 0.9
+
+
+def test_behind_the_back_the_arm_goes_to_the_side_that_comes_nearer():
+    random = default_rng(45)
+    behind = [np.array([-0.52, -0.15, -0.052]), np.array([-1.932, -0.421, -0.073]), np.array([-2.568, -0.377, -0.184])]
+    for _ in range(17):
+        direction = np.array([-1.0, random.uniform(-0.6, 0.1), random.uniform(-0.5, 0.3)])
+        behind.append(SHOULDER + random.uniform(1.0, 8.0) * LINKAGE.farthest * direction / np.linalg.norm(direction))
+    for target in behind:
+        best = best_posture(LEFT, Reach(target), beginnings=8).residual
+        assert solve(LEFT, Reach(target), start=LEFT.rest).residual < best + 1.1e-3
+
+
+def test_it_begins_from_the_nearest_posture_and_keeps_the_first_for_less_than_a_millimetre():
+    target = vector(LEFT.hand(LEFT.rest))
+    away = LEFT.rest + np.array([0.1, 0.3, 0.3, 0.2, 0.4, 0.0, 0.0, 0.0])
+    assert finish(LINKAGE, target, [away.tolist(), LEFT.rest.tolist()]).miss < 1e-9
+    near = LEFT.rest + np.array([0.0, 0.001, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    kept = finish(LINKAGE, target, [near.tolist(), LEFT.rest.tolist()])
+    assert kept.angles == tuple(near.tolist()[: len(kept.angles)])
+    assert 1e-4 < kept.miss < 1e-3
 
 
 def test_it_stays_in_the_ranges_and_never_loses_ground():
     random = default_rng(42)
     for target in _beyond(40, seed=43):
         start = random.uniform(LEFT.lower, LEFT.upper)
-        found = finish(LINKAGE, vector(target), start.tolist())
+        found = finish(LINKAGE, vector(target), [start.tolist()])
         angles = np.array([*found.angles, *start[len(found.angles) :]])
         assert np.all((LEFT.lower <= angles) & (angles <= LEFT.upper))
         assert abs(np.linalg.norm(LEFT.hand(angles) - target) - found.miss) < 1e-12
@@ -51,7 +72,7 @@ def test_it_stays_in_the_ranges_and_never_loses_ground():
 
 def test_where_it_ends_no_hinge_alone_helps():
     for target in _beyond(15, seed=44):
-        found = finish(LINKAGE, vector(target), LEFT.rest.tolist())
+        found = finish(LINKAGE, vector(target), [LEFT.rest.tolist()])
         for k in range(len(found.angles)):
             for step in (-1e-4, 1e-4):
                 moved = np.array([*found.angles, *LEFT.rest[len(found.angles) :]])
@@ -60,5 +81,5 @@ def test_where_it_ends_no_hinge_alone_helps():
 
 
 def test_a_hand_on_its_target_stays():
-    found = finish(LINKAGE, vector(LEFT.hand(LEFT.rest)), LEFT.rest.tolist())
+    found = finish(LINKAGE, vector(LEFT.hand(LEFT.rest)), [LEFT.rest.tolist()])
     assert np.abs(np.array(found.angles) - LEFT.rest[: len(found.angles)]).max() < 1e-9

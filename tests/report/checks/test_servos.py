@@ -7,7 +7,7 @@ import pytest
 
 from kinesic.controller.performance import Performance
 from kinesic.report.checks.servos import CONTINUOUS, draw_load, loads
-from kinesic.report.plots.svg import BINS, spark
+from kinesic.report.plots.spark import BINS, spark
 
 
 def test_the_most_strained_comes_first(hurried: Performance) -> None:

@@ -69,6 +69,21 @@ def test_a_broken_file_teaches(written, text, message):
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize("ending", [".URDF", ".Urdf", ".XML", ".MJCF", ".mjcf", ""])
+def test_a_file_may_end_in_capitals(tee_path, hanging_path, tmp_path, ending):
+    source = hanging_path if ending.lower() == ".urdf" else tee_path
+    (tmp_path / f"robot{ending}").write_bytes(source.read_bytes())
+    (tmp_path / "robot.xml").write_text("<mujoco/>")  # another file, which is not read
+    found = load_model(tmp_path / f"robot{ending}")
+    assert [joint.name for joint in found.joints] == [joint.name for joint in load_model(source).joints]
+
+
+def test_what_it_includes_is_found_beside_a_file_that_ends_in_capitals(tee_path, tmp_path):
+    (tmp_path / "part.xml").write_bytes(tee_path.read_bytes())
+    (tmp_path / "robot.MJCF").write_text('<mujoco><include file="part.xml"/></mujoco>')
+    assert len(load_model(tmp_path / "robot.MJCF").joints) == len(load_model(tee_path).joints)
+
+
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(ConfigError, match=r"nowhere\.xml: no such file"):
         load_model(tmp_path / "nowhere.xml")

@@ -10,6 +10,8 @@ from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.virtual.faults import PlannedFault
 
+from ..conftest import Desk
+
 Make = Callable  # of a desk, see conftest
 PERIOD = 0.01
 TORQUE, GOAL, WATCHDOG = Register.TORQUE_ENABLE, Register.GOAL_POSITION, Register.BUS_WATCHDOG
@@ -94,7 +96,8 @@ def test_a_low_supply_alone_folds_and_is_no_failure(desk: Make):
     assert any(line.startswith("supply: ") for line in made.kinds())
 
 
-def test_a_servo_that_cannot_move_is_not_pushed_until_it_shuts_down(desk: Make):
+def jammed(desk: Make) -> Desk:
+    """A robot that waits with a raised limb, since one of its servos cannot move."""
     made = desk()
     made.open()
     made.perform(4.0, amplitude=0.9)
@@ -102,6 +105,11 @@ def test_a_servo_that_cannot_move_is_not_pushed_until_it_shuts_down(desk: Make):
     made.run(0.6)
     made.plant.physics.jammed[2] = True
     made.until(Stage.WAITING)
+    return made
+
+
+def test_a_servo_that_cannot_move_is_not_pushed_until_it_shuts_down(desk: Make):
+    made = jammed(desk)
     assert made.status.faulty
     assert made.status.waits == "confirmation"
     assert not made.true(Register.HARDWARE_ERROR_STATUS).any()
@@ -117,13 +125,7 @@ def test_a_servo_that_cannot_move_is_not_pushed_until_it_shuts_down(desk: Make):
 
 
 def test_a_limb_that_is_free_again_folds_after_a_while_and_is_released(desk: Make):
-    made = desk()
-    made.open()
-    made.perform(4.0, amplitude=0.9)
-    made.until(Stage.ACTIVE)
-    made.run(0.6)
-    made.plant.physics.jammed[2] = True
-    made.until(Stage.WAITING)
+    made = jammed(desk)
     made.plant.physics.jammed[2] = False
     made.run(1.5 * made.settings.patience)
     assert made.stage is Stage.WAITING, "nobody knows that it is free"

@@ -1,8 +1,10 @@
-"""Mutated documents neither crash nor stall the server, whose performance goes on beside them."""
+"""Hostile documents: mutated ones neither crash nor stall the server, and none names a file of its machine."""
 
 import random
 import re
+import wave
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,6 +20,10 @@ pytestmark = pytest.mark.realtime
 
 OWN = sorted((CONFIGS / "bml").glob("*.bml"))
 COUNT = 120
+RECORDING = (
+    '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}"><speech id="s" start="0"><text>Hello.</text>'
+    '<description priority="1" type="audio/x-wav"><file ref="{}"/></description></speech></bml>'
+)
 
 
 @pytest.mark.parametrize("mutation", MUTATIONS)
@@ -59,3 +65,14 @@ def test_a_sample_of_them_is_answered_while_the_robot_performs(abused, monkeypat
     assert session.planner.deaths == deaths
     ticks = np.rint([RATE * command.time for _, command in abused.witness.commands[before:]]).astype(int)
     assert (np.diff(ticks) == 1).all()
+
+
+def test_a_recording_that_a_client_names_is_not_played(server, tmp_path: Path):
+    path = tmp_path / "secret.wav"
+    with wave.open(str(path), "wb") as file:
+        file.setparams((1, 2, 8000, 0, "NONE", ""))
+        file.writeframes(bytes(2 * 8000 * 5))
+    with server.client() as client:
+        answers = list(client.perform(RECORDING.format("plays", path)))
+    (warning,) = (answer for answer in answers if "warningFeedback" in answer)
+    assert "is not played: a document that is no file has no folder to find it in" in warning

@@ -1,0 +1,108 @@
+"""`kinesic plan`: one document as a motion in a file, or as a timeline on the screen; nothing moves."""
+
+from pathlib import Path
+
+import click
+from rich.console import Console
+from rich.table import Table
+
+from kinesic.bml.block import Behaviour, Block, Speech
+from kinesic.bml.parse import parse
+from kinesic.cli.options import Planning, read_input
+from kinesic.cli.progress import show_stages
+from kinesic.cli.summary import print_notices
+from kinesic.cli.terminal import console, error_console, quote_text
+from kinesic.files.output_file import check_file
+from kinesic.planning.bap import SUFFIX, read_bap
+from kinesic.planning.imported_motion import plan_imported
+from kinesic.planning.motion_files import check_motion_file, save_motion
+from kinesic.planning.plan import Plan, plan_block
+from kinesic.planning.setup import Setup
+from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
+from kinesic.report.labels import label
+
+ENDS = ("start", "end")  # sync points that have a column
+WORDS = 30  # letters of what is said
+
+
+def plan_file(file: str, planning: Planning, out: Path | None, force: bool) -> int:
+    """Plans a document or a motion, and writes the motion to a file; without one, it prints what would happen when."""
+    if out is not None:
+        check_motion_file(out)
+        check_file(out, force=force)
+    with show_stages() as stage:
+        stage("planning")
+        known = planning.set_up()
+        planned = plan_motion(file, known) if is_motion(file) else plan_block(parse_document(file, known), known)
+    if out is None:
+        print_timeline(planned, console())
+    else:
+        save_motion(planned.trajectory, known.robot, out, force=force)
+    print_notices(planned, error_console())
+    click.echo(f"{planned.trajectory.duration:.2f} s, {len(planned.postures.postures)} keys")
+    click.echo("nothing is written: --out motion.npz (.csv, .bap) would be" if out is None else f"motion: {out}")
+    return 0
+
+
+def document_name(file: str) -> str:
+    """Names a document as messages and reports have it."""
+    return "stdin" if file == "-" else file
+
+
+def is_motion(file: str) -> bool:
+    """Says whether a document is a motion that was made elsewhere, and no BML."""
+    return file.lower().endswith(SUFFIX)
+
+
+def parse_document(file: str, known: Setup) -> Block:
+    """Reads BML from a file, or from standard input for `-`.
+
+    Raises:
+        BmlError: there is no such file, or the document is refused.
+    """
+    return parse(read_input(file), source=document_name(file), dialect=known.dialect, performer=known.character)
+
+
+def plan_motion(file: str, known: Setup) -> Plan:
+    """Plans a motion from a file; nothing moves.
+
+    Raises:
+        ConfigError: there is no such file, or it is wrong.
+    """
+    return plan_imported(read_bap(Path(file), known.robot), known, source=file)
+
+
+def print_timeline(planned: Plan, screen: Console) -> None:
+    """Prints a row for each behaviour that is performed, in time order, with all its sync points in block time [s]."""
+    table = Table(box=None, header_style="bold")
+    for name in ("from", "to"):
+        table.add_column(name, justify="right", no_wrap=True)
+    for name in ("behaviour", "does", "sync points"):
+        table.add_column(name)
+    known = {behaviour.id: behaviour for behaviour in planned.timeline.block.behaviours}
+    rows: dict[str, list[SyncTime]] = {}
+    for sync in planned.syncs:
+        rows.setdefault(sync.behaviour, []).append(sync)
+    for name, syncs in rows.items():
+        between = ", ".join(_point(sync) for sync in syncs if sync.sync not in ENDS or _is_moved(sync))
+        times = (f"{syncs[0].planned:.2f}", f"{syncs[-1].planned:.2f}")
+        table.add_row(*times, *map(quote_text, (name, _does(known[name]), between)))
+    if rows:
+        screen.print(table)
+
+
+def _point(sync: SyncTime) -> str:
+    asked = f" (asked {sync.asked:.2f})" if _is_moved(sync) else ""
+    return f"{sync.sync} {sync.planned:.2f}{asked}"
+
+
+def _is_moved(sync: SyncTime) -> bool:
+    return abs(sync.planned - sync.asked) > SHIFT_TO_WARN
+
+
+def _does(behaviour: Behaviour) -> str:
+    """What a behaviour is and does; of a speech, its words."""
+    if not isinstance(behaviour.action, Speech):
+        return f"{behaviour.type} {label(behaviour)}"
+    words = " ".join(behaviour.action.script.text.split())
+    return f'"{words}"' if len(words) <= WORDS else f'"{words[:WORDS]}..."'

@@ -1,0 +1,64 @@
+"""Names behaviours as people speak of them: by what they do, not by their id."""
+
+from kinesic.bml.block import (
+    Action,
+    Activate,
+    Behaviour,
+    Custom,
+    Face,
+    Gaze,
+    Gesture,
+    Head,
+    HeadDirectionShift,
+    Interrupt,
+    Locomotion,
+    ParameterChange,
+    Pointing,
+    Posture,
+    Speech,
+    Torso,
+    Wait,
+)
+
+MOST = 40  # letters
+WHOLE = "WHOLEBODY"  # the part of a pose that goes without saying
+
+
+def label(behaviour: Behaviour) -> str:
+    """Names what a behaviour asks for: its lexeme, or what it looks, points or goes at."""
+    words = " ".join(_words(behaviour.action).split()) or behaviour.type
+    return words if len(words) <= MOST else f"{words[: MOST - 1]}\u2026"
+
+
+def _words(action: Action) -> str:
+    match action:
+        case Gesture(lexeme) | Head(lexeme) | Torso(lexeme):
+            return lexeme
+        case Pointing(target):
+            return f"point at {target}"
+        case Gaze(target, _, angle, direction):
+            return " ".join(filter(None, ("look", f"at {target}" if target else "", direction if angle else "")))
+        case HeadDirectionShift(target):
+            return f"head to {target}"
+        case Face(lexemes, unit):
+            return ", ".join((*lexemes, *((f"AU {unit}",) if unit is not None else ())))
+        case Posture(stance, poses):
+            return ", ".join((*((stance,) if stance else ()), *(_pose(part, lexeme) for part, lexeme in poses)))
+        case Locomotion(target):
+            return f"go to {target}"
+        case Speech():
+            return "speech"
+        case Wait():
+            return "wait"
+        case Interrupt(target):
+            return f"interrupt {target}"
+        case Activate(target):
+            return f"activate {target}"
+        case ParameterChange(target, parameter, value):
+            return f"{parameter} of {target}: {value}"
+        case Custom(name):
+            return name
+
+
+def _pose(part: str, lexeme: str) -> str:
+    return lexeme if part.upper() == WHOLE else f"{part} {lexeme}"

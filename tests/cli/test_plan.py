@@ -1,0 +1,50 @@
+"""`kinesic plan` without a file: what would happen when, and nothing is written."""
+
+import re
+from pathlib import Path
+
+BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+TALK = BLOCK.format(
+    '<speech id="s"><text>Good <sync id="m"/>morning to you all, wherever you may be today</text></speech>'
+    '<head id="h" lexeme="NOD" stroke="s:m"/><gesture id="rushed" lexeme="offer" mode="RIGHT_HAND" start="0" '
+    'stroke="0.25" end="0.6"/><gesture id="odd" lexeme="xyzzy"/><faceLexeme id="f" lexeme="smile" start="1" end="2"/>'
+).encode()
+
+
+def test_it_prints_a_timeline_and_writes_nothing(kinesic, tmp_path: Path):
+    ended = kinesic("plan", "-", stdin=TALK)
+    assert ended.code == 0, ended.err
+    heading, *lines = ended.out.splitlines()
+    assert heading.split() == ["from", "to", "behaviour", "does", "sync", "points"]
+    rows = [line.split() for line in lines[:-2] if not line.startswith(" " * 15)]  # without lines that go on
+    assert {row[2] for row in rows} == {"s", "h", "rushed", "f"}, "what is dropped has no time"
+    assert [float(row[0]) for row in rows] == sorted(float(row[0]) for row in rows)
+    for shown in ('s          "Good morning to you all, where..."', "head NOD", "gesture offer", "smile"):
+        assert shown in ended.out
+    assert lines[-1].startswith("nothing is written: --out motion.npz")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_sync_points_that_move_say_when_they_were_asked(kinesic):
+    ended = kinesic("plan", "-", stdin=TALK)
+    moved = re.findall(r"(\w+) (-?[\d.]+) \(asked ([\d.]+)\)", " ".join(ended.out.split()))
+    assert {sync for sync, _, _ in moved} >= {"start", "ready"}, "the gesture begins before it was asked"
+    assert "stroke" not in {sync for sync, _, _ in moved}, "its stroke is in time"
+    assert all(float(planned) < float(asked) for _, planned, asked in moved)
+    assert re.search(r" m 0\.\d\d *$", ended.out, re.MULTILINE)
+
+
+def test_dropped_behaviours_are_the_first_warnings(kinesic):
+    ended = kinesic("plan", "-", stdin=TALK)
+    first, *others = ended.err.splitlines()
+    assert first.startswith("dropped     b:odd: ")
+    assert any(line.startswith("warning     b:rushed: ") for line in others)
+
+
+def test_a_motion_that_was_made_elsewhere_has_no_behaviours(kinesic, tmp_path: Path):
+    assert kinesic("plan", "-", "--out", "nod.bap", stdin=TALK).code == 0
+    (tmp_path / "nod.bap").rename(tmp_path / "NOD.BAP")
+    ended = kinesic("plan", "NOD.BAP")
+    assert ended.code == 0, ended.err
+    assert ended.out.splitlines()[-1].startswith("nothing is written")
+    assert "behaviour" not in ended.out

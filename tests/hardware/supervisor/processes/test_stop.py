@@ -1,0 +1,65 @@
+"""`kinesic servos stop`, beside a program that performs on servos in real time."""
+
+import os
+import signal
+import time
+
+import numpy as np
+import pytest
+
+from kinesic.cli.servos import stop
+from kinesic.hardware.protocol.wire import BusError
+from kinesic.hardware.servos import Servos
+from kinesic.hardware.supervisor.address import find_supervisor
+from kinesic.hardware.supervisor.channel import Channel
+from kinesic.hardware.supervisor.state_machine import Stage
+
+pytestmark = pytest.mark.realtime
+
+STILL = 0.3  # [s] that goals are watched
+JOINTS = 4
+
+
+@pytest.fixture
+def moving(rig, monkeypatch: pytest.MonkeyPatch) -> Servos:
+    """A performance; robots of other tests beside this one are not to be stopped."""
+
+    def of_this_test() -> tuple[Channel, ...]:
+        channel = find_supervisor(next(iter(rig.ports.values())), JOINTS)
+        return () if channel is None else (channel,)
+
+    monkeypatch.setattr(stop, "find_supervisors", of_this_test)
+    servos = rig.opened()
+    rig.write(servos, 30.0)
+    rig.moving(servos)
+    return servos
+
+
+def test_a_stop_of_another_program_holds_the_robot_until_somebody_consents(rig, moving: Servos):
+    assert stop.stop_robots() == 0
+    stopped = time.monotonic()
+    time.sleep(STILL)
+    record = rig.record()
+    after = record.times > stopped
+    assert after.any()
+    assert not np.ptp(record.goals[after], axis=0).any()
+    assert record.torque[after].all()
+    assert (moving.state().stage, moving.state().waits) == (Stage.STOPPED, "consent")
+    moving.resume()
+    rig.wait(lambda: moving.state().stage is Stage.ACTIVE)
+    moving.release()
+    moving.close()
+    assert not rig.record().torque[-1].any()
+    with pytest.raises(BusError, match=r"no program of yours drives servos from here.*switch the power off"):
+        stop.stop_robots()
+
+
+def test_a_supervisor_that_does_not_stop_is_told(rig, moving: Servos, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(stop, "PATIENCE", STILL)
+    os.kill(moving.pid, signal.SIGSTOP)
+    with pytest.raises(BusError, match=r"1 of 1 have not stopped in 0.3 s \(active\); switch the power off"):
+        stop.stop_robots()
+    os.kill(moving.pid, signal.SIGCONT)
+    rig.wait(lambda: moving.state().stage is Stage.STOPPED)
+    moving.release()
+    moving.close()

@@ -1,0 +1,45 @@
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import sealed
+from kinesic.body.limits import Limits
+from kinesic.motion.key_time_lp import CuttingPlane, KeyTimeProblem, relax_key_times, strain
+from kinesic.motion.keys import KeyPosture, Keys
+
+LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
+
+
+def keys_of(*rows: tuple[float, float, str]) -> tuple[KeyPosture, ...]:
+    return tuple(KeyPosture(time, sealed([angle]), (True,), (("b", sync),)) for time, angle, sync in rows)
+
+
+def test_gaps_push_the_cheapest_key():
+    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), LIMITS)
+    times = relax_key_times(KeyTimeProblem(keys, keys.gaps | {(1, 2): 0.5}, 0.6))
+    assert times == pytest.approx([0.0, 0.7, 1.2, 2.0])
+
+
+def test_the_lead_in_lets_the_start_come_earlier_and_no_more():
+    keys = Keys.of(keys_of((0, 0, "start"), (0.5, 1, "stroke"), (2, 0, "end")), LIMITS)
+    assert relax_key_times(KeyTimeProblem(keys, keys.gaps | {(0, 1): 0.9}, 0.6)) == pytest.approx([-0.4, 0.5, 2.0])
+    assert relax_key_times(KeyTimeProblem(keys, keys.gaps | {(0, 1): 1.5}, 0.6)) == pytest.approx([-0.6, 0.9, 2.0])
+
+
+def test_cuts_are_kept_as_gaps_are():
+    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), LIMITS)
+    slopes = sealed([0.0, 2.0, -2.0, 0.0])
+    times = relax_key_times(KeyTimeProblem(keys, keys.gaps, 0.6, [CuttingPlane(slopes, -1.0)]))
+    assert times == pytest.approx(relax_key_times(KeyTimeProblem(keys, keys.gaps | {(1, 2): 0.5}, 0.6)))
+
+
+def test_cuts_that_leave_nothing_are_told():
+    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "stroke")), LIMITS)
+    cuts = [CuttingPlane(sealed([0.0, 1.0]), 0.5), CuttingPlane(sealed([0.0, -1.0]), -0.7)]
+    with pytest.raises(ArithmeticError, match="no key times"):
+        relax_key_times(KeyTimeProblem(keys, keys.gaps, 0.6, cuts))
+
+
+def test_the_strain_is_what_is_made_least():
+    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), LIMITS)
+    assert strain(keys, keys.asked) == 0.0
+    assert strain(keys, np.add(keys.asked, [0.0, -0.3, 0.1, 0.0])) == pytest.approx(0.3 * 0.3 + 3.0 * 5.0 * 0.1)

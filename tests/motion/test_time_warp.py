@@ -1,0 +1,73 @@
+"""The model is exact to first order, wherever a gap lies; programs of it lead to times that suffice."""
+
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import sealed
+from kinesic.body.limits import Limits
+from kinesic.motion.infeasibility import measure_shortage
+from kinesic.motion.key_time_lp import KeyTimeProblem, strain
+from kinesic.motion.keys import KeyPosture, Keys
+from kinesic.motion.segments import segments
+from kinesic.motion.stretching import MARGIN, stretch_until_enough
+from kinesic.motion.time_warp import _change, _moved, stretch_times
+from kinesic.motion.trajectory import STEP
+
+LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
+ROWS = (
+    (0.0, 0.0, "start"),
+    (0.3, 0.6, "ready"),
+    (0.52, -0.5, "strokeStart"),
+    (0.71, 0.5, "stroke"),
+    (0.93, -0.4, "relax"),
+    (1.5, 0.0, "end"),
+)
+KEYS = Keys.of(tuple(KeyPosture(t, sealed([a]), (True,), (("b", sync),)) for t, a, sync in ROWS), LIMITS)
+PROBLEM = KeyTimeProblem(KEYS, KEYS.gaps, 0.6)
+
+
+def measure(times):
+    found = [segment for segment in segments(times, KEYS, STEP) if not segment.still]
+    return [(segment, measure_shortage(segment, LIMITS)) for segment in found]
+
+
+def test_a_stretch_lengthens_each_gap_by_its_integral():
+    (segment, _) = measure(KEYS.asked)[0]
+    even = np.full(segment.grid.pieces + 2, 0.1)
+    assert _moved(segment) @ even == pytest.approx(0.1 * np.diff(KEYS.asked), abs=1e-9)
+
+
+def test_an_even_stretch_takes_off_speeds_accelerations_and_jerks_as_time_does():
+    (segment, found) = measure(KEYS.asked)[0]
+    grid = segment.grid
+    now = grid.rows(LIMITS, 0) @ found.controls
+    changed = _change(segment, found.controls, LIMITS) @ np.ones(grid.pieces + 2)
+    k = grid.pieces
+    assert changed[: k + 2] == pytest.approx(-now[: k + 2])
+    assert changed[k + 2 : 2 * k + 3] == pytest.approx(-2 * now[k + 2 : 2 * k + 3])
+    assert changed[2 * k + 3 : 3 * k + 3] == pytest.approx(-3 * now[2 * k + 3 : 3 * k + 3], abs=1e-9)
+
+
+def test_a_step_brings_what_is_short_nearer():
+    lacks = measure(KEYS.asked)
+    assert lacks[0][1].amount > 0.1
+    times = stretch_times(PROBLEM, KEYS.asked, lacks, limits=LIMITS, radius=0.4, reserves=[MARGIN])
+    assert measure(times)[0][1].amount < 0.5 * lacks[0][1].amount
+
+
+def test_steps_lead_to_times_that_suffice_and_strain_little():
+    times = stretch_until_enough(PROBLEM, KEYS.asked, LIMITS, measure)
+    assert measure(times)[0][1].amount <= -MARGIN / 4
+    late = KEYS.asked + 0.3 * np.maximum(KEYS.asked - 0.52, 0.0)
+    begun_late = stretch_until_enough(PROBLEM, late, LIMITS, measure)
+    assert strain(KEYS, times) == pytest.approx(strain(KEYS, begun_late), rel=0.25, abs=0.05)
+
+
+def test_times_that_suffice_stay():
+    slow = 3.0 * KEYS.asked
+    np.testing.assert_array_equal(stretch_until_enough(PROBLEM, slow, LIMITS, measure), slow)
+
+
+def test_what_cannot_be_measured_is_none():
+    unknown = [(segment, None) for segment, _ in measure(KEYS.asked)]
+    assert stretch_until_enough(PROBLEM, KEYS.asked, LIMITS, lambda times: unknown) is None

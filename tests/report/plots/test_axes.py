@@ -1,0 +1,95 @@
+"""Axes of the figures: data come to their places, what is beyond the limits is cut, and words are escaped."""
+
+import re
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pytest
+
+from kinesic.report.plots.axes import INCH, WIDTH, Axes, Colour, Figure, nice_ticks
+
+
+@pytest.fixture
+def drawn() -> tuple[Figure, Axes]:
+    """Axes of 1 x 1 in, of which 2 in are left and 1 in is below."""
+    figure = Figure(3.0)
+    axes = figure.axes(2.0, 1.0, 1.0, 1.0)
+    axes.limit_x(0.0, 10.0)
+    axes.limit_y(-1.0, 1.0)
+    return figure, axes
+
+
+def numbers(text: str) -> list[float]:
+    return [float(value) for value in re.findall(r"-?[\d.]+", text)]
+
+
+def elements(figure: Figure, tag: str) -> list[ElementTree.Element]:
+    (text,) = re.findall(r"<svg.*</svg>", figure.svg())
+    return [element for element in ElementTree.fromstring(text).iter() if element.tag == tag]
+
+
+def test_data_come_to_their_places(drawn: tuple[Figure, Axes]):
+    figure, axes = drawn
+    axes.line(np.array([0.0, 5.0, 10.0]), np.array([-1.0, 0.0, 1.0]), Colour.PLANNED)
+    (line,) = elements(figure, "polyline")
+    assert numbers(line.attrib["points"]) == [0.0, INCH, INCH / 2, INCH / 2, INCH, 0.0]
+    _, inner = elements(figure, "svg")
+    assert [float(inner.attrib[name]) for name in ("x", "y", "width", "height")] == [2 * INCH, INCH, INCH, INCH]
+    assert inner.attrib["overflow"] == "hidden", "what is beyond the limits is cut"
+
+
+def test_an_axis_may_run_backwards(drawn: tuple[Figure, Axes]):
+    figure, axes = drawn
+    axes.limit_x(10.0, 0.0)
+    axes.limit_y(4.0, 0.0)
+    axes.bars([(1.0, 2.0)], 1.0, 3.0, Colour.SPEECH, 0.5)
+    frame, bar = elements(figure, "rect")
+    assert "fill:none" in frame.attrib["style"]
+    places = [float(bar.attrib[name]) for name in ("x", "y", "width", "height")]
+    assert places == pytest.approx([0.8 * INCH, INCH / 4, 0.1 * INCH, INCH / 2], abs=0.01)
+
+
+def test_without_a_limit_there_is_room_above_what_is_drawn(drawn: tuple[Figure, Axes]):
+    _, axes = drawn
+    axes.line(np.array([0.0, 1.0]), np.array([2.0, 8.0]), Colour.PLANNED)
+    axes.limit_y(0.0)
+    assert axes.y_limits == (0.0, pytest.approx(8.4))
+
+
+def test_words_of_strangers_are_escaped_and_stay_on_their_side(drawn: tuple[Figure, Axes]):
+    figure, axes = drawn
+    axes.write((1.0, 1.0), "<script>\x9b&", align="right")
+    text = next(element for element in elements(figure, "text") if element.text == "<script> &")
+    assert "text-anchor:end" in text.attrib["style"]
+    assert (float(text.attrib["x"]), float(text.attrib["y"])) == (3 * INCH, INCH)
+
+
+def test_numbers_stand_below_where_they_are_wanted(drawn: tuple[Figure, Axes]):
+    figure, axes = drawn
+    assert {element.text for element in elements(figure, "text")} >= {"0", "10", "\u22121"}
+    axes.labelled, axes.ticks = False, 0
+    assert elements(figure, "text") == []
+
+
+def test_a_playhead_stands_where_axes_of_time_begin_and_end():
+    figure = Figure(1.0)
+    figure.axes(1.1, 0.3, 4.4, 0.5, timed=True)
+    assert 'data-from="0.10000" data-to="0.50000"' in figure.svg()
+    assert WIDTH == 11.0
+
+
+@pytest.mark.parametrize(
+    ("limits", "most", "names"),
+    [
+        ((0.0, 11.6), 10, ["0", "2", "4", "6", "8", "10"]),
+        ((0.0, 1.1), 3, ["0.0", "0.5", "1.0"]),
+        ((-16.0, 14.0), 3, ["\u221210", "0", "10"]),
+        ((10.0, 0.0), 4, ["0.0", "2.5", "5.0", "7.5", "10.0"]),
+        ((2e-4, 9e-4), 4, ["0.0002", "0.0004", "0.0006", "0.0008"]),
+        ((3.0, 3.0), 3, []),
+    ],
+)
+def test_ticks_are_round_and_few(limits: tuple[float, float], most: int, names: list[str]):
+    ticks = nice_ticks(*limits, most)
+    assert [name for _, name in ticks] == names
+    assert all(min(limits) - 1e-9 <= value <= max(limits) + 1e-9 for value, _ in ticks)

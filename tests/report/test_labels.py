@@ -1,0 +1,37 @@
+"""What people call a behaviour."""
+
+import pytest
+
+from kinesic.bml.parse import parse
+from kinesic.report.labels import MOST, label
+
+NAMES = {
+    '<gesture lexeme="beat" stroke="1"/>': "beat",
+    '<head lexeme="NOD" stroke="1"/>': "NOD",
+    '<pointing target="left"/>': "point at left",
+    '<gaze target="audience" start="0" end="1"/>': "look at audience",
+    '<gaze target="left" offsetAngle="20" offsetDirection="UP" start="0" end="1"/>': "look at left UP",
+    '<headDirectionShift target="left"/>': "head to left",
+    '<faceLexeme lexeme="smile" start="0"/>': "smile",
+    '<faceFacs au="12" start="0"/>': "AU 12",
+    '<posture start="0" end="2"><stance type="STANDING"/><pose part="ARMS" lexeme="ARMS_CROSSED"/></posture>': (
+        "STANDING, ARMS ARMS_CROSSED"
+    ),
+    '<posture start="0" end="2"><pose part="WHOLEBODY" lexeme="LEANING_FORWARD"/></posture>': "LEANING_FORWARD",
+    '<locomotion target="door"/>': "go to door",
+    '<wait duration="1"/>': "wait",
+    "<speech><text>Hello.</text></speech>": "speech",
+    '<dance style="slow"/>': "dance",
+}
+
+
+@pytest.mark.parametrize(("written", "name"), NAMES.items())
+def test_a_behaviour_is_called_by_what_it_does(written: str, name: str):
+    (behaviour,) = parse(f'<bml id="b">{written}</bml>', dialect="draft").behaviours
+    assert label(behaviour) == name
+
+
+def test_a_long_name_is_cut():
+    (behaviour,) = parse(f'<bml id="b"><gesture id="g" lexeme="{"very" * 30}"/></bml>').behaviours
+    assert len(label(behaviour)) == MOST
+    assert label(behaviour).endswith("\u2026")
