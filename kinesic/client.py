@@ -143,6 +143,62 @@ class Client:
         self.close()
 
 
+class StopLine:
+    """A connection that only stops the robot: the server reads it apart from all other clients, whatever these send."""
+
+    def __init__(
+        self, host: str = "127.0.0.1", port: int = PORT, *, token: str | None = None, timeout: float = 10.0
+    ) -> None:
+        """Connects.
+
+        Args:
+            host: of the server.
+            port: of the server.
+            token: that the server asks for.
+            timeout: [s] to connect.
+
+        Raises:
+            OSError: nobody is there, or the server takes no further stop line.
+            PermissionError: the token is wrong, or missing.
+        """
+        self._client = Client(host, port, token=token, timeout=timeout)
+        try:
+            self._client.do("stop_line")
+            self._await("stop_line", timeout)
+        except BaseException:
+            self._client.close()
+            raise
+
+    def stop(self, timeout: float = 1.0) -> None:
+        """Stops the robot in the least time, and waits until the server says so; no block is taken until `resume`.
+
+        Args:
+            timeout: [s] to wait.
+
+        Raises:
+            OSError: the server is gone, or does not answer in time: use the switch that cuts the power.
+        """
+        self._client.do("stop")
+        self._await("stopped", timeout)
+
+    def close(self) -> None:
+        """Closes the connection."""
+        self._client.close()
+
+    def _await(self, told: str, timeout: float) -> None:
+        answer = json.loads(self._client.receive(timeout) or "{}")
+        if answer.get("told") != told:
+            raise ConnectionError(answer.get("why", f"no answer came in {timeout:g} s"))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
 def _refuses(message: str, name: str) -> bool:
     """Says whether a message refuses a block."""
     head, _, text = message.partition(">")

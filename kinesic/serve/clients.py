@@ -18,6 +18,7 @@ from kinesic.serve.protocol import (
     Restyle,
     Resume,
     Stop,
+    StopLineRequest,
     control,
     json_answer,
 )
@@ -40,7 +41,9 @@ class ConnectedClient:
     bucket: TokenBucket  # of messages that are taken
     excess: TokenBucket  # of those that are refused one by one
     output: OutputQueue
+    movable: bool  # a connection that another thread may go on with; standard input is none
     placed: bool = False  # has one of the places; without one it may only stop
+    stops_only: bool = False  # wants a connection past all others, for nothing but stops
     code: int = NORMAL  # why it was closed, as WebSocket says it
     why: str = ""
     count: int = 0  # documents so far
@@ -77,12 +80,13 @@ class ClientRegistry:
         self._numbers = count(1)
         self.session = session(self)
 
-    def join(self, name: str, *, trusted: bool = False) -> ConnectedClient:
+    def join(self, name: str, *, trusted: bool = False, movable: bool = True) -> ConnectedClient:
         """Takes up a client.
 
         Args:
             name: its address.
             trusted: needs no token, because it has shown it or is no stranger.
+            movable: whether its connection may become one that only stops.
         """
         rate, burst = self.rules.rate, self.rules.burst
         client = ConnectedClient(
@@ -92,6 +96,7 @@ class ClientRegistry:
             bucket=TokenBucket(rate, burst),
             excess=TokenBucket(rate, EXCESS * burst),
             output=OutputQueue(self.rules.unread),
+            movable=movable,
         )
         self._clients[client.number] = client
         return client
@@ -127,6 +132,8 @@ class ClientRegistry:
         elif isinstance(request, Stop):
             self.session.halt()
             client.send(json_answer("stopped"))
+        elif isinstance(request, StopLineRequest):
+            self._free(client)
         elif not self.place(client) and not isinstance(request, Hello):
             client.close(LATER, f"rule clients: {self.rules.clients} are connected already; you may only stop")
         elif not client.bucket.take():
@@ -155,6 +162,12 @@ class ClientRegistry:
         """Closes the connections of all clients."""
         for client in self._clients.values():
             client.close(code, why)
+
+    def _free(self, client: ConnectedClient) -> None:
+        """Lets a connection become one that only stops; standard input cannot."""
+        client.stops_only = client.movable
+        if not client.movable:
+            self._refuse(client, json_answer("refused", why="standard input takes documents, too; send stop here"))
 
     def _refuse(self, client: ConnectedClient, why: str) -> None:
         """Refuses one message; who goes on and on is sent away."""

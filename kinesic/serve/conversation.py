@@ -12,7 +12,7 @@ LOOK = 0.05  # [s] between two looks at whether a client is owed something
 
 
 class ClientWire(Protocol):
-    """A connection to a client, by any transport."""
+    """Messages to and from a client, by any transport."""
 
     lingers: bool  # whether a client that says nothing more may still listen
 
@@ -29,7 +29,7 @@ class ClientWire(Protocol):
 async def attend(
     clients: ClientRegistry, wire: ClientWire, client: ConnectedClient, *, notice: Callable[[], None] = lambda: None
 ) -> None:
-    """Receives from a client and sends to it until it goes, or is closed.
+    """Receives from a client and sends to it until it goes, is closed, or only stops the robot from now on.
 
     Args:
         clients: take its messages.
@@ -44,13 +44,14 @@ async def attend(
     sending = create_task(_send(wire, client))
     try:
         await wait((receiving, sending), return_when=FIRST_COMPLETED)
-        while wire.lingers and not sending.done() and clients.session.owes(client.number):
+        while wire.lingers and not client.stops_only and not sending.done() and clients.session.owes(client.number):
             await sleep(LOOK)
         client.output.end()
         receiving.cancel()
         await gather(receiving, return_exceptions=True)  # nobody else reads when the connection is closed
         await sending
-        await wire.close(client.code, client.why)
+        if not client.stops_only:
+            await wire.close(client.code, client.why)
     finally:
         clients.leave(client)
         for task in (receiving, sending):
@@ -66,6 +67,8 @@ async def _receive(
         while client.open:
             clients.receive(client, await anext(messages))
             notice()
+            if client.stops_only:
+                return
             await sleep(0)  # others have their turn, however many messages came at once
     except StopAsyncIteration:
         return

@@ -98,9 +98,9 @@ class Loop(Thread):
         self._orders.append(lambda: self._link(planner, beginning.stops))
 
     def halt(self) -> None:
-        """Makes an emergency stop: comes to rest in the least time, and drops all feedback. Never waits.
+        """Makes an emergency stop, from any thread: comes to rest in the least time, drops all feedback, never waits.
 
-        It counts at once: whoever resumes before the next tick means this stop.
+        It counts at once: whoever resumes before the next tick means this stop. Two at the same time may count as one.
         """
         self.stops += 1
         self._orders.appendleft(self._halt)

@@ -59,6 +59,10 @@ class Stop(Struct, tag="stop", tag_field="do", forbid_unknown_fields=True):
     """Emergency stop: comes to rest in the least time and takes no block until `resume`."""
 
 
+class StopLineRequest(Struct, tag="stop_line", tag_field="do", forbid_unknown_fields=True):
+    """Makes this connection one that only stops the robot, past all other clients."""
+
+
 class Resume(Struct, tag="resume", tag_field="do", forbid_unknown_fields=True):
     """Back to rest after a stop; blocks are taken again."""
 
@@ -88,8 +92,8 @@ class Ping(Struct, tag="ping", tag_field="do", forbid_unknown_fields=True):
     id: str = ""
 
 
-Control = Hello | Stop | Resume | InterruptCommand | Restyle | Enquiry | Ping
-Verb = Literal["hello", "stop", "resume", "interrupt", "style", "status", "ping"]
+Control = Hello | Stop | StopLineRequest | Resume | InterruptCommand | Restyle | Enquiry | Ping
+Verb = Literal["hello", "stop", "stop_line", "resume", "interrupt", "style", "status", "ping"]
 
 
 class _Verb(Struct):

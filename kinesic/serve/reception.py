@@ -12,11 +12,12 @@ from resource import RLIMIT_NOFILE, getrlimit
 
 from kinesic.body.config import ConfigError
 from kinesic.serve.clients import ClientRegistry, ConnectedClient
-from kinesic.serve.conversation import ClientWire, attend
+from kinesic.serve.conversation import attend
 from kinesic.serve.origin import own_authorities
 from kinesic.serve.pace import Pace
 from kinesic.serve.protocol import BLANK
 from kinesic.serve.quotas import TokenBucket
+from kinesic.serve.stop_lines import MovableWire, StopLines
 from kinesic.serve.transport import UNKNOWN, Console, HalfError, OverlongError, Stream, Transport
 from kinesic.serve.websocket import WebSocket
 
@@ -60,13 +61,14 @@ class Visitor:
 class Reception:
     """Listens, and attends to whoever comes."""
 
-    def __init__(self, clients: ClientRegistry) -> None:
+    def __init__(self, clients: ClientRegistry, stop_lines: StopLines) -> None:
         """Listens nowhere yet.
 
         Args:
             clients: whom those join that say something.
+            stop_lines: take over whoever only stops.
         """
-        self._clients, self._rules = clients, clients.rules
+        self._clients, self._rules, self._stop_lines = clients, clients.rules, stop_lines
         self._host = ""
         self._listeners: list[socket.socket] = []
         self._door: dict[Visitor, None] = {}  # the oldest first
@@ -180,7 +182,7 @@ class Reception:
         visitor.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         reads = TokenBucket(self._rules.rate, FIRST_READS)
         line = Transport(visitor.socket, self._rules.patience, partial(self._pace.await_turn, reads))
-        wire: ClientWire
+        wire: MovableWire
         async with timeout(self._rules.patience):
             first = await _read_first(line)
             if first.startswith(REQUEST):
@@ -198,6 +200,8 @@ class Reception:
         notice = partial(self._notice, visitor, line, reads, client)
         notice()
         await attend(self._clients, wire, client, notice=notice)
+        if client.stops_only:
+            self._stop_lines.take(socket.socket(fileno=visitor.socket.detach()), wire)
 
     def _notice(self, visitor: Visitor, line: Transport, reads: TokenBucket, client: ConnectedClient) -> None:
         """Lets a client in from the door as soon as it may: it may say more, and newcomers do not replace it."""
@@ -210,7 +214,7 @@ class Reception:
 
 async def attend_console(clients: ClientRegistry) -> None:
     """Attends to standard input until it ends and everything from it is performed."""
-    client = clients.join("stdin", trusted=True)
+    client = clients.join("stdin", trusted=True, movable=False)
     clients.place(client)
     await attend(clients, Console(clients.rules), client)
 

@@ -17,6 +17,7 @@ from kinesic.serve.quotas import USUAL, Quotas
 from kinesic.serve.reception import Reception, attend_console
 from kinesic.serve.session import Session
 from kinesic.serve.sinks import RealTimeSink
+from kinesic.serve.stop_lines import StopLines
 from kinesic.serve.tracks import SILENT, SoundAndFace
 
 SWITCH = 0.001  # [s] after which clients and the loop take the interpreter from each other
@@ -71,12 +72,14 @@ async def open_serving(
     clients = ClientRegistry(
         rules, access, lambda own: Session(make_setup, sinks, rules, own.tell, accompaniment=accompaniment)
     )
-    reception = Reception(clients)
+    stop_lines = StopLines(clients.session.halt, rules)
+    reception = Reception(clients, stop_lines)
     sys.setswitchinterval(SWITCH)
     try:
         if address is not None:
             address = Address(address.host, reception.listen(address.host, address.port))
         await clients.session.start()
+        stop_lines.open()
         reception.open()
         with urgent():  # not before: planners are ordinary processes, and begin with what this thread has
             yield Serving(clients, reception, address)
@@ -88,6 +91,7 @@ async def open_serving(
         reception.close()
         clients.close(AWAY, "the server ends")
         await reception.end()
+        stop_lines.close()
         clients.session.close()
 
 

@@ -85,10 +85,10 @@ class Session:
         return None
 
     def halt(self) -> None:
-        """Makes an emergency stop at once; what waits is not performed."""
+        """Makes an emergency stop at once; what waits is not performed. From any thread, and never waits."""
         self.loop.halt()
         self._halted = True
-        self._refuse_stopped(iter(self._documents.clear()))
+        self._asyncio.call_soon_threadsafe(self._refuse_all)
 
     def resume(self) -> None:
         """Returns to rest after an emergency stop, and lets servos go on; documents are taken again."""
@@ -161,6 +161,9 @@ class Session:
         if isinstance(present, DocumentRequest):
             what = f"planning failed, or took longer than {self._rules.planning:g} s; send something simpler"
             self._refuse(present.message, "planning", what)
+
+    def _refuse_all(self) -> None:
+        self._refuse_stopped(iter(self._documents.clear()))
 
     def _refuse_stopped(self, documents: Iterator[Message]) -> None:
         """Refuses one document after the other; whoever waits for an answer has a turn in between."""

@@ -8,6 +8,7 @@ import os
 import socket
 import sys
 from asyncio import Lock, StreamReader, get_running_loop, sleep, timeout, to_thread
+from collections import deque
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
 from contextlib import suppress
 from threading import Thread
@@ -111,6 +112,11 @@ class Stream:
             most: how long a message may be [bytes].
         """
         self._line, self._first, self._frames = line, first, MessageFramer(most)
+        self._whole = deque[bytes]()  # messages that were read and not taken yet
+
+    def move(self, line: Transport) -> None:
+        """Goes on over another transport of the same connection."""
+        self._line = line
 
     async def messages(self, hurry: Callable[[], bool]) -> AsyncIterator[bytes]:
         """Messages as they come, until the client ends its side.
@@ -122,11 +128,14 @@ class Stream:
             ValueError: a message is too long.
             HalfError: one has begun and does not end.
         """
-        data = self._first
-        while data:
-            for message in self._frames.feed(data):
-                yield message
+        data, self._first = self._first, b""
+        while True:
+            self._whole.extend(self._frames.feed(data))
+            while self._whole:
+                yield self._whole.popleft()
             data = await self._line.read(hurry=self._frames.is_midway or hurry())
+            if not data:
+                break
         if self._frames.is_midway:
             raise HalfError("the connection ended")
 

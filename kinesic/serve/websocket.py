@@ -1,12 +1,13 @@
 """A client by WebSocket: one message is one message."""
 
 from asyncio import sleep
+from collections import deque
 from collections.abc import AsyncIterator, Callable, Iterator
 from http import HTTPStatus
 
 from websockets.frames import Frame, Opcode
 from websockets.http11 import Request
-from websockets.protocol import State
+from websockets.protocol import Event, State
 from websockets.server import ServerProtocol
 
 from kinesic.serve.origin import Access, Rejection, find_rejection
@@ -36,7 +37,13 @@ class WebSocket:
         self._protocol = ServerProtocol(max_size=rules.message)
         self._protocol.receive_data(first)
         self._unread = b""  # what the client has said and is still to be parsed
+        self._events = deque[Event]()  # that were parsed and not looked at yet
+        self._pieces: list[bytes] = []  # of the message that has begun
         self._half = False  # a message has begun and not ended
+
+    def move(self, line: Transport) -> None:
+        """Goes on over another transport of the same connection."""
+        self._line = line
 
     async def open(self, access: Access, is_token: Callable[[str | None], bool], authorities: frozenset[str]) -> bool:
         """Reads the request and answers it; says whether the token came with it.
@@ -85,15 +92,14 @@ class WebSocket:
             ValueError: a message is too long.
             HalfError: one has begun and does not end.
         """
-        pieces: list[bytes] = []
         while True:
             for frame in self._read_frames():
                 if frame.opcode in DATA:
-                    pieces.append(bytes(frame.data))
+                    self._pieces.append(bytes(frame.data))
                     if frame.fin:
-                        yield b"".join(pieces)
-                        pieces = []
-                self._half = bool(pieces)
+                        message, self._pieces = b"".join(self._pieces), []
+                        yield message
+                self._half = bool(self._pieces)
             await self._flush()
             if self._protocol.parser_exc is not None:
                 raise ValueError(f"at most {self._rules.message} bytes are read: {self._protocol.parser_exc}")
@@ -101,7 +107,9 @@ class WebSocket:
                 return
 
     def _read_frames(self) -> Iterator[Frame]:
-        for event in self._protocol.events_received():
+        self._events.extend(self._protocol.events_received())
+        while self._events:
+            event = self._events.popleft()
             if not self._frames.take():
                 most = self._rules.fragments
                 raise ValueError(f"at most {most} frames are read at once, {most // 2} a second: send fewer fragments")

@@ -11,13 +11,14 @@ import pytest
 from kinesic.body.config import ConfigError
 from kinesic.serve.quotas import Quotas
 from kinesic.serve.reception import REST, Reception
+from kinesic.serve.stop_lines import StopLines
 
 pytestmark = pytest.mark.realtime
 
 
 def reception() -> Reception:
     """One whom nobody joins."""
-    return Reception(SimpleNamespace(rules=Quotas()))
+    return Reception(SimpleNamespace(rules=Quotas()), StopLines(lambda: None, Quotas()))
 
 
 class Full(socket.socket):

@@ -1,7 +1,7 @@
 """The emergency stop under floods: when it is acknowledged, and when the goals are still.
 
 The server runs in a process of its own and the flood in another. An operator stops a moving robot again and again: by a
-connection that is there, by a new one, by WebSocket, by standard input.
+connection that is there, by a new one, by WebSocket, by standard input, by a stop line.
 """
 
 import json
@@ -26,7 +26,7 @@ from kinesic.bench.bml import flood, witnessed_server
 from kinesic.bench.bml.witnessed_server import read_goals
 from kinesic.bench.figure import Figure
 from kinesic.body.robot import Robot
-from kinesic.client import Client
+from kinesic.client import Client, StopLine
 
 BLOCK = '<bml id="{}"><gesture id="l" lexeme="BEAT" mode="LEFT_HAND" start="0"/><gesture id="r" lexeme="BEAT" ' + (
     'mode="RIGHT_HAND" start="0"/><head id="h" lexeme="NOD" start="0"/></bml>'
@@ -147,7 +147,11 @@ def _stop(server: WatchedServer, way: Callable[[], None]) -> Stopping:
 @contextmanager
 def _ways(server: WatchedServer) -> Iterator[tuple[Callable[[], None], ...]]:
     """Ways to stop; each returns when the stop is acknowledged."""
-    with Client(port=server.port) as present, connect(f"ws://127.0.0.1:{server.port}") as web:
+    with (
+        Client(port=server.port) as present,
+        connect(f"ws://127.0.0.1:{server.port}") as web,
+        StopLine(port=server.port) as line,
+    ):
 
         def by_tcp() -> None:
             present.stop()
@@ -168,7 +172,10 @@ def _ways(server: WatchedServer) -> Iterator[tuple[Callable[[], None], ...]]:
                 server.process.stdin.flush()
                 _await(server.process.stdout.readline)
 
-        yield by_tcp, by_new_connection, by_websocket, by_standard_input
+        def by_stop_line() -> None:
+            line.stop(PATIENCE)
+
+        yield by_tcp, by_new_connection, by_websocket, by_standard_input, by_stop_line
 
 
 def _await(receive: Callable[[], str | None]) -> None:

@@ -1,0 +1,117 @@
+"""Stop lines: connections that only stop the robot, read in a thread of their own past all that other clients send."""
+
+import socket
+from asyncio import Event, Task, get_running_loop, run, sleep
+from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
+from threading import Event as Flag
+from threading import Thread
+from typing import Protocol
+
+from kinesic.serve.clients import LATER, NORMAL, POLICY
+from kinesic.serve.conversation import ClientWire
+from kinesic.serve.pace import Pace
+from kinesic.serve.priority import urgent
+from kinesic.serve.protocol import Ping, Stop, control, json_answer
+from kinesic.serve.quotas import Quotas, TokenBucket
+from kinesic.serve.transport import HalfError, Transport
+
+MOST = 64  # lines at once
+READS = 20  # of a line at once, before it has to wait for its turn
+ONLY = "this connection only stops the robot; open another one for everything else"
+
+
+class MovableWire(ClientWire, Protocol):
+    """Messages over a connection that another thread may go on with."""
+
+    def move(self, line: Transport, /) -> None:
+        """Goes on over another transport of the same connection."""
+
+
+class StopLines:
+    """Reads connections of which every `stop` is obeyed at once, whatever the thread of the other clients does."""
+
+    def __init__(self, halt: Callable[[], None], rules: Quotas) -> None:
+        """Begins without lines.
+
+        Args:
+            halt: makes an emergency stop; called in the thread of the lines.
+            rules: what their clients may do.
+        """
+        self._halt, self._rules = halt, rules
+        self._pace = Pace()
+        self._tasks: set[Task[None]] = set()
+        self._begun = Flag()
+        self._thread = Thread(target=lambda: run(self._serve()), name="stop lines", daemon=True)
+
+    def open(self) -> None:
+        """Begins to read."""
+        self._thread.start()
+        self._begun.wait()
+
+    def close(self) -> None:
+        """Ends all lines."""
+        if self._thread.is_alive():
+            self._loop.call_soon_threadsafe(self._end.set)
+            self._thread.join()
+
+    def take(self, connection: socket.socket, wire: MovableWire) -> None:
+        """Takes over a connection that nobody else reads or closes from now on.
+
+        Args:
+            connection: to the client; does not block.
+            wire: its messages.
+        """
+        self._loop.call_soon_threadsafe(self._begin, connection, wire)
+
+    async def _serve(self) -> None:
+        self._loop, self._end = get_running_loop(), Event()
+        self._begun.set()
+        with urgent():
+            await self._end.wait()
+
+    def _begin(self, connection: socket.socket, wire: MovableWire) -> None:
+        task = self._loop.create_task(self._attend(connection, wire))
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    async def _attend(self, connection: socket.socket, wire: MovableWire) -> None:
+        reads = TokenBucket(self._rules.rate, READS)
+        line = Transport(connection, self._rules.patience, partial(self._pace.await_turn, reads))
+        line.admit()
+        wire.move(line)
+        try:
+            with suppress(OSError, HalfError):  # a client may leave in any way
+                await wire.close(*await self._obey(wire))
+        finally:
+            connection.close()
+
+    async def _obey(self, wire: MovableWire) -> tuple[int, str]:
+        """Obeys a client until it goes; says why it is sent away, if it is."""
+        if len(self._tasks) > MOST:
+            return LATER, f"{MOST} connections only stop already; send stop by any other"
+        messages = TokenBucket(self._rules.rate, self._rules.burst)
+        await wire.send(json_answer("stop_line"))
+        try:
+            async for message in wire.messages(lambda: False):
+                await wire.send(self._answer(message))
+                if not messages.take():
+                    return POLICY, f"rule rate: at most {self._rules.rate:g} messages a second are taken"
+                await sleep(0)  # other lines have their turn
+        except ValueError as error:
+            return POLICY, str(error)
+        return NORMAL, ""
+
+    def _answer(self, message: bytes) -> str:
+        try:
+            request = control(message)
+        except ValueError as error:
+            return json_answer("refused", why=str(error))
+        match request:
+            case Stop():
+                self._halt()
+                return json_answer("stopped")
+            case Ping(id):
+                return json_answer("pong", id=id)
+        return json_answer("refused", why=ONLY)

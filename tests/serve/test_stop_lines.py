@@ -1,0 +1,137 @@
+"""Connections that only stop the robot, at a real server whose thread of clients is held up."""
+
+import json
+import socket
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+from websockets.sync.client import connect
+
+from kinesic.client import StopLine
+from kinesic.serve import stop_lines
+
+from .conftest import PATIENCE, Running
+
+pytestmark = pytest.mark.realtime
+
+
+@contextmanager
+def held_up(server: Running) -> Iterator[None]:
+    """The thread that reads all other clients stands still meanwhile."""
+    stands, go_on = threading.Event(), threading.Event()
+
+    def stand() -> None:
+        stands.set()
+        go_on.wait(PATIENCE)
+
+    server.tasks.call_soon_threadsafe(stand)
+    assert stands.wait(PATIENCE)
+    try:
+        yield
+    finally:
+        go_on.set()
+
+
+@pytest.fixture(autouse=True)
+def resumed(server: Running, becomes) -> Iterator[None]:
+    yield
+    with server.client() as client:
+        client.do("resume")
+        client.do("ping")
+        assert client.receive(PATIENCE)
+    assert becomes(lambda: not server.open.clients.session.loop.halted)
+
+
+def test_a_stop_passes_whatever_holds_up_the_thread_of_clients(server, becomes):
+    loop = server.open.clients.session.loop
+    stops = loop.stops
+    with StopLine(port=server.port) as line, held_up(server):
+        line.stop(PATIENCE)
+        assert loop.stops == stops + 1
+        assert becomes(lambda: loop.halted)
+    with server.client() as client:
+        client.send('<bml id="late"><head lexeme="NOD"/></bml>')
+        assert "rule stopped" in client.receive(PATIENCE)
+
+
+def test_a_websocket_becomes_one_too_and_a_stop_that_came_along_is_not_lost(server):
+    loop = server.open.clients.session.loop
+    stops = loop.stops
+    with connect(f"ws://127.0.0.1:{server.port}") as web:
+        web.socket.sendall(b"".join(_frame(each) for each in ('{"do": "stop_line"}', '{"do": "stop"}')))
+        assert [json.loads(web.recv(PATIENCE))["told"] for _ in range(2)] == ["stop_line", "stopped"]
+        assert loop.stops == stops + 1
+        with held_up(server):
+            web.send('{"do": "stop"}')
+            assert json.loads(web.recv(PATIENCE)) == {"told": "stopped"}
+            assert loop.stops == stops + 2
+
+
+def test_a_stop_that_came_along_by_tcp_is_not_lost(server):
+    stops = server.open.clients.session.loop.stops
+    with socket.create_connection(("127.0.0.1", server.port), PATIENCE) as client, client.makefile("rb") as answers:
+        client.sendall(b'{"do": "stop_line"}\0{"do": "stop"}\0{"do": "st')
+        assert [json.loads(answers.readline().strip(b"\0"))["told"] for _ in range(2)] == ["stop_line", "stopped"]
+        client.sendall(b'op"}\0')
+        assert json.loads(answers.readline().strip(b"\0")) == {"told": "stopped"}
+    assert server.open.clients.session.loop.stops == stops + 2
+
+
+def test_it_takes_nothing_else_and_no_place(server, becomes):
+    clients = server.open.clients
+    assert becomes(lambda: not clients._clients)
+    with server.client() as client:
+        client.do("stop_line")
+        assert json.loads(client.receive(PATIENCE)) == {"told": "stop_line"}
+        assert becomes(lambda: not clients._clients)
+        assert clients._taken == 0
+        for message, told in (
+            ('<bml><head lexeme="NOD"/></bml>', "refused"),
+            ('{"do": "resume"}', "refused"),
+            ('{"do": "nonsense"}', "refused"),
+            ('{"do": "ping", "id": "x"}', "pong"),
+        ):
+            client.send(message)
+            assert json.loads(client.receive(PATIENCE))["told"] == told
+
+
+def test_who_floods_its_line_is_stopped_and_sent_away(guarded):
+    loop = guarded.open.clients.session.loop
+    with guarded.client(token="open sesame") as client:
+        client.do("stop_line")
+        assert json.loads(client.receive(PATIENCE)) == {"told": "stop_line"}
+        client.send_bytes(b'{"do": "stop"}\0' * 200)
+        told = []
+        while not told or told[-1]["told"] != "closed":
+            told.append(json.loads(client.receive(PATIENCE)))
+    assert told[-1]["why"].startswith("rule rate")
+    assert 10 <= len(told) < 200
+    assert loop.stops >= 10
+
+
+def test_the_token_comes_first(guarded):
+    with pytest.raises(PermissionError, match="token"):
+        StopLine(port=guarded.port, token="wrong")
+    with pytest.raises(ConnectionError, match="a token is needed"):
+        StopLine(port=guarded.port)
+
+
+def test_one_more_than_there_may_be_is_refused_and_those_there_remain(server, monkeypatch):
+    monkeypatch.setattr(stop_lines, "MOST", 1)
+    with StopLine(port=server.port) as first:
+        with server.client() as second:
+            second.do("stop_line")
+            assert "send stop by any other" in json.loads(second.receive(PATIENCE))["why"]
+        first.stop(PATIENCE)
+
+
+def test_a_server_that_does_not_answer_is_an_error():
+    with socket.create_server(("127.0.0.1", 0)) as silent, pytest.raises(ConnectionError, match="no answer came"):
+        StopLine(port=silent.getsockname()[1], timeout=0.05)
+
+
+def _frame(text: str) -> bytes:
+    """A masked text frame, with a mask of zeros."""
+    return bytes((0x81, 0x80 | len(text))) + bytes(4) + text.encode()
