@@ -23,7 +23,8 @@ such errors at once may oscillate where they leave the servo's own loop hardly d
 then only the bounds hold, and servos that wrong are better fitted first.
 
 A goal further than 1 / g from the measured position gives no more duty: the observer knows what could act, so that
-nothing winds up.
+nothing winds up. Where g is less than believed, duty is full only further away, and full duty would explain away what g
+lacks: DOUBT is the room in which it still shows.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -44,6 +45,7 @@ BANDWIDTH = 100.0  # [rad/s] of the observer's three poles
 CLEAR_LOAD = np.radians(2.0)  # of lead, at which the first sign of a load is half believed
 FORGETTING = 5.0  # [s] after which older loads count less
 LARGEST = np.radians(10.0)  # [rad] of correction
+DOUBT = 1.2  # times the error of full duty, up to which a servo is believed to give more for more
 SLICES = 1024  # of a period, for its exact solution
 
 
@@ -111,7 +113,7 @@ class Observer:
     lower: Floats  # (n,) [rad] of goals
     upper: Floats  # (n,) [rad]
     step: Floats  # (n,) [rad] of correction per tick: the speed that plans leave to servos
-    full: Floats  # (n,) [rad] error at which the duty is full
+    full: Floats  # (n,) [rad] error at which the duty is full beyond doubt
 
     @classmethod
     def of(cls, robot: Robot, dynamics: Dynamics, *, period: float, delay: float = 0.0, bodies: int = 1) -> "Observer":
@@ -142,7 +144,7 @@ class Observer:
             lower=sealed(np.tile(robot.skeleton.lower, bodies)),
             upper=sealed(np.tile(robot.skeleton.upper, bodies)),
             step=sealed(np.tile(step, bodies)),
-            full=sealed(np.tile(1.0 / drives.gain, bodies)),
+            full=sealed(np.tile(DOUBT / drives.gain, bodies)),
         )
 
     @cached_property

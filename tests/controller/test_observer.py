@@ -8,10 +8,16 @@ from scipy.linalg import expm
 from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
 from kinesic.body.robot import SPEED_SHARE, Robot
+from kinesic.controller import observer as observer_module
 from kinesic.controller.feedforward import FeedForwardGoals
 from kinesic.controller.observer import LARGEST, LoadEstimate, Observer, ObserverInputs, _forecast, correct_goals
 from kinesic.controller.observer_step import FADING, RESTORING, SHARES
+from kinesic.controller.perform import _observer, dry_run, plan
+from kinesic.report.checks.twin import tracking_errors
 from kinesic.sim.dynamics import MujocoDynamics
+from kinesic.sim.servo_factors import Factors
+
+from ..passage import passage_text
 
 ROBOT = Robot.load()
 DYNAMICS = MujocoDynamics(ROBOT)
@@ -235,3 +241,18 @@ def test_a_delay_splits_a_goal_between_two_ticks():
     for delay, arrival in ((0.0, [1.0, 0.0]), (0.0025, [0.75, 0.25]), (0.018, [0.0, 0.2, 0.8])):
         observer = Observer.of(ROBOT, DYNAMICS, period=PERIOD, delay=delay)
         np.testing.assert_allclose(observer.arrival, arrival, atol=1e-9)
+
+
+def test_full_duty_does_not_explain_away_half_of_the_gain(monkeypatch, known):
+    """What full duty would leave undone looks like what a weak gain leaves undone, but near it only the gain may."""
+    planned = plan(passage_text(0), known)
+
+    def rmse() -> float:
+        _observer.cache_clear()
+        return tracking_errors(dry_run(planned, twin=Factors(gain=0.5))).rmse
+
+    doubted = rmse()
+    monkeypatch.setattr(observer_module, "DOUBT", 1.0)
+    believed = rmse()
+    _observer.cache_clear()
+    assert doubted < 0.8 < 0.9 < believed
