@@ -41,7 +41,7 @@ def test_a_performance_that_stood_still_needs_enter_and_folds_the_arms_when_its_
 
 
 @pytest.mark.soak
-@pytest.mark.parametrize("way", ["Ctrl-C", "SIGTERM", "SIGKILL"])
+@pytest.mark.parametrize("way", ["Ctrl-C", "SIGTERM", "SIGTERM to it alone", "SIGKILL"])
 def test_a_performance_that_is_ended_folds_the_arms(arms, perform, way: str):
     command = perform(LONG)
     command.wait(arms.raised)
@@ -54,7 +54,7 @@ def test_a_performance_that_is_ended_folds_the_arms(arms, perform, way: str):
 
 
 @pytest.mark.soak
-@pytest.mark.parametrize("way", ["Ctrl-C", "SIGTERM", "SIGKILL"])
+@pytest.mark.parametrize("way", ["Ctrl-C", "SIGTERM", "SIGTERM to it alone", "SIGKILL"])
 def test_a_server_that_is_ended_folds_the_arms_first(arms, run, way: str):
     command, client = serve(arms, run)
     with client:
@@ -96,6 +96,8 @@ def end(command, way: str) -> None:
         command.close_terminal()
     elif way == "SIGTERM":
         command.signal_all(signal.SIGTERM)
+    elif way == "SIGTERM to it alone":
+        command.process.send_signal(signal.SIGTERM)
     else:
         command.process.kill()
 
