@@ -1,6 +1,7 @@
 """The page's player in a browser: the face and the voice keep step with the replay."""
 
 import wave
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -105,6 +106,29 @@ def test_a_page_without_them_has_neither(hurried: Performance, tmp_path: Path):
         assert page.value("document.querySelector('audio') === null")
         page.click("[data-part=play]")
         page.until("Number(document.querySelector('[data-part=clock]').textContent.split(' ')[0]) > 0.2")
+
+
+def picture(page: Page, ghost: str, time: float) -> object:
+    """What is drawn at a time with a choice of ghosts."""
+    choice = f"document.querySelector('[data-part=ghost]').value = '{ghost}'"
+    slider = f"const s = document.querySelector('[data-part=time]'); s.value = {time}"
+    drawn = "requestAnimationFrame(() => done(document.querySelector('#stage canvas').toDataURL()))"
+    return page.value(f"new Promise(done => {{ {choice}; {slider}; s.dispatchEvent(new Event('input')); {drawn} }})")
+
+
+def test_a_ghost_appears_where_the_twin_strays_by_more_than_a_degree(hurried: Performance, tmp_path: Path):
+    measured, robot = hurried.measured, hurried.plan.setup.robot
+    astray = hurried.plan.trajectory.sample(measured.times)[0]
+    elbow = robot.skeleton.names.index("r_elbow_flexion")
+    astray[:, elbow] += np.radians(np.where(measured.times < 0.5, 0.8, 3.0))
+    path, changed = tmp_path / "astray.html", replace(measured, angles=astray)
+    write_page(replace(hurried, measured=changed), report(hurried, source="x.bml"), path=path)
+    with opened(path.as_uri(), tmp_path / "profile") as page:
+        page.until("document.querySelector('#stage')?.hidden === false")
+        for time, seen in ((0.3, False), (0.7, True)):
+            without = picture(page, "", time)
+            assert (picture(page, "plan over astray", time) != without) == seen
+            assert picture(page, "plan over", time) != without
 
 
 def edges(selector: str) -> str:
