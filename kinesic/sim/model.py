@@ -6,7 +6,8 @@ gain s / w (which undoes MuJoCo's compensation of the back-EMF) gives
 
     torque = s clip(g error, -1, 1) - (s / w) speed,
 
-clamped exactly where the servo clamps its duty.
+clamped exactly where the servo clamps its duty. Where gears have play, a second joint without drive follows each hinge,
+free between two stops: the motor turns the first, the links hang on the second, and the servo measures both together.
 """
 
 from copy import copy
@@ -29,6 +30,9 @@ SHORTEST_AXIS = 1e-6  # [m] a capsule whose ends are nearer is a ball
 BALL_RADIUS = 0.02  # [m] of the mass of a segment without capsules
 LEAST_MASS = 1e-4  # [kg] MuJoCo refuses moving bodies without mass
 LEAST_INERTIA = 1e-7  # [kg m^2]
+PLAY = "_play"  # after the name of a hinge
+STOP = (0.008, 1.0)  # [s], damping ratio of the stops of play: as stiff as steps of 4 ms can bear
+HARDNESS = (0.99, 0.999, 0.001, 0.5, 2.0)  # their impedance: they yield by about 0.01 deg
 
 
 def build_model(robot: Robot, *, servos: Factors = NOMINAL) -> mujoco.MjModel:
@@ -46,13 +50,13 @@ def build_model(robot: Robot, *, servos: Factors = NOMINAL) -> mujoco.MjModel:
 
 @lru_cache(maxsize=8)
 def _compiled(robot: Robot, servos: Factors) -> mujoco.MjModel:
-    spec = describe(servos.applied(robot))
+    spec = describe(servos.applied(robot), play=servos.play)
     spec.compiler.discardvisual = True  # the servos' boxes leave only their weight
     return spec.compile()
 
 
-def describe(robot: Robot) -> mujoco.MjSpec:
-    """Describes the same model before it is compiled, for whoever adds scenery."""
+def describe(robot: Robot, *, play: float = 0.0) -> mujoco.MjSpec:
+    """Describes the same model before it is compiled, for whoever adds scenery; play [rad] is that of all gears."""
     spec = mujoco.MjSpec()
     spec.modelname = robot.name
     spec.compiler.degree = False  # MjSpec reads degrees by default, and would shrink every range 57 times
@@ -65,6 +69,8 @@ def describe(robot: Robot) -> mujoco.MjSpec:
         _add_body(spec, segment)
     for hinge, mount in zip(robot.skeleton.hinges, robot.mounts, strict=True):
         _add_hinge(spec, hinge, mount.drive)
+        if play:
+            _add_play(spec, hinge, play)
         _add_servo(spec, hinge, mount)
     for name, site in robot.sites.items():
         spec.body(site.segment).add_site(name=name, pos=site.position, size=[0.005] * 3, group=4)
@@ -75,6 +81,18 @@ def describe(robot: Robot) -> mujoco.MjSpec:
 def joint_order(robot: Robot, model: mujoco.MjModel) -> Indices:
     """Finds the positions (n,) of the skeleton's hinges in MuJoCo's `qpos` and `qvel`, by name."""
     return np.array([model.joint(name).qposadr[0] for name in robot.skeleton.names], dtype=np.intp)
+
+
+def play_order(robot: Robot, model: mujoco.MjModel) -> Indices:
+    """Finds where the play (n,) of each hinge is in `qpos` and `qvel`; empty (0,) where gears have none."""
+    names = [f"{name}{PLAY}" for name in robot.skeleton.names] if model.njnt > len(robot.skeleton.names) else []
+    return np.array([model.joint(name).qposadr[0] for name in names], dtype=np.intp)
+
+
+def of_hinges(values: Floats, motors: Indices | slice, play: Indices) -> Floats:
+    """Computes (..., n) of the hinges from those of all joints: where the motors are, and what play adds."""
+    turned: Floats = values[..., motors]
+    return turned + values[..., play] if len(play) else turned
 
 
 def actuator_order(robot: Robot, model: mujoco.MjModel) -> Indices:
@@ -134,6 +152,18 @@ def _add_hinge(spec: mujoco.MjSpec, hinge: Hinge, drive: Drive) -> None:
         resistance=constant * volt / drive.stall,
         controller=[drive.gain * drive.stall, 0, drive.stall / drive.no_load + drive.rate_gain, 0, 0, volt],
         ctrlspec=POSITION_INPUT,
+    )
+
+
+def _add_play(spec: mujoco.MjSpec, hinge: Hinge, play: float) -> None:
+    spec.body(hinge.segment).add_joint(
+        name=f"{hinge.name}{PLAY}",
+        type=mujoco.mjtJoint.mjJNT_HINGE,
+        axis=hinge.axis,
+        pos=hinge.at,
+        range=[-play / 2, play / 2],
+        solref_limit=STOP,
+        solimp_limit=HARDNESS,
     )
 
 

@@ -11,6 +11,8 @@ from kinesic.body.config import ConfigError, read_toml, suggestion
 from kinesic.body.robot import Robot
 from kinesic.body.servo import ServoModel
 
+MOST_PLAY = 0.2  # [rad] beyond which a gear is broken
+
 
 class DriveFactors(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Multipliers on the figures of a servo model; 1 leaves a figure as it is."""
@@ -37,10 +39,11 @@ class Factors(DriveFactors, frozen=True, forbid_unknown_fields=True):
     mass: float = 1.0  # of structure and servos
     supply: float = 1.0  # voltage: stall torque, stall current and no-load speed follow it
     latency: float = 0.0  # [s] from a command until its goals reach the servos
+    play: float = 0.0  # [rad] by which gears let each hinge turn freely; the servo measures the hinge
     servos: dict[str, DriveFactors] = {}  # of single servo models, in place of those above
 
     def __post_init__(self) -> None:
-        """Refuses factors that are not positive, and a latency below zero.
+        """Refuses factors that are not positive, and latency and play that cannot be.
 
         Raises:
             ValueError: names the factor and its value.
@@ -50,6 +53,8 @@ class Factors(DriveFactors, frozen=True, forbid_unknown_fields=True):
         _positive("supply", self.supply)
         if not 0.0 <= self.latency < 1.0:
             raise ValueError(f"latency is {self.latency} s, must be in [0, 1)")
+        if not 0.0 <= self.play < MOST_PLAY:
+            raise ValueError(f"play is {self.play} rad, must be in [0, {MOST_PLAY}): 0.0087 is half a degree")
 
     def __hash__(self) -> int:
         """Of the content, the table of servos included."""

@@ -5,7 +5,7 @@ import numpy as np
 
 from kinesic.body.arrays import Flags, Floats, Indices, sealed
 from kinesic.body.robot import Robot
-from kinesic.sim.model import actuator_order, build_model, joint_order
+from kinesic.sim.model import actuator_order, build_model, joint_order, of_hinges, play_order
 from kinesic.sim.servo_factors import NOMINAL, Factors
 from kinesic.sim.twin import STEP
 
@@ -32,6 +32,7 @@ class Shafts:
         self._model = build_model(robot, servos=factors)
         self._data = mujoco.MjData(self._model)
         self._joints: Indices = joint_order(robot, self._model)
+        self._play = play_order(robot, self._model)
         self._actuators: Indices = actuator_order(robot, self._model)
         self._model.actuator_group[self._actuators] = np.arange(len(self._actuators))
         self._goals = np.array(robot.skeleton.rest if start is None else start)
@@ -42,13 +43,13 @@ class Shafts:
     def angles(self) -> Floats:
         """(n,) [rad]."""
         # MuJoCo's semi-implicit steps run half a step ahead of the held goals; its speeds lie on time
-        ahead = self._model.opt.timestep / 2 * self._data.qvel[self._joints]
-        return sealed(self._data.qpos[self._joints] - ahead)
+        now = self._data.qpos - self._model.opt.timestep / 2 * self._data.qvel
+        return sealed(of_hinges(now, self._joints, self._play))
 
     @property
     def speeds(self) -> Floats:
         """(n,) [rad/s]."""
-        return sealed(self._data.qvel[self._joints])
+        return sealed(of_hinges(self._data.qvel, self._joints, self._play))
 
     @property
     def duties(self) -> Floats:
@@ -79,4 +80,9 @@ class Shafts:
         self._model.actuator_forcerange[self._actuators] = limits
         count = int(np.ceil(seconds / STEP - 1e-9))
         self._model.opt.timestep = seconds / count
-        mujoco.mj_step(self._model, self._data, count)
+        if not len(self._play):
+            mujoco.mj_step(self._model, self._data, count)
+            return
+        for _ in range(count):  # the motor's position is not the hinge's, which the servo measures
+            self._data.ctrl[self._actuators] = self._goals - self._data.qpos[self._play]
+            mujoco.mj_step(self._model, self._data)

@@ -12,7 +12,7 @@ from kinesic.body.command import Command, Measurements, State
 from kinesic.body.robot import SIDES, Robot
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.kinematics import motion_frames
-from kinesic.sim.model import actuator_order, build_model, joint_order
+from kinesic.sim.model import actuator_order, build_model, joint_order, of_hinges, play_order
 from kinesic.sim.power import effort, power
 from kinesic.sim.servo_factors import NOMINAL, Factors
 from kinesic.sim.step_log import StepLog
@@ -58,16 +58,19 @@ class Twin:
         self._model = build_model(robot, servos=factors)
         if not touches:
             self._model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
-            self._model.opt.solver = mujoco.mjtSolver.mjSOL_PGS  # what friction leaves to solve, it solves soonest
+            if not factors.play:
+                self._model.opt.solver = mujoco.mjtSolver.mjSOL_PGS  # what friction leaves to solve, it solves soonest
         self._data = mujoco.MjData(self._model)
         self._order = _place(joint_order(robot, self._model))
         self._actuators = _place(actuator_order(robot, self._model))
+        self._play = play_order(robot, self._model)
         self._ticks = robot.drives.tick if rounds else None
         posture = robot.skeleton.rest if start is None else start
         self._data.qpos[self._order] = posture
         self._control, self._options = self._data.ctrl, self._model.opt  # looked up once: each costs as much as a sum
         goals = self._rounded(posture)
         self._control[self._actuators] = goals
+        self._goals = goals  # (n,) [rad] in force
         self._time = -inf  # [s] of the performance, before the first command
         self._waiting: deque[tuple[float, Floats]] = deque()  # goals under way, with the time they arrive
         self._log = StepLog(self._data.qpos, self._data.qvel, goals)
@@ -86,7 +89,7 @@ class Twin:
             arrival, goals = self._waiting.popleft()
             self._advance(arrival)
             self._log.aim(goals)
-            self._control[self._actuators] = goals
+            self._control[self._actuators] = self._goals = goals
         self._advance(command.time)
         sent = self._rounded(command.goals)
         self._log.mark(command.time, sent)
@@ -97,14 +100,14 @@ class Twin:
 
     def positions(self) -> Floats:
         """(n,) [rad] at the last command, as the servos' registers have them."""
-        return self._rounded(self._log.posture[self._order])
+        return self._rounded(self._of_hinges(self._log.posture))
 
     def state(self) -> State:
         """What the robot is doing now."""
         return State(
-            angles=sealed(self._log.posture[self._order]),
-            speeds=sealed(self._data.qvel[self._order]),
-            accelerations=sealed(self._data.qacc[self._order]),
+            angles=sealed(self._of_hinges(self._log.posture)),
+            speeds=sealed(self._of_hinges(self._data.qvel)),
+            accelerations=sealed(self._of_hinges(self._data.qacc)),
         )
 
     def forget(self) -> None:
@@ -126,7 +129,7 @@ class Twin:
             raise ValueError("no command was written, so nothing was measured: write commands first")
         at = np.array(log.counts, dtype=np.intp) - 1
         postures, speeds, spans = log.steps()
-        postures, speeds = postures[:, self._order], speeds[:, self._order]
+        postures, speeds = self._of_hinges(postures), self._of_hinges(speeds)
         drives = self._robot.drives
         given = effort(drives, log.goals() - postures, speeds)
         angles = postures[at]
@@ -154,11 +157,16 @@ class Twin:
         count = ceil(span / self._step - SAME_TIME)
         self._options.timestep = span / count
         for _ in range(count):
+            if len(self._play):  # the motor's position is not the hinge's, which the servo measures
+                self._control[self._actuators] = self._goals - data.qpos[self._play]
             step(model, data)
             keep_angles()
             keep_speeds()
         self._log.stepped(count, span / count)
         self._time = time
+
+    def _of_hinges(self, values: Floats) -> Floats:
+        return of_hinges(values, self._order, self._play)
 
     def _rounded(self, goals: Floats) -> Floats:
         """(n,) [rad] as the servos' registers hold them."""

@@ -61,7 +61,7 @@ def test_feed_forward_and_correction_each_bring_servos_nearer_to_the_plan():
 def test_without_a_corpus_the_table_is_null_and_says_why(monkeypatch):
     monkeypatch.setenv("KINESIC_CORPUS", "nowhere")
     figures = twin.tracking_figures(set_up())
-    assert len(figures) == 36 + 6 * len(twin.WRONG)
+    assert len(figures) == 7 * (6 + len(twin.WRONG) + len(twin.TOGETHER))
     assert all(figure.value is None and "KINESIC_CORPUS" in figure.why for figure in figures)
 
 

@@ -9,8 +9,8 @@ from kinesic.body.description import Mount
 from kinesic.body.robot import Robot
 from kinesic.body.servo import Drive, ServoModel
 from kinesic.body.skeleton import Capsule, Hinge, Segment, Skeleton
-from kinesic.sim.model import build_model, joint_order
-from kinesic.sim.servo_factors import PESSIMISTIC
+from kinesic.sim.model import actuator_order, build_model, joint_order, of_hinges, play_order
+from kinesic.sim.servo_factors import PESSIMISTIC, Factors
 
 ROBOT = Robot.load()
 MODEL = build_model(ROBOT)
@@ -52,6 +52,30 @@ def test_compiled_ranges_are_radians_and_no_narrower_than_they_may_be():
         assert compiled[0] <= least[0] + 1e-12
         assert compiled[1] >= least[1] - 1e-12
         assert MODEL.joint(name).limited
+
+
+def test_without_play_no_joint_is_added():
+    assert len(play_order(ROBOT, MODEL)) == 0
+    values = np.arange(22.0)
+    np.testing.assert_array_equal(of_hinges(values, joint_order(ROBOT, MODEL), play_order(ROBOT, MODEL)), values)
+
+
+def test_play_lets_a_hinge_that_carries_something_lie_against_its_stop():
+    """Held by their motors, forearms that stick out forwards hang half the play lower."""
+    play = np.radians(0.5).item()
+    model = build_model(ROBOT, servos=Factors(play=play))
+    data = mujoco.MjData(model)
+    motors, gaps = joint_order(ROBOT, model), play_order(ROBOT, model)
+    assert model.body_mass.sum() == pytest.approx(MODEL.body_mass.sum(), abs=1e-12)
+    posture = np.array(ROBOT.skeleton.rest)
+    elbows = [ROBOT.skeleton.joint(f"{side}_elbow_flexion") for side in "lr"]
+    posture[elbows] = np.pi / 2
+    data.qpos[motors] = posture
+    data.ctrl[actuator_order(ROBOT, model)] = posture
+    mujoco.mj_step(model, data, 500)
+    np.testing.assert_allclose(data.qpos[gaps][elbows], -play / 2, rtol=0.07)
+    np.testing.assert_array_equal(of_hinges(data.qpos, motors, gaps), data.qpos[motors] + data.qpos[gaps])
+    assert np.abs(data.qpos[gaps]).max() < 0.55 * play
 
 
 def test_total_mass_is_structure_and_servos():

@@ -56,9 +56,9 @@ def test_a_factor_of_zero_is_named():
 def test_all_factors_are_pinned_by_name_and_leave_things_as_they_are():
     figures = ("stall", "no_load", "friction", "armature", "gain")
     assert DriveFactors.__struct_fields__ == figures
-    assert Factors.__struct_fields__ == (*figures, "mass", "supply", "latency", "servos")
+    assert Factors.__struct_fields__ == (*figures, "mass", "supply", "latency", "play", "servos")
     assert all(getattr(NOMINAL, name) == 1.0 for name in (*figures, "mass", "supply"))
-    assert NOMINAL.latency == 0.0
+    assert NOMINAL.latency == NOMINAL.play == 0.0
     assert NOMINAL.servos == {}
 
 
@@ -103,3 +103,9 @@ def test_a_servo_that_the_robot_has_not_is_refused():
 def test_a_latency_below_zero_is_refused():
     with pytest.raises(ValueError, match=r"latency is -0\.001"):
         Factors(latency=-0.001)
+
+
+@pytest.mark.parametrize("play", [-0.001, 0.5])
+def test_play_that_no_gear_has_is_refused(play):
+    with pytest.raises(ValueError, match=f"play is {play} rad"):
+        Factors(play=play)

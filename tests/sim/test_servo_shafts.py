@@ -3,6 +3,7 @@ import pytest
 
 from kinesic.body.command import Command
 from kinesic.body.robot import Robot
+from kinesic.sim.servo_factors import NOMINAL, Factors
 from kinesic.sim.servo_shafts import Shafts
 from kinesic.sim.twin import Twin
 
@@ -12,10 +13,11 @@ def robot() -> Robot:
     return Robot.load()
 
 
-def test_with_all_torque_it_is_the_twin(robot: Robot):
+@pytest.mark.parametrize("factors", [NOMINAL, Factors(play=0.01)], ids=["as made", "with play"])
+def test_with_all_torque_it_is_the_twin(robot: Robot, factors: Factors):
     """The same motion for the same goals, over a second of a swinging arm."""
     rest = robot.skeleton.rest
-    twin, shafts = Twin(robot, rounds=False), Shafts(robot)
+    twin, shafts = Twin(robot, factors=factors, rounds=False), Shafts(robot, factors=factors)
     moving = robot.joints("l_arm")
     ones, zeros = np.ones(len(rest)), np.zeros(len(rest))
     for k in range(101):

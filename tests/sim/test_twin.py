@@ -149,6 +149,30 @@ def test_mujoco_delays_alike():
     assert np.abs(performed(COMMANDS, step=step).angles[1:] - angles[1:]).max() > np.radians(0.3)
 
 
+def test_servos_measure_behind_the_play():
+    """Loads press gears to one side: motors stand half the play off, and the hinges where they stood without."""
+    raised = np.array(REST)
+    for side in "lr":
+        raised[SKELETON.joint(f"{side}_elbow_flexion")] = 1.5
+        raised[SKELETON.joint(f"{side}_shoulder_flexion")] = 0.8
+    told = [still(PERIOD * k, raised) for k in range(150)]
+    tight, loose = (
+        performed(told, start=raised, factors=Factors(play=play)).angles[-1] for play in (0.0, np.radians(1.0).item())
+    )
+    loaded = [SKELETON.joint(f"{side}_{name}") for side in "lr" for name in ("elbow_flexion", "shoulder_flexion")]
+    assert np.abs(tight - loose)[loaded].max() < np.radians(0.2)
+
+
+def test_a_hinge_with_play_waits_where_its_motor_turns_back():
+    """Slow goals forth and back: gears let go, and the hinge follows later than one without play."""
+    way = np.concatenate([np.linspace(0.0, 0.3, 100), np.linspace(0.3, 0.0, 100)])
+    neck = SKELETON.joint("skullbase_torsion")
+    told = [still(PERIOD * k, REST + turn * (np.arange(22) == neck)) for k, turn in enumerate(way)]
+    tight, loose = (performed(told, factors=Factors(play=play)).angles[:, neck] for play in (0.0, 0.02))
+    strayed = np.abs(tight - loose)
+    assert 0.004 < strayed[100:130].max() < 0.03
+
+
 def test_what_was_sent_is_kept_in_ticks():
     seen = performed(COMMANDS)
     ticks = ROBOT.drives.tick
