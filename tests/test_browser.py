@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from kinesic.serve.quotas import Quotas
+from kinesic.serve.wire.quotas import Quotas
 
 from .chromium import Page, binary, opened
 from .serve.conftest import running

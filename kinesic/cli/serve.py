@@ -23,11 +23,11 @@ from kinesic.controller.servo_performance import DELAY, ENDING
 from kinesic.face.show.preview import Preview
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.manifest import Manifest
-from kinesic.serve.origin import Access, read_origin
-from kinesic.serve.quotas import USUAL, Quotas
 from kinesic.serve.server import Address, Serving, open_serving, until_done
 from kinesic.serve.sinks import AHEAD, RealServos, RealTimeSink, RealTwin
 from kinesic.serve.tracks import SoundAndFace
+from kinesic.serve.wire.origin import Access, read_origin
+from kinesic.serve.wire.quotas import USUAL, Quotas
 from kinesic.speech.loudspeaker import audio_fault
 
 LOOK = 1.0  # [s] between two looks at what has happened to the servos

@@ -8,8 +8,10 @@ from itertools import count
 from kinesic.bml.block import NoticeType
 from kinesic.realizer.request import Message
 from kinesic.serve.messages import Restyling
-from kinesic.serve.origin import Access
-from kinesic.serve.protocol import (
+from kinesic.serve.queues import OutputQueue
+from kinesic.serve.session import Session
+from kinesic.serve.wire.origin import Access
+from kinesic.serve.wire.protocol import (
     Control,
     Enquiry,
     Hello,
@@ -22,9 +24,7 @@ from kinesic.serve.protocol import (
     control,
     json_answer,
 )
-from kinesic.serve.queues import OutputQueue
-from kinesic.serve.quotas import Quotas, TokenBucket, quota_feedback
-from kinesic.serve.session import Session
+from kinesic.serve.wire.quotas import Quotas, TokenBucket, quota_feedback
 
 NORMAL, POLICY, TOO_BIG, LATER = 1000, 1008, 1009, 1013  # WebSocket's close codes
 EXCESS = 10  # times as many messages as are taken at once may be refused before a client is sent away

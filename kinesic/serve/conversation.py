@@ -5,8 +5,8 @@ from collections.abc import AsyncIterator, Callable
 from typing import Protocol
 
 from kinesic.serve.clients import POLICY, TOO_BIG, ClientRegistry, ConnectedClient
-from kinesic.serve.quotas import quota_feedback
-from kinesic.serve.transport import HalfError
+from kinesic.serve.wire.quotas import quota_feedback
+from kinesic.serve.wire.transport import HalfError
 
 LOOK = 0.05  # [s] between two looks at whether a client is owed something
 

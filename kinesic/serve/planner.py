@@ -37,10 +37,10 @@ from kinesic.serve.messages import (
     Restyling,
     Resumption,
 )
-from kinesic.serve.protocol import json_answer
-from kinesic.serve.quotas import Quotas, quota_feedback
 from kinesic.serve.refiner import RefinedPlan, RefinementJob, pack, unpack
 from kinesic.serve.tracks import SoundAndFace, Track, Version, make_track, track_version
+from kinesic.serve.wire.protocol import json_answer
+from kinesic.serve.wire.quotas import Quotas, quota_feedback
 
 MARGIN = 0.015  # [s] from a proposal to its cut, beside what it takes to make it
 LONGEST = 1.0  # [s] that making one may take

@@ -18,7 +18,7 @@ from kinesic.planning.setup import Setup
 from kinesic.serve import planner, refiner
 from kinesic.serve.loop import Loop
 from kinesic.serve.messages import ClientRequest, DocumentRequest, PlannerReady, RequestDone
-from kinesic.serve.quotas import Quotas
+from kinesic.serve.wire.quotas import Quotas
 
 PIPE = 1 << 20  # [bytes] that anybody may have a pipe keep
 COLD_DEATHS = 2  # of planners one after the other before they are warm: there is no hope for a third

@@ -9,7 +9,7 @@ from collections import deque
 from kinesic.bml.block import Notice, NoticeType
 from kinesic.bml.feedback import warning
 from kinesic.realizer.request import Message
-from kinesic.serve.quotas import NOBODY
+from kinesic.serve.wire.quotas import NOBODY
 
 MINOR = "<syncPointProgress"  # what such a message begins with
 

@@ -13,13 +13,13 @@ from resource import RLIMIT_NOFILE, getrlimit
 from kinesic.body.config import ConfigError
 from kinesic.serve.clients import ClientRegistry, ConnectedClient
 from kinesic.serve.conversation import attend
-from kinesic.serve.origin import own_authorities
-from kinesic.serve.pace import Pace
-from kinesic.serve.protocol import BLANK
-from kinesic.serve.quotas import TokenBucket
 from kinesic.serve.stop_lines import MovableWire, StopLines
-from kinesic.serve.transport import UNKNOWN, Console, HalfError, OverlongError, Stream, Transport
-from kinesic.serve.websocket import WebSocket
+from kinesic.serve.wire.origin import own_authorities
+from kinesic.serve.wire.pace import Pace
+from kinesic.serve.wire.protocol import BLANK
+from kinesic.serve.wire.quotas import TokenBucket
+from kinesic.serve.wire.transport import UNKNOWN, Console, HalfError, OverlongError, Stream, Transport
+from kinesic.serve.wire.websocket import WebSocket
 
 REQUEST = b"GET "  # how a WebSocket begins
 DOCUMENT = (b"<", b"{")  # how a client's first message begins, after blanks: no request of a browser does

@@ -11,14 +11,14 @@ from dataclasses import dataclass
 
 from kinesic.planning.setup import Setup
 from kinesic.serve.clients import ClientRegistry
-from kinesic.serve.origin import ANYBODY_HERE, Access
 from kinesic.serve.priority import urgent
-from kinesic.serve.quotas import USUAL, Quotas
 from kinesic.serve.reception import Reception, attend_console
 from kinesic.serve.session import Session
 from kinesic.serve.sinks import RealTimeSink
 from kinesic.serve.stop_lines import StopLines
 from kinesic.serve.tracks import SILENT, SoundAndFace
+from kinesic.serve.wire.origin import ANYBODY_HERE, Access
+from kinesic.serve.wire.quotas import USUAL, Quotas
 
 SWITCH = 0.001  # [s] after which clients and the loop take the interpreter from each other
 AWAY = 1001  # WebSocket's code of a server that ends

@@ -19,9 +19,9 @@ from kinesic.serve.messages import (
 )
 from kinesic.serve.planner_process import Planner
 from kinesic.serve.queues import FairQueue
-from kinesic.serve.quotas import Quotas, quota_feedback
 from kinesic.serve.sinks import RealTimeSink
 from kinesic.serve.tracks import SILENT, Effects, SoundAndFace
+from kinesic.serve.wire.quotas import Quotas, quota_feedback
 from kinesic.speech.speaker import Speaker
 
 LOOK = 0.02  # [s] between two looks at whether it is at rest

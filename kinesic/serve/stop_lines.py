@@ -11,11 +11,11 @@ from typing import Protocol
 
 from kinesic.serve.clients import LATER, NORMAL, POLICY
 from kinesic.serve.conversation import ClientWire
-from kinesic.serve.pace import Pace
 from kinesic.serve.priority import urgent
-from kinesic.serve.protocol import Ping, Stop, control, json_answer
-from kinesic.serve.quotas import Quotas, TokenBucket
-from kinesic.serve.transport import HalfError, Transport
+from kinesic.serve.wire.pace import Pace
+from kinesic.serve.wire.protocol import Ping, Stop, control, json_answer
+from kinesic.serve.wire.quotas import Quotas, TokenBucket
+from kinesic.serve.wire.transport import HalfError, Transport
 
 MOST = 64  # lines at once
 READS = 20  # of a line at once, before it has to wait for its turn

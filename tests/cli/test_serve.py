@@ -11,8 +11,8 @@ import pytest
 from kinesic.body.config import ConfigError
 from kinesic.cli.serve import read_address, read_rules
 from kinesic.client import Client
-from kinesic.serve.quotas import USUAL
 from kinesic.serve.server import Address
+from kinesic.serve.wire.quotas import USUAL
 
 pytestmark = pytest.mark.realtime
 

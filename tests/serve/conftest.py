@@ -12,11 +12,11 @@ import pytest
 from kinesic.body.command import Command
 from kinesic.client import Client
 from kinesic.controller.perform import set_up
-from kinesic.serve.origin import ANYBODY_HERE, Access
-from kinesic.serve.quotas import Quotas
 from kinesic.serve.server import Address, Serving, open_serving, until_done
 from kinesic.serve.sinks import RealTimeSink, RealTwin
 from kinesic.serve.tracks import SoundAndFace
+from kinesic.serve.wire.origin import ANYBODY_HERE, Access
+from kinesic.serve.wire.quotas import Quotas
 
 
 class Witness:

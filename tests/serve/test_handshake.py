@@ -6,7 +6,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from kinesic.serve.origin import Access
+from kinesic.serve.wire.origin import Access
 
 pytestmark = pytest.mark.realtime
 

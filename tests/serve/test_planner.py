@@ -20,8 +20,8 @@ from kinesic.serve.messages import (
     ProposalVerdict,
 )
 from kinesic.serve.planner import PlannerState
-from kinesic.serve.quotas import USUAL
 from kinesic.serve.tracks import SILENT
+from kinesic.serve.wire.quotas import USUAL
 
 NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}"><head id="h" lexeme="NOD" start="0"/></bml>'
 

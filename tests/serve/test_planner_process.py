@@ -11,8 +11,8 @@ from kinesic.planning.setup import Setup
 from kinesic.serve.loop import Loop
 from kinesic.serve.messages import Clock, PlannerReady, RequestDone
 from kinesic.serve.planner_process import COLD_DEATHS, Planner
-from kinesic.serve.quotas import USUAL
 from kinesic.serve.tracks import Effects
+from kinesic.serve.wire.quotas import USUAL
 
 pytestmark = pytest.mark.realtime
 

@@ -9,9 +9,9 @@ from types import SimpleNamespace
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.serve.quotas import Quotas
 from kinesic.serve.reception import REST, Reception
 from kinesic.serve.stop_lines import StopLines
+from kinesic.serve.wire.quotas import Quotas
 
 pytestmark = pytest.mark.realtime
 

@@ -11,7 +11,7 @@ import pytest
 from websockets.exceptions import ConnectionClosedError
 from websockets.sync.client import connect
 
-from kinesic.serve.quotas import Quotas
+from kinesic.serve.wire.quotas import Quotas
 
 from .conftest import Running, running
 

@@ -17,7 +17,7 @@ from kinesic.bench.bml.server import FLAT, endurance, open_server
 from kinesic.body.config import CONFIGS
 from kinesic.client import Client
 from kinesic.report.batch import documents
-from kinesic.serve.quotas import USUAL
+from kinesic.serve.wire.quotas import USUAL
 
 from ..serve.mutations import mutate
 

@@ -6,7 +6,7 @@ small share of a processor.
 
 from asyncio import sleep
 
-from kinesic.serve.quotas import TokenBucket
+from kinesic.serve.wire.quotas import TokenBucket
 
 TURN = 0.005  # [s] of waiting for each that waits: all of them together are read 200 times a second at most
 

@@ -4,9 +4,9 @@ import asyncio
 
 import pytest
 
-from kinesic.serve import pace, quotas
-from kinesic.serve.pace import TURN, Pace
-from kinesic.serve.quotas import TokenBucket
+from kinesic.serve.wire import pace, quotas
+from kinesic.serve.wire.pace import TURN, Pace
+from kinesic.serve.wire.quotas import TokenBucket
 
 
 @pytest.fixture

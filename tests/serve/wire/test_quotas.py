@@ -2,8 +2,8 @@ from xml.etree.ElementTree import fromstring
 
 import pytest
 
-from kinesic.serve import quotas
-from kinesic.serve.quotas import Quotas, TokenBucket, quota_feedback
+from kinesic.serve.wire import quotas
+from kinesic.serve.wire.quotas import Quotas, TokenBucket, quota_feedback
 
 
 @pytest.mark.parametrize(

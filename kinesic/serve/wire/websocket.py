@@ -10,9 +10,9 @@ from websockets.http11 import Request
 from websockets.protocol import Event, State
 from websockets.server import ServerProtocol
 
-from kinesic.serve.origin import Access, Rejection, find_rejection
-from kinesic.serve.quotas import Quotas, TokenBucket
-from kinesic.serve.transport import HalfError, Transport
+from kinesic.serve.wire.origin import Access, Rejection, find_rejection
+from kinesic.serve.wire.quotas import Quotas, TokenBucket
+from kinesic.serve.wire.transport import HalfError, Transport
 
 BEARER = "Bearer "
 PIECE = 2048  # [bytes] parsed at once, which may be hundreds of frames

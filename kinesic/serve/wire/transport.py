@@ -13,8 +13,8 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
 from contextlib import suppress
 from threading import Thread
 
-from kinesic.serve.protocol import END, MessageFramer, json_answer
-from kinesic.serve.quotas import Quotas
+from kinesic.serve.wire.protocol import END, MessageFramer, json_answer
+from kinesic.serve.wire.quotas import Quotas
 
 CHUNK = 65_536  # [bytes] read at once
 UNKNOWN = 8192  # [bytes] read of a client before it is admitted

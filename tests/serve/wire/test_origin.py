@@ -6,8 +6,8 @@ from hypothesis import strategies as st
 from websockets.datastructures import Headers
 
 from kinesic.body.config import ConfigError
-from kinesic.serve import origin
-from kinesic.serve.origin import find_rejection, own_authorities, read_origin
+from kinesic.serve.wire import origin
+from kinesic.serve.wire.origin import find_rejection, own_authorities, read_origin
 
 HERE = own_authorities("127.0.0.1", "127.0.0.1", 8864)
 STUDIO = frozenset({"https://studio.example", "http://localhost:5173"})

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kinesic.serve.protocol import (
+from kinesic.serve.wire.protocol import (
     END,
     Enquiry,
     Hello,

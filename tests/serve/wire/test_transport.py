@@ -4,7 +4,7 @@ from contextlib import suppress
 
 import pytest
 
-from kinesic.serve.transport import CHUNK, UNKNOWN, OverlongError, Transport
+from kinesic.serve.wire.transport import CHUNK, UNKNOWN, OverlongError, Transport
 
 pytestmark = pytest.mark.realtime
 
