@@ -71,6 +71,7 @@ class Bus:
         self._queue: deque[bytes] = deque()
         self._events: list[Event] = []
         self._reported, self._signature = self._believed.blocks, self._believed.signature
+        self._rebooted: set[int] = set()  # places of those whose cells are not known to be set yet
         self._lost = False
         self._looked = -RETRY
         self._begun = self._sent_at = 0.0  # [s] this cycle, and everybody in it
@@ -230,8 +231,11 @@ class Bus:
         if shown is None:
             return
         if shown != CELLS:
+            self._rebooted.add(place)
             if exchange(packet.write_packet(servo.id, cells, CELLS), servo.id, 0) is None:
-                return
+                return  # the servo may have heard it all the same
+        if place in self._rebooted:
+            self._rebooted.discard(place)
             self._believed.forget(place)
             self._report(servo.id, "rebooted", "its RAM is as at power-on: torque off, no profile, no watchdog")
         self._believed.forgetful.discard(place)

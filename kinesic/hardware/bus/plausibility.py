@@ -160,6 +160,7 @@ class PlausibilityFilter:
         self.times = times
         self._doubts.pop(place, None)
         self._past.pop(place, None)
+        self._unset.add(place)
 
     def distrust_clocks(self) -> None:
         """Stops comparing servos' clocks with the wire's, until the next answer in time sets them anew."""

@@ -83,6 +83,31 @@ def test_cells_that_were_not_set_are_set_in_the_next_cycle(made: Rig):
     assert made.bus.cycle().fresh.all()
 
 
+def test_who_set_its_cells_and_was_not_heard_has_rebooted_all_the_same(made: Rig):
+    """The servo's acknowledgement is lost on the wire."""
+    left, deaf = [setting(2)], [False]
+    write, read = made.wire.write, made.wire.read
+
+    def lose_answer(data: bytes) -> None:
+        deaf[0] = data in left
+        if deaf[0]:
+            left.remove(data)
+        write(data)
+
+    made.wire.write = lose_answer
+
+    def hear(deadline: float) -> bytes:
+        said = read(deadline)
+        return b"" if deaf[0] else said
+
+    made.wire.read = hear
+    made.plant.servos[1].reboot(seconds=0.03)
+    told = [event.kind for cycle in made.run(20) for event in cycle.events]
+    assert not left
+    assert told.count("rebooted") == 1
+    assert made.bus.cycle().fresh.all()
+
+
 def test_no_other_is_asked_whether_it_has_rebooted(made: Rig):
     written = overhear(made)
     made.plant.servos[1].reboot(seconds=0.03)
