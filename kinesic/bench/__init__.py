@@ -6,6 +6,7 @@ from collections.abc import Mapping
 PARTS: Mapping[str, tuple[str, ...]] = {
     "ik": ("ik",),
     "expressivity": ("expressivity",),
+    "naturalness": ("naturalness",),
     "plan": ("plan.first_command", "plan"),
     "twin": ("twin",),
     "bus": ("bus", "bus.faults"),

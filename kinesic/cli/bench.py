@@ -22,15 +22,19 @@ def measure(part: str) -> list[Figure]:
     return [figure for module in PARTS[part] for figure in import_module(f"kinesic.bench.{module}").bench()]
 
 
-def print_figures(part: str, matrix: bool, as_json: bool, plots: Path | None, force: bool) -> int:
+def print_figures(
+    part: str, matrix: bool, styles: tuple[str, ...], as_json: bool, plots: Path | None, force: bool
+) -> int:
     """Measures a part, or all, and prints or draws the figures."""
     if matrix:
         return _print_matrix(as_json=as_json)
+    if styles and part != "naturalness":
+        raise click.UsageError("--style belongs to naturalness")
     if plots is not None:
         with name_failures(plots):
             plots.mkdir(parents=True, exist_ok=True)
     names = list(PARTS) if part == "all" else [part]
-    figures = [figure for name in names for figure in measure(name)]
+    figures = _natural(styles) if styles else [figure for name in names for figure in measure(name)]
     if plots is not None:
         _draw(figures, names, plots, force=force)
     if as_json:
@@ -46,6 +50,12 @@ def print_figures(part: str, matrix: bool, as_json: bool, plots: Path | None, fo
         table.add_row(figure.name, value, figure.unit, goal, marks[figure.ok], note)
     console().print(table)
     return 0
+
+
+def _natural(styles: tuple[str, ...]) -> list[Figure]:
+    from kinesic.bench import naturalness  # noqa: PLC0415 - no other part has styles
+
+    return naturalness.bench(styles)
 
 
 def _print_matrix(*, as_json: bool) -> int:

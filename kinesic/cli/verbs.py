@@ -7,6 +7,7 @@ import click
 
 from kinesic.bench import PARTS
 from kinesic.bml.block import RANGES
+from kinesic.body.config import names_of
 from kinesic.cli.options import (
     TWIN_HELP,
     done_by,
@@ -50,6 +51,13 @@ def kinesic() -> None:
 @kinesic.command("bench")
 @click.argument("part", type=click.Choice([*PARTS, "all"]))
 @click.option("--matrix", is_flag=True, help="Of bus: the whole fault matrix instead, for every driver.")
+@click.option(
+    "--style",
+    "styles",
+    multiple=True,
+    type=click.Choice(names_of("style")),
+    help="Of naturalness: in this manner alone; repeat it.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Prints a list of figures as JSON.")
 @click.option("--plots", type=click.Path(file_okay=False, path_type=Path), help="Draws into this folder, too.")
 @click.option("--force", is_flag=True, help="Replaces pictures that are there.")

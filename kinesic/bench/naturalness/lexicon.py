@@ -1,0 +1,125 @@
+"""The lexicon, each gesture planned alone from rest to rest, and how the hand that goes farther moves in it."""
+
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from math import nan, radians
+
+import numpy as np
+
+from kinesic.bench.naturalness.measures import GestureMeasures, measure_hand
+from kinesic.bench.plan import violations
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.controller.perform import set_up
+from kinesic.expressivity.lexicon.form import GestureForm
+from kinesic.expressivity.style.style import Style
+from kinesic.planning.plan import Plan
+from kinesic.planning.setup import Setup
+from kinesic.planning.syncs import SHIFT_TO_WARN
+from kinesic.report.worker_pool import WorkerCrash, run_pool
+from kinesic.studies.gestures.isolated import plan_gesture, stroke_error
+
+STROKE = 8.0  # [s] time enough for whatever comes before the slowest stroke, so that all times are natural
+PERIOD = 0.01  # [s] between samples
+DYNAMIC = 0.25  # [arm lengths] from which on a path is a dynamic stroke, and not a pose
+LEAST_TURN = radians(1)  # from which on head, trunk or collar bones are seen to move
+
+Task = tuple[str, str]  # a gesture's id, a style's name
+
+
+@dataclass(frozen=True)
+class MeasuredGesture:
+    """What came of one gesture in one style."""
+
+    gesture: str
+    category: str
+    style: str
+    keys: int  # of its stroke
+    hand: GestureMeasures | None  # None: it was dropped
+    body: float  # [rad] the largest range of a hinge of head, trunk or collar bones
+    stroke_error: float  # [s] by which the stroke is planned later than asked
+    violations: int  # of limits, at 1 kHz
+
+    @property
+    def dynamic(self) -> bool:
+        """Whether the stroke is a path, and not a pose."""
+        return self.keys > 1 and self.hand is not None and (self.hand.stroke_path or 0.0) > DYNAMIC
+
+    @property
+    def late(self) -> bool:
+        """Whether the stroke is not where it was asked."""
+        return abs(self.stroke_error) > SHIFT_TO_WARN
+
+    @property
+    def whole_body(self) -> bool:
+        """Whether head, trunk or collar bones move."""
+        return self.body > LEAST_TURN
+
+
+def measure_lexicon(tasks: Sequence[Task]) -> list[MeasuredGesture]:
+    """Measures gestures, in processes of their own.
+
+    Raises:
+        RuntimeError: a process died.
+    """
+    found = []
+    for (gesture, style), result in run_pool(
+        tasks, partial(_prepare, set_up), jobs=os.cpu_count() or 1, preload=__name__
+    ):
+        if isinstance(result, WorkerCrash):
+            raise RuntimeError(f"{gesture} in style {style}: {result.reason}")
+        found.append(result)
+    return found
+
+
+def measure_gesture(form: GestureForm, known: Setup) -> MeasuredGesture:
+    """Plans one gesture alone, and measures it."""
+    planned = plan_gesture(form, known, stroke=STROKE)
+    late = stroke_error(planned)
+    return MeasuredGesture(
+        gesture=form.id,
+        category=form.category,
+        style=known.style.name,
+        keys=len(form.keys),
+        hand=None if np.isnan(late) else _measure_plan(planned),
+        body=_turned(planned),
+        stroke_error=late,
+        violations=violations(planned),
+    )
+
+
+def _prepare(make_setup: Callable[[], Setup]) -> Callable[[Task], MeasuredGesture]:
+    known = make_setup()
+    forms = {form.id: form for form in known.lexicon.forms}
+    return lambda task: measure_gesture(forms[task[0]], replace(known, style=Style.load(task[1])))
+
+
+def _measure_plan(planned: Plan) -> GestureMeasures:
+    """Measures the hand that goes farther in a plan of one gesture."""
+    robot, times = planned.setup.robot, _times(planned)
+    angles = planned.trajectory.sample(times)[0]
+    syncs = {sync.sync: planned.trajectory.zero + sync.planned for sync in planned.syncs}
+    found = [measure_hand(times, _wrist(robot, side, angles), syncs, robot.arm_length) for side in SIDES]
+    return max(found, key=lambda hand: hand.path)
+
+
+def _times(planned: Plan) -> Floats:
+    return np.arange(0.0, planned.trajectory.duration + PERIOD / 2, PERIOD)
+
+
+def _wrist(robot: Robot, side: Side, angles: Floats) -> Floats:
+    """(m, 3) [m] of a wrist from the chest, in the axes of the world, as captured motion is measured."""
+    origins = robot.skeleton.frames(angles).origins
+    path: Floats = origins[:, robot.arm(side).wrist] - origins[:, robot.skeleton.segment(robot.arms[side].base)]
+    return path
+
+
+def _turned(planned: Plan) -> float:
+    """Largest range [rad] of a hinge that is of no arm proper."""
+    robot = planned.setup.robot
+    collars = [joint for side in SIDES for joint in robot.skeleton.joints_of(robot.arm(side).segments[:-3])]
+    body = [*robot.joints("torso"), *robot.joints("neck"), *collars]
+    angles = planned.trajectory.sample(_times(planned))[0][:, body]
+    return float(np.ptp(angles, axis=0).max(initial=0.0)) if angles.size else nan
