@@ -80,7 +80,8 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
     outcome, warnings = _match_outcome(match)
     halves = action.mode == "unspecified"
     series = COUNTING if halves and form.id.startswith(f"{COUNTING}_") else ""
-    stroke = Stroke(timed.behaviour.id, timed.times, works, form.rest, manner, halves=halves, series=series)
+    importance = 2 if timed.behaviour.required else 0 if form.category == "beat" else 1
+    stroke = Stroke(timed.behaviour.id, timed.times, works, form.rest, manner, halves, importance, series)
     return Move(outcome, strokes=(stroke,), warnings=(*warnings, *unmet))
 
 
@@ -119,7 +120,9 @@ def pointing_move(timed: TimedBehaviour, action: Pointing, context: BlockContext
     nearer = (work["l"], work["r"]) if place[1] > 0 else (work["r"], work["l"])
     options = {"left": (work["l"],), "right": (work["r"],), "both": (both,), "unspecified": nearer}
     manner = context.manner(timed.behaviour, "gesture")
-    return Move(strokes=(Stroke(timed.behaviour.id, timed.times, options[action.mode], manner=manner),))
+    importance = 2 if timed.behaviour.required else 1
+    stroke = Stroke(timed.behaviour.id, timed.times, options[action.mode], manner=manner, importance=importance)
+    return Move(strokes=(stroke,))
 
 
 def head_move(timed: TimedBehaviour, action: Head, context: BlockContext) -> Move:

@@ -15,7 +15,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.choices import Gathering
 from kinesic.body.config import read_toml, suggestion
 from kinesic.body.robot import Robot
-from kinesic.expressivity.hands.coarticulation import Engaged
+from kinesic.expressivity.hands.engaged import Engaged
 from kinesic.expressivity.idle import OFF, Idling
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.pace import Pace

@@ -42,6 +42,8 @@ from kinesic.expressivity.behaviours import (
 from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.face.tracks import outcome
 from kinesic.expressivity.gather import HANDS, PRIORITIES, Sequences, SyncPoint, gather_frames
+from kinesic.expressivity.hands.coarticulation import NO_CLASHES
+from kinesic.expressivity.hands.engaged import Clashes
 from kinesic.expressivity.hands.phases import Arranged, arrange_hands
 from kinesic.expressivity.idle import add_idle_motion
 from kinesic.expressivity.keyframes import KeyFrames, Outcome
@@ -51,13 +53,16 @@ from kinesic.expressivity.trunk import turn_trunk_along
 ALL: Mapping[str, str] = MappingProxyType({})  # nothing is left out
 
 
-def keyframes(timeline: Timeline, context: BlockContext, *, without: Mapping[str, str] = ALL) -> KeyFrames:
+def keyframes(
+    timeline: Timeline, context: BlockContext, *, without: Mapping[str, str] = ALL, clashes: Clashes = NO_CLASHES
+) -> KeyFrames:
     """Makes the key frames of a block, and says what becomes of each of its behaviours.
 
     Args:
         timeline: behaviours with times.
         context: of their block.
         without: ids of behaviours to leave out, and why.
+        clashes: behaviours whose strokes one hand cannot both do, though they do not overlap.
 
     Raises:
         BmlError: a behaviour inside `required` cannot be performed.
@@ -65,7 +70,8 @@ def keyframes(timeline: Timeline, context: BlockContext, *, without: Mapping[str
     moves = _moves([timed for timed in timeline.timed if timed.behaviour.id not in without], context)
     moves |= {id: drop_behaviour(why) for id, why in without.items()}
     strokes = [stroke for move in moves.values() for stroke in move.strokes]
-    hands = arrange_hands(strokes, context.pace, placed_points(timeline.block), engaged=context.engaged)
+    placed = placed_points(timeline.block)
+    hands = arrange_hands(strokes, context.pace, placed, engaged=context.engaged, clashes=clashes)
     moves = {id: _with_hands(id, move, hands) for id, move in moves.items()}
     outcomes = {drop.behaviour.id: Outcome("dropped", drop.why) for drop in timeline.dropped}
     outcomes |= {id: move.outcome for id, move in moves.items()}

@@ -13,7 +13,7 @@ from kinesic.body.dynamics import Clearance
 from kinesic.body.utterance import Utterance
 from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.durations import spans
-from kinesic.expressivity.hands.coarticulation import Engaged
+from kinesic.expressivity.hands.engaged import Engaged
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.expressivity.realise import keyframes
 from kinesic.motion.condition import Conditioned
@@ -21,6 +21,7 @@ from kinesic.motion.desired import DesiredMotion, join_keys
 from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.certify import certify
+from kinesic.planning.clashes import find_clashes
 from kinesic.planning.clearance import Conditioner, culprits, keep_clear
 from kinesic.planning.motion_files import save_motion
 from kinesic.planning.postures import Postures, postures
@@ -110,8 +111,8 @@ def plan_block(
     """Plans a block as a whole.
 
     Where the body would be late for a word and the block allows it, a pause is made before the word, and all is
-    planned again. A behaviour whose motion cannot be kept clear of the body is dropped by name, and the rest is
-    planned again.
+    planned again. Of two gestures that are too near for their hand one gives way. A behaviour whose motion cannot be
+    kept clear of the body is dropped by name, and the rest is planned again.
 
     Args:
         block: what was asked.
@@ -163,9 +164,13 @@ def _plan_once(
 ) -> Plan:
     timeline = schedule(context.block, utterances, spans(context))
     without: dict[str, str] = {}
+    clashes: dict[frozenset[str], float] = {}
     while True:
-        frames = keyframes(timeline, context, without=without)
+        frames = keyframes(timeline, context, without=without, clashes=clashes)
         asked = postures(frames, setup.robot, setup.distances)
+        if more := find_clashes(frames, asked.postures, setup, clashes.keys()):
+            clashes |= more
+            continue
         solved, motion, times, clearance = keep_clear(asked, setup, find_bonds(timeline), conditioned=conditioned)
         dropped = culprits(frames, motion, times, clearance, setup.robot)
         if not dropped:

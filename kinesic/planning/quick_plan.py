@@ -12,7 +12,7 @@ import numpy as np
 from kinesic.bml.block import Block
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
-from kinesic.expressivity.hands.coarticulation import Engaged
+from kinesic.expressivity.hands.engaged import Engaged
 from kinesic.motion.bspline import grid
 from kinesic.motion.condition import Conditioned
 from kinesic.motion.desired import join_keys

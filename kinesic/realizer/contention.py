@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from kinesic.bml.block import Composition, Interrupt, Notice, NoticeType
 from kinesic.body.robot import SIDES
-from kinesic.expressivity.hands.coarticulation import Engaged
+from kinesic.expressivity.hands.engaged import Engaged
 from kinesic.realizer.occupancy import Occupancy
 from kinesic.realizer.request import LEAD, TimedRequest
 from kinesic.realizer.running_block import PlayingSpeech, RunningBlock

@@ -28,7 +28,7 @@ from kinesic.bml.timing.constraints import Point, point_of
 from kinesic.body.utterance import Utterance
 from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.durations import spans
-from kinesic.expressivity.hands.coarticulation import Engaged
+from kinesic.expressivity.hands.engaged import Engaged
 from kinesic.planning.setup import Setup
 from kinesic.planning.speech import synthesise_block
 

@@ -67,9 +67,19 @@ def test_a_substitute_says_so(perform, beat):
 
 def test_who_leads_to_the_left_with_a_busy_hand_does_not_lead_to_the_right(perform, beat):
     for first, second in (("IndicateLeft_L", "left"), ("IndicateRight_R", "right")):
-        frames = perform(("a", Gesture("beat", second), beat), ("g", Gesture(first), beat))
+        frames = perform(("a", Gesture("stop", second), beat), ("g", Gesture(first), beat))
         assert frames.outcomes["g"].kind == "dropped"
         assert frames.uses["g"] == frozenset()
+
+
+def test_a_beat_gives_way_to_what_says_more_whichever_comes_first(perform, beat):
+    first, second = Gesture("beat", "both"), Gesture("offer", "both")
+    later = {sync: time + 0.05 for sync, time in beat.items()}
+    outcomes = perform(("a", first, beat), ("g", second, later)).outcomes
+    assert {id: outcome.kind for id, outcome in outcomes.items()} == {"a": "dropped", "g": "realised"}
+    assert "gives way to g, which counts for more" in outcomes["a"].why
+    outcomes = perform(("a", second, beat), ("g", first, later)).outcomes
+    assert {id: outcome.kind for id, outcome in outcomes.items()} == {"a": "realised", "g": "dropped"}
 
 
 def test_a_synonym_is_realised_and_named(perform, beat):

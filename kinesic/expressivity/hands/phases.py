@@ -7,8 +7,10 @@ from types import MappingProxyType
 
 from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Side
-from kinesic.expressivity.hands.coarticulation import Engaged, Tied, allot_hands
+from kinesic.expressivity.hands.coarticulation import NO_CLASHES, allot_hands
+from kinesic.expressivity.hands.engaged import Clashes, Engaged
 from kinesic.expressivity.hands.keys import HandKey
+from kinesic.expressivity.hands.making_room import Tied
 from kinesic.expressivity.hands.poses import REST, pose_distance, resting_hands
 from kinesic.expressivity.hands.strokes import HandStroke, Stroke, stroke_keys
 from kinesic.expressivity.keyframes import Hand, Outcome
@@ -34,7 +36,12 @@ class Arranged:
 
 
 def arrange_hands(
-    strokes: Sequence[Stroke], pace: Pace, tied: Tied = ALL_TIED, *, engaged: Sequence[Engaged] = ()
+    strokes: Sequence[Stroke],
+    pace: Pace,
+    tied: Tied = ALL_TIED,
+    *,
+    engaged: Sequence[Engaged] = (),
+    clashes: Clashes = NO_CLASHES,
 ) -> Arranged:
     """Gives every stroke its hands (see `allot_hands`) and joins the strokes of each hand.
 
@@ -43,27 +50,33 @@ def arrange_hands(
         pace: of the robot, whose hands rest at `robot.skeleton.rest`.
         tied: sync points that the document places; all of behaviours that are missing.
         engaged: hands that other blocks need.
+        clashes: strokes that one hand cannot both do, though they do not overlap.
     """
     rest = resting_hands(pace.robot)
-    given = allot_hands(strokes, pace, tied, engaged)
+    given = allot_hands(strokes, pace, tied, engaged, clashes)
     sides: dict[str, frozenset[Side]] = {}
     for side in SIDES:
         for work in given.works[side]:
             sides[work.id] = sides.get(work.id, frozenset()) | {side}
-    hands = {side: _join_strokes(given.works[side], side, rest[side], pace) for side in SIDES}
+    hands = {side: _join_strokes(given.works[side], side, rest[side], pace, clashes) for side in SIDES}
     works = {id(work): work for side in SIDES for work in given.works[side]}
     in_order = tuple(sorted(works.values(), key=lambda work: work.at("strokeStart")))
-    return Arranged(hands, given.outcomes, sides, given.remarks, given.times, in_order)
+    remarks = {**given.remarks}
+    for side in SIDES:
+        remarks |= _deferred_poses(given.works[side], clashes)
+    return Arranged(hands, given.outcomes, sides, remarks, given.times, in_order)
 
 
-def _join_strokes(row: Sequence[HandStroke], side: Side, rest: Reach, pace: Pace) -> tuple[HandKey, ...]:
+def _join_strokes(
+    row: Sequence[HandStroke], side: Side, rest: Reach, pace: Pace, clashes: Clashes
+) -> tuple[HandKey, ...]:
     """Each gesture goes back to the rest pose, unless a neighbour follows."""
     keys: list[HandKey] = []
     pose = REST  # what the hand rests in
     holding: HandStroke | None = None  # the gesture that has not gone back yet
     for k, work in enumerate(row):
         hands = work.poses.hands[side]
-        if work.stroke.rest and _lacks_time(work, keys, row[k + 1 :]):
+        if work.stroke.rest and (_clashing(row, k, clashes) or _lacks_time(work, keys, row[k + 1 :])):
             pose = hands[-1]
             continue
         own = stroke_keys(work, side, pace)
@@ -75,6 +88,24 @@ def _join_strokes(row: Sequence[HandStroke], side: Side, rest: Reach, pace: Pace
         holding = None if work.stroke.rest else work
         pose = hands[-1] if work.stroke.rest else pose
     return tuple(_go_back(keys, holding, pose, rest, inf, pace) if holding else keys)
+
+
+def _clashing(row: Sequence[HandStroke], k: int, clashes: Clashes) -> list[str]:
+    """Names the neighbours of a stroke in its row between which and it there is not the time that a hand needs."""
+    return [other.id for other in row[max(k - 1, 0) : k + 2] if frozenset((row[k].id, other.id)) in clashes]
+
+
+def _deferred_poses(row: Sequence[HandStroke], clashes: Clashes) -> dict[str, tuple[str, ...]]:
+    """Says of rest poses that clash with a gesture what becomes of them."""
+    poses = [(work.id, _clashing(row, k, clashes)) for k, work in enumerate(row) if work.stroke.rest]
+    return {
+        id: tuple(
+            f"is taken as the hands go back from {other}: {clashes[frozenset((id, other))]:.2f} s lack between both"
+            for other in others
+        )
+        for id, others in poses
+        if others
+    }
 
 
 def _lacks_time(work: HandStroke, keys: Sequence[HandKey], following: Sequence[HandStroke]) -> bool:

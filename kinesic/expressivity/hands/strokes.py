@@ -46,6 +46,7 @@ class Stroke:
     rest: bool = False  # it stays, and becomes the rest pose
     manner: Expressivity = NEUTRAL
     halves: bool = False  # whether one of its two hands may do it alone where another block needs the other
+    importance: int = 1  # 0 a beat, 1 any other, 2 required: where hands do not suffice, what counts for less gives way
     series: str = ""  # strokes of one series, as of counting, stay with the hand that began it
 
 

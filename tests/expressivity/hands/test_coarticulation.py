@@ -1,3 +1,4 @@
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -5,7 +6,7 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.reach import Reach
-from kinesic.expressivity.hands.coarticulation import Engaged
+from kinesic.expressivity.hands.engaged import Engaged
 from kinesic.expressivity.hands.keys import hand_at
 from kinesic.expressivity.hands.phases import arrange_hands
 from kinesic.expressivity.hands.poses import REST, Poses, pose_distance, resting_hands
@@ -247,3 +248,62 @@ def test_hands_never_jump_and_every_stroke_is_met(pace, phases):
                 elif side in stroke.options[0].hands:
                     assert dropped is not None
                     assert dropped.why
+
+
+@pytest.fixture
+def crossing(phases):
+    """Two gestures of the same hand whose strokes the document places upon one another."""
+    first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (right(A, B),))
+    second = Stroke("g2", phases(0.4, 1.0, 1.0, 1.2, 1.2, 1.4, 2.0), (right(C, A),))
+    return [first, second]
+
+
+@pytest.mark.parametrize(("ranks", "left"), [((1, 1), "g1"), ((0, 1), "g2"), ((1, 0), "g1"), ((1, 2), "g2")])
+def test_what_counts_for_less_gives_way_or_else_the_later(pace, crossing, ranks, left):
+    found = arrange_hands([replace(s, importance=rank) for s, rank in zip(crossing, ranks, strict=True)], pace)
+    assert found.sides.keys() == {left}
+    (dropped,) = found.outcomes
+    assert found.outcomes[dropped].kind == "dropped"
+    assert left in found.outcomes[dropped].why
+    assert ("counts for more" in found.outcomes[dropped].why) == (left == "g2")
+
+
+def test_what_made_room_for_a_stroke_that_gave_way_has_its_times_back(pace, overlapping, phases):
+    first, second = overlapping
+    third = Stroke("g3", phases(2.2, 2.5, 2.5, 2.8, 2.8, 3.0, 3.4), (right(B, A),))
+    assert "g1" in arrange_hands(overlapping, pace, FREE).times
+    found = arrange_hands([first, replace(second, importance=0), third], pace, FREE)
+    alone = arrange_hands([first, third], pace, FREE)
+    assert found.outcomes.keys() == {"g2"}
+    assert found.times == alone.times
+    assert [key.time for key in found.hands["r"]] == [key.time for key in alone.hands["r"]]
+
+
+def test_a_dropped_stroke_says_when_there_would_be_time(pace, crossing):
+    first, second = crossing
+    for clashes, apart in (({}, 0.0), ({frozenset(("g1", "g2")): 0.5}, 1.0)):
+        late = replace(second, times={sync: time + apart for sync, time in second.times.items()})
+        why = arrange_hands([first, late], pace, clashes=clashes).outcomes["g2"].why
+        at = float(why.split("with its stroke at ")[1].split(" s")[0])
+        assert at > late.times["stroke"]
+        good = {sync: time + at + 0.005 - late.times["stroke"] for sync, time in late.times.items()}
+        assert arrange_hands([first, replace(late, times=good)], pace).outcomes == {}
+
+
+def test_strokes_that_clash_count_as_overlapping(pace, phases):
+    first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.0, 1.2, 2.0), (right(A, B),))
+    second = Stroke("g2", phases(1.2, 1.5, 1.5, 1.8, 1.8, 2.0, 2.6), (right(C, A),))
+    clashes = {frozenset(("g1", "g2")): 0.31}
+    assert arrange_hands([first, second], pace).outcomes == {}
+    found = arrange_hands([first, second], pace, clashes=clashes)
+    why = "its stroke is at 1.80 s, from that of g1 at 1.00 s the right hand comes 0.31 s late"
+    assert found.outcomes["g2"].why == f"{why}; with its stroke at 2.11 s there would be time"
+    either = replace(second, options=(*second.options, Poses({"l": (L, M)}, 1)))
+    found = arrange_hands([first, either], pace, clashes=clashes)
+    assert found.sides == {"g1": {"r"}, "g2": {"l"}}
+
+
+def test_one_hand_alone_is_said_to_be_kept_from_the_other_by_another_stroke(pace, phases):
+    first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (right(A, B, C),))
+    second = Stroke("g2", phases(0.4, 1.0, 1.0, 1.2, 1.2, 1.4, 2.0), (both(),))
+    assert "busy with the stroke of g1 until 1.40 s" in arrange_hands([first, second], pace).outcomes["g2"].why

@@ -187,3 +187,15 @@ def test_hands_are_as_they_hang(robot):
     rest = resting_hands(robot)
     assert rest["l"].position == pytest.approx(rest["r"].position * [1, -1, 1])
     assert np.linalg.norm(rest["l"].palm) == pytest.approx(1.0)
+
+
+def test_a_rest_pose_that_clashes_with_a_gesture_is_taken_on_the_way_back_and_says_so(pace, phases):
+    gesture = Stroke("g", phases(0, 0.6, 0.6, 1.0, 1.0, 1.5, 2.0), (work(A, B),))
+    pose = Stroke("p", phases(1.1, 1.4, 1.4, 1.5, 1.5, 1.5, 1.5), (work(C),), rest=True)
+    at_once = arrange_hands([gesture, pose], pace)
+    assert {key.time for key in at_once.hands["r"] if key.hand is C} == {1.5}
+    assert at_once.remarks == {}
+    found = arrange_hands([gesture, pose], pace, clashes={frozenset(("g", "p")): 0.4})
+    assert [key.hand for key in found.hands["r"]] == [REST, A, B, B, C]
+    assert times_of(found.hands["r"])[-1] == 2.0
+    assert found.remarks == {"p": ("is taken as the hands go back from g: 0.40 s lack between both",)}

@@ -11,7 +11,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Robot
-from kinesic.expressivity.hands.coarticulation import Engaged
+from kinesic.expressivity.hands.engaged import Engaged
 from kinesic.expressivity.hands.phases import Arranged, arrange_hands
 from kinesic.expressivity.hands.poses import REST, Poses, pose_distance, resting_hands
 from kinesic.expressivity.hands.strokes import Stroke
@@ -108,3 +108,19 @@ def test_every_gesture_is_done_or_dropped_by_name_with_hands_it_may_take(row, en
         assert dropped != (one.id in found.sides)
         if not dropped:
             assert any(found.sides[one.id] == set(option.hands) for option in one.options)
+
+
+@given(rows, st.integers(0, 3))
+def test_what_alone_counts_for_most_is_always_done_and_as_if_nothing_were_there(row, place):
+    strokes = made(row, either=False)
+    first = place % len(strokes)
+    strokes = [replace(one, importance=int(k == first)) for k, one in enumerate(strokes)]
+    found = arrange_hands(strokes, PACE)
+    assert found.sides[f"g{first}"] == set(strokes[first].options[0].hands)
+    dropped = {id for id, outcome in found.outcomes.items() if outcome.kind == "dropped"}
+    assert same_but_for_outcomes(found, arrange_hands([one for one in strokes if one.id not in dropped], PACE))
+
+
+def same_but_for_outcomes(found: Arranged, other: Arranged) -> bool:
+    keys = [[[key.time for key in row] for row in one.hands.values()] for one in (found, other)]
+    return keys[0] == keys[1] and found.times == other.times

@@ -1,0 +1,121 @@
+"""Of two gestures that are too near for their hand one gives way by name, and the rest keeps its times."""
+
+import pytest
+
+from kinesic.bml.block import BmlError
+from kinesic.bml.parse import parse
+from kinesic.motion.keys import KeyPosture, Keys
+from kinesic.planning.clashes import APART, least_times_between_turns
+from kinesic.planning.plan import Plan, plan_block
+from kinesic.planning.quick_plan import plan_quickly
+
+ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+OTHERS = (
+    '<speech id="s"><text>Let me <sync id="m"/>ask you about it.</text></speech>'
+    '<gaze id="z" target="left" start="1.0" end="2.6"/><torso id="t" lexeme="lean forward" ready="1.3" end="3.0"/>'
+)
+ASK = '<gesture id="ask" lexeme="{}" {} stroke="1.8"/>'
+NEXT = '<gesture id="next" lexeme="{}" {} stroke="{}"/>'
+
+
+def document(first: str, second: str, later: float, mode: str) -> tuple[str, str, str]:
+    """Both gestures, the first alone, and the second alone, beside speech, gaze and torso."""
+    one, two = ASK.format(first, mode), NEXT.format(second, mode, 1.8 + later)
+    a, b, c = (ROOT.format(OTHERS + inside) for inside in (one + two, one, two))
+    return a, b, c
+
+
+@pytest.fixture
+def planned(known):
+    return lambda text: plan_block(parse(text), known)
+
+
+def times(plan: Plan) -> dict[str, float]:
+    return {sync.name: sync.planned for sync in plan.syncs}
+
+
+def fates(plan: Plan) -> dict[str, str]:
+    return {id: outcome.kind for id, outcome in plan.keyframes.outcomes.items() if id in ("ask", "next")}
+
+
+BOTH, RIGHT = 'mode="BOTH_HANDS"', 'mode="RIGHT_HAND"'
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "later", "mode"),
+    [("love", "contrast_left_right", 0.55, BOTH), ("air_quotes", "sorry", 0.4, BOTH), ("usher", "no_wag", 0.33, RIGHT)],
+)
+def test_the_later_of_two_gestures_too_near_gives_way_and_the_rest_keeps_its_times(planned, first, second, later, mode):
+    both, alone, _ = document(first, second, later, mode)
+    found, without = planned(both), planned(alone)
+    assert found.keyframes.outcomes["next"].kind == "dropped"
+    assert "from that of ask at 1.80 s" in found.keyframes.outcomes["next"].why
+    assert any(notice.id == "b:next" and "ask" in notice.text for notice in found.notices)
+    assert times(found) == pytest.approx(times(without), abs=1e-3)
+
+
+def test_what_would_have_worked_works(planned):
+    both, _, _ = document("love", "contrast_left_right", 0.55, BOTH)
+    why = planned(both).keyframes.outcomes["next"].why
+    at = float(why.split("with its stroke at ")[1].split(" s")[0])
+    later = planned(document("love", "contrast_left_right", at - 1.8, BOTH)[0])
+    assert "dropped" not in fates(later).values()
+    assert abs(times(later)["ask:stroke"] - 1.8) < APART
+
+
+def test_a_beat_gives_way_to_what_comes_later(planned):
+    both, _, alone = document("beat_fist_palm", "love", 0.3, BOTH)
+    found = planned(both)
+    assert fates(found)["ask"] == "dropped"
+    assert "gives way to next, which counts for more" in found.keyframes.outcomes["ask"].why
+    assert times(found) == pytest.approx(times(planned(alone)), abs=1e-3)
+
+
+def test_gestures_that_follow_closely_are_both_performed(planned):
+    for later in (0.6, 0.8):
+        found = planned(document("offer", "large", later, BOTH)[0])
+        assert "dropped" not in fates(found).values()
+        strokes = [times(found)[f"{id}:stroke"] for id in ("ask", "next")]
+        assert strokes[1] - strokes[0] - later < APART
+
+
+def test_an_open_hand_is_taken_before_one_gives_way(planned):
+    found = planned(document("usher", "no_wag", 0.33, "")[0])
+    assert fates(found)["next"] == "substituted"
+    assert found.keyframes.uses["next"] == {"l_hand"}
+
+
+def test_a_quick_plan_and_a_better_one_drop_the_same(known):
+    for case in (("love", "contrast_left_right", 0.55, BOTH), ("offer", "large", 0.6, BOTH)):
+        block = parse(document(*case)[0])
+        assert fates(plan_quickly(block, known)) == fates(plan_block(block, known))
+
+
+def test_a_rest_pose_waits_for_the_hands_to_go_back(planned):
+    pose = '<gesture id="next" lexeme="hands_low" start="1.95" end="2.1"/>'
+    ask = ASK.format("offer", 'relax="2.6"')
+    found, alone = planned(ROOT.format(OTHERS + ask + pose)), planned(ROOT.format(OTHERS + ask))
+    assert set(fates(found).values()) == {"realised"}
+    assert any("as the hands go back from ask" in notice.text for notice in found.notices)
+    for sync in ("ask:stroke", "ask:relax", "z:start", "t:ready"):
+        assert times(found)[sync] == pytest.approx(times(alone)[sync], abs=1e-3)
+
+
+def test_a_required_gesture_never_gives_way(planned):
+    one, two = ASK.format("love", BOTH), NEXT.format("contrast_left_right", BOTH, 2.35)
+    assert fates(planned(ROOT.format(f"{one}<required>{two}</required>"))) == {"ask": "dropped", "next": "realised"}
+    with pytest.raises(BmlError, match="next is required"):
+        planned(ROOT.format(f"<required>{one}{two}</required>"))
+
+
+def test_a_hinge_needs_time_from_turn_to_turn_alone(known):
+    rest, hinge = known.robot.skeleton.rest, known.robot.arm("r").joints[0]
+    rows = []
+    for k, angle in enumerate((0.0, 0.1, 0.3, 0.3, 0.2)):
+        angles = rest.copy()
+        angles[hinge] += angle
+        rows.append(KeyPosture.whole(float(k), angles))
+    found = least_times_between_turns(Keys.of(rows, known.limits))
+    own = {pair: least for (joint, pair), least in found.items() if joint == hinge}
+    assert own.keys() == {(0, 2), (2, 3), (3, 4)}
+    assert own[0, 2] > own[3, 4] > own[2, 3] == 0.0
