@@ -12,6 +12,7 @@ from rich.table import Table
 
 from kinesic.bench import PARTS
 from kinesic.bench.figure import Figure
+from kinesic.body.config import names_of
 from kinesic.cli.terminal import console
 from kinesic.files.held_folder import name_failures
 from kinesic.files.output_file import new_file
@@ -23,20 +24,29 @@ def measure(part: str) -> list[Figure]:
 
 
 def print_figures(
-    part: str, matrix: bool, styles: tuple[str, ...], as_json: bool, plots: Path | None, force: bool
+    part: str,
+    matrix: bool,
+    styles: tuple[str, ...],
+    capture: Path | None,
+    as_json: bool,
+    plots: Path | None,
+    force: bool,
 ) -> int:
     """Measures a part, or all, and prints or draws the figures."""
     if matrix:
         return _print_matrix(as_json=as_json)
-    if styles and part != "naturalness":
-        raise click.UsageError("--style belongs to naturalness")
+    if (styles or capture) and part != "naturalness":
+        raise click.UsageError("--style and --capture are of naturalness alone")
     if plots is not None:
         with name_failures(plots):
             plots.mkdir(parents=True, exist_ok=True)
     names = list(PARTS) if part == "all" else [part]
-    figures = _natural(styles) if styles else [figure for name in names for figure in measure(name)]
+    if styles or capture:
+        figures = _measure_naturalness(styles, capture)
+    else:
+        figures = [figure for name in names for figure in measure(name)]
     if plots is not None:
-        _draw(figures, names, plots, force=force)
+        _draw(figures, names, plots, styles=styles or (() if capture else names_of("style")), force=force)
     if as_json:
         click.echo(json.dumps([asdict(figure) | {"ok": figure.ok} for figure in figures], indent=1))
         return 0
@@ -52,10 +62,12 @@ def print_figures(
     return 0
 
 
-def _natural(styles: tuple[str, ...]) -> list[Figure]:
-    from kinesic.bench import naturalness  # noqa: PLC0415 - no other part has styles
+def _measure_naturalness(styles: tuple[str, ...], capture: Path | None) -> list[Figure]:
+    """Measures the lexicon in some styles, clips of a folder, or both."""
+    from kinesic.bench import naturalness  # noqa: PLC0415 - no other part has styles or clips
 
-    return naturalness.bench(styles)
+    figures = naturalness.bench_styles(styles) if styles else []
+    return figures if capture is None else [*figures, *naturalness.bench_clips(capture)]
 
 
 def _print_matrix(*, as_json: bool) -> int:
@@ -69,14 +81,16 @@ def _print_matrix(*, as_json: bool) -> int:
     return 0
 
 
-def _draw(figures: list[Figure], names: list[str], plots: Path, *, force: bool) -> None:
+def _draw(figures: list[Figure], names: list[str], plots: Path, *, styles: tuple[str, ...], force: bool) -> None:
     """Draws into a folder that may hold other things; no picture is replaced unless forced."""
-    from kinesic.bench import expressivity, ik  # noqa: PLC0415 - only drawings need both
+    from kinesic.bench import expressivity, ik, naturalness  # noqa: PLC0415 - only drawings need all of them
 
     with TemporaryDirectory() as place:
         pictures = ik.draw(figures, Path(place))
         if "expressivity" in names:
             pictures += expressivity.draw(Path(place))
+        if "naturalness" in names and styles:
+            pictures += naturalness.draw(styles, Path(place))
         for picture in pictures:
             with new_file(plots / picture.name, force=force) as fresh:
                 copyfile(picture, fresh)

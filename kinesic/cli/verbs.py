@@ -56,7 +56,13 @@ def kinesic() -> None:
     "styles",
     multiple=True,
     type=click.Choice(names_of("style")),
-    help="Of naturalness: in this manner alone; repeat it.",
+    help="Of naturalness: gestures in this manner alone; repeat it.",
+)
+@click.option(
+    "--capture",
+    metavar="FOLDER",
+    type=click.Path(path_type=Path),
+    help="Of naturalness: a folder of captured gestures (.skm, .sk) that are measured.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Prints a list of figures as JSON.")
 @click.option("--plots", type=click.Path(file_okay=False, path_type=Path), help="Draws into this folder, too.")

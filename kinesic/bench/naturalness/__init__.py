@@ -1,39 +1,73 @@
-"""Measures how people move in gestures, and how far the lexicon is from it."""
+"""Measures how the hands move in gestures of the lexicon and of people, and how far these are apart."""
 
 from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
 
+from kinesic.bench.blocks import corpus_folder
 from kinesic.bench.expressivity.lexicon import NEUTRAL_STYLE, every
 from kinesic.bench.figure import Figure
+from kinesic.bench.naturalness import plots
 from kinesic.bench.naturalness.bars import MEDIANS, PART, bar_figures
-from kinesic.bench.naturalness.lexicon import MeasuredGesture, measure_lexicon
+from kinesic.bench.naturalness.captured import captured_figures, measure_clips
+from kinesic.bench.naturalness.lexicon import MeasuredGesture, by_style, measure_lexicon
 from kinesic.bench.naturalness.rows import row_figures
 from kinesic.body.config import names_of
 from kinesic.body.robot import Robot
 
+CAPTURE = "capture"  # the corpus's folder of captured gestures
 
-def bench(styles: Sequence[str] = ()) -> list[Figure]:
-    """Measures every gesture alone: the bars in the default manner, and each row in every manner.
 
-    Args:
-        styles: those that are measured; all of them without any.
+def bench() -> list[Figure]:
+    """Measures every gesture alone in every manner, and the corpus's captured gestures."""
+    return [*bench_styles(names_of("style")), *_corpus_figures()]
+
+
+def bench_styles(styles: Sequence[str]) -> list[Figure]:
+    """Measures every gesture alone: all bars in the neutral manner, the rows in others."""
+    return lexicon_figures(measured(tuple(styles)), Robot.load().arm_length)
+
+
+def bench_clips(folder: Path) -> list[Figure]:
+    """Measures the captured gestures below a folder.
+
+    Raises:
+        ConfigError: there is no such folder.
     """
-    measured = measure_lexicon(every(styles or names_of("style")))
-    return lexicon_figures(measured, Robot.load().arm_length)
+    return captured_figures(measure_clips(folder))
 
 
-def lexicon_figures(measured: Sequence[MeasuredGesture], arm: float) -> list[Figure]:
+def draw(styles: Sequence[str], folder: Path) -> list[Path]:
+    """Draws every row in these manners, and how far the neutral one is from captured gestures."""
+    return plots.draw(measured(tuple(styles)), folder)
+
+
+@cache
+def measured(styles: tuple[str, ...]) -> tuple[MeasuredGesture, ...]:
+    """Measures the lexicon in some manners; once in a process."""
+    return tuple(measure_lexicon(every(styles)))
+
+
+def lexicon_figures(gestures: Sequence[MeasuredGesture], arm: float) -> list[Figure]:
     """Sums up gestures in several manners.
 
     Args:
-        measured: of the lexicon.
+        gestures: of the lexicon.
         arm: [m] of the robot, from shoulder to wrist.
     """
     found: list[Figure] = []
-    for style in sorted({each.style for each in measured}, key=lambda name: (name != NEUTRAL_STYLE, name)):
-        gestures = [each for each in measured if each.style == style]
-        hands = [each.hand for each in gestures if each.hand]
+    for style, group in by_style(gestures).items():
+        hands = [each.hand for each in group if each.hand]
         if style == NEUTRAL_STYLE:
-            found += [*row_figures(PART, hands, MEDIANS), *bar_figures(gestures, arm)]
+            found += [*row_figures(PART, hands, MEDIANS), *bar_figures(group, arm)]
         else:
             found += row_figures(f"{PART}.{style}", hands, {})
     return found
+
+
+def _corpus_figures() -> list[Figure]:
+    corpus = corpus_folder()
+    if corpus is None or not (corpus / CAPTURE).is_dir():
+        why = "no captured gestures (KINESIC_CORPUS); --capture names a folder"
+        return [Figure("naturalness.captured.clips", None, "clips", None, "higher", why)]
+    return bench_clips(corpus / CAPTURE)

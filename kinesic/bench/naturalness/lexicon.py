@@ -1,13 +1,14 @@
 """The lexicon, each gesture planned alone from rest to rest, and how the hand that goes farther moves in it."""
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from math import nan, radians
 
 import numpy as np
 
+from kinesic.bench.expressivity.lexicon import NEUTRAL_STYLE
 from kinesic.bench.naturalness.measures import GestureMeasures, measure_hand
 from kinesic.bench.plan import violations
 from kinesic.body.arrays import Floats
@@ -71,6 +72,14 @@ def measure_lexicon(tasks: Sequence[Task]) -> list[MeasuredGesture]:
         if isinstance(result, WorkerCrash):
             raise RuntimeError(f"{gesture} in style {style}: {result.reason}")
         found.append(result)
+    return found
+
+
+def by_style(gestures: Iterable[MeasuredGesture]) -> dict[str, list[MeasuredGesture]]:
+    """Groups gestures by style, the neutral one first."""
+    found: dict[str, list[MeasuredGesture]] = {}
+    for each in sorted(gestures, key=lambda each: (each.style != NEUTRAL_STYLE, each.style)):
+        found.setdefault(each.style, []).append(each)
     return found
 
 

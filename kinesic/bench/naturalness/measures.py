@@ -14,6 +14,8 @@ FAINT = 0.05  # of its largest amplitude, below which the end of a spectrum is l
 PADDING = 4  # times that the length of a profile is doubled, so that its spectrum is smooth
 LEAST_PEAK = 0.1  # of the largest speed, that a movement unit has
 DIP = 0.5  # of the lower of two peaks, below which the speed falls between two units
+ONSET = 0.05  # of the largest speed before strokeStart, with which a preparation begins
+LEAST_PREPARATION = 0.2  # [s] below which nothing is said of its smoothness
 ROUNDING = 1e-3  # [s] by which times of files are rounded
 
 
@@ -84,7 +86,7 @@ def measure_hand(times: Floats, path: Floats, syncs: Mapping[str, float], arm: f
         lead=_lead(profile),
         units=count_units(evenly),
         sparc=spectral_arc_length(evenly),
-        preparation_sparc=spectral_arc_length(profile.evenly("start", "strokeStart")),
+        preparation_sparc=_preparation_sparc(profile.evenly("start", "strokeStart")),
         path=length(path[whole]),
         arm_lengths=length(path[whole]) / arm,
         stroke_path=length(path[stroke]) / arm if stroke.any() else None,
@@ -163,6 +165,12 @@ class _Profile:
         places = np.arange(self.syncs[begin], self.syncs[end] + ROUNDING, 1.0 / RATE)
         speeds: Floats = np.interp(places, self.times, self.speeds)
         return speeds
+
+
+def _preparation_sparc(speeds: Floats) -> float | None:
+    """Smoothness from where a hand sets out, as it may have waited before."""
+    moving = speeds[int((speeds > ONSET * speeds.max(initial=0.0)).argmax()) :] if speeds.size else speeds
+    return spectral_arc_length(moving) if len(moving) > LEAST_PREPARATION * RATE else None
 
 
 def _flow(profile: _Profile) -> float | None:
