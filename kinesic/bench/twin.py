@@ -114,7 +114,7 @@ def tracking_figures(known: Setup, blocks: int = BLOCKS) -> list[Figure]:
 def _figures(plans: Iterable[Plan], factors: Factors, terms: Terms, correction: bool) -> dict[str, float | None]:
     if not plans:
         return dict.fromkeys((*GOALS, NEAREST))
-    runs = (dry_run(plan, twin=factors, feedforward=terms, correction=correction) for plan in plans)
+    runs = (dry_run(plan, twin=factors, feedforward=terms, correction=correction, watch=correction) for plan in plans)
     return {**Errors.of(runs).figures}
 
 

@@ -1,6 +1,7 @@
 """Inverts the servo model: goals that make the hinges arrive where the reference is, when it is there."""
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -9,7 +10,13 @@ from kinesic.body.choices import Terms
 from kinesic.body.command import RATE
 from kinesic.body.dynamics import Dynamics
 from kinesic.body.robot import Robot
-from kinesic.motion.trajectory import Trajectory
+
+
+class Motion(Protocol):
+    """What can be led, such as a trajectory."""
+
+    def sample(self, times: Floats, /) -> tuple[Floats, Floats, Floats]:
+        """Angles [rad], speeds and accelerations, each (m, n), at (m,) times [s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,10 +44,10 @@ class FeedForward:
     delay: float = 0.0  # [s] of the bus
     terms: Terms = "full"  # what is inverted; for measuring what each part is worth
 
-    def lead(self, trajectory: Trajectory, times: Floats) -> FeedForwardGoals:
+    def lead(self, motion: Motion, times: Floats) -> FeedForwardGoals:
         """Computes the set points of a motion for goals that are sent at (m,) performance times [s]."""
         robot = self.robot
-        angles, speeds, accelerations = trajectory.sample(times + self.period / 2 + self.delay)
+        angles, speeds, accelerations = motion.sample(times + self.period / 2 + self.delay)
         torques = self.dynamics.torques(angles, speeds, accelerations)
         stall = np.array([drive.stall for drive in robot.drives])
         no_load = np.array([drive.no_load for drive in robot.drives])
@@ -48,7 +55,7 @@ class FeedForward:
         rate = np.array([drive.rate_gain for drive in robot.drives])
         duties = torques / stall + speeds / no_load
         if self.terms == "none":
-            sent = trajectory.sample(times)[0]
+            sent = motion.sample(times)[0]
             nothing = sealed(np.zeros_like(sent))
             return FeedForwardGoals(sealed(robot.skeleton.clamp(sent)), nothing, nothing, sealed(duties))
         leads = (speeds / no_load + rate * speeds / stall) / gain

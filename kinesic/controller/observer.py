@@ -214,7 +214,7 @@ class Observer:
         late = len(self.arrival)
         earlier = np.concatenate([np.broadcast_to(led[0], (late + 1, led.shape[1])), led])
         acting = sum(share * earlier[late - 1 - k : -2 - k] for k, share in enumerate(self.arrival))
-        return _smoothed(acting, led[0], 1.0 / (1.0 + 3.0 / (BANDWIDTH * self.period)))
+        return _smoothed(acting, led[0], noticing(self.period))
 
     def after(self, belief: LoadEstimate, deviation: Floats, inputs: ObserverInputs, tick: int) -> LoadEstimate:
         """Advances the estimate by one tick, and corrects the goals.
@@ -229,6 +229,11 @@ class Observer:
             The belief of this tick, with corrected goals.
         """
         return LoadEstimate(self._step(belief.rows, deviation, inputs.rows[tick]))
+
+
+def noticing(period: float) -> float:
+    """Returns the share of what acts that is noticed after a tick [s]."""
+    return 1.0 / (1.0 + 3.0 / (BANDWIDTH * period))
 
 
 def correct_goals(

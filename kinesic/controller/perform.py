@@ -15,11 +15,13 @@ from kinesic.body.choices import Terms
 from kinesic.body.command import RATE, Command, Measurements
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
+from kinesic.controller.clearance_watch import slows
 from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.observer import Observer, correct_goals
 from kinesic.controller.options import PlanningOptions, check_options
 from kinesic.controller.performance import Performance, Reference
 from kinesic.controller.play import command_times, commands, play_together
+from kinesic.controller.watched_run import perform_watched
 from kinesic.expressivity.context import read_targets
 from kinesic.expressivity.idle import Idling
 from kinesic.expressivity.lexicon.lexicon import Lexicon
@@ -150,10 +152,11 @@ def dry_run(
     twin: Factors = NOMINAL,
     feedforward: Terms = "full",
     correction: bool = True,
+    watch: bool = True,
     delay: float = 0.0,
 ) -> Performance:
     """Performs a plan in one twin: see `dry_runs`."""
-    return dry_runs(planned, (twin,), feedforward=feedforward, correction=correction, delay=delay)[0]
+    return dry_runs(planned, (twin,), feedforward=feedforward, correction=correction, watch=watch, delay=delay)[0]
 
 
 def dry_runs(
@@ -162,6 +165,7 @@ def dry_runs(
     *,
     feedforward: Terms = "full",
     correction: bool = True,
+    watch: bool = True,
     delay: float = 0.0,
     parse_seconds: float = 0.0,
     progress: Callable[[float], None] = lambda share: None,
@@ -173,6 +177,7 @@ def dry_runs(
         twins: how far each twin is from the robot's description.
         feedforward: what of the servos' model is inverted.
         correction: whether goals are corrected by what the twins measure.
+        watch: whether a twin whose errors leave too little clearance is slowed down, and stopped before contact.
         delay: [s] of the bus, as feed-forward and correction believe it to be; the twins' own is in their factors.
         parse_seconds: for the report.
         progress: gets the share of the ticks that are over, now and then.
@@ -180,12 +185,13 @@ def dry_runs(
     known, trajectory, robot = planned.setup, planned.trajectory, planned.setup.robot
     began = perf_counter()
     times = command_times(planned.duration)
-    setpoints = FeedForward(robot, known.dynamics, delay=delay, terms=feedforward).lead(trajectory, times)
+    leading = FeedForward(robot, known.dynamics, delay=delay, terms=feedforward)
+    setpoints = leading.lead(trajectory, times)
     stream = tuple(commands(trajectory, times, setpoints))
     observer = _observer(known, delay, len(twins)) if correction else None
+    start = trajectory.at(0.0).angles
 
     def performed(*, touches: bool) -> list[Measurements]:
-        start = trajectory.at(0.0).angles
         bodies = [Twin(robot, factors=factors, start=start, touches=touches) for factors in twins]
         ticks: Iterator[tuple[Command, ...]] = ((command,) * len(bodies) for command in stream)
         if observer:
@@ -196,9 +202,24 @@ def dry_runs(
     measured = performed(touches=False)
     if min(each.clearance.distances.min() for each in measured) < robot.least_clearance:
         measured = performed(touches=True)  # between steps they may have met
-    reference = Reference(planned, times, setpoints.duties)
-    seconds = perf_counter() - began
-    return tuple(Performance(reference, *each, parse_seconds, seconds) for each in zip(twins, measured, strict=True))
+    reference, seconds = Reference(planned, times, setpoints.duties), perf_counter() - began
+    runs = [
+        Performance(reference, factors, each, parse_seconds, seconds)
+        for factors, each in zip(twins, measured, strict=True)
+    ]
+    alone = _observer(known, delay, 1) if correction else None
+    return tuple(_watched(run, leading, alone) if watch and slows(run.rooms, robot) else run for run in runs)
+
+
+def _watched(even: Performance, feedforward: FeedForward, observer: Observer | None) -> Performance:
+    """The same plan in the same twin, slowed down where its errors leave too little clearance."""
+    began, plan = perf_counter(), even.plan
+    twin = Twin(plan.setup.robot, factors=even.twin, start=plan.trajectory.at(0.0).angles)
+    run = perform_watched(plan, twin, feedforward, observer)
+    seconds = even.dry_run_seconds + perf_counter() - began
+    return Performance(
+        Reference(plan, run.times, run.duties), even.twin, run.measured, even.parse_seconds, seconds, run.least_pace
+    )
 
 
 def _counted(

@@ -10,9 +10,11 @@ from functools import cached_property
 import numpy as np
 
 from kinesic.body.arrays import Flags, Floats, sealed
-from kinesic.body.command import Measurements
+from kinesic.body.command import RATE, Measurements
 from kinesic.body.robot import SIDES, PartName, Robot
 from kinesic.controller.arrival import Arrival, arrivals, lags, part_paths
+from kinesic.controller.clearance_watch import LOOK, foresee
+from kinesic.controller.play import command_times
 from kinesic.controller.smoothness import dimensionless_jerk
 from kinesic.controller.tracking_delay import tracking_delay
 from kinesic.motion.limit_check import Peaks, check_limits
@@ -23,6 +25,7 @@ from kinesic.sim.servo_factors import NOMINAL, PESSIMISTIC, Factors
 
 MOVING = 0.05  # share of its speed limit above which a hinge counts as moving
 LEAST_WAY = 0.05  # [m] below which a hand only sways with the body
+EVERY = round(2 * LOOK * RATE)  # commands between two looks back at the clearance
 HOLDING_RATE = 20  # [Hz] at which the torque of standing still is judged: gravity changes slowly
 
 
@@ -131,6 +134,18 @@ class Performance:
     measured: Measurements
     parse_seconds: float
     dry_run_seconds: float  # of feed-forward and of all twins that performed together
+    least_pace: float = 1.0  # seconds of the performance per second, where it was slowed down most
+
+    @cached_property
+    def rooms(self) -> Floats:
+        """(k,) [m] clearance that the twin's errors of the last moments would have left, every 100 ms."""
+        return foresee(self.reference.angles, self.measured.angles, self.plan.setup.distances, every=EVERY)
+
+    @property
+    def performed(self) -> float:
+        """Share of the plan that was performed before somebody stopped it."""
+        end = float(command_times(self.plan.duration)[-1])
+        return float(self.reference.times[-1]) / end
 
     @property
     def plan(self) -> Plan:

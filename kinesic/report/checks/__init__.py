@@ -9,6 +9,7 @@ from kinesic.report.checks.content import content_checks
 from kinesic.report.checks.plan import TOLERANCE, distance_checks, limit_checks
 from kinesic.report.checks.servos import power_checks, servo_checks
 from kinesic.report.checks.twin import motion_checks, stroke_errors, timing_checks, tracking_checks
+from kinesic.report.checks.watch import watch_checks
 
 __all__ = ["GRADES", "GRAVITY", "TOLERANCE", "Check", "Grade", "Status", "checks", "grade", "stroke_errors"]
 
@@ -18,6 +19,7 @@ def checks(performance: Performance) -> tuple[Check, ...]:
     parts = (
         limit_checks,
         distance_checks,
+        watch_checks,
         content_checks,
         timing_checks,
         tracking_checks,

@@ -25,6 +25,7 @@ BML = """
 NAMES = {
     *(f"limits.{name}" for name in ("margin", "position", "speed", "acceleration", "jerk", "reserve")),
     *("limits.duty", "limits.holding", "collision.plan", "collision.twin", "collision.penetrations"),
+    *("collision.foreseen", "collision.pace", "collision.performed"),
     *(f"timing.{name}" for name in ("shift", "twin", "arrival", "stroke_median", "stroke_p95")),
     *(f"tracking.{name}" for name in ("rmse", "p95", "max", "lateness")),
     *("meaning.performed", "amplitude.path"),

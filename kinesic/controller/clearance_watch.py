@@ -1,0 +1,98 @@
+"""Watches what follow errors leave of the clearance: time slows where it goes, and the performance ends before contact.
+
+What hinges stray from the plan is expected to come again, this way or that, as late arms swing past: the errors measured
+of late are added to the postures that come, and taken from them, and the clearance of these is measured. While it is
+ample, time runs as planned; then it runs slower, which makes errors smaller, as servos lag in proportion to speed; where
+even creeping does not help, it is over.
+"""
+
+from dataclasses import dataclass, replace
+from math import inf
+
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.dynamics import Distances
+from kinesic.body.robot import Robot
+
+LOOK = 0.05  # [s] between two looks
+AHEAD = 0.3  # [s] that postures are looked at before they come: slowing takes as long
+MEMORY = 1.0  # [s] for which an error is expected to come again
+EASY, TOUCH = 0.9, 0.4  # of the clearance that a robot asks for: where slowing begins, and where time only creeps
+CREEP = 0.02  # pace of a performance that waits for its errors to become smaller
+PATIENCE = 2.0  # [s] of creeping, after which it ends: errors are forgotten sooner
+
+_COMING, _LATE = round(AHEAD / LOOK), round(MEMORY / LOOK)  # looks
+_SKIPPED = 2  # looks from one error to the next that counts, as they change slowly
+
+
+@dataclass(frozen=True)
+class ClearanceWatch:
+    """What was seen of late, and what follows from it."""
+
+    strayed: tuple[Floats, ...] = ()  # (n,) [rad] measured less planned at the last looks, the latest last
+    room: float = inf  # [m] clearance foreseen
+    pace: float = 1.0  # seconds of the performance per second
+    crept: float = 0.0  # [s] since it has crept
+
+    @property
+    def over(self) -> bool:
+        """Whether waiting was in vain: the performance is to end."""
+        return self.crept >= PATIENCE
+
+
+def look(
+    watch: ClearanceWatch, coming: Floats, strayed: Floats, distances: Distances, *, least: float
+) -> ClearanceWatch:
+    """Looks ahead, once in `LOOK` seconds.
+
+    Args:
+        watch: before.
+        coming: (k, n) [rad] planned postures of the next `AHEAD` seconds, the present one first.
+        strayed: (n,) [rad] measured less planned now; NaN where a servo did not answer.
+        distances: of the robot.
+        least: [m] clearance that the robot asks for.
+    """
+    late = (*watch.strayed, sealed(np.nan_to_num(strayed)))[-1 - _LATE :]
+    errors = np.array(late[::-_SKIPPED])
+    expected = (coming[:, None] + np.concatenate([errors, -errors])).reshape(-1, len(strayed))
+    room = float(distances.clearance(expected).distances.min())
+    pace = pace_for(room, least)
+    return replace(watch, strayed=late, room=room, pace=pace, crept=watch.crept + LOOK if pace <= CREEP else 0.0)
+
+
+def pace_for(room: float, least: float) -> float:
+    """Finds the pace, at most 1, for a clearance [m] that is foreseen, where a robot asks for one [m]."""
+    return min(1.0, max(CREEP, (room / least - TOUCH) / (EASY - TOUCH)))
+
+
+def coming_times(time: float, end: float) -> Floats:
+    """Lists the performance times [s] at which a look ahead measures, from now on to the end of the motion at most."""
+    return sealed(np.minimum(time + LOOK * np.arange(_COMING + 1), end))
+
+
+def foresee(planned: Floats, measured: Floats, distances: Distances, *, every: int) -> Floats:
+    """Measures what the errors of a whole performance would have left of its clearance.
+
+    Args:
+        planned: (m, n) [rad].
+        measured: (m, n) [rad] at the same times.
+        distances: of the robot.
+        every: so many samples a posture and an error are looked at.
+
+    Returns:
+        (k,) [m] for each posture looked at: the least, with any error of the last `MEMORY` seconds, this way or that.
+    """
+    postures = planned[::every]
+    strayed = measured[::every] - postures
+    rooms = np.full(len(postures), inf)
+    for lag in range(0, min(round(MEMORY / (_SKIPPED * LOOK)) + 1, len(postures)), _SKIPPED):
+        for way in (1.0, -1.0):
+            expected = postures[lag:] + way * strayed[: len(postures) - lag]
+            rooms[lag:] = np.minimum(rooms[lag:], distances.clearance(expected).distances)
+    return rooms
+
+
+def slows(rooms: Floats, robot: Robot) -> bool:
+    """Whether any of (k,) foreseen clearances [m] asks for slower time."""
+    return bool(rooms.min() < EASY * robot.least_clearance)
