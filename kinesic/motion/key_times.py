@@ -4,8 +4,8 @@ A linear program moves key times as little as needed, strokes least of all. The 
 the next is that of its full speed; the time with a rest at both is always enough. Times that are too short for some
 hinge are cut off by a plane, its shortage linearised, and the program is solved again (Kelley, The cutting-plane
 method, 1960). What a hinge lacks is nearly convex in the logarithm of its time, so that mostly a few planes suffice.
-Where they do not, as in strokes that are repeated, times are stretched along the motions (`stretching`); where even
-that leads to no end, the hinge rests at each of its keys, which is always possible.
+Where they do not, and at once where a stroke is repeated, times are stretched along the motions (`stretching`); where
+even that leads to no end, the hinge rests at each of its keys, which is always possible.
 """
 
 from collections import Counter
@@ -32,6 +32,7 @@ Gaps = Mapping[Way, float]  # [s]
 RESERVE = 1.02  # on durations from rest to rest
 GRID = 0.04  # [s] that the grid may cost
 PLANES = 40  # of a way before its times are stretched
+REPEATS = 2  # strokes once more, from which on times are stretched before any plane is tried
 STRETCHES = 6  # of a way before its hinge rests
 MARGIN = 0.002  # of the time, kept so that a motion is found quickly
 LONGER = 1.1  # on rests that do not suffice after all
@@ -89,6 +90,7 @@ class Search:
         self._cuts: dict[int, list[CuttingPlane]] = {}  # of each hinge
         self._tries: Counter[Way] = Counter()  # to give each more time
         self._spans: dict[Way, float] = {}  # [s] in which ways have a motion, found by stretching
+        self._stiff: set[Way] = set()  # for which stretching found nothing
         self._rests: dict[Way, float] = {}  # by which rests at both ends are longer
         self._shortages: dict[tuple[object, ...], Infeasibility | None] = {}  # that were looked at
         self._lengthen_to_full_speed()
@@ -109,11 +111,14 @@ class Search:
                 self._lengthen(segment, found)
                 self._note(segment, found)
             short = {way for segment, _ in lacking for way in _ways(segment)}
-            if stretched := short & self._spans.keys():
-                self._stretch(stretched)
-            else:
+            stretched = short & self._spans.keys()
+            if not stretched:
                 self._relax(short)
-            lacking = self._lacking([segment for segment in self._segments(self.times) if self._near(segment)])
+            elif not self._stretch(stretched):
+                continue
+            near = [segment for segment in self._segments(self.times) if self._near(segment)]
+            tight = [segment for segment in near if not short.isdisjoint(_ways(segment))]
+            lacking = self._lacking(tight) or self._lacking(near)
 
     def _lacking(self, pending: list[SplineSegment]) -> list[tuple[SplineSegment, Infeasibility | None]]:
         found = [(segment, self._shortage(segment)) for segment in pending]
@@ -126,7 +131,7 @@ class Search:
         tries = max((self._tries[way] for way in ways), default=0)
         if found is None or ways & self._rests.keys() or tries > PLANES + STRETCHES:
             self._rest(ways)
-        elif ways & self._spans.keys() or tries > PLANES:
+        elif ways & self._spans.keys() or tries > PLANES or (self._in_rhythm(segment) and not ways & self._stiff):
             self._drop_cuts(ways)
             self._spans |= dict.fromkeys(ways, 0.0)
         else:
@@ -155,8 +160,15 @@ class Search:
         return bool(np.all(np.diff(ends) >= RESERVE * rests + GRID))
 
     def _near(self, segment: SplineSegment) -> bool:
+        own = [key for mark in segment.marks for key in mark]
+        cuts = (cut for cut in self._cuts.get(segment.hinge, ()) if cut.slopes[own].any())
         stretched = not self._spans.keys().isdisjoint(_ways(segment))
-        return stretched or any(cut.slopes @ self.times > cut.bound - NEAR for cut in self._cuts.get(segment.hinge, ()))
+        return stretched or any(cut.slopes @ self.times > cut.bound - NEAR for cut in cuts)
+
+    def _in_rhythm(self, segment: SplineSegment) -> bool:
+        """Whether a hinge goes back and forth over a stroke that is repeated; planes would hardly find its times."""
+        again = sum(bool(self._keys.again[key]) for mark in segment.marks[1:-1] for key in mark)
+        return again >= REPEATS and segment.turns >= 2 * again
 
     def _cut_off(self, segment: SplineSegment, found: Infeasibility) -> None:
         """Puts up a plane before times that are too short for a segment."""
@@ -189,8 +201,11 @@ class Search:
         if pair not in self.met or found.ratio > self.met[pair].ratio:
             self.met[pair] = found
 
-    def _stretch(self, short: set[Way]) -> None:
-        """Stretches times about some ways that are short until they are not; else hinges rest there."""
+    def _stretch(self, short: set[Way]) -> bool:
+        """Stretches times about some ways that are short until they are not; else hinges rest there.
+
+        False: nothing is changed, as planes may do what this stretch cannot.
+        """
         here = [self.times[key] for _, pair in short for key in pair]
         begin, end = min(here) - ABOUT, max(here) + ABOUT
         open_ways = {way for way in self._spans if begin <= self.times[way[1][0]] <= end}
@@ -203,12 +218,17 @@ class Search:
             self._note(segment, lack)
         kept = self._lengthened({way: span for way, span in self._spans.items() if way not in open_ways})
         times = stretch_until_enough(self._problem(kept, self._all_cuts), self.times, self._limits, measure)
+        if times is None and max(self._tries[way] for way in short) <= PLANES:
+            self._stiff |= open_ways
+            self._spans = {way: span for way, span in self._spans.items() if way not in open_ways}
+            return False
         if times is None:
             self._rest(short)
             self._relax(short)
-            return
+            return True
         self.times = times
         self._spans |= {(hinge, (i, j)): float(times[j] - times[i]) for hinge, (i, j) in open_ways}
+        return True
 
     def _problem(self, gaps: Mapping[Pair, float], cuts: Sequence[CuttingPlane] = ()) -> KeyTimeProblem:
         return KeyTimeProblem(self._keys, gaps, self._lead_in, cuts)

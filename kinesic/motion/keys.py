@@ -159,6 +159,11 @@ class Keys:
         return sealed([_weight(syncs) if firm else 0.0 for syncs, firm in zip(self.syncs, self.firm, strict=True)])
 
     @cached_property
+    def again(self) -> Flags:
+        """(m,) whether a stroke is done once more at each key."""
+        return np.array([any(sync.startswith("stroke:") for _, sync in syncs) for syncs in self.syncs], dtype=np.bool_)
+
+    @cached_property
     def gaps(self) -> Mapping[Pair, float]:
         """[s] least time between keys that follow one another in a hinge or a behaviour."""
         return dict.fromkeys(_followers(self), LEAST_GAP)

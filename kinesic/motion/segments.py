@@ -112,6 +112,13 @@ class SplineSegment:
         )
 
     @property
+    def turns(self) -> int:
+        """Number of keys at which the hinge turns back."""
+        ways = np.diff([self.start, *self.angles, self.end])
+        moving = ways[np.abs(ways) > HOLD]
+        return int(np.sum(moving[1:] * moving[:-1] < 0.0))
+
+    @property
     def rests_early(self) -> bool:
         """Whether the last key lies in the last piece, from where on the hinge rests."""
         return self.exit is None and len(self.places) > 0 and bool(self.places[-1] > self.grid.pieces - 1)

@@ -3,11 +3,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from kinesic.bench.blocks import crowd
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
+from kinesic.controller.perform import plan
 from kinesic.motion import key_times
 from kinesic.motion.condition import condition
 from kinesic.motion.infeasibility import measure_shortage
+from kinesic.motion.key_time_lp import strain
 from kinesic.motion.key_times import Search, full_speed, rest_to_rest
 from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.motion.segments import segments
@@ -126,8 +129,60 @@ def test_repeated_strokes_do_not_rest_at_each_turn():
 
 def test_what_no_stretch_leads_to_rests(monkeypatch):
     monkeypatch.setattr(key_times, "stretch_until_enough", lambda *given: None)
+    monkeypatch.setattr(key_times, "PLANES", 0)
     keys = nods(6, 1.9)
     search = Search(keys, SLOW, 0.6)
     search.avoid(next(segment for segment in segments(search.times, keys, STEP) if not segment.still))
     rests = rest_to_rest(keys, SLOW)
     assert all(search.times[j] - search.times[i] >= 0.999 * rest for (_, (i, j)), rest in rests.items())
+
+
+def rhythm(gap: float) -> tuple[KeyPosture, ...]:
+    """Six strokes to and fro, all in the same short time."""
+    turns = [(0.3, "ready"), *(way for k in range(6) for way in ((-0.3, f"strokeStart:{k}"), (0.3, f"stroke:{k + 1}")))]
+    rows = [(gap * k, turn, sync) for k, (turn, sync) in enumerate(turns, 1)]
+    return keys_of((0.0, 0.0, "start"), *rows, (gap * (len(turns) + 1), 0.0, "end"))
+
+
+def measured(monkeypatch) -> list[int]:
+    """Hinges whose shortage is measured from now on."""
+    seen: list[int] = []
+
+    def measure(segment, limits):
+        seen.append(segment.hinge)
+        return measure_shortage(segment, limits)
+
+    monkeypatch.setattr(key_times, "measure_shortage", measure)
+    return seen
+
+
+@pytest.mark.parametrize("gap", [0.15, 0.2])
+def test_repeated_strokes_are_stretched_at_once(gap, monkeypatch):
+    """Planes take forty rounds and find no better times."""
+    seen = measured(monkeypatch)
+    motion = condition(rhythm(gap), LIMITS)
+    assert len(seen) <= 10
+    monkeypatch.setattr(key_times, "REPEATS", 100)
+    assert strain(Keys.of(rhythm(gap), LIMITS), motion.planned) <= strain(
+        Keys.of(rhythm(gap), LIMITS), condition(rhythm(gap), LIMITS).planned
+    )
+    assert len(seen) > 40
+
+
+def test_planes_do_what_a_stretch_cannot(monkeypatch):
+    monkeypatch.setattr(key_times, "stretch_until_enough", lambda *given: None)
+    keys = Keys.of(rhythm(0.2), LIMITS)
+    monkeypatch.setattr(key_times, "PLANES", 10**6)
+    search = Search(keys, LIMITS, 0.6)
+    search.avoid(next(segment for segment in segments(search.times, keys, STEP) if not segment.still))
+    rests = rest_to_rest(keys, LIMITS)
+    assert search.times[-1] - search.times[0] < 0.9 * sum(rests.values())
+
+
+@pytest.mark.parametrize(("seeds", "most"), [((1, 5, 7, 9), 185), ((2,), 9)])
+def test_what_is_short_is_looked_at_before_what_is_near(seeds, most, known, monkeypatch):
+    """To measure all that is near in every round, or beside any plane of its hinge, takes a fifth more."""
+    seen = measured(monkeypatch)
+    for seed in seeds:
+        plan(crowd(seed, ["beat", "offer", "large"]), known)
+    assert len(seen) <= most
