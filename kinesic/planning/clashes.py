@@ -5,7 +5,8 @@ An estimate says which neighbours may lack time: every hinge rests where it turn
 searched exactly, for the hinges of the hand alone, so that a quick plan and a better one come to the same verdict.
 """
 
-from collections.abc import Collection, Sequence
+from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -14,7 +15,6 @@ import numpy as np
 from kinesic.bml.block import Gesture, Pointing
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.robot import SIDES
-from kinesic.expressivity.hands.engaged import Clashes
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.condition import condition
 from kinesic.motion.double_s import least_rest_times
@@ -23,16 +23,17 @@ from kinesic.motion.key_times import Gaps, full_speed
 from kinesic.motion.keys import HOLD, Choices, KeyPosture, Keys, Pair
 from kinesic.planning.setup import Setup
 
-APART = 0.2  # [s] by which two strokes may move apart; more is seen beside a word
+APART = 0.2  # [s] by which strokes may move apart; more is seen beside a word
+LEAST = 0.02  # [s] of which nobody needs to give way
 
 
 @dataclass(frozen=True, eq=False)
-class _Neighbours:
+class Neighbours:
     """Two gestures that follow one another on a hand."""
 
     behaviours: tuple[str, str]
     strokes: Pair  # their keys
-    hinges: Choices  # of the hands that do both
+    hinges: tuple[int, ...]  # of the hands that do both
 
     def moved_apart(self, keys: Keys, times: Floats) -> float:
         """By how much the strokes are farther apart than asked [s], at times (m,) [s] of the keys."""
@@ -40,32 +41,80 @@ class _Neighbours:
         return float((times - keys.asked)[second] - (times - keys.asked)[first])
 
 
-def find_clashes(
-    frames: KeyFrames, postures: Sequence[KeyPosture], setup: Setup, known: Collection[frozenset[str]] = ()
-) -> Clashes:
-    """Finds neighbours whose strokes would have to move apart by more than `APART`.
+class ClashFinder:
+    """Finds neighbours whose strokes would have to move, with those before and after, by more than `APART`."""
 
-    Of neighbours that share a gesture only the worst counts: when one of these has given way, the others may have
-    time.
+    def __init__(self, setup: Setup) -> None:
+        """Nothing is found yet.
+
+        Args:
+            setup: robot and limits.
+        """
+        self.clashes: dict[frozenset[str], float] = {}  # two behaviours -> [s] by which they would move apart
+        self._setup = setup
+        self._exactly: dict[tuple[tuple[str, str], tuple[int, ...]], float] = {}  # [s], which takes long to search
+
+    def look(self, frames: KeyFrames, postures: Sequence[KeyPosture]) -> bool:
+        """Adds clashes to those that were found before; False: there are no more.
+
+        Of a row of gestures only the worst neighbours count, and those that are farther off: when one of two has given
+        way, the others may have time.
+
+        Args:
+            frames: of a block.
+            postures: that solve them.
+        """
+        every = _neighbours(frames, postures, self._setup)
+        coming = [each for each in every if frozenset(each.behaviours) not in self.clashes]
+        suspects = self._suspects(coming, postures)
+        apart = [self._search(each, postures) for each in suspects]
+        added, near = False, set[str]()
+        for each, here, whole in sorted(
+            zip(suspects, apart, chain_sums(suspects, apart), strict=True), key=_worst_first
+        ):
+            if here > LEAST and whole > APART and near.isdisjoint(each.behaviours):
+                self.clashes[frozenset(each.behaviours)] = here
+                near |= {id for other in every if {*other.behaviours} & {*each.behaviours} for id in other.behaviours}
+                added = True
+        return added
+
+    def _suspects(self, coming: Sequence[Neighbours], postures: Sequence[KeyPosture]) -> list[Neighbours]:
+        """Neighbours that may lack so much time, in the order of their strokes."""
+        if not coming:
+            return []
+        keys = Keys.of(postures, self._setup.limits)
+        times = relax_key_times(KeyTimeProblem(keys, _gaps(keys), lead_in=0.0))
+        apart = [each.moved_apart(keys, times) for each in coming]
+        sums = chain_sums(coming, apart)
+        return [each for each, here, whole in zip(coming, apart, sums, strict=True) if here > LEAST and whole > APART]
+
+    def _search(self, pair: Neighbours, postures: Sequence[KeyPosture]) -> float:
+        known = pair.behaviours, pair.hinges
+        if known not in self._exactly:
+            self._exactly[known] = _search(pair, postures, self._setup)
+        return self._exactly[known]
+
+
+def chain_sums(pairs: Sequence[Neighbours], apart: Sequence[float]) -> list[float]:
+    """Adds up what strokes move apart along each chain of neighbours, from the first that has no time to the last [s].
 
     Args:
-        frames: of a block.
-        postures: that solve them.
-        setup: robot and limits.
-        known: pairs of behaviours that were found before.
+        pairs: in the order of their strokes.
+        apart: [s] for each; what is less than `LEAST` ends a chain.
     """
-    coming = [each for each in _neighbours(frames, postures, setup) if frozenset(each.behaviours) not in known]
-    if not coming:
-        return {}
-    keys = Keys.of(postures, setup.limits)
-    times = relax_key_times(KeyTimeProblem(keys, _gaps(keys), lead_in=0.0))
-    apart = {each.behaviours: each.moved_apart(keys, times) for each in coming}
-    found: dict[frozenset[str], float] = {}
-    for each in sorted(coming, key=lambda each: -apart[each.behaviours]):
-        settled = any(id in pair for pair in found for id in each.behaviours)
-        if apart[each.behaviours] > APART and not settled and (exactly := _search(each, postures, setup)) > APART:
-            found[frozenset(each.behaviours)] = exactly
-    return found
+    before, after = defaultdict[str, float](float), defaultdict[str, float](float)
+    lacking = [(*pair.behaviours, here) for pair, here in zip(pairs, apart, strict=True) if here > LEAST]
+    for first, second, here in lacking:
+        before[second] = max(before[second], before[first] + here)
+    for first, second, here in reversed(lacking):
+        after[first] = max(after[first], after[second] + here)
+    return [
+        before[pair.behaviours[0]] + here + after[pair.behaviours[1]] for pair, here in zip(pairs, apart, strict=True)
+    ]
+
+
+def _worst_first(row: tuple[Neighbours, float, float]) -> float:
+    return -row[1]
 
 
 def least_times_between_turns(keys: Keys) -> Gaps:
@@ -98,7 +147,7 @@ def _ways(angles: Floats, rows: Sequence[int]) -> list[Pair]:
     return [(rows[i], rows[j]) for i, j in pairwise(ends) if i < j]
 
 
-def _neighbours(frames: KeyFrames, postures: Sequence[KeyPosture], setup: Setup) -> list[_Neighbours]:
+def _neighbours(frames: KeyFrames, postures: Sequence[KeyPosture], setup: Setup) -> list[Neighbours]:
     """Gestures of each hand, two by two in the order of their strokes."""
     row_of = {sync: row for row, posture in enumerate(postures) for sync in posture.syncs}
     gestures = [one.behaviour for one in frames.timeline.timed if isinstance(one.behaviour.action, Gesture | Pointing)]
@@ -109,24 +158,25 @@ def _neighbours(frames: KeyFrames, postures: Sequence[KeyPosture], setup: Setup)
         for pair in pairwise(sorted(own, key=lambda id: row_of[id, "stroke"])):
             sides.setdefault(pair, []).extend(setup.robot.arm(side).joints)
     return [
-        _Neighbours((a, b), (row_of[a, "stroke"], row_of[b, "stroke"]), np.array(hinges, dtype=np.intp))
-        for (a, b), hinges in sides.items()
+        Neighbours((a, b), (row_of[a, "stroke"], row_of[b, "stroke"]), tuple(hinges))
+        for (a, b), hinges in sorted(sides.items(), key=lambda pair: row_of[pair[0][1], "stroke"])
     ]
 
 
-def _search(pair: _Neighbours, postures: Sequence[KeyPosture], setup: Setup) -> float:
+def _search(pair: Neighbours, postures: Sequence[KeyPosture], setup: Setup) -> float:
     """By how much two strokes move apart [s] when nothing but their hands moves, from rest before to rest after."""
     keyed = np.array([any(posture.keyed[hinge] for hinge in pair.hinges) for posture in postures])
     begin, end = _around(pair, postures, keyed)
     rows = [row for row in range(begin, end + 1) if keyed[row]]
-    part = tuple(_part(postures[row], pair.hinges, whole=row in (begin, end)) for row in rows)
-    times = condition(part, setup.limits.part(pair.hinges)).planned
+    hinges = np.array(pair.hinges, dtype=np.intp)
+    part = tuple(_part(postures[row], hinges, whole=row in (begin, end)) for row in rows)
+    times = condition(part, setup.limits.part(hinges)).planned
     first, second = (rows.index(row) for row in pair.strokes)
     asked = [posture.time for posture in part]
     return float(times[second] - times[first] - (asked[second] - asked[first]))
 
 
-def _around(pair: _Neighbours, postures: Sequence[KeyPosture], keyed: Flags) -> Pair:
+def _around(pair: Neighbours, postures: Sequence[KeyPosture], keyed: Flags) -> Pair:
     """The keys of a hand at which the first of two gestures begins and the second has ended, or the nearest without."""
     rows = [
         row

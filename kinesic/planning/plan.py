@@ -21,7 +21,7 @@ from kinesic.motion.desired import DesiredMotion, join_keys
 from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.certify import certify
-from kinesic.planning.clashes import find_clashes
+from kinesic.planning.clashes import ClashFinder
 from kinesic.planning.clearance import Conditioner, culprits, keep_clear
 from kinesic.planning.motion_files import save_motion
 from kinesic.planning.postures import Postures, postures
@@ -164,12 +164,11 @@ def _plan_once(
 ) -> Plan:
     timeline = schedule(context.block, utterances, spans(context))
     without: dict[str, str] = {}
-    clashes: dict[frozenset[str], float] = {}
+    finder = ClashFinder(setup)
     while True:
-        frames = keyframes(timeline, context, without=without, clashes=clashes)
+        frames = keyframes(timeline, context, without=without, clashes=finder.clashes)
         asked = postures(frames, setup.robot, setup.distances)
-        if more := find_clashes(frames, asked.postures, setup, clashes.keys()):
-            clashes |= more
+        if finder.look(frames, asked.postures):
             continue
         solved, motion, times, clearance = keep_clear(asked, setup, find_bonds(timeline), conditioned=conditioned)
         dropped = culprits(frames, motion, times, clearance, setup.robot)

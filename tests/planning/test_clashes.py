@@ -5,7 +5,7 @@ import pytest
 from kinesic.bml.block import BmlError
 from kinesic.bml.parse import parse
 from kinesic.motion.keys import KeyPosture, Keys
-from kinesic.planning.clashes import APART, least_times_between_turns
+from kinesic.planning.clashes import APART, LEAST, Neighbours, chain_sums, least_times_between_turns
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.quick_plan import plan_quickly
 
@@ -89,6 +89,27 @@ def test_a_quick_plan_and_a_better_one_drop_the_same(known):
     for case in (("love", "contrast_left_right", 0.55, BOTH), ("offer", "large", 0.6, BOTH)):
         block = parse(document(*case)[0])
         assert fates(plan_quickly(block, known)) == fates(plan_block(block, known))
+
+
+def test_a_row_of_gestures_that_lack_a_little_each_does_not_drift(planned):
+    names = ("offer", "large", "love", "contrast_left_right", "air_quotes", "sorry", "ask_open", "run")
+    row = "".join(
+        f'<gesture id="g{k}" lexeme="{name}" mode="BOTH_HANDS" stroke="{1 + 0.6 * k:.1f}"/>'
+        for k, name in enumerate(names)
+    )
+    found = planned(ROOT.format(row))
+    kinds = [outcome.kind for outcome in found.keyframes.outcomes.values()]
+    assert 1 <= kinds.count("dropped") <= 3
+    assert max(abs(sync.planned - sync.asked) for sync in found.syncs if sync.sync == "stroke") <= APART
+
+
+def test_sums_are_those_of_the_longest_chain_without_gaps():
+    def near(first: str, second: str) -> Neighbours:
+        return Neighbours((first, second), (0, 1), ())
+
+    pairs = [near("a", "b"), near("b", "c"), near("a", "d"), near("c", "e"), near("e", "f")]
+    found = chain_sums(pairs, [0.1, 0.15, 0.12, LEAST / 2, 0.3])
+    assert found == pytest.approx([0.25, 0.25, 0.12, 0.25 + LEAST / 2 + 0.3, 0.3])
 
 
 def test_a_rest_pose_waits_for_the_hands_to_go_back(planned):
