@@ -1,9 +1,9 @@
 """Watches what follow errors leave of the clearance: time slows where it goes, and the performance ends before contact.
 
-What hinges stray from the plan is expected to come again, this way or that, as late arms swing past: the errors measured
-of late are added to the postures that come, and taken from them, and the clearance of these is measured. While it is
-ample, time runs as planned; then it runs slower, which makes errors smaller, as servos lag in proportion to speed; where
-even creeping does not help, it is over.
+What hinges stray from the plan is expected to come again, this way or that, as late arms swing past: the errors
+measured of late are added to the postures that come, and taken from them, and the clearance of these is measured. While
+it is ample, time runs as planned; then it runs slower, which makes errors smaller, as servos lag in proportion to their
+speed; where even creeping does not help, it is over.
 """
 
 from dataclasses import dataclass, replace
