@@ -1,4 +1,7 @@
-"""Writes docs/gestures.md and draws docs/gestures.png: every gesture of the lexicon, by category."""
+"""Writes docs/gestures.md and draws docs/gestures.png: every gesture of the lexicon, by category.
+
+What `docs/make/naturalness.py` has written into the page stays.
+"""
 
 from collections.abc import Iterator
 from itertools import groupby
@@ -10,6 +13,8 @@ from kinesic.studies.gestures.sheet import MOST, draw_gesture_sheet
 from kinesic.studies.gestures.vocabulary import VocabularyEntry, vocabulary
 
 DOCS = Path(__file__).parents[1]
+PAGE = DOCS / "gestures.md"
+BEGIN, END = "<!-- naturalness -->", "<!-- end of naturalness -->"  # of what docs/make/naturalness.py writes
 KINDS = {
     "adaptor": "What the hands do to the body and to things, beside the talk.",
     "beat": "The rhythm of the talk: no picture, only stress.",
@@ -36,12 +41,20 @@ the stroke. The robot has no fingers: they are drawn to show the shape that a ha
 `{{id, category, says, meanings, hands, shapes, stroke_s, whole_s, synonyms}}`; `id` is what BML's `lexeme` says,
 `meanings` are words that speak of the gesture, `synonyms` names that find it too ([all of them](synonyms.md)), the
 times are natural ones in neutral manner. Keys may be added, never renamed.
+
+[At the end](#how-naturally-they-move) the gestures are measured beside those of people.
 """
 
 
 def page(entries: list[VocabularyEntry]) -> str:
     """The page, in Markdown."""
-    return "\n".join([HEAD.format(count=len(entries)), *_tables(entries)])
+    return "\n".join([HEAD.format(count=len(entries)), *_tables(entries), f"{BEGIN}{_measured()}{END}", ""])
+
+
+def _measured() -> str:
+    """What the page says already of what was measured."""
+    text = PAGE.read_text(encoding="utf-8")
+    return text.split(BEGIN)[1].split(END)[0] if BEGIN in text else "\n"
 
 
 def _tables(entries: list[VocabularyEntry]) -> Iterator[str]:
@@ -57,6 +70,6 @@ def _tables(entries: list[VocabularyEntry]) -> Iterator[str]:
 
 if __name__ == "__main__":
     known = set_up()
-    (DOCS / "gestures.md").write_text(page(vocabulary(known.lexicon, known.pace)), encoding="utf-8")
+    PAGE.write_text(page(vocabulary(known.lexicon, known.pace)), encoding="utf-8")
     shows = [key_postures(form, plan_gesture(form, known), MOST) for form in known.lexicon.forms]
     draw_gesture_sheet(shows, known.robot, DOCS / "gestures.png")

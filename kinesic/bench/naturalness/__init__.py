@@ -11,7 +11,7 @@ from kinesic.bench.naturalness import plots
 from kinesic.bench.naturalness.bars import MEDIANS, PART, bar_figures
 from kinesic.bench.naturalness.captured import captured_figures, measure_clips
 from kinesic.bench.naturalness.lexicon import MeasuredGesture, by_style, measure_lexicon
-from kinesic.bench.naturalness.rows import row_figures
+from kinesic.bench.naturalness.rows import EFFORT, row_figures
 from kinesic.body.config import names_of
 from kinesic.body.robot import Robot
 
@@ -59,9 +59,18 @@ def lexicon_figures(gestures: Sequence[MeasuredGesture], arm: float) -> list[Fig
     for style, group in by_style(gestures).items():
         hands = [each.hand for each in group if each.hand]
         if style == NEUTRAL_STYLE:
-            found += [*row_figures(PART, hands, MEDIANS), *bar_figures(group, arm)]
+            found += [*row_figures(PART, hands, MEDIANS), *bar_figures(group, arm), *category_figures(group)]
         else:
             found += row_figures(f"{PART}.{style}", hands, {})
+    return found
+
+
+def category_figures(gestures: Sequence[MeasuredGesture]) -> list[Figure]:
+    """Gives the medians of effort in each category."""
+    found: list[Figure] = []
+    for category in sorted({each.category for each in gestures}):
+        hands = [each.hand for each in gestures if each.hand and each.category == category]
+        found += row_figures(f"{PART}.category.{category}", hands, {}, names=EFFORT)
     return found
 
 

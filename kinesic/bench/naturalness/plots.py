@@ -1,6 +1,6 @@
 """Draws how gestures of the lexicon move beside those of people."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,6 +24,7 @@ DRAWN = (  # rows, a panel each
     *("duration", "stroke_time", "hold_time", "return_time"),
 )
 COLUMNS = 4
+MOST = 99  # percent of what is compared, that is drawn
 FAINT, STRONG = 2.0, 6.0  # [pt] of lines from the 5th to the 95th percentile, and between the quartiles
 
 
@@ -38,16 +39,16 @@ def draw(gestures: Sequence[MeasuredGesture], folder: Path) -> list[Path]:
         The pictures.
     """
     styles = {style: [each.hand for each in group if each.hand] for style, group in by_style(gestures).items()}
-    people = captured_table().percentiles
+    manners = (PEOPLE, *styles)
     pictures = [folder / "naturalness.png"]
-    with picture(pictures[0], 13.0, 2.6 + 0.5 * len(styles) * len(DRAWN) / COLUMNS) as drawn:
-        for axes, name in zip(drawn.subplots(len(DRAWN) // COLUMNS, COLUMNS).flat, DRAWN, strict=True):
-            strips = {PEOPLE: np.array(people[name])} if name in people else {}
-            for style, hands in styles.items():
-                found = values(name, hands)
-                if found.size:
-                    strips[style] = np.percentile(found, PERCENTILES)
-            _draw_strips(axes, name, strips)
+    with picture(pictures[0], 13.0, 0.25 * (len(manners) + 4) * len(DRAWN) / COLUMNS) as drawn:
+        panels = drawn.subplots(len(DRAWN) // COLUMNS, COLUMNS, sharey=True)
+        panels[0, 0].set_yticks([-row for row in range(len(manners))], manners)
+        for axes, name in zip(panels.flat, DRAWN, strict=True):
+            known = {style: values(name, hands) for style, hands in styles.items()}
+            strips = {style: np.percentile(found, PERCENTILES) for style, found in known.items() if found.size}
+            strips[PEOPLE] = np.array(captured_table().percentiles[name])
+            _draw_strips(axes, name, {manners.index(manner): strip for manner, strip in strips.items()})
     if NEUTRAL_STYLE in styles:
         pictures.append(folder / "naturalness-distances.png")
         with picture(pictures[1], 13.0, 2.7) as drawn:
@@ -56,17 +57,15 @@ def draw(gestures: Sequence[MeasuredGesture], folder: Path) -> list[Path]:
     return pictures
 
 
-def _draw_strips(axes: "Axes", name: str, strips: dict[str, Floats]) -> None:
-    """One line per manner: the 5th to the 95th percentile, the quartiles, the median."""
-    colours = {PEOPLE: SECOND, NEUTRAL_STYLE: OURS}
-    for row, (style, (low, first, median, third, high)) in enumerate(strips.items()):
-        colour = colours.get(style, OTHERS)
+def _draw_strips(axes: "Axes", name: str, strips: Mapping[int, Floats]) -> None:
+    """One line per manner, by its row: the 5th to the 95th percentile, the quartiles, the median."""
+    for row, (low, first, median, third, high) in strips.items():
+        colour = (SECOND, OURS, OTHERS)[min(row, 2)]
         axes.plot([low, high], [-row, -row], color=colour, linewidth=FAINT, alpha=0.5, solid_capstyle="butt")
         axes.plot([first, third], [-row, -row], color=colour, linewidth=STRONG, alpha=0.6, solid_capstyle="butt")
-        axes.plot([median], [-row], color=INK, marker="o", markersize=4)
+        axes.plot([median], [-row], color=INK, marker="o", markersize=3)
     if name in MEDIANS:
         axes.axvline(MEDIANS[name], color=INK, linewidth=0.8, linestyle="--")
-    axes.set_yticks([-row for row in range(len(strips))], list(strips))
     axes.tick_params(labelsize=SMALL, length=2)
     axes.grid(axis="x", alpha=0.3)
     for side in ("top", "right"):
@@ -85,6 +84,7 @@ def _draw_shares(axes: "Axes", name: str, ours: Floats) -> None:
     axes.tick_params(labelsize=SMALL, length=2)
     axes.grid(alpha=0.3)
     axes.set_ylim(0.0, 1.0)
+    axes.set_xlim(0.0, 1.05 * float(np.percentile(np.concatenate([ours, people]), MOST)))
     if name == COMPARED[0]:
         axes.set_ylabel("share of gestures", fontsize=SMALL, color=INK)
         axes.legend(fontsize=SMALL, frameon=False)

@@ -11,6 +11,7 @@ from kinesic.bench.naturalness.captured_table import captured_table
 from kinesic.bench.naturalness.measures import GestureMeasures
 from kinesic.body.arrays import Floats
 
+EFFORT = ("preparation_speed", "stroke_speed", "return_speed_all", "flow")  # rows that tell categories apart
 PERCENTILES = (5, 25, 50, 75, 95)
 WHOLE = 0.7  # [s] from which on a return is whole: captured ones are often cut
 SPEED = "arm lengths/s"
@@ -55,7 +56,7 @@ ROWS: Mapping[str, Row] = {
     "hold_time": Row("duration, hold", "s", "lower", lambda hand: hand.hold_time),
     "path": Row("path of the wrist", "m", "higher", lambda hand: hand.path),
     "arm_lengths": Row("path of the wrist", "arm lengths", "higher", lambda hand: hand.arm_lengths),
-    "lead": Row("largest speed before the stroke", "s", "lower", lambda hand: hand.lead),
+    "lead": Row("lead of the largest speed", "s", "lower", lambda hand: hand.lead),
 }
 
 
@@ -65,16 +66,19 @@ def values(name: str, hands: Iterable[GestureMeasures]) -> Floats:
     return np.array([value for value in found if value is not None], dtype=np.float64)
 
 
-def row_figures(part: str, hands: Iterable[GestureMeasures], goals: Mapping[str, float]) -> list[Figure]:
+def row_figures(
+    part: str, hands: Iterable[GestureMeasures], goals: Mapping[str, float], *, names: Iterable[str] = ROWS
+) -> list[Figure]:
     """Gives the median of each row, with its percentiles and those of captured gestures beside it.
 
     Args:
         part: what the names of the figures begin with.
         hands: of the gestures.
         goals: of medians, by row.
+        names: of the rows.
     """
     gestures = list(hands)
-    return [_figure(f"{part}.{name}", name, values(name, gestures), goals.get(name)) for name in ROWS]
+    return [_figure(f"{part}.{name}", name, values(name, gestures), goals.get(name)) for name in names]
 
 
 def _figure(title: str, name: str, found: Floats, goal: float | None) -> Figure:

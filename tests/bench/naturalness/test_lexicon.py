@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from kinesic.bench.naturalness import lexicon_figures
+from kinesic.bench.naturalness.captured_table import captured_table
 from kinesic.bench.naturalness.lexicon import LEAST_TURN, MeasuredGesture, measure_gesture, measure_lexicon
 from kinesic.expressivity.durations import stroke_spans
 from kinesic.expressivity.hands.poses import poses
@@ -87,6 +88,39 @@ def test_bars_are_shares_and_medians_over_gestures(gestures):
     assert found["largest_speed"].why.count("captured") == 1
 
 
+def test_returns_count_from_0_7_s_on_and_all_of_them_beside(gestures):
+    cut = replace(gestures[1], hand=replace(gestures[1].hand, return_time=0.65, return_speed=9.0))
+    found = named([gestures[1], cut])
+    assert (found["return_speed"].value, found["return_speed_p95"].value) == pytest.approx((0.4, 0.4))
+    assert found["return_speed_all"].value == pytest.approx(4.7)
+    assert found["return_speed_all_p95"].value == pytest.approx(0.05 * 0.4 + 0.95 * 9.0)
+    assert found["return_to_preparation"].value == pytest.approx(0.4 / 0.8)
+    assert found["return_to_preparation_all"].value == pytest.approx((0.4 + 9.0) / 2 / 0.8)
+
+
+def test_strokes_of_beats_deictics_and_emblems_stand_alone(gestures):
+    fast, slow = gestures
+    for category in ("beat", "deictic", "emblem"):
+        found = named([replace(fast, category="iconic"), replace(slow, category=category)])
+        assert found["stroke_expressive"].value == slow.hand.stroke_speed
+    assert named([replace(fast, category="adaptor")])["stroke_expressive"].value is None
+
+
+def test_bodies_of_two_sizes_are_compared_in_metres_and_in_arm_lengths(gestures):
+    people = captured_table()
+    like = [
+        replace(
+            gestures[0],
+            hand=replace(gestures[0].hand, largest_speed=speed * people.arm / ARM, arm_lengths=path / people.arm),
+        )
+        for speed, path in zip(people.values["largest_speed"], people.values["path"], strict=True)
+    ]
+    found = named(like)
+    assert found["ks_largest_speed_metres"].value < 0.02
+    assert found["ks_path_arms"].value == 0.0
+    assert found["ks_largest_speed"].value > 0.1
+
+
 def test_what_natural_motion_costs_is_counted_by_name(gestures):
     lost = replace(gestures[0], gesture="lost", hand=None, stroke_error=float("nan"))
     late = replace(gestures[0], gesture="late", stroke_error=0.02, violations=3)
@@ -101,3 +135,10 @@ def test_other_styles_have_rows_without_goals(gestures):
     assert found["calm.return_speed_all"].value == found["return_speed_all"].value
     assert found["calm.return_speed_all"].goal is None
     assert "calm.variety" not in found
+
+
+def test_categories_are_told_apart(gestures):
+    found = named([*gestures, replace(gestures[1], category="beat")])
+    assert found["category.beat.flow"].value == 0.5
+    assert found["category.emblem.flow"].value == pytest.approx((gestures[0].hand.flow + 0.5) / 2)
+    assert "category.iconic.flow" not in found

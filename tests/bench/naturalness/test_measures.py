@@ -69,6 +69,9 @@ def test_small_peaks_count_neither_alone_nor_between():
     assert count_units(np.array([0.0, 0.11, 0.0, 1.0, 0.0])) == 2
     assert count_units(np.zeros(9)) == 0
     assert count_units(np.array([0.0, 0.6, 0.55, 1.0, 0.55, 0.6, 0.0])) == 1
+    assert (
+        count_units(np.array([0.0, 0.5, 0.45, 1.0, 0.4, 0.9, 0.0])) == 2
+    )  # below half of the higher of two that are one
 
 
 def test_a_plateau_is_one_peak():

@@ -1,0 +1,103 @@
+"""Measures the lexicon in every style, writes the figures into docs/gestures.md and draws them beside it."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from gestures import BEGIN, DOCS, END, PAGE
+
+from kinesic.bench.expressivity.lexicon import NEUTRAL_STYLE
+from kinesic.bench.figure import Figure
+from kinesic.bench.naturalness import PART, draw, lexicon_figures, measured
+from kinesic.bench.naturalness.captured_table import captured_table
+from kinesic.bench.naturalness.lexicon import MeasuredGesture, by_style
+from kinesic.bench.naturalness.rows import EFFORT, PERCENTILES, ROWS, values, written
+from kinesic.body.config import names_of
+from kinesic.body.robot import Robot
+
+HEAD = """## How naturally they move
+
+Written by `docs/make/naturalness.py`. Every gesture is measured alone, from rest to rest, in every style, as `kinesic
+bench naturalness` does it. The first table has percentiles 5, 25, 50, 75 and 95 of captured gestures and of the
+neutral style, and the medians of the other styles; the second one the goals, which hold for the neutral style; the
+third one medians by category, in the neutral style. Of two hands the one that goes farther counts, as the chest
+carries it; speeds are in arm lengths per second, so that bodies of different size compare.
+
+![Percentiles of captured gestures and of every style](naturalness.png)
+
+Thin lines go from the 5th to the 95th percentile, broad ones from the 25th to the 75th; the dashed lines are goals.
+
+- **Preparation**, **stroke**, **hold** and **return** go from `start` to `strokeStart`, to `strokeEnd`, to `relax`,
+  to `end`.
+- **Flow** is the speed at `strokeStart`, as a share of the largest before `strokeEnd`: 0 for a hand that stops there.
+- **Movement units** are peaks of speed of more than a tenth of the largest, between which it falls below half of the
+  lower one.
+- **Spectral arc length** (SPARC, Balasubramanian 2015) is minus the length of the speed's spectrum up to 10 Hz, both
+  axes normalised: -1.4 for one smooth reach; each stop and each tremor adds to it.
+- **Lead**: from the largest speed between `ready` and `strokeEnd` to the stroke.
+- A **dynamic** stroke has two keys or more and a path of more than a quarter of an arm length.
+- **`ks_`** is the Kolmogorov-Smirnov distance to the captured gestures: the largest difference between two shares of
+  gestures up to a value, 0 to 1.
+
+![Distributions of captured gestures and of the neutral style](naturalness-distances.png)
+
+The captured gestures are 241 of standing actors who do not talk, at 30 Hz, with sync points that an animator set
+(SmartBody). Read them with care: `ready` and `strokeStart` often lie 67 ms apart, so that part of the preparation
+counts as stroke; 60 % of the returns are cut after 0.33 s, which is why returns count from 0.7 s on; and smoothing
+over five frames takes some 6 % from the peak of a reach of half a second. In 30 gestures from a motion capture suit
+the strokes are as fast (1.88) and the hand flows (0.48), but the peak lies in the preparation of 93 %: it belongs to
+neither phase by law.
+
+`kinesic/configs/captured_gestures.toml` holds these statistics. `kinesic bench naturalness --capture FOLDER` measures
+any folder of clips in SmartBody's format in the same way (`ACTOR@NAME.skm` with its skeleton `ACTOR.sk`) beside them;
+`--style calm` measures the lexicon in one style alone.
+"""
+MARKS = {True: "met", False: "missed", None: ""}
+
+
+def section(gestures: Sequence[MeasuredGesture], figures: Sequence[Figure]) -> str:
+    """Words and three tables, in Markdown."""
+    return "\n".join([HEAD, *_row_table(gestures), "", *_bar_table(figures), "", *_category_table(figures)])
+
+
+def _row_table(gestures: Sequence[MeasuredGesture]) -> Iterator[str]:
+    styles = {style: [each.hand for each in group if each.hand] for style, group in by_style(gestures).items()}
+    others = [style for style in styles if style != NEUTRAL_STYLE]
+    yield f"| | unit | captured | {' | '.join(styles)} |"
+    yield "|---|---|---|" + "---|" * len(styles)
+    for name, row in ROWS.items():
+        people = captured_table().percentiles.get(name)
+        neutral = written(np.percentile(values(name, styles[NEUTRAL_STYLE]), PERCENTILES).tolist())
+        medians = [f"{np.median(values(name, styles[style])):.2f}" for style in others]
+        cells = [row.words, row.unit, written(people) if people else "", neutral, *medians]
+        yield f"| {' | '.join(cells)} |"
+
+
+def _bar_table(figures: Sequence[Figure]) -> Iterator[str]:
+    yield "| figure | value | goal | | |"
+    yield "|---|---|---|---|---|"
+    for figure in figures:
+        name = figure.name.removeprefix(f"{PART}.")
+        if "." in name or (name in ROWS and figure.goal is None) or figure.value is None:
+            continue
+        goal = "" if figure.goal is None else f"{'>=' if figure.better == 'higher' else '<='} {figure.goal:g}"
+        note = "" if name in ROWS else figure.why
+        yield f"| `{figure.name}` | {figure.value:.3g} {figure.unit} | {goal} | {MARKS[figure.ok]} | {note} |"
+
+
+def _category_table(figures: Sequence[Figure]) -> Iterator[str]:
+    values = {figure.name: figure.value for figure in figures}
+    categories = sorted({name.split(".")[2] for name in values if name.startswith(f"{PART}.category.")})
+    yield f"| | {' | '.join(ROWS[row].words for row in EFFORT)} |"
+    yield "|---|" + "---|" * len(EFFORT)
+    for category in categories:
+        cells = [f"{values[f'{PART}.category.{category}.{row}']:.2f}" for row in EFFORT]
+        yield f"| {category} | {' | '.join(cells)} |"
+
+
+if __name__ == "__main__":
+    styles = names_of("style")
+    found = measured(styles)
+    before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
+    written_section = section(found, lexicon_figures(found, Robot.load().arm_length))
+    PAGE.write_text(f"{before}{BEGIN}\n\n{written_section}\n\n{END}{rest.split(END)[1]}", encoding="utf-8")
+    draw(styles, DOCS)
