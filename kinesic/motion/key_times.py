@@ -32,6 +32,7 @@ Gaps = Mapping[Way, float]  # [s]
 RESERVE = 1.02  # on durations from rest to rest
 GRID = 0.04  # [s] that the grid may cost
 PLANES = 40  # of a way before its times are stretched
+LOOKS = 45_000  # pieces of segments that are measured before what is short rests; a count, the same on every host
 REPEATS = 2  # strokes once more, from which on times are stretched before any plane is tried
 STRETCHES = 6  # of a way before its hinge rests
 MARGIN = 0.002  # of the time, kept so that a motion is found quickly
@@ -90,6 +91,7 @@ class Search:
         self._cuts: dict[int, list[CuttingPlane]] = {}  # of each hinge
         self._tries: Counter[Way] = Counter()  # to give each more time
         self._spans: dict[Way, float] = {}  # [s] in which ways have a motion, found by stretching
+        self._looked = 0  # pieces of all segments that were measured
         self._stiff: set[Way] = set()  # for which stretching found nothing
         self._rests: dict[Way, float] = {}  # by which rests at both ends are longer
         self._shortages: dict[tuple[object, ...], Infeasibility | None] = {}  # that were looked at
@@ -103,8 +105,8 @@ class Search:
         Raises:
             ArithmeticError: a hinge cannot even move from rest to rest.
         """
-        first = not self._tries
-        pending = [segment for segment in self._segments(self.times) if first and self._suspect(segment, lost)]
+        fresh = () if self._tries else self._segments(self.times)
+        pending = [segment for segment in fresh if self._suspect(segment, lost)]
         lacking = [(lost, self._shortage(lost)), *self._lacking(pending)]
         while lacking:
             for segment, found in lacking:
@@ -129,7 +131,8 @@ class Search:
         ways = set(_ways(segment))
         self._tries.update(ways)
         tries = max((self._tries[way] for way in ways), default=0)
-        if found is None or ways & self._rests.keys() or tries > PLANES + STRETCHES:
+        spent = self._looked > LOOKS or tries > PLANES + STRETCHES
+        if found is None or spent or ways & self._rests.keys():
             self._rest(ways)
         elif ways & self._spans.keys() or tries > PLANES or (self._in_rhythm(segment) and not ways & self._stiff):
             self._drop_cuts(ways)
@@ -141,6 +144,7 @@ class Search:
         """Remembered by keys and places, which determine it: many a segment stays the same when others move."""
         known = (segment.hinge, segment.marks, segment.grid.pieces, segment.places.tobytes())
         if known not in self._shortages:
+            self._looked += segment.grid.pieces
             self._shortages[known] = measure_shortage(segment, self._limits)
         return self._shortages[known]
 
@@ -202,10 +206,7 @@ class Search:
             self.met[pair] = found
 
     def _stretch(self, short: set[Way]) -> bool:
-        """Stretches times about some ways that are short until they are not; else hinges rest there.
-
-        False: nothing is changed, as planes may do what this stretch cannot.
-        """
+        """Stretches times about some ways until they suffice, else hinges rest; False: planes are to be tried first."""
         here = [self.times[key] for _, pair in short for key in pair]
         begin, end = min(here) - ABOUT, max(here) + ABOUT
         open_ways = {way for way in self._spans if begin <= self.times[way[1][0]] <= end}
@@ -247,8 +248,7 @@ class Search:
     def _drop_cuts(self, ways: Iterable[Way]) -> None:
         """Forgets the planes between the keys of some ways."""
         for hinge, pair in ways:
-            places = list(pair)
-            self._cuts[hinge] = [cut for cut in self._cuts.get(hinge, ()) if not cut.slopes[places].any()]
+            self._cuts[hinge] = [cut for cut in self._cuts.get(hinge, ()) if not cut.slopes[list(pair)].any()]
 
     def _rest(self, ways: Iterable[Way]) -> None:
         """Lets hinges rest at both ends of some ways; for longer, where they already do."""

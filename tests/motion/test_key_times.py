@@ -186,3 +186,17 @@ def test_what_is_short_is_looked_at_before_what_is_near(seeds, most, known, monk
     for seed in seeds:
         plan(crowd(seed, ["beat", "offer", "large"]), known)
     assert len(seen) <= most
+
+
+def test_what_is_measured_is_counted_and_hinges_rest_when_the_budget_is_spent(monkeypatch):
+    """A count, not a clock: every host finds the same times."""
+    seen = measured(monkeypatch)
+    keys = nods(6, 1.9)
+    postures = keys_of(*zip(keys.asked, keys.angles[:, 0], [s[0][1] for s in keys.syncs], strict=True))
+    condition(postures, SLOW)
+    assert len(seen) > 3
+    seen.clear()
+    monkeypatch.setattr(key_times, "LOOKS", 100)  # fewer pieces than the first segment has
+    planned = condition(postures, SLOW).planned
+    assert len(seen) == 1
+    assert all(planned[j] - planned[i] >= 0.999 * rest for (_, (i, j)), rest in rest_to_rest(keys, SLOW).items())
