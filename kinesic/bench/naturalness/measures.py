@@ -16,6 +16,7 @@ LEAST_PEAK = 0.1  # of the largest speed, that a movement unit has
 DIP = 0.5  # of the lower of two peaks, below which the speed falls between two units
 ONSET = 0.05  # of the largest speed before strokeStart, with which a preparation begins
 LEAST_PREPARATION = 0.2  # [s] below which nothing is said of its smoothness
+STILL = 1e-3  # [arm lengths/s] below which a hand stands still
 ROUNDING = 1e-3  # [s] by which times of files are rounded
 
 
@@ -70,7 +71,8 @@ def measure_hand(times: Floats, path: Floats, syncs: Mapping[str, float], arm: f
         syncs: sync points [s], `start` and `end` among them; any other may be missing.
         arm: [m] its length from shoulder to wrist.
     """
-    profile = _Profile(times, np.linalg.norm(np.gradient(path, times, axis=0), axis=1) / arm, syncs)
+    speeds = np.linalg.norm(np.gradient(path, times, axis=0), axis=1) / arm
+    profile = _Profile(times, np.where(speeds < STILL, 0.0, speeds), syncs)
     whole, stroke = profile.samples("start", "end"), profile.samples("strokeStart", "strokeEnd")
     evenly = profile.evenly("start", "end")
     return GestureMeasures(

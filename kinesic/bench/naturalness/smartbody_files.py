@@ -91,8 +91,11 @@ def read_motion(path: Path) -> CapturedMotion:
     rows = [_numbers(row.split(), path) for _, row in frames]
     if {len(row) for row in rows} != {width}:
         raise ConfigError(f"{path}: its channels ask for {width} numbers in every frame")
+    times = _numbers([time for time, _ in frames], path)
+    if (np.diff(times) <= 0.0).any():
+        raise ConfigError(f"{path}: its frames are not in the order of their times")
     syncs = {SYNCS[name]: float(_numbers([time], path)[0]) for name, time in _TIME.findall(text) if name in SYNCS}
-    return CapturedMotion(_numbers([time for time, _ in frames], path), columns, sealed(rows), syncs)
+    return CapturedMotion(times, columns, sealed(rows), syncs)
 
 
 def joint_positions(skeleton: Sequence[CapturedJoint], motion: CapturedMotion) -> Mapping[str, Floats]:

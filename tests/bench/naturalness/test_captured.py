@@ -72,6 +72,13 @@ def test_without_marks_a_clip_has_no_phases(folder):
     assert clip.hand.units == 1
 
 
+def test_an_actor_who_stands_still_has_no_units(folder):
+    write_clip(folder / "set" / "ChrTest@Idle01_BeatRt01.skm", {"JtRoot XPos": np.ones((60, 1))})
+    (clip,) = measure_clips(folder)
+    assert (clip.hand.units, clip.hand.largest_speed) == (0, 0.0)
+    assert clip.hand.sparc is clip.hand.flow is clip.hand.stroke_to_preparation is None
+
+
 def test_a_folder_that_is_not_there_is_refused(tmp_path):
     with pytest.raises(ConfigError, match="no such folder"):
         measure_clips(tmp_path / "nowhere")

@@ -52,6 +52,15 @@ def test_styles_are_measured_alone_or_beside_clips(folder, few, capsys, monkeypa
     assert {"naturalness.flow", "naturalness.calm.flow", "naturalness.captured.flow", "naturalness.variety"} <= names
 
 
+def test_pictures_are_of_the_styles_that_are_measured(few, folder, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(naturalness, "measured", lambda styles: [each for each in few if each.style in styles])
+    run("naturalness", "--style", "calm", "--plots", tmp_path / "calm")
+    assert os.listdir(tmp_path / "calm") == ["naturalness.png"]
+    run("naturalness", "--capture", folder, "--plots", tmp_path / "clips only")
+    assert os.listdir(tmp_path / "clips only") == []
+    assert "naturalness.calm.flow" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize("words", [("--style", "calm"), ("--capture", "clips")])
 def test_other_parts_have_neither_styles_nor_clips(words):
     with pytest.raises(click.UsageError, match="naturalness alone"):

@@ -66,6 +66,7 @@ def test_joints_turn_what_comes_after_them(skeleton, tmp_path):
         (("channels 7", "channels 6"), "16 numbers"),
         (("kt 0.000000 fr 0.000000000", "kt 0.000000 fr 0.0.0"), "could not convert"),
         (("kt 0.000000 fr 0.000000000", "kt 0.000000 fr nan"), "not finite"),
+        (("kt 0.066667", "kt 0.033333"), "order of their times"),
         (("channels 7", "chanels 7"), "no motion"),
         (("kt", "key"), "no motion"),
     ],
