@@ -55,7 +55,7 @@ def _effort_figures(gestures: Sequence[MeasuredGesture]) -> list[Figure]:
         "return_to_preparation": _known(hand.return_to_preparation for hand in hands if whole_return(hand)),
         "return_to_preparation_all": _known(hand.return_to_preparation for hand in hands),
     }
-    peaks = _known(hand.stroke_to_preparation for hand in hands) > 1.0
+    peaks = np.array([(hand.stroke_speed or 0.0) > (hand.preparation_speed or 0.0) for hand in hands])
     flowing, stroking = values("flow", dynamic) >= FLOWING, values("stroke_speed", dynamic)
     told = values("stroke_speed", expressive)
     return [

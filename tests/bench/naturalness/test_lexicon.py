@@ -98,6 +98,13 @@ def test_returns_count_from_0_7_s_on_and_all_of_them_beside(gestures):
     assert found["return_to_preparation_all"].value == pytest.approx((0.4 + 9.0) / 2 / 0.8)
 
 
+def test_a_gesture_without_a_way_to_its_stroke_is_fastest_in_it(gestures):
+    here = replace(gestures[0], hand=replace(gestures[0].hand, preparation_speed=0.0))
+    found = named([gestures[0], here])
+    assert found["peak_in_stroke"].value == 0.5
+    assert found["stroke_to_preparation"].value == pytest.approx(gestures[0].hand.stroke_to_preparation)
+
+
 def test_strokes_of_beats_deictics_and_emblems_stand_alone(gestures):
     fast, slow = gestures
     for category in ("beat", "deictic", "emblem"):
