@@ -24,6 +24,7 @@ from kinesic.motion.keys import HOLD, Choices, KeyPosture, Keys, Pair
 from kinesic.planning.setup import Setup
 
 APART = 0.2  # [s] by which strokes may move apart; more is seen beside a word
+SEARCHES = 24  # of a block; what comes after is judged by the estimate
 LEAST = 0.02  # [s] of which nobody needs to give way
 
 
@@ -66,8 +67,9 @@ class ClashFinder:
         """
         every = _neighbours(frames, postures, self._setup)
         coming = [each for each in every if frozenset(each.behaviours) not in self.clashes]
-        suspects = self._suspects(coming, postures)
-        apart = [self._search(each, postures) for each in suspects]
+        guesses = self._suspects(coming, postures)
+        suspects = [each for each, _ in guesses]
+        apart = [self._search(each, guess, postures) for each, guess in guesses]
         added, near = False, set[str]()
         for each, here, whole in sorted(
             zip(suspects, apart, chain_sums(suspects, apart), strict=True), key=_worst_first
@@ -78,20 +80,22 @@ class ClashFinder:
                 added = True
         return added
 
-    def _suspects(self, coming: Sequence[Neighbours], postures: Sequence[KeyPosture]) -> list[Neighbours]:
-        """Neighbours that may lack so much time, in the order of their strokes."""
+    def _suspects(self, coming: Sequence[Neighbours], postures: Sequence[KeyPosture]) -> list[tuple[Neighbours, float]]:
+        """Neighbours that may lack so much time, and how much [s], in the order of their strokes."""
         if not coming:
             return []
         keys = Keys.of(postures, self._setup.limits)
         times = relax_key_times(KeyTimeProblem(keys, _gaps(keys), lead_in=0.0))
         apart = [each.moved_apart(keys, times) for each in coming]
         sums = chain_sums(coming, apart)
-        return [each for each, here, whole in zip(coming, apart, sums, strict=True) if here > LEAST and whole > APART]
+        rows = zip(coming, apart, sums, strict=True)
+        return [(each, here) for each, here, whole in rows if here > LEAST and whole > APART]
 
-    def _search(self, pair: Neighbours, postures: Sequence[KeyPosture]) -> float:
+    def _search(self, pair: Neighbours, guess: float, postures: Sequence[KeyPosture]) -> float:
         known = pair.behaviours, pair.hinges
         if known not in self._exactly:
-            self._exactly[known] = _search(pair, postures, self._setup)
+            exactly = len(self._exactly) < SEARCHES
+            self._exactly[known] = _search(pair, postures, self._setup) if exactly else guess
         return self._exactly[known]
 
 
@@ -167,9 +171,9 @@ def _search(pair: Neighbours, postures: Sequence[KeyPosture], setup: Setup) -> f
     """By how much two strokes move apart [s] when nothing but their hands moves, from rest before to rest after."""
     keyed = np.array([any(posture.keyed[hinge] for hinge in pair.hinges) for posture in postures])
     begin, end = _around(pair, postures, keyed)
-    rows = [row for row in range(begin, end + 1) if keyed[row]]
+    rows = sorted({row for row in range(begin, end + 1) if keyed[row]} | {*pair.strokes})  # some strokes move no hand
     hinges = np.array(pair.hinges, dtype=np.intp)
-    part = tuple(_part(postures[row], hinges, whole=row in (begin, end)) for row in rows)
+    part = tuple(_part(postures[row], hinges, whole=row in (rows[0], rows[-1])) for row in rows)
     times = condition(part, setup.limits.part(hinges)).planned
     first, second = (rows.index(row) for row in pair.strokes)
     asked = [posture.time for posture in part]

@@ -5,6 +5,7 @@ import pytest
 from kinesic.bml.block import BmlError
 from kinesic.bml.parse import parse
 from kinesic.motion.keys import KeyPosture, Keys
+from kinesic.planning import clashes
 from kinesic.planning.clashes import APART, LEAST, Neighbours, chain_sums, least_times_between_turns
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.quick_plan import plan_quickly
@@ -140,3 +141,30 @@ def test_a_hinge_needs_time_from_turn_to_turn_alone(known):
     own = {pair: least for (joint, pair), least in found.items() if joint == hinge}
     assert own.keys() == {(0, 2), (2, 3), (3, 4)}
     assert own[0, 2] > own[3, 4] > own[2, 3] == 0.0
+
+
+def test_a_stroke_that_moves_no_hand_is_timed_all_the_same(planned):
+    lexemes = {"own_mouth": 7.78, "hands_ready": 8.09, "crossed_fingers": 8.61}
+    lines = [f'<gesture id="{name}" lexeme="{name}" stroke="{stroke}"/>' for name, stroke in lexemes.items()]
+    outcomes = planned(ROOT.format("".join(lines))).keyframes.outcomes.values()
+    assert all(found.kind != "dropped" for found in outcomes)
+
+
+def test_exact_searches_are_counted_and_then_the_estimate_decides(planned, monkeypatch):
+    searched: list[Neighbours] = []
+    exactly = clashes._search
+
+    def search(pair, postures, setup):
+        searched.append(pair)
+        return exactly(pair, postures, setup)
+
+    monkeypatch.setattr(clashes, "_search", search)
+    crowd = ROOT.format(
+        "".join(f'<gesture id="g{k}" lexeme="beat" {RIGHT} stroke="{1 + 0.25 * k}"/>' for k in range(8))
+    )
+    every = planned(crowd)
+    assert len(searched) > 2
+    searched.clear()
+    monkeypatch.setattr(clashes, "SEARCHES", 2)
+    assert planned(crowd).duration <= every.duration + 0.5  # an estimate asks for more time, so that more give way
+    assert len(searched) == 2
