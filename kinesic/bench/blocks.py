@@ -61,6 +61,23 @@ def crowd(seed: int, lexemes: Sequence[str]) -> str:
     return ROOT.format("".join(lines))
 
 
+def throng(seed: int, lexemes: Sequence[str], count: int) -> str:
+    """Writes so many gestures and as many nods at any times within ten seconds, as nobody would who means well.
+
+    Args:
+        seed: of all choices.
+        lexemes: of gestures.
+        count: of each.
+    """
+    chance = random.Random(seed)
+    lines = [
+        f'<gesture id="g{k}" lexeme="{chance.choice(lexemes)}" stroke="{chance.uniform(0, 10):.2f}"/>'
+        f'<head id="h{k}" lexeme="NOD" amount="0.5" start="{chance.uniform(0, 10):.2f}"/>'
+        for k in range(count)
+    ]
+    return ROOT.format("".join(lines))
+
+
 def rhythm(seed: int) -> str:
     """Writes a nod or a shake of the head with three to six strokes, in less time than they take.
 

@@ -24,7 +24,7 @@ from kinesic.motion.keys import HOLD, Choices, KeyPosture, Keys, Pair
 from kinesic.planning.setup import Setup
 
 APART = 0.2  # [s] by which strokes may move apart; more is seen beside a word
-SEARCHES = 24  # of a block; what comes after is judged by the estimate
+SEARCHES = 12  # of a block; what comes after is judged by the estimate
 LEAST = 0.02  # [s] of which nobody needs to give way
 
 

@@ -20,6 +20,7 @@ def brief(monkeypatch):
     monkeypatch.setattr(plan, "REPETITIONS", 1)
     monkeypatch.setattr(plan, "CROWDS", 1)
     monkeypatch.setattr(plan, "RHYTHMS", 1)
+    monkeypatch.setattr(plan, "THRONG", 3)
     monkeypatch.setattr(plan, "crowd", lambda seed, lexemes: crowd(SMALL + seed, lexemes))
     monkeypatch.setattr(first_command, "REPETITIONS", 2)
     monkeypatch.setattr(twin, "REPETITIONS", 2)
@@ -35,6 +36,7 @@ def test_a_figure_knows_whether_its_goal_is_met():
 def test_plan_has_its_figures_and_no_violation(brief):
     figures = {figure.name: figure for figure in plan.bench()}
     assert figures["plan.full_5s_p95"].value > 0
+    assert all(figures[f"plan.cpu_{name}"].value > 0 for name in ("asked", "moved", "repeated", "crowded", "hostile"))
     assert figures["plan.violations"].value == 0
     assert figures["plan.stretch_blocks"].value == 2
     assert figures["plan.stretch"].ok
