@@ -38,7 +38,7 @@ the stroke. The robot has no fingers: they are drawn to show the shape that a ha
 ![Every gesture at its stroke](gestures.png)
 
 `kinesic gestures list --json` prints the same as a vocabulary for a planner or a language model: a list of
-`{{id, category, says, meanings, hands, shapes, stroke_s, whole_s, synonyms}}`; `id` is what BML's `lexeme` says,
+`{{id, category, says, meanings, hands, shapes, stroke_s, whole_s, synonyms, tempo}}`; `id` is what BML's `lexeme` says,
 `meanings` are words that speak of the gesture, `synonyms` names that find it too ([all of them](synonyms.md)), the
 times are natural ones in neutral manner. Keys may be added, never renamed.
 
@@ -61,10 +61,11 @@ def _tables(entries: list[VocabularyEntry]) -> Iterator[str]:
     for category, group in groupby(entries, lambda entry: entry.category):
         rows = list(group)
         yield f"## {category} ({len(rows)})\n\n{KINDS[category]}\n"
-        yield "| gesture | what is done | hands | words |\n|---|---|---|---|"
+        yield "| gesture | what is done | hands | tempo | words |\n|---|---|---|---|---|"
         for entry in rows:
             hands = "both" if len(entry.hands) == 2 else entry.hands[0]
-            yield f"| `{entry.id}` | {entry.says} | {hands} | {', '.join(entry.meanings[:6])} |"
+            tempo = "" if entry.tempo == "neutral" else entry.tempo
+            yield f"| `{entry.id}` | {entry.says} | {hands} | {tempo} | {', '.join(entry.meanings[:6])} |"
         yield ""
 
 

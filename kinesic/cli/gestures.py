@@ -35,9 +35,10 @@ def list_gestures(lexicon: Path | None, robot: str, category: str | None, as_jso
     if as_json:
         click.echo(json.dumps([asdict(entry) for entry in entries], indent=1))
         return 0
-    table = Table("gesture", "category", "hands", "stroke s", "what is done", box=None)
+    table = Table("gesture", "category", "hands", "tempo", "stroke s", "what is done", box=None)
     for entry in entries:
-        cells = (entry.id, entry.category, " ".join(entry.hands), f"{entry.stroke_s:.1f}", entry.says)
+        tempo = "" if entry.tempo == "neutral" else entry.tempo
+        cells = (entry.id, entry.category, " ".join(entry.hands), tempo, f"{entry.stroke_s:.1f}", entry.says)
         table.add_row(*map(quote_text, cells))
     console().print(table)
     return 0
@@ -49,7 +50,8 @@ def show_gesture(lexeme: str, lexicon: Path | None) -> int:
     match = _found(lexeme, known)
     form = match.form
     how = match.substitute or (f"a synonym of {form.id}" if match.kind == "synonym" else "")
-    click.echo(printable(f"{form.id} ({form.category}){', ' + how if how else ''}"))
+    tempo = "" if form.tempo == "neutral" else f", {form.tempo}"
+    click.echo(printable(f"{form.id} ({form.category}{tempo}){', ' + how if how else ''}"))
     sense = known.sense(form)
     if sense.says:
         click.echo(printable(sense.says))

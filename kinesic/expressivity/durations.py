@@ -1,7 +1,6 @@
 """Natural durations: how long each phase of each behaviour takes when the document does not say."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from itertools import pairwise
 
 from kinesic.bml.block import Behaviour, Face, Gaze, Gesture, Head, HeadDirectionShift, Pointing, Posture, Torso
@@ -13,6 +12,7 @@ from kinesic.expressivity.hands.strokes import natural_times
 from kinesic.expressivity.head import head_form, swing_time
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.posture import pose
+from kinesic.expressivity.style.effort import Effort
 from kinesic.expressivity.style.pace import HASTE, Pace
 from kinesic.expressivity.style.style import Expressivity
 from kinesic.expressivity.trunk import named_lean
@@ -27,9 +27,8 @@ FACE_SHIFT = 0.8  # [s] in which one that stays comes
 def spans(context: BlockContext) -> Mapping[str, Mapping[str, float]]:
     """Finds the natural time from the previous sync point to each, for the behaviours that move something [s].
 
-    Ways of the hands take Fitts' time, no less than servos do at ease; a post-stroke hold takes half the stroke
-    (Greta's rule). Temporal extent makes all of them shorter or longer, power the strokes, but no way is shorter than
-    the servos need. Sync points that a mapping leaves out take no time.
+    Phases of a gesture take the times of its `Effort`. Temporal extent makes all of them shorter or longer, power the
+    strokes, but no way is shorter than the servos need. Sync points that a mapping leaves out take no time.
 
     Args:
         context: of the block whose behaviours are timed.
@@ -41,37 +40,34 @@ def spans(context: BlockContext) -> Mapping[str, Mapping[str, float]]:
     return {id: natural for id, natural in found.items() if natural}
 
 
-def stroke_spans(work: Poses, pace: Pace, manner: Expressivity, *, holds: bool = True) -> dict[str, float]:
+def stroke_spans(work: Poses, effort: Effort, *, holds: bool = True) -> dict[str, float]:
     """Finds how long each phase of a gesture takes, from rest to rest [s].
 
-    Power shortens the stroke, and a little the ways to it and back; how long the hand is held stays temporal extent's.
+    How long the hand is held stays temporal extent's, whatever power does to the stroke.
 
     Args:
         work: the stroke keys of the gesture.
-        pace: of the robot that moves.
-        manner: of the gesture; temporal extent and power are used.
+        effort: of the gesture.
         holds: whether a post-stroke hold follows.
     """
-    ways = natural_times(work, pace, manner)
+    ways = natural_times(work, effort)
     strokes = [0, work.stroke, *work.again]
     first, *more = (sum(ways[before:key], 0.0) for before, key in pairwise(strokes))
-    hold = 0.5 * sum(natural_times(work, pace, replace(manner, power=0.0))) / work.times
     return {
-        "ready": _way(work, 0, pace, manner),
+        "ready": effort.preparation_time(_way(work, 0, effort.pace)),
         "strokeStart": 0.0,
         "stroke": first,
         **{f"stroke:{k}": time for k, time in enumerate(more, 2)},
         "strokeEnd": sum(ways[strokes[-1] :], 0.0),
-        "relax": hold if holds else 0.0,
-        "end": _way(work, -1, pace, manner),
+        "relax": effort.hold_time(sum(natural_times(work, effort.plain)) / work.times) if holds else 0.0,
+        "end": effort.return_time(_way(work, -1, effort.pace)),
     }
 
 
-def _way(work: Poses, key: int, pace: Pace, manner: Expressivity) -> float:
-    """Time between rest and one key, of the hand that goes farther [s]."""
+def _way(work: Poses, key: int, pace: Pace) -> float:
+    """Way between rest and one key, of the hand that goes farther [m]."""
     rest = resting_hands(pace.robot)
-    farthest = max(pose_distance(REST, row[key], rest[side]) for side, row in work.hands.items())
-    return pace.way_time(farthest, manner)
+    return max(pose_distance(REST, row[key], rest[side]) for side, row in work.hands.items())
 
 
 def _spans(behaviour: Behaviour, context: BlockContext) -> Mapping[str, float]:
@@ -83,13 +79,14 @@ def _spans(behaviour: Behaviour, context: BlockContext) -> Mapping[str, float]:
             if match is None or not match.form.keys:
                 return {}
             work = poses(match.form, robot, manner)
-            return stroke_spans(work, pace, manner, holds=not match.form.rest)
+            return stroke_spans(work, Effort(pace, work.nature, manner), holds=not match.form.rest)
         case Pointing(target):
             place = context.find_target(target)
             if place is None:
                 return {}
             side: Side = "l" if place[1] > 0 else "r"
-            return stroke_spans(pointing_poses(place, side, robot), pace, manner)
+            pointing = pointing_poses(place, side, robot)
+            return stroke_spans(pointing, Effort(pace, pointing.nature, manner))
         case Head() as head:
             return _head_spans(head, pace, manner)
         case Gaze() | HeadDirectionShift() as look:
@@ -134,7 +131,7 @@ def _posture_spans(
     if posed is None:
         return {}
     works = [poses(form, pace.robot, manner) for form in posed.arms if not isinstance(form, str)]
-    ways = [_way(work, -1, pace, manner) for work in works]
+    ways = [Effort(pace, work.nature, manner).preparation_time(_way(work, -1, pace)) for work in works]
     turns = [pace.turn_time("torso", posed.lean.turn, trunk.temporal, usual=LEAST_LEAN)]
     turns.append(pace.turn_time("neck", posed.head, trunk.temporal, usual=LEAST_LEAN))
     way = max([*turns, *ways])

@@ -19,7 +19,7 @@ import scipy
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.easing import OVERSHOOT, PARTS, Easing, soften_easing
-from kinesic.motion.keys import EASINGS, EVEN, HOLD, SMOOTHEST, SOFTEST, Keys
+from kinesic.motion.keys import EASINGS, EVEN, HOLD, SMOOTHEST, SOFTEST, Keys, flow
 
 Hinges = tuple[int, ...]  # in joint order
 
@@ -42,7 +42,7 @@ def _choose_speeds(times: Floats, keys: Keys) -> Floats:
     """Chooses the speeds (k, h) [rad/s] at the keys of some hinges, at (k,) times that all of them have.
 
     Zero at the ends and beside holds. A speed that would carry the hinge beyond its keys by more than `SWING` is cut,
-    unless the tension is negative: at -1 only the ends of the range cut it.
+    unless the tension is negative or the key has a swing: at -1 and 1 only the ends of the range cut it.
     """
     found = np.zeros_like(keys.angles)
     steps = np.diff(times)[:, None]
@@ -60,7 +60,8 @@ def _choose_speeds(times: Floats, keys: Keys) -> Floats:
     )
     room = np.where(free > 0.0, upward, downward)
     kept = np.maximum(inside, np.minimum(smooth, room))
-    bound = kept + np.maximum(-tension, 0.0) * np.maximum(room - kept, 0.0)
+    opened = np.minimum(np.maximum(-tension, 0.0) + keys.manner[5, 1:-1], 1.0)
+    bound = kept + opened * np.maximum(room - kept, 0.0)
     found[1:-1] = np.where(_resting(ways), 0.0, np.clip(free, -bound, bound))
     return found
 
@@ -84,9 +85,8 @@ def _choose_accelerations(times: Floats, keys: Keys, passed: Floats) -> Floats:
 
 
 def _flow(keys: Keys) -> Floats:
-    """(k - 2, h) how much of its speed a hinge keeps at each inner key: 0 stops, 1 runs through."""
-    tension, continuity = keys.manner[:2, 1:-1]
-    return np.asarray((1 - tension) * (1 + continuity))
+    """(k - 2, h) how much of its speed a hinge keeps at each inner key."""
+    return flow(keys.manner[0, 1:-1], keys.manner[1, 1:-1], keys.manner[5, 1:-1])
 
 
 def _resting(ways: Floats) -> Flags:
@@ -107,7 +107,7 @@ def _ease(left: Floats, states: Floats, steps: Floats, keys: Keys) -> Floats:
     found = np.zeros_like(states)
     room = np.where(left > 0.0, keys.limits.upper - keys.angles[1:], keys.angles[1:] - keys.limits.lower)
     shares = np.minimum(OVERSHOOT, room / np.maximum(np.abs(left), 1e-9))
-    steepness, easings = keys.manner[3:, 1:]
+    steepness, easings = keys.manner[3:5, 1:]
     moved = (easings != SMOOTHEST) & (left != 0.0)
     for k in np.flatnonzero(moved.any(axis=1)):
         hinges = np.flatnonzero(moved[k])
@@ -196,8 +196,8 @@ def join_keys(times: Floats, keys: Keys, *, zero: float = 0.0) -> DesiredMotion:
     """Joins the keys of each hinge by quintics that are smooth up to the acceleration.
 
     Speeds at keys are the tangents of a non-uniform Kochanek-Bartels spline, each key with its own tension, continuity
-    and bias; they are zero at the ends and beside holds, and carry a hinge beyond its keys only where its tension is
-    negative and only as far as its range goes. Easings move what the speeds at keys leave of a way.
+    bias and swing; they are zero at the ends and beside holds, and carry a hinge beyond its keys only where its tension
+    is negative or it swings, and only as far as its range goes. Easings move what the speeds at keys leave of a way.
 
     Args:
         times: (m,) [s] of the keys, increasing from key to key of each hinge.

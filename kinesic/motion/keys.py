@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
-from typing import get_args
+from typing import TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,16 +16,22 @@ from kinesic.motion.easing import Easing
 Choices = NDArray[np.intp]
 Sync = tuple[str, str]  # behaviour id, sync point
 Pair = tuple[int, int]  # two keys, the earlier first
+Amount = TypeVar("Amount", float, Floats)
 
 EASINGS: tuple[Easing, ...] = get_args(Easing)
 SMOOTHEST = EASINGS.index("minimum_jerk")
+ACCENT: Easing = "out_power"  # of a way with an accent: most of the speed at its beginning
+OVERSHOOTING: tuple[Easing, ...] = ("out_back", "out_bounce")
+FORCED = 2.5  # steepness of a way that power alone forces
 SOFTEST, STEEPEST = 1.0, 8.0
 RANGES: Mapping[str, tuple[float, float]] = {
     "tension": (-1.0, 1.0),
     "continuity": (-1.0, 0.0),
     "bias": (-1.0, 1.0),
     "steepness": (SOFTEST, STEEPEST),
+    "swing": (0.0, 1.0),
 }
+SWUNG = 1.5  # of the usual speed at a key, what a full swing adds to it
 EVEN = 3.3  # steepness with which the linear easing has the peak speed of minimum jerk
 
 LEAST_GAP = 0.02  # [s] between keys
@@ -35,6 +41,12 @@ SAME = 1e-6  # [s]
 WEIGHTS = {"strokeStart": 5.0, "stroke": 5.0, "strokeEnd": 0.5, "ready": 0.3, "relax": 0.3}
 WEIGHT_AGAIN = 0.3  # of strokes after the first, which keeps its time before all others
 WEIGHT_ELSE = 0.05
+
+
+def flow(tension: Amount, continuity: Amount, swing: Amount) -> Amount:
+    """How much of its speed is kept at a key: 0 stops, 1 runs through; a swing adds to it, full tension takes all."""
+    stiff = tension * (tension > 0.0)
+    return (1.0 - tension) * (1.0 + continuity) + SWUNG * (1.0 - stiff) * swing
 
 
 @dataclass(frozen=True)
@@ -50,12 +62,25 @@ class Passage:
     bias: float = 0.0  # -1 turns to the next key already .. 1 follows the way it came
     easing: Easing = "minimum_jerk"  # of the way to the key
     steepness: float = 4.0  # of that easing: 1 begins as softly as minimum jerk .. 8 nearly at once
+    swing: float = 0.0  # 0 stays between the keys .. 1 swings on through the key as far as the range goes
 
     def __post_init__(self) -> None:
         for name, (least, most) in RANGES.items():
             value = getattr(self, name)
             if not least <= value <= most:
                 raise ValueError(f"{name} is {value:g}, outside [{least:g}, {most:g}]")
+
+    @property
+    def calm(self) -> "Passage":
+        """The same without swing and accent; what overshoots does so no more steeply than full power makes it."""
+        if self.easing in OVERSHOOTING:
+            return replace(self, swing=0.0, steepness=min(self.steepness, FORCED))
+        return replace(self, swing=0.0, easing="minimum_jerk" if self.easing == ACCENT else self.easing)
+
+    @property
+    def flow(self) -> float:
+        """How much of its speed is kept at the key: 0 stops, 1 runs through, a swing gives more."""
+        return flow(self.tension, self.continuity, self.swing)
 
 
 PLAIN = Passage()
@@ -94,7 +119,7 @@ class Keys:
     asked: Floats  # (m,) [s] block time
     angles: Floats  # (m, n) [rad]
     keyed: Flags  # (m, n) which hinges have a key where
-    manner: Floats  # (5, m, n) tension, continuity, bias, steepness and place in `EASINGS`: of each `Passage`
+    manner: Floats  # (6, m, n) tension, continuity, bias, steepness, place in `EASINGS` and swing: of each `Passage`
     firm: Flags  # (m,) which are passed exactly; the others lie between them in time
     syncs: tuple[tuple[Sync, ...], ...]  # (m,) sync points that fall on each
     limits: Limits  # of the hinges
@@ -189,10 +214,10 @@ class Keys:
 
 @lru_cache(maxsize=256)
 def _manner(passages: tuple[Passage, ...], count: int) -> Floats:
-    """(5, count) the manner in which each hinge passes one key."""
+    """(6, count) the manner in which each hinge passes one key."""
     rows = [
-        (passage.tension, passage.continuity, passage.bias, passage.steepness, EASINGS.index(passage.easing))
-        for passage in passages or (PLAIN,) * count
+        (each.tension, each.continuity, each.bias, each.steepness, EASINGS.index(each.easing), each.swing)
+        for each in passages or (PLAIN,) * count
     ]
     return sealed(np.transpose(rows))
 

@@ -42,7 +42,7 @@ def keep_clear(
     """Conditions the postures, and leads the motion around the body where it comes too near.
 
     Detours are looked for in the desired motion, which costs little; only where the conditioned one comes nearer,
-    it is conditioned again.
+    it is conditioned again: without swing and accent there, and if that is not enough, with more time and room.
 
     Args:
         solved: postures of a block.
@@ -63,6 +63,10 @@ def keep_clear(
     wanted, postures = least, _lead_around(solved.postures, planned, setup, least)
     motion = conditioned(postures, setup, bonds, ease=ease)
     times, clearance = scan_clearance(motion.trajectory, setup.distances)
+    calm = _calm_down(postures, motion, times[clearance.distances < least], setup)
+    if calm is not postures:
+        postures, motion = calm, conditioned(calm, setup, bonds, ease=ease)
+        times, clearance = scan_clearance(motion.trajectory, setup.distances)
     for _ in range(REPAIRS):
         lacking = least - float(clearance.distances[clearance.worst])
         if lacking <= 0.0:
@@ -83,6 +87,16 @@ def _lead_around(
 ) -> tuple[KeyPosture, ...]:
     course = PostureCourse(postures, planned, setup.robot, setup.limits)
     return lead_around(course, setup.distances, least=least).postures
+
+
+def _calm_down(
+    postures: tuple[KeyPosture, ...], motion: Conditioned, close: Floats, setup: Setup
+) -> tuple[KeyPosture, ...]:
+    """Takes swing and accent out of the keys about (m,) performance times [s]; the same postures without any."""
+    course = PostureCourse(postures, motion.planned, setup.robot, setup.limits)
+    for time in close:
+        course = course.calmed(float(time) - motion.trajectory.zero)
+    return course.postures
 
 
 def scan_clearance(trajectory: Trajectory, distances: Distances) -> tuple[Floats, Clearance]:

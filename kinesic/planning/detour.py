@@ -11,7 +11,7 @@ from kinesic.body.dynamics import Distances
 from kinesic.body.limits import Limits
 from kinesic.body.robot import SIDES, Robot
 from kinesic.motion.desired import DesiredMotion, join_keys
-from kinesic.motion.keys import KeyPosture, Keys
+from kinesic.motion.keys import KeyPosture, Keys, Passage
 from kinesic.planning.collision import Spacing, separate
 
 Arm = tuple[int, ...]  # joints of an arm
@@ -74,6 +74,23 @@ class PostureCourse:
             found[keys] = (*found.get(keys, ()), *arm)
         return list(found.values())
 
+    def calmed(self, time: float) -> "PostureCourse":
+        """Takes swing and accent out of the keys of both arms about a block time; the same where there are none."""
+        calm = set[tuple[int, int]]()
+        for joints in (self.robot.arm(side).joints for side in SIDES):
+            lively = [k for k, posture in enumerate(self.postures) if joints and _is_lively(posture, joints[0])]
+            before, after = ([k for k in lively if (self.planned[k] <= time) == early] for early in (True, False))
+            calm |= {(k, joint) for k in (*before[-1:], *after[:1]) for joint in joints}
+        if not calm:
+            return self
+        return replace(
+            self,
+            postures=tuple(
+                replace(posture, passages=_calmed(posture.passages, {j for key, j in calm if key == k}))
+                for k, posture in enumerate(self.postures)
+            ),
+        )
+
     def extended(self, time: float, angles: Floats, arm: Arm) -> "PostureCourse":
         """Adds a key at a block time, for the hinges of an arm, or of two that have the same keys."""
         own = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]
@@ -92,8 +109,9 @@ class PostureCourse:
 def lead_around(course: PostureCourse, distances: Distances, *, least: float) -> PostureCourse:
     """Changes a course wherever its motion comes too near to the body.
 
-    One stretch after the other: of several changes the one is taken that leaves least to be done. An arm that has no
-    key near gets one, in the nearest posture that is clear, or in one nearer to rest; else its key moves away.
+    One stretch after the other. Arms that swing through their keys, or accent their ways, do so no more if that helps;
+    else, of several changes, the one is taken that leaves least to be done: an arm that has no key near gets one, in
+    the nearest posture that is clear, or in one nearer to rest; else its key moves away.
 
     Args:
         course: at least two keys, the first and the last at rest.
@@ -110,6 +128,11 @@ def lead_around(course: PostureCourse, distances: Distances, *, least: float) ->
             break
         sample = open_stretches[0]
         time = sample / SCAN_RATE - course.motion.zero
+        if (calm := course.calmed(time)) is not course:
+            calm_scan = scan.after(calm, distances, least)
+            if calm_scan.lacking.sum() < scan.lacking.sum():
+                course, scan, hopeless = calm, calm_scan, set()
+                continue
         best, best_scan, enough = course, scan, GAIN * scan.lacking.sum()
         for change in _changes(course, time, distances, least):
             left = scan.after(change, distances, least)
@@ -195,6 +218,17 @@ def _with_a_key_away(
             for arm in keyed:
                 change = change.moved(key, clear, arm)
             yield change
+
+
+def _is_lively(posture: KeyPosture, joint: int) -> bool:
+    """Whether a hinge swings through its key, or comes to it with an accent."""
+    if not posture.passages or not posture.keyed[joint]:
+        return False
+    return posture.passages[joint] != posture.passages[joint].calm
+
+
+def _calmed(passages: tuple[Passage, ...], joints: set[int]) -> tuple[Passage, ...]:
+    return tuple(each.calm if k in joints else each for k, each in enumerate(passages))
 
 
 def _joined(arms: list[Arm]) -> list[int]:

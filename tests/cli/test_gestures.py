@@ -18,18 +18,21 @@ keys = [
 def test_the_list_is_a_vocabulary(kinesic):
     entries = json.loads(kinesic("gestures", "list", "--json").out)
     assert len(entries) >= 150
-    fields = {"id", "category", "says", "meanings", "hands", "shapes", "stroke_s", "whole_s", "synonyms"}
+    fields = {"id", "category", "says", "meanings", "hands", "shapes", "stroke_s", "whole_s", "synonyms", "tempo"}
     assert all(fields <= set(entry) for entry in entries)
     offer = next(entry for entry in entries if entry["id"] == "offer")
     assert offer["category"] == "metaphoric"
     assert "propose" in offer["meanings"]
     assert offer["hands"] == ["right"]
+    tempos = {entry["id"]: entry["tempo"] for entry in entries}
+    assert (tempos["gasp"], tempos["offer"], tempos["think"]) == ("sudden", "neutral", "sustained")
 
 
 def test_a_category_is_listed_alone_and_a_wrong_one_is_named(kinesic):
     listed = kinesic("gestures", "list", "--category", "emotion")
     assert "joy_cheer" in listed.out
     assert "greet_wave" not in listed.out
+    assert any("gasp" in line and "sudden" in line for line in listed.out.splitlines())
     wrong = kinesic("gestures", "list", "--category", "emotions")
     assert wrong.code == 2
     assert wrong.err.startswith("kinesic: no category emotions; did you mean emotion?")

@@ -19,7 +19,7 @@ from kinesic.expressivity.durations import spans
 from kinesic.expressivity.hands.poses import poses
 from kinesic.expressivity.hands.strokes import least_stroke_times
 from kinesic.expressivity.head import MORE
-from kinesic.expressivity.style.pace import FLOOR, FORCE
+from kinesic.expressivity.style.pace import FORCE
 from kinesic.expressivity.style.style import Expressivity, Style
 
 EXTENTS = np.linspace(-1.0, 1.0, 9)
@@ -36,10 +36,17 @@ def natural(context):
 
 def test_a_gesture_has_all_phases(natural):
     of = natural(Gesture("beat"))
-    assert of["ready"] >= FLOOR
-    assert of["end"] >= FLOOR
+    assert 0.3 < of["ready"] < of["end"]
     assert of["strokeStart"] == 0
-    assert of["relax"] == pytest.approx(0.5 * (of["stroke"] + of["strokeEnd"]))
+    assert 0.0 < of["relax"] < of["stroke"] + of["strokeEnd"]
+
+
+def test_tempo_and_category_of_a_gesture_are_in_its_times(natural, lexicon):
+    assert lexicon.find("stop").form.tempo == "sudden"
+    assert lexicon.find("calm_down").form.tempo == "sustained"
+    sudden, neutral, sustained = (natural(Gesture(lexeme)) for lexeme in ("stop", "offer", "calm_down"))
+    assert sudden["ready"] < neutral["ready"] < sustained["ready"]
+    assert natural(Pointing("left"))["relax"] > natural(Gesture("beat"))["relax"]
 
 
 def test_a_rest_pose_is_not_held_before_it_is_left(natural):
@@ -71,10 +78,12 @@ def test_temporal_extent_hurries_a_face(natural, shift):
 
 
 @pytest.mark.parametrize("lexeme", ["beat", "stop", "large"])
-def test_power_halves_the_stroke_where_the_servos_allow_and_hurries_the_ways(natural, pace, lexicon, lexeme):
+def test_power_hurries_the_stroke_as_far_as_the_servos_allow_and_weakness_slows_all(natural, pace, lexicon, lexeme):
     found = [natural(Gesture(lexeme), manner=Manner(power=power)) for power in EXTENTS]
-    for sync in ("ready", "stroke", "end"):
-        assert np.all(np.diff([of[sync] for of in found]) < 0)
+    assert np.all(np.diff([of["stroke"] for of in found]) < 0)
+    for sync in ("ready", "end"):
+        assert np.all(np.diff([of[sync] for of in found[:5]]) < 0)
+        assert len({of[sync] for of in found[4:]}) == 1
     neutral = poses(lexicon.find(lexeme).form, pace.robot, Expressivity())
     least = sum(least_stroke_times(neutral, pace)[: neutral.stroke])
     assert found[-1]["stroke"] == pytest.approx(max(found[4]["stroke"] / FORCE, least))

@@ -172,6 +172,17 @@ def test_a_loose_hinge_swings_beyond_its_keys_but_not_beyond_its_range():
     assert highest[0] <= highest[1] < highest[2] <= 2.0
 
 
+def test_a_hinge_with_swing_goes_on_through_a_key_where_it_turns_back_but_stays_in_its_range():
+    angles, times = np.array([[0.0], [1.2], [1.9], [1.5], [0.0]]), np.array([0.0, 0.4, 0.8, 1.2, 1.6])
+    grid, keyed = np.linspace(0.0, 1.6, 801), np.ones((5, 1), dtype=bool)
+    highest = [
+        joined(Passage(swing=swing), keyed, angles=angles, times=times).angles(grid).max() for swing in (0.0, 0.5, 1.0)
+    ]
+    assert highest[0] < highest[1] < highest[2] <= 2.0
+    still = joined(Passage(tension=1.0, swing=1.0), keyed, angles=angles, times=times)
+    np.testing.assert_allclose(still.sample(times)[1], 0.0, atol=1e-9)
+
+
 def test_every_hinge_and_key_has_a_manner_of_its_own():
     stiff, plain = Passage(tension=1.0), PLAIN
     rows = [replace(key, passages=(plain, stiff)) for key in keys()]

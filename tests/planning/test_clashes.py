@@ -65,7 +65,7 @@ def test_what_would_have_worked_works(planned):
 
 
 def test_a_beat_gives_way_to_what_comes_later(planned):
-    both, _, alone = document("beat_fist_palm", "love", 0.3, BOTH)
+    both, _, alone = document("beat_fist_palm", "large", 0.3, BOTH)
     found = planned(both)
     assert fates(found)["ask"] == "dropped"
     assert "gives way to next, which counts for more" in found.keyframes.outcomes["ask"].why
@@ -114,7 +114,7 @@ def test_sums_are_those_of_the_longest_chain_without_gaps():
 
 
 def test_a_rest_pose_waits_for_the_hands_to_go_back(planned):
-    pose = '<gesture id="next" lexeme="hands_low" start="1.95" end="2.1"/>'
+    pose = '<gesture id="next" lexeme="hands_low" start="1.95" end="2.2"/>'
     ask = ASK.format("offer", 'relax="2.6"')
     found, alone = planned(ROOT.format(OTHERS + ask + pose)), planned(ROOT.format(OTHERS + ask))
     assert set(fates(found).values()) == {"realised"}

@@ -59,11 +59,11 @@ def test_a_touch_is_a_hover(lexeme, style):
 @pytest.mark.parametrize("lexeme", TOUCHES)
 def test_a_touch_is_held(lexeme):
     body = (
-        f'<gesture id="g" lexeme="{lexeme}" start="0" relax="3"/><head id="h" lexeme="NOD" start="1.5" amount="0.2"/>'
+        f'<gesture id="g" lexeme="{lexeme}" start="0" relax="4"/><head id="h" lexeme="NOD" start="2.5" amount="0.2"/>'
     )
     made = planned(body)
     arms = [*ROBOT.joints("l_arm"), *ROBOT.joints("r_arm")]
-    strokeless = [made.trajectory.zero + time for time in np.linspace(1.4, 2.9, 30)]
+    strokeless = [made.trajectory.zero + time for time in np.linspace(2.4, 3.9, 30)]
     found = made.trajectory.sample(np.array(strokeless))[0][:, arms]
     if lexeme != "chin":  # which gives way to the nodding head
         assert np.ptp(found, axis=0).max() < np.radians(1.0)

@@ -6,7 +6,7 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
-from kinesic.motion.keys import KeyPosture
+from kinesic.motion.keys import KeyPosture, Passage
 from kinesic.planning.detour import LEAST_STEP, PostureCourse, lead_around
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.dynamics import MujocoDynamics
@@ -107,3 +107,28 @@ def test_a_change_is_looked_at_where_it_changes_something(monkeypatch):
     assert len(asked) > 2
     assert max(asked[1:]) < 700
     assert least(led) >= LEAST - 1e-3
+
+
+def test_swing_goes_before_the_path_changes():
+    """A hand that swings too near to the body passes its keys plainly, and where it is clear it goes on swinging."""
+    inner, outer = np.radians([-6, 30, 11, -32, 104, -72, 37, 30]), np.radians([-6, 22, 28, 2, 104, -66, 36, 1])
+
+    def swinging(time, arm):
+        plain = key(time, left=arm, right=arm)
+        return replace(plain, passages=(Passage(continuity=-0.5, swing=1.0),) * len(REST))
+
+    def swings(course):
+        return [posture.passages[LEFT[0]].swing if posture.passages else None for posture in course.postures]
+
+    near = course(key(0.0), swinging(0.5, inner), swinging(0.8, outer), swinging(4.0, outer), key(6.0))
+    assert least(near) < 0.0
+    calm = near.calmed(0.45)
+    assert swings(calm) == [None, 0.0, 1.0, 1.0, None]
+    assert least(calm) > LEAST
+    led = lead_around(near, DISTANCES, least=LEAST)
+    assert least(led) > LEAST
+    assert [posture.time for posture in led.postures] == [posture.time for posture in near.postures]
+    assert swings(led)[1] == 0.0
+    assert swings(led)[3] == 1.0
+    plain = course(key(0.0), key(0.5, left=inner), key(6.0))
+    assert plain.calmed(0.45) is plain

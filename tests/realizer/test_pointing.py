@@ -142,7 +142,7 @@ def test_a_hand_that_is_interrupted_rests_while_the_trunk_goes_on(play):
 
 
 def test_other_works_of_the_hand_stay_as_they_are(play):
-    row = BESIDE.replace("/>", ' stroke="1.2"/>') + '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND" stroke="3.2"/>'
+    row = BESIDE.replace("/>", ' stroke="1.2"/>') + '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND" stroke="5.2"/>'
     play.send("b", row)
     before = play.scene.motion
     beat = play.scene.find("b").times["g"]

@@ -8,6 +8,7 @@ from kinesic.realizer.realizer import begin
 
 NOD = '<head id="h" lexeme="NOD"/>'
 BEAT = '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND"/>'
+HELD = '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND" relax="1.4"/>'
 LEFT = '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND"/>'
 OPEN = '<gesture id="g" lexeme="BEAT"/>'
 HELLO = '<speech id="s"><text>Hello <sync id="m"/>there</text></speech>'
@@ -21,7 +22,7 @@ def test_merge_adds_to_what_plays(play):
 
 
 def test_merge_leaves_out_what_meets_a_part_that_plays(play):
-    play.send("a", BEAT).until(0.5).send("b", BEAT + NOD).until(5.0)
+    play.send("a", HELD).until(0.5).send("b", BEAT + NOD).until(5.0)
     assert len(play.warnings("b:g")) == 1
     assert "a:g" in play.warnings("b:g")[0]
     assert play.was_told("b:h:stroke")
@@ -30,7 +31,7 @@ def test_merge_leaves_out_what_meets_a_part_that_plays(play):
 
 
 def test_a_block_whose_required_part_is_busy_is_not_performed(play):
-    play.send("a", BEAT).until(0.5)
+    play.send("a", HELD).until(0.5)
     play.send("b", f"<required>{BEAT}</required>{NOD}").until(5.0)
     assert play.state("b") is BlockState.FAILED
     assert "requires g" in play.warnings("b")[-1]
@@ -43,10 +44,10 @@ def test_a_block_whose_required_part_is_busy_is_not_performed(play):
 
 def test_a_gesture_whose_hand_is_busy_takes_the_other(play):
     alone = play.ready("b", OPEN).plan
-    play.send("a", BEAT).until(0.5).send("b", OPEN).until(5.0)
+    play.send("a", HELD).until(0.5).send("b", OPEN).until(5.0)
     (text,) = play.warnings()
     assert 'id="b:g" type="CANNOT_CREATE_BEHAVIOR"' in text
-    assert "moved to the left hand: its stroke begins at 0.56 s, the right hand is busy with a:g until 0.89 s" in text
+    assert "moved to the left hand: its stroke begins at 0.47 s, the right hand is busy with a:g until 0.90 s" in text
     assert play.at("b:start") == pytest.approx(0.5, abs=STEP)
     late = play.at("b:g:stroke") - play.at("b:start")
     assert late == pytest.approx(next(s.planned for s in alone.syncs if s.sync == "stroke"), abs=0.01)
@@ -54,7 +55,7 @@ def test_a_gesture_whose_hand_is_busy_takes_the_other(play):
 
 
 def test_a_gesture_of_two_hands_is_done_by_the_free_one(play):
-    play.send("a", BEAT).until(0.5).send("b", '<gesture id="g" lexeme="WELCOME"/>')
+    play.send("a", HELD).until(0.5).send("b", '<gesture id="g" lexeme="WELCOME"/>')
     assert [need.roles for need in play.scene.find("b").occupancy] == [{"l_hand"}]
     (text,) = play.until(6.0).warnings()
     assert "done by the left hand alone: its stroke begins at" in text
@@ -64,12 +65,12 @@ def test_a_gesture_of_two_hands_is_done_by_the_free_one(play):
 
 
 def test_a_gesture_that_is_to_be_of_two_hands_waits_or_is_left_out(play):
-    play.send("a", BEAT).until(0.5).send("b", '<gesture id="g" lexeme="WELCOME" mode="BOTH_HANDS"/>').until(6.0)
+    play.send("a", HELD).until(0.5).send("b", '<gesture id="g" lexeme="WELCOME" mode="BOTH_HANDS"/>').until(6.0)
     assert not any("alone" in text for text in play.warnings())
 
 
 def test_it_is_the_other_hand_that_moves(play):
-    play.send("a", BEAT).until(0.5).send("b", OPEN)
+    play.send("a", HELD).until(0.5).send("b", OPEN)
     assert [need.roles for need in play.scene.find("b").occupancy] == [{"l_hand"}]
     assert play.scene.find("b").prepared.plan.keyframes.outcomes["g"].kind == "substituted"
 
@@ -88,7 +89,9 @@ def test_a_pointing_hand_that_is_busy_leaves_it_to_the_other(play):
 
 
 def test_a_gesture_for_which_both_hands_are_busy_is_left_out(play):
-    play.send("a", BEAT + LEFT.replace('"g"', '"h"')).until(0.5).send("b", OPEN + NOD).until(5.0)
+    play.send("a", HELD + HELD.replace('"g"', '"h"').replace("RIGHT", "LEFT")).until(0.5).send("b", OPEN + NOD).until(
+        5.0
+    )
     assert len(play.warnings("b:g")) == 1
     assert "left out: r_hand busy with a:g" in play.warnings("b:g")[0]
 
@@ -144,7 +147,7 @@ def test_chunk_after_overlaps_the_retraction(play):
 
 
 def test_chunk_before_holds_back_a_block_that_waits(play):
-    play.send("a", NOD).send("c", LEFT, 'composition="APPEND"').send("b", BEAT, 'bmla:chunkBefore="c"').until(8.0)
+    play.send("a", NOD).send("c", LEFT, 'composition="APPEND"').send("b", HELD, 'bmla:chunkBefore="c"').until(8.0)
     assert play.at("c:start") == pytest.approx(play.at("b:relax"), abs=2 * STEP)
 
 

@@ -24,6 +24,7 @@ from kinesic.expressivity.hands.poses import poses, resting_hands
 from kinesic.expressivity.hands.strokes import Stroke, do_stroke, stroke_keys
 from kinesic.expressivity.lexicon.form import GestureForm
 from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.expressivity.style.effort import Effort
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import NEUTRAL, Style
 from kinesic.planning.setup import Setup
@@ -187,7 +188,7 @@ def look(form: GestureForm, pace: Pace) -> StrokeAppearance:
         pace: of the robot that plays it.
     """
     work = poses(form, pace.robot, NEUTRAL)
-    natural = stroke_spans(work, pace, NEUTRAL)
+    natural = stroke_spans(work, Effort(pace, work.nature))
     whole = natural["stroke"] + natural["strokeEnd"]
     times = {"ready": 0.0, "strokeStart": 0.0, "stroke": natural["stroke"], "strokeEnd": whole}
     done, rest = do_stroke(Stroke(form.id, times, (work,)), work, pace), resting_hands(pace.robot)

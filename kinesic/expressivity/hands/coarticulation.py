@@ -131,7 +131,7 @@ class _Hands:
             before = max(self.works[side], key=lambda work: work.at("strokeEnd"), default=None)
             if before and not (before.stroke.rest or stroke.rest):
                 later, sooner = self.room.move_apart(before, stroke, option, side)
-                self._replace(before, self.room.lead_over(sooner, later))
+                self._replace(before, self.room.lead_over(sooner, later, option))
                 self._note(stroke, later)
                 stroke = later
         work = do_stroke(stroke, option, self.pace)

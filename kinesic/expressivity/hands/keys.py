@@ -54,19 +54,18 @@ class Turning:
         Args:
             times: of the keys, increasing [s].
             keys: as many rotations.
-            passages: as many, of which tension, continuity and bias count.
+            passages: as many, of which tension, continuity, swing and bias count.
         """
         at = np.asarray(times, dtype=float)
         steps = np.diff(at)[:, None]
         ways = (keys[:-1].inv() * keys[1:]).as_rotvec()
-        tension, continuity, bias = (
-            np.array([[getattr(each, name)] for each in passages[1:-1]]).reshape(-1, 1)
-            for name in ("tension", "continuity", "bias")
+        bias, flow = (
+            np.array([[getattr(each, name)] for each in passages[1:-1]]).reshape(-1, 1) for name in ("bias", "flow")
         )
         speeds = np.zeros((len(at), 3))
         earlier, later = ways[:-1] / steps[:-1] * steps[1:], ways[1:] / steps[1:] * steps[:-1]
         chords = (1 + bias) * earlier + (1 - bias) * later
-        speeds[1:-1] = (1 - tension) * (1 + continuity) * chords / (steps[:-1] + steps[1:])
+        speeds[1:-1] = flow * chords / (steps[:-1] + steps[1:])
         still = np.linalg.norm(ways, axis=1) < SMALL
         speeds[:-1][still] = speeds[1:][still] = 0.0
         ends = np.einsum("kij,kj->ki", _inverse_jacobians(ways), speeds[1:])

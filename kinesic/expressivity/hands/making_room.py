@@ -5,8 +5,9 @@ from dataclasses import dataclass, replace
 
 from kinesic.bml.block import GESTURE_SYNCS
 from kinesic.body.robot import Side
-from kinesic.expressivity.hands.poses import Poses, pose_distance, resting_hands
+from kinesic.expressivity.hands.poses import REST, Poses, pose_distance, resting_hands
 from kinesic.expressivity.hands.strokes import HandStroke, Stroke, do_stroke, least_stroke_times
+from kinesic.expressivity.style.effort import Effort
 from kinesic.expressivity.style.pace import Pace
 
 Tied = Mapping[str, Collection[str]]  # behaviour id -> sync points that the document places
@@ -32,10 +33,20 @@ class Room:
         later = dict(stroke.times) | {"strokeStart": begins + part * (latest - begins)}
         return replace(stroke, times=later), do_stroke(sooner, work.poses, self.pace)
 
-    def lead_over(self, work: HandStroke, stroke: Stroke) -> HandStroke:
-        """Lets hold and retraction become the preparation of the next stroke, where the document allows it."""
-        times = work.stroke.times
-        limits = {"relax": max(stroke.times["start"], times["strokeEnd"]), "end": stroke.times["strokeStart"]}
+    def lead_over(self, work: HandStroke, stroke: Stroke, option: Poses) -> HandStroke:
+        """Lets hold and retraction become the preparation of the next stroke, where the document allows it.
+
+        Both hands of the earlier one get time for their way, to the next stroke or to rest.
+        """
+        times, begins, rest = work.stroke.times, stroke.times["strokeStart"], resting_hands(self.pace.robot)
+        effort = Effort(self.pace, option.nature, stroke.manner)
+        ways = {
+            side: effort.joining_time(pose_distance(row[-1], option.hands.get(side, (REST,))[0], rest[side]))
+            for side, row in work.poses.hands.items()
+        }
+        relax = max(min(stroke.times["start"], begins - max(ways.values())), times["strokeEnd"])
+        homeward = max((way for side, way in ways.items() if side not in option.hands), default=0.0)
+        limits = {"relax": relax, "end": max(begins, relax + homeward)}
         given = {
             sync: latest
             for sync, latest in limits.items()
@@ -46,7 +57,7 @@ class Room:
     def way_between(self, work: HandStroke, stroke: Stroke, option: Poses, side: Side) -> float:
         """Natural time of a hand from one stroke to the next [s]."""
         way = pose_distance(work.poses.hands[side][-1], option.hands[side][0], resting_hands(self.pace.robot)[side])
-        return self.pace.way_time(way, stroke.manner)
+        return Effort(self.pace, option.nature, stroke.manner).joining_time(way)
 
     def _soonest_end(self, work: HandStroke) -> float:
         """When a stroke can be over: done once, or as often as the document says [s]."""

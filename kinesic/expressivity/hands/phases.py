@@ -10,12 +10,12 @@ from kinesic.body.robot import SIDES, Side
 from kinesic.expressivity.hands.coarticulation import NO_CLASHES, allot_hands
 from kinesic.expressivity.hands.engaged import Clashes, Engaged
 from kinesic.expressivity.hands.keys import HandKey
+from kinesic.expressivity.hands.leisure import find_leisure
 from kinesic.expressivity.hands.making_room import Tied
 from kinesic.expressivity.hands.poses import REST, pose_distance, resting_hands
 from kinesic.expressivity.hands.strokes import HandStroke, Stroke, stroke_keys
 from kinesic.expressivity.keyframes import Hand, Outcome
 from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.style.style import Expressivity, passage_of
 from kinesic.expressivity.turns import MERGE, arrival, departure_time
 from kinesic.motion.keys import PLAIN
 
@@ -58,7 +58,8 @@ def arrange_hands(
     for side in SIDES:
         for work in given.works[side]:
             sides[work.id] = sides.get(work.id, frozenset()) | {side}
-    hands = {side: _join_strokes(given.works[side], side, rest[side], pace, clashes) for side in SIDES}
+    leisure = find_leisure(given.works, pace)
+    hands = {side: _join_strokes(given.works[side], side, rest[side], pace, clashes, leisure) for side in SIDES}
     works = {id(work): work for side in SIDES for work in given.works[side]}
     in_order = tuple(sorted(works.values(), key=lambda work: work.at("strokeStart")))
     remarks = {**given.remarks}
@@ -68,7 +69,7 @@ def arrange_hands(
 
 
 def _join_strokes(
-    row: Sequence[HandStroke], side: Side, rest: Reach, pace: Pace, clashes: Clashes
+    row: Sequence[HandStroke], side: Side, rest: Reach, pace: Pace, clashes: Clashes, leisure: Mapping[int, float]
 ) -> tuple[HandKey, ...]:
     """Each gesture goes back to the rest pose, unless a neighbour follows."""
     keys: list[HandKey] = []
@@ -79,7 +80,7 @@ def _join_strokes(
         if work.stroke.rest and (_clashing(row, k, clashes) or _lacks_time(work, keys, row[k + 1 :])):
             pose = hands[-1]
             continue
-        own = stroke_keys(work, side, pace)
+        own = stroke_keys(work, side, pace, leisure[id(work)])
         if holding and work.at("start") >= holding.at("end") + NEIGHBOUR:
             back = _go_back(keys, holding, pose, rest, work.at("start"), pace)
             if back[-1].time + MERGE <= own[0].time:  # else there is no time to pass through rest
@@ -123,7 +124,8 @@ def _approach(
     the later one starts, but early enough for the way, and not before the earlier stroke has ended.
     """
     hand, free = (keys[-1].hand, keys[-1].time) if keys else (REST, -inf)
-    way = _way(hand, own[0].hand, rest, pace, work.stroke.manner)
+    effort, distance = work.effort(pace), pose_distance(hand, own[0].hand, rest)
+    way = effort.joining_time(distance) if holding else effort.preparation_time(distance)
     if len(own) > 1 and own[1].hand is own[0].hand and own[0].time < free + way:
         own = own[1:]  # no time to wait at the beginning of the stroke
     if holding:
@@ -131,7 +133,7 @@ def _approach(
     else:
         leave = departure_time(work.at("start"), own[0].time, way)
     leave = max(leave, free)
-    passage = passage_of(holding.stroke.manner, "hold") if holding else PLAIN
+    passage = holding.effort(pace).passage("hold") if holding else PLAIN
     hold = [HandKey(leave, hand, passage)] if leave - free >= MERGE else []
     return [*keys, *hold, *(key for key in own if key.time >= leave + MERGE)]
 
@@ -142,12 +144,7 @@ def _go_back(
     """Adds the way back to the rest pose, which ends before the latest time [s]."""
     last = keys[-1]
     leave = max(holding.at("relax"), last.time)
-    manner = holding.stroke.manner
-    hold = [HandKey(leave, last.hand, passage_of(manner, "hold"))] if leave - last.time >= MERGE else []
-    back = arrival(leave, holding.at("end"), _way(last.hand, pose, rest, pace, manner))
-    return [*keys, *hold, HandKey(min(back, latest), pose, passage_of(manner, "retraction"))]
-
-
-def _way(a: Hand, b: Hand, rest: Reach, pace: Pace, manner: Expressivity) -> float:
-    """Natural time from one hand to another [s]."""
-    return pace.way_time(pose_distance(a, b, rest), manner)
+    effort = holding.effort(pace)
+    hold = [HandKey(leave, last.hand, effort.passage("hold"))] if leave - last.time >= MERGE else []
+    back = arrival(leave, holding.at("end"), effort.return_time(pose_distance(last.hand, pose, rest)))
+    return [*keys, *hold, HandKey(min(back, latest), pose, effort.passage("retraction"))]

@@ -13,12 +13,14 @@ from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
 from kinesic.expressivity.lexicon.paths import HandPath
 from kinesic.expressivity.lexicon.space import EASE, direction_in_world, extend_position, to_world, widen_key
+from kinesic.expressivity.style.effort import PLAIN_NATURE, Nature
 from kinesic.expressivity.style.style import Expressivity
 
 REST = Hand()
 _LEVER = 0.15  # [m/rad] of way that a turn of the hand is worth: forearms turn more slowly than arms swing
 _WITHDRAWN = 0.15  # of the way to rest: where the stroke of a form with one key begins
 _POINTING_REACH = 0.98  # of the arm's length
+_TRAVEL = 0.25  # [arm lengths] of the stroke's way, once, from which on the gesture is dynamic
 _ALIKE = 0.1  # [arm lengths] keys nearer than this are one written twice
 _GROWN = (1.0, 0.75, 0.5, 0.25, 0.0)  # shares of spatial extent that a path may grow by
 _ALONG = np.linspace(0.0, 1.0, 101)
@@ -34,6 +36,7 @@ class Poses:
     stroke: int  # the key that falls on the sync point `stroke`
     paths: Mapping[Side, tuple[HandPath | None, ...]] = field(default_factory=dict)  # to each key [m], in the world
     again: tuple[int, ...] = ()  # the keys that fall on `stroke:2`, `stroke:3` and so on
+    nature: Nature = PLAIN_NATURE  # of the gesture
 
     @property
     def count(self) -> int:
@@ -52,14 +55,15 @@ class Poses:
     def only(self, side: Side) -> "Poses":
         """Keeps the keys and paths of one hand alone."""
         paths = {side: self.paths[side]} if side in self.paths else {}
-        return Poses({side: self.hands[side]}, self.stroke, paths, self.again)
+        return replace(self, hands={side: self.hands[side]}, paths=paths)
 
     def fewer(self) -> "Poses":
         """Removes the last repetition of the stroke."""
         every = (self.stroke, *self.again)
         count = self.count - (every[-1] - every[-2])
         hands = {side: row[:count] for side, row in self.hands.items()}
-        return Poses(hands, self.stroke, {side: row[:count] for side, row in self.paths.items()}, self.again[:-1])
+        paths = {side: row[:count] for side, row in self.paths.items()}
+        return replace(self, hands=hands, paths=paths, again=self.again[:-1])
 
 
 def resting_hands(robot: Robot) -> Mapping[Side, Reach]:
@@ -105,6 +109,7 @@ def poses(form: GestureForm, robot: Robot, manner: Expressivity) -> Poses:
     keys = [widen_key(key, manner.spatial, robot) for key in form.keys[:once]]
     hands = {side: _hands_of(keys, side, robot, manner) for side in form.sides}
     paths = {side: _paths(form.keys[:once], row, side, robot, manner) for side, row in hands.items()}
+    nature = Nature(form.category, form.tempo, dynamic=_travels(hands, paths, robot))
     if once == 1:
         hands = {side: (withdrawn(hand, robot, side), hand) for side, (hand,) in hands.items()}
         paths = {side: (None, *row) for side, row in paths.items()}
@@ -116,6 +121,7 @@ def poses(form: GestureForm, robot: Robot, manner: Expressivity) -> Poses:
         count // 2,
         {side: row + row[back:] * (times - 1) for side, row in paths.items()},
         again,
+        nature,
     )
 
 
@@ -132,7 +138,8 @@ def pointing_poses(target: Floats, side: Side, robot: Robot) -> Poses:
     line = (target - centre) / distance if distance > 0 else np.array([1.0, 0.0, 0.0])
     reach = min(_POINTING_REACH * robot.arm_length, _TARGET_REACH * distance)
     hand = Hand(Reach(sealed(centre + reach * line), pointing=sealed(line)), aim=sealed(target))
-    return Poses({side: (withdrawn(hand, robot, side), hand)}, stroke=1)
+    nature = Nature("deictic", dynamic=False)
+    return Poses({side: (withdrawn(hand, robot, side), hand)}, stroke=1, nature=nature)
 
 
 def withdrawn(hand: Hand, robot: Robot, side: Side) -> Hand:
@@ -191,6 +198,21 @@ def between(a: Hand, b: Hand, share: float, rest: Reach) -> Hand:
         a.openness + share * (b.openness - a.openness),
         a.effort + share * (b.effort - a.effort),
     )
+
+
+def _travels(
+    hands: Mapping[Side, Sequence[Hand]], paths: Mapping[Side, Sequence[HandPath | None]], robot: Robot
+) -> bool:
+    """Whether a hand goes a way of its own in the stroke, and does not only come to a pose."""
+    for side, row in hands.items():
+        places = [(hand.reach or resting_hands(robot)[side]).position for hand in row]
+        ways = [
+            path.length(a, b) if path else float(np.linalg.norm(b - a))
+            for a, b, path in zip(places, places[1:], paths[side][1:], strict=False)
+        ]
+        if sum(ways) > _TRAVEL * robot.arm_length:
+            return True
+    return False
 
 
 def _find_repetition(keys: Sequence[StrokeKey]) -> tuple[int, int]:

@@ -12,8 +12,9 @@ from kinesic.expressivity.hands.keys import HandKey, along
 from kinesic.expressivity.hands.poses import Poses, pose_distance, resting_hands
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.paths import HandPath, Kind
+from kinesic.expressivity.style.effort import Effort
 from kinesic.expressivity.style.pace import Pace
-from kinesic.expressivity.style.style import NEUTRAL, Expressivity, passage_of
+from kinesic.expressivity.style.style import NEUTRAL, Expressivity
 from kinesic.expressivity.turns import MERGE
 
 BENT = 1.5  # a swing of a path is worth a straight way of so many lengths: not all hinges turn at once
@@ -59,6 +60,10 @@ class HandStroke:
     moments: tuple[float, ...]  # [s] of its keys
     remarks: tuple[str, ...] = ()  # what time did not allow
 
+    def effort(self, pace: Pace) -> Effort:
+        """Its times and passages on a robot."""
+        return Effort(pace, self.poses.nature, self.stroke.manner)
+
     @property
     def id(self) -> str:
         """Of the behaviour."""
@@ -94,24 +99,24 @@ def shortened(stroke: Stroke) -> Stroke:
     at = stroke.times["stroke"]
     times = {**stroke.times, "strokeStart": at, "strokeEnd": at}
     options = tuple(
-        Poses({side: (row[option.stroke],) for side, row in option.hands.items()}, 0) for option in stroke.options
+        Poses({side: (row[option.stroke],) for side, row in option.hands.items()}, 0, nature=option.nature)
+        for option in stroke.options
     )
     return replace(stroke, times=times, options=options)
 
 
-def natural_times(poses: Poses, pace: Pace, manner: Expressivity = NEUTRAL) -> tuple[float, ...]:
+def natural_times(poses: Poses, effort: Effort) -> tuple[float, ...]:
     """Finds the natural time of each way between neighbouring keys, of the hand that takes longest [s].
 
     A path takes the time of its swings, each a way of its own: a hand turns round as if it came to rest.
 
     Args:
         poses: the stroke keys.
-        pace: of the robot that moves.
-        manner: of the gesture; temporal extent and power are used.
+        effort: of the gesture.
     """
     return tuple(
-        max(way.swings * max(pace.stroke_time(way.length, manner), way.least(pace)) for way in ways)
-        for ways in _ways(poses, pace)
+        max(way.swings * max(effort.stroke_time(way.length), way.least(effort.pace)) for way in ways)
+        for ways in _ways(poses, effort.pace)
     )
 
 
@@ -132,31 +137,40 @@ def stroke_key_times(poses: Poses, times: Mapping[str, float], pace: Pace) -> tu
     else:
         numbered = {key: times[f"stroke:{k}"] for k, key in enumerate(poses.again, 2) if f"stroke:{k}" in times}
         pins = {last: end} | {0: start, poses.stroke: stroke} | numbered
-    natural, found = natural_times(poses, pace), [pins[0]]
+    natural, found = natural_times(poses, Effort(pace, poses.nature)), [pins[0]]
     for (a, early), (b, late) in pairwise(sorted(pins.items())):
         found += _spread(early, late, natural[a:b])
     return tuple(found)
 
 
-def stroke_keys(work: HandStroke, side: Side, pace: Pace) -> list[HandKey]:
+def stroke_keys(work: HandStroke, side: Side, pace: Pace, leisure: float = 1.0) -> list[HandKey]:
     """Lists the keys of one hand: ready, the stroke keys with what lies on their paths, and the stroke's end.
 
     Of two keys that are too near the later stays, but always the stroke.
+
+    Args:
+        work: what the hands do.
+        side: of the hand.
+        pace: of the robot.
+        leisure: share of its natural time that the gesture has.
     """
-    hands, moments = work.poses.hands[side], work.moments
-    manner = work.stroke.manner
-    arriving, stroking = passage_of(manner, "preparation"), passage_of(manner, "stroke")
+    hands, moments, effort = work.poses.hands[side], work.moments, work.effort(pace)
     kept = _keys_apart(moments, max(k for k, time in enumerate(moments) if time == work.at("stroke")))
-    poses = [HandKey(moments[k], hands[k], stroking if k else arriving) for k in kept]
+    paths = [work.poses.path(side, b) if b == a + 1 else None for a, b in pairwise(kept)]
+    poses = [
+        HandKey(
+            moments[k], hands[k], effort.passage("stroke" if k else "preparation", led=any(beside), leisure=leisure)
+        )
+        for k, *beside in zip(kept, (None, *paths), (*paths, None), strict=True)
+    ]
     keys = poses[:1]
-    for k, (a, b) in enumerate(pairwise(kept), 1):
-        path = work.poses.path(side, b) if b == a + 1 else None
-        keys += along(poses, k, path, unit=pace.robot.arm_length, power=manner.power)
+    for k, path in enumerate(paths, 1):
+        keys += along(poses, k, path, unit=pace.robot.arm_length, power=work.stroke.manner.power)
         keys.append(poses[k])
     if keys[0].time - work.at("ready") >= MERGE:
-        keys.insert(0, HandKey(work.at("ready"), hands[0], arriving))
+        keys.insert(0, HandKey(work.at("ready"), hands[0], effort.passage("preparation", leisure=0.0)))
     if work.at("strokeEnd") - keys[-1].time >= MERGE:
-        keys.append(HandKey(work.at("strokeEnd"), hands[-1], passage_of(manner, "hold")))
+        keys.append(HandKey(work.at("strokeEnd"), hands[-1], effort.passage("hold")))
     return keys
 
 

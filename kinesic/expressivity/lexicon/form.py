@@ -11,6 +11,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.robot import Side
 from kinesic.expressivity.keyframes import Touch
 from kinesic.expressivity.lexicon.paths import HandPath
+from kinesic.expressivity.style.effort import Tempo
 
 Kind = Literal["exact", "synonym", "class"]  # the name itself; another name of it; one for all of its class
 
@@ -73,6 +74,7 @@ class GestureForm:
     category: str  # beat, deictic, iconic, metaphoric, emblem, rest, ...
     keys: tuple[StrokeKey, ...]  # in order, from strokeStart to strokeEnd; one key: arrive and hold
     rest: bool = False  # a posture that stays until the next one (arms crossed, hands together)
+    tempo: Tempo = "neutral"  # how it is done by its meaning: all at once, or with all the time in the world
 
     @property
     def shapes(self) -> tuple[str, ...]:

@@ -17,6 +17,7 @@ from kinesic.expressivity.lexicon.paths import HandPath, Kind, Variation, shape_
 from kinesic.expressivity.lexicon.senses import Sense
 from kinesic.expressivity.lexicon.space import position
 from kinesic.expressivity.lexicon.synonyms import GestureClass, class_of
+from kinesic.expressivity.style.effort import Tempo
 
 Category = Literal["beat", "deictic", "iconic", "metaphoric", "emblem", "adaptor", "emotion", "rest"]
 AxisName = Literal["forward", "outward", "up"]
@@ -78,6 +79,7 @@ class GestureTable(StrictTable):
     keys: list[KeyTable]
     meanings: list[str] = []  # words that speak of it, the most characteristic first
     says: str = ""  # what is done and what it means, in one line
+    tempo: str = "neutral"  # one of `Tempo`
 
 
 class ClassTable(StrictTable):
@@ -148,11 +150,20 @@ def _entry(table: GestureTable, category: str, path: Path) -> tuple[GestureForm,
         if not keys:
             raise ValueError("has no keys, needs at least one")
         _check_paths(keys)
+        tempo = _tempo(table.tempo)
     except ValueError as error:
         raise ConfigError(f"{path}: gesture {table.id}: {error}") from None
     own_words = [word for word in table.id.split("_") if word not in table.meanings]
-    form = GestureForm(table.id, category, keys, rest=category == "rest")
+    form = GestureForm(table.id, category, keys, rest=category == "rest", tempo=tempo)
     return form, Sense((*table.meanings, *own_words), category, table.says)
+
+
+def _tempo(written: str) -> Tempo:
+    for tempo in get_args(Tempo):
+        if tempo == written:
+            found: Tempo = tempo
+            return found
+    raise ValueError(f"tempo is {written!r}; {', '.join(get_args(Tempo))} are known")
 
 
 def _key(table: KeyTable) -> StrokeKey:

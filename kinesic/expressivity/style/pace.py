@@ -1,4 +1,4 @@
-"""How long movements take by nature: at ease for hands, and never less than the robot needs."""
+"""What the robot can: the least times of its hands, head and trunk, and how extent and power change a time at ease."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -9,19 +9,15 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.keyframes import Turn
-from kinesic.expressivity.style.style import NEUTRAL, Expressivity
 from kinesic.expressivity.turns import AXES, axes
 from kinesic.motion.double_s import least_rest_times
 
-COMFORT = 1.3  # natural time over the shortest that the servos can do
+COMFORT = 1.3  # natural time of a turn over the shortest that the servos can do
 HASTE = 1.5  # factor on speed of a temporal extent of 1
-FORCE = 2.4  # of a power of 1; strokes at ease leave the servos room for all of it
+FORCE = 2.4  # of a power of 1, as far as the servos let it
 GATHERED = 1.5  # exponent of power: half of it does less than half, or the servos' limits would bind already
 WEAKNESS = 1.6  # factor on time of a power of -1
-CARRIED = 0.6  # of power: what preparation and retraction have of it (Greta's share)
-FLOOR = 0.25  # [s] of a preparation or retraction
 
-_BEGIN, _PER_BIT, _WIDTH = 0.1, 0.15, 0.05  # [s], [s] and [m] of a target in Fitts' law
 _WAYS = np.linspace(0.0, 2.4, 25)  # [arm lengths] at which the shortest time of a hand is worked out
 _POSTURES = 32  # of an arm, from which its hand starts
 _MIDDLE = 0.5  # of each hinge's range, where these postures lie
@@ -46,41 +42,25 @@ def hurry_time(ease: float, least: float, extent: float, most: float) -> float:
     return float(max(least, ease * room**-extent))
 
 
-def fitts(distance: float) -> float:
-    """Estimates a person's time for a way of the hand by Fitts' law [s]: 0.1 s + 0.15 s log2(distance / 5 cm + 1)."""
-    return float(_BEGIN + _PER_BIT * np.log2(distance / _WIDTH + 1))
+def natural_time(ease: float, least: float, temporal: float, power: float) -> float:
+    """Changes a time at ease by temporal extent and power [s], never to less than the servos need.
+
+    Args:
+        ease: [s] without either.
+        least: [s] that servos need.
+        temporal: extent, -1 slow .. 1 fast.
+        power: of a stroke, -1 weak .. 1 forceful.
+    """
+    paced = hurry_time(ease, least, temporal, HASTE)
+    return hurry_time(paced, least, power**GATHERED, FORCE) if power > 0 else hurry_time(paced, least, power, WEAKNESS)
 
 
 @dataclass(frozen=True, eq=False)
 class Pace:
-    """How fast a robot moves from rest to rest, and how fast it does so at ease.
-
-    Temporal extent and power make a natural time shorter or longer, but never shorter than the servos need.
-    """
+    """How fast a robot moves from rest to rest; how fast its hands do so at ease is an `Effort`'s."""
 
     robot: Robot
     limits: Limits
-
-    def stroke_time(self, distance: float, manner: Expressivity = NEUTRAL) -> float:
-        """Finds the natural time of a hand's way in a stroke [s]: Fitts' law, or the servos' ease where that is slower.
-
-        Args:
-            distance: [m].
-            manner: of the gesture; temporal extent and power are used.
-        """
-        least = self.least_hand_time(distance)
-        return _natural(max(fitts(distance), FORCE * least), least, manner.temporal, manner.power)
-
-    def way_time(self, distance: float, manner: Expressivity = NEUTRAL) -> float:
-        """Finds the natural time of a hand's way to a stroke or back [s], at least `FLOOR`.
-
-        Args:
-            distance: [m].
-            manner: of the gesture; temporal extent and a share of power are used.
-        """
-        least = self.least_hand_time(distance)
-        ease = max(fitts(distance), COMFORT * least)
-        return max(FLOOR, _natural(ease, least, manner.temporal, CARRIED * manner.power))
 
     def turn_time(
         self, chain: str, turn: Turn, temporal: float = 0.0, power: float = 0.0, *, usual: float = 0.0
@@ -95,7 +75,7 @@ class Pace:
             usual: what people take at least, when they are at ease [s].
         """
         least = self.least_turn_time(chain, turn)
-        return _natural(max(usual, COMFORT * least), least, temporal, power)
+        return natural_time(max(usual, COMFORT * least), least, temporal, power)
 
     def least_hand_time(self, distance: float) -> float:
         """Finds the shortest time of a hand's way [s], of an arm in a good posture; it grows with the way [m]."""
@@ -139,9 +119,3 @@ class Pace:
         hands = skeleton.frames(postures).origins[:, :, self.robot.arm(side).wrist]
         slopes: Floats = ((hands[:, 1:] - hands[:, :1]) / _PROBE).transpose(0, 2, 1)
         return slopes
-
-
-def _natural(ease: float, least: float, temporal: float, power: float) -> float:
-    """Time at ease under temporal extent and power [s]."""
-    paced = hurry_time(ease, least, temporal, HASTE)
-    return hurry_time(paced, least, power**GATHERED, FORCE) if power > 0 else hurry_time(paced, least, power, WEAKNESS)

@@ -11,7 +11,7 @@ import msgspec
 from kinesic.bml.block import RANGES, Modality
 from kinesic.body.config import ConfigError, locate, read_toml, suggestion
 from kinesic.motion.easing import Easing
-from kinesic.motion.keys import EVEN, SOFTEST, STEEPEST, Passage
+from kinesic.motion.keys import ACCENT, EVEN, SOFTEST, STEEPEST, Passage
 
 __all__ = [
     "MODALITIES",
@@ -31,6 +31,7 @@ Phase = Literal["preparation", "stroke", "hold", "retraction"]
 
 FORCE = 1.5  # steepness that a power of 1 adds: what servos can still follow on the short ways of strokes
 BIG = 0.5  # power and tension from which on a hand bounces
+QUICK = 0.68  # of an accent: so much of its steepness makes OutBack as fast as the accent alone
 BIAS = 0.25  # of a power of 1: the hand goes on a little the way it came
 
 
@@ -180,26 +181,37 @@ def style_preset(name: str) -> Style:
     return Style.load(name)
 
 
-def passage_of(manner: Expressivity, phase: Phase) -> Passage:
-    """Derives how the keys of a phase are passed (tension, continuity, bias, easing) from an expressivity.
+def passage_of(manner: Expressivity, phase: Phase, *, accent: float = 0.0, swing: float = 0.0) -> Passage:
+    """Derives how the keys of a phase are passed (tension, continuity, bias, easing, swing) from an expressivity.
 
-    Tension is the spline's tension, fluidity f its continuity c = (f - 1) / 2. On the way to a stroke and in it power
-    and tension force the hand: it begins steeply, overshoots a little and comes back to its key in time; where both are
-    big it bounces (thesis 8.7). Without power it keeps an even speed. No key's time changes.
+    Tension is the spline's tension, fluidity f its continuity c = (f - 1) / 2; a stiff hand swings less, a fluid one as
+    far as it may. On the way to a stroke and in it power and tension force the hand beyond its accent: it begins
+    steeply, overshoots a little and comes back to its key in time; where both are big it bounces (thesis 8.7). Weakness
+    takes the accent away, and then keeps an even speed. No key's time changes.
 
     Args:
         manner: of the behaviour.
         phase: that the way to the key belongs to.
+        accent: steepness that a stroke has by itself, beyond the softest.
+        swing: that the key has by itself.
     """
-    continuity = (manner.fluidity - 1.0) / 2.0
-    power, tension = (max(0.0, value) for value in (manner.power, manner.tension))
-    force = FORCE * power**2 + tension
-    if phase not in ("preparation", "stroke") or (force == 0.0 and manner.power == 0.0):
-        return Passage(manner.tension, continuity)
-    if force == 0.0:
-        return Passage(manner.tension, continuity, 0.0, "linear", EVEN - (STEEPEST - EVEN) * manner.power)
-    easing: Easing = "out_bounce" if min(power, tension) >= BIG else "out_back"
-    return Passage(manner.tension, continuity, BIAS * power, easing, SOFTEST + force)
+    stiff, fluid = max(-manner.fluidity, 0.0), max(manner.fluidity, 0.0)
+    passed = Passage(
+        manner.tension,
+        (manner.fluidity - 1.0) / 2.0,
+        swing=swing * (1.0 - stiff) + (swing > 0.0) * fluid * (1.0 - swing),
+    )
+    if phase not in ("preparation", "stroke"):
+        return passed
+    power, tension, weakness = (max(0.0, value) for value in (manner.power, manner.tension, -manner.power))
+    force, left = FORCE * power**2 + tension, accent * (1.0 - weakness) - weakness
+    if force > 0.0:
+        easing: Easing = "out_bounce" if min(power, tension) >= BIG else "out_back"
+        begun = left * QUICK if easing == "out_back" else left
+        return replace(passed, bias=BIAS * power, easing=easing, steepness=SOFTEST + max(begun, 0.0) + force)
+    if left < 0.0:
+        return replace(passed, easing="linear", steepness=EVEN - (STEEPEST - EVEN) * left)
+    return replace(passed, easing=ACCENT, steepness=SOFTEST + left) if left > 0.0 else passed
 
 
 def _setting(text: str) -> Setting:

@@ -8,6 +8,7 @@ from kinesic.expressivity.hands.poses import poses
 from kinesic.expressivity.lexicon.form import GestureForm
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.lexicon.senses import Sense
+from kinesic.expressivity.style.effort import Effort, Tempo
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import NEUTRAL
 
@@ -25,6 +26,7 @@ class VocabularyEntry:
     stroke_s: float  # [s] that its stroke naturally takes
     whole_s: float  # [s] from rest to rest
     synonyms: tuple[str, ...] = ()  # names that find it too
+    tempo: Tempo = "neutral"  # how it is done by its meaning
 
 
 def vocabulary(lexicon: Lexicon, pace: Pace) -> list[VocabularyEntry]:
@@ -42,7 +44,8 @@ def vocabulary(lexicon: Lexicon, pace: Pace) -> list[VocabularyEntry]:
 
 
 def _entry(form: GestureForm, sense: Sense, names: tuple[str, ...], pace: Pace) -> VocabularyEntry:
-    natural = stroke_spans(poses(form, pace.robot, NEUTRAL), pace, NEUTRAL, holds=not form.rest)
+    work = poses(form, pace.robot, NEUTRAL)
+    natural = stroke_spans(work, Effort(pace, work.nature), holds=not form.rest)
     return VocabularyEntry(
         id=form.id,
         category=form.category,
@@ -53,4 +56,5 @@ def _entry(form: GestureForm, sense: Sense, names: tuple[str, ...], pace: Pace) 
         stroke_s=round(natural["stroke"] + natural["strokeEnd"], 2),
         whole_s=round(sum(natural.values()), 2),
         synonyms=names,
+        tempo=form.tempo,
     )

@@ -8,8 +8,9 @@ from kinesic.bench.naturalness.captured_table import captured_table
 from kinesic.bench.naturalness.lexicon import LEAST_TURN, MeasuredGesture, measure_gesture, measure_lexicon
 from kinesic.expressivity.durations import stroke_spans
 from kinesic.expressivity.hands.poses import poses
+from kinesic.expressivity.style.effort import Effort
 from kinesic.expressivity.style.style import NEUTRAL, Style
-from kinesic.studies.gestures.isolated import plan_gesture
+from kinesic.studies.gestures.isolated import STROKE, plan_gesture
 
 ARM = 0.42
 
@@ -24,8 +25,9 @@ def wave(known):
 
 
 def test_a_gesture_that_takes_long_to_its_stroke_has_its_natural_times(known, wave):
-    natural = stroke_spans(poses(form(known, "wave_far"), known.robot, NEUTRAL), known.pace, NEUTRAL)
-    assert natural["ready"] + natural["stroke"] > 3.0
+    work = poses(form(known, "wave_far"), known.robot, NEUTRAL)
+    natural = stroke_spans(work, Effort(known.pace, work.nature))
+    assert natural["ready"] + natural["stroke"] > STROKE
     assert wave.hand.duration == pytest.approx(sum(natural.values()), abs=1e-6)
     assert wave.hand.stroke_time == pytest.approx(natural["stroke"] + natural["strokeEnd"], abs=1e-6)
     assert wave.hand.return_time == pytest.approx(natural["end"], abs=1e-6)
@@ -64,7 +66,8 @@ def test_processes_measure_what_one_does(known, wave):
 
 @pytest.fixture
 def gestures(wave):
-    """A fast gesture and a slow one that strokes as fast as it comes."""
+    """A fast gesture that stops where its stroke begins, and a slow one that strokes as fast as it comes."""
+    wave = replace(wave, hand=replace(wave.hand, flow=0.1))
     slow = replace(wave.hand, largest_speed=1.0, preparation_speed=0.8, stroke_speed=1.0, return_speed=0.4, flow=0.5)
     return [wave, replace(wave, gesture="slow", hand=slow, body=0.5)]
 

@@ -62,7 +62,7 @@ def test_the_document_may_give_counting_to_another_hand(realise):
 
 
 def test_other_gestures_take_the_free_hand_as_before(realise):
-    beats = "".join(f'<gesture id="g{k}" lexeme="beat" stroke="{2 + k * 0.45}"/>' for k in range(len(NUMBERS)))
+    beats = "".join(f'<gesture id="g{k}" lexeme="beat" stroke="{2 + k * 0.3}"/>' for k in range(len(NUMBERS)))
     assert len(set(hands(realise(beats)))) == 2
 
 

@@ -10,6 +10,7 @@ from kinesic.expressivity.hands.strokes import Stroke, do_stroke, natural_times,
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
 from kinesic.expressivity.lexicon.lexicon import mirror_form
 from kinesic.expressivity.lexicon.paths import shape_path
+from kinesic.expressivity.style.effort import Effort
 from kinesic.expressivity.style.style import Expressivity
 
 NEUTRAL = Expressivity()
@@ -119,9 +120,9 @@ def test_left_and_right_paths_mirror_each_other(robot, pace, done):
 
 def test_ways_along_a_path_take_longer_than_straight_ones(robot, pace):
     arc, straight = (poses(one, robot, NEUTRAL) for one in (form(HERE, THERE, path=shape_path("arc")), TWO))
-    assert natural_times(arc, pace)[0] > natural_times(straight, pace)[0]
+    assert natural_times(arc, Effort(pace))[0] > natural_times(straight, Effort(pace))[0]
     once, twice = (
-        natural_times(poses(form(HERE, HERE, path=shape_path("wave", frequency=f)), robot, NEUTRAL), pace)[0]
+        natural_times(poses(form(HERE, HERE, path=shape_path("wave", frequency=f)), robot, NEUTRAL), Effort(pace))[0]
         for f in (1.0, 2.0)
     )
     assert twice == pytest.approx(2 * once, rel=0.01)
@@ -154,7 +155,7 @@ def test_a_circle_that_is_repeated_goes_on_without_a_stop(robot):
 
 def test_repetition_keeps_the_time_of_the_first_stroke(robot, pace, phases):
     thrice = poses(TWO, robot, Expressivity(repetition=1.0))
-    natural = natural_times(thrice, pace)
+    natural = natural_times(thrice, Effort(pace))
     times = phases(0, 0.6, 0.6, 1.0, 1.0, 1.0, 1.5) | {"strokeEnd": 1.0 + sum(natural[1:]), "relax": 9.0, "end": 10.0}
     numbered = times | {"stroke:2": 1.0 + sum(natural[1:3]), "stroke:3": 1.0 + sum(natural[1:5])}
     for asked in (times, numbered):

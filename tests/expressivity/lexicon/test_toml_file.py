@@ -72,3 +72,18 @@ def test_one_number_is_for_all_axes_that_move(read):
 def test_a_path_that_is_wrong_is_refused_with_what_would_do(read, keys, said):
     with pytest.raises(ConfigError, match=said):
         read(*keys)
+
+
+@pytest.mark.parametrize("tempo", ["sudden", "neutral", "sustained", None])
+def test_a_gesture_may_have_a_tempo(tmp_path, tempo):
+    path = tmp_path / "own.toml"
+    line = f'tempo = "{tempo}"' if tempo else ""
+    path.write_text(f'category = "iconic"\n[[gesture]]\nid = "own"\n{line}\nkeys = [{first()}]\n')
+    assert read_gestures(path).entries[0][0].tempo == (tempo or "neutral")
+
+
+def test_a_wrong_tempo_is_told_with_those_that_work(tmp_path):
+    path = tmp_path / "own.toml"
+    path.write_text(f'category = "iconic"\n[[gesture]]\nid = "own"\ntempo = "quick"\nkeys = [{first()}]\n')
+    with pytest.raises(ConfigError, match="gesture own: tempo is 'quick'; sudden, neutral, sustained are known"):
+        read_gestures(path)

@@ -145,10 +145,24 @@ def test_fluidity_is_continuity_and_tension_tension(phase):
     assert passage_of(Expressivity(fluidity=1.0), phase) == PLAIN
 
 
-def test_power_raises_the_peak_speed_of_a_way_all_along_its_range():
-    peaks = [peak(passage_of(Expressivity(power=float(power)), "stroke")) for power in np.linspace(-1.0, 1.0, 21)]
+@pytest.mark.parametrize(("accent", "least"), [(0.0, 1.6), (1.0, 1.4), (1.9, 1.3)])
+def test_power_raises_the_peak_speed_of_a_way_all_along_its_range(accent, least):
+    powers = (Expressivity(power=float(power)) for power in np.linspace(-1.0, 1.0, 21))
+    peaks = [peak(passage_of(manner, "stroke", accent=accent)) for manner in powers]
     assert np.all(np.diff(peaks) > 0.0)
-    assert peaks[-1] > 1.6 * peaks[10]
+    assert peaks[-1] > least * peaks[10]
+    assert peaks[0] == pytest.approx(peak(passage_of(Expressivity(power=-1.0), "stroke")))
+
+
+def test_an_accent_raises_the_peak_speed():
+    peaks = [peak(passage_of(Expressivity(), "stroke", accent=accent)) for accent in (0.0, 1.0, 2.0)]
+    assert peaks[0] < peaks[1] < peaks[2]
+
+
+def test_a_stiff_hand_does_not_swing_and_a_fluid_one_swings_as_far_as_it_may():
+    swings = [passage_of(Expressivity(fluidity=f), "stroke", swing=0.9).swing for f in (-1.0, -0.5, 0.0, 0.5, 1.0)]
+    assert swings == pytest.approx([0.0, 0.45, 0.9, 0.95, 1.0])
+    assert passage_of(Expressivity(fluidity=1.0), "stroke").swing == 0.0
 
 
 @pytest.mark.parametrize("phase", ["hold", "retraction"])

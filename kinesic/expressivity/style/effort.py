@@ -1,0 +1,154 @@
+"""Effort: how much time and force each phase of a gesture gets, by what the gesture is and in which manner it is done.
+
+People take nearly the same time for short and long ways, so that speed follows distance; they put their force into the
+stroke, pass through its keys and go home unhurried (Kendon; Laban's effort of time). Measured on 241 captured gestures,
+the duration of a way grows with its length to the power of 0.1 to 0.3. No time is shorter than what the servos need.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal
+
+from kinesic.expressivity.style.pace import HASTE, Pace, hurry_time, natural_time
+from kinesic.expressivity.style.style import NEUTRAL, Expressivity, Phase, passage_of
+from kinesic.motion.keys import Passage
+
+Tempo = Literal["sudden", "neutral", "sustained"]
+
+PACES: Mapping[Tempo, float] = {"sudden": 0.48, "neutral": 1.0, "sustained": 2.1}  # factors on time
+STILL = 1.3  # factor on the time of a gesture that is a pose
+CALM = 0.5  # exponent of slowness on the way home; who acts quickly goes home no faster
+SPREAD = 0.5  # exponent of a tempo in the stroke, which has its length in time from its meaning
+
+PREPARATION, RETURN, STROKE = 0.56, 0.96, 0.47  # [s] of a way of usual length
+WAY, SWING_WAY = 0.9, 0.35  # [arm lengths] of such a way from rest, and in a stroke
+SHORTEST = 0.02  # [arm lengths] below which no way takes less time
+FLAT, FLATTER, STEEP = 0.10, 0.25, 0.4  # exponents of the length: of the way there, back, and in a stroke
+READY, EASY, FORCEFUL = 1.05, 1.3, 1.6  # times what the servos need at least; an accent needs half as much again
+CARRIED = 0.6  # of weakness: what the ways there and back have of it (Greta's share)
+
+BEAT_TIME = 0.6  # [s] of a stroke after which the hand is held as long as its category says
+DWELL, DYNAMIC_DWELL = 1.8, 0.4  # factors on the hold of a pose, and of a stroke of `BEAT_TIME`
+
+ACCENT = 1.9  # steepness that a dynamic stroke adds to the softest
+ONWARD, THROUGH = 0.9, 0.8  # swing at the key where a stroke begins, and at its other keys
+ALONG = 0.4  # swing at both ends of a path, from which the hand must not stray
+CROWDED = 0.7  # share of its natural time from which on a way has neither swing nor accent
+UNHURRIED = 5.0  # steepness of the linear easing of the way home: half as fast again as its mean
+
+
+@dataclass(frozen=True)
+class Character:
+    """How gestures of one category are done."""
+
+    time: float  # factor on the time of all ways
+    hold: float  # [s] after a stroke of usual length
+
+
+USUAL = Character(1.0, 0.30)
+CHARACTERS: Mapping[str, Character] = {
+    "beat": Character(0.85, 0.17),
+    "deictic": Character(0.9, 0.45),
+    "emblem": Character(0.95, 0.35),
+    "iconic": Character(1.0, 0.25),
+    "emotion": Character(1.0, 0.45),
+    "metaphoric": Character(1.1, 0.30),
+    "adaptor": Character(1.3, 0.30),
+    "rest": Character(1.6, 0.30),
+}
+
+
+@dataclass(frozen=True)
+class Nature:
+    """What a gesture is, as far as its effort depends on it."""
+
+    category: str = ""  # of the lexicon, or anybody's own
+    tempo: Tempo = "neutral"
+    dynamic: bool = True  # the hand goes a way of its own in the stroke; else it comes to a pose and stays
+
+
+PLAIN_NATURE = Nature()
+
+
+@dataclass(frozen=True, eq=False)
+class Effort:
+    """Times and passages of one gesture on one robot; documents that give times keep theirs."""
+
+    pace: Pace  # what the robot can
+    nature: Nature = PLAIN_NATURE
+    manner: Expressivity = NEUTRAL
+
+    @cached_property
+    def slowness(self) -> float:
+        """Factor on time by what the gesture is."""
+        return self._character.time * PACES[self.nature.tempo] * (1.0 if self.nature.dynamic else STILL)
+
+    def preparation_time(self, distance: float) -> float:
+        """Finds the natural time of the way from rest to a stroke [s].
+
+        Args:
+            distance: [m]; the shortest times that servos need grow with it.
+        """
+        return self._way_time(distance, self.slowness, READY)
+
+    def joining_time(self, distance: float) -> float:
+        """Finds the natural time of the way from another gesture to the stroke [s]; it is never slow."""
+        return self._way_time(distance, min(self.slowness, 1.0), EASY)
+
+    def return_time(self, distance: float) -> float:
+        """Finds the natural time of the way from a hold to rest [s], which nothing hurries."""
+        ease = RETURN * max(self.slowness, 1.0) ** CALM * self._length(distance, WAY) ** FLATTER
+        least = self.pace.least_hand_time(distance)
+        return natural_time(max(ease, EASY * least), least, self.manner.temporal, CARRIED * min(self.manner.power, 0.0))
+
+    def stroke_time(self, distance: float) -> float:
+        """Finds the natural time of one swing of a stroke [s]; power moves its force here."""
+        ease = STROKE * self.slowness**SPREAD * self._length(distance, SWING_WAY) ** STEEP
+        least = self.pace.least_hand_time(distance)
+        return natural_time(max(ease, FORCEFUL * least), least, self.manner.temporal, self.manner.power)
+
+    def hold_time(self, stroke: float) -> float:
+        """Finds how long the hand stays after a stroke, which took so many seconds in plain manner [s]."""
+        dwell = DYNAMIC_DWELL * stroke / BEAT_TIME if self.nature.dynamic else DWELL
+        return hurry_time(self._character.hold * dwell, 0.0, self.manner.temporal, HASTE)
+
+    def passage(self, phase: Phase, *, led: bool = False, leisure: float = 1.0) -> Passage:
+        """Derives how the hand passes a key.
+
+        Args:
+            phase: that the way to the key belongs to.
+            led: whether a path begins or ends at the key, along which the hand speeds up and slows down by itself.
+            leisure: the share of its natural time that the gesture has, its neighbours considered.
+        """
+        if phase == "retraction":
+            return replace(passage_of(self.manner, phase), easing="linear", steepness=UNHURRIED)
+        if phase == "hold":
+            return passage_of(self.manner, phase)
+        manner = self.manner
+        if phase == "preparation":
+            manner = replace(manner, power=min(manner.power, 0.0))
+        free = min(max((leisure - CROWDED) / (1.0 - CROWDED), 0.0), 1.0)
+        swing = free * (ALONG if led else ONWARD if phase == "preparation" else THROUGH) if self.nature.dynamic else 0.0
+        accent = free * ACCENT if self.nature.dynamic and phase == "stroke" and not led else 0.0
+        return passage_of(manner, phase, accent=accent, swing=swing)
+
+    @property
+    def plain(self) -> "Effort":
+        """The same gesture in no manner."""
+        return replace(self, manner=NEUTRAL)
+
+    @property
+    def _character(self) -> Character:
+        return CHARACTERS.get(self.nature.category.lower(), USUAL)
+
+    def _way_time(self, distance: float, slowness: float, easy: float) -> float:
+        """Time of the way to a stroke [s]: weakness slows it, power is kept for the stroke."""
+        least = self.pace.least_hand_time(distance)
+        ease = PREPARATION * slowness * self._length(distance, WAY) ** FLAT
+        weakness = CARRIED * min(self.manner.power, 0.0)
+        return natural_time(max(ease, easy * least), least, self.manner.temporal, weakness)
+
+    def _length(self, distance: float, usual: float) -> float:
+        """Length of a way [m] in usual ones [arm lengths]."""
+        return max(distance / self.pace.robot.arm_length, SHORTEST) / usual

@@ -1,0 +1,128 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import sealed
+from kinesic.expressivity.style.effort import ACCENT, CHARACTERS, CROWDED, PACES, Effort, Nature
+from kinesic.expressivity.style.pace import HASTE, Pace
+from kinesic.expressivity.style.style import Expressivity, passage_of
+from kinesic.motion.keys import SOFTEST
+
+WAYS = np.linspace(0.02, 0.8, 27)
+EXTENTS = np.linspace(-1.0, 1.0, 9)
+PHASES = ("preparation_time", "joining_time", "stroke_time", "return_time")
+POSE = Nature("emblem", dynamic=False)
+
+
+@pytest.fixture(scope="module")
+def sluggish(pace):
+    """The same robot with servos that give a quarter of the speed, acceleration and jerk."""
+    slow = {name: sealed(getattr(pace.limits, name) / 4) for name in ("speed", "acceleration", "jerk")}
+    return Pace(pace.robot, replace(pace.limits, **slow))
+
+
+@pytest.fixture
+def efforts(pace, sluggish):
+    """Efforts of all kinds, on two robots."""
+    natures = [
+        Nature(category, tempo, dynamic)
+        for category in (*CHARACTERS, "own")
+        for tempo in PACES
+        for dynamic in (True, False)
+    ]
+    return [Effort(robot, nature) for robot in (pace, sluggish) for nature in natures]
+
+
+@pytest.mark.parametrize("phase", PHASES)
+def test_a_longer_way_takes_longer_but_is_faster(efforts, phase):
+    for effort in efforts:
+        times = np.array([getattr(effort, phase)(way) for way in WAYS])
+        assert np.all(np.diff(times) > 0.0)
+        assert np.all(np.diff(WAYS / times) > 0.0)
+
+
+@pytest.mark.parametrize("phase", PHASES)
+@pytest.mark.parametrize(
+    "manner", [Expressivity(temporal=1.0), Expressivity(power=1.0), Expressivity(1.0, 1.0, 1.0, 1.0)]
+)
+def test_no_manner_asks_for_more_than_the_servos_can_do(efforts, phase, manner):
+    for effort in efforts:
+        hurried = replace(effort, manner=manner)
+        assert all(getattr(hurried, phase)(way) >= effort.pace.least_hand_time(way) for way in WAYS)
+
+
+@pytest.mark.parametrize("phase", PHASES)
+def test_temporal_extent_hurries_every_phase(efforts, phase):
+    for effort in efforts:
+        for way in WAYS[::9]:
+            manners = (replace(effort, manner=Expressivity(temporal=extent)) for extent in EXTENTS)
+            times = [getattr(each, phase)(way) for each in manners]
+            assert np.all(np.diff(times) < 0.0)
+            assert times[0] == pytest.approx(HASTE * times[4])
+
+
+def test_power_goes_into_the_stroke_alone_and_weakness_into_all(pace):
+    plain, strong, weak = (Effort(pace, Nature("beat"), Expressivity(power=power)) for power in (0.0, 1.0, -1.0))
+    assert strong.stroke_time(0.1) < plain.stroke_time(0.1) < weak.stroke_time(0.1)
+    for phase in ("preparation_time", "return_time"):
+        times = [getattr(each, phase)(0.3) for each in (strong, plain, weak)]
+        assert times[0] == times[1] < times[2]
+    assert len({each.hold_time(0.5) for each in (strong, plain, weak)}) == 1
+
+
+def test_what_is_sudden_is_quick_and_still_goes_home_calmly(pace):
+    sudden, plain, sustained = (Effort(pace, Nature("iconic", tempo)) for tempo in PACES)
+    for phase in ("preparation_time", "stroke_time"):
+        times = [getattr(each, phase)(0.1) for each in (sudden, plain, sustained)]
+        assert times[0] < times[1] < times[2]
+    assert sudden.return_time(0.3) == plain.return_time(0.3) < sustained.return_time(0.3)
+
+
+def test_home_is_farther_in_time_than_the_way_from_another_gesture(efforts, pace):
+    own = [effort for effort in efforts if effort.pace is pace]
+    assert all(effort.return_time(way) > effort.joining_time(way) for effort in own for way in (0.2, 0.4, 0.6))
+
+
+def test_nobody_comes_from_another_gesture_slowly(pace):
+    slow, plain = Effort(pace, Nature("adaptor", "sustained")), Effort(pace)
+    assert slow.joining_time(0.3) == plain.joining_time(0.3) < slow.preparation_time(0.3)
+
+
+def test_a_stroke_is_held_by_its_length_a_pose_by_itself(pace):
+    stroke, pose = Effort(pace, Nature("emblem")), Effort(pace, POSE)
+    assert stroke.hold_time(1.2) == pytest.approx(2 * stroke.hold_time(0.6))
+    assert pose.hold_time(0.1) == pose.hold_time(2.0) > stroke.hold_time(0.6)
+
+
+def test_a_stroke_passes_its_keys_and_a_pose_arrives(pace):
+    stroke, pose = Effort(pace), Effort(pace, POSE)
+    assert stroke.passage("preparation").flow > 1.0
+    assert stroke.passage("stroke").flow > 1.0
+    assert pose.passage("preparation") == pose.passage("stroke") == passage_of(Expressivity(), "stroke")
+    assert stroke.passage("hold") == pose.passage("hold") == passage_of(Expressivity(), "hold")
+
+
+def test_tension_stops_even_a_hand_that_would_swing(pace):
+    assert Effort(pace, manner=Expressivity(tension=1.0)).passage("preparation").flow == 0.0
+
+
+def test_swing_and_accent_fade_where_there_is_no_leisure(pace):
+    found = [Effort(pace).passage("stroke", leisure=share) for share in (0.0, CROWDED, 0.8, 0.9, 1.0, 2.0)]
+    swings, accents = [each.swing for each in found], [each.steepness for each in found[2:]]
+    assert swings[0] == swings[1] == 0.0 < swings[2] < swings[3] < swings[4] == swings[5]
+    assert accents[0] < accents[1] < accents[2] == accents[3] == SOFTEST + ACCENT
+    assert found[0] == found[1] == passage_of(Expressivity(), "stroke")
+
+
+def test_the_way_there_has_no_accent_and_a_path_has_its_own_speed(pace):
+    effort = Effort(pace)
+    assert effort.passage("preparation").easing == "minimum_jerk"
+    assert effort.passage("stroke", led=True).easing == "minimum_jerk"
+    assert 0.0 < effort.passage("stroke", led=True).swing < effort.passage("stroke").swing
+
+
+def test_force_stays_out_of_the_way_to_a_stroke(pace):
+    strong, plain = Effort(pace, manner=Expressivity(power=1.0)), Effort(pace)
+    assert strong.passage("preparation") == plain.passage("preparation")
+    assert strong.passage("stroke").steepness > plain.passage("stroke").steepness
