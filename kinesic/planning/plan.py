@@ -126,19 +126,27 @@ def plan_block(
     """
     began = perf_counter()
     context = BlockContext(block, setup.context, engaged)
-    found = _plan_once(context, setup, utterances or synthesise_block(block, setup), conditioned)
-    waiting: tuple[SpeechPause, ...] = ()
+    said, waiting = utterances or synthesise_block(block, setup), tuple[SpeechPause, ...]()
     if utterances is None and (most := allowed_pauses(block, setup.pause)):
-        found, waiting = _add_pauses(found, most, context, conditioned)
+        said, waiting = _add_pauses(said, most, context, setup, conditioned)
+    found = _plan_once(context, setup, said, conditioned)
     notices = (*remarks(block, found.utterances), *pause_notices(block, waiting), *found.notices)
     return replace(found, notices=notices, seconds=perf_counter() - began)
 
 
 def _add_pauses(
-    plan: Plan, most: Mapping[str, float], context: BlockContext, conditioned: Conditioner
-) -> tuple[Plan, tuple[SpeechPause, ...]]:
-    """A plan with pauses before words that the body would miss, as long as they make it better."""
-    block, setup = context.block, plan.setup
+    utterances: Mapping[str, Utterance],
+    most: Mapping[str, float],
+    context: BlockContext,
+    setup: Setup,
+    conditioned: Conditioner,
+) -> tuple[Mapping[str, Utterance], tuple[SpeechPause, ...]]:
+    """Speech with pauses before words that the body would miss, as long as they make it better, and the pauses.
+
+    Gestures that are too near for their hand do not give way here: their words may wait.
+    """
+    block = context.block
+    plan = _plan_once(context, setup, utterances, conditioned, weighing=False)
     waiting: tuple[SpeechPause, ...] = ()
     for _ in range(ROUNDS):
         more, said = required_pauses(plan.timeline, plan.syncs, most, waiting), plan.utterances
@@ -147,11 +155,11 @@ def _add_pauses(
             said = synthesise_block(block, setup, more)
         if more == waiting:
             break
-        better = _plan_once(context, setup, said, conditioned)
+        better = _plan_once(context, setup, said, conditioned, weighing=False)
         if _worst(better) >= _worst(plan):
             break
         plan, waiting = better, more
-    return plan, waiting
+    return plan.utterances, waiting
 
 
 def _worst(planned: Plan) -> float:
@@ -160,7 +168,12 @@ def _worst(planned: Plan) -> float:
 
 
 def _plan_once(
-    context: BlockContext, setup: Setup, utterances: Mapping[str, Utterance], conditioned: Conditioner
+    context: BlockContext,
+    setup: Setup,
+    utterances: Mapping[str, Utterance],
+    conditioned: Conditioner,
+    *,
+    weighing: bool = True,
 ) -> Plan:
     timeline = schedule(context.block, utterances, spans(context))
     without: dict[str, str] = {}
@@ -168,7 +181,7 @@ def _plan_once(
     while True:
         frames = keyframes(timeline, context, without=without, clashes=finder.clashes)
         asked = postures(frames, setup.robot, setup.distances)
-        if finder.look(frames, asked.postures):
+        if weighing and finder.look(frames, asked.postures):
             continue
         solved, motion, times, clearance = keep_clear(asked, setup, find_bonds(timeline), conditioned=conditioned)
         dropped = culprits(frames, motion, times, clearance, setup.robot)

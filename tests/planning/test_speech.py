@@ -19,7 +19,7 @@ HURRIED = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:kinesi
     <text>See <sync id="a"/>this, <sync id="b"/>this and <sync id="c"/>that one.</text>
   </speech>
   <gesture id="g1" lexeme="offer" mode="RIGHT_HAND" stroke="s:a"/>
-  <gesture id="g2" lexeme="large" mode="RIGHT_HAND" stroke="s:b"/>
+  <gesture id="g2" lexeme="large" mode="BOTH_HANDS" stroke="s:b"/>
   <gesture id="g3" lexeme="greet_wave" mode="RIGHT_HAND" stroke="s:c"/>
 </bml>
 """
