@@ -162,6 +162,7 @@ class StopLine:
             PermissionError: the token is wrong, or missing.
         """
         self._client = Client(host, port, token=token, timeout=timeout)
+        self._owed = 0  # answers to stops
         try:
             self._client.do("stop_line")
             self._await("stop_line", timeout)
@@ -179,7 +180,10 @@ class StopLine:
             OSError: the server is gone, or does not answer in time: use the switch that cuts the power.
         """
         self._client.do("stop")
-        self._await("stopped", timeout)
+        self._owed += 1
+        while self._owed:  # the answer to an earlier stop, which came too late, is none to this one
+            self._await("stopped", timeout)
+            self._owed -= 1
 
     def close(self) -> None:
         """Closes the connection."""

@@ -132,6 +132,29 @@ def test_a_server_that_does_not_answer_is_an_error():
         StopLine(port=silent.getsockname()[1], timeout=0.05)
 
 
+def test_a_late_answer_is_none_to_the_next_stop():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        threading.Thread(target=_answer_once, args=(server,), daemon=True).start()
+        with StopLine(port=server.getsockname()[1]) as line:
+            with pytest.raises(ConnectionError, match="no answer came"):
+                line.stop(0.0)
+            with pytest.raises(ConnectionError):
+                line.stop(0.5)
+
+
+def _answer_once(server: socket.socket) -> None:
+    """Answers the request for a stop line, and of two stops the first alone, when the second has come."""
+    connection, _ = server.accept()
+    with connection:
+        connection.recv(1000)
+        connection.sendall(b'{"told": "stop_line"}\0')
+        heard = b""
+        while heard.count(b"\0") < 2 and (data := connection.recv(1000)):
+            heard += data
+        connection.sendall(b'{"told": "stopped"}\0')
+        connection.recv(1000)
+
+
 def _frame(text: str) -> bytes:
     """A masked text frame, with a mask of zeros."""
     return bytes((0x81, 0x80 | len(text))) + bytes(4) + text.encode()
