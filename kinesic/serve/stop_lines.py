@@ -17,9 +17,9 @@ from kinesic.serve.wire.protocol import Ping, Stop, control, json_answer
 from kinesic.serve.wire.quotas import Quotas, TokenBucket
 from kinesic.serve.wire.transport import HalfError, Transport
 
-MOST = 64  # lines at once
+MOST_LINES = 64  # at once
 READS = 20  # of a line at once, before it has to wait for its turn
-ONLY = "this connection only stops the robot; open another one for everything else"
+REFUSAL = "this connection only stops the robot; open another one for everything else"
 
 
 class MovableWire(ClientWire, Protocol):
@@ -42,6 +42,7 @@ class StopLines:
         self._halt, self._rules = halt, rules
         self._pace = Pace()
         self._tasks: set[Task[None]] = set()
+        self._open = 0  # lines; who was refused and reads why is none
         self._begun = Flag()
         self._thread = Thread(target=lambda: run(self._serve()), name="stop lines", daemon=True)
 
@@ -89,8 +90,15 @@ class StopLines:
 
     async def _obey(self, wire: MovableWire) -> tuple[int, str]:
         """Obeys a client until it goes; says why it is sent away, if it is."""
-        if len(self._tasks) > MOST:
-            return LATER, f"{MOST} connections only stop already; send stop by any other"
+        if self._open >= MOST_LINES:
+            return LATER, f"{MOST_LINES} connections only stop already; send stop by any other"
+        self._open += 1
+        try:
+            return await self._answer_all(wire)
+        finally:
+            self._open -= 1
+
+    async def _answer_all(self, wire: MovableWire) -> tuple[int, str]:
         messages = TokenBucket(self._rules.rate, self._rules.burst)
         await wire.send(json_answer("stop_line"))
         try:
@@ -114,4 +122,4 @@ class StopLines:
                 return json_answer("stopped")
             case Ping(id):
                 return json_answer("pong", id=id)
-        return json_answer("refused", why=ONLY)
+        return json_answer("refused", why=REFUSAL)

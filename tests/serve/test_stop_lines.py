@@ -119,7 +119,7 @@ def test_the_token_comes_first(guarded):
 
 
 def test_one_more_than_there_may_be_is_refused_and_those_there_remain(server, monkeypatch):
-    monkeypatch.setattr(stop_lines, "MOST", 1)
+    monkeypatch.setattr(stop_lines, "MOST_LINES", 1)
     with StopLine(port=server.port) as first:
         with server.client() as second:
             second.do("stop_line")
